@@ -1,0 +1,37 @@
+# One way to make a layer's library: sources are listed, links are explicit, flags are the same.
+function(tessera_configure target)
+  target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor
+    # Neither flag changes a value; both let the compiler vectorise comparisons and square roots.
+    -fno-math-errno -fno-trapping-math)
+  if(TESSERA_NATIVE)
+    target_compile_options(${target} PRIVATE -march=native)
+  endif()
+  if(TESSERA_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(TESSERA_SANITIZE)
+    target_compile_options(${target} PUBLIC -fsanitize=address,undefined -fno-omit-frame-pointer
+                                            -fno-sanitize-recover=undefined)
+    target_link_options(${target} PUBLIC -fsanitize=address,undefined)
+  endif()
+endfunction()
+
+# tessera_library(NAME kernels SOURCES a.cpp … PUBLIC targets… PRIVATE targets…)
+function(tessera_library)
+  cmake_parse_arguments(LIB "" "NAME" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(tessera_${LIB_NAME} STATIC ${LIB_SOURCES})
+  target_link_libraries(tessera_${LIB_NAME} PUBLIC ${LIB_PUBLIC} PRIVATE ${LIB_PRIVATE})
+  tessera_configure(tessera_${LIB_NAME})
+endfunction()
+
+# tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS slow]): one program, one
+# CTest entry per TEST().
+function(tessera_test)
+  cmake_parse_arguments(TEST "" "NAME" "SOURCES;LINKS;LABELS" ${ARGN})
+  add_executable(${TEST_NAME}_test ${TEST_SOURCES})
+  target_link_libraries(${TEST_NAME}_test PRIVATE ${TEST_LINKS} GTest::gtest_main)
+  tessera_configure(${TEST_NAME}_test)
+  gtest_discover_tests(${TEST_NAME}_test TEST_PREFIX "${TEST_NAME}/" DISCOVERY_TIMEOUT 60
+                       PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600)
+endfunction()

@@ -1,0 +1,41 @@
+// What: whole files appear or do not: write to a temporary beside the target, fsync, rename.
+// Not: locking, and not a stream for files larger than memory allows to buffer.
+#pragma once
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace tessera {
+
+/// A file that becomes visible under its name only on `commit`; a destroyed one leaves no trace
+/// and the previous file intact. Errors (InputError, path and reason named): the folder cannot be
+/// created or written, the disk is full.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path target);
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  ~AtomicFile();
+
+  void write(const void* bytes, size_t count);
+  void write(std::string_view text) { write(text.data(), text.size()); }
+  void commit();
+
+  /// Where the bytes go until `commit`, for libraries that insist on a path or FILE.
+  const std::filesystem::path& temporary_path() const { return temporary_; }
+  std::FILE* file() { return file_; }
+
+ private:
+  std::filesystem::path target_, temporary_;
+  std::FILE* file_ = nullptr;
+};
+
+/// Writes `text` as the whole of `path`, atomically.
+void write_text_file(const std::filesystem::path& path, std::string_view text);
+/// The whole of `path`. Errors: InputError when it is missing or unreadable.
+std::string read_text_file(const std::filesystem::path& path);
+/// Creates a folder and its parents. Errors: InputError with the reason.
+void make_folder(const std::filesystem::path& path);
+
+}  // namespace tessera

@@ -1,0 +1,16 @@
+// What: 8-bit PNG in and out through libpng, the format of prepared frames and of renders.
+// Not: any other picture format (image_source.h reads those through OpenImageIO).
+#pragma once
+#include <filesystem>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+/// Grey, RGB or RGBA, 8 bit (16 bit is reduced, palettes are expanded). Errors: InputError naming
+/// the file and what is wrong: missing, not a PNG, truncated, zero size, CRC.
+Image8 read_png(const std::filesystem::path& path);
+/// Writes atomically; 1, 3 or 4 channels. Errors: InputError when the file cannot be written.
+void write_png(const std::filesystem::path& path, const Image8& image);
+
+}  // namespace tessera

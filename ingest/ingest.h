@@ -1,0 +1,42 @@
+// What: any capture → prepared scene on disk. The one door to the readers of this folder.
+// Not: training input in memory (scene_reader.h), and no printing: progress goes to a callback.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tessera {
+
+enum class CaptureLayout { kTransforms, kN3dv, kVideos };
+
+struct IngestOptions {
+  double scale = 1;                      // (0, 1]: size of the prepared frames by the source's
+  std::optional<int64_t> frames;         // first N instants of each camera; all by default
+  std::vector<std::string> held_out;     // camera names that become the test split (videos);
+                                         // empty: the first camera, as N3DV's protocol has it
+  bool allow_static = false;             // accept a capture whose times are all equal
+};
+
+struct IngestReport {
+  CaptureLayout layout{};
+  int64_t frames = 0, cameras = 0;
+  int64_t points = 0;                    // size of the initial cloud that was found, 0 if none
+  std::vector<std::string> warnings;     // one line each
+};
+
+/// Called with (what is being done, done, total); may throw to stop.
+using IngestProgress = std::function<void(std::string_view, int64_t, int64_t)>;
+
+/// What the folder holds, by its files. Errors: InputError naming what was looked for.
+CaptureLayout detect_layout(const std::filesystem::path& capture);
+
+/// Reads `capture` and writes the prepared scene `out` (created; appears whole or not at all).
+/// Errors: InputError, one line naming file and remedy.
+IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path& out,
+                            const IngestOptions& options, const IngestProgress& progress);
+
+}  // namespace tessera

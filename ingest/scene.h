@@ -1,0 +1,63 @@
+// What: a capture in memory: frames with cameras and times, an initial cloud. Plain data.
+// Not: how it came to be (the readers beside this file), and nothing of Gaussians.
+// This is the only header of ingest that training sees.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "kernels/base/camera.h"
+
+namespace tessera {
+
+enum class Split { kTrain, kVal, kTest };
+
+/// 8-bit interleaved picture, row-major, top row first.
+struct Image8 {
+  int width = 0, height = 0, channels = 0;  // channels: 1, 3 or 4
+  std::vector<uint8_t> data;                // [height, width, channels]
+};
+
+struct Frame {
+  std::string name;          // unique in the scene, e.g. "train/r_003" or "cam02/00017"
+  std::string camera_name;   // physical camera: "cam02"; for monocular captures the split's name
+  int64_t frame_number = 0;  // index of the instant in that camera
+  double time = 0;           // normalised to [0, 1] over all splits
+  Split split = Split::kTrain;
+  Camera camera;
+  Image8 image;              // RGB, composited once on Scene::background
+};
+
+struct PointCloud {
+  std::vector<glm::vec3> position;           // [P] world units
+  std::vector<std::array<uint8_t, 3>> colour;  // [P] sRGB, same length as position
+};
+
+/// time = (source_time − origin) / duration; source_time in the capture's own unit.
+struct TimeAxis {
+  double origin = 0;
+  double duration = 1;  // 0 never: a single-timestep scene keeps 1
+};
+
+struct Scene {
+  std::string path;                    // folder it was read from
+  std::vector<Frame> frames;           // in the order of the files
+  PointCloud points;                   // may be empty
+  TimeAxis time_axis;
+  bool is_static = false;              // one timestep (no times given, or all equal and allowed)
+  std::array<uint8_t, 3> background{0, 0, 0};  // sRGB colour that RGBA frames were composited on
+  bool had_alpha = false;              // some frame had an alpha channel: empty space is known
+  std::vector<std::string> warnings;   // one line each, for tools/ to print
+
+  /// Indices into `frames` of one split, in file order.
+  std::vector<int> split_indices(Split split) const {
+    std::vector<int> indices;
+    for (int i = 0; i < int(frames.size()); ++i)
+      if (frames[i].split == split) indices.push_back(i);
+    return indices;
+  }
+};
+
+}  // namespace tessera

@@ -1,0 +1,23 @@
+// What: a prepared scene, D-NeRF or NeRF-synthetic folder → Scene in memory.
+// Not: conversion (ingest.h); nothing here needs FFmpeg, OpenCV or OpenImageIO.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+struct SceneOptions {
+  std::array<uint8_t, 3> background{0, 0, 0};  // RGBA frames are composited on it, once, here
+  bool allow_static = false;                   // accept times that are all equal as one timestep
+  bool load_pixels = true;                     // false: cameras, times and points only
+};
+
+/// Errors: InputError, one line naming the file and the remedy: missing folder, json without
+/// frames, frame listed but absent, unreadable or truncated PNG, zero-size image, size other than
+/// stated, NaN in a pose, singular pose, times all equal (unless allowed), no training frames.
+Scene load_scene(const std::filesystem::path& folder, const SceneOptions& options);
+
+}  // namespace tessera

@@ -1,0 +1,92 @@
+// What: Buffer<T>, an owning, move-only, 64-byte aligned array that only grows; hands out Spans.
+// Not: a std::vector: growing does not keep the contents unless asked (`grow_keep`), values are raw.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <type_traits>
+#include <utility>
+
+#include "kernels/base/span.h"
+
+namespace tessera {
+
+/// Where a Buffer's bytes live. A backend owns one; the host's is `host_memory()`.
+class Memory {
+ public:
+  virtual ~Memory() = default;
+  /// 64-byte aligned bytes, never null. Errors: std::bad_alloc (host), DeviceError (device).
+  virtual void* allocate(size_t bytes) = 0;
+  virtual void release(void* pointer, size_t bytes) noexcept = 0;
+  virtual void copy(void* to, const void* from, size_t bytes) = 0;
+};
+
+/// Memory of the host, shared by every CPU buffer.
+Memory& host_memory();
+
+template <class T>
+class Buffer {
+  static_assert(std::is_trivially_copyable_v<T>);
+
+ public:
+  Buffer() : memory_(&host_memory()) {}
+  explicit Buffer(Memory& memory) : memory_(&memory) {}
+  explicit Buffer(int64_t count, Memory& memory = host_memory()) : memory_(&memory) {
+    resize(count);
+  }
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+  Buffer(Buffer&& other) noexcept
+      : memory_(other.memory_),
+        data_(std::exchange(other.data_, nullptr)),
+        size_(std::exchange(other.size_, 0)),
+        capacity_(std::exchange(other.capacity_, 0)) {}
+  Buffer& operator=(Buffer&& other) noexcept {
+    std::swap(memory_, other.memory_);
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    std::swap(capacity_, other.capacity_);
+    return *this;
+  }
+  ~Buffer() {
+    if (data_ != nullptr) memory_->release(data_, sizeof(T) * static_cast<size_t>(capacity_));
+  }
+
+  /// Sets the length; contents are undefined afterwards where memory had to grow.
+  void resize(int64_t count) { reserve(count, 0), size_ = count; }
+  /// Sets the length and keeps the values that fit.
+  void grow_keep(int64_t count) { reserve(count, std::min(size_, count)), size_ = count; }
+
+  int64_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  T* data() { return data_; }
+  const T* data() const { return data_; }
+  T& operator[](int64_t index) { return span()[index]; }
+  const T& operator[](int64_t index) const { return span()[index]; }
+  Span<T> span() { return {data_, size_}; }
+  Span<const T> span() const { return {data_, size_}; }
+  T* begin() { return data_; }
+  T* end() { return data_ + size_; }
+  const T* begin() const { return data_; }
+  const T* end() const { return data_ + size_; }
+
+ private:
+  void reserve(int64_t count, int64_t keep) {
+    if (count <= capacity_) return;
+    const int64_t wanted = std::max(count, capacity_ + capacity_ / 2);
+    T* grown = static_cast<T*>(memory_->allocate(sizeof(T) * static_cast<size_t>(wanted)));
+    if (keep > 0) memory_->copy(grown, data_, sizeof(T) * static_cast<size_t>(keep));
+    if (data_ != nullptr) memory_->release(data_, sizeof(T) * static_cast<size_t>(capacity_));
+    data_ = grown;
+    capacity_ = wanted;
+  }
+
+  Memory* memory_;
+  T* data_ = nullptr;
+  int64_t size_ = 0;
+  int64_t capacity_ = 0;
+};
+
+}  // namespace tessera

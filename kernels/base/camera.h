@@ -1,0 +1,39 @@
+// What: a pinhole camera and a view (camera + moment), in double, as scenes hold them.
+// Not: distortion (ingest removes it) and not what a kernel loops over (view_args.h).
+// Axes: camera +x right, +y down, +z forward; pixel centres at +0.5 (COLMAP's convention).
+#pragma once
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+namespace tessera {
+
+struct Camera {
+  int width = 0;   // pixels
+  int height = 0;  // pixels
+  double fl_x = 0, fl_y = 0;  // focal lengths, pixels
+  double cx = 0, cy = 0;      // principal point, pixels from the left/top edge of the image
+  // x_in_cam = cam_from_world * x_in_world + translation. glm is column-major: m[column][row].
+  glm::dmat3 cam_from_world{1.0};
+  glm::dvec3 translation{0.0};
+
+  /// Camera centre in world units.
+  glm::dvec3 position() const { return -(glm::transpose(cam_from_world) * translation); }
+
+  /// The same camera for an image resampled to `new_width` × `new_height`: rays are unchanged.
+  Camera resized(int new_width, int new_height) const {
+    const double sx = double(new_width) / width, sy = double(new_height) / height;
+    Camera scaled = *this;
+    scaled.width = new_width, scaled.height = new_height;
+    scaled.fl_x *= sx, scaled.cx *= sx;
+    scaled.fl_y *= sy, scaled.cy *= sy;
+    return scaled;
+  }
+};
+
+/// A camera at a moment. `time` is normalised: 0 is the first, 1 the last timestep of the scene.
+struct View {
+  Camera camera;
+  double time = 0;
+};
+
+}  // namespace tessera

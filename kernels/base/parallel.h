@@ -1,0 +1,19 @@
+// What: one loop over independent chunks of [0, count) on all cores.
+// Not: a scheduler; oneTBB is (parallel_tbb.cpp), std::thread where it is absent (parallel_std.cpp).
+#pragma once
+#include <cstdint>
+#include <functional>
+
+namespace tessera {
+
+/// Calls `body(begin, end)` for disjoint ranges of at most `grain` that cover [0, count). Ranges
+/// start at multiples of `grain`, so work cut this way does not depend on the number of threads.
+/// Exceptions of `body` reach the caller.
+void parallel_for(int64_t count, int64_t grain,
+                  const std::function<void(int64_t begin, int64_t end)>& body);
+
+/// Threads that parallel_for uses; 0 sets it back to the machine's.
+void set_thread_count(int count);
+int thread_count();
+
+}  // namespace tessera
