@@ -1,0 +1,97 @@
+// What: AtomicFile on stdio and rename(2); every result that can say "disk full" is looked at.
+// Not: durability of the folder entry itself: after a power cut the old file may be the one seen.
+#include "ingest/files/atomic_file.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+/// A name beside `target` that no other AtomicFile of any process has.
+std::filesystem::path temporary_beside(const std::filesystem::path& target) {
+  static std::atomic<int64_t> counter{0};
+  return target.parent_path() /
+         fmt::format(".{}.{}-{}.partial", target.filename().string(), ::getpid(), counter++);
+}
+
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, int reason) {
+  throw InputError(fmt::format("{}: cannot be written ({}); free space or choose another folder",
+                               path.string(), std::strerror(reason)));
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::filesystem::path target)
+    : target_(std::move(target)), temporary_(temporary_beside(target_)) {
+  if (!target_.parent_path().empty()) make_folder(target_.parent_path());
+  file_ = std::fopen(temporary_.c_str(), "wbx");
+  if (file_ == nullptr) fail_to_write(target_, errno);
+}
+
+AtomicFile::~AtomicFile() {
+  if (file_ != nullptr) std::fclose(file_);
+  std::error_code ignored;
+  if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
+}
+
+void AtomicFile::write(const void* bytes, size_t count) {
+  check(file_ != nullptr, "AtomicFile::write after commit");
+  if (count > 0 && std::fwrite(bytes, 1, count, file_) != count) fail_to_write(target_, errno);
+}
+
+void AtomicFile::commit() {
+  check(file_ != nullptr, "AtomicFile::commit twice");
+  if (std::ferror(file_) != 0) fail_to_write(target_, EIO);
+  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail_to_write(target_, errno);
+  std::FILE* const closing = std::exchange(file_, nullptr);
+  if (std::fclose(closing) != 0) fail_to_write(target_, errno);
+  if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail_to_write(target_, errno);
+  temporary_.clear();
+}
+
+void write_text_file(const std::filesystem::path& path, std::string_view text) {
+  AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+std::string read_text_file(const std::filesystem::path& path) {
+  const auto fail = [&](int reason) {
+    throw InputError(fmt::format("{}: cannot be read ({}); check the path and its permissions",
+                                 path.string(), std::strerror(reason)));
+  };
+  std::FILE* const file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) fail(errno);
+  std::string bytes;
+  std::error_code unknown_size;
+  const auto size = std::filesystem::file_size(path, unknown_size);
+  if (!unknown_size) bytes.reserve(size);
+  char block[1 << 16];
+  for (size_t count; (count = std::fread(block, 1, sizeof block, file)) > 0;)
+    bytes.append(block, count);
+  const int reason = std::ferror(file) != 0 ? errno : 0;
+  std::fclose(file);
+  if (reason != 0) fail(reason);
+  return bytes;
+}
+
+void make_folder(const std::filesystem::path& path) {
+  std::error_code reason;
+  std::filesystem::create_directories(path, reason);
+  if (!reason && !std::filesystem::is_directory(path, reason))
+    reason = std::make_error_code(std::errc::not_a_directory);
+  if (reason)
+    throw InputError(fmt::format("{}: folder cannot be created ({}); choose another place",
+                                 path.string(), reason.message()));
+}
+
+}  // namespace tessera

@@ -1,0 +1,190 @@
+// What: PNG through libpng's row interface; its errors (longjmp) end in `guarded` as InputError.
+// Not: colour management: gAMA, sRGB and iCCP chunks are not applied; stored values are the values.
+#include "ingest/files/png.h"
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include <cerrno>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kMaxSide = 1 << 20;           // pixels; libpng's own default limit is near it
+constexpr int64_t kDeflateMaxRatio = 1032;  // bytes out per byte in, the most deflate can do
+constexpr int kCompressionLevel = 3;        // of 9: half again the size at a quarter of the time
+
+struct Failure {
+  char text[200] = "unknown libpng error";
+};
+
+[[noreturn]] void on_error(png_structp png, png_const_charp text) {
+  auto* failure = static_cast<Failure*>(png_get_error_ptr(png));
+  std::strncpy(failure->text, text, sizeof failure->text - 1);
+  std::longjmp(png_jmpbuf(png), 1);
+}
+
+void on_warning(png_structp, png_const_charp) {}
+
+/// Runs `body`, which must own nothing (libpng jumps out of it). False when libpng gave up.
+template <class Body>
+bool guarded(png_structp png, const Body& body) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  body();
+  return true;
+}
+
+struct Source {
+  const char* bytes;
+  size_t left;
+};
+
+void read_bytes(png_structp png, png_bytep to, size_t count) {
+  auto* source = static_cast<Source*>(png_get_io_ptr(png));
+  if (count > source->left) png_error(png, "the file ends early (truncated)");
+  std::memcpy(to, source->bytes, count);
+  source->bytes += count;
+  source->left -= count;
+}
+
+void write_bytes(png_structp png, png_bytep from, size_t count) {
+  auto* file = static_cast<std::FILE*>(png_get_io_ptr(png));
+  if (std::fwrite(from, 1, count, file) != count) png_error(png, std::strerror(errno));
+}
+
+void flush_nothing(png_structp) {}
+
+struct ReadState {
+  Failure failure;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  ReadState() {
+    png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning);
+    if (png != nullptr) info = png_create_info_struct(png);
+  }
+  ~ReadState() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+struct WriteState {
+  Failure failure;
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  WriteState() {
+    png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure, on_error, on_warning);
+    if (png != nullptr) info = png_create_info_struct(png);
+  }
+  ~WriteState() { png_destroy_write_struct(&png, &info); }
+};
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& seen) {
+  throw InputError(fmt::format("{}: {}; copy or render this picture again", path.string(), seen));
+}
+
+uint32_t big_endian_32(const std::string& bytes, size_t at) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < 4; ++i) value = value << 8 | uint8_t(bytes[at + i]);
+  return value;
+}
+
+/// Looks at signature and IHDR by hand, so nothing is allocated for a size the file cannot hold.
+void check_header(const std::filesystem::path& path, const std::string& bytes) {
+  if (bytes.empty()) fail(path, "is an empty file, expected a PNG");
+  const auto* start = reinterpret_cast<png_const_bytep>(bytes.data());
+  if (png_sig_cmp(start, 0, std::min<size_t>(8, bytes.size())) != 0) fail(path, "is not a PNG");
+  if (bytes.size() < 33) fail(path, fmt::format("PNG truncated after {} bytes", bytes.size()));
+  const int64_t width = big_endian_32(bytes, 16), height = big_endian_32(bytes, 20);
+  if (width == 0 || height == 0)
+    fail(path, fmt::format("has size {}x{}, expected at least 1x1 pixel", width, height));
+  if (width > kMaxSide || height > kMaxSide)
+    fail(path, fmt::format("states a size of {}x{}, more than {} a side", width, height, kMaxSide));
+  constexpr int kChannelsOfColourType[7] = {1, 0, 3, 1, 2, 0, 4};
+  const int depth = uint8_t(bytes[24]), colour_type = uint8_t(bytes[25]);
+  if (depth > 16 || colour_type > 6) fail(path, "has a damaged PNG header");
+  const int64_t pixel_bits = depth * kChannelsOfColourType[colour_type];
+  const int64_t least_bytes = (width * pixel_bits + 7) / 8 * height;
+  if (least_bytes / kDeflateMaxRatio > int64_t(bytes.size()))
+    fail(path, fmt::format("states {}x{} pixels, which {} bytes cannot hold (truncated)", width,
+                           height, bytes.size()));
+}
+
+/// Asks libpng for 8-bit grey, RGB or RGBA whatever is stored.
+void set_transforms(png_structp png, png_infop info) {
+  png_set_scale_16(png);
+  png_set_expand(png);  // palettes, 1/2/4-bit grey, tRNS → alpha
+  const bool has_alpha = (png_get_color_type(png, info) & PNG_COLOR_MASK_ALPHA) != 0 ||
+                         png_get_valid(png, info, PNG_INFO_tRNS) != 0;
+  if (has_alpha) png_set_gray_to_rgb(png);
+  png_set_interlace_handling(png);
+  png_read_update_info(png, info);
+}
+
+}  // namespace
+
+Image8 read_png(const std::filesystem::path& path) {
+  const std::string bytes = read_text_file(path);
+  check_header(path, bytes);
+  ReadState state;
+  if (state.info == nullptr) throw std::bad_alloc();
+  Source source{bytes.data(), bytes.size()};
+  bool read = guarded(state.png, [&] {
+    png_set_user_limits(state.png, kMaxSide, kMaxSide);
+    png_set_read_fn(state.png, &source, read_bytes);
+    png_read_info(state.png, state.info);
+    set_transforms(state.png, state.info);
+  });
+  if (!read) fail(path, fmt::format("unreadable PNG header ({})", state.failure.text));
+  Image8 image;
+  image.width = int(png_get_image_width(state.png, state.info));
+  image.height = int(png_get_image_height(state.png, state.info));
+  image.channels = png_get_channels(state.png, state.info);
+  const size_t stride = png_get_rowbytes(state.png, state.info);
+  check(stride == size_t(image.width) * size_t(image.channels), "PNG row is not 8 bit");
+  image.data.resize(stride * size_t(image.height));
+  std::vector<png_bytep> rows(size_t(image.height));
+  for (size_t y = 0; y < rows.size(); ++y) rows[y] = image.data.data() + y * stride;
+  read = guarded(state.png, [&] {
+    png_read_image(state.png, rows.data());
+    png_read_end(state.png, nullptr);
+  });
+  if (!read) fail(path, fmt::format("unreadable PNG ({})", state.failure.text));
+  return image;
+}
+
+void write_png(const std::filesystem::path& path, const Image8& image) {
+  const size_t stride = size_t(image.width) * size_t(image.channels);
+  check(image.width > 0 && image.height > 0, "write_png of an empty image");
+  check(image.channels == 1 || image.channels == 3 || image.channels == 4, "write_png channels");
+  check(image.data.size() == stride * size_t(image.height), "write_png data size");
+  const int colour = image.channels == 1   ? PNG_COLOR_TYPE_GRAY
+                     : image.channels == 3 ? PNG_COLOR_TYPE_RGB
+                                           : PNG_COLOR_TYPE_RGB_ALPHA;
+  AtomicFile file(path);
+  WriteState state;
+  if (state.info == nullptr) throw std::bad_alloc();
+  const bool written = guarded(state.png, [&] {
+    png_set_user_limits(state.png, kMaxSide, kMaxSide);
+    png_set_write_fn(state.png, file.file(), write_bytes, flush_nothing);
+    png_set_compression_level(state.png, kCompressionLevel);
+    png_set_filter(state.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB | PNG_FILTER_UP);
+    png_set_IHDR(state.png, state.info, png_uint_32(image.width), png_uint_32(image.height), 8,
+                 colour, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(state.png, state.info);
+    for (int y = 0; y < image.height; ++y)
+      png_write_row(state.png, image.data.data() + size_t(y) * stride);
+    png_write_end(state.png, nullptr);
+  });
+  if (!written)
+    throw InputError(fmt::format("{}: cannot be written ({}); free space or choose another folder",
+                                 path.string(), state.failure.text));
+  file.commit();
+}
+
+}  // namespace tessera
