@@ -11,10 +11,11 @@ if(NOT TESSERA_INGEST STREQUAL "OFF")
   find_package(PkgConfig QUIET)
   if(PkgConfig_FOUND)
     pkg_check_modules(LIBAV QUIET IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
+    # not find_package: Debian's CMake files insist on programs of other packages
+    pkg_check_modules(OIIO QUIET IMPORTED_TARGET OpenImageIO)
   endif()
-  find_package(OpenImageIO QUIET)
   find_package(OpenCV QUIET COMPONENTS core imgproc)
-  if(LIBAV_FOUND AND OpenImageIO_FOUND AND OpenCV_FOUND)
+  if(LIBAV_FOUND AND OIIO_FOUND AND OpenCV_FOUND)
     set(TESSERA_HAS_INGEST TRUE)
   elseif(TESSERA_INGEST STREQUAL "ON")
     message(FATAL_ERROR "TESSERA_INGEST=ON needs FFmpeg (libav*), OpenImageIO and OpenCV; "

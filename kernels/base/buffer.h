@@ -1,5 +1,6 @@
 // What: Buffer<T>, an owning, move-only, 64-byte aligned array that only grows; hands out Spans.
-// Not: a std::vector: growing does not keep the contents unless asked (`grow_keep`), values are raw.
+// Not: a std::vector: growing does not keep the contents unless asked (`grow_keep`), values are
+// raw.
 #pragma once
 #include <algorithm>
 #include <cstdint>

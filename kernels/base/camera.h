@@ -8,8 +8,8 @@
 namespace tessera {
 
 struct Camera {
-  int width = 0;   // pixels
-  int height = 0;  // pixels
+  int width = 0;              // pixels
+  int height = 0;             // pixels
   double fl_x = 0, fl_y = 0;  // focal lengths, pixels
   double cx = 0, cy = 0;      // principal point, pixels from the left/top edge of the image
   // x_in_cam = cam_from_world * x_in_world + translation. glm is column-major: m[column][row].

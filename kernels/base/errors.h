@@ -1,5 +1,5 @@
-// What: the three kinds of failure: the user's data (InputError), the device (DeviceError), our bug (check).
-// Not: exit codes; only tools/ turns these into 2, 1 and 1.
+// What: the three kinds of failure: the user's data (InputError), the device (DeviceError), our bug
+// (check). Not: exit codes; only tools/ turns these into 2, 1 and 1.
 #pragma once
 #include <stdexcept>
 #include <string>

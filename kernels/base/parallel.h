@@ -1,5 +1,6 @@
 // What: one loop over independent chunks of [0, count) on all cores.
-// Not: a scheduler; oneTBB is (parallel_tbb.cpp), std::thread where it is absent (parallel_std.cpp).
+// Not: a scheduler; oneTBB is (parallel_tbb.cpp), std::thread where it is absent
+// (parallel_std.cpp).
 #pragma once
 #include <cstdint>
 #include <functional>

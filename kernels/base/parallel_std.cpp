@@ -16,8 +16,7 @@ int requested_threads = 0;
 
 }  // namespace
 
-void parallel_for(int64_t count, int64_t grain,
-                  const std::function<void(int64_t, int64_t)>& body) {
+void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t, int64_t)>& body) {
   if (count <= 0) return;
   const int64_t chunks = (count + grain - 1) / grain;
   const int workers = int(std::min<int64_t>(thread_count(), chunks));
@@ -45,7 +44,9 @@ void parallel_for(int64_t count, int64_t grain,
   if (failure) std::rethrow_exception(failure);
 }
 
-void set_thread_count(int count) { requested_threads = count; }
+void set_thread_count(int count) {
+  requested_threads = count;
+}
 
 int thread_count() {
   return requested_threads > 0 ? requested_threads

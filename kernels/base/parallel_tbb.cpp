@@ -15,8 +15,7 @@ std::unique_ptr<tbb::global_control> limit;
 
 }  // namespace
 
-void parallel_for(int64_t count, int64_t grain,
-                  const std::function<void(int64_t, int64_t)>& body) {
+void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t, int64_t)>& body) {
   if (count <= 0) return;
   const int64_t chunks = (count + grain - 1) / grain;
   if (chunks == 1) return body(0, count);

@@ -27,9 +27,15 @@ struct Span {
 #endif
     return data[index];
   }
-  TESSERA_HD T* begin() const { return data; }
-  TESSERA_HD T* end() const { return data + size; }
-  TESSERA_HD bool empty() const { return size == 0; }
+  TESSERA_HD T* begin() const {
+    return data;
+  }
+  TESSERA_HD T* end() const {
+    return data + size;
+  }
+  TESSERA_HD bool empty() const {
+    return size == 0;
+  }
 };
 
 }  // namespace tessera

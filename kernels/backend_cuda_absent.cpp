@@ -1,0 +1,12 @@
+// What: stands in for the CUDA backend where it is not built; chosen by the linker.
+// Not: a fallback: asking for CUDA without it is an error, never a silent change of backend.
+#include "kernels/backend.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+std::unique_ptr<Backend> make_cuda_backend() {
+  throw DeviceError("this build has no CUDA backend; pass --backend cpu");
+}
+
+}  // namespace tessera

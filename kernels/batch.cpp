@@ -1,0 +1,33 @@
+// What: cameras and times of a batch → the form kernels loop over.
+// Not: culling or any choice of views.
+#include "kernels/batch.h"
+
+namespace tessera {
+
+template <class Real>
+ViewBatch<Real> make_view_batch(const std::vector<View>& views) {
+  ViewBatch<Real> batch;
+  for (const View& view : views) {
+    const Camera& c = view.camera;
+    ViewArgs<Real> v;
+    v.fl_x = Real(c.fl_x), v.fl_y = Real(c.fl_y), v.cx = Real(c.cx), v.cy = Real(c.cy);
+    v.cam_from_world = Mat3<Real>(c.cam_from_world);
+    v.translation = Vec3<Real>(c.translation);
+    v.position = Vec3<Real>(c.position());
+    v.time = Real(view.time);
+    v.width = c.width, v.height = c.height;
+    v.tiles_x = (c.width + kTileSize - 1) / kTileSize;
+    v.tiles_y = (c.height + kTileSize - 1) / kTileSize;
+    v.first_tile = batch.tiles;
+    v.first_pixel = batch.pixels;
+    batch.tiles += int64_t(v.tiles_x) * v.tiles_y;
+    batch.pixels += int64_t(c.width) * c.height;
+    batch.views.push_back(v);
+  }
+  return batch;
+}
+
+template ViewBatch<float> make_view_batch<float>(const std::vector<View>&);
+template ViewBatch<double> make_view_batch<double>(const std::vector<View>&);
+
+}  // namespace tessera

@@ -1,0 +1,25 @@
+// What: construction and naming of the CPU backends.
+// Not: any stage.
+#include "kernels/cpu_backend.h"
+
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+
+template <class Real>
+std::string CpuBackend<Real>::name() const {
+  const int threads = thread_count();
+  return "cpu, " + std::to_string(threads) + (threads == 1 ? " thread" : " threads");
+}
+
+template std::string CpuBackend<float>::name() const;
+template std::string CpuBackend<double>::name() const;
+
+std::unique_ptr<Backend> make_cpu_backend() {
+  return std::make_unique<CpuBackend<float>>();
+}
+std::unique_ptr<BackendOf<double>> make_oracle_backend() {
+  return std::make_unique<CpuBackend<double>>();
+}
+
+}  // namespace tessera

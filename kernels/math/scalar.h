@@ -1,0 +1,61 @@
+// What: the few scalar functions that equations call, for float, double and (in tests) dual
+// numbers. Not: global fast-math: an approximation has its own name, `fast_exp`.
+#pragma once
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "kernels/base/host_device.h"
+
+namespace tessera {
+
+using std::exp;
+using std::log;
+using std::sqrt;
+
+template <class Real>
+TESSERA_HD inline Real min_of(Real a, Real b) {
+  return a < b ? a : b;
+}
+template <class Real>
+TESSERA_HD inline Real max_of(Real a, Real b) {
+  return a > b ? a : b;
+}
+template <class Real>
+TESSERA_HD inline Real clamp_to(Real value, Real low, Real high) {
+  return value < low ? low : (value > high ? high : value);
+}
+
+/// exp(x) for x ≤ 0, as blending needs it: relative error < 2e-7 down to x = −87, 0-ish below.
+/// Branch-free so that loops over pixels vectorise. exp(x) = 2^n·e^r, r = x − n·ln2, |r| ≤ ln2/2;
+/// the polynomial is the Taylor series of e^r to degree 7, evaluated in Horner form.
+TESSERA_HD inline float fast_exp(float x) {
+  constexpr float kLog2E = 1.44269504f;
+  constexpr float kLn2High = 0.693359375f, kLn2Low = -2.12194440e-4f;  // high part is exact · n
+  constexpr float kRound = 12582912.0f;  // 1.5·2^23: adding it rounds to an integer
+  x = x < -87.0f ? -87.0f : x;           // 2^n stays a normal number
+  const float shifted = x * kLog2E + kRound;
+  const float n = shifted - kRound;
+  const float r = (x - n * kLn2High) - n * kLn2Low;
+  float e = 1.0f / 5040;
+  e = e * r + 1.0f / 720;
+  e = e * r + 1.0f / 120;
+  e = e * r + 1.0f / 24;
+  e = e * r + 1.0f / 6;
+  e = e * r + 0.5f;
+  e = e * r + 1.0f;
+  e = e * r + 1.0f;
+  const int32_t exponent = (std::bit_cast<int32_t>(shifted) - std::bit_cast<int32_t>(kRound)) << 23;
+  return std::bit_cast<float>(std::bit_cast<int32_t>(e) + exponent);
+}
+/// In double, where accuracy is the point, it is the library's.
+TESSERA_HD inline double fast_exp(double x) {
+  return exp(x);
+}
+
+template <class Real>
+TESSERA_HD inline Real sigmoid(Real x) {
+  return Real(1) / (Real(1) + exp(-x));
+}
+
+}  // namespace tessera

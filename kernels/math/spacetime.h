@@ -1,0 +1,148 @@
+// What: a Gaussian as every view of a batch needs it: {Σ_c, v, μ_t, 1/σ_t²}, and the slice at t.
+// Not: projection (ewa.h). Everything behind this struct knows no Dim.
+// A static Gaussian is the case v = 0, 1/σ_t² = 0: its slice is itself at any t, without a branch.
+// Source: [Yang24] Eqs. 8–10; gradient: method D.2, regrouped by {Σ_c, v, 1/w}.
+#pragma once
+#include "kernels/math/rotation3.h"
+#include "kernels/math/rotation4.h"
+
+namespace tessera {
+
+/// Below this marginal a Gaussian is not drawn: p(t) < 0.05  [Yang24 code; method D.1].
+template <class Real>
+inline constexpr Real kMinMarginal = Real(0.05);
+
+template <class Real>
+struct Spacetime {
+  Sym3<Real> covariance;  // Σ_c: conditional spatial covariance, the same at every t
+  Vec3<Real> velocity{};  // v = b/w: world units per unit of normalised time
+  Real mean_time{};       // μ_t
+  Real precision_time{};  // 1/w, w = Σ_tt
+};
+
+/// Dim 3.
+template <class Real>
+TESSERA_HD inline Spacetime<Real> static_spacetime(const Vec4<Real>& q,
+                                                   const Vec3<Real>& log_scale) {
+  Spacetime<Real> s{};
+  s.covariance = rotate_diagonal(rotation_matrix(q), variances(log_scale));
+  return s;
+}
+
+/// Σ₄ = R diag(e^{2 s̃_t}, e^{2 s̃}) Rᵀ cut into Σ_tt = w, Σ_xt = b, Σ_xx = S.
+template <class Real>
+struct Covariance4 {
+  Real w;
+  Vec3<Real> b;
+  Sym3<Real> S;
+};
+
+template <class Real>
+TESSERA_HD inline Vec4<Real> variances4(const Vec3<Real>& log_scale, Real log_scale_time) {
+  const Vec3<Real> v = variances(log_scale);
+  return Vec4<Real>(exp(Real(2) * log_scale_time), v[0], v[1], v[2]);
+}
+
+template <class Real>
+TESSERA_HD inline Covariance4<Real> covariance4(const Mat4<Real>& R, const Vec4<Real>& v) {
+  Covariance4<Real> c{};
+  for (int k = 0; k < 4; ++k) {
+    const Real rt = R.m[0][k], rx = R.m[1][k], ry = R.m[2][k], rz = R.m[3][k];
+    c.w += v[k] * rt * rt;
+    c.b += v[k] * rt * Vec3<Real>(rx, ry, rz);
+    c.S.xx += v[k] * rx * rx, c.S.xy += v[k] * rx * ry, c.S.xz += v[k] * rx * rz;
+    c.S.yy += v[k] * ry * ry, c.S.yz += v[k] * ry * rz, c.S.zz += v[k] * rz * rz;
+  }
+  return c;
+}
+
+/// Dim 4, `pair` parameterisation.  Σ_c = S − b bᵀ/w, v = b/w  [Yang24, Eq. 8].
+template <class Real>
+TESSERA_HD inline Spacetime<Real> pair_spacetime(const Vec4<Real>& l, const Vec4<Real>& r,
+                                                 const Vec3<Real>& log_scale, Real log_scale_time,
+                                                 Real mean_time) {
+  const Covariance4<Real> c = covariance4(rotation4(l, r), variances4(log_scale, log_scale_time));
+  Spacetime<Real> s;
+  s.precision_time = Real(1) / c.w;
+  s.velocity = c.b * s.precision_time;
+  s.covariance = c.S;
+  s.covariance += -c.w * symmetric_outer(s.velocity, s.velocity);
+  s.mean_time = mean_time;
+  return s;
+}
+
+/// What one Gaussian is at one moment.
+template <class Real>
+struct Slice {
+  Vec3<Real> mean;  // μ + v·Δ
+  Real marginal;    // p = exp(−½ Δ²/w), un-normalised
+  Real delta;       // Δ = t − μ_t
+};
+
+template <class Real>
+TESSERA_HD inline Slice<Real> slice_at(const Vec3<Real>& mean, const Spacetime<Real>& s, Real t) {
+  const Real delta = t - s.mean_time;
+  return {mean + s.velocity * delta, exp(Real(-0.5) * delta * delta * s.precision_time), delta};
+}
+
+/// Gradient by the struct's fields, summed over the views of a batch.
+template <class Real>
+struct SpacetimeGradient {
+  Sym3<Real> covariance{};
+  Vec3<Real> velocity{};
+  Real mean_time{};
+  Real precision_time{};
+};
+
+/// Adds one view: d_mean = dL/d(sliced mean), d_marginal = dL/dp.
+template <class Real>
+TESSERA_HD inline void slice_backward(const Spacetime<Real>& s, const Slice<Real>& slice,
+                                      const Vec3<Real>& d_mean, Real d_marginal,
+                                      SpacetimeGradient<Real>& d) {
+  d.velocity += d_mean * slice.delta;
+  const Real ep = d_marginal * slice.marginal * slice.delta;
+  d.mean_time += ep * s.precision_time - dot(d_mean, s.velocity);
+  d.precision_time += Real(-0.5) * ep * slice.delta;
+}
+
+template <class Real>
+struct PairGradient {
+  Vec4<Real> rotation_left{}, rotation_right{};
+  Vec3<Real> log_scale{};
+  Real log_scale_time{};
+};
+
+/// Through Σ_c, v, 1/w to the two quaternions and four log-scales. With H = dL/dΣ₄ (symmetric):
+/// H_xx = G, H_xt = −G b/w + ½ d_v/w, H_tt = bᵀGb/w² − ⟨d_v,b⟩/w² − d_{1/w}/w².
+template <class Real>
+TESSERA_HD inline PairGradient<Real> pair_backward(const Vec4<Real>& l, const Vec4<Real>& r,
+                                                   const Vec3<Real>& log_scale, Real log_scale_time,
+                                                   const SpacetimeGradient<Real>& d) {
+  const Mat4<Real> R = rotation4(l, r);
+  const Vec4<Real> v4 = variances4(log_scale, log_scale_time);
+  const Covariance4<Real> c = covariance4(R, v4);
+  const Real precision = Real(1) / c.w;
+  const Vec3<Real> velocity = c.b * precision;
+  const Vec3<Real> Gv = d.covariance * velocity;
+  const Vec3<Real> Hxt = Real(0.5) * precision * d.velocity - Gv;
+  const Real Htt = dot(velocity, Gv) - precision * dot(d.velocity, velocity) -
+                   precision * precision * d.precision_time;
+  Mat4<Real> d_R;
+  Real d_log[4];
+  for (int k = 0; k < 4; ++k) {
+    const Real rt = R.m[0][k];
+    const Vec3<Real> rx(R.m[1][k], R.m[2][k], R.m[3][k]);
+    const Real time_row = Htt * rt + dot(Hxt, rx);
+    const Vec3<Real> space_rows = Hxt * rt + d.covariance * rx;
+    d_log[k] = Real(2) * v4[k] * (rt * time_row + dot(rx, space_rows));
+    d_R.m[0][k] = Real(2) * v4[k] * time_row;
+    for (int i = 0; i < 3; ++i) d_R.m[i + 1][k] = Real(2) * v4[k] * space_rows[i];
+  }
+  PairGradient<Real> g;
+  rotation4_backward(l, r, d_R, g.rotation_left, g.rotation_right);
+  g.log_scale_time = d_log[0];
+  g.log_scale = Vec3<Real>(d_log[1], d_log[2], d_log[3]);
+  return g;
+}
+
+}  // namespace tessera

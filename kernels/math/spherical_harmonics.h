@@ -1,0 +1,106 @@
+// What: real spherical harmonics to degree 3 → colour, and the gradient by coefficients and
+// direction. Not: storage: coefficients are [K, 3] RGB innermost wherever a kernel sees them.
+// Source: [3DGS] storage order and signs; unit-norm polynomials of method A.12.
+#pragma once
+#include "kernels/math/symmetric.h"
+
+namespace tessera {
+
+inline constexpr int kMaxShDegree = 3;
+inline constexpr int kMaxShCoefficients = 16;
+inline constexpr double kSh0 = 0.28209479177387814;  // Y_0: colour = 0.5 + kSh0·c_0
+
+TESSERA_HD inline constexpr int sh_coefficients(int degree) {
+  return (degree + 1) * (degree + 1);
+}
+
+/// Y[0 … (degree+1)²) at the unit direction d.
+template <class Real>
+TESSERA_HD inline void sh_basis(int degree, const Vec3<Real>& d, Real* Y) {
+  const Real x = d[0], y = d[1], z = d[2];
+  Y[0] = Real(kSh0);
+  if (degree < 1) return;
+  Y[1] = Real(-0.48860251190291987) * y;
+  Y[2] = Real(0.48860251190291987) * z;
+  Y[3] = Real(-0.48860251190291987) * x;
+  if (degree < 2) return;
+  Y[4] = Real(1.0925484305920792) * x * y;
+  Y[5] = Real(-1.0925484305920792) * y * z;
+  Y[6] = Real(0.94617469575755997) * z * z - Real(0.31539156525251999);
+  Y[7] = Real(-1.0925484305920792) * x * z;
+  Y[8] = Real(0.54627421529603959) * (x * x - y * y);
+  if (degree < 3) return;
+  Y[9] = y * (Real(0.59004358992664352) * y * y - Real(1.7701307697799304) * x * x);
+  Y[10] = Real(2.8906114426405538) * x * y * z;
+  Y[11] = y * (Real(0.45704579946446572) - Real(2.2852289973223288) * z * z);
+  Y[12] = z * (Real(1.865881662950577) * z * z - Real(1.1195289977703462));
+  Y[13] = x * (Real(0.45704579946446572) - Real(2.2852289973223288) * z * z);
+  Y[14] = Real(1.4453057213202769) * z * (x * x - y * y);
+  Y[15] = x * (Real(1.7701307697799304) * y * y - Real(0.59004358992664352) * x * x);
+}
+
+/// ∂Y/∂d of the polynomials above; only the part across d is meaningful.
+template <class Real>
+TESSERA_HD inline void sh_basis_gradient(int degree, const Vec3<Real>& d, Vec3<Real>* dY) {
+  const Real x = d[0], y = d[1], z = d[2], o = Real(0);
+  dY[0] = Vec3<Real>(o, o, o);
+  if (degree < 1) return;
+  const Real c1 = Real(0.48860251190291987);
+  dY[1] = Vec3<Real>(o, -c1, o);
+  dY[2] = Vec3<Real>(o, o, c1);
+  dY[3] = Vec3<Real>(-c1, o, o);
+  if (degree < 2) return;
+  const Real c2 = Real(1.0925484305920792);
+  dY[4] = Vec3<Real>(c2 * y, c2 * x, o);
+  dY[5] = Vec3<Real>(o, -c2 * z, -c2 * y);
+  dY[6] = Vec3<Real>(o, o, Real(2 * 0.94617469575755997) * z);
+  dY[7] = Vec3<Real>(-c2 * z, o, -c2 * x);
+  dY[8] = Vec3<Real>(c2 * x, -c2 * y, o);
+  if (degree < 3) return;
+  const Real a = Real(0.59004358992664352), b = Real(1.7701307697799304);
+  const Real c = Real(2.8906114426405538), e = Real(0.45704579946446572);
+  const Real f = Real(2.2852289973223288), g = Real(1.4453057213202769);
+  dY[9] = Vec3<Real>(Real(-2) * b * x * y, Real(3) * a * y * y - b * x * x, o);
+  dY[10] = Vec3<Real>(c * y * z, c * x * z, c * x * y);
+  dY[11] = Vec3<Real>(o, e - f * z * z, Real(-2) * f * y * z);
+  dY[12] = Vec3<Real>(o, o, Real(3 * 1.865881662950577) * z * z - Real(1.1195289977703462));
+  dY[13] = Vec3<Real>(e - f * z * z, o, Real(-2) * f * x * z);
+  dY[14] = Vec3<Real>(Real(2) * g * x * z, Real(-2) * g * y * z, g * (x * x - y * y));
+  dY[15] = Vec3<Real>(b * y * y - Real(3) * a * x * x, Real(2) * b * x * y, o);
+}
+
+/// Un-clamped colour 0.5 + Σ Y_k c_k; the drawn colour is max(0, ·) per channel.
+template <class Real>
+TESSERA_HD inline Vec3<Real> sh_colour(int degree, const Vec3<Real>& direction,
+                                       const Real* coefficients) {
+  Real Y[kMaxShCoefficients];
+  sh_basis(degree, direction, Y);
+  Vec3<Real> colour(Real(0.5), Real(0.5), Real(0.5));
+  for (int k = 0; k < sh_coefficients(degree); ++k)
+    for (int c = 0; c < 3; ++c) colour[c] += Y[k] * coefficients[3 * k + c];
+  return colour;
+}
+
+/// Adds Y_k ⊗ d_colour to d_coefficients; returns dL/d(mean) through the viewing direction
+/// d = (mean − eye)/‖mean − eye‖:  (I − d dᵀ) u / ‖mean − eye‖, u = Σ_c d_colour_c ∂colour_c/∂d.
+template <class Real>
+TESSERA_HD inline Vec3<Real> sh_colour_backward(int degree, const Vec3<Real>& direction,
+                                                Real distance, const Real* coefficients,
+                                                const Vec3<Real>& d_colour, Real* d_coefficients) {
+  Real Y[kMaxShCoefficients];
+  Vec3<Real> dY[kMaxShCoefficients];
+  sh_basis(degree, direction, Y);
+  sh_basis_gradient(degree, direction, dY);
+  Vec3<Real> u(Real(0), Real(0), Real(0));
+  for (int k = 0; k < sh_coefficients(degree); ++k) {
+    Real along = Real(0);
+    for (int c = 0; c < 3; ++c) {
+      d_coefficients[3 * k + c] += Y[k] * d_colour[c];
+      along += coefficients[3 * k + c] * d_colour[c];
+    }
+    u += dY[k] * along;
+  }
+  return (u - direction * dot(direction, u)) * (Real(1) / distance);
+}
+
+}  // namespace tessera

@@ -1,0 +1,91 @@
+// What: one Gaussian in one view → one splat: slice, cull, project, colour, bounds. In that order.
+// Not: loops and storage; both passes of every backend call these two functions.
+// Source: method A.5, A.6, D.1.
+#pragma once
+#include "kernels/gaussians.h"
+#include "kernels/math/bounds.h"
+#include "kernels/math/spacetime.h"
+#include "kernels/math/spherical_harmonics.h"
+
+namespace tessera {
+
+/// What a view needs of a Gaussian, loaded and derived once per batch.
+template <class Real>
+struct GaussianState {
+  Vec3<Real> mean;
+  Real opacity;  // σ(logit)
+  Spacetime<Real> spacetime;
+  const Real* sh;
+};
+
+template <class Real>
+TESSERA_HD inline Vec3<Real> load3(const Real* p) {
+  return Vec3<Real>(p[0], p[1], p[2]);
+}
+template <class Real>
+TESSERA_HD inline Vec4<Real> load4(const Real* p) {
+  return Vec4<Real>(p[0], p[1], p[2], p[3]);
+}
+
+/// False for a Gaussian that is no Gaussian: a quaternion of no length, a value not finite.
+template <int Dim, class Real>
+TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64_t n,
+                                     GaussianState<Real>& g) {
+  const Vec4<Real> q = load4(set.at(kRotation, n));
+  const Vec3<Real> log_scale = load3(set.at(kLogScale, n));
+  if (!(dot(q, q) >= kMinQuaternionNorm2<Real>)) return false;
+  if constexpr (Dim == 4) {
+    const Vec4<Real> r = load4(set.at(kRotationRight, n));
+    if (!(dot(r, r) >= kMinQuaternionNorm2<Real>)) return false;
+    g.spacetime = pair_spacetime(q, r, log_scale, *set.at(kLogScaleTime, n), *set.at(kMeanTime, n));
+  } else {
+    g.spacetime = static_spacetime(q, log_scale);
+  }
+  g.mean = load3(set.at(kMean, n));
+  g.opacity = sigmoid(*set.at(kOpacityLogit, n));
+  g.sh = set.at(kSh, n);
+  const Sym3<Real>& c = g.spacetime.covariance;
+  const Real trace = c.xx + c.yy + c.zz;
+  const Real sum = g.mean[0] + g.mean[1] + g.mean[2] + g.opacity + trace + g.spacetime.mean_time +
+                   g.spacetime.precision_time;
+  return sum - sum == Real(0);  // finite
+}
+
+template <class Real>
+struct ViewSplat {
+  Slice<Real> slice;
+  Projection<Real> projection;
+  Real opacity;  // effective
+  TileRect rect;
+};
+
+/// Direction from the camera to the unconditional mean, as both reference codes take it
+/// [method 0.19], and its length.
+template <class Real>
+TESSERA_HD inline Vec3<Real> view_direction(const ViewArgs<Real>& view, const Vec3<Real>& mean,
+                                            Real& distance) {
+  const Vec3<Real> offset = mean - view.position;
+  distance = sqrt(dot(offset, offset));
+  return offset * (Real(1) / distance);
+}
+
+/// False when the Gaussian is not drawn in this view.
+template <class Real>
+TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianState<Real>& g,
+                                     Real near_plane, Real far_plane, ViewSplat<Real>& out) {
+  out.slice = slice_at(g.mean, g.spacetime, view.time);
+  if (!(out.slice.marginal >= kMinMarginal<Real>)) return false;
+  out.opacity = g.opacity * out.slice.marginal;
+  if (!(out.opacity >= kMinAlpha<Real>)) return false;
+  const Vec3<Real> in_cam = to_camera(view, out.slice.mean);
+  if (!(in_cam[2] >= near_plane && in_cam[2] <= far_plane)) return false;
+  if (!project_ewa(view, in_cam, g.spacetime.covariance, kDilation<Real>, out.projection))
+    return false;
+  const Real probe = out.projection.mean2d[0] + out.projection.mean2d[1] + out.projection.det;
+  if (!(probe - probe == Real(0))) return false;  // overflowed
+  out.rect =
+      tile_rect(view, out.projection.mean2d, out.projection.cov2d, cutoff_power(out.opacity));
+  return !out.rect.empty();
+}
+
+}  // namespace tessera

@@ -1,0 +1,53 @@
+// What: SSIM at one pixel from its five local moments, its partial derivatives, the window.
+// Not: the convolution (photometric stage, metrics).
+// Source: [Wang04]; method A.15.
+#pragma once
+#include "kernels/math/scalar.h"
+
+namespace tessera {
+
+inline constexpr int kSsimRadius = 5;
+inline constexpr int kSsimTaps = 2 * kSsimRadius + 1;
+template <class Real>
+inline constexpr Real kSsimC1 = Real(1e-4);  // (0.01·range)²
+template <class Real>
+inline constexpr Real kSsimC2 = Real(9e-4);  // (0.03·range)²
+
+/// Normalised Gaussian taps, σ = 1.5 pixels.
+template <class Real>
+inline constexpr Real kSsimWindow[kSsimTaps] = {
+    Real(0.00102838008447911), Real(0.00759875813523919), Real(0.03600077212843083),
+    Real(0.10936068950970002), Real(0.21300553771125369), Real(0.26601172486179436),
+    Real(0.21300553771125369), Real(0.10936068950970002), Real(0.03600077212843083),
+    Real(0.00759875813523919), Real(0.00102838008447911)};
+
+/// Windowed means of x, y, x², y², x·y.
+template <class Real>
+struct SsimMoments {
+  Real x, y, xx, yy, xy;
+};
+
+/// SSIM and its partials by E[x], E[x²], E[x·y] with the other moments fixed.
+template <class Real>
+struct SsimPoint {
+  Real value, d_x, d_xx, d_xy;
+};
+
+template <class Real>
+TESSERA_HD inline SsimPoint<Real> ssim_point(const SsimMoments<Real>& m) {
+  const Real var_x = max_of(Real(0), m.xx - m.x * m.x);
+  const Real var_y = max_of(Real(0), m.yy - m.y * m.y);
+  const Real A = m.x * m.x + m.y * m.y + kSsimC1<Real>, B = var_x + var_y + kSsimC2<Real>;
+  const Real C = Real(2) * m.x * m.y + kSsimC1<Real>;
+  const Real D = Real(2) * (m.xy - m.x * m.y) + kSsimC2<Real>;
+  const Real inverse = Real(1) / (A * B);
+  const Real S = C * D * inverse;
+  SsimPoint<Real> p;
+  p.value = S;
+  p.d_x = Real(2) * inverse * (m.y * (D - C) + m.x * S * (A - B));
+  p.d_xx = -S / B;
+  p.d_xy = Real(2) * C * inverse;
+  return p;
+}
+
+}  // namespace tessera

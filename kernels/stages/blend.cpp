@@ -1,0 +1,87 @@
+// What: front-to-back blending, one tile at a time, sixteen pixels at once.
+// Not: its gradient (blend_backward.cpp).
+// Source: [3DGS]; method A.10.
+#include "kernels/cpu_backend.h"
+#include "kernels/stages/tile_loop.h"
+
+namespace tessera {
+namespace {
+
+constexpr int64_t kFinishedCheck = 16;  // splats between two looks whether the tile is finished
+
+template <class Real>
+struct TileState {
+  Real colour[3][kTileSize][kTileSize] = {};
+  Real transmittance[kTileSize][kTileSize] = {};  // 0 outside the picture: never drawn
+  int32_t used[kTileSize][kTileSize] = {};
+};
+
+template <class Real>
+void blend_row(const TileSplat<Real>& splat, int y, int32_t index, TileState<Real>& state) {
+  const Real dy = splat.dy0 - Real(y);
+  Real* T = state.transmittance[y];
+  int32_t* used = state.used[y];
+  for (int x = 0; x < kTileSize; ++x) {
+    const Real G = splat_falloff(splat.conic, splat.dx0 - Real(x), dy);
+    const Real alpha = splat.opacity * G;
+    const bool on = alpha >= kMinAlpha<Real> && T[x] >= kMinTransmittance<Real>;
+    const Real drawn = on ? alpha : Real(0);
+    const Real weight = T[x] * drawn;
+    state.colour[0][y][x] += weight * splat.colour[0];
+    state.colour[1][y][x] += weight * splat.colour[1];
+    state.colour[2][y][x] += weight * splat.colour[2];
+    T[x] *= Real(1) - drawn;
+    used[x] = on ? index + 1 : used[x];
+  }
+}
+
+template <class Real>
+bool finished(const TileState<Real>& state, const Tile<Real>& tile) {
+  Real most = Real(0);
+  for (int y = 0; y < tile.height; ++y)
+    for (int x = 0; x < kTileSize; ++x) most = max_of(most, state.transmittance[y][x]);
+  return most < kMinTransmittance<Real>;
+}
+
+template <class Real>
+void store_tile(const TileState<Real>& state, const Tile<Real>& tile, const RenderOptions& options,
+                Images<Real>& images) {
+  const int64_t first = tile.view->first_pixel, pixels = tile.view_pixels();
+  for (int y = 0; y < tile.height; ++y)
+    for (int x = 0; x < tile.width; ++x) {
+      const int64_t p = tile.row_start(y) + x;
+      const Real T = state.transmittance[y][x];
+      for (int c = 0; c < 3; ++c)
+        images.colour[3 * first + c * pixels + p] =
+            state.colour[c][y][x] + T * Real(options.background[c]);
+      images.transmittance[first + p] = T;
+      images.used[first + p] = state.used[y][x];
+    }
+}
+
+}  // namespace
+
+template <class Real>
+void CpuBackend<Real>::blend(const BlendArgs<Real>& args, Images<Real>& images) {
+  images.colour.resize(3 * args.batch->pixels);
+  images.transmittance.resize(args.batch->pixels);
+  images.used.resize(args.batch->pixels);
+  for_each_tile_of(*args.batch, *args.instances, [&](const Tile<Real>& tile) {
+    TileState<Real> state;
+    for (int y = 0; y < tile.height; ++y)
+      for (int x = 0; x < tile.width; ++x) state.transmittance[y][x] = Real(1);
+    for (int64_t i = tile.begin; i < tile.end; ++i) {
+      const int64_t index = i - tile.begin;
+      if (index % kFinishedCheck == 0 && index > 0 && finished(state, tile)) break;
+      const TileSplat<Real> splat(*args.splats, args.instances->splat[i], tile);
+      for (int y = splat.first_row; y < splat.last_row; ++y)
+        blend_row(splat, y, int32_t(index), state);
+    }
+    store_tile(state, tile, args.options, images);
+  });
+}
+
+template void CpuBackend<float>::blend(const BlendArgs<float>&, Images<float>&);
+template void CpuBackend<double>::blend(const BlendArgs<double>&, Images<double>&);
+
+}  // namespace tessera

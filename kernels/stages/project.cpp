@@ -1,0 +1,139 @@
+// What: Gaussians → splats of every view. One task owns a run of Gaussians and loops over views.
+// Not: equations (math/splat.h).
+#include <atomic>
+
+#include "kernels/base/parallel.h"
+#include "kernels/cpu_backend.h"
+#include "kernels/math/splat.h"
+
+namespace tessera {
+namespace {
+
+constexpr int64_t kGrain = 512;  // Gaussians per task
+
+template <class Real>
+struct Record {
+  int32_t gaussian, view, tiles;
+  uint8_t negative;
+  Real depth, opacity;
+  Vec2<Real> mean2d;
+  Sym2<Real> conic;
+  Vec3<Real> colour;
+  TileRect rect;
+};
+
+/// The splats of a run of Gaussians, in order; `starts` has one entry per Gaussian.
+template <class Real>
+struct Chunk {
+  std::vector<Record<Real>> records;
+  std::vector<int64_t> starts;
+  int64_t invalid = 0;
+};
+
+template <class Real>
+bool colour_splat(const ViewArgs<Real>& view, const GaussianState<Real>& g, int degree,
+                  Record<Real>& record) {
+  Real distance;
+  const Vec3<Real> direction = view_direction(view, g.mean, distance);
+  const Vec3<Real> colour = sh_colour(degree, direction, g.sh);
+  record.negative = 0;
+  for (int c = 0; c < 3; ++c) {
+    if (!(colour[c] - colour[c] == Real(0))) return false;
+    if (colour[c] < Real(0)) record.negative = uint8_t(record.negative | 1 << c);
+    record.colour[c] = max_of(colour[c], Real(0));
+  }
+  return true;
+}
+
+template <int Dim, class Real>
+void project_run(const ProjectArgs<Real>& args, int set, int64_t first_gaussian, int64_t begin,
+                 int64_t end, Chunk<Real>& chunk) {
+  const std::vector<ViewArgs<Real>>& views = args.batch->views;
+  const Real near_plane = Real(args.options.near_plane), far_plane = Real(args.options.far_plane);
+  for (int64_t n = begin; n < end; ++n) {
+    chunk.starts.push_back(int64_t(chunk.records.size()));
+    GaussianState<Real> g;
+    if (!load_gaussian<Dim>(args.sets[set], n, g)) {
+      ++chunk.invalid;
+      continue;
+    }
+    for (size_t b = 0; b < views.size(); ++b) {
+      ViewSplat<Real> splat;
+      if (!splat_in_view(views[b], g, near_plane, far_plane, splat)) continue;
+      Record<Real> record;
+      record.tiles = 0;
+      const Footprint<Real> footprint{splat.projection.mean2d, splat.projection.conic,
+                                      cutoff_power(splat.opacity)};
+      for_each_tile(footprint, splat.rect, views[b].tiles_x, [&](int) { ++record.tiles; });
+      if (record.tiles == 0) continue;
+      if (!colour_splat(views[b], g, args.options.sh_degree, record)) {
+        ++chunk.invalid;
+        break;
+      }
+      record.gaussian = int32_t(first_gaussian + n), record.view = int32_t(b);
+      record.depth = splat.projection.in_cam[2], record.opacity = splat.opacity;
+      record.mean2d = splat.projection.mean2d, record.conic = splat.projection.conic;
+      record.rect = splat.rect;
+      chunk.records.push_back(record);
+    }
+  }
+}
+
+template <class Real>
+void resize_splats(Splats<Real>& splats, int64_t count, int64_t gaussians) {
+  splats.count = count;
+  splats.gaussian.resize(count), splats.view.resize(count), splats.depth.resize(count);
+  splats.mean2d.resize(count), splats.conic.resize(count), splats.opacity.resize(count);
+  splats.colour.resize(count), splats.negative.resize(count), splats.rect.resize(count);
+  splats.tiles.resize(count), splats.first_of.resize(gaussians + 1);
+}
+
+template <class Real>
+void store(const Record<Real>& r, int64_t s, Splats<Real>& splats) {
+  splats.gaussian[s] = r.gaussian, splats.view[s] = r.view, splats.depth[s] = r.depth;
+  splats.mean2d[s] = r.mean2d, splats.conic[s] = r.conic, splats.opacity[s] = r.opacity;
+  splats.colour[s] = r.colour, splats.negative[s] = r.negative, splats.rect[s] = r.rect;
+  splats.tiles[s] = r.tiles;
+}
+
+}  // namespace
+
+template <class Real>
+void CpuBackend<Real>::project(const ProjectArgs<Real>& args, Splats<Real>& splats) {
+  const int64_t counts[2] = {args.sets[0].count, args.sets[1].count};
+  const int64_t runs[2] = {(counts[0] + kGrain - 1) / kGrain, (counts[1] + kGrain - 1) / kGrain};
+  std::vector<Chunk<Real>> chunks(static_cast<size_t>(runs[0] + runs[1]));
+  parallel_for(int64_t(chunks.size()), 1, [&](int64_t c, int64_t) {
+    const int set = c < runs[0] ? 0 : 1;
+    const int64_t begin = (c - set * runs[0]) * kGrain;
+    const int64_t end = min_of(begin + kGrain, counts[set]);
+    const int64_t first = set * counts[0];
+    Chunk<Real>& chunk = chunks[size_t(c)];
+    if (args.sets[set].dim == 4)
+      project_run<4>(args, set, first, begin, end, chunk);
+    else
+      project_run<3>(args, set, first, begin, end, chunk);
+  });
+
+  std::vector<int64_t> offset(chunks.size() + 1, 0), gaussian(chunks.size() + 1, 0);
+  splats.invalid = 0;
+  for (size_t c = 0; c < chunks.size(); ++c) {
+    offset[c + 1] = offset[c] + int64_t(chunks[c].records.size());
+    gaussian[c + 1] = gaussian[c] + int64_t(chunks[c].starts.size());
+    splats.invalid += chunks[c].invalid;
+  }
+  resize_splats(splats, offset.back(), counts[0] + counts[1]);
+  parallel_for(int64_t(chunks.size()), 1, [&](int64_t c, int64_t) {
+    const Chunk<Real>& chunk = chunks[size_t(c)];
+    for (size_t i = 0; i < chunk.records.size(); ++i)
+      store(chunk.records[i], offset[size_t(c)] + int64_t(i), splats);
+    for (size_t i = 0; i < chunk.starts.size(); ++i)
+      splats.first_of[gaussian[size_t(c)] + int64_t(i)] = offset[size_t(c)] + chunk.starts[i];
+  });
+  splats.first_of[counts[0] + counts[1]] = offset.back();
+}
+
+template void CpuBackend<float>::project(const ProjectArgs<float>&, Splats<float>&);
+template void CpuBackend<double>::project(const ProjectArgs<double>&, Splats<double>&);
+
+}  // namespace tessera

@@ -1,0 +1,88 @@
+// What: convolution of a plane with the separable SSIM window, zero or reflect padded.
+// Not: a general filter. Loss and metrics share it.
+#pragma once
+#include <vector>
+
+#include "kernels/math/ssim.h"
+
+namespace tessera {
+
+/// Outside the picture: zeros (training loss, 3DGS metrics) or mirror without repeating the edge
+/// (torchmetrics); reflection needs width and height > kSsimRadius.
+enum class Padding { kZero, kReflect };
+
+/// Index of sample i of a line of `count` samples, or −1 for a zero.
+inline int padded_index(int i, int count, Padding padding) {
+  if (i >= 0 && i < count) return i;
+  if (padding == Padding::kZero) return -1;
+  return i < 0 ? -i : 2 * (count - 1) - i;
+}
+
+template <class Real>
+void convolve_rows(const Real* in, int width, int height, Padding padding, Real* out) {
+  std::vector<Real> line(static_cast<size_t>(width + 2 * kSsimRadius), Real(0));
+  for (int y = 0; y < height; ++y) {
+    const Real* from = in + int64_t(y) * width;
+    for (int x = 0; x < width; ++x) line[size_t(x + kSsimRadius)] = from[x];
+    if (padding == Padding::kReflect)
+      for (int k = 1; k <= kSsimRadius; ++k) {
+        line[size_t(kSsimRadius - k)] = from[k];
+        line[size_t(width - 1 + kSsimRadius + k)] = from[width - 1 - k];
+      }
+    Real* to = out + int64_t(y) * width;
+    const Real* padded = line.data();
+    for (int x = 0; x < width; ++x) {
+      Real sum = Real(0);
+      for (int k = 0; k < kSsimTaps; ++k) sum += kSsimWindow<Real>[k] * padded[x + k];
+      to[x] = sum;
+    }
+  }
+}
+
+template <class Real>
+void convolve_columns(const Real* in, int width, int height, Padding padding, Real* out) {
+  for (int y = 0; y < height; ++y) {
+    Real* to = out + int64_t(y) * width;
+    for (int x = 0; x < width; ++x) to[x] = Real(0);
+    for (int k = 0; k < kSsimTaps; ++k) {
+      const int from_row = padded_index(y + k - kSsimRadius, height, padding);
+      if (from_row < 0) continue;
+      const Real tap = kSsimWindow<Real>[k];
+      const Real* from = in + int64_t(from_row) * width;
+      for (int x = 0; x < width; ++x) to[x] += tap * from[x];
+    }
+  }
+}
+
+/// in and out [height, width]; `scratch` of the same size; out may be in.
+template <class Real>
+void convolve(const Real* in, int width, int height, Padding padding, Real* scratch, Real* out) {
+  convolve_rows(in, width, height, padding, scratch);
+  convolve_columns(scratch, width, height, padding, out);
+}
+
+/// The five windowed moments of two planes.
+template <class Real>
+struct MomentPlanes {
+  std::vector<Real> x, y, xx, yy, xy, scratch;
+
+  void compute(const Real* a, const Real* b, int width, int height, Padding padding) {
+    const size_t pixels = size_t(width) * size_t(height);
+    for (std::vector<Real>* plane : {&x, &y, &xx, &yy, &xy, &scratch}) plane->resize(pixels);
+    for (size_t p = 0; p < pixels; ++p) {
+      xx[p] = a[p] * a[p];
+      yy[p] = b[p] * b[p];
+      xy[p] = a[p] * b[p];
+    }
+    convolve(a, width, height, padding, scratch.data(), x.data());
+    convolve(b, width, height, padding, scratch.data(), y.data());
+    for (std::vector<Real>* plane : {&xx, &yy, &xy})
+      convolve(plane->data(), width, height, padding, scratch.data(), plane->data());
+  }
+
+  SsimPoint<Real> point(size_t p) const {
+    return ssim_point<Real>({x[p], y[p], xx[p], yy[p], xy[p]});
+  }
+};
+
+}  // namespace tessera
