@@ -59,8 +59,9 @@ struct ViewSplat {
   TileRect rect;
 };
 
-/// Direction from the camera to the unconditional mean, as both reference codes take it
-/// [method 0.19], and its length.
+/// Direction from the camera to the Gaussian where it is at the view's moment, and its length.
+/// Deviation: both reference codes take the unconditional mean μ [method 0.19]. With the sliced
+/// mean a frame exported as a static 3DGS file renders equal to the 4D model at that moment.
 template <class Real>
 TESSERA_HD inline Vec3<Real> view_direction(const ViewArgs<Real>& view, const Vec3<Real>& mean,
                                             Real& distance) {

@@ -31,11 +31,11 @@ struct Chunk {
 };
 
 template <class Real>
-bool colour_splat(const ViewArgs<Real>& view, const GaussianState<Real>& g, int degree,
+bool colour_splat(const ViewArgs<Real>& view, const Vec3<Real>& mean, const Real* sh, int degree,
                   Record<Real>& record) {
   Real distance;
-  const Vec3<Real> direction = view_direction(view, g.mean, distance);
-  const Vec3<Real> colour = sh_colour(degree, direction, g.sh);
+  const Vec3<Real> direction = view_direction(view, mean, distance);
+  const Vec3<Real> colour = sh_colour(degree, direction, sh);
   record.negative = 0;
   for (int c = 0; c < 3; ++c) {
     if (!(colour[c] - colour[c] == Real(0))) return false;
@@ -66,7 +66,7 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t first_gaussian,
                                       cutoff_power(splat.opacity)};
       for_each_tile(footprint, splat.rect, views[b].tiles_x, [&](int) { ++record.tiles; });
       if (record.tiles == 0) continue;
-      if (!colour_splat(views[b], g, args.options.sh_degree, record)) {
+      if (!colour_splat(views[b], splat.slice.mean, g.sh, args.options.sh_degree, record)) {
         ++chunk.invalid;
         break;
       }

@@ -30,15 +30,15 @@ void add_view(const ViewArgs<Real>& view, const GaussianState<Real>& g, int degr
   Vec3<Real> d_sliced_mean(Real(0));
   project_ewa_backward(view, to_camera(view, slice.mean), g.spacetime.covariance, conic, d.mean2d,
                        d.conic, d_sliced_mean, sums.spacetime.covariance);
-  slice_backward(g.spacetime, slice, d_sliced_mean, d.opacity * g.opacity, sums.spacetime);
-  sums.mean += d_sliced_mean;
-  sums.opacity += d.opacity * slice.marginal;
   Vec3<Real> d_colour = d.colour;
   for (int c = 0; c < 3; ++c)
     if (negative >> c & 1) d_colour[c] = Real(0);
   Real distance;
-  const Vec3<Real> direction = view_direction(view, g.mean, distance);
-  sums.mean += sh_colour_backward(degree, direction, distance, g.sh, d_colour, d_sh);
+  const Vec3<Real> direction = view_direction(view, slice.mean, distance);
+  d_sliced_mean += sh_colour_backward(degree, direction, distance, g.sh, d_colour, d_sh);
+  slice_backward(g.spacetime, slice, d_sliced_mean, d.opacity * g.opacity, sums.spacetime);
+  sums.mean += d_sliced_mean;
+  sums.opacity += d.opacity * slice.marginal;
   const Real ndc_x = d.mean2d[0] * Real(view.width) * Real(0.5);
   const Real ndc_y = d.mean2d[1] * Real(view.height) * Real(0.5);
   sums.ndc_norms += sqrt(ndc_x * ndc_x + ndc_y * ndc_y);
