@@ -1,0 +1,78 @@
+// What: a set of Gaussians (Dim 3 static or Dim 4 dynamic) that owns its parameter groups and their
+//       Adam moments; a GaussianModel is one static and one dynamic set.
+// Not: rendering, training or files.
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "ingest/scene.h"
+#include "kernels/base/buffer.h"
+#include "kernels/gaussians.h"
+#include "kernels/math/spherical_harmonics.h"
+
+namespace tessera {
+
+struct ParameterGroup {
+  Buffer<float> value;             // [N, width]
+  Buffer<float> moment1, moment2;  // [N, width] Adam's m and v; empty in a model that only renders
+};
+
+class GaussianSet {
+ public:
+  /// `coefficients`: SH coefficients per channel that are stored, (degree+1)².
+  GaussianSet(int dim, int coefficients) : dim_(dim), coefficients_(coefficients) {}
+
+  int dim() const { return dim_; }
+  int64_t count() const { return count_; }
+  int coefficients() const { return coefficients_; }
+  int groups() const { return group_count(dim_); }
+  int width(Group group) const { return group_width(group, coefficients_); }
+  ParameterGroup& group(Group group) { return groups_[group]; }
+  const ParameterGroup& group(Group group) const { return groups_[group]; }
+
+  /// Sets N; values are undefined until written. Moments are dropped.
+  void resize(int64_t count);
+  /// Allocates zero moments where there are none.
+  void ensure_moments();
+  bool has_moments() const { return !groups_[kMean].moment1.empty() || count_ == 0; }
+
+  GaussianSpans<float> values() { return spans<float>(&ParameterGroup::value, *this); }
+  GaussianSpans<const float> values() const {
+    return spans<const float>(&ParameterGroup::value, *this);
+  }
+  GaussianSpans<float> moments1() { return spans<float>(&ParameterGroup::moment1, *this); }
+  GaussianSpans<float> moments2() { return spans<float>(&ParameterGroup::moment2, *this); }
+
+  /// Deep copy of values, without moments.
+  GaussianSet clone_values() const;
+  /// Bytes of the values: 4 · N · scalars.
+  int64_t value_bytes() const;
+
+ private:
+  template <class T, class Self>
+  static GaussianSpans<T> spans(Buffer<float> ParameterGroup::*member, Self& self) {
+    GaussianSpans<T> result;
+    result.dim = self.dim_, result.count = self.count_, result.coefficients = self.coefficients_;
+    for (int g = 0; g < self.groups(); ++g) result.group[g] = (self.groups_[g].*member).span();
+    return result;
+  }
+
+  int dim_;
+  int coefficients_;
+  int64_t count_ = 0;
+  std::array<ParameterGroup, kGroupCount> groups_;
+};
+
+/// What a training produces and every other command reads.
+struct GaussianModel {
+  GaussianSet static_set{3, kMaxShCoefficients};
+  GaussianSet dynamic_set{4, kMaxShCoefficients};
+  int sh_degree = 3;                           // bands that are active
+  TimeAxis time_axis;                          // normalised time → the capture's own
+  std::array<uint8_t, 3> background{0, 0, 0};  // sRGB, what it was trained on
+  double near_plane = 0.2, far_plane = 1e4;    // world units
+
+  int64_t count() const { return static_set.count() + dynamic_set.count(); }
+};
+
+}  // namespace tessera

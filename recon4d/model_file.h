@@ -1,0 +1,20 @@
+// What: a GaussianModel as a file: the Tessera 4D .ply, which reloads bit-equal.
+// Not: optimizer state (checkpoint.h) and not the 3DGS .ply of other programs
+// (static3d/ply_3dgs.h).
+#pragma once
+#include <filesystem>
+
+#include "recon4d/gaussian_set.h"
+
+namespace tessera {
+
+/// Elements `vertex` (static set, standard 3DGS columns) and `vertex_dynamic` (the same plus
+/// mean_time, scale_time, rot_right_0..3); stored parameters unchanged; comments carry the version,
+/// time axis, SH degree, background and clip planes. Written atomically.
+void save_model(const std::filesystem::path& path, const GaussianModel& model);
+/// Errors: InputError naming the file and what is missing. `is_tessera_model` tells beforehand.
+GaussianModel load_model(const std::filesystem::path& path);
+/// Whether the .ply carries Tessera's comment (a plain 3DGS .ply does not).
+bool is_tessera_model(const std::filesystem::path& path);
+
+}  // namespace tessera

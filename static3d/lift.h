@@ -1,0 +1,17 @@
+// What: the two ways between static and dynamic: a Dim 3 set as Dim 4, a model at a moment as
+// Dim 3. Not: any decision which Gaussians should be which.
+#pragma once
+#include "recon4d/gaussian_set.h"
+
+namespace tessera {
+
+/// Each Gaussian with rotation_right = conj(rotation), mean_time 0.5 and the given temporal scale:
+/// it renders as before at every t near [0, 1] when σ_t ≫ 1.
+GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time);
+
+/// The model at normalised time t as one static set: the static Gaussians unchanged, then each
+/// dynamic one that is drawn at t with mean μ + vΔ, covariance Σ_c and opacity o·p. Those the
+/// renderer would not draw (p < 0.05, o·p < 1/255) are left out.
+GaussianSet slice_model(const GaussianModel& model, double time);
+
+}  // namespace tessera
