@@ -1,0 +1,42 @@
+// What: the truth beside a capture: ground_truth.json, masks of what changes, static surface
+// points. Not: read by ingest or training; only tests and measurements open it.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+#include "tools/synth/world.h"
+
+namespace tessera::synth {
+
+constexpr const char* kTruthFile = "ground_truth.json";
+constexpr const char* kTruthFolder = "ground_truth";
+
+/// A camera of the capture. Video: it sees every instant; dnerf: one image, so split, index and
+/// time say which.
+struct TrueView {
+  std::string name;  // "cam00", or "train/r_000"
+  Camera camera;
+  std::string split;  // empty for video
+  int index = 0;      // within the split
+  double time = 0;    // normalised; dnerf only
+};
+
+/// Instant `frame` of a clip, normalised to [0, 1] (0 for a clip of one frame).
+double normalised_time(const SynthOptions& options, int frame);
+/// Normalised time to seconds from the first frame.
+double seconds(const SynthOptions& options, double normalised);
+
+/// What the solids that come and go, the views and the options are, as ground_truth.json.
+std::string truth_json(const SynthOptions& options, const World& world,
+                       const std::vector<TrueView>& views);
+
+/// `count` points on static surfaces, each seen by some view at t = 0 if nothing moving hid it;
+/// fewer where most rays meet nothing.
+PointCloud sample_static_points(const World& world, const std::vector<TrueView>& views, int count,
+                                uint64_t seed);
+/// Columns x y z red green blue.
+void write_points(const std::filesystem::path& path, const PointCloud& points);
+
+}  // namespace tessera::synth

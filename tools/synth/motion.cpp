@@ -1,0 +1,42 @@
+// What: a motion evaluated at a moment.
+// Not: derivatives; ground truth needs positions only.
+#include "tools/synth/motion.h"
+
+#include <cmath>
+#include <glm/glm.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <numbers>
+
+namespace tessera::synth {
+
+namespace {
+
+glm::dmat3 turn(double radians, const glm::dvec3& axis) {
+  return glm::mat3_cast(glm::angleAxis(radians, glm::normalize(axis)));
+}
+
+}  // namespace
+
+glm::dmat3 turn_z(double degrees) {
+  return turn(glm::radians(degrees), {0, 0, 1});
+}
+glm::dmat3 turn_x(double degrees) {
+  return turn(glm::radians(degrees), {1, 0, 0});
+}
+
+Pose pose_at(const Motion& motion, double time) {
+  const double circle = 2 * std::numbers::pi;
+  const double theta = circle * motion.sway_cycles * time;
+  const double s = motion.stretch * std::sin(circle * motion.stretch_cycles * time);
+  const double tall = std::exp(s), wide = std::exp(-0.5 * s);
+  const glm::dmat3 scale(wide, 0, 0, 0, wide, 0, 0, 0, tall);
+  const glm::dmat3 spin = turn(circle * motion.spin_turns * time, motion.spin_axis);
+  Pose pose;
+  pose.linear = spin * motion.rest_rotation * scale;
+  pose.origin = motion.rest + motion.sway_sine * std::sin(theta) +
+                motion.sway_cosine * std::cos(theta) +
+                glm::dvec3(0, 0, motion.stretch_base * (tall - 1));
+  return pose;
+}
+
+}  // namespace tessera::synth

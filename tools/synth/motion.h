@@ -1,0 +1,35 @@
+// What: where an object stands at a moment: a path, a spin and a stretch about its rest pose.
+// Not: shapes that bend (the cloth of shape.h), and no physics.
+#pragma once
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+namespace tessera::synth {
+
+/// x_in_world = linear · x_in_object + origin.
+struct Pose {
+  glm::dmat3 linear{1.0};
+  glm::dvec3 origin{0.0};
+};
+
+/// All cycles and turns are counted over the clip, t in [0, 1].
+struct Motion {
+  glm::dvec3 rest{0.0};           // world units
+  glm::dmat3 rest_rotation{1.0};  // world from object
+  glm::dvec3 sway_sine{0.0};      // the path is rest + sway_sine·sin θ + sway_cosine·cos θ,
+  glm::dvec3 sway_cosine{0.0};    // θ = 2π·sway_cycles·t: an ellipse, an arc or a line
+  double sway_cycles = 1;
+  glm::dvec3 spin_axis{0, 0, 1};  // in the world
+  double spin_turns = 0;
+  double stretch = 0;         // z grows by e^{s}, x and y by e^{-s/2}: the volume is kept;
+  double stretch_cycles = 1;  // s = stretch · sin(2π·stretch_cycles·t)
+  double stretch_base = 0;    // height below the object's origin that stays where it is
+};
+
+Pose pose_at(const Motion& motion, double time);
+
+/// Rotations by an angle in degrees about the world's z and x.
+glm::dmat3 turn_z(double degrees);
+glm::dmat3 turn_x(double degrees);
+
+}  // namespace tessera::synth

@@ -1,0 +1,97 @@
+// What: the tables of scenes and layouts, and the checks of every option with its remedy.
+// Not: how a scene is built (room.cpp, object.cpp) or a layout written (layout_*.cpp).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "kernels/base/errors.h"
+#include "tools/synth/synth.h"
+#include "tools/synth/video_encoder.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::array<SynthSceneRow, 3> kScenes{{
+    {SynthScene::kRoom, "room",
+     "furnished room: rigid, stretching and waving movers, an object that comes and goes"},
+    {SynthScene::kRoomStatic, "room-static",
+     "the same room as at its first instant, without the object that comes and goes"},
+    {SynthScene::kObject, "object",
+     "a moving, deforming toy on nothing (transparent), seen from an upper hemisphere"},
+}};
+
+constexpr std::array<SynthLayoutRow, 3> kLayouts{{
+    {SynthLayout::kDnerf, "dnerf", "monocular D-NeRF folder: transforms_*.json and RGBA PNGs"},
+    {SynthLayout::kN3dv, "n3dv", "one mp4 per camera and poses_bounds.npy, cam00 in the middle"},
+    {SynthLayout::kVideos, "videos", "one mp4 per camera, no poses"},
+}};
+
+void check_range(const char* name, double value, double least, double most) {
+  if (value >= least && value <= most) return;  // false for NaN
+  throw InputError(
+      fmt::format("synth: {} is {}; give a value from {} to {}", name, value, least, most));
+}
+
+}  // namespace
+
+std::span<const SynthSceneRow> synth_scenes() {
+  return kScenes;
+}
+std::span<const SynthLayoutRow> synth_layouts() {
+  return kLayouts;
+}
+
+std::string_view name_of(SynthScene scene) {
+  return kScenes[size_t(scene)].name;
+}
+std::string_view name_of(SynthLayout layout) {
+  return kLayouts[size_t(layout)].name;
+}
+
+std::optional<SynthScene> find_synth_scene(std::string_view name) {
+  for (const SynthSceneRow& row : kScenes)
+    if (row.name == name) return row.scene;
+  return std::nullopt;
+}
+
+std::optional<SynthLayout> find_synth_layout(std::string_view name) {
+  for (const SynthLayoutRow& row : kLayouts)
+    if (row.name == name) return row.layout;
+  return std::nullopt;
+}
+
+SynthOptions resolve_synth_options(const SynthOptions& options) {
+  SynthOptions full = options;
+  const bool dnerf = options.layout == SynthLayout::kDnerf;
+  const bool square = dnerf && options.scene == SynthScene::kObject;
+  if (full.width == 0) full.width = square ? 200 : 240;
+  if (full.height == 0) full.height = square ? 200 : 180;
+  check_range("cameras", full.cameras, 1, 100);
+  check_range("frames", full.frames, 1, 100000);
+  check_range("held_out_frames", full.held_out_frames, 0, 10000);
+  check_range("width", full.width, 16, 8192);
+  check_range("height", full.height, 16, 8192);
+  check_range("fps numerator", full.fps.numerator, 1, 1e6);
+  check_range("fps denominator", full.fps.denominator, 1, 1e6);
+  check_range("supersampling", full.supersampling, 1, 16);
+  check_range("specular", full.specular, 0, 1);
+  check_range("video_quality", full.video_quality, 0, 51);
+  check_range("noise_sigma", full.noise_sigma, 0, 64);
+  check_range("exposure_wobble", full.exposure_wobble, 0, 0.5);
+  check_range("points", full.points, 0, 1e7);
+  if (full.held_out_frames == 0) full.held_out_frames = std::max(4, full.frames / 5);
+  if (!dnerf && (full.width % 2 != 0 || full.height % 2 != 0))
+    throw InputError(
+        fmt::format("synth: {} x {} is odd, which 4:2:0 video cannot hold; give even "
+                    "sizes or the layout dnerf",
+                    full.width, full.height));
+  if (!dnerf && !synth::video_encoder_available())
+    throw InputError(
+        fmt::format("synth: this build has no video encoder (FFmpeg), which the layout "
+                    "{} needs; use the layout dnerf or build with TESSERA_INGEST=ON",
+                    name_of(full.layout)));
+  return full;
+}
+
+}  // namespace tessera

@@ -1,0 +1,126 @@
+// What: the pixel loops, parallel over rows; rows are independent, so threads change nothing.
+// Not: shading (ray_cast.cpp).
+#include "tools/synth/render.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/base/parallel.h"
+
+namespace tessera::synth {
+namespace {
+
+constexpr int64_t kRows = 4;  // rows a parallel piece
+
+/// Pixels [x0, x1) × [y0, y1) outside which a mover cannot be seen.
+struct Bounds {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
+};
+
+/// Projects the ball about the mover: for |offset| <= r and depth in [z−r, z+r] the extremes of
+/// (offset)/(depth) lie at the corners.
+Bounds screen_bounds(const Camera& camera, const PlacedSolid& placed) {
+  const glm::dvec3 c = camera.cam_from_world * placed.origin + camera.translation;
+  const double r = placed.radius, near = c.z - r, far = c.z + r;
+  if (far <= 0) return {};
+  if (near <= 1e-3) return {0, 0, camera.width, camera.height};
+  const auto low = [&](double v) { return std::min((v - r) / near, (v - r) / far); };
+  const auto high = [&](double v) { return std::max((v + r) / near, (v + r) / far); };
+  const auto pixel = [](double v, int size) { return int(std::clamp(v, 0.0, double(size))); };
+  return {pixel(std::floor(camera.fl_x * low(c.x) + camera.cx), camera.width),
+          pixel(std::floor(camera.fl_y * low(c.y) + camera.cy), camera.height),
+          pixel(std::ceil(camera.fl_x * high(c.x) + camera.cx), camera.width),
+          pixel(std::ceil(camera.fl_y * high(c.y) + camera.cy), camera.height)};
+}
+
+/// The placed movers of a moment and where each may be seen.
+struct Movers {
+  std::vector<PlacedSolid> placed;
+  std::vector<Bounds> bounds;
+};
+
+/// Samples of one pixel summed up; true when a mover was met.
+bool add_samples(const World& world, const Camera& camera, const StaticLayer& layer,
+                 const Movers& movers, int x, int y, glm::vec4& sum) {
+  bool changed = false, near_mover = false;
+  for (const Bounds& bounds : movers.bounds) near_mover |= bounds.contains(x, y);
+  const int count = layer.grid * layer.grid;
+  const size_t first = (size_t(y) * size_t(camera.width) + size_t(x)) * size_t(count);
+  for (int s = 0; s < count; ++s) {
+    const float depth = layer.depth[first + size_t(s)];
+    glm::vec4 value(layer.colour[first + size_t(s)], std::isinf(depth) ? 0.f : 1.f);
+    if (near_mover) {
+      const Ray ray = pixel_ray(camera, x + (s % layer.grid + 0.5) / layer.grid,
+                                y + (s / layer.grid + 0.5) / layer.grid);
+      Meeting meeting;
+      meeting.hit.depth = depth;
+      for (size_t i = 0; i < movers.placed.size(); ++i)
+        if (movers.bounds[i].contains(x, y)) cast(ray, movers.placed[i], meeting);
+      if (meeting.placed != nullptr) {
+        value = glm::vec4(shade(world.light, ray, meeting, {}), 1);
+        changed = true;
+      }
+    }
+    sum += value;
+  }
+  return changed;
+}
+
+}  // namespace
+
+Ray pixel_ray(const Camera& camera, double x, double y) {
+  const glm::dvec3 in_camera((x - camera.cx) / camera.fl_x, (y - camera.cy) / camera.fl_y, 1);
+  return {camera.position(), glm::transpose(camera.cam_from_world) * in_camera};
+}
+
+StaticLayer render_static(const World& world, const Camera& camera, int grid) {
+  const std::vector<PlacedSolid> solids = place(world, Part::kStatic, 0);
+  const size_t count = size_t(grid) * size_t(grid);
+  const size_t samples = size_t(camera.width) * size_t(camera.height) * count;
+  StaticLayer layer{grid, std::vector<float>(samples), std::vector<glm::vec3>(samples)};
+  parallel_for(camera.height, kRows, [&](int64_t begin, int64_t end) {
+    size_t at = size_t(begin) * size_t(camera.width) * count;
+    for (int64_t y = begin; y < end; ++y)
+      for (int x = 0; x < camera.width; ++x)
+        for (int s = 0; s < grid * grid; ++s, ++at) {
+          const Ray ray =
+              pixel_ray(camera, x + (s % grid + 0.5) / grid, double(y) + (s / grid + 0.5) / grid);
+          const Meeting meeting = cast(ray, solids);
+          layer.depth[at] = float(meeting.hit.depth);
+          if (meeting.placed != nullptr)
+            layer.colour[at] = shade(world.light, ray, meeting, solids);
+        }
+  });
+  return layer;
+}
+
+Picture render(const World& world, const Camera& camera, double time, const StaticLayer& layer) {
+  Movers movers{place(world, Part::kMoving, time), {}};
+  for (const PlacedSolid& placed : movers.placed)
+    movers.bounds.push_back(screen_bounds(camera, placed));
+  const size_t pixels = size_t(camera.width) * size_t(camera.height);
+  Picture picture{camera.width, camera.height, std::vector<float>(4 * pixels),
+                  std::vector<uint8_t>(pixels)};
+  const float share = 1.f / float(layer.grid * layer.grid);
+  parallel_for(camera.height, kRows, [&](int64_t begin, int64_t end) {
+    for (int64_t y = begin; y < end; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const size_t pixel = size_t(y) * size_t(camera.width) + size_t(x);
+        glm::vec4 sum(0);
+        if (add_samples(world, camera, layer, movers, x, int(y), sum)) picture.mask[pixel] = 255;
+        if (sum.a > 0) {
+          const glm::vec3 straight = glm::vec3(sum) / sum.a;
+          for (int k = 0; k < 3; ++k) picture.rgba[4 * pixel + size_t(k)] = straight[k];
+        }
+        picture.rgba[4 * pixel + 3] = sum.a * share;
+      }
+  });
+  return picture;
+}
+
+Picture render(const World& world, const Camera& camera, double time, int grid) {
+  return render(world, camera, time, render_static(world, camera, grid));
+}
+
+}  // namespace tessera::synth

@@ -1,0 +1,52 @@
+// What: exposure and noise, each a function of (seed, view, frame, pixel).
+// Not: shot noise that depends on brightness; sigma is the same for every level.
+#include "tools/synth/sensor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/base/parallel.h"
+#include "tools/synth/hash.h"
+
+namespace tessera::synth {
+namespace {
+
+uint32_t frame_seed(const SynthOptions& options, int view, int frame) {
+  return hash(uint32_t(options.seed ^ (options.seed >> 32)), view, frame, 8);
+}
+
+}  // namespace
+
+double exposure_gain(const SynthOptions& options, int view, int frame) {
+  return 1 + options.exposure_wobble * signed_unit(frame_seed(options, view, frame));
+}
+
+Image8 expose(const Picture& picture, const SynthOptions& options, int channels, int view,
+              int frame) {
+  const uint32_t seed = mix(frame_seed(options, view, frame));
+  const float gain = float(exposure_gain(options, view, frame));
+  Image8 image{picture.width, picture.height, channels, {}};
+  const int64_t row = picture.width;
+  image.data.resize(size_t(row * picture.height * channels));
+  parallel_for(picture.height, 16, [&](int64_t begin, int64_t end) {
+    for (int64_t pixel = begin * row; pixel < end * row; ++pixel) {
+      const float* from = &picture.rgba[size_t(4 * pixel)];
+      uint8_t* to = &image.data[size_t(channels * pixel)];
+      const float over_black = channels == 3 ? from[3] : 1.f;
+      for (int k = 0; k < 3; ++k) {
+        double level = 255.0 * from[k] * over_black * gain;
+        if (options.noise_sigma > 0 && from[3] > 0)
+          level += options.noise_sigma * normal(hash(seed, pixel, k));
+        to[k] = uint8_t(std::lround(std::clamp(level, 0.0, 255.0)));
+      }
+      if (channels == 4) to[3] = uint8_t(std::lround(255 * from[3]));
+    }
+  });
+  return image;
+}
+
+Image8 mask_image(const Picture& picture) {
+  return {picture.width, picture.height, 1, picture.mask};
+}
+
+}  // namespace tessera::synth

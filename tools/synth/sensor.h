@@ -1,0 +1,23 @@
+// What: a rendered picture to the 8-bit picture a camera would store: exposure, noise, rounding.
+// Not: motion blur or rolling shutter; an exposure lasts no time.
+#pragma once
+#include <cstdint>
+
+#include "ingest/scene.h"
+#include "tools/synth/render.h"
+#include "tools/synth/synth.h"
+
+namespace tessera::synth {
+
+/// The gain of a frame, 1 ± exposure_wobble, by seed, view (camera or split) and frame number.
+double exposure_gain(const SynthOptions& options, int view, int frame);
+
+/// RGBA with straight alpha, or RGB over black. Noise touches colour only, and only where there is
+/// something (alpha > 0).
+Image8 expose(const Picture& picture, const SynthOptions& options, int channels, int view,
+              int frame);
+
+/// The picture's mask as a grey picture: 255 what changes, 0 what does not.
+Image8 mask_image(const Picture& picture);
+
+}  // namespace tessera::synth

@@ -1,0 +1,74 @@
+// What: makes a textured dynamic capture with exact cameras and ground truth, seeded; the one door
+//       to this folder: options in, a folder on disk out.
+// Not: command-line parsing or printing (tools/cmd_synth.cpp), and nothing that training includes.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace tessera {
+
+enum class SynthScene { kRoom, kRoomStatic, kObject };
+enum class SynthLayout { kDnerf, kN3dv, kVideos };
+
+/// One row of what can be asked for: its name on the command line and one line of explanation.
+struct SynthSceneRow {
+  SynthScene scene;
+  std::string_view name, doc;
+};
+struct SynthLayoutRow {
+  SynthLayout layout;
+  std::string_view name, doc;
+};
+std::span<const SynthSceneRow> synth_scenes();
+std::span<const SynthLayoutRow> synth_layouts();
+std::string_view name_of(SynthScene scene);
+std::string_view name_of(SynthLayout layout);
+std::optional<SynthScene> find_synth_scene(std::string_view name);
+std::optional<SynthLayout> find_synth_layout(std::string_view name);
+
+/// Frames per second as a fraction: 24/1, 30000/1001.
+struct FrameRate {
+  int numerator = 24, denominator = 1;
+};
+
+struct SynthOptions {
+  SynthScene scene = SynthScene::kRoom;
+  SynthLayout layout = SynthLayout::kN3dv;
+  int cameras = 12;           // n3dv, videos; a dnerf capture is monocular and ignores it
+  int frames = 24;            // instants; in dnerf the number of training views
+  int held_out_frames = 0;    // dnerf: views in each of val and test; 0: a fifth of frames, >= 4
+  int width = 0, height = 0;  // pixels; 0: 240 × 180, or 200 × 200 for `object` as dnerf
+  FrameRate fps;
+  uint64_t seed = 1;           // textures, colours, small offsets of furniture and cameras
+  int supersampling = 3;       // N × N rays a pixel, 1..16; 16·N² bytes of memory a pixel
+  double specular = 0;         // strength of a highlight in [0, 1]; 0: no view dependence
+  int video_quality = 8;       // x264 crf, 0 (lossless) .. 51
+  double noise_sigma = 0;      // of each channel, in levels of 255
+  double exposure_wobble = 0;  // largest relative change of a frame's gain, [0, 0.5]
+  int points = 20000;          // size of ground_truth/points.ply
+};
+
+struct SynthReport {
+  int64_t cameras = 0;  // physical cameras: 1 for dnerf
+  int64_t images = 0;   // pictures rendered, over all cameras or splits
+  int64_t points = 0;   // static surface points written
+};
+
+/// Called with (what is being done, done, total); may throw to stop.
+using SynthProgress = std::function<void(std::string_view, int64_t, int64_t)>;
+
+/// Renders the capture and writes it as the folder `out`, which appears whole or not at all. A
+/// folder that holds a ground_truth.json is replaced. Errors: InputError, one line with the remedy:
+/// an option out of range, odd size of a video, no video encoder in this build, `out` exists and is
+/// not ours, cannot be written.
+SynthReport make_capture(const SynthOptions& options, const std::filesystem::path& out,
+                         const SynthProgress& progress);
+
+/// `options` with sizes and counts that were left at 0 filled in. Errors: InputError as above.
+SynthOptions resolve_synth_options(const SynthOptions& options);
+
+}  // namespace tessera

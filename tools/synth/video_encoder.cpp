@@ -1,0 +1,182 @@
+// What: libavformat, libavcodec (libx264) and libswscale behind VideoEncoder, every handle owned.
+// Not: decoding (ingest).
+#include "tools/synth/video_encoder.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/opt.h>
+#include <libswscale/swscale.h>
+}
+
+#include <string>
+
+#include "kernels/base/errors.h"
+
+namespace tessera::synth {
+namespace {
+
+constexpr int kHighDefinitionLines = 720;  // from here on players assume BT.709
+constexpr int kEncoderThreads = 4;         // fixed: x264's bytes depend on it
+
+struct Release {
+  void operator()(AVFormatContext* c) const {
+    if (c->pb != nullptr) avio_closep(&c->pb);
+    avformat_free_context(c);
+  }
+  void operator()(AVCodecContext* c) const { avcodec_free_context(&c); }
+  void operator()(AVFrame* f) const { av_frame_free(&f); }
+  void operator()(AVPacket* p) const { av_packet_free(&p); }
+  void operator()(SwsContext* c) const { sws_freeContext(c); }
+};
+template <class T>
+using Owned = std::unique_ptr<T, Release>;
+
+std::string reason(int error) {
+  char text[AV_ERROR_MAX_STRING_SIZE] = {};
+  av_strerror(error, text, sizeof(text));
+  return text;
+}
+
+}  // namespace
+
+struct VideoEncoder::State {
+  std::string path;
+  Owned<AVFormatContext> file;
+  Owned<AVCodecContext> codec;
+  Owned<SwsContext> to_yuv;
+  Owned<AVFrame> frame;
+  Owned<AVPacket> packet;
+  AVStream* stream = nullptr;  // of file
+  int64_t count = 0;
+
+  /// Throws for a negative FFmpeg result.
+  void require(int result, const char* what) const {
+    if (result < 0)
+      throw InputError("synth: cannot write " + path + ": " + what + ": " + reason(result));
+  }
+
+  void open_codec(const VideoFormat& format);
+  void open_file();
+  void open_conversion();
+  void set_option(void* object, const char* name, const std::string& value) const {
+    require(av_opt_set(object, name, value.c_str(), 0), name);
+  }
+  void encode(const AVFrame* input);
+};
+
+void VideoEncoder::State::open_codec(const VideoFormat& format) {
+  const AVCodec* h264 = avcodec_find_encoder_by_name("libx264");
+  if (h264 == nullptr)
+    throw InputError("synth: cannot write " + path +
+                     ": this FFmpeg has no libx264; install one that has, or use the layout dnerf");
+  codec.reset(avcodec_alloc_context3(h264));
+  check(codec != nullptr, "avcodec_alloc_context3 returned null");
+  const bool high = format.height >= kHighDefinitionLines;
+  codec->width = format.width, codec->height = format.height;
+  codec->pix_fmt = AV_PIX_FMT_YUV420P;
+  codec->framerate = {format.fps.numerator, format.fps.denominator};
+  codec->time_base = av_inv_q(codec->framerate);
+  codec->color_range = AVCOL_RANGE_MPEG;
+  codec->colorspace = high ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M;
+  codec->color_primaries = high ? AVCOL_PRI_BT709 : AVCOL_PRI_SMPTE170M;
+  codec->color_trc = high ? AVCOL_TRC_BT709 : AVCOL_TRC_SMPTE170M;
+  codec->chroma_sample_location = AVCHROMA_LOC_CENTER;
+  codec->thread_count = kEncoderThreads;
+  codec->flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;
+  set_option(codec->priv_data, "preset", "medium");
+  set_option(codec->priv_data, "crf", std::to_string(format.quality));
+  require(avcodec_open2(codec.get(), h264, nullptr), "opening libx264");
+}
+
+void VideoEncoder::State::open_file() {
+  AVFormatContext* made = nullptr;
+  require(avformat_alloc_output_context2(&made, nullptr, "mp4", path.c_str()), "mp4");
+  file.reset(made);
+  file->flags |= AVFMT_FLAG_BITEXACT;  // no library version in the file
+  stream = avformat_new_stream(made, nullptr);
+  check(stream != nullptr, "avformat_new_stream returned null");
+  stream->time_base = codec->time_base;
+  stream->avg_frame_rate = codec->framerate;
+  require(avcodec_parameters_from_context(stream->codecpar, codec.get()), "codec parameters");
+  require(avio_open(&file->pb, path.c_str(), AVIO_FLAG_WRITE), "opening");
+  set_option(file->priv_data, "movflags", "+faststart");
+  require(avformat_write_header(made, nullptr), "header");
+}
+
+void VideoEncoder::State::open_conversion() {
+  to_yuv.reset(sws_alloc_context());
+  check(to_yuv != nullptr, "sws_alloc_context returned null");
+  SwsContext* sws = to_yuv.get();
+  const auto number = [&](const char* name, int value) {
+    require(av_opt_set_int(sws, name, value, 0), name);
+  };
+  number("srcw", codec->width), number("srch", codec->height);
+  number("dstw", codec->width), number("dsth", codec->height);
+  number("src_format", AV_PIX_FMT_RGB24), number("dst_format", AV_PIX_FMT_YUV420P);
+  number("sws_flags", SWS_AREA | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BITEXACT);
+  number("dst_h_chr_pos", 128), number("dst_v_chr_pos", 128);  // the centre of 2 × 2 pixels
+  require(sws_init_context(sws, nullptr, nullptr), "colour conversion");
+  const int matrix = codec->colorspace == AVCOL_SPC_BT709 ? SWS_CS_ITU709 : SWS_CS_ITU601;
+  const int* table = sws_getCoefficients(matrix);
+  require(sws_setColorspaceDetails(sws, table, 1, table, 0, 0, 1 << 16, 1 << 16),
+          "colour conversion");
+}
+
+/// Hands a frame (null: the end) to the encoder and writes what it gives back.
+void VideoEncoder::State::encode(const AVFrame* input) {
+  require(avcodec_send_frame(codec.get(), input), "encoding");
+  while (true) {
+    const int result = avcodec_receive_packet(codec.get(), packet.get());
+    if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return;
+    require(result, "encoding");
+    packet->duration = 1;
+    packet->stream_index = stream->index;
+    av_packet_rescale_ts(packet.get(), codec->time_base, stream->time_base);
+    require(av_interleaved_write_frame(file.get(), packet.get()), "writing");
+  }
+}
+
+VideoEncoder::VideoEncoder(const std::filesystem::path& path, const VideoFormat& format)
+    : state_(std::make_unique<State>()) {
+  av_log_set_level(AV_LOG_FATAL);  // of the process: libraries do not print, errors come as codes
+  State& s = *state_;
+  s.path = path.string();
+  s.open_codec(format);
+  s.open_file();
+  s.open_conversion();
+  s.packet.reset(av_packet_alloc());
+  s.frame.reset(av_frame_alloc());
+  check(s.packet != nullptr && s.frame != nullptr, "FFmpeg is out of memory");
+  s.frame->width = format.width, s.frame->height = format.height;
+  s.frame->format = AV_PIX_FMT_YUV420P;
+  s.require(av_frame_get_buffer(s.frame.get(), 0), "frame");
+}
+
+VideoEncoder::~VideoEncoder() = default;
+
+void VideoEncoder::add(const Image8& picture) {
+  State& s = *state_;
+  check(
+      picture.width == s.frame->width && picture.height == s.frame->height && picture.channels == 3,
+      "a video frame is RGB and of the video's size");
+  s.require(av_frame_make_writable(s.frame.get()), "frame");
+  const uint8_t* from[] = {picture.data.data()};
+  const int stride[] = {3 * picture.width};
+  sws_scale(s.to_yuv.get(), from, stride, 0, picture.height, s.frame->data, s.frame->linesize);
+  s.frame->pts = s.count++;
+  s.encode(s.frame.get());
+}
+
+void VideoEncoder::finish() {
+  state_->encode(nullptr);
+  state_->require(av_write_trailer(state_->file.get()), "trailer");
+  const int closed = avio_closep(&state_->file->pb);
+  state_->require(closed, "closing");
+}
+
+bool video_encoder_available() {
+  return true;
+}
+
+}  // namespace tessera::synth

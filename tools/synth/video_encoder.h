@@ -1,0 +1,41 @@
+// What: 8-bit RGB pictures to one H.264 mp4, colours tagged so that a correct decoder returns them.
+// Not: in the trainer-only build, where the constructor refuses (video_encoder_absent.cpp).
+#pragma once
+#include <filesystem>
+#include <memory>
+
+#include "ingest/scene.h"
+#include "tools/synth/synth.h"
+
+namespace tessera::synth {
+
+struct VideoFormat {
+  int width = 0, height = 0;  // even
+  FrameRate fps;
+  int quality = 8;  // x264 crf
+};
+
+/// yuv420p, limited range, BT.709 from 720 lines up and BT.601 below, as players assume; chroma
+/// sited in the centre and tagged so; index in front. The same pictures give the same bytes.
+/// Errors: InputError naming the file and FFmpeg's reason.
+class VideoEncoder {
+ public:
+  VideoEncoder(const std::filesystem::path& path, const VideoFormat& format);
+  ~VideoEncoder();
+  VideoEncoder(const VideoEncoder&) = delete;
+  VideoEncoder& operator=(const VideoEncoder&) = delete;
+
+  /// The next frame: RGB, 3 channels, of the format's size.
+  void add(const Image8& picture);
+  /// Completes the file; without it the file is not playable.
+  void finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Whether this build can encode video.
+bool video_encoder_available();
+
+}  // namespace tessera::synth

@@ -1,0 +1,22 @@
+// What: a scene's name to its world; the static room is the room with its movers held.
+// Not: what is in the worlds (room.cpp, object.cpp).
+#include "tools/synth/world.h"
+
+#include <vector>
+
+#include "tools/synth/hash.h"
+
+namespace tessera::synth {
+
+World build_world(SynthScene scene, uint64_t seed, double specular) {
+  const uint32_t folded = hash(uint32_t(seed), int64_t(seed >> 32));
+  World world = scene == SynthScene::kObject ? build_object(folded) : build_room(folded);
+  world.light.specular = specular;
+  if (scene == SynthScene::kRoomStatic) {
+    std::erase_if(world.solids, [](const Solid& s) { return !s.lifetime.whole_clip(); });
+    for (Solid& solid : world.solids) solid.moves = false;
+  }
+  return world;
+}
+
+}  // namespace tessera::synth

@@ -1,0 +1,54 @@
+// What: a described world: solids with shape, texture, motion and lifetime, and one light.
+// Not: its picture (render.h). Space: metres, z up, the floor of the room at z = 0.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/synth/motion.h"
+#include "tools/synth/shape.h"
+#include "tools/synth/synth.h"
+#include "tools/synth/texture.h"
+
+namespace tessera::synth {
+
+/// Times t with begin <= t < end, normalised.
+struct Lifetime {
+  double begin = -1, end = 2;
+  bool whole_clip() const { return begin <= 0 && end > 1; }
+  bool contains(double time) const { return time >= begin && time < end; }
+};
+
+struct Solid {
+  std::string name;
+  Shape shape;
+  Texture texture;
+  Motion motion;
+  Lifetime lifetime;
+  bool moves = false;    // false: shown as at t = 0, whatever the motion says
+  bool shadows = false;  // casts and receives the light's shadow; only for what never moves
+};
+
+/// Lambert from a point light without fall-off, plus ambient light that is weaker from below.
+struct Light {
+  glm::dvec3 position{0, 0, 5};
+  double diffuse = 0.55, ambient = 0.45;
+  double specular = 0;  // Blinn–Phong strength
+};
+
+struct World {
+  std::vector<Solid> solids;
+  Light light;
+  glm::dvec3 target{0.0};  // what the cameras look at
+};
+
+/// The worlds of the table in options.cpp.
+World build_world(SynthScene scene, uint64_t seed, double specular);
+
+/// `room`: floor, walls, ceiling, furniture and the movers (room.cpp).
+World build_room(uint32_t seed);
+/// `object`: a toy on a base plate (object.cpp).
+World build_object(uint32_t seed);
+
+}  // namespace tessera::synth
