@@ -14,18 +14,18 @@ namespace tessera {
 enum class CaptureLayout { kTransforms, kN3dv, kVideos };
 
 struct IngestOptions {
-  double scale = 1;                      // (0, 1]: size of the prepared frames by the source's
-  std::optional<int64_t> frames;         // first N instants of each camera; all by default
-  std::vector<std::string> held_out;     // camera names that become the test split (videos);
-                                         // empty: the first camera, as N3DV's protocol has it
-  bool allow_static = false;             // accept a capture whose times are all equal
+  double scale = 1;                   // (0, 1]: size of the prepared frames by the source's
+  std::optional<int64_t> frames;      // first N instants of each camera; all by default
+  std::vector<std::string> held_out;  // camera names that become the test split (videos);
+                                      // empty: the first camera, as N3DV's protocol has it
+  bool allow_static = false;          // accept a capture whose times are all equal
 };
 
 struct IngestReport {
   CaptureLayout layout{};
   int64_t frames = 0, cameras = 0;
-  int64_t points = 0;                    // size of the initial cloud that was found, 0 if none
-  std::vector<std::string> warnings;     // one line each
+  int64_t points = 0;                 // size of the initial cloud that was found, 0 if none
+  std::vector<std::string> warnings;  // one line each
 };
 
 /// Called with (what is being done, done, total); may throw to stop.

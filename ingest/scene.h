@@ -27,11 +27,11 @@ struct Frame {
   double time = 0;           // normalised to [0, 1] over all splits
   Split split = Split::kTrain;
   Camera camera;
-  Image8 image;              // RGB, composited once on Scene::background
+  Image8 image;  // RGB, composited once on Scene::background
 };
 
 struct PointCloud {
-  std::vector<glm::vec3> position;           // [P] world units
+  std::vector<glm::vec3> position;             // [P] world units
   std::vector<std::array<uint8_t, 3>> colour;  // [P] sRGB, same length as position
 };
 
@@ -42,14 +42,14 @@ struct TimeAxis {
 };
 
 struct Scene {
-  std::string path;                    // folder it was read from
-  std::vector<Frame> frames;           // in the order of the files
-  PointCloud points;                   // may be empty
+  std::string path;           // folder it was read from
+  std::vector<Frame> frames;  // in the order of the files
+  PointCloud points;          // may be empty
   TimeAxis time_axis;
-  bool is_static = false;              // one timestep (no times given, or all equal and allowed)
+  bool is_static = false;  // one timestep (no times given, or all equal and allowed)
   std::array<uint8_t, 3> background{0, 0, 0};  // sRGB colour that RGBA frames were composited on
-  bool had_alpha = false;              // some frame had an alpha channel: empty space is known
-  std::vector<std::string> warnings;   // one line each, for tools/ to print
+  bool had_alpha = false;             // some frame had an alpha channel: empty space is known
+  std::vector<std::string> warnings;  // one line each, for tools/ to print
 
   /// Indices into `frames` of one split, in file order.
   std::vector<int> split_indices(Split split) const {

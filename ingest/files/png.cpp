@@ -9,6 +9,8 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
+#include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -42,17 +44,10 @@ bool guarded(png_structp png, const Body& body) {
   return true;
 }
 
-struct Source {
-  const char* bytes;
-  size_t left;
-};
-
 void read_bytes(png_structp png, png_bytep to, size_t count) {
-  auto* source = static_cast<Source*>(png_get_io_ptr(png));
-  if (count > source->left) png_error(png, "the file ends early (truncated)");
-  std::memcpy(to, source->bytes, count);
-  source->bytes += count;
-  source->left -= count;
+  auto* file = static_cast<std::FILE*>(png_get_io_ptr(png));
+  if (std::fread(to, 1, count, file) == count) return;
+  png_error(png, std::ferror(file) != 0 ? std::strerror(errno) : "the file ends early, truncated");
 }
 
 void write_bytes(png_structp png, png_bytep from, size_t count) {
@@ -88,31 +83,33 @@ struct WriteState {
   throw InputError(fmt::format("{}: {}; copy or render this picture again", path.string(), seen));
 }
 
-uint32_t big_endian_32(const std::string& bytes, size_t at) {
-  uint32_t value = 0;
-  for (size_t i = 0; i < 4; ++i) value = value << 8 | uint8_t(bytes[at + i]);
-  return value;
+uint32_t big_endian_32(const uint8_t* bytes) {
+  return uint32_t(bytes[0]) << 24 | uint32_t(bytes[1]) << 16 | uint32_t(bytes[2]) << 8 | bytes[3];
 }
 
 /// Looks at signature and IHDR by hand, so nothing is allocated for a size the file cannot hold.
-void check_header(const std::filesystem::path& path, const std::string& bytes) {
-  if (bytes.empty()) fail(path, "is an empty file, expected a PNG");
-  const auto* start = reinterpret_cast<png_const_bytep>(bytes.data());
-  if (png_sig_cmp(start, 0, std::min<size_t>(8, bytes.size())) != 0) fail(path, "is not a PNG");
-  if (bytes.size() < 33) fail(path, fmt::format("PNG truncated after {} bytes", bytes.size()));
-  const int64_t width = big_endian_32(bytes, 16), height = big_endian_32(bytes, 20);
+void check_header(const std::filesystem::path& path, std::FILE* file) {
+  uint8_t start[33] = {};  // signature, IHDR
+  const size_t count = std::fread(start, 1, sizeof start, file);
+  if (std::ferror(file) != 0) fail(path, fmt::format("cannot be read ({})", std::strerror(errno)));
+  if (count == 0) fail(path, "is an empty file, expected a PNG");
+  if (png_sig_cmp(start, 0, std::min<size_t>(8, count)) != 0) fail(path, "is not a PNG");
+  if (count < sizeof start) fail(path, fmt::format("PNG truncated after {} bytes", count));
+  const int64_t width = big_endian_32(start + 16), height = big_endian_32(start + 20);
   if (width == 0 || height == 0)
     fail(path, fmt::format("has size {}x{}, expected at least 1x1 pixel", width, height));
   if (width > kMaxSide || height > kMaxSide)
     fail(path, fmt::format("states a size of {}x{}, more than {} a side", width, height, kMaxSide));
   constexpr int kChannelsOfColourType[7] = {1, 0, 3, 1, 2, 0, 4};
-  const int depth = uint8_t(bytes[24]), colour_type = uint8_t(bytes[25]);
+  const int depth = start[24], colour_type = start[25];
   if (depth > 16 || colour_type > 6) fail(path, "has a damaged PNG header");
   const int64_t pixel_bits = depth * kChannelsOfColourType[colour_type];
   const int64_t least_bytes = (width * pixel_bits + 7) / 8 * height;
-  if (least_bytes / kDeflateMaxRatio > int64_t(bytes.size()))
+  const auto file_bytes = int64_t(std::filesystem::file_size(path));
+  if (least_bytes / kDeflateMaxRatio > file_bytes)
     fail(path, fmt::format("states {}x{} pixels, which {} bytes cannot hold (truncated)", width,
-                           height, bytes.size()));
+                           height, file_bytes));
+  std::rewind(file);
 }
 
 /// Asks libpng for 8-bit grey, RGB or RGBA whatever is stored.
@@ -126,31 +123,45 @@ void set_transforms(png_structp png, png_infop info) {
   png_read_update_info(png, info);
 }
 
-}  // namespace
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-Image8 read_png(const std::filesystem::path& path) {
-  const std::string bytes = read_text_file(path);
-  check_header(path, bytes);
-  ReadState state;
+/// Opens, checks, and reads up to the pixels; the result has its size and no data.
+Image8 read_start(const std::filesystem::path& path, ReadState& state, File& file) {
+  file = File(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (file == nullptr) fail(path, fmt::format("cannot be opened ({})", std::strerror(errno)));
+  check_header(path, file.get());
   if (state.info == nullptr) throw std::bad_alloc();
-  Source source{bytes.data(), bytes.size()};
-  bool read = guarded(state.png, [&] {
+  const bool read = guarded(state.png, [&] {
     png_set_user_limits(state.png, kMaxSide, kMaxSide);
-    png_set_read_fn(state.png, &source, read_bytes);
+    png_set_read_fn(state.png, file.get(), read_bytes);
     png_read_info(state.png, state.info);
     set_transforms(state.png, state.info);
   });
   if (!read) fail(path, fmt::format("unreadable PNG header ({})", state.failure.text));
-  Image8 image;
-  image.width = int(png_get_image_width(state.png, state.info));
-  image.height = int(png_get_image_height(state.png, state.info));
-  image.channels = png_get_channels(state.png, state.info);
+  return {int(png_get_image_width(state.png, state.info)),
+          int(png_get_image_height(state.png, state.info)),
+          png_get_channels(state.png, state.info),
+          {}};
+}
+
+}  // namespace
+
+Image8 read_png_size(const std::filesystem::path& path) {
+  ReadState state;
+  File file(nullptr, std::fclose);
+  return read_start(path, state, file);
+}
+
+Image8 read_png(const std::filesystem::path& path) {
+  ReadState state;
+  File file(nullptr, std::fclose);
+  Image8 image = read_start(path, state, file);
   const size_t stride = png_get_rowbytes(state.png, state.info);
   check(stride == size_t(image.width) * size_t(image.channels), "PNG row is not 8 bit");
   image.data.resize(stride * size_t(image.height));
   std::vector<png_bytep> rows(size_t(image.height));
   for (size_t y = 0; y < rows.size(); ++y) rows[y] = image.data.data() + y * stride;
-  read = guarded(state.png, [&] {
+  const bool read = guarded(state.png, [&] {
     png_read_image(state.png, rows.data());
     png_read_end(state.png, nullptr);
   });

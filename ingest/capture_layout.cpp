@@ -1,0 +1,44 @@
+// What: a capture's layout by the files that are there.
+// Not: a look inside them; a broken file is its reader's to report.
+#include "ingest/capture_layout.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "ingest/transforms_json.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder) {
+  constexpr std::array<const char*, 5> kExtensions{".mp4", ".mkv", ".mov", ".avi", ".webm"};
+  std::vector<std::filesystem::path> videos;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::string extension = entry.path().extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    const bool is_video =
+        std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+    const bool is_hidden = entry.path().filename().string().front() == '.';
+    if (is_video && !is_hidden && entry.is_regular_file()) videos.push_back(entry.path());
+  }
+  std::sort(videos.begin(), videos.end());
+  return videos;
+}
+
+CaptureLayout detect_layout(const std::filesystem::path& capture) {
+  if (!std::filesystem::is_directory(capture))
+    throw InputError(fmt::format("{}: no such folder; check the path", capture.string()));
+  if (has_transforms(capture)) return CaptureLayout::kTransforms;
+  if (!videos_in(capture).empty())
+    return std::filesystem::exists(capture / "poses_bounds.npy") ? CaptureLayout::kN3dv
+                                                                 : CaptureLayout::kVideos;
+  throw InputError(fmt::format(
+      "{}: no transforms.json, no transforms_train.json and no videos (*.mp4, *.mkv, *.mov, "
+      "*.avi, *.webm) in it; name the folder that holds the capture",
+      capture.string()));
+}
+
+}  // namespace tessera

@@ -1,0 +1,14 @@
+// What: what kind of capture a folder is, and its videos.
+// Not: reading any of them.
+#pragma once
+#include <filesystem>
+#include <vector>
+
+#include "ingest/ingest.h"
+
+namespace tessera {
+
+/// The videos directly in `folder`, sorted by name.
+std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder);
+
+}  // namespace tessera

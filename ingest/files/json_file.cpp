@@ -1,0 +1,68 @@
+// What: reading JSON with errors that name the file, and values with errors that name the place.
+// Not: writing; nlohmann's dump and write_text_file do that.
+#include "ingest/files/json_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+
+#include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+/// Python's json module writes NaN, Infinity and -Infinity; as null they reach the check that knows
+/// which frame they belong to.
+void blank_non_finite(std::string& text) {
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (in_string && text[i] == '\\') {
+      ++i;
+    } else if (text[i] == '"') {
+      in_string = !in_string;
+    } else if (!in_string && (text[i] == 'N' || text[i] == 'I' || text[i] == '-')) {
+      const std::string_view rest = std::string_view(text).substr(i);
+      for (const std::string_view token : {"-Infinity", "Infinity", "NaN"})
+        if (rest.starts_with(token)) {
+          text.replace(i, token.size(), "null");
+          break;  // `rest` looks at the text before the replacement
+        }
+    }
+  }
+}
+
+}  // namespace
+
+nlohmann::json read_json(const std::filesystem::path& path) {
+  std::string text = read_text_file(path);
+  blank_non_finite(text);
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(fmt::format("{}: is not valid JSON ({}); correct it or export it again",
+                                 path.string(), error.what()));
+  }
+}
+
+std::optional<double> finite_number(const nlohmann::json& object, const char* key,
+                                    const std::string& where) {
+  const auto found = object.find(key);
+  if (found == object.end()) return std::nullopt;
+  if (!found->is_number() || !std::isfinite(found->get<double>()))
+    throw InputError(fmt::format("{}: {} is {}, expected a finite number; correct it", where, key,
+                                 found->is_null() ? "NaN, infinite or null" : found->type_name()));
+  return found->get<double>();
+}
+
+std::string string_at(const nlohmann::json& object, const char* key, const std::string& where) {
+  const auto found = object.find(key);
+  if (found == object.end()) return {};
+  if (!found->is_string())
+    throw InputError(
+        fmt::format("{}: {} is a {}, expected text; correct it", where, key, found->type_name()));
+  return found->get<std::string>();
+}
+
+}  // namespace tessera

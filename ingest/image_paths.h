@@ -1,0 +1,18 @@
+// What: a stated file_path → the file it means, and the name the frame goes by.
+// Not: decoding.
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace tessera {
+
+/// The existing picture that `file_path` (relative to `folder`, with or without extension) means;
+/// `file_path` + ".png" is tried first. Errors: InputError that starts with `where`.
+std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& file_path,
+                                 const std::string& where);
+
+/// "./train/r_003.png" → "train/r_003"; root, "." and ".." are dropped, so it is safe below a
+/// folder.
+std::string name_of_image(const std::string& file_path);
+
+}  // namespace tessera

@@ -1,0 +1,95 @@
+// What: PLY columns → PointCloud, with the checks that keep a bad cloud out of initialisation.
+// Not: normals, confidences or faces; those columns are ignored.
+#include "ingest/point_cloud.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/files/ply.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::array<uint8_t, 3> kGrey{128, 128, 128};  // of points without colours
+
+/// Colour columns as 8 bit: integers as they are, floats as fractions of one.
+std::array<uint8_t, 3> colour_at(const std::array<const PlyColumn*, 3>& columns, size_t row) {
+  std::array<uint8_t, 3> colour = kGrey;
+  for (size_t c = 0; c < 3; ++c) {
+    if (columns[c] == nullptr) continue;
+    const bool fraction =
+        columns[c]->type == PlyType::kFloat32 || columns[c]->type == PlyType::kFloat64;
+    const double value = columns[c]->values[row] * (fraction ? 255.0 : 1.0);
+    colour[c] = uint8_t(std::lround(std::isfinite(value) ? std::clamp(value, 0.0, 255.0) : 0.0));
+  }
+  return colour;
+}
+
+PointCloud read_points(const std::filesystem::path& path, std::vector<std::string>& warnings) {
+  const PlyFile file = read_ply(path);
+  const PlyElement* vertices = file.find("vertex");
+  const auto column = [&](const char* name) {
+    return vertices == nullptr ? nullptr : vertices->find(name);
+  };
+  if (column("f_dc_0") != nullptr)
+    throw InputError(fmt::format(
+        "{}: is a 3D Gaussian model, expected a point cloud; name a cloud with x y z in "
+        "ply_file_path, or remove this file",
+        path.string()));
+  const std::array axes{column("x"), column("y"), column("z")};
+  if (axes[0] == nullptr || axes[1] == nullptr || axes[2] == nullptr)
+    throw InputError(fmt::format(
+        "{}: has no vertex columns x, y and z; name a point cloud in ply_file_path, or remove "
+        "this file",
+        path.string()));
+  const std::array colours{column("red"), column("green"), column("blue")};
+  PointCloud points;
+  for (size_t row = 0; row < size_t(vertices->rows); ++row) {
+    const glm::vec3 position(axes[0]->values[row], axes[1]->values[row], axes[2]->values[row]);
+    if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z))
+      continue;
+    points.position.push_back(position);
+    points.colour.push_back(colour_at(colours, row));
+  }
+  const auto left_out = vertices->rows - int64_t(points.position.size());
+  if (left_out > 0)
+    warnings.push_back(fmt::format("{}: {} of {} points are not finite and were left out",
+                                   path.string(), left_out, vertices->rows));
+  return points;
+}
+
+}  // namespace
+
+PointCloud find_points(const std::filesystem::path& folder, const std::string& stated,
+                       std::vector<std::string>& warnings) {
+  if (!stated.empty()) return read_points(folder / stated, warnings);
+  for (const char* name : {"points.ply", "points3d.ply", "points3D.ply", "fused.ply"}) {
+    if (!std::filesystem::is_regular_file(folder / name)) continue;
+    try {
+      return read_points(folder / name, warnings);
+    } catch (const InputError& error) {
+      warnings.push_back(fmt::format("no initial cloud taken: {}", error.what()));
+    }
+  }
+  return {};
+}
+
+void write_points(const std::filesystem::path& path, const PointCloud& points) {
+  check(points.position.size() == points.colour.size(), "write_points: colours");
+  PlyElement vertices{"vertex", int64_t(points.position.size()), {}};
+  for (const char* name : {"x", "y", "z"})
+    vertices.columns.push_back({name, PlyType::kFloat32, {}});
+  for (const char* name : {"red", "green", "blue"})
+    vertices.columns.push_back({name, PlyType::kUint8, {}});
+  for (size_t row = 0; row < points.position.size(); ++row)
+    for (size_t c = 0; c < 3; ++c) {
+      vertices.columns[c].values.push_back(points.position[row][glm::length_t(c)]);
+      vertices.columns[3 + c].values.push_back(points.colour[row][c]);
+    }
+  write_ply(path, {{}, {std::move(vertices)}});
+}
+
+}  // namespace tessera

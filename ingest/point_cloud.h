@@ -1,0 +1,22 @@
+// What: the initial cloud of a capture: found, read, checked; and written beside prepared frames.
+// Not: Gaussians: a 3DGS .ply is refused here (static3d reads those).
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+/// The cloud that `stated` names (relative to `folder`), or, where it is empty, one of points.ply,
+/// points3d.ply, points3D.ply, fused.ply if there is one. Points that are not finite are left out
+/// with a warning; a cloud that was found but is no cloud is passed over with a warning.
+/// Errors: InputError: a stated file that is missing, no PLY, without x y z, or a 3DGS model.
+PointCloud find_points(const std::filesystem::path& folder, const std::string& stated,
+                       std::vector<std::string>& warnings);
+
+/// x y z float, red green blue uchar. Errors: InputError when it cannot be written.
+void write_points(const std::filesystem::path& path, const PointCloud& points);
+
+}  // namespace tessera

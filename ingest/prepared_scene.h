@@ -1,0 +1,51 @@
+// What: the description of a prepared scene (ARCHITECTURE.md, "The prepared scene") and its writer.
+// Not: pixels (the captures' converters write those) and not reading (scene_reader.h).
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+struct Rational {
+  int64_t numerator = 1, denominator = 1;
+};
+
+struct PreparedFrame {
+  std::string file_path;         // below the scene's folder, with extension
+  Frame frame;                   // its pixels are not looked at
+  std::optional<int64_t> ticks;  // presentation time in the camera's time base (videos)
+};
+
+struct PreparedCamera {
+  std::string name;
+  Rational time_base;      // seconds a tick
+  double time_offset = 0;  // seconds added to the camera's own clock
+};
+
+struct SourceFile {
+  std::string name;  // relative to the capture
+  std::string hash;  // source_hash()
+};
+
+struct PreparedScene {
+  std::string layout;      // "transforms", "n3dv"
+  std::string background;  // what was done about alpha: "alpha kept", "opaque"
+  double scale = 1;        // prepared size by source size
+  TimeAxis time_axis;
+  Rational time_base;  // unit of time_axis in seconds; 1/1 where the unit is unknown
+  bool is_static = false;
+  bool has_points = false;  // points.ply lies beside transforms.json
+  std::vector<PreparedFrame> frames;
+  std::vector<PreparedCamera> cameras;
+  std::vector<SourceFile> sources;
+};
+
+/// Writes `folder`/transforms.json. Errors: InputError when it cannot be written.
+void write_prepared_scene(const std::filesystem::path& folder, const PreparedScene& scene);
+
+}  // namespace tessera

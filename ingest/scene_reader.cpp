@@ -1,0 +1,121 @@
+// What: TransformsCapture + PNG files → Scene: parallel decoding, sizes, times, compositing.
+// Not: parsing (transforms_json.cpp), and no other picture format than PNG.
+#include "ingest/scene_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "ingest/alpha_composite.h"
+#include "ingest/files/png.h"
+#include "ingest/point_cloud.h"
+#include "ingest/time_normalisation.h"
+#include "ingest/transforms_json.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+void require_png(const TransformsFrame& frame) {
+  if (frame.image.extension() == ".png" || frame.image.extension() == ".PNG") return;
+  throw InputError(fmt::format(
+      "{}: {} is not a PNG; convert the capture with `tessera ingest` and open its result",
+      frame.where, frame.image.filename().string()));
+}
+
+/// Decodes and composites one frame, or reads its size only. True when it had alpha.
+bool load_frame(const TransformsFrame& listed, const SceneOptions& options, Frame& frame) {
+  require_png(listed);
+  frame.name = listed.name;
+  frame.camera_name = listed.camera_name;
+  frame.frame_number = listed.frame_number;
+  frame.split = listed.split;
+  frame.camera = listed.camera;
+  Image8 picture = options.load_pixels ? read_png(listed.image) : read_png_size(listed.image);
+  set_intrinsics(frame.camera, listed.intrinsics, picture.width, picture.height, listed.where);
+  const bool had_alpha = picture.channels == 4;
+  if (options.load_pixels)
+    frame.image =
+        picture.channels == 3 ? std::move(picture) : composite_on(picture, options.background);
+  return had_alpha;
+}
+
+/// All frames in parallel; the error that is reported is the first in file order.
+void load_frames(const TransformsCapture& capture, const SceneOptions& options, Scene& scene) {
+  const size_t count = capture.frames.size();
+  scene.frames.resize(count);
+  std::vector<std::string> errors(count);
+  std::atomic<bool> had_alpha{false};
+  parallel_for(int64_t(count), 1, [&](int64_t begin, int64_t end) {
+    for (size_t i = size_t(begin); i < size_t(end); ++i) try {
+        if (load_frame(capture.frames[i], options, scene.frames[i])) had_alpha = true;
+      } catch (const InputError& error) {
+        errors[i] = error.what();
+      }
+  });
+  for (const std::string& error : errors)
+    if (!error.empty()) throw InputError(error);
+  scene.had_alpha = had_alpha;
+}
+
+void set_times(const TransformsCapture& capture, const SceneOptions& options, Scene& scene) {
+  const bool has_times = capture.frames.front().time.has_value();
+  scene.is_static = !has_times || capture.prepared_static;
+  if (scene.is_static) {
+    scene.time_axis = capture.prepared_axis.value_or(TimeAxis{});
+    return;
+  }
+  std::vector<double> times;
+  for (const TransformsFrame& frame : capture.frames) times.push_back(*frame.time);
+  NormalisedTimes normalised =
+      normalise_times(times, options.allow_static, capture.files.front().string());
+  if (capture.prepared_axis && !normalised.is_static) {
+    normalised.axis = *capture.prepared_axis;
+    normalised.time = std::move(times);
+  }
+  scene.time_axis = normalised.axis;
+  scene.is_static = normalised.is_static;
+  for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].time = normalised.time[i];
+}
+
+void check_prepared_times(const TransformsCapture& capture) {
+  if (!capture.prepared_axis) return;
+  if (!(capture.prepared_axis->duration > 0))
+    throw InputError(
+        fmt::format("{}: tessera.time.duration is {}, expected more than 0; prepare "
+                    "the capture again",
+                    capture.files.front().string(), capture.prepared_axis->duration));
+  for (const TransformsFrame& frame : capture.frames)
+    if (frame.time.value_or(0) < 0 || frame.time.value_or(0) > 1)
+      throw InputError(fmt::format(
+          "{}: time is {}, a prepared scene has times from 0 to 1; prepare the capture again",
+          frame.where, *frame.time));
+}
+
+void check_splits(const Scene& scene) {
+  const bool trains = std::any_of(scene.frames.begin(), scene.frames.end(),
+                                  [](const Frame& frame) { return frame.split == Split::kTrain; });
+  if (!trains)
+    throw InputError(
+        fmt::format("{}: no frame is in the split 'train'; mark some as training", scene.path));
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& folder, const SceneOptions& options) {
+  TransformsCapture capture = read_transforms(folder);
+  check_prepared_times(capture);
+  Scene scene;
+  scene.path = folder.string();
+  scene.background = options.background;
+  scene.warnings = std::move(capture.warnings);
+  scene.points = find_points(folder, capture.points_file, scene.warnings);
+  load_frames(capture, options, scene);
+  set_times(capture, options, scene);
+  check_splits(scene);
+  return scene;
+}
+
+}  // namespace tessera

@@ -1,0 +1,258 @@
+// What: which files a folder has, what a frame entry says, what must hold over all frames.
+// Not: any number's meaning in pixels (intrinsics.cpp) or in space (pose_matrix.cpp).
+#include "ingest/transforms_json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "ingest/files/json_file.h"
+#include "ingest/image_paths.h"
+#include "ingest/pose_matrix.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+struct SplitFile {
+  const char* name;
+  Split split;
+};
+
+constexpr std::array<SplitFile, 3> kSplitFiles{{{"transforms_train.json", Split::kTrain},
+                                                {"transforms_val.json", Split::kVal},
+                                                {"transforms_test.json", Split::kTest}}};
+
+std::string split_name(Split split) {
+  return split == Split::kTrain ? "train" : split == Split::kVal ? "val" : "test";
+}
+
+std::optional<int> pixels_at(const json& object, const char* key, const std::string& where) {
+  const auto value = finite_number(object, key, where);
+  if (!value) return std::nullopt;
+  if (*value < 1 || *value > (1 << 20) || *value != double(int(*value)))
+    throw InputError(fmt::format("{}: {} is {}, expected a whole number of pixels; correct it",
+                                 where, key, *value));
+  return int(*value);
+}
+
+StatedIntrinsics intrinsics_of(const json& object, const std::string& where) {
+  StatedIntrinsics stated;
+  stated.fl_x = finite_number(object, "fl_x", where);
+  stated.fl_y = finite_number(object, "fl_y", where);
+  stated.cx = finite_number(object, "cx", where);
+  stated.cy = finite_number(object, "cy", where);
+  stated.camera_angle_x = finite_number(object, "camera_angle_x", where);
+  stated.camera_angle_y = finite_number(object, "camera_angle_y", where);
+  stated.w = pixels_at(object, "w", where);
+  stated.h = pixels_at(object, "h", where);
+  return stated;
+}
+
+bool is_true(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_boolean() && found->get<bool>();
+}
+
+void refuse_distortion(const json& object, const std::string& where) {
+  constexpr const char* kRemedy =
+      "undistort the pictures first (for instance `colmap image_undistorter`) and set it to 0";
+  for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
+    if (const auto value = finite_number(object, key, where); value.value_or(0) != 0)
+      throw InputError(
+          fmt::format("{}: lens distortion {} = {} is not supported, expected "
+                      "pinhole pictures; {}",
+                      where, key, *value, kRemedy));
+  const bool fisheye =
+      is_true(object, "is_fisheye") ||
+      string_at(object, "camera_model", where).find("FISHEYE") != std::string::npos;
+  if (fisheye)
+    throw InputError(fmt::format(
+        "{}: fisheye cameras are not supported, expected pinhole pictures; {}", where, kRemedy));
+}
+
+PoseRows pose_rows(const json& frame, const std::string& where) {
+  const auto matrix = frame.find("transform_matrix");
+  const bool has_rows =
+      matrix != frame.end() && matrix->is_array() && (matrix->size() == 3 || matrix->size() == 4) &&
+      std::all_of(matrix->begin(), matrix->end(),
+                  [](const json& row) { return row.is_array() && row.size() == 4; });
+  if (!has_rows)
+    throw InputError(fmt::format(
+        "{}: transform_matrix is missing or not 4x4; add the camera-to-world matrix", where));
+  PoseRows rows{};
+  for (size_t r = 0; r < 3; ++r)
+    for (size_t c = 0; c < 4; ++c) {
+      const json& value = (*matrix)[r][c];
+      if (!value.is_number())
+        throw InputError(fmt::format(
+            "{}: transform_matrix has {} in row {}, column {}; correct this pose or remove the "
+            "frame",
+            where, value.is_null() ? "NaN, an infinity or null" : value.type_name(), r, c));
+      rows[r][c] = value.get<double>();
+    }
+  return rows;
+}
+
+/// `split` of the frame, else Nerfstudio's lists of file names, else what the file stands for.
+Split split_of(const json& frame, const json& file, Split split_of_file, const std::string& where) {
+  const std::string stated = string_at(frame, "split", where);
+  for (const SplitFile& candidate : kSplitFiles) {
+    if (stated == split_name(candidate.split)) return candidate.split;
+    const auto list = file.find(split_name(candidate.split) + "_filenames");
+    if (stated.empty() && list != file.end() && list->is_array() &&
+        std::find(list->begin(), list->end(), frame["file_path"]) != list->end())
+      return candidate.split;
+  }
+  if (!stated.empty())
+    throw InputError(
+        fmt::format("{}: split is '{}', expected train, val or test; correct it", where, stated));
+  return split_of_file;
+}
+
+TransformsFrame parse_frame(const json& entry, const json& file, const StatedIntrinsics& globals,
+                            const std::filesystem::path& json_path, size_t index,
+                            Split split_of_file) {
+  TransformsFrame frame;
+  frame.where = fmt::format("{}, frame {}", json_path.string(), index);
+  const std::string file_path =
+      entry.is_object() ? string_at(entry, "file_path", frame.where) : std::string();
+  if (file_path.empty())
+    throw InputError(fmt::format("{}: has no file_path; name its picture", frame.where));
+  frame.where += fmt::format(" ({})", file_path);
+  frame.split = split_of(entry, file, split_of_file, frame.where);
+  frame.image = find_image(json_path.parent_path(), file_path, frame.where);
+  frame.name = name_of_image(file_path);
+  frame.time = finite_number(entry, "time", frame.where);
+  refuse_distortion(entry, frame.where);
+  frame.intrinsics = intrinsics_of(entry, frame.where).or_else(globals);
+  set_pose(frame.camera, pose_rows(entry, frame.where), frame.where);
+  const size_t slash = frame.name.rfind('/');
+  frame.camera_name = slash == std::string::npos
+                          ? split_name(frame.split)
+                          : std::filesystem::path(frame.name.substr(0, slash)).filename().string();
+  frame.frame_number = -1;  // counted once all frames are known
+  if (const auto made_by_us = entry.find("tessera"); made_by_us != entry.end()) {
+    frame.camera_name = string_at(*made_by_us, "camera", frame.where);
+    frame.frame_number = int64_t(finite_number(*made_by_us, "frame", frame.where).value_or(-1));
+  }
+  return frame;
+}
+
+void read_prepared_object(const json& object, const std::string& where,
+                          TransformsCapture& capture) {
+  constexpr double kVersion = 1;
+  const double version = finite_number(object, "format_version", where).value_or(kVersion);
+  if (version > kVersion)
+    throw InputError(fmt::format(
+        "{}: prepared scene of format version {}, this program knows {}; prepare the capture "
+        "again or use the newer program",
+        where, version, kVersion));
+  const json time = object.contains("time") ? object["time"] : json::object();
+  TimeAxis axis;
+  axis.origin = finite_number(time, "origin", where).value_or(axis.origin);
+  axis.duration = finite_number(time, "duration", where).value_or(axis.duration);
+  capture.prepared_axis = axis;
+  capture.prepared_static = is_true(time, "static");
+}
+
+void read_file(const std::filesystem::path& path, Split split_of_file, TransformsCapture& capture) {
+  const json file = read_json(path);
+  const std::string where = path.string();
+  const auto frames = file.find("frames");
+  if (!file.is_object() || frames == file.end() || !frames->is_array())
+    throw InputError(
+        fmt::format("{}: has no list 'frames'; expected a NeRF transforms file", where));
+  capture.files.push_back(path);
+  refuse_distortion(file, where);
+  const StatedIntrinsics globals = intrinsics_of(file, where);
+  if (capture.points_file.empty()) capture.points_file = string_at(file, "ply_file_path", where);
+  if (file.contains("tessera")) read_prepared_object(file["tessera"], where, capture);
+  int64_t masks = 0;
+  for (size_t i = 0; i < frames->size(); ++i) {
+    const json& entry = (*frames)[i];
+    capture.frames.push_back(parse_frame(entry, file, globals, path, i, split_of_file));
+    masks += entry.contains("mask_path");
+  }
+  if (masks > 0)
+    capture.warnings.push_back(
+        fmt::format("{}: {} frames have a mask_path; masks are not used yet", where, masks));
+}
+
+/// The same picture may be in two splits (val copied from test); its second name says which.
+void make_names_unique(TransformsCapture& capture) {
+  std::set<std::string> taken;
+  for (TransformsFrame& frame : capture.frames) {
+    if (taken.insert(frame.name).second) continue;
+    frame.name += fmt::format("@{}", split_name(frame.split));
+    if (!taken.insert(frame.name).second)
+      throw InputError(
+          fmt::format("{}: the picture is listed twice; remove one entry", frame.where));
+  }
+}
+
+void number_frames(TransformsCapture& capture) {
+  std::map<std::string, int64_t> next;
+  for (TransformsFrame& frame : capture.frames)
+    if (frame.frame_number < 0) frame.frame_number = next[frame.camera_name]++;
+}
+
+void check_times(const TransformsCapture& capture) {
+  const auto has_time = [](const TransformsFrame& frame) { return frame.time.has_value(); };
+  const auto& frames = capture.frames;
+  if (std::none_of(frames.begin(), frames.end(), has_time)) return;
+  const auto without = std::find_if_not(frames.begin(), frames.end(), has_time);
+  if (without != frames.end())
+    throw InputError(fmt::format(
+        "{}: has no time, other frames have one; add it, or remove all times for a static scene",
+        without->where));
+}
+
+}  // namespace
+
+TransformsCapture read_transforms(const std::filesystem::path& folder) {
+  if (!std::filesystem::is_directory(folder))
+    throw InputError(fmt::format("{}: no such folder; check the path", folder.string()));
+  TransformsCapture capture;
+  if (std::filesystem::exists(folder / kSplitFiles[0].name)) {
+    for (const SplitFile& file : kSplitFiles)
+      if (std::filesystem::exists(folder / file.name))
+        read_file(folder / file.name, file.split, capture);
+  } else if (std::filesystem::exists(folder / "transforms.json")) {
+    read_file(folder / "transforms.json", Split::kTrain, capture);
+  } else {
+    throw InputError(fmt::format(
+        "{}: has neither transforms.json nor transforms_train.json; prepare the capture with "
+        "`tessera ingest`",
+        folder.string()));
+  }
+  if (capture.frames.empty())
+    throw InputError(fmt::format("{}: lists no frames; export the cameras again",
+                                 capture.files.front().string()));
+  make_names_unique(capture);
+  number_frames(capture);
+  check_times(capture);
+  return capture;
+}
+
+bool has_transforms(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder / "transforms.json") ||
+         std::filesystem::exists(folder / kSplitFiles[0].name);
+}
+
+bool is_prepared_scene(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "transforms.json";
+  if (!std::filesystem::is_regular_file(path)) return false;
+  try {
+    const json file = read_json(path);
+    return file.is_object() && file.contains("tessera");
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,47 @@
+// What: transforms*.json of D-NeRF, NeRF-synthetic, Nerfstudio and prepared scenes → a list of
+//       frames with poses, stated intrinsics and source times.
+// Not: pixels: picture sizes are not known here, so intrinsics stay as stated (intrinsics.h).
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/intrinsics.h"
+#include "ingest/scene.h"
+
+namespace tessera {
+
+struct TransformsFrame {
+  std::string where;            // "transforms_train.json, frame 3 (./train/r_3)", for messages
+  std::filesystem::path image;  // an existing file
+  std::string name;             // file_path without "./", ".." and extension; unique
+  std::string camera_name;
+  int64_t frame_number = 0;
+  Split split = Split::kTrain;
+  std::optional<double> time;   // capture's own unit; normalised already in a prepared scene
+  StatedIntrinsics intrinsics;  // of the frame, else of the file
+  Camera camera;                // pose only
+};
+
+struct TransformsCapture {
+  std::vector<std::filesystem::path> files;  // the json files, in reading order
+  std::vector<TransformsFrame> frames;       // never empty; all have a time or none has
+  std::string points_file;                   // ply_file_path, empty when not stated
+  std::optional<TimeAxis> prepared_axis;     // set where a `tessera` object is present
+  bool prepared_static = false;
+  std::vector<std::string> warnings;
+};
+
+/// Reads `folder`: transforms_train/val/test.json where transforms_train.json is there, else
+/// transforms.json. Errors: InputError naming file, frame and remedy.
+TransformsCapture read_transforms(const std::filesystem::path& folder);
+
+/// True when `folder` has a file that read_transforms would read.
+bool has_transforms(const std::filesystem::path& folder);
+/// True when `folder` holds a transforms.json with a `tessera` object.
+bool is_prepared_scene(const std::filesystem::path& folder);
+
+}  // namespace tessera
