@@ -22,7 +22,7 @@ template <class Real>
 ViewBatch<Real> make_view_batch(const std::vector<View>& views);
 
 struct RenderOptions {
-  int sh_degree = kMaxShDegree;      // bands evaluated; at most what is stored
+  int sh_degree = kMaxShDegree;      // bands evaluated, of those that are stored
   double background[3] = {0, 0, 0};  // linear blend target, [0, 1] RGB
   double near_plane = 0.2;           // world units along the viewing axis
   double far_plane = 1e4;

@@ -58,9 +58,11 @@ TESSERA_HD inline TileRect tile_rect(const ViewArgs<Real>& view, const Vec2<Real
 }
 
 /// Whether the splat's strongest response at a pixel centre region of the tile reaches the cut-off:
-/// the exact minimum of ½ dᵀ conic d over the rectangle of the tile's pixel centres.
+/// the exact minimum of ½ dᵀ conic d over the rectangle of the tile's pixel centres. One copy:
+/// splats are counted with it in one stage and written with it in another.
 template <class Real>
-TESSERA_HD inline bool touches_tile(const Footprint<Real>& splat, int tile_x, int tile_y) {
+TESSERA_HD TESSERA_ONE_COPY inline bool touches_tile(const Footprint<Real>& splat, int tile_x,
+                                                     int tile_y) {
   constexpr Real kSpan = Real(kTileSize - 1);
   const Real mx = splat.mean2d[0] - Real(0.5), my = splat.mean2d[1] - Real(0.5);
   const Real X0 = Real(tile_x * kTileSize), Y0 = Real(tile_y * kTileSize);

@@ -14,6 +14,13 @@ TESSERA_HD inline constexpr int sh_coefficients(int degree) {
   return (degree + 1) * (degree + 1);
 }
 
+/// Highest degree that `coefficients` stored values allow.
+TESSERA_HD inline constexpr int sh_degree_of(int coefficients) {
+  int degree = 0;
+  while (sh_coefficients(degree + 1) <= coefficients) ++degree;
+  return degree;
+}
+
 /// Y[0 … (degree+1)²) at the unit direction d.
 template <class Real>
 TESSERA_HD inline void sh_basis(int degree, const Vec3<Real>& d, Real* Y) {

@@ -1,6 +1,6 @@
 // What: Gaussians → splats of every view. One task owns a run of Gaussians and loops over views.
 // Not: equations (math/splat.h).
-#include <atomic>
+#include <vector>
 
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
@@ -50,6 +50,7 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t first_gaussian,
                  int64_t end, Chunk<Real>& chunk) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
   const Real near_plane = Real(args.options.near_plane), far_plane = Real(args.options.far_plane);
+  const int degree = min_of(args.options.sh_degree, sh_degree_of(args.sets[set].coefficients));
   for (int64_t n = begin; n < end; ++n) {
     chunk.starts.push_back(int64_t(chunk.records.size()));
     GaussianState<Real> g;
@@ -66,7 +67,7 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t first_gaussian,
                                       cutoff_power(splat.opacity)};
       for_each_tile(footprint, splat.rect, views[b].tiles_x, [&](int) { ++record.tiles; });
       if (record.tiles == 0) continue;
-      if (!colour_splat(views[b], splat.slice.mean, g.sh, args.options.sh_degree, record)) {
+      if (!colour_splat(views[b], splat.slice.mean, g.sh, degree, record)) {
         ++chunk.invalid;
         break;
       }

@@ -84,6 +84,7 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t fi
   const DensityStatistics<Real>& statistics = args.statistics[set];
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
   const Splats<Real>& splats = *args.splats;
+  const int degree = min_of(args.forward.options.sh_degree, sh_degree_of(params.coefficients));
   unsigned bad = 0;
   for (int64_t n = begin; n < end; ++n) {
     const int64_t first = splats.first_of[first_gaussian + n];
@@ -93,8 +94,8 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t fi
     if (first < last && load_gaussian<Dim>(params, n, g)) {
       ViewSums<Real> sums;
       for (int64_t s = first; s < last; ++s)
-        add_view(views[size_t(splats.view[s])], g, args.forward.options.sh_degree,
-                 splats.negative[s], splats.conic[s], args.d_splats[s], gradient.sh, sums);
+        add_view(views[size_t(splats.view[s])], g, degree, splats.negative[s], splats.conic[s],
+                 args.d_splats[s], gradient.sh, sums);
       finish<Dim>(params, n, g, sums, gradient);
       bad |= non_finite<Dim>(gradient, params.coefficients);
       if (!statistics.count.empty()) {
