@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "kernels/base/errors.h"
+
 namespace tessera {
 
 void GaussianSet::resize(int64_t count) {
@@ -14,6 +16,13 @@ void GaussianSet::resize(int64_t count) {
     group.moment1 = Buffer<float>();
     group.moment2 = Buffer<float>();
   }
+}
+
+void GaussianSet::set_count(int64_t count) {
+  for (int g = 0; g < groups(); ++g)
+    check(groups_[size_t(g)].value.size() == count * width(Group(g)),
+          "GaussianSet: rows of a group");
+  count_ = count;
 }
 
 void GaussianSet::ensure_moments() {

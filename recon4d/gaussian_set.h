@@ -32,6 +32,9 @@ class GaussianSet {
 
   /// Sets N; values are undefined until written. Moments are dropped.
   void resize(int64_t count);
+  /// Declares N after the groups were replaced row by row (density.cpp). Errors: std::logic_error
+  /// when a group does not have N rows.
+  void set_count(int64_t count);
   /// Allocates zero moments where there are none.
   void ensure_moments();
   bool has_moments() const { return !groups_[kMean].moment1.empty() || count_ == 0; }

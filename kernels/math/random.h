@@ -34,7 +34,9 @@ TESSERA_HD inline RandomBlock philox(uint64_t seed, RandomStream stream, uint64_
 }
 
 /// In [0, 1), 24 bits, exact in float.
-TESSERA_HD inline float uniform(uint32_t word) { return float(word >> 8) * (1.0f / 16777216.0f); }
+TESSERA_HD inline float uniform(uint32_t word) {
+  return float(word >> 8) * (1.0f / 16777216.0f);
+}
 
 /// Four independent standard normals.
 TESSERA_HD inline Vec4<float> normals(const RandomBlock& block) {

@@ -1,0 +1,78 @@
+// What: scene extent and focus from camera centres and axes.
+// Not: a bundle adjustment; the poses are taken as given.
+#include "recon4d/camera_rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace tessera {
+namespace {
+
+bool same_camera(const Camera& a, const Camera& b) {
+  return a.cam_from_world == b.cam_from_world && a.translation == b.translation &&
+         a.fl_x == b.fl_x && a.width == b.width;
+}
+
+glm::dvec3 viewing_axis(const Camera& camera) {
+  return glm::transpose(camera.cam_from_world)[2];
+}
+
+/// argmin_p Σ ‖(I − d dᵀ)(p − c)‖²; parallel axes have none, then a point ahead of the first
+/// camera.
+glm::dvec3 nearest_to_axes(const std::vector<Camera>& cameras, double fallback) {
+  glm::dmat3 A(0.0);
+  glm::dvec3 b(0.0);
+  for (const Camera& camera : cameras) {
+    const glm::dvec3 d = viewing_axis(camera);
+    const glm::dmat3 across = glm::dmat3(1.0) - glm::outerProduct(d, d);
+    A += across;
+    b += across * camera.position();
+  }
+  const double n = double(cameras.size());
+  if (glm::determinant(A) > 1e-6 * n * n * n) return glm::inverse(A) * b;
+  return cameras[0].position() + fallback * viewing_axis(cameras[0]);
+}
+
+}  // namespace
+
+CameraRig make_camera_rig(const Scene& scene) {
+  constexpr double kExtentMargin = 1.1;  // [3DGS]
+  CameraRig rig;
+  for (int i : scene.split_indices(Split::kTrain)) {
+    const Camera& camera = scene.frames[size_t(i)].camera;
+    if (std::none_of(rig.cameras.begin(), rig.cameras.end(),
+                     [&](const Camera& other) { return same_camera(camera, other); }))
+      rig.cameras.push_back(camera);
+  }
+  glm::dvec3 mean(0.0);
+  for (const Camera& camera : rig.cameras) mean += camera.position() / double(rig.cameras.size());
+  for (const Camera& camera : rig.cameras)
+    rig.extent = std::max(rig.extent, kExtentMargin * glm::distance(camera.position(), mean));
+  // one camera, or all in one place: nothing tells the scale; world units are taken as they are
+  if (!(rig.extent > 1e-6)) rig.extent = 1;
+
+  rig.focus = nearest_to_axes(rig.cameras, rig.extent);
+  std::vector<double> distances;
+  double largest_tangent = 0;
+  for (const Camera& camera : rig.cameras) {
+    distances.push_back(glm::distance(camera.position(), rig.focus));
+    largest_tangent = std::max(
+        {largest_tangent, 0.5 * camera.width / camera.fl_x, 0.5 * camera.height / camera.fl_y});
+  }
+  std::nth_element(distances.begin(), distances.begin() + long(distances.size() / 2),
+                   distances.end());
+  rig.distance = std::max(distances[distances.size() / 2], 1e-6);
+  rig.half_view = rig.distance * largest_tangent;
+  return rig;
+}
+
+bool sees(const Camera& camera, const glm::dvec3& point, double near_plane) {
+  const glm::dvec3 p = camera.cam_from_world * point + camera.translation;
+  if (p.z < near_plane) return false;
+  const double u = camera.fl_x * p.x / p.z + camera.cx, v = camera.fl_y * p.y / p.z + camera.cy;
+  return u >= 0 && u <= camera.width && v >= 0 && v <= camera.height;
+}
+
+}  // namespace tessera

@@ -1,0 +1,26 @@
+// What: what the training cameras say about the scene: its extent, the point they look at, whether
+//       a point is seen.
+// Not: images or points.
+// Source: method A.2 (scene extent, carving).
+#pragma once
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+struct CameraRig {
+  std::vector<Camera> cameras;  // distinct training cameras
+  double extent = 0;            // E = 1.1 · max ‖C_i − mean C‖, world units; never 0
+  glm::dvec3 focus{0.0};        // point nearest to all viewing axes
+  double distance = 0;          // median distance of a camera to `focus`
+  double half_view = 0;         // distance · tan(half the largest field of view)
+};
+
+CameraRig make_camera_rig(const Scene& scene);
+
+/// Whether the point lies in front of the near plane and inside the picture.
+bool sees(const Camera& camera, const glm::dvec3& point, double near_plane);
+
+}  // namespace tessera

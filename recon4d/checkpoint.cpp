@@ -1,0 +1,191 @@
+// What: the checkpoint's bytes.
+// Not: when it is written (tools/train_session.cpp).
+#include "recon4d/checkpoint.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <utility>
+
+#include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+constexpr char kMagic[8] = {'T', 'E', 'S', 'S', 'C', 'K', 'P', 'T'};
+constexpr uint32_t kVersion = 1;
+constexpr size_t kPreamble = sizeof(kMagic) + sizeof(uint32_t) + sizeof(uint64_t);
+
+class Fnv1a {
+ public:
+  void add(const void* bytes, size_t count) {
+    const auto* p = static_cast<const unsigned char*>(bytes);
+    for (size_t i = 0; i < count; ++i) hash_ = (hash_ ^ p[i]) * 0x100000001b3u;
+  }
+  uint64_t value() const { return hash_; }
+
+ private:
+  uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+/// Calls visit(name, buffer, scalars) for every array of a state, in file order.
+template <class State, class Visit>
+void for_each_array(State& state, Visit&& visit) {
+  const auto visit_set = [&](auto& set, auto& statistics, const std::string& name) {
+    for (int g = 0; g < set.groups(); ++g) {
+      const std::string key = name + "." + group_name(Group(g), set.dim());
+      const int64_t scalars = set.count() * set.width(Group(g));
+      auto& group = set.group(Group(g));
+      visit(key, group.value, scalars);
+      visit(key + ".moment1", group.moment1, scalars);
+      visit(key + ".moment2", group.moment2, scalars);
+    }
+    visit(name + ".gradient_sum", statistics.gradient_sum, set.count());
+    visit(name + ".gradient_count", statistics.count, set.count());
+  };
+  visit_set(state.model.static_set, state.statistics[0], "static");
+  visit_set(state.model.dynamic_set, state.statistics[1], "dynamic");
+}
+
+json make_header(const TrainState& state, const TrainOptions& options, const json& provenance) {
+  const GaussianModel& model = state.model;
+  return {
+      {"iteration", state.iteration},
+      {"finished", state.finished},
+      {"seconds", state.seconds},
+      {"sampler", {{"epoch", state.sampler_epoch}, {"position", state.sampler_position}}},
+      {"num_static", model.static_set.count()},
+      {"num_dynamic", model.dynamic_set.count()},
+      {"sh_coefficients", model.static_set.coefficients()},
+      {"sh_degree", model.sh_degree},
+      {"time_axis", {{"origin", model.time_axis.origin}, {"duration", model.time_axis.duration}}},
+      {"background", model.background},
+      {"near_plane", model.near_plane},
+      {"far_plane", model.far_plane},
+      {"options", to_json(options)},
+      {"provenance", provenance}};
+}
+
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
+  throw InputError(fmt::format("{}: {}", path.string(), why));
+}
+
+struct Parsed {
+  json header;
+  size_t arrays;  // offset of the first array
+};
+
+Parsed parse_header(const std::filesystem::path& path, const std::string& bytes) {
+  if (bytes.size() < kPreamble || std::memcmp(bytes.data(), kMagic, sizeof(kMagic)) != 0)
+    refuse(path, "not a Tessera checkpoint (the file does not begin with TESSCKPT)");
+  uint32_t version = 0;
+  uint64_t length = 0;
+  std::memcpy(&version, bytes.data() + sizeof(kMagic), sizeof(version));
+  std::memcpy(&length, bytes.data() + sizeof(kMagic) + sizeof(version), sizeof(length));
+  if (version != kVersion)
+    refuse(path, fmt::format("checkpoint version {}, this program reads version {}; resume it "
+                             "with the version that wrote it",
+                             version, kVersion));
+  if (length > bytes.size() - kPreamble) refuse(path, "truncated checkpoint: header incomplete");
+  json header = json::parse(bytes.substr(kPreamble, length), nullptr, false);
+  if (header.is_discarded()) refuse(path, "damaged checkpoint: its header is not JSON");
+  return {std::move(header), kPreamble + size_t(length)};
+}
+
+void restore_header(const json& header, Checkpoint& checkpoint) {
+  TrainState& state = checkpoint.state;
+  GaussianModel& model = state.model;
+  state.iteration = header.at("iteration"), state.finished = header.at("finished");
+  state.seconds = header.at("seconds");
+  state.sampler_epoch = header.at("sampler").at("epoch");
+  state.sampler_position = header.at("sampler").at("position");
+  const int coefficients = header.at("sh_coefficients");
+  model.static_set = GaussianSet(3, coefficients);
+  model.dynamic_set = GaussianSet(4, coefficients);
+  model.sh_degree = header.at("sh_degree");
+  model.time_axis = {header.at("time_axis").at("origin"), header.at("time_axis").at("duration")};
+  model.background = header.at("background");
+  model.near_plane = header.at("near_plane"), model.far_plane = header.at("far_plane");
+  checkpoint.options = train_options_from_json(header.at("options"));
+  checkpoint.provenance = header.at("provenance");
+}
+
+/// Counts of the header against the size of the file, before any memory is taken.
+void check_size(const std::filesystem::path& path, const json& header, size_t arrays, size_t size) {
+  const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
+  const int coefficients = header.at("sh_coefficients");
+  const auto scalars = [&](int dim) {
+    int64_t sum = 2;
+    for (int g = 0; g < group_count(dim); ++g) sum += 3 * group_width(Group(g), coefficients);
+    return sum;
+  };
+  constexpr int64_t kMost = int64_t{1} << 40;
+  if (statics < 0 || dynamics < 0 || statics > kMost || dynamics > kMost || coefficients < 1 ||
+      coefficients > kMaxShCoefficients)
+    refuse(path, "damaged checkpoint: impossible counts in its header");
+  const size_t expected = arrays + sizeof(uint64_t) +
+                          sizeof(float) * size_t(statics * scalars(3) + dynamics * scalars(4));
+  if (size != expected)
+    refuse(path,
+           fmt::format("truncated checkpoint: {} bytes, its header promises {}", size, expected));
+}
+
+}  // namespace
+
+void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
+                     const TrainOptions& options, const json& provenance) {
+  AtomicFile file(path);
+  Fnv1a hash;
+  const auto write = [&](const void* bytes, size_t count) {
+    hash.add(bytes, count);
+    file.write(bytes, count);
+  };
+  const std::string header = make_header(state, options, provenance).dump();
+  const uint64_t length = header.size();
+  write(kMagic, sizeof(kMagic));
+  write(&kVersion, sizeof(kVersion));
+  write(&length, sizeof(length));
+  write(header.data(), header.size());
+  for_each_array(state, [&](const std::string&, const Buffer<float>& buffer, int64_t scalars) {
+    check(buffer.size() == scalars, "checkpoint: array of unexpected length");
+    write(buffer.data(), sizeof(float) * size_t(scalars));
+  });
+  const uint64_t sum = hash.value();
+  file.write(&sum, sizeof(sum));
+  file.commit();
+}
+
+Checkpoint load_checkpoint(const std::filesystem::path& path) {
+  const std::string bytes = read_text_file(path);
+  const Parsed parsed = parse_header(path, bytes);
+  Checkpoint checkpoint;
+  try {
+    check_size(path, parsed.header, parsed.arrays, bytes.size());
+    restore_header(parsed.header, checkpoint);
+  } catch (const json::exception& error) {
+    refuse(path, fmt::format("damaged checkpoint: {}", error.what()));
+  }
+  Fnv1a hash;
+  hash.add(bytes.data(), bytes.size() - sizeof(uint64_t));
+  if (std::memcmp(bytes.data() + bytes.size() - sizeof(uint64_t),
+                  std::array<uint64_t, 1>{hash.value()}.data(), sizeof(uint64_t)) != 0)
+    refuse(path, "damaged checkpoint: its checksum does not match");
+  TrainState& state = checkpoint.state;
+  state.model.static_set.resize(parsed.header.at("num_static"));
+  state.model.dynamic_set.resize(parsed.header.at("num_dynamic"));
+  const char* from = bytes.data() + parsed.arrays;
+  for_each_array(state, [&](const std::string&, Buffer<float>& buffer, int64_t scalars) {
+    buffer.resize(scalars);
+    if (scalars > 0) std::memcpy(buffer.data(), from, sizeof(float) * size_t(scalars));
+    from += sizeof(float) * size_t(scalars);
+  });
+  return checkpoint;
+}
+
+json read_checkpoint_header(const std::filesystem::path& path) {
+  return parse_header(path, read_text_file(path)).header;
+}
+
+}  // namespace tessera

@@ -1,0 +1,51 @@
+// What: named sets of options, as data rows.
+// Not: code paths: a preset only changes what any user could set by hand.
+#include <fmt/format.h>
+
+#include "kernels/base/errors.h"
+#include "recon4d/nearest_name.h"
+#include "recon4d/train_options.h"
+
+namespace tessera {
+
+const std::vector<Preset>& presets() {
+  static const std::vector<Preset> rows = {
+      {"fast",
+       "minutes on a CPU: few initial points, short schedule",
+       {{"iterations", 3000},
+        {"schedule_iterations", 30000},
+        {"init_points", 20000},
+        {"max_gaussians", 60000}}},
+      {"balanced",
+       "the default: static and dynamic set, no opacity reset",
+       {{"init_points", 50000}, {"max_gaussians", 400000}}},
+      {"faster-gs",
+       "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
+       {{"opacity_reset_interval", 3000}}},
+      {"yang4d",
+       "Yang's N3DV protocol with plain SH: opacity reset every 3000 steps, no carving",
+       {{"opacity_reset_interval", 3000}, {"carve", false}}},
+      {"3dgs",
+       "static 3DGS: one view a step, opacity reset, one timestep",
+       {{"static_only", true},
+        {"batch", 1},
+        {"lr_opacity", 0.025},
+        {"opacity_reset_interval", 3000},
+        {"far_plane", 1e4}}},
+  };
+  return rows;
+}
+
+void apply_preset(TrainOptions& options, const std::string& name) {
+  std::vector<std::string> names;
+  for (const Preset& preset : presets()) {
+    names.push_back(preset.name);
+    if (name != preset.name) continue;
+    for (const auto& [key, value] : preset.overrides) set_option(options, key, value);
+    return;
+  }
+  throw InputError(fmt::format("unknown preset '{}'; did you mean '{}'? There are {}", name,
+                               nearest_name(name, names), fmt::join(names, ", ")));
+}
+
+}  // namespace tessera

@@ -1,0 +1,68 @@
+// What: step counts scaled to the length of the training; learning rates.
+// Not: any state: every answer follows from the step.
+#include "recon4d/schedule.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+
+Schedule::Schedule(const TrainOptions& options, double extent)
+    : options_(options),
+      extent_(extent),
+      densify_from_(scaled(options.densify_from)),
+      densify_until_(scaled(options.densify_until)),
+      prune_large_from_(scaled(options.prune_large_from)),
+      sh_interval_(std::max<int64_t>(1, scaled(options.sh_interval))),
+      opacity_reset_interval_(scaled(options.opacity_reset_interval)),
+      reorder_interval_(scaled(options.reorder_interval)) {}
+
+int64_t Schedule::scaled(int64_t steps) const {
+  return std::llround(double(steps) * double(options_.iterations) /
+                      double(options_.schedule_iterations));
+}
+
+int Schedule::sh_degree(int64_t i) const {
+  return int(std::min(options_.sh_degree, i / sh_interval_));
+}
+
+bool Schedule::densify(int64_t i) const {
+  return i > 0 && i >= densify_from_ && i <= densify_until_ && i % options_.densify_interval == 0;
+}
+
+bool Schedule::reset_opacity(int64_t i) const {
+  return opacity_reset_interval_ > 0 && i > 0 && i < densify_until_ &&
+         i % opacity_reset_interval_ == 0;
+}
+
+bool Schedule::reorder(int64_t i) const {
+  return reorder_interval_ > 0 && i <= 3 * reorder_interval_ && i % reorder_interval_ == 0;
+}
+
+AdamGroups<float> Schedule::adam(int64_t i, int dim) const {
+  // means decay log-linearly over the whole training; temporal means do not  [method 0.16]
+  const double u =
+      std::clamp(double(i + 1) / double(std::max<int64_t>(1, options_.iterations)), 0.0, 1.0);
+  const double first = std::max(options_.lr_mean, 1e-300);
+  const double last = std::max(options_.lr_mean_final, 1e-300);
+  const double lr_mean = extent_ * std::exp((1 - u) * std::log(first) + u * std::log(last));
+  const int64_t step = i + 1;
+  AdamGroups<float> groups;
+  const auto set = [&](Group group, double rate) {
+    groups.group[group] = adam_scalars<float>(rate, step);
+  };
+  set(kMean, lr_mean);
+  set(kLogScale, options_.lr_scale);
+  set(kRotation, options_.lr_rotation);
+  set(kOpacityLogit, options_.lr_opacity);
+  set(kSh, options_.lr_sh);
+  groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
+  if (dim == 4) {
+    set(kMeanTime, options_.lr_mean_time * extent_);
+    set(kLogScaleTime, options_.lr_scale_time);
+    set(kRotationRight, options_.lr_rotation);
+  }
+  return groups;
+}
+
+}  // namespace tessera

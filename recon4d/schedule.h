@@ -1,0 +1,34 @@
+// What: when things happen in a training and how large its steps are: options × scene extent.
+// Not: doing them (trainer.cpp).
+// Source: method A.3, A.4, D.5, D.7.
+#pragma once
+#include "kernels/gaussians.h"
+#include "recon4d/train_options.h"
+
+namespace tessera {
+
+class Schedule {
+ public:
+  /// `extent`: E, world units (scene_extent).
+  Schedule(const TrainOptions& options, double extent);
+
+  /// Steps are counted from 0; these hold before step i.
+  int sh_degree(int64_t i) const;
+  bool densify(int64_t i) const;
+  bool gathers_statistics(int64_t i) const { return i < densify_until_; }
+  bool prunes_large(int64_t i) const { return i > prune_large_from_; }
+  bool reset_opacity(int64_t i) const;
+  bool reorder(int64_t i) const;
+  /// Step sizes of step i for a set of that dimension.
+  AdamGroups<float> adam(int64_t i, int dim) const;
+
+ private:
+  int64_t scaled(int64_t steps) const;
+
+  const TrainOptions options_;
+  double extent_;
+  int64_t densify_from_, densify_until_, prune_large_from_, sh_interval_;
+  int64_t opacity_reset_interval_, reorder_interval_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,74 @@
+// What: every knob of training, as plain data, and the table that names, documents and bounds each.
+// The table makes the command line, --config, --help and checkpoint metadata.
+// Not: the command line itself (tools/) and no values that depend on the scene (schedule.h).
+#pragma once
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace tessera {
+
+struct TrainOptions {
+  // steps
+  int64_t iterations = 30000, schedule_iterations = 30000, batch = 4, seed = 1;
+  // scene
+  bool static_only = false;
+  std::string background = "black";
+  double near_plane = 0.2, far_plane = 100;
+  // initial Gaussians
+  int64_t init_points = 100000;
+  double init_extent = 0, init_opacity = 0.1, init_time_scale = 0.4472135955, static_fraction = 0;
+  bool carve = true;
+  // colour
+  int64_t sh_degree = 3, sh_interval = 1000;
+  // loss
+  double lambda_dssim = 0.2;
+  // learning rates
+  double lr_mean = 1.6e-4, lr_mean_final = 1.6e-6, lr_mean_time = 1.6e-4;
+  double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3;
+  double lr_opacity = 0.05, lr_sh = 2.5e-3, lr_sh_rest = 1.25e-4;
+  bool fused_optimizer = true;
+  // density control
+  int64_t densify_from = 600, densify_until = 14900, densify_interval = 100;
+  double densify_threshold = 2e-4, dense_fraction = 0.01;
+  double prune_opacity = 0.005, prune_extent = 0.1;
+  int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
+  int64_t reorder_interval = 5000;
+};
+
+struct OptionRow {
+  const char* key;  // snake_case in JSON, dashes on the command line
+  std::variant<int64_t TrainOptions::*, double TrainOptions::*, bool TrainOptions::*,
+               std::string TrainOptions::*>
+      member;
+  double low, high;    // numbers: inclusive range
+  const char* doc;     // one line: meaning and unit
+  const char* source;  // where the default comes from
+};
+const std::vector<OptionRow>& train_option_rows();
+
+struct Preset {
+  const char* name;
+  const char* doc;
+  std::vector<std::pair<const char*, nlohmann::json>> overrides;  // on top of the defaults
+};
+const std::vector<Preset>& presets();
+
+/// Errors: InputError naming the nearest known name.
+void apply_preset(TrainOptions& options, const std::string& name);
+/// Sets one option by key from JSON or from text. Errors: InputError: unknown key (nearest named),
+/// wrong type, out of range.
+void set_option(TrainOptions& options, const std::string& key, const nlohmann::json& value);
+void set_option_from_text(TrainOptions& options, const std::string& key, const std::string& text);
+/// What no single row can say: ranges between options. Errors: InputError.
+void validate(const TrainOptions& options);
+
+nlohmann::json to_json(const TrainOptions& options);
+TrainOptions train_options_from_json(const nlohmann::json& json);
+
+/// "black", "white", or "r,g,b" in 0–255. Errors: InputError.
+std::array<uint8_t, 3> parse_background(const std::string& text);
+
+}  // namespace tessera
