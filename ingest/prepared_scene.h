@@ -7,13 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "ingest/rational.h"
 #include "ingest/scene.h"
 
 namespace tessera {
-
-struct Rational {
-  int64_t numerator = 1, denominator = 1;
-};
 
 struct PreparedFrame {
   std::string file_path;         // below the scene's folder, with extension
@@ -37,7 +34,7 @@ struct PreparedScene {
   std::string background;  // what was done about alpha: "alpha kept", "opaque"
   double scale = 1;        // prepared size by source size
   TimeAxis time_axis;
-  Rational time_base;  // unit of time_axis in seconds; 1/1 where the unit is unknown
+  Rational time_base;  // seconds a tick of the first camera; 1/1 where times were stated
   bool is_static = false;
   bool has_points = false;  // points.ply lies beside transforms.json
   std::vector<PreparedFrame> frames;

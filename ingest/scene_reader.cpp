@@ -8,9 +8,9 @@
 #include <atomic>
 
 #include "ingest/alpha_composite.h"
+#include "ingest/capture_times.h"
 #include "ingest/files/png.h"
 #include "ingest/point_cloud.h"
-#include "ingest/time_normalisation.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -60,40 +60,6 @@ void load_frames(const TransformsCapture& capture, const SceneOptions& options, 
   scene.had_alpha = had_alpha;
 }
 
-void set_times(const TransformsCapture& capture, const SceneOptions& options, Scene& scene) {
-  const bool has_times = capture.frames.front().time.has_value();
-  scene.is_static = !has_times || capture.prepared_static;
-  if (scene.is_static) {
-    scene.time_axis = capture.prepared_axis.value_or(TimeAxis{});
-    return;
-  }
-  std::vector<double> times;
-  for (const TransformsFrame& frame : capture.frames) times.push_back(*frame.time);
-  NormalisedTimes normalised =
-      normalise_times(times, options.allow_static, capture.files.front().string());
-  if (capture.prepared_axis && !normalised.is_static) {
-    normalised.axis = *capture.prepared_axis;
-    normalised.time = std::move(times);
-  }
-  scene.time_axis = normalised.axis;
-  scene.is_static = normalised.is_static;
-  for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].time = normalised.time[i];
-}
-
-void check_prepared_times(const TransformsCapture& capture) {
-  if (!capture.prepared_axis) return;
-  if (!(capture.prepared_axis->duration > 0))
-    throw InputError(
-        fmt::format("{}: tessera.time.duration is {}, expected more than 0; prepare "
-                    "the capture again",
-                    capture.files.front().string(), capture.prepared_axis->duration));
-  for (const TransformsFrame& frame : capture.frames)
-    if (frame.time.value_or(0) < 0 || frame.time.value_or(0) > 1)
-      throw InputError(fmt::format(
-          "{}: time is {}, a prepared scene has times from 0 to 1; prepare the capture again",
-          frame.where, *frame.time));
-}
-
 void check_splits(const Scene& scene) {
   const bool trains = std::any_of(scene.frames.begin(), scene.frames.end(),
                                   [](const Frame& frame) { return frame.split == Split::kTrain; });
@@ -106,14 +72,16 @@ void check_splits(const Scene& scene) {
 
 Scene load_scene(const std::filesystem::path& folder, const SceneOptions& options) {
   TransformsCapture capture = read_transforms(folder);
-  check_prepared_times(capture);
   Scene scene;
   scene.path = folder.string();
   scene.background = options.background;
   scene.warnings = std::move(capture.warnings);
   scene.points = find_points(folder, capture.points_file, scene.warnings);
   load_frames(capture, options, scene);
-  set_times(capture, options, scene);
+  const NormalisedTimes times = times_of(capture, options.allow_static);
+  scene.time_axis = times.axis;
+  scene.is_static = times.is_static;
+  for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].time = times.time[i];
   check_splits(scene);
   return scene;
 }

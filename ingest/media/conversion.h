@@ -1,0 +1,27 @@
+// What: the two converters behind ingest_capture: each fills an empty folder with a prepared scene.
+// Not: the choice between them, or the folder's appearance under its name (capture_conversion.cpp).
+#pragma once
+#include <filesystem>
+
+#include "ingest/ingest.h"
+#include "ingest/prepared_scene.h"
+
+namespace tessera {
+
+/// Videos beside poses_bounds.npy. Errors: as ingest_capture.
+IngestReport convert_n3dv(const std::filesystem::path& capture, const std::filesystem::path& folder,
+                          const IngestOptions& options, const IngestProgress& progress);
+/// Pictures listed in transforms*.json. Errors: as ingest_capture.
+IngestReport convert_transforms(const std::filesystem::path& capture,
+                                const std::filesystem::path& folder, const IngestOptions& options,
+                                const IngestProgress& progress);
+
+/// The camera of a picture scaled by `scale`; its rays are those of the original.
+Camera scaled_camera(const Camera& camera, double scale);
+/// Scales `image` and writes it as an RGB or RGBA PNG (grey becomes RGB).
+void write_prepared_picture(const std::filesystem::path& path, Image8 image, double scale);
+/// Carries the initial cloud of `capture` over, notes it in `scene` and `report`.
+void carry_points(const std::filesystem::path& capture, const std::string& stated,
+                  const std::filesystem::path& folder, PreparedScene& scene, IngestReport& report);
+
+}  // namespace tessera

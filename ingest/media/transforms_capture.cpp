@@ -1,0 +1,114 @@
+// What: D-NeRF, NeRF-synthetic, Nerfstudio or prepared captures → prepared scene.
+// Not: parsing (transforms_json.h); alpha is kept, the background is chosen when a scene is loaded.
+#include <algorithm>
+#include <atomic>
+#include <map>
+#include <set>
+
+#include "ingest/capture_times.h"
+#include "ingest/media/conversion.h"
+#include "ingest/media/image_source.h"
+#include "ingest/source_hash.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+/// Keeps the frames of each camera's first `count` instants (its first pictures without times).
+void keep_first_instants(TransformsCapture& capture, int64_t count) {
+  std::map<std::string, std::set<double>> instants;
+  const auto instant_of = [](const TransformsFrame& frame) {
+    return frame.time.value_or(double(frame.frame_number));
+  };
+  for (const TransformsFrame& frame : capture.frames)
+    instants[frame.camera_name].insert(instant_of(frame));
+  std::erase_if(capture.frames, [&](const TransformsFrame& frame) {
+    const std::set<double>& of_camera = instants[frame.camera_name];
+    return std::distance(of_camera.begin(), of_camera.find(instant_of(frame))) >= count;
+  });
+}
+
+PreparedFrame describe(const TransformsFrame& listed, double time) {
+  PreparedFrame prepared;
+  prepared.file_path = listed.name + ".png";
+  prepared.frame.name = listed.name;
+  prepared.frame.camera_name = listed.camera_name;
+  prepared.frame.frame_number = listed.frame_number;
+  prepared.frame.time = time;
+  prepared.frame.split = listed.split;
+  prepared.frame.camera = listed.camera;
+  return prepared;
+}
+
+/// Decodes, scales and writes one picture. True when it has alpha.
+bool convert_frame(const TransformsFrame& listed, const std::filesystem::path& folder, double scale,
+                   PreparedFrame& prepared, SourceFile& source) {
+  Image8 picture = read_picture(listed.image);
+  Camera& camera = prepared.frame.camera;
+  set_intrinsics(camera, listed.intrinsics, picture.width, picture.height, listed.where);
+  camera = scaled_camera(camera, scale);
+  source = {listed.name + listed.image.extension().string(), source_hash(listed.image)};
+  const bool has_alpha = picture.channels == 4;
+  write_prepared_picture(folder / prepared.file_path, std::move(picture), scale);
+  return has_alpha;
+}
+
+/// Chunk by chunk, so progress comes from the calling thread and stops what it wants to stop.
+bool convert_frames(const TransformsCapture& capture, const std::filesystem::path& folder,
+                    double scale, const IngestProgress& progress, PreparedScene& scene) {
+  const auto count = int64_t(capture.frames.size());
+  const int64_t chunk = 4 * int64_t(thread_count());
+  std::atomic<bool> had_alpha{false};
+  std::vector<std::string> errors(capture.frames.size());
+  for (int64_t start = 0; start < count; start += chunk) {
+    const int64_t size = std::min(chunk, count - start);
+    parallel_for(size, 1, [&](int64_t begin, int64_t end) {
+      for (auto i = size_t(start + begin); i < size_t(start + end); ++i) try {
+          if (convert_frame(capture.frames[i], folder, scale, scene.frames[i], scene.sources[i]))
+            had_alpha = true;
+        } catch (const InputError& error) {
+          errors[i] = error.what();
+        }
+    });
+    for (int64_t i = start; i < start + size; ++i)
+      if (!errors[size_t(i)].empty()) throw InputError(errors[size_t(i)]);
+    progress("converting pictures", start + size, count);
+  }
+  return had_alpha;
+}
+
+}  // namespace
+
+IngestReport convert_transforms(const std::filesystem::path& capture_folder,
+                                const std::filesystem::path& folder, const IngestOptions& options,
+                                const IngestProgress& progress) {
+  TransformsCapture capture = read_transforms(capture_folder);
+  if (options.frames) keep_first_instants(capture, *options.frames);
+  const NormalisedTimes times = times_of(capture, options.allow_static);
+  PreparedScene scene;
+  scene.layout = "transforms";
+  scene.scale = options.scale;
+  scene.time_axis = times.axis;
+  scene.is_static = times.is_static;
+  IngestReport report;
+  report.warnings = std::move(capture.warnings);
+  std::set<std::string> cameras;
+  for (size_t i = 0; i < capture.frames.size(); ++i) {
+    scene.frames.push_back(describe(capture.frames[i], times.time[i]));
+    if (cameras.insert(capture.frames[i].camera_name).second)
+      scene.cameras.push_back({capture.frames[i].camera_name, {}, 0});
+  }
+  scene.sources.resize(capture.frames.size());
+  const bool had_alpha = convert_frames(capture, folder, options.scale, progress, scene);
+  scene.background = had_alpha ? "alpha kept" : "opaque";
+  for (const std::filesystem::path& file : capture.files)
+    scene.sources.push_back({file.filename().string(), source_hash(file)});
+  carry_points(capture_folder, capture.points_file, folder, scene, report);
+  write_prepared_scene(folder, scene);
+  report.frames = int64_t(scene.frames.size());
+  report.cameras = int64_t(cameras.size());
+  return report;
+}
+
+}  // namespace tessera
