@@ -1,0 +1,130 @@
+// What: small scenes for tests: owned parameters of both sets, cameras, ground truth; random ones.
+// Not: the model (recon4d/) nor a scene on disk (ingest/).
+#pragma once
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "kernels/batch.h"
+#include "kernels/gaussians.h"
+#include "tests/support/random.h"
+
+namespace tessera::testing {
+
+/// Owned parameters (or gradients, or moments) of a set of Gaussians.
+template <class Real>
+struct TestGaussians {
+  int dim;
+  int64_t count;
+  int coefficients;
+  std::vector<Real> group[kGroupCount];
+
+  explicit TestGaussians(int d = 3, int64_t n = 0, int k = 16) : dim(d), count(n), coefficients(k) {
+    for (int g = 0; g < group_count(d); ++g)
+      group[g].assign(size_t(n * group_width(Group(g), k)), Real(0));
+  }
+  Real* at(Group g, int64_t n) { return group[g].data() + n * group_width(g, coefficients); }
+  const Real* at(Group g, int64_t n) const {
+    return group[g].data() + n * group_width(g, coefficients);
+  }
+  GaussianSpans<Real> spans() { return make<Real>(*this); }
+  GaussianSpans<const Real> view() const { return make<const Real>(*this); }
+
+  template <class To>
+  TestGaussians<To> as() const {
+    TestGaussians<To> to(dim, count, coefficients);
+    for (int g = 0; g < kGroupCount; ++g) to.group[g].assign(group[g].begin(), group[g].end());
+    return to;
+  }
+  /// Gaussians of this set in the order `index`.
+  TestGaussians select(const std::vector<int64_t>& index) const {
+    TestGaussians to(dim, int64_t(index.size()), coefficients);
+    for (int g = 0; g < group_count(dim); ++g)
+      for (size_t i = 0; i < index.size(); ++i)
+        std::copy_n(at(Group(g), index[i]), group_width(Group(g), coefficients),
+                    to.at(Group(g), int64_t(i)));
+    return to;
+  }
+
+ private:
+  template <class T, class Self>
+  static GaussianSpans<T> make(Self& self) {
+    GaussianSpans<T> s;
+    s.dim = self.dim, s.count = self.count, s.coefficients = self.coefficients;
+    for (int g = 0; g < kGroupCount; ++g)
+      s.group[g] = {self.group[g].data(), int64_t(self.group[g].size())};
+    return s;
+  }
+};
+
+template <class Real>
+struct TestScene {
+  TestGaussians<Real> fixed{3}, moving{4};
+  std::vector<View> views;
+  std::vector<std::vector<uint8_t>> truth;  // [B] each [height, width, 3]
+  RenderOptions options;
+
+  template <class To>
+  TestScene<To> as() const {
+    return {fixed.template as<To>(), moving.template as<To>(), views, truth, options};
+  }
+};
+
+/// A camera at `eye` that looks at `target`; world +y is up.
+inline Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, int width, int height,
+                      double focal) {
+  const glm::dvec3 forward = glm::normalize(target - eye);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0)));
+  Camera camera;
+  camera.width = width, camera.height = height;
+  camera.fl_x = focal, camera.fl_y = 1.1 * focal;
+  camera.cx = 0.48 * width, camera.cy = 0.53 * height;
+  camera.cam_from_world = glm::transpose(glm::dmat3(right, glm::cross(forward, right), forward));
+  camera.translation = -(camera.cam_from_world * eye);
+  return camera;
+}
+
+/// Gaussians in a ball of radius `spread` about the origin, sizes around `size`, all parameters
+/// random; dynamic ones around the middle of the clip with a clear velocity.
+inline TestGaussians<double> random_gaussians(int dim, int64_t count, double spread, double size,
+                                              Random& random, int coefficients = 16) {
+  TestGaussians<double> set(dim, count, coefficients);
+  const auto fill = [&](Group g, double low, double high) {
+    for (double& x : set.group[g]) x = random.uniform(low, high);
+  };
+  fill(kMean, -spread, spread);
+  fill(kLogScale, std::log(size) - 0.7, std::log(size) + 0.7);
+  fill(kRotation, -1, 1);
+  fill(kOpacityLogit, -1.5, 2);
+  fill(kSh, -0.3, 0.3);
+  if (dim == 3) return set;
+  fill(kMeanTime, 0.2, 0.8);
+  fill(kLogScaleTime, std::log(0.3), std::log(0.8));
+  for (int64_t n = 0; n < count; ++n)  // near the conjugate of the left one: moderate velocities
+    for (int k = 0; k < 4; ++k)
+      set.at(kRotationRight, n)[k] =
+          (k == 0 ? 1 : -1) * set.at(kRotation, n)[k] + random.uniform(-0.15, 0.15);
+  return set;
+}
+
+/// Three views of different sizes, none a multiple of a tile, around the origin.
+inline std::vector<View> three_views() {
+  return {{look_at({0.3, 0.5, -4}, {0, 0, 0}, 37, 29, 45), 0.35},
+          {look_at({3.5, -0.4, -1.5}, {0.1, 0, 0}, 24, 35, 38), 0.6},
+          {look_at({-2.5, 1.5, 3}, {0, 0.1, 0}, 45, 18, 42), 0.5}};
+}
+
+inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size, uint64_t seed) {
+  Random random(seed);
+  TestScene<double> scene;
+  scene.fixed = random_gaussians(3, fixed, 0.9, size, random);
+  scene.moving = random_gaussians(4, moving, 0.9, size, random);
+  scene.views = three_views();
+  scene.options.background[0] = 0.2, scene.options.background[2] = 0.7;
+  for (const View& view : scene.views) {
+    scene.truth.emplace_back(size_t(3 * view.camera.width * view.camera.height));
+    for (uint8_t& byte : scene.truth.back()) byte = uint8_t(random.below(256));
+  }
+  return scene;
+}
+
+}  // namespace tessera::testing
