@@ -2,9 +2,28 @@
 // Not: any arithmetic.
 #include "kernels/pipeline.h"
 
+#include <chrono>
+
 #include "kernels/base/errors.h"
 
 namespace tessera {
+namespace {
+
+/// Adds the time until its end to a stage.
+class StageTimer {
+ public:
+  StageTimer(std::array<double, kStages>& seconds, Stage stage)
+      : total_(seconds[size_t(stage)]), begin_(std::chrono::steady_clock::now()) {}
+  ~StageTimer() {
+    total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  double& total_;
+  std::chrono::steady_clock::time_point begin_;
+};
+
+}  // namespace
 
 template <class Real>
 const Images<Real>& Pipeline<Real>::forward(const GaussianSpans<const Real>& static_set,
@@ -13,8 +32,15 @@ const Images<Real>& Pipeline<Real>::forward(const GaussianSpans<const Real>& sta
                                             const RenderOptions& options, bool for_backward) {
   batch_ = make_view_batch<Real>(views);
   project_ = {&batch_, {static_set, dynamic_set}, options};
-  backend_.project(project_, splats_);
-  backend_.bin(batch_, splats_, for_backward, instances_);
+  {
+    const StageTimer timer(stage_seconds_, kProject);
+    backend_.project(project_, splats_);
+  }
+  {
+    const StageTimer timer(stage_seconds_, kBin);
+    backend_.bin(batch_, splats_, for_backward, instances_);
+  }
+  const StageTimer timer(stage_seconds_, kBlend);
   backend_.blend({&batch_, &splats_, &instances_, options}, images_);
   return images_;
 }
@@ -22,6 +48,7 @@ const Images<Real>& Pipeline<Real>::forward(const GaussianSpans<const Real>& sta
 template <class Real>
 std::vector<ViewLoss> Pipeline<Real>::loss(const Target& target, bool for_backward) {
   d_colour_.resize(for_backward ? 3 * batch_.pixels : 0);
+  const StageTimer timer(stage_seconds_, kPhotometric);
   return backend_.photometric({&batch_, &images_, target.truth, target.weights}, d_colour_.span());
 }
 
@@ -30,12 +57,16 @@ unsigned Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
   check(d_colour_.size() == 3 * batch_.pixels, "backward without a gradient of the pictures");
   d_splats_.resize(splats_.count);
   const BlendArgs<Real> blend{&batch_, &splats_, &instances_, project_.options};
-  backend_.blend_backward({blend, &images_, d_colour_.span()}, d_splats_.span());
+  {
+    const StageTimer timer(stage_seconds_, kBlendBackward);
+    backend_.blend_backward({blend, &images_, d_colour_.span()}, d_splats_.span());
+  }
   ProjectBackwardArgs<Real> project{project_, &splats_, d_splats_.span(), {}, {}};
   for (int set = 0; set < 2; ++set) {
     project.sinks[set] = args.sinks[set];
     project.statistics[set] = args.statistics[set];
   }
+  const StageTimer timer(stage_seconds_, kProjectBackward);
   return backend_.project_backward(project);
 }
 

@@ -2,6 +2,8 @@
 // Not: a model or a schedule: parameters come in as spans, gradients leave through sinks.
 // Trainer, evaluation, export and the double-precision tests all render through this class.
 #pragma once
+#include <array>
+
 #include <optional>
 
 #include "kernels/backend.h"
@@ -19,6 +21,19 @@ struct BackwardArgs {
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];
 };
+
+/// Wall time of each stage since construction, seconds. On the CPU a stage ends when it returns.
+enum Stage : int {
+  kProject,
+  kBin,
+  kBlend,
+  kPhotometric,
+  kBlendBackward,
+  kProjectBackward,
+  kStages
+};
+inline constexpr const char* kStageNames[kStages] = {
+    "project", "bin", "blend", "photometric", "blend_backward", "project_backward"};
 
 /// What a step found, besides the pictures.
 struct PipelineReport {
@@ -46,6 +61,7 @@ class Pipeline {
   const TileInstances<Real>& instances() const { return instances_; }
   /// dL/d picture of the last loss; tests write to it to send any gradient backward.
   Buffer<Real>& d_colour() { return d_colour_; }
+  const std::array<double, kStages>& stage_seconds() const { return stage_seconds_; }
   PipelineReport report() const { return {splats_.count, instances_.count, splats_.invalid}; }
 
  private:
@@ -57,6 +73,7 @@ class Pipeline {
   Images<Real> images_;
   Buffer<Real> d_colour_;
   Buffer<SplatGradient<Real>> d_splats_;
+  std::array<double, kStages> stage_seconds_{};
 };
 
 }  // namespace tessera

@@ -36,6 +36,7 @@ class Trainer {
 
   const TrainState& state() const { return state_; }
   const TrainOptions& options() const { return options_; }
+  const std::array<double, kStages>& stage_seconds() const { return pipeline_.stage_seconds(); }
 
  private:
   StepReport step();
