@@ -1,0 +1,101 @@
+// What: `tessera ingest`: a capture → prepared scene.
+// Not: the readers (ingest).
+#include <fmt/format.h>
+
+#include "ingest/ingest.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "tools/command.h"
+#include "tools/interrupt.h"
+#include "tools/terminal.h"
+
+namespace tessera {
+namespace {
+
+struct IngestRequest {
+  IngestOptions options;
+  std::string capture, out, poses;
+  int64_t frames = 0;  // 0: all
+  int threads = 0;
+  bool json = false;
+};
+
+const char* layout_name(CaptureLayout layout) {
+  switch (layout) {
+    case CaptureLayout::kTransforms:
+      return "transforms";
+    case CaptureLayout::kN3dv:
+      return "n3dv";
+    case CaptureLayout::kVideos:
+      return "videos";
+  }
+  return "";
+}
+
+void check_request(const IngestRequest& request) {
+  if (!(request.options.scale > 0 && request.options.scale <= 1))
+    throw InputError(fmt::format("ingest: --scale is {}, expected a value above 0 and up to 1",
+                                 request.options.scale));
+  if (request.frames < 0)
+    throw InputError(fmt::format("ingest: --frames is {}, expected 1 or more", request.frames));
+  if (request.poses.empty()) return;
+  if (request.poses != "n3dv")
+    throw InputError(
+        fmt::format("ingest: --poses '{}' is not in this version; there is n3dv (poses_bounds.npy)",
+                    request.poses));
+  if (detect_layout(request.capture) != CaptureLayout::kN3dv)
+    throw InputError(
+        fmt::format("{}: has no videos with a poses_bounds.npy, which --poses n3dv "
+                    "reads; add the file or leave --poses out",
+                    request.capture));
+}
+
+int ingest(IngestRequest request) {
+  check_request(request);
+  if (request.frames > 0) request.options.frames = request.frames;
+  set_thread_count(request.threads);
+  IngestReport report;
+  {
+    ProgressBar bar("ingest");
+    report = ingest_capture(request.capture, request.out, request.options,
+                            [&](std::string_view what, int64_t done, int64_t total) {
+                              stop_if_interrupted();
+                              bar.update(done, total, what);
+                            });
+  }
+  for (const std::string& warning : report.warnings) warn(warning);
+  print_result(request.json,
+               {{"out", request.out},
+                {"layout", layout_name(report.layout)},
+                {"cameras", report.cameras},
+                {"frames", report.frames},
+                {"points", report.points},
+                {"warnings", report.warnings}},
+               fmt::format("{}: {} pictures of {} camera{}, {} points", request.out, report.frames,
+                           report.cameras, report.cameras == 1 ? "" : "s", report.points));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_ingest_command(CLI::App& app, Work& work) {
+  CLI::App* command = app.add_subcommand("ingest", "turn a capture into a prepared scene");
+  auto request = std::make_shared<IngestRequest>();
+  command->add_option("capture", request->capture, "folder of the capture")->required();
+  command->add_option("-o,--out", request->out, "prepared scene to write")->required();
+  command->add_option("--scale", request->options.scale, "size of the pictures by the source's",
+                      true);
+  command->add_option("--frames", request->frames, "first N instants of each camera; 0: all", true);
+  command
+      ->add_option("--held-out", request->options.held_out,
+                   "cameras of the test split, by name; default: the first")
+      ->delimiter(',');
+  command->add_flag("--static", request->options.allow_static,
+                    "accept times that are all equal as one moment");
+  command->add_option("--poses", request->poses, "where poses come from: n3dv");
+  command->add_option("--threads", request->threads, "CPU threads; 0: all", true);
+  command->add_flag("--json", request->json, "print one JSON object");
+  command->callback([&work, request] { work = [request] { return ingest(*request); }; });
+}
+
+}  // namespace tessera

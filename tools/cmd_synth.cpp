@@ -1,0 +1,132 @@
+// What: `tessera synth`: options → a made-up capture with ground truth.
+// Not: the generator (tools/synth).
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "recon4d/nearest_name.h"
+#include "tools/command.h"
+#include "tools/interrupt.h"
+#include "tools/synth/synth.h"
+#include "tools/terminal.h"
+
+namespace tessera {
+namespace {
+
+struct SynthRequest {
+  SynthOptions options;
+  std::string scene, layout = "n3dv", fps = "24", out;
+  int threads = 0;
+  bool list = false, json = false;
+};
+
+template <class Rows>
+std::vector<std::string> names_of(const Rows& rows) {
+  std::vector<std::string> names;
+  for (const auto& row : rows) names.emplace_back(row.name);
+  return names;
+}
+
+[[noreturn]] void unknown(const char* what, const std::string& typed,
+                          const std::vector<std::string>& names) {
+  throw InputError(fmt::format("synth: unknown {} '{}'; did you mean '{}'? There are {}", what,
+                               typed, nearest_name(typed, names), fmt::join(names, ", ")));
+}
+
+/// "24" or "30000/1001".
+FrameRate parse_frame_rate(const std::string& text) {
+  FrameRate rate;
+  const char* const end = text.data() + text.size();
+  auto parsed = std::from_chars(text.data(), end, rate.numerator);
+  if (parsed.ec == std::errc() && parsed.ptr != end && *parsed.ptr == '/')
+    parsed = std::from_chars(parsed.ptr + 1, end, rate.denominator);
+  if (parsed.ec != std::errc() || parsed.ptr != end)
+    throw InputError(fmt::format(
+        "synth: --fps is '{}'; give a whole number or a fraction like 30000/1001", text));
+  return rate;
+}
+
+int list_scenes(bool as_json) {
+  nlohmann::json json;
+  std::string text;
+  const auto add = [&](const char* what, const auto& rows) {
+    text += fmt::format("{}{}:", text.empty() ? "" : "\n", what);
+    for (const auto& row : rows) {
+      json[what].push_back({{"name", row.name}, {"doc", row.doc}});
+      text += fmt::format("\n  {:<12} {}", row.name, row.doc);
+    }
+  };
+  add("scenes", synth_scenes());
+  add("layouts", synth_layouts());
+  print_result(as_json, json, text);
+  return kExitDone;
+}
+
+int synth(SynthRequest request) {
+  if (request.list) return list_scenes(request.json);
+  if (request.scene.empty()) throw InputError("synth: name a scene; see tessera synth --list");
+  if (request.out.empty()) throw InputError("synth: name the output folder with -o DIR");
+  const auto scene = find_synth_scene(request.scene);
+  if (!scene) unknown("scene", request.scene, names_of(synth_scenes()));
+  const auto layout = find_synth_layout(request.layout);
+  if (!layout) unknown("layout", request.layout, names_of(synth_layouts()));
+  request.options.scene = *scene, request.options.layout = *layout;
+  request.options.fps = parse_frame_rate(request.fps);
+  set_thread_count(request.threads);
+
+  SynthReport report;
+  {
+    ProgressBar bar("synth");
+    report = make_capture(request.options, request.out,
+                          [&](std::string_view what, int64_t done, int64_t total) {
+                            stop_if_interrupted();
+                            bar.update(done, total, what);
+                          });
+  }
+  print_result(
+      request.json,
+      {{"out", request.out},
+       {"scene", request.scene},
+       {"layout", request.layout},
+       {"cameras", report.cameras},
+       {"images", report.images},
+       {"points", report.points}},
+      fmt::format("{}: {} camera{}, {} pictures, {} points of truth", request.out, report.cameras,
+                  report.cameras == 1 ? "" : "s", report.images, report.points));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_synth_command(CLI::App& app, Work& work) {
+  CLI::App* command = app.add_subcommand("synth", "make a dynamic capture with exact ground truth");
+  auto request = std::make_shared<SynthRequest>();
+  SynthOptions& options = request->options;
+  command->add_option("name", request->scene, "scene, one of --list");
+  command->add_option("-o,--out", request->out, "folder to make");
+  command->add_flag("--list", request->list, "list scenes and layouts");
+  command->add_option("--layout", request->layout, "dnerf, n3dv or videos", true);
+  command->add_option("--cameras", options.cameras, "cameras (n3dv, videos)", true);
+  command->add_option("--frames", options.frames, "instants; dnerf: training views", true);
+  command->add_option("--held-out-frames", options.held_out_frames,
+                      "dnerf: views in each of val and test; 0: a fifth of --frames", true);
+  command->add_option("--width", options.width, "pixels; 0: the scene's own", true);
+  command->add_option("--height", options.height, "pixels; 0: the scene's own", true);
+  command->add_option("--fps", request->fps, "frames a second, N or N/D", true);
+  command->add_option("--seed", options.seed, "of textures, colours and small offsets", true);
+  command->add_option("--supersampling", options.supersampling, "N x N rays a pixel", true);
+  command->add_option("--specular", options.specular, "strength of highlights, 0 to 1", true);
+  command->add_option("--video-quality", options.video_quality, "x264 crf, 0 (lossless) to 51",
+                      true);
+  command->add_option("--noise", options.noise_sigma, "sigma of each channel, levels of 255", true);
+  command->add_option("--exposure-wobble", options.exposure_wobble,
+                      "largest relative change of a frame's gain", true);
+  command->add_option("--points", options.points, "static surface points of truth", true);
+  command->add_option("--threads", request->threads, "CPU threads; 0: all", true);
+  command->add_flag("--json", request->json, "print one JSON object");
+  command->callback([&work, request] { work = [request] { return synth(*request); }; });
+}
+
+}  // namespace tessera

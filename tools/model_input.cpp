@@ -1,0 +1,72 @@
+// What: which of the model files a path is, by its first bytes.
+// Not: the formats themselves (checkpoint.h, model_file.h, ply_3dgs.h).
+#include "tools/model_input.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "kernels/base/errors.h"
+#include "recon4d/checkpoint.h"
+#include "recon4d/model_file.h"
+#include "static3d/ply_3dgs.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kAccepted =
+    "expected a run folder, a checkpoint, a Tessera 4D .ply or a 3DGS .ply";
+
+fs::path model_file_of(const fs::path& path) {
+  if (!fs::exists(path))
+    throw InputError(fmt::format("{}: no such file or folder; {}", path.string(), kAccepted));
+  if (!fs::is_directory(path)) return path;
+  for (const char* name : {"model.ply", "checkpoint.ckpt"})
+    if (fs::exists(path / name)) return path / name;
+  throw InputError(
+      fmt::format("{}: has neither model.ply nor checkpoint.ckpt; {}", path.string(), kAccepted));
+}
+
+GaussianModel from_3dgs(const fs::path& path, std::vector<std::string>& warnings) {
+  Ply3dgs file = load_ply_3dgs(path);
+  GaussianModel model;
+  model.static_set = std::move(file.set);
+  model.sh_degree = file.sh_degree;
+  warnings = std::move(file.warnings);
+  return model;
+}
+
+}  // namespace
+
+ModelKind model_kind(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  char head[8] = {};
+  stream.read(head, sizeof head);
+  const std::string_view start(head, size_t(stream.gcount()));
+  if (start == "TESSCKPT") return ModelKind::kCheckpoint;
+  if (start.substr(0, 3) != "ply") return ModelKind::kNone;
+  return is_tessera_model(file) ? ModelKind::kTesseraPly : ModelKind::kPly;
+}
+
+ModelInput load_model_input(const fs::path& path) {
+  ModelInput input;
+  input.file = model_file_of(path);
+  switch (model_kind(input.file)) {
+    case ModelKind::kCheckpoint:
+      input.model = load_checkpoint(input.file).state.model;
+      break;
+    case ModelKind::kTesseraPly:
+      input.model = load_model(input.file);
+      break;
+    case ModelKind::kPly:
+      input.model = from_3dgs(input.file, input.warnings);
+      break;
+    case ModelKind::kNone:
+      throw InputError(fmt::format("{}: not a model; {}", input.file.string(), kAccepted));
+  }
+  input.bytes = int64_t(fs::file_size(input.file));
+  return input;
+}
+
+}  // namespace tessera

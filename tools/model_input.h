@@ -1,0 +1,30 @@
+// What: MODEL on the command line → GaussianModel: a run folder, a checkpoint, a 3DGS .ply, a
+// Tessera
+//       4D .ply.
+// Not: scenes.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "recon4d/gaussian_set.h"
+
+namespace tessera {
+
+struct ModelInput {
+  GaussianModel model;
+  std::filesystem::path file;         // what was read
+  int64_t bytes = 0;                  // its size
+  std::vector<std::string> warnings;  // one line each
+};
+
+/// By the first bytes; kPly: a .ply without Tessera's comment, 3DGS or a point cloud.
+enum class ModelKind { kNone, kCheckpoint, kTesseraPly, kPly };
+ModelKind model_kind(const std::filesystem::path& file);
+
+/// A run folder gives its model.ply, or checkpoint.ckpt when training has not ended.
+/// Errors: InputError naming the path and what is accepted.
+ModelInput load_model_input(const std::filesystem::path& path);
+
+}  // namespace tessera
