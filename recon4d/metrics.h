@@ -12,9 +12,13 @@ namespace tessera {
 /// 8-bit picture of planar [3, height, width] floats: floor(255·x + 0.5), clamped.
 Image8 quantise(Span<const float> planar_rgb, int width, int height);
 
-/// Of 8-bit pictures, from the MSE over 3·H·W at range 1; infinite for equal ones is capped at 100.
+/// Mean of the squared differences over 3·H·W at range 1; both pictures RGB and of one size.
+double mean_squared_error(const Image8& a, const Image8& b);
+/// 10·log10(1/mse); infinite for equal pictures is capped at 100.
+double psnr_of_mse(double mse);
+/// Of 8-bit pictures.
 double psnr(const Image8& a, const Image8& b);
-/// Of floats against 8-bit truth, un-quantised and clamped to [0, 1].
+/// Of floats against 8-bit truth, un-quantised and clamped to [0, 1]; NaN counts as 0.
 double psnr_float(Span<const float> planar_rgb, const Image8& truth);
 
 enum class SsimPadding { kReflect, kZero };

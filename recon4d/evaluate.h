@@ -1,0 +1,68 @@
+// What: the score of a model on a split of a scene: every view, and means under their names.
+// Not: printing or files; pictures and progress go to a callback.
+// Source: method A.15 (8-bit pictures, mean of PSNR); failure modes A9, D1–D3.
+#pragma once
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recon4d/render.h"
+
+namespace tessera {
+
+struct ViewScore {
+  std::string name, camera;
+  double time = 0;  // normalised
+  int width = 0, height = 0;
+  double psnr = 0, psnr_float = 0;                // dB: 8-bit, un-quantised
+  double mse = 0;                                 // 8-bit, range 1
+  std::optional<double> ssim_reflect, ssim_zero;  // nothing where undefined or not asked for
+  /// Of a frame outside training: its moment was trained on, from other cameras / its camera was,
+  /// at other moments. A frame can be both (one picture was withheld) or neither (D-NeRF).
+  bool held_out_view = false, held_out_time = false;
+};
+
+/// Means over some views; nothing where there is none. SSIM: over the views that have one.
+struct MeanScore {
+  int64_t views = 0;
+  std::optional<double> psnr, psnr_float, ssim_reflect, ssim_zero;
+  std::optional<double> psnr_of_mean_mse;  // not the mean of PSNR
+};
+
+MeanScore mean_score(const std::vector<ViewScore>& views);
+
+struct EvaluationReport {
+  Split split = Split::kTest;
+  std::vector<ViewScore> views;  // in the order of the scene
+  MeanScore all, held_out_views, held_out_times;
+  std::optional<int64_t> bytes;  // of the model's file; set by the caller
+};
+
+struct EvaluateOptions {
+  int batch = 4;          // views rendered at once
+  bool ssim_zero = true;  // also SSIM with zero padding
+};
+
+/// Each scored view with its picture, in order; throwing stops the evaluation.
+using ScoredCallback = std::function<void(const Frame& frame, const Picture& picture,
+                                          const ViewScore& score, int64_t done, int64_t total)>;
+
+/// Errors: InputError: no frame in the split; frames composited on another background than the
+/// model's.
+EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Scene& scene,
+                          Split split, const EvaluateOptions& options,
+                          const ScoredCallback& scored = {});
+
+/// Score of one picture against a frame; the held-out flags are left false.
+ViewScore score_view(const Frame& frame, const Picture& picture, const EvaluateOptions& options);
+
+const char* split_name(Split split);  // "train", "val", "test"
+
+/// psnr, psnr_float, ssim (reflect), ssim_zero, psnr_of_mean_mse, num_gaussians, num_static,
+/// num_dynamic, bytes, split, background, width, height (null when views differ), views,
+/// held_out_views, held_out_times, per_view. What is undefined is null.
+nlohmann::json to_json(const EvaluationReport& report, const GaussianModel& model);
+
+}  // namespace tessera

@@ -1,0 +1,100 @@
+// What: sums over pixels, in double or exact integers.
+// Not: the window and its convolution (kernels/stages/ssim_window.h, which the loss shares).
+#include "recon4d/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "kernels/stages/ssim_window.h"
+
+namespace tessera {
+namespace {
+
+constexpr double kPsnrCap = 100;  // dB, for pictures that are equal
+
+/// NaN becomes 0.
+float clamped(float value) {
+  return value > 0.0f ? std::min(value, 1.0f) : 0.0f;
+}
+
+void check_pair(const Image8& a, const Image8& b) {
+  check(a.channels == 3 && b.channels == 3 && a.width == b.width && a.height == b.height &&
+            a.width > 0 && a.height > 0,
+        "metrics: two RGB pictures of one size");
+}
+
+std::vector<double> plane_of(const Image8& image, int channel) {
+  std::vector<double> plane(image.data.size() / 3);
+  for (size_t p = 0; p < plane.size(); ++p) plane[p] = image.data[3 * p + size_t(channel)] / 255.0;
+  return plane;
+}
+
+/// Mean of the SSIM map of one channel.
+double plane_ssim(const Image8& a, const Image8& b, int channel, Padding padding) {
+  const std::vector<double> x = plane_of(a, channel), y = plane_of(b, channel);
+  MomentPlanes<double> moments;
+  moments.compute(x.data(), y.data(), a.width, a.height, padding);
+  double sum = 0;
+  for (size_t p = 0; p < x.size(); ++p) sum += moments.point(p).value;
+  return sum / double(x.size());
+}
+
+}  // namespace
+
+Image8 quantise(Span<const float> planar_rgb, int width, int height) {
+  const size_t pixels = size_t(width) * size_t(height);
+  check(planar_rgb.size == int64_t(3 * pixels), "quantise: [3, height, width] floats");
+  Image8 image{width, height, 3, std::vector<uint8_t>(3 * pixels)};
+  for (size_t p = 0; p < pixels; ++p)
+    for (size_t c = 0; c < 3; ++c)
+      image.data[3 * p + c] =
+          uint8_t(std::floor(255.0f * clamped(planar_rgb.data[c * pixels + p]) + 0.5f));
+  return image;
+}
+
+double mean_squared_error(const Image8& a, const Image8& b) {
+  check_pair(a, b);
+  int64_t sum = 0;
+  for (size_t i = 0; i < a.data.size(); ++i) {
+    const int difference = int(a.data[i]) - int(b.data[i]);
+    sum += int64_t(difference) * difference;
+  }
+  return double(sum) / (255.0 * 255.0 * double(a.data.size()));
+}
+
+double psnr_of_mse(double mse) {
+  return mse > 0 ? std::min(-10.0 * std::log10(mse), kPsnrCap) : kPsnrCap;
+}
+
+double psnr(const Image8& a, const Image8& b) {
+  return psnr_of_mse(mean_squared_error(a, b));
+}
+
+double psnr_float(Span<const float> planar_rgb, const Image8& truth) {
+  const size_t pixels = truth.data.size() / 3;
+  check(truth.channels == 3 && pixels > 0 && planar_rgb.size == int64_t(3 * pixels),
+        "psnr_float: [3, height, width] floats and an RGB picture of that size");
+  double sum = 0;
+  for (size_t c = 0; c < 3; ++c)
+    for (size_t p = 0; p < pixels; ++p) {
+      const double difference =
+          double(clamped(planar_rgb.data[c * pixels + p])) - truth.data[3 * p + c] / 255.0;
+      sum += difference * difference;
+    }
+  return psnr_of_mse(sum / (3.0 * double(pixels)));
+}
+
+std::optional<double> ssim(const Image8& a, const Image8& b, SsimPadding padding) {
+  check_pair(a, b);
+  const bool reflect = padding == SsimPadding::kReflect;
+  if (reflect && (a.width <= kSsimRadius || a.height <= kSsimRadius)) return std::nullopt;
+  double channel[3];
+  parallel_for(3, 1, [&](int64_t c, int64_t) {
+    channel[c] = plane_ssim(a, b, int(c), reflect ? Padding::kReflect : Padding::kZero);
+  });
+  return (channel[0] + channel[1] + channel[2]) / 3.0;
+}
+
+}  // namespace tessera

@@ -1,0 +1,119 @@
+// What: comments and elements of the Tessera 4D .ply.
+// Not: the columns (splat_columns.h).
+#include "recon4d/model_file.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdio>
+
+#include "ingest/files/ply_header.h"
+#include "kernels/base/errors.h"
+#include "recon4d/splat_columns.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kFormatVersion = 1;
+constexpr const char* kVersionKey = "tessera_4d_version";
+constexpr const char* kStaticElement = "vertex";
+constexpr const char* kDynamicElement = "vertex_dynamic";
+
+/// Numbers behind `key` in the comments. fmt writes the shortest text that reads back bit-equal.
+std::vector<double> numbers_of(const std::filesystem::path& path,
+                               const std::vector<std::string>& comments, const std::string& key,
+                               size_t count) {
+  for (const std::string& comment : comments) {
+    if (comment.rfind(key + " ", 0) != 0) continue;
+    std::vector<double> numbers;
+    const char* at = comment.data() + key.size();
+    const char* const end = comment.data() + comment.size();
+    while (at < end && *at == ' ') {
+      double value = 0;
+      const auto parsed = std::from_chars(at + 1, end, value);
+      if (parsed.ec != std::errc()) break;
+      numbers.push_back(value);
+      at = parsed.ptr;
+    }
+    if (numbers.size() == count && at == end) return numbers;
+    throw InputError(fmt::format("{}: comment '{}' is malformed, expected {} numbers; export again",
+                                 path.string(), comment, count));
+  }
+  throw InputError(fmt::format(
+      "{}: no comment '{}', expected a Tessera 4D .ply; a 3DGS .ply is read as a static model",
+      path.string(), key));
+}
+
+void read_comments(const std::filesystem::path& path, const std::vector<std::string>& comments,
+                   GaussianModel& model) {
+  const double version = numbers_of(path, comments, kVersionKey, 1)[0];
+  if (version != kFormatVersion)
+    throw InputError(
+        fmt::format("{}: format version {}, this program reads {}; use the program "
+                    "that wrote it or export again",
+                    path.string(), version, kFormatVersion));
+  const auto axis = numbers_of(path, comments, "time_axis", 2);
+  model.time_axis = {axis[0], axis[1]};
+  const double degree = numbers_of(path, comments, "sh_degree", 1)[0];
+  if (!(degree >= 0 && degree <= kMaxShDegree))
+    throw InputError(fmt::format("{}: sh_degree {}, expected 0 to {}; export again", path.string(),
+                                 degree, kMaxShDegree));
+  model.sh_degree = int(degree);
+  const auto background = numbers_of(path, comments, "background", 3);
+  for (size_t c = 0; c < 3; ++c) {
+    if (!(background[c] >= 0 && background[c] <= 255))
+      throw InputError(fmt::format("{}: background {}, expected 0 to 255; export again",
+                                   path.string(), background[c]));
+    model.background[c] = uint8_t(background[c]);
+  }
+  const auto planes = numbers_of(path, comments, "clip_planes", 2);
+  model.near_plane = planes[0], model.far_plane = planes[1];
+}
+
+}  // namespace
+
+void save_model(const std::filesystem::path& path, const GaussianModel& model) {
+  const auto& rgb = model.background;
+  const std::vector<std::string> comments = {
+      fmt::format("{} {}", kVersionKey, kFormatVersion),
+      fmt::format("time_axis {} {}", model.time_axis.origin, model.time_axis.duration),
+      fmt::format("sh_degree {}", model.sh_degree),
+      fmt::format("background {} {} {}", rgb[0], rgb[1], rgb[2]),
+      fmt::format("clip_planes {} {}", model.near_plane, model.far_plane)};
+  // A model without movement is a file that any viewer of static splats opens.
+  std::vector<SplatElement> elements = {
+      {kStaticElement, &model.static_set, model.static_set.coefficients()}};
+  if (model.dynamic_set.count() > 0)
+    elements.push_back({kDynamicElement, &model.dynamic_set, model.dynamic_set.coefficients()});
+  write_splats(path, comments, elements);
+}
+
+GaussianModel load_model(const std::filesystem::path& path) {
+  const PlyFile file = read_ply(path);
+  GaussianModel model;
+  read_comments(path, file.comments, model);
+  const PlyElement* const static_element = file.find(kStaticElement);
+  if (static_element == nullptr)
+    throw InputError(fmt::format("{}: no element '{}', expected a Tessera 4D .ply; export again",
+                                 path.string(), kStaticElement));
+  model.static_set = read_splats(path, *static_element, 3);
+  if (const PlyElement* const dynamic_element = file.find(kDynamicElement))
+    model.dynamic_set = read_splats(path, *dynamic_element, 4);
+  return model;
+}
+
+bool is_tessera_model(const std::filesystem::path& path) {
+  constexpr size_t kHeaderBytes = 1 << 14;  // the comments come first
+  std::FILE* const file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr)
+    throw InputError(
+        fmt::format("{}: cannot be read; check the path and its permissions", path.string()));
+  std::string head(kHeaderBytes, '\0');
+  head.resize(std::fread(head.data(), 1, head.size(), file));
+  std::fclose(file);
+  const std::string_view header = std::string_view(head).substr(0, head.find("\nend_header"));
+  return header.rfind("ply", 0) == 0 &&
+         header.find(fmt::format("\ncomment {} ", kVersionKey)) != std::string_view::npos;
+}
+
+}  // namespace tessera

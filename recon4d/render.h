@@ -1,0 +1,47 @@
+// What: pictures of a model: a pipeline with the model's own background, clip planes and SH degree.
+// Not: training (trainer.h has its own pipeline) and not files of pictures (tools/).
+#pragma once
+#include <vector>
+
+#include "kernels/pipeline.h"
+#include "recon4d/gaussian_set.h"
+
+namespace tessera {
+
+/// As rendered: not clamped, not quantised (metrics.h does that).
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<float> rgb;    // [3, height, width] background included
+  std::vector<float> alpha;  // [height, width] 1 − transmittance
+
+  Span<const float> planar() const { return {rgb.data(), int64_t(rgb.size())}; }
+};
+
+/// How a model says it wants to be drawn.
+RenderOptions render_options(const GaussianModel& model);
+
+/// Keeps the buffers of a pipeline between calls. Backend and model must outlive it.
+class Renderer {
+ public:
+  Renderer(Backend& backend, const GaussianModel& model)
+      : backend_(backend), model_(model), options_(render_options(model)), pipeline_(backend) {}
+
+  /// One picture per view, all through the kernels as one batch.
+  std::vector<Picture> render(const std::vector<View>& views);
+  /// Of the last call: splats, instances, Gaussians that are none.
+  PipelineReport report() const { return pipeline_.report(); }
+  /// To be changed between calls, e.g. another background.
+  RenderOptions& options() { return options_; }
+
+ private:
+  Backend& backend_;
+  const GaussianModel& model_;
+  RenderOptions options_;
+  Pipeline<float> pipeline_;
+};
+
+/// For a single call.
+std::vector<Picture> render_views(Backend& backend, const GaussianModel& model,
+                                  const std::vector<View>& views);
+
+}  // namespace tessera

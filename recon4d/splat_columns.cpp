@@ -1,0 +1,115 @@
+// What: Gaussian rows ↔ PLY columns.
+// Not: any change of a value: no activation, no normalisation.
+#include "recon4d/splat_columns.h"
+
+#include <fmt/format.h>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/ply_header.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+void append(std::vector<SplatColumn>& columns, Group group, std::vector<std::string> names) {
+  for (size_t i = 0; i < names.size(); ++i) columns.push_back({names[i], group, int(i)});
+}
+
+void append_sh(std::vector<SplatColumn>& columns, int coefficients) {
+  append(columns, kSh, {"f_dc_0", "f_dc_1", "f_dc_2"});
+  const int rest = coefficients - 1;
+  for (int channel = 0; channel < 3; ++channel)
+    for (int k = 0; k < rest; ++k)
+      columns.push_back({fmt::format("f_rest_{}", channel * rest + k), kSh, 3 * (k + 1) + channel});
+}
+
+/// A file without rows: what ply_header_text needs.
+PlyFile layout_of(const std::vector<std::string>& comments,
+                  const std::vector<SplatElement>& elements) {
+  PlyFile layout;
+  layout.comments = comments;
+  for (const SplatElement& element : elements) {
+    PlyElement header{element.name, element.set->count(), {}};
+    for (const SplatColumn& column : splat_columns(element.set->dim(), element.coefficients))
+      header.columns.push_back({column.name, PlyType::kFloat32, {}});
+    layout.elements.push_back(std::move(header));
+  }
+  return layout;
+}
+
+void write_rows(AtomicFile& output, const SplatElement& element) {
+  constexpr int64_t kBlockRows = 4096;
+  const std::vector<SplatColumn> columns = splat_columns(element.set->dim(), element.coefficients);
+  const GaussianSpans<const float> values = element.set->values();
+  std::vector<float> block;
+  for (int64_t begin = 0; begin < values.count; begin += kBlockRows) {
+    block.clear();
+    for (int64_t n = begin; n < std::min(begin + kBlockRows, values.count); ++n)
+      for (const SplatColumn& column : columns)
+        block.push_back(column.group ? values.at(*column.group, n)[column.offset] : 0.0f);
+    output.write(block.data(), block.size() * sizeof(float));
+  }
+}
+
+/// 1, 4, 9 or 16.
+int stored_coefficients(const std::filesystem::path& path, const PlyElement& element) {
+  int rest = 0;
+  for (const PlyColumn& column : element.columns)
+    if (column.name.rfind("f_rest_", 0) == 0) ++rest;
+  for (int degree = 0; degree <= kMaxShDegree; ++degree)
+    if (rest == 3 * (sh_coefficients(degree) - 1)) return sh_coefficients(degree);
+  throw InputError(fmt::format(
+      "{}: element '{}' has {} f_rest properties, expected 0, 9, 24 or 45 (SH degree 0 to 3); "
+      "export it with a whole degree",
+      path.string(), element.name, rest));
+}
+
+}  // namespace
+
+std::vector<SplatColumn> splat_columns(int dim, int coefficients) {
+  std::vector<SplatColumn> columns;
+  append(columns, kMean, {"x", "y", "z"});
+  if (dim == 3)
+    for (const char* name : {"nx", "ny", "nz"}) columns.push_back({name, std::nullopt, 0});
+  append_sh(columns, coefficients);
+  append(columns, kOpacityLogit, {"opacity"});
+  append(columns, kLogScale, {"scale_0", "scale_1", "scale_2"});
+  append(columns, kRotation, {"rot_0", "rot_1", "rot_2", "rot_3"});
+  if (dim == 3) return columns;
+  append(columns, kMeanTime, {"mean_time"});
+  append(columns, kLogScaleTime, {"scale_time"});
+  append(columns, kRotationRight, {"rot_right_0", "rot_right_1", "rot_right_2", "rot_right_3"});
+  return columns;
+}
+
+void write_splats(const std::filesystem::path& path, const std::vector<std::string>& comments,
+                  const std::vector<SplatElement>& elements) {
+  for (const SplatElement& element : elements)
+    check(element.coefficients >= 1 && element.coefficients <= element.set->coefficients(),
+          "write_splats: more SH coefficients than the set stores");
+  AtomicFile output(path);
+  output.write(ply_header_text(layout_of(comments, elements)));
+  for (const SplatElement& element : elements) write_rows(output, element);
+  output.commit();
+}
+
+GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, int dim) {
+  const int coefficients = stored_coefficients(path, element);
+  GaussianSet set(dim, coefficients);
+  set.resize(element.rows);
+  const GaussianSpans<float> values = set.values();
+  for (const SplatColumn& column : splat_columns(dim, coefficients)) {
+    if (!column.group) continue;
+    const PlyColumn* const stored = element.find(column.name);
+    if (stored == nullptr)
+      throw InputError(fmt::format(
+          "{}: element '{}' has no scalar property '{}', expected a Gaussian splat .ply; export it "
+          "again",
+          path.string(), element.name, column.name));
+    for (int64_t n = 0; n < element.rows; ++n)
+      values.at(*column.group, n)[column.offset] = float(stored->values[size_t(n)]);
+  }
+  return set;
+}
+
+}  // namespace tessera

@@ -1,0 +1,42 @@
+// What: a GaussianSet as the columns of a PLY element, in the order of the 3DGS reference code.
+// Not: which elements and comments a file has (model_file.cpp, static3d/ply_3dgs.cpp).
+// Source: [3DGS] layout: normals zero, f_rest channel-major; Dim 4 adds its three groups.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/files/ply.h"
+#include "recon4d/gaussian_set.h"
+
+namespace tessera {
+
+/// One stored scalar of every Gaussian: its PLY name and where it lives.
+struct SplatColumn {
+  std::string name;
+  std::optional<Group> group;  // nothing: a normal, always zero
+  int offset = 0;              // scalar inside a row of the group
+};
+
+/// x y z [nx ny nz] f_dc f_rest opacity scale rot, then for Dim 4 mean_time scale_time rot_right.
+/// Normals belong to Dim 3 only, where viewers expect them.
+std::vector<SplatColumn> splat_columns(int dim, int coefficients);
+
+/// A set as an element of a file; the first `coefficients` of its SH are written.
+struct SplatElement {
+  std::string name;
+  const GaussianSet* set = nullptr;
+  int coefficients = 0;
+};
+
+/// Values as stored, `float` columns, binary little-endian, atomically; needs no copy of the sets.
+void write_splats(const std::filesystem::path& path, const std::vector<std::string>& comments,
+                  const std::vector<SplatElement>& elements);
+
+/// Rows of `element` as a set with the SH coefficients that its f_rest columns make: 1, 4, 9 or 16.
+/// Every column but the normals is required. Errors: InputError naming `path`, the element and the
+/// property that is missing, or the count of f_rest that fits no degree.
+GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, int dim);
+
+}  // namespace tessera
