@@ -80,12 +80,12 @@ int ingest(IngestRequest request) {
 
 void add_ingest_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand("ingest", "turn a capture into a prepared scene");
-  auto request = std::make_shared<IngestRequest>();
+  command->option_defaults()->always_capture_default();
+  const auto request = std::make_shared<IngestRequest>();
   command->add_option("capture", request->capture, "folder of the capture")->required();
   command->add_option("-o,--out", request->out, "prepared scene to write")->required();
-  command->add_option("--scale", request->options.scale, "size of the pictures by the source's",
-                      true);
-  command->add_option("--frames", request->frames, "first N instants of each camera; 0: all", true);
+  command->add_option("--scale", request->options.scale, "size of the pictures by the source's");
+  command->add_option("--frames", request->frames, "first N instants of each camera; 0: all");
   command
       ->add_option("--held-out", request->options.held_out,
                    "cameras of the test split, by name; default: the first")
@@ -93,7 +93,7 @@ void add_ingest_command(CLI::App& app, Work& work) {
   command->add_flag("--static", request->options.allow_static,
                     "accept times that are all equal as one moment");
   command->add_option("--poses", request->poses, "where poses come from: n3dv");
-  command->add_option("--threads", request->threads, "CPU threads; 0: all", true);
+  command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return ingest(*request); }; });
 }

@@ -102,29 +102,29 @@ int synth(SynthRequest request) {
 
 void add_synth_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand("synth", "make a dynamic capture with exact ground truth");
-  auto request = std::make_shared<SynthRequest>();
+  command->option_defaults()->always_capture_default();
+  const auto request = std::make_shared<SynthRequest>();
   SynthOptions& options = request->options;
   command->add_option("name", request->scene, "scene, one of --list");
   command->add_option("-o,--out", request->out, "folder to make");
   command->add_flag("--list", request->list, "list scenes and layouts");
-  command->add_option("--layout", request->layout, "dnerf, n3dv or videos", true);
-  command->add_option("--cameras", options.cameras, "cameras (n3dv, videos)", true);
-  command->add_option("--frames", options.frames, "instants; dnerf: training views", true);
+  command->add_option("--layout", request->layout, "dnerf, n3dv or videos");
+  command->add_option("--cameras", options.cameras, "cameras (n3dv, videos)");
+  command->add_option("--frames", options.frames, "instants; dnerf: training views");
   command->add_option("--held-out-frames", options.held_out_frames,
-                      "dnerf: views in each of val and test; 0: a fifth of --frames", true);
-  command->add_option("--width", options.width, "pixels; 0: the scene's own", true);
-  command->add_option("--height", options.height, "pixels; 0: the scene's own", true);
-  command->add_option("--fps", request->fps, "frames a second, N or N/D", true);
-  command->add_option("--seed", options.seed, "of textures, colours and small offsets", true);
-  command->add_option("--supersampling", options.supersampling, "N x N rays a pixel", true);
-  command->add_option("--specular", options.specular, "strength of highlights, 0 to 1", true);
-  command->add_option("--video-quality", options.video_quality, "x264 crf, 0 (lossless) to 51",
-                      true);
-  command->add_option("--noise", options.noise_sigma, "sigma of each channel, levels of 255", true);
+                      "dnerf: views in each of val and test; 0: a fifth of --frames");
+  command->add_option("--width", options.width, "pixels; 0: the scene's own");
+  command->add_option("--height", options.height, "pixels; 0: the scene's own");
+  command->add_option("--fps", request->fps, "frames a second, N or N/D");
+  command->add_option("--seed", options.seed, "of textures, colours and small offsets");
+  command->add_option("--supersampling", options.supersampling, "N x N rays a pixel");
+  command->add_option("--specular", options.specular, "strength of highlights, 0 to 1");
+  command->add_option("--video-quality", options.video_quality, "x264 crf, 0 (lossless) to 51");
+  command->add_option("--noise", options.noise_sigma, "sigma of each channel, levels of 255");
   command->add_option("--exposure-wobble", options.exposure_wobble,
-                      "largest relative change of a frame's gain", true);
-  command->add_option("--points", options.points, "static surface points of truth", true);
-  command->add_option("--threads", request->threads, "CPU threads; 0: all", true);
+                      "largest relative change of a frame's gain");
+  command->add_option("--points", options.points, "static surface points of truth");
+  command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return synth(*request); }; });
 }

@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 #include <numbers>
 
+#include "ingest/pose_matrix.h"
 #include "tools/synth/hash.h"
 
 namespace tessera::synth {
@@ -61,12 +62,8 @@ Camera look_at(const dvec3& eye, const dvec3& target, int width, int height, dou
 }
 
 std::array<std::array<double, 4>, 4> opengl_pose(const Camera& camera) {
-  const glm::dmat3 axes = glm::transpose(camera.cam_from_world);  // right, down, forward
-  const dvec3 eye = camera.position();
-  std::array<std::array<double, 4>, 4> pose{};
-  for (int i = 0; i < 3; ++i) pose[size_t(i)] = {axes[0][i], -axes[1][i], -axes[2][i], eye[i]};
-  pose[3] = {0, 0, 0, 1};
-  return pose;
+  const PoseRows rows = gl_pose_of(camera);
+  return {{rows[0], rows[1], rows[2], {0, 0, 0, 1}}};
 }
 
 double field_of_view(SynthScene scene) {

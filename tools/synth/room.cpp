@@ -116,7 +116,7 @@ void add_movers(WorldBuilder& b) {
   const Texture parcel = b.texture(TextureKind::kChecker, 0.14, {.88f, .24f, .28f},
                                    {.92f, .84f, .72f}, {.5f, .5f, .5f});
   Solid& visitor =
-      b.add_mover("visitor", ShapeKind::kBox, {0.24, 0.24, 0.3}, {1.75, -0.75, 0.3}, parcel);
+      b.add_mover("visitor", ShapeKind::kBox, {0.24, 0.24, 0.3}, {-0.1, 0.65, 0.3}, parcel);
   visitor.motion.rest_rotation = turn_z(35), visitor.lifetime = {0.3, 0.65};
 }
 

@@ -1,0 +1,120 @@
+// What: `tessera train`: options from preset, --config and command line, in that order.
+// Not: the training (train_session.cpp).
+#include <fmt/format.h>
+
+#include <map>
+#include <memory>
+
+#include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "tools/command.h"
+#include "tools/held_out_scores.h"
+#include "tools/interrupt.h"
+#include "tools/terminal.h"
+#include "tools/train_arguments.h"
+
+namespace tessera {
+namespace {
+
+std::string dashed(std::string key) {
+  for (char& c : key)
+    if (c == '_') c = '-';
+  return key;
+}
+
+}  // namespace
+
+void add_train_options(CLI::App& command, TrainArguments& arguments) {
+  std::string names;
+  for (const Preset& preset : presets())
+    names += fmt::format("\n    {:<10} {}", preset.name, preset.doc);
+  command.add_option("--preset", arguments.preset, "set of options:" + names)
+      ->capture_default_str();
+  command.add_option("--config", arguments.config, "JSON file of options, over the preset's");
+  command.add_option("--backend", arguments.backend, "cpu or cuda")->capture_default_str();
+  command.add_option("--threads", arguments.threads, "CPU threads; 0: all")->capture_default_str();
+  command.add_option("--evaluate-every", arguments.evaluate_every,
+                     "steps between two evaluations of the held-out splits; 0: at the end only");
+  command
+      .add_option("--checkpoint-every", arguments.checkpoint_every,
+                  "steps between two checkpoints; 0: at the end only")
+      ->capture_default_str();
+  for (const OptionRow& row : train_option_rows()) {
+    const std::string key = row.key;
+    command
+        .add_option_function<std::string>(
+            "--" + dashed(key),
+            [&arguments, key](const std::string& text) { arguments.given[key] = text; }, row.doc)
+        ->group("Training");
+  }
+  command.add_flag_callback(
+      "--static", [&arguments] { arguments.given["static_only"] = "true"; },
+      "one timestep: same as --static-only true");
+}
+
+TrainOptions resolve_options(const TrainArguments& arguments) {
+  TrainOptions options;
+  apply_preset(options, arguments.preset);
+  if (!arguments.config.empty()) {
+    const nlohmann::json json =
+        nlohmann::json::parse(read_text_file(arguments.config), nullptr, false);
+    if (!json.is_object())
+      throw InputError(fmt::format("{}: expected a JSON object of option: value",
+                                   arguments.config));
+    for (const auto& [key, value] : json.items()) set_option(options, key, value);
+  }
+  for (const auto& [key, text] : arguments.given) set_option_from_text(options, key, text);
+  validate(options);
+  return options;
+}
+
+std::string training_text(const nlohmann::json& result) {
+  const std::string text = fmt::format(
+      "{} steps in {}, {} static + {} dynamic Gaussians, model {}",
+      result["iterations"].get<int64_t>(), clock_time(result["seconds"]),
+      result["num_static"].get<int64_t>(), result["num_dynamic"].get<int64_t>(),
+      result["model"].get<std::string>());
+  const std::string scores = scores_text(result["scores"]);
+  return scores.empty() ? text : text + "\n" + scores;
+}
+
+void add_train_command(CLI::App& app, Work& work) {
+  struct Parsed {
+    TrainRequest request;
+    TrainArguments arguments;
+    bool json = false;
+    int64_t stop_after = 0;
+  };
+  const auto parsed = std::make_shared<Parsed>();
+  CLI::App& command = *app.add_subcommand("train", "prepared scene or D-NeRF folder -> run folder");
+  command.add_option("scene", parsed->request.scene, "prepared scene or D-NeRF folder")->required();
+  command.add_option("-o,--out", parsed->request.run, "run folder")->required();
+  command.add_flag("--resume", parsed->request.resume,
+                   "go on from the run folder's checkpoint, with its options");
+  command.add_flag("--overwrite", parsed->request.overwrite, "replace the run that is there");
+  command.add_option("--stop-after", parsed->stop_after, "stop after so many steps of this call");
+  command.add_flag("--json", parsed->json, "print one JSON object");
+  add_train_options(command, parsed->arguments);
+  command.callback([parsed, &work] {
+    work = [parsed] {
+      TrainRequest& request = parsed->request;
+      const TrainArguments& arguments = parsed->arguments;
+      set_thread_count(arguments.threads);
+      request.options = resolve_options(arguments);
+      request.preset = arguments.preset, request.backend = arguments.backend;
+      request.evaluate_every = arguments.evaluate_every;
+      request.checkpoint_every = arguments.checkpoint_every;
+      if (parsed->stop_after > 0) request.stop_after = parsed->stop_after;
+      if (request.resume && (!arguments.given.empty() || !arguments.config.empty()))
+        throw InputError(
+            "--resume goes on with the options of the checkpoint; drop the training options or "
+            "start a new run folder");
+      const nlohmann::json result = train_session(request);
+      print_result(parsed->json, result, training_text(result));
+      return interrupted() ? int(kExitInterrupted) : int(kExitDone);
+    };
+  });
+}
+
+}  // namespace tessera

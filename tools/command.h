@@ -1,0 +1,24 @@
+// What: what a command is to main: a name, its options, a function that returns an exit code.
+// Not: parsing (CLI11) and not any work of the commands.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+namespace tessera {
+
+enum ExitCode : int { kExitDone = 0, kExitFailed = 1, kExitBadInput = 2, kExitInterrupted = 130 };
+
+/// Adds one subcommand to `app`; its callback stores the work to do in `work`.
+using Work = std::function<int()>;
+
+void add_run_command(CLI::App& app, Work& work);
+void add_ingest_command(CLI::App& app, Work& work);
+void add_train_command(CLI::App& app, Work& work);
+void add_evaluate_command(CLI::App& app, Work& work);
+void add_render_command(CLI::App& app, Work& work);
+void add_export_command(CLI::App& app, Work& work);
+void add_info_command(CLI::App& app, Work& work);
+void add_synth_command(CLI::App& app, Work& work);
+
+}  // namespace tessera

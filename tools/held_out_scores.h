@@ -1,0 +1,26 @@
+// What: the scores of a model on the held-out splits of a scene, as the JSON that `evaluate`, `train`
+//       and `run` share.
+// Not: the metrics (recon4d/evaluate.h).
+#pragma once
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recon4d/evaluate.h"
+
+namespace tessera {
+
+/// Splits other than training that have frames: test before val.
+std::vector<Split> held_out_splits(const Scene& scene);
+
+/// The first split's scores at the top level (psnr, ssim, …, per_view) and all under `splits`.
+/// Empty object when `splits` is empty.
+nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const Scene& scene,
+                            const std::vector<Split>& splits, std::optional<int64_t> bytes,
+                            const ScoredCallback& scored = {});
+
+/// One line per split: "test PSNR 31.42 dB, SSIM 0.9512 (reflect) over 24 views".
+std::string scores_text(const nlohmann::json& scores);
+
+}  // namespace tessera

@@ -1,0 +1,62 @@
+// What: the `tessera` program: picks the command and turns failures into exit codes.
+// Not: any work; each command is a file of its own.
+#include <fmt/format.h>
+
+#include "kernels/base/errors.h"
+#include "tools/command.h"
+#include "tools/interrupt.h"
+#include "tools/terminal.h"
+#include "tools/usage_message.h"
+#include "tools/version.h"
+
+namespace tessera {
+namespace {
+
+int run_command(const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    say(fmt::format("tessera: {}", error.what()));
+    return kExitBadInput;
+  } catch (const Interrupted&) {
+    say("tessera: interrupted; nothing half-written was left");
+    return kExitInterrupted;
+  } catch (const std::bad_alloc&) {
+    say("tessera: out of memory; try a smaller --scale, fewer --init-points or --max-gaussians");
+    return kExitFailed;
+  } catch (const std::exception& error) {
+    say(fmt::format("tessera: {}", error.what()));
+    return kExitFailed;
+  }
+}
+
+int tessera_main(int argc, char** argv) {
+  install_interrupt_handlers();
+  CLI::App app("Tessera: multi-view video to 4D Gaussians that play");
+  app.set_version_flag("--version", kVersionText);
+  app.require_subcommand(1);
+  Work work;
+  add_run_command(app, work);
+  add_ingest_command(app, work);
+  add_train_command(app, work);
+  add_evaluate_command(app, work);
+  add_render_command(app, work);
+  add_export_command(app, work);
+  add_info_command(app, work);
+  add_synth_command(app, work);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    say(usage_message(app, error));
+    return kExitBadInput;
+  }
+  return run_command(work);
+}
+
+}  // namespace
+}  // namespace tessera
+
+int main(int argc, char** argv) {
+  return tessera::tessera_main(argc, argv);
+}

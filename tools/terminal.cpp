@@ -1,0 +1,76 @@
+// What: lines and bars on stderr.
+// Not: thread-safe: commands report from one thread.
+#include "tools/terminal.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace tessera {
+namespace {
+
+constexpr int kBarWidth = 28;  // characters
+ProgressBar* current_bar = nullptr;
+
+}  // namespace
+
+void say(const std::string& line) {
+  if (current_bar != nullptr) current_bar->clear();
+  fmt::print(stderr, "{}\n", line);
+}
+
+void warn(const std::string& line) { say("warning: " + line); }
+
+void print_result(bool as_json, const nlohmann::json& json, const std::string& text) {
+  fmt::print("{}\n", as_json ? json.dump(2) : text);
+  std::fflush(stdout);
+}
+
+std::string clock_time(double seconds) {
+  const int64_t whole = int64_t(seconds + 0.5);
+  return whole < 3600 ? fmt::format("{}:{:02}", whole / 60, whole % 60)
+                      : fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60);
+}
+
+ProgressBar::ProgressBar(std::string label)
+    : label_(std::move(label)),
+      begin_(std::chrono::steady_clock::now()),
+      drawn_(begin_),
+      on_terminal_(isatty(STDERR_FILENO) == 1) {
+  current_bar = this;
+}
+
+ProgressBar::~ProgressBar() {
+  clear();
+  current_bar = nullptr;
+}
+
+void ProgressBar::clear() {
+  if (visible_) fmt::print(stderr, "\r\033[K");
+  visible_ = false;
+}
+
+void ProgressBar::update(int64_t done, int64_t total, std::string_view note, int64_t first) {
+  const auto now = std::chrono::steady_clock::now();
+  const double since_drawn = std::chrono::duration<double>(now - drawn_).count();
+  if (since_drawn < (on_terminal_ ? 0.1 : 10.0)) return;
+  drawn_ = now;
+  const double elapsed = std::chrono::duration<double>(now - begin_).count();
+  const double share = total > 0 ? double(done) / double(total) : 0;
+  const std::string left =
+      done > first
+          ? clock_time(elapsed * double(total - done) / double(done - first)) + " left"
+          : "";
+  if (!on_terminal_) {
+    fmt::print(stderr, "{} {}/{} ({:.0f} %) {} {}\n", label_, done, total, 100 * share, left, note);
+    return;
+  }
+  const int filled = int(share * kBarWidth);
+  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {} {}", label_, std::string(size_t(filled), '='),
+             std::string(size_t(kBarWidth - filled), ' '), done, total, left, note);
+  std::fflush(stderr);
+  visible_ = true;
+}
+
+}  // namespace tessera

@@ -1,0 +1,26 @@
+// What: the training part of a command line, shared by `train` and `run`.
+// Not: the options' meaning (recon4d/train_options.h).
+#pragma once
+#include <map>
+#include <string>
+
+#include "tools/command.h"
+#include "tools/train_session.h"
+
+namespace tessera {
+
+struct TrainArguments {
+  std::string preset = "balanced", config, backend = "cpu";
+  std::map<std::string, std::string> given;  // option key → text, as typed
+  int threads = 0;
+  int64_t evaluate_every = 0, checkpoint_every = 1000;
+};
+
+/// One option per row of the option table, and --preset, --config, --backend, --threads, ….
+void add_train_options(CLI::App& command, TrainArguments& arguments);
+/// Defaults ← preset ← --config ← command line. Errors: InputError.
+TrainOptions resolve_options(const TrainArguments& arguments);
+/// Two or three lines for a person.
+std::string training_text(const nlohmann::json& result);
+
+}  // namespace tessera

@@ -1,0 +1,175 @@
+// What: load the scene, start or resume, train in stretches between checkpoints and evaluations,
+//       write the run folder.
+// Not: a step (recon4d/trainer.cpp).
+#include "tools/train_session.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <utility>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/scene_reader.h"
+#include "kernels/base/errors.h"
+#include "recon4d/checkpoint.h"
+#include "recon4d/model_file.h"
+#include "tools/backend_choice.h"
+#include "tools/held_out_scores.h"
+#include "tools/interrupt.h"
+#include "tools/run_folder.h"
+#include "tools/training_log.h"
+#include "tools/version.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+int64_t peak_resident_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return int64_t(usage.ru_maxrss) * 1024;
+}
+
+/// Tells scenes apart on resume: names, times and sizes of the frames.
+std::string scene_fingerprint(const Scene& scene) {
+  uint64_t hash = 0xcbf29ce484222325u;
+  const auto add = [&hash](const std::string& text) {
+    for (char c : text) hash = (hash ^ uint8_t(c)) * 0x100000001b3u;
+  };
+  for (const Frame& frame : scene.frames)
+    add(fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width,
+                    frame.image.height));
+  return fmt::format("{:016x}", hash);
+}
+
+Scene open_scene(const TrainRequest& request, const TrainOptions& options) {
+  SceneOptions scene_options;
+  scene_options.background = parse_background(options.background);
+  scene_options.allow_static = options.static_only;
+  Scene scene = load_scene(request.scene, scene_options);
+  for (const std::string& warning : scene.warnings) warn(warning);
+  return scene;
+}
+
+/// What the run folder already holds, if it may be used.
+std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run) {
+  if (!run.exists()) {
+    if (request.resume)
+      throw InputError(fmt::format("{}: nothing to resume: it has no config.json",
+                                   run.root.string()));
+    return std::nullopt;
+  }
+  if (request.resume && std::filesystem::exists(run.checkpoint()))
+    return load_checkpoint(run.checkpoint());
+  if (!request.resume && !request.overwrite)
+    throw InputError(fmt::format(
+        "{}: holds a run already; pass --resume to go on with it or --overwrite to replace it",
+        run.root.string()));
+  run.remove_files();
+  return std::nullopt;
+}
+
+json make_config(const TrainRequest& request, const TrainOptions& options, const Scene& scene,
+                 const std::string& device) {
+  return {{"tessera", kVersionText},
+          {"preset", request.preset},
+          {"options", to_json(options)},
+          {"scene", std::filesystem::absolute(request.scene).string()},
+          {"scene_fingerprint", scene_fingerprint(scene)},
+          {"train_frames", scene.split_indices(Split::kTrain).size()},
+          {"device", device},
+          {"seed", options.seed}};
+}
+
+/// Where training pauses next: the end, a checkpoint, an evaluation, the stop that was asked for.
+int64_t next_pause(int64_t iteration, int64_t end, const TrainRequest& request) {
+  int64_t next = end;
+  for (int64_t every : {request.checkpoint_every, request.evaluate_every})
+    if (every > 0) next = std::min(next, (iteration / every + 1) * every);
+  return next;
+}
+
+json score(Backend& backend, const Trainer& trainer, const Scene& scene, TrainingLog& log) {
+  const TrainState& state = trainer.state();
+  const json scores =
+      score_splits(backend, state.model, scene, held_out_splits(scene), std::nullopt);
+  json brief = json::object();
+  if (scores.contains("splits"))
+    for (const auto& [split, of_split] : scores["splits"].items())
+      brief[split] = {{"psnr", of_split["psnr"]}, {"ssim", of_split["ssim"]}};
+  for (const auto& [split, of_split] : brief.items())
+    say(fmt::format("step {}: {} PSNR {} dB, {} Gaussians", state.iteration, split,
+                    of_split["psnr"].dump().substr(0, 5), state.model.count()));
+  log.event("evaluation", {{"iteration", state.iteration},
+                           {"seconds", state.seconds},
+                           {"num_gaussians", state.model.count()},
+                           {"splits", brief}});
+  return scores;
+}
+
+json summary(const Trainer& trainer, const json& scores, const std::string& device) {
+  const TrainState& state = trainer.state();
+  json stages = json::object();
+  for (int s = 0; s < kStages; ++s)
+    stages[kStageNames[s]] = 1000 * trainer.stage_seconds()[size_t(s)];
+  return {{"seconds", state.seconds},
+          {"iterations", state.iteration},
+          {"finished", state.finished},
+          {"num_gaussians", state.model.count()},
+          {"num_static", state.model.static_set.count()},
+          {"num_dynamic", state.model.dynamic_set.count()},
+          {"peak_device_bytes", peak_resident_bytes()},
+          {"stage_ms", stages},
+          {"device", device},
+          {"scores", scores}};
+}
+
+}  // namespace
+
+json train_session(const TrainRequest& request) {
+  const RunFolder run{request.run};
+  std::optional<Checkpoint> previous = previous_state(request, run);
+  const TrainOptions options = previous ? previous->options : request.options;
+  validate(options);
+  const Scene scene = open_scene(request, options);
+  const std::unique_ptr<Backend> backend = make_backend(request.backend);
+  const json config = make_config(request, options, scene, backend->name());
+  if (previous && previous->provenance.value("scene_fingerprint", "") !=
+                      config["scene_fingerprint"].get<std::string>())
+    throw InputError(fmt::format("{}: was trained on other frames than {} holds; resume with the "
+                                 "scene it was started on",
+                                 run.checkpoint().string(), request.scene.string()));
+  make_folder(run.root);
+  std::string source = "checkpoint";
+  TrainState start = previous ? std::move(previous->state) : initial_state(scene, options, source);
+  if (!previous) write_text_file(run.config(), config.dump(2));
+
+  TrainingLog log(run.log(), options.iterations, start.iteration);
+  log.event("start", {{"iteration", start.iteration}, {"initialisation", source}});
+  say(fmt::format("{} training frames, initialised from {}, on {}", config["train_frames"].dump(),
+                  source, backend->name()));
+  const int64_t end = request.stop_after
+                          ? std::min(options.iterations, start.iteration + *request.stop_after)
+                          : options.iterations;
+  Trainer trainer(*backend, scene, options, std::move(start), log);
+  json scores = json::object();
+  const auto save = [&] { save_checkpoint(run.checkpoint(), trainer.state(), options, config); };
+  do {
+    trainer.run(next_pause(trainer.state().iteration, end, request), interrupted);
+    const int64_t i = trainer.state().iteration;
+    const bool done = i >= end || interrupted();
+    if (done || (request.checkpoint_every > 0 && i % request.checkpoint_every == 0)) save();
+    if (!interrupted() && (trainer.state().finished ||
+                           (request.evaluate_every > 0 && i % request.evaluate_every == 0)))
+      scores = score(*backend, trainer, scene, log);
+    if (done) break;
+  } while (true);
+  save_model(run.model(), trainer.state().model);
+  json result = summary(trainer, scores, backend->name());
+  result["model"] = run.model().string();
+  log.event("end", result);
+  return result;
+}
+
+}  // namespace tessera

@@ -1,0 +1,30 @@
+// What: a training with its run folder: resolved options, log, checkpoints, model, evaluations.
+// Not: the training itself (recon4d/trainer.h) nor option parsing (cmd_train.cpp).
+// Run folder: config.json, log.jsonl, checkpoint.ckpt, model.ply, metrics.json.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "recon4d/train_options.h"
+
+namespace tessera {
+
+struct TrainRequest {
+  std::filesystem::path scene, run;
+  TrainOptions options;
+  std::string preset, backend = "cpu";
+  bool resume = false;
+  bool overwrite = false;                 // an existing run folder may be replaced
+  int64_t evaluate_every = 0;             // steps; 0: only at the end
+  int64_t checkpoint_every = 1000;        // steps
+  std::optional<int64_t> stop_after;      // steps of this call
+};
+
+/// Trains until the end, an interrupt or stop_after; writes the run folder. The object has
+/// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `finished`, `psnr`, ….
+/// Errors: InputError, NumericalError.
+nlohmann::json train_session(const TrainRequest& request);
+
+}  // namespace tessera

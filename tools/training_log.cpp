@@ -1,0 +1,59 @@
+// What: lines of log.jsonl and the note beside the bar.
+// Not: a reader of logs.
+#include "tools/training_log.h"
+
+#include <fmt/format.h>
+
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+TrainingLog::TrainingLog(const std::filesystem::path& path, int64_t total, int64_t first)
+    : path_(path), file_(path, std::ios::app), total_(total), first_(first), bar_("train") {
+  if (!file_) throw InputError(fmt::format("{}: cannot be written", path.string()));
+}
+
+void TrainingLog::event(const std::string& name, nlohmann::json fields) {
+  fields["event"] = name;
+  file_ << fields.dump() << '\n' << std::flush;
+  if (!file_)
+    throw InputError(fmt::format("{}: cannot be written; is the disk full?", path_.string()));
+}
+
+void TrainingLog::on_step(const StepReport& report) {
+  last_ = report;
+  sum_.loss += report.loss, sum_.l1 += report.l1, sum_.ssim += report.ssim;
+  sum_.seconds += report.seconds;
+  ++steps_;
+  bar_.update(report.iteration, total_,
+              fmt::format("loss {:.4f}, {} static + {} dynamic, {:.1f} steps/s", report.loss,
+                          report.num_static, report.num_dynamic, double(steps_) / sum_.seconds),
+              first_);
+  if (report.iteration % kStepsPerLine != 0 && report.iteration != total_) return;
+  const double n = double(steps_);
+  event("steps", {{"iteration", report.iteration},
+                  {"loss", sum_.loss / n},
+                  {"l1", sum_.l1 / n},
+                  {"ssim", sum_.ssim / n},
+                  {"seconds_per_step", sum_.seconds / n},
+                  {"num_static", report.num_static},
+                  {"num_dynamic", report.num_dynamic},
+                  {"splats", report.splats},
+                  {"instances", report.instances},
+                  {"invalid_gaussians", report.invalid_gaussians}});
+  sum_ = {};
+  steps_ = 0;
+}
+
+void TrainingLog::on_density(int64_t iteration, const std::string& set,
+                             const DensityReport& report) {
+  event("density", {{"iteration", iteration},
+                    {"set", set},
+                    {"cloned", report.cloned},
+                    {"split", report.split},
+                    {"pruned", report.pruned},
+                    {"before", report.before},
+                    {"after", report.after}});
+}
+
+}  // namespace tessera
