@@ -1,0 +1,147 @@
+// What: bit fields → stored parameters of a static set.
+// Not: the PLY itself (ingest/files/ply.h).
+#include "static3d/ply_compressed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/base/errors.h"
+#include "kernels/math/spherical_harmonics.h"
+
+namespace tessera {
+namespace {
+
+constexpr int64_t kChunk = 256;  // splats that share a range
+
+const std::vector<double>& values_of(const std::filesystem::path& path, const PlyElement& element,
+                                     const std::string& name) {
+  if (const PlyColumn* const column = element.find(name)) return column->values;
+  throw InputError(
+      fmt::format("{}: element '{}' has no property '{}', expected a compressed splat .ply; export "
+                  "it again",
+                  path.string(), element.name, name));
+}
+
+/// `bits` bits of `word` that end at `low`, as a fraction of their range.
+double fraction(uint32_t word, int low, int bits) {
+  const uint32_t mask = (1u << bits) - 1;
+  return double(word >> low & mask) / mask;
+}
+
+/// Three ranges of a chunk: [min, max] of three columns.
+struct Range {
+  const std::vector<double>*low[3], *high[3];
+  double at(int axis, int64_t chunk, double f) const {
+    const double a = (*low[axis])[size_t(chunk)], b = (*high[axis])[size_t(chunk)];
+    return a + f * (b - a);
+  }
+};
+
+Range range_of(const std::filesystem::path& path, const PlyElement& chunks,
+               const std::array<const char*, 3>& names) {
+  Range range;
+  for (size_t k = 0; k < 3; ++k) {
+    range.low[k] = &values_of(path, chunks, fmt::format("min_{}", names[k]));
+    range.high[k] = &values_of(path, chunks, fmt::format("max_{}", names[k]));
+  }
+  return range;
+}
+
+void decode_vector(uint32_t word, const Range& range, int64_t chunk, float* out) {
+  const double f[3] = {fraction(word, 21, 11), fraction(word, 11, 10), fraction(word, 0, 11)};
+  for (int k = 0; k < 3; ++k) out[k] = float(range.at(k, chunk, f[k]));
+}
+
+/// Smallest three of w, x, y, z in 10 bits each, the index of the largest on top.
+void decode_rotation(uint32_t word, float* q) {
+  const size_t largest = word >> 30;
+  double rest = 1;
+  int low = 20;
+  for (size_t k = 0; k < 4; ++k) {
+    if (k == largest) continue;
+    const double value = (fraction(word, low, 10) - 0.5) * std::sqrt(2.0);
+    q[k] = float(value);
+    rest -= value * value;
+    low -= 10;
+  }
+  q[largest] = float(std::sqrt(std::max(rest, 0.0)));
+}
+
+/// Opacity 0 and 255 stand for what rounds there: a quarter of a step from the end, as a logit.
+float decode_opacity(uint32_t word) {
+  constexpr double kEnd = 0.25 / 255;
+  const double opacity = std::clamp(fraction(word, 0, 8), kEnd, 1 - kEnd);
+  return float(std::log(opacity / (1 - opacity)));
+}
+
+void decode_sh(const std::filesystem::path& path, const PlyFile& file,
+               const GaussianSpans<float>& set) {
+  const int rest = set.coefficients - 1;
+  for (int i = 0; i < 3 * rest; ++i) {
+    const std::vector<double>& column =
+        values_of(path, *file.find("sh"), fmt::format("f_rest_{}", i));
+    for (int64_t n = 0; n < set.count; ++n) {
+      const double byte = column[size_t(n)];
+      const double f = byte == 0 ? 0 : byte == 255 ? 1 : (byte + 0.5) / 256;
+      set.at(kSh, n)[3 * (i % rest + 1) + i / rest] = float(8 * (f - 0.5));
+    }
+  }
+}
+
+int coefficients_of(const std::filesystem::path& path, const PlyFile& file) {
+  const PlyElement* const sh = file.find("sh");
+  if (sh == nullptr) return 1;
+  for (int degree = 1; degree <= kMaxShDegree; ++degree)
+    if (int(sh->columns.size()) == 3 * (sh_coefficients(degree) - 1) &&
+        sh->rows == file.find("vertex")->rows)
+      return sh_coefficients(degree);
+  throw InputError(fmt::format(
+      "{}: element 'sh' has {} columns and {} rows, expected 9, 24 or 45 and one per vertex; "
+      "export it again",
+      path.string(), sh->columns.size(), sh->rows));
+}
+
+}  // namespace
+
+bool is_compressed_splat(const PlyFile& file) {
+  const PlyElement* const vertex = file.find("vertex");
+  return file.find("chunk") != nullptr && vertex != nullptr &&
+         vertex->find("packed_position") != nullptr;
+}
+
+GaussianSet decode_compressed_splat(const std::filesystem::path& path, const PlyFile& file) {
+  const PlyElement &chunks = *file.find("chunk"), &vertex = *file.find("vertex");
+  if (chunks.rows * kChunk < vertex.rows)
+    throw InputError(fmt::format("{}: {} chunks for {} splats, expected one per {}; export again",
+                                 path.string(), chunks.rows, vertex.rows, kChunk));
+  GaussianSet set(3, coefficients_of(path, file));
+  set.resize(vertex.rows);
+  const GaussianSpans<float> to = set.values();
+  const Range mean = range_of(path, chunks, {"x", "y", "z"});
+  const Range scale = range_of(path, chunks, {"scale_x", "scale_y", "scale_z"});
+  const bool ranged_colour = chunks.find("min_r") != nullptr;  // absent before SuperSplat 1.9
+  const Range colour = ranged_colour ? range_of(path, chunks, {"r", "g", "b"}) : Range{};
+  const auto& position = values_of(path, vertex, "packed_position");
+  const auto& rotation = values_of(path, vertex, "packed_rotation");
+  const auto& scales = values_of(path, vertex, "packed_scale");
+  const auto& rgba = values_of(path, vertex, "packed_color");
+  for (int64_t n = 0; n < vertex.rows; ++n) {
+    const int64_t chunk = n / kChunk;
+    decode_vector(uint32_t(position[size_t(n)]), mean, chunk, to.at(kMean, n));
+    decode_vector(uint32_t(scales[size_t(n)]), scale, chunk, to.at(kLogScale, n));
+    decode_rotation(uint32_t(rotation[size_t(n)]), to.at(kRotation, n));
+    const uint32_t word = uint32_t(rgba[size_t(n)]);
+    *to.at(kOpacityLogit, n) = decode_opacity(word);
+    for (int c = 0; c < 3; ++c) {
+      const double f = fraction(word, 24 - 8 * c, 8);
+      const double linear = ranged_colour ? colour.at(c, chunk, f) : f;
+      to.at(kSh, n)[c] = float((linear - 0.5) / kSh0);
+    }
+  }
+  decode_sh(path, file, to);
+  return set;
+}
+
+}  // namespace tessera

@@ -1,0 +1,108 @@
+// What: shapes by eigen-decomposition, and the copy of what is drawn at a moment.
+// Not: other cut-offs than the renderer's: both call load_gaussian and slice_at.
+#include "static3d/slicer.h"
+
+#include <algorithm>
+
+#include "kernels/base/parallel.h"
+#include "kernels/math/eigen3.h"
+#include "kernels/math/splat.h"
+
+namespace tessera {
+namespace {
+
+constexpr float kMaxLogit = 88;  // σ is 1 in float long before; e⁸⁸ is still finite there
+
+/// ln σ of the axes and their rotation. Rounding may leave an eigenvalue at or below 0.
+void set_shape(const Sym3<float>& covariance, MovingGaussian& g) {
+  constexpr double kMinVariance = 1e-24;  // world units²: e^{2·log_scale} is a normal float
+  const Sym3<double> c{covariance.xx, covariance.xy, covariance.xz,
+                       covariance.yy, covariance.yz, covariance.zz};
+  const Eigen3 eigen = symmetric_eigen(c);
+  for (int k = 0; k < 3; ++k)
+    g.log_scale[k] = float(0.5 * std::log(std::max(eigen.values[k], kMinVariance)));
+  g.rotation = Vec4<float>(quaternion_from_rotation(eigen.vectors));
+}
+
+/// logit(o·p) = ln(o·p) − ln(1 − o·p); 1 − o·p = (1 − o) + o·(1 − p) keeps its digits as o·p → 1.
+float logit_of_product(double logit, double exponent) {
+  const double o = 1 / (1 + std::exp(-logit)), one_minus_o = 1 / (1 + std::exp(logit));
+  const double product = o * std::exp(exponent);
+  const double rest = one_minus_o - o * std::expm1(exponent);
+  return std::min(float(std::log(product) - std::log(rest)), kMaxLogit);
+}
+
+/// Whether the renderer draws it at t, by its own arithmetic.
+bool is_drawn(const MovingGaussian& g, float time, Slice<float>& slice) {
+  slice = slice_at(g.mean, g.spacetime, time);
+  return slice.marginal >= kMinMarginal<float> && g.opacity * slice.marginal >= kMinAlpha<float>;
+}
+
+void copy_sh(const float* from, int from_coefficients, float* to, int to_coefficients) {
+  std::fill_n(std::copy_n(from, 3 * from_coefficients, to),
+              3 * (to_coefficients - from_coefficients), 0.0f);
+}
+
+void copy_static(const GaussianSet& from, GaussianSet& to) {
+  const GaussianSpans<const float> source = from.values();
+  const GaussianSpans<float> target = to.values();
+  for (Group g : {kMean, kLogScale, kRotation, kOpacityLogit})
+    std::copy_n(source.group[g].data, source.group[g].size, target.group[g].data);
+  for (int64_t n = 0; n < from.count(); ++n)
+    copy_sh(source.at(kSh, n), from.coefficients(), target.at(kSh, n), to.coefficients());
+}
+
+}  // namespace
+
+Slicer::Slicer(const GaussianModel& model) : model_(model) {
+  constexpr int64_t kGrain = 4096;
+  const GaussianSpans<const float> set = model.dynamic_set.values();
+  std::vector<MovingGaussian> all(static_cast<size_t>(set.count));
+  parallel_for(set.count, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t n = begin; n < end; ++n) {
+      MovingGaussian& g = all[size_t(n)];
+      GaussianState<float> state;
+      g.source = -1;
+      if (!load_gaussian<4>(set, n, state)) continue;
+      g.source = n, g.spacetime = state.spacetime, g.mean = state.mean, g.opacity = state.opacity;
+      set_shape(g.spacetime.covariance, g);
+    }
+  });
+  std::copy_if(all.begin(), all.end(), std::back_inserter(moving_),
+               [](const MovingGaussian& g) { return g.source >= 0; });
+}
+
+GaussianSet Slicer::at(double time) const {
+  const GaussianSet &fixed = model_.static_set, &dynamic = model_.dynamic_set;
+  std::vector<std::pair<const MovingGaussian*, Slice<float>>> drawn;
+  Slice<float> slice;
+  for (const MovingGaussian& g : moving_)
+    if (is_drawn(g, float(time), slice)) drawn.emplace_back(&g, slice);
+
+  const int coefficients = dynamic.count() == 0 ? fixed.coefficients()
+                           : fixed.count() == 0
+                               ? dynamic.coefficients()
+                               : std::max(fixed.coefficients(), dynamic.coefficients());
+  GaussianSet set(3, coefficients);
+  set.resize(fixed.count() + int64_t(drawn.size()));
+  copy_static(fixed, set);
+  const GaussianSpans<const float> source = dynamic.values();
+  const GaussianSpans<float> target = set.values();
+  int64_t n = fixed.count();
+  for (const auto& [g, at_time] : drawn) {
+    const double exponent =
+        -0.5 * double(at_time.delta) * double(at_time.delta) * double(g->spacetime.precision_time);
+    for (int k = 0; k < 3; ++k) {
+      target.at(kMean, n)[k] = at_time.mean[k];
+      target.at(kLogScale, n)[k] = g->log_scale[k];
+    }
+    for (int k = 0; k < 4; ++k) target.at(kRotation, n)[k] = g->rotation[k];
+    *target.at(kOpacityLogit, n) =
+        logit_of_product(double(*source.at(kOpacityLogit, g->source)), exponent);
+    copy_sh(source.at(kSh, g->source), dynamic.coefficients(), target.at(kSh, n), coefficients);
+    ++n;
+  }
+  return set;
+}
+
+}  // namespace tessera
