@@ -60,8 +60,8 @@ TrainOptions resolve_options(const TrainArguments& arguments) {
     const nlohmann::json json =
         nlohmann::json::parse(read_text_file(arguments.config), nullptr, false);
     if (!json.is_object())
-      throw InputError(fmt::format("{}: expected a JSON object of option: value",
-                                   arguments.config));
+      throw InputError(
+          fmt::format("{}: expected a JSON object of option: value", arguments.config));
     for (const auto& [key, value] : json.items()) set_option(options, key, value);
   }
   for (const auto& [key, text] : arguments.given) set_option_from_text(options, key, text);
@@ -70,11 +70,11 @@ TrainOptions resolve_options(const TrainArguments& arguments) {
 }
 
 std::string training_text(const nlohmann::json& result) {
-  const std::string text = fmt::format(
-      "{} steps in {}, {} static + {} dynamic Gaussians, model {}",
-      result["iterations"].get<int64_t>(), clock_time(result["seconds"]),
-      result["num_static"].get<int64_t>(), result["num_dynamic"].get<int64_t>(),
-      result["model"].get<std::string>());
+  const std::string text =
+      fmt::format("{} steps in {}, {} static + {} dynamic Gaussians, model {}",
+                  result["iterations"].get<int64_t>(), clock_time(result["seconds"]),
+                  result["num_static"].get<int64_t>(), result["num_dynamic"].get<int64_t>(),
+                  result["model"].get<std::string>());
   const std::string scores = scores_text(result["scores"]);
   return scores.empty() ? text : text + "\n" + scores;
 }

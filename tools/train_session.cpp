@@ -38,8 +38,7 @@ std::string scene_fingerprint(const Scene& scene) {
     for (char c : text) hash = (hash ^ uint8_t(c)) * 0x100000001b3u;
   };
   for (const Frame& frame : scene.frames)
-    add(fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width,
-                    frame.image.height));
+    add(fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width, frame.image.height));
   return fmt::format("{:016x}", hash);
 }
 
@@ -56,8 +55,8 @@ Scene open_scene(const TrainRequest& request, const TrainOptions& options) {
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run) {
   if (!run.exists()) {
     if (request.resume)
-      throw InputError(fmt::format("{}: nothing to resume: it has no config.json",
-                                   run.root.string()));
+      throw InputError(
+          fmt::format("{}: nothing to resume: it has no config.json", run.root.string()));
     return std::nullopt;
   }
   if (request.resume && std::filesystem::exists(run.checkpoint()))
@@ -137,9 +136,10 @@ json train_session(const TrainRequest& request) {
   const json config = make_config(request, options, scene, backend->name());
   if (previous && previous->provenance.value("scene_fingerprint", "") !=
                       config["scene_fingerprint"].get<std::string>())
-    throw InputError(fmt::format("{}: was trained on other frames than {} holds; resume with the "
-                                 "scene it was started on",
-                                 run.checkpoint().string(), request.scene.string()));
+    throw InputError(
+        fmt::format("{}: was trained on other frames than {} holds; resume with the "
+                    "scene it was started on",
+                    run.checkpoint().string(), request.scene.string()));
   make_folder(run.root);
   std::string source = "checkpoint";
   TrainState start = previous ? std::move(previous->state) : initial_state(scene, options, source);

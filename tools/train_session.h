@@ -16,15 +16,15 @@ struct TrainRequest {
   TrainOptions options;
   std::string preset, backend = "cpu";
   bool resume = false;
-  bool overwrite = false;                 // an existing run folder may be replaced
-  int64_t evaluate_every = 0;             // steps; 0: only at the end
-  int64_t checkpoint_every = 1000;        // steps
-  std::optional<int64_t> stop_after;      // steps of this call
+  bool overwrite = false;             // an existing run folder may be replaced
+  int64_t evaluate_every = 0;         // steps; 0: only at the end
+  int64_t checkpoint_every = 1000;    // steps
+  std::optional<int64_t> stop_after;  // steps of this call
 };
 
 /// Trains until the end, an interrupt or stop_after; writes the run folder. The object has
-/// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `finished`, `psnr`, ….
-/// Errors: InputError, NumericalError.
+/// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `finished`, `psnr`,
+/// …. Errors: InputError, NumericalError.
 nlohmann::json train_session(const TrainRequest& request);
 
 }  // namespace tessera

@@ -1,0 +1,221 @@
+// What: `tessera run`: ingest → train → evaluate → export in one folder, each stage done once.
+// Not: anything that the single commands do not do.
+// OUT: scene/ (unless the capture is a prepared scene already), run/, frames/, stages.json.
+#include <fmt/format.h>
+
+#include <memory>
+#include <set>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/ingest.h"
+#include "ingest/scene_reader.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "recon4d/model_file.h"
+#include "static3d/ply_sequence.h"
+#include "tools/backend_choice.h"
+#include "tools/command.h"
+#include "tools/held_out_scores.h"
+#include "tools/interrupt.h"
+#include "tools/run_folder.h"
+#include "tools/stage_ledger.h"
+#include "tools/terminal.h"
+#include "tools/train_arguments.h"
+#include "tools/version.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct RunRequest {
+  fs::path capture, out;
+  IngestOptions ingest;
+  TrainArguments training;
+  int64_t export_frames = 0;  // 0: one per moment of the training split, at most kMostFrames
+  bool json_output = false;
+};
+
+/// Stage by stage; each knows the key of the one before, so a change runs down the chain.
+class Runner {
+ public:
+  explicit Runner(const RunRequest& request)
+      : request_(request),
+        options_(resolve_options(request.training)),
+        run_{request.out / "run"},
+        ledger_((make_folder(request.out), request.out / "stages.json")) {}
+
+  /// False when interrupted; what is done is kept.
+  bool run() {
+    ingest();
+    return train() && evaluate_model() && export_frames();
+  }
+
+  json result() const {
+    json result = ledger_.result("evaluate");
+    result["training"] = ledger_.result("train");
+    result["export"] = ledger_.result("export");
+    result["model"] = run_.model().string();
+    result["out"] = request_.out.string();
+    return result;
+  }
+
+ private:
+  static constexpr int64_t kMostFrames = 60;
+
+  /// Whether the stage must run; says so either way.
+  bool must_run(const std::string& stage, const std::string& key) {
+    const bool done = ledger_.done(stage, key);
+    say(fmt::format("{}: {}", stage, done ? "done before, unchanged" : "begins"));
+    return !done;
+  }
+
+  SceneOptions scene_options(bool pixels) const {
+    return {parse_background(options_.background), options_.static_only, pixels};
+  }
+
+  void ingest() {
+    if (!fs::exists(request_.capture))
+      throw InputError(fmt::format("{}: no such capture", request_.capture.string()));
+    const bool as_it_is = detect_layout(request_.capture) == CaptureLayout::kTransforms &&
+                          request_.ingest.scale == 1 && !request_.ingest.frames;
+    scene_ = as_it_is ? request_.capture : request_.out / "scene";
+    const IngestOptions& o = request_.ingest;
+    const std::string key = key_of({file_stamps(request_.capture), o.scale, o.frames.value_or(0),
+                                    o.held_out, options_.static_only, as_it_is});
+    scene_key_ = key;
+    if (!must_run("ingest", key)) return;
+    ledger_.begin("ingest", key);
+    json result = {{"scene", scene_.string()}};
+    if (!as_it_is) {
+      ProgressBar bar("ingest");
+      IngestOptions ingest_options = o;
+      ingest_options.allow_static = options_.static_only;
+      const IngestReport report =
+          ingest_capture(request_.capture, scene_, ingest_options,
+                         [&](std::string_view what, int64_t done, int64_t total) {
+                           stop_if_interrupted();
+                           bar.update(done, total, what);
+                         });
+      for (const std::string& warning : report.warnings) warn(warning);
+      result["frames"] = report.frames, result["cameras"] = report.cameras;
+    }
+    ledger_.finish("ingest", key, result);
+  }
+
+  bool train() {
+    train_key_ = key_of({scene_key_, to_json(options_), request_.training.backend});
+    if (!must_run("train", train_key_)) return true;
+    TrainRequest train;
+    train.scene = scene_, train.run = run_.root, train.options = options_;
+    train.preset = request_.training.preset, train.backend = request_.training.backend;
+    train.evaluate_every = request_.training.evaluate_every;
+    train.checkpoint_every = request_.training.checkpoint_every;
+    train.resume = ledger_.begun("train", train_key_) && fs::exists(run_.checkpoint());
+    train.overwrite = true;
+    ledger_.begin("train", train_key_);
+    json result = train_session(train);
+    if (interrupted()) return false;
+    result.erase("scores");  // the evaluate stage has them
+    ledger_.finish("train", train_key_, result);
+    return true;
+  }
+
+  bool evaluate_model() {
+    const std::string key = key_of({train_key_, "evaluate"});
+    if (!must_run("evaluate", key)) return true;
+    ledger_.begin("evaluate", key);
+    const Scene scene = load_scene(scene_, scene_options(true));
+    const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
+    const GaussianModel model = load_model(run_.model());
+    const json scores = score_splits(*backend, model, scene, held_out_splits(scene),
+                                     int64_t(fs::file_size(run_.model())));
+    write_text_file(run_.metrics(), scores.dump(2));
+    ledger_.finish("evaluate", key, scores);
+    return !interrupted();
+  }
+
+  std::vector<double> export_times() const {
+    const Scene scene = load_scene(scene_, scene_options(false));
+    std::set<double> moments;
+    for (int i : scene.split_indices(Split::kTrain)) moments.insert(scene.frames[size_t(i)].time);
+    if (request_.export_frames == 0 && int64_t(moments.size()) <= kMostFrames)
+      return {moments.begin(), moments.end()};
+    const int64_t count = request_.export_frames > 0 ? request_.export_frames : kMostFrames;
+    std::vector<double> times;
+    for (int64_t i = 0; i < count; ++i)
+      times.push_back(count > 1 ? double(i) / double(count - 1) : 0);
+    return times;
+  }
+
+  bool export_frames() {
+    const std::string key = key_of({train_key_, "export", request_.export_frames});
+    if (!must_run("export", key)) return true;
+    ledger_.begin("export", key);
+    const fs::path folder = request_.out / "frames";
+    ProgressBar bar("export");
+    const SequenceReport report = export_ply_sequence(
+        load_model(run_.model()), folder, export_times(), [&](int64_t done, int64_t total) {
+          stop_if_interrupted();
+          bar.update(done, total);
+        });
+    ledger_.finish(
+        "export", key,
+        {{"folder", folder.string()}, {"frames", report.frames.size()}, {"bytes", report.bytes}});
+    return true;
+  }
+
+  const RunRequest& request_;
+  TrainOptions options_;
+  RunFolder run_;
+  StageLedger ledger_;
+  fs::path scene_;
+  std::string scene_key_, train_key_;
+};
+
+std::string run_text(const json& result) {
+  const json& exported = result["export"];
+  const std::string scores = scores_text(result);
+  return fmt::format(
+      "result   {}\nmodel    {}\nquality  {}\nplayer   {} frames of .ply in {} ({:.1f} MB): open "
+      "them together in a splat viewer that plays sequences, e.g. SuperSplat",
+      result["out"].get<std::string>(), result["model"].get<std::string>(),
+      scores.empty() ? "no held-out frames" : scores, exported["frames"].get<int64_t>(),
+      exported["folder"].get<std::string>(), exported["bytes"].get<double>() / 1e6);
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, Work& work) {
+  const auto request = std::make_shared<RunRequest>();
+  CLI::App& command = *app.add_subcommand(
+      "run", "capture -> prepared scene, model, scores, player files; run again to resume");
+  command.add_option("capture", request->capture, "folder of videos or images")->required();
+  command.add_option("-o,--out", request->out, "output folder")->required();
+  command
+      .add_option("--scale", request->ingest.scale, "size of the frames by the capture's, (0, 1]")
+      ->capture_default_str();
+  command.add_option("--frames", request->ingest.frames, "first N instants of each camera");
+  command.add_option("--held-out", request->ingest.held_out,
+                     "cameras kept for the test (videos); default: the first");
+  command.add_option("--export-frames", request->export_frames,
+                     "frames of the .ply sequence; 0: one per moment, at most 60");
+  command.add_flag("--json", request->json_output, "print one JSON object");
+  add_train_options(command, request->training);
+  command.callback([request, &work] {
+    work = [request] {
+      set_thread_count(request->training.threads);
+      Runner runner(*request);
+      if (!runner.run()) {
+        say("interrupted; run the same command again to go on");
+        return int(kExitInterrupted);
+      }
+      const json result = runner.result();
+      print_result(request->json_output, result, run_text(result));
+      return int(kExitDone);
+    };
+  });
+}
+
+}  // namespace tessera
