@@ -28,11 +28,11 @@ void expect_brute(const TestScene<double>& scene, double band, const PictureBoun
 /// Sums of some hundred products of order 1 in double, nothing at a cut-off.
 constexpr PictureBounds kDouble{1e-10, 1e-10, 0, 1e-12};
 
-/// Float: positions of 50 pixels are rounded to 4e-6, so an exponent ½ dᵀ conic d ≤ ln 255 with
-/// |conic·d| ≤ 6 moves by some 3e-5 and α by as much; several splats cross a pixel. A pixel at a
-/// cut-off may gain or lose one splat of α = 1/255.
-constexpr double kFloatBand = 3e-4;
-constexpr PictureBounds kFloat{1e-4, 1.2 / 255, 0.04, 2e-6};
+/// Float: positions of up to 50 pixels are rounded to 4e-6 and ½ dᵀ conic d ≤ ln 255 has a gradient
+/// of at most some 1/pixel for splats that matter, so α moves by some 1e-6 per splat, and a pixel
+/// sums a few. A pixel at a cut-off may gain or lose one splat of α = 1/255.
+constexpr double kFloatBand = 1e-4;
+constexpr PictureBounds kFloat{1e-5, 1.2 / 255, 0.02, 1e-6};
 
 class BruteForce : public ::testing::TestWithParam<double> {};
 
