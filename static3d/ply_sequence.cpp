@@ -19,6 +19,7 @@
 namespace tessera {
 namespace {
 
+constexpr const char* kManifest = "manifest.json";
 constexpr float kFarFactor = 10;  // × the scene box  [failure mode E3]
 
 /// Bounds of the means of a frame, outliers left aside.
@@ -150,7 +151,7 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
          {"below_cutoff", frame.below_cutoff},
          {"far_outliers", frame.far_outliers}});
   }
-  write_text_file(folder_ / "manifest.json", manifest.dump(2) + "\n");
+  write_text_file(folder_ / kManifest, manifest.dump(2) + "\n");
 }
 
 /// A player takes every frame_*.ply of a folder: none of another export may stay.
@@ -189,6 +190,7 @@ SequenceReport export_ply_sequence(const GaussianModel& model, const std::filesy
           fmt::format("{}: times of a sequence must ascend, saw {} after {}; sort them",
                       folder.string(), times[i], times[i - 1]));
   make_folder(folder);
+  std::filesystem::remove(folder / kManifest);  // it names whole sequences only
   SequenceWriter writer(model, folder, times);
   const int64_t count = int64_t(times.size()), at_once = writer.frames_at_once();
   for (int64_t begin = 0; begin < count; begin += at_once) {
