@@ -1,0 +1,195 @@
+// What: N3DV captures of small videos → prepared scene → Scene, and what is refused.
+// Not: the decoder (video_test.cpp).
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ingest/ingest.h"
+#include "ingest/llff_poses.h"
+#include "ingest/pose_matrix.h"
+#include "ingest/scene_reader.h"
+#include "tests/ingest/capture_fixture.h"
+#include "tests/ingest/test_video.h"
+
+namespace tessera {
+namespace {
+
+using namespace tessera::testing;
+using nlohmann::json;
+
+class N3dv : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!can_encode_video()) GTEST_SKIP() << "this FFmpeg has no H.264 encoder";
+    std::filesystem::create_directories(folder_ / "capture");
+    for (int c = 0; c < 3; ++c) write_video(video(c), numbered_video(5, c));
+    write_poses(3);
+  }
+  std::filesystem::path video(int camera) {
+    return folder_ / fmt::format("capture/cam{:02}.mp4", camera);
+  }
+  /// Poses for pictures of 64×48, twice the size of the videos, with a focal length of 100.
+  void write_poses(int rows) {
+    poses_.clear();
+    for (int i = 0; i < rows; ++i) {
+      const json matrix = gl_matrix(looking_at_origin({4.0, 0.5 * i, 1.0}));
+      PoseRows pose{};
+      for (size_t r = 0; r < 3; ++r)
+        for (size_t c = 0; c < 4; ++c) pose[r][c] = matrix[r][c];
+      Camera camera{64, 48, 100, 100, 32, 24, {}, {}};
+      set_pose(camera, pose, "test");
+      poses_.push_back({camera, 1, 9});
+    }
+    write_llff_poses(folder_ / "capture/poses_bounds.npy", poses_);
+  }
+  IngestReport ingest(const IngestOptions& options = {}) {
+    return ingest_capture(folder_ / "capture", folder_ / "scene", options, {});
+  }
+
+  TemporaryFolder folder_;
+  std::vector<LlffPose> poses_;
+};
+
+// Bug put back: the focal length of poses_bounds.npy not scaled to the video; seen to fail.
+TEST_F(N3dv, FramesCamerasTimesAndSplits) {
+  const IngestReport report = ingest();
+  EXPECT_EQ(report.layout, CaptureLayout::kN3dv);
+  EXPECT_EQ(report.frames, 15);
+  EXPECT_EQ(report.cameras, 3);
+  const Scene scene = load_scene(folder_ / "scene", {});
+  ASSERT_EQ(scene.frames.size(), 15u);
+  EXPECT_NEAR(scene.time_axis.duration, 4.0 / 25, 1e-9);
+  for (size_t i = 0; i < 15; ++i) {
+    const Frame& frame = scene.frames[i];
+    const int c = int(i / 5), n = int(i % 5);
+    EXPECT_EQ(frame.camera_name, fmt::format("cam{:02}", c));
+    EXPECT_EQ(frame.name, fmt::format("cam{:02}/{:05}", c, n));
+    EXPECT_EQ(frame.frame_number, n);
+    EXPECT_NEAR(frame.time, n / 4.0, 1e-9);
+    EXPECT_EQ(frame.split, c == 0 ? Split::kTest : Split::kTrain);
+    EXPECT_NEAR(frame.image.data[200], numbered_grey(n, c), 1);
+    expect_same_camera(frame.camera, poses_[size_t(c)].camera.resized(32, 24), 1e-12);
+    EXPECT_EQ(frame.camera.fl_x, 50);
+  }
+}
+
+TEST_F(N3dv, HeldOutCamerasAreThoseNamed) {
+  IngestOptions options;
+  options.held_out = {"cam02", "cam01"};
+  ingest(options);
+  for (const Frame& frame : load_scene(folder_ / "scene", {}).frames)
+    EXPECT_EQ(frame.split, frame.camera_name == "cam00" ? Split::kTrain : Split::kTest);
+  options.held_out = {"cam07"};
+  expect_input_error([&] { ingest(options); }, {"cam07", "cam00, cam01, cam02"});
+  options.held_out = {"cam00", "cam01", "cam02"};
+  expect_input_error([&] { ingest(options); }, {"all cameras are held out"});
+}
+
+// Bug put back: check_count() not called; seen to fail.
+TEST_F(N3dv, DifferentFrameCountsNameBothAndTheRemedy) {
+  write_video(video(2), numbered_video(3, 2));
+  expect_input_error([&] { ingest(); },
+                     {"n3dv: cam02.mp4 has 3 frames, cam00.mp4 has 5; pass --frames 3"});
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "scene"));
+  IngestOptions options;
+  options.frames = 4;
+  expect_input_error([&] { ingest(options); }, {"cam02.mp4 has 3 frames", "pass --frames 3"});
+  options.frames = 3;
+  EXPECT_EQ(ingest(options).frames, 9);
+  const Scene scene = load_scene(folder_ / "scene", {});
+  EXPECT_EQ(scene.frames[2].time, 1.0);
+}
+
+TEST_F(N3dv, RowsAndVideosMustBeAsMany) {
+  write_poses(2);
+  expect_input_error([&] { ingest(); },
+                     {"n3dv: poses_bounds.npy has 2 rows, the folder has 3 videos; "});
+}
+
+TEST_F(N3dv, AnotherShapeIsRefused) {
+  for (LlffPose& pose : poses_) pose.camera.height = 60;
+  write_llff_poses(folder_ / "capture/poses_bounds.npy", poses_);
+  expect_input_error([&] { ingest(); }, {"cam00.mp4 is 32x24", "64x60"});
+}
+
+TEST_F(N3dv, ScaleKeepsRaysAndSaysSo) {
+  IngestOptions options;
+  options.scale = 0.5;
+  ingest(options);
+  const Scene scene = load_scene(folder_ / "scene", {});
+  EXPECT_EQ(scene.frames[0].image.width, 16);
+  expect_same_camera(scene.frames[0].camera, poses_[0].camera.resized(16, 12), 1e-12);
+  const json file = json::parse(read_bytes(folder_ / "scene/transforms.json"));
+  EXPECT_EQ(file["tessera"]["applied"]["scale"], 0.5);
+  EXPECT_EQ(file["tessera"]["cameras"][1]["name"], "cam01");
+  EXPECT_EQ(file["tessera"]["source_hashes_fnv1a64"].size(), 4u);
+  options.scale = 2;
+  expect_input_error([&] { ingest(options); }, {"--scale is 2"});
+}
+
+TEST_F(N3dv, OneInstantAndOneCamera) {
+  IngestOptions options;
+  options.frames = 1;
+  ingest(options);
+  EXPECT_TRUE(load_scene(folder_ / "scene", {}).is_static);
+  std::filesystem::remove(video(1));
+  std::filesystem::remove(video(2));
+  write_poses(1);
+  const IngestReport report = ingest();
+  ASSERT_EQ(report.warnings.size(), 1u);
+  EXPECT_NE(report.warnings[0].find("one camera only"), std::string::npos);
+  const Scene scene = load_scene(folder_ / "scene", {});
+  EXPECT_EQ(scene.frames.size(), 5u);
+  EXPECT_EQ(scene.frames[0].split, Split::kTrain);
+}
+
+// Bug put back: the old scene removed before the new one is complete; seen to fail.
+TEST_F(N3dv, AFailureLeavesTheOldSceneAndNothingElse) {
+  ingest();
+  const std::string before = read_bytes(folder_ / "scene/transforms.json");
+  const std::string bytes = read_bytes(video(2));
+  write_bytes(video(2), bytes.substr(0, bytes.size() * 9 / 10));
+  expect_input_error([&] { ingest(); }, {"cam02.mp4", "frames could be read"});
+  EXPECT_EQ(read_bytes(folder_ / "scene/transforms.json"), before);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 2);
+}
+
+TEST_F(N3dv, OutputThatIsNoSceneIsNotOverwritten) {
+  std::filesystem::create_directories(folder_ / "scene");
+  write_bytes(folder_ / "scene/precious", "x");
+  expect_input_error([&] { ingest(); }, {"scene", "overwritten"});
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "scene/precious"));
+  expect_input_error(
+      [&] { ingest_capture(folder_ / "capture", folder_ / "scene/precious/s", {}, {}); },
+      {"ot a directory"});
+}
+
+TEST_F(N3dv, VideosWithoutPosesSayWhatIsNeeded) {
+  std::filesystem::remove(folder_ / "capture/poses_bounds.npy");
+  EXPECT_EQ(detect_layout(folder_ / "capture"), CaptureLayout::kVideos);
+  expect_input_error([&] { ingest(); },
+                     {"poses_bounds.npy", "transforms.json", "not in this version"});
+  expect_input_error([&] { detect_layout(folder_ / "none"); }, {"none", "no such folder"});
+  std::filesystem::create_directories(folder_ / "void");
+  expect_input_error([&] { detect_layout(folder_ / "void"); }, {"void", "no videos"});
+}
+
+TEST_F(N3dv, ProgressIsReportedAndMayStop) {
+  std::vector<std::string> doing;
+  int64_t last = 0;
+  ingest_capture(folder_ / "capture", folder_ / "scene", {},
+                 [&](std::string_view what, int64_t done, int64_t total) {
+                   doing.emplace_back(what);
+                   EXPECT_EQ(total, 15);
+                   EXPECT_EQ(done, ++last);
+                 });
+  EXPECT_EQ(doing.front(), "decoding cam00.mp4");
+  EXPECT_EQ(last, 15);
+  const auto stop = [](std::string_view, int64_t, int64_t) { throw std::runtime_error("stop"); };
+  EXPECT_THROW(ingest_capture(folder_ / "capture", folder_ / "other", {}, stop),
+               std::runtime_error);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "other"));
+}
+
+}  // namespace
+}  // namespace tessera
