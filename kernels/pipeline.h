@@ -4,8 +4,6 @@
 #pragma once
 #include <array>
 
-#include <optional>
-
 #include "kernels/backend.h"
 
 namespace tessera {

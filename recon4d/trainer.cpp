@@ -10,6 +10,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/initialise.h"
+#include "recon4d/render.h"
 
 namespace tessera {
 namespace {
@@ -104,12 +105,9 @@ StepReport Trainer::step() {
     views.push_back({frame.camera, frame.time});
     target.truth.push_back({frame.image.data.data(), int64_t(frame.image.data.size())});
   }
-  RenderOptions render;
-  render.sh_degree = state_.model.sh_degree;
-  for (size_t c = 0; c < 3; ++c) render.background[c] = state_.model.background[c] / 255.0;
-  render.near_plane = state_.model.near_plane, render.far_plane = state_.model.far_plane;
   pipeline_.forward(std::as_const(state_.model.static_set).values(),
-                    std::as_const(state_.model.dynamic_set).values(), views, render, true);
+                    std::as_const(state_.model.dynamic_set).values(), views,
+                    render_options(state_.model), true);
   const std::vector<ViewLoss> losses = pipeline_.loss(target, true);
 
   StepReport report;
