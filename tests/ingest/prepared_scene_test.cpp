@@ -72,7 +72,7 @@ TEST(PreparedScene, WrittenAndLoadedIsEqual) {
     EXPECT_EQ(one.frame_number, other.frame_number);
     EXPECT_EQ(one.time, other.time);
     EXPECT_EQ(one.split, other.split);
-    expect_same_camera(one.camera, other.camera, 1e-15);
+    expect_same_camera(one.camera, other.camera, 1e-14);
     EXPECT_EQ(other.image.data, patterned_picture(8, 6, 3, int(i % 2)).data);
   }
 }

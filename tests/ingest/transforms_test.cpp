@@ -93,7 +93,7 @@ TEST(AxisConvention, CubeFacesAreWhereTheirColoursAreInBothLayouts) {
       ++seen;
     }
   }
-  EXPECT_EQ(seen, 5);
+  EXPECT_EQ(seen, 6);
 }
 
 TEST(AxisConvention, PlusXIsRightAndPlusZIsUpForACameraThatLooksAlongPlusY) {
