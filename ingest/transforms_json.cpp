@@ -23,6 +23,9 @@ struct SplitFile {
   Split split;
 };
 
+/// Whether the pictures that frames name must be there.
+enum class Pictures { kRequired, kUnused };
+
 constexpr std::array<SplitFile, 3> kSplitFiles{{{"transforms_train.json", Split::kTrain},
                                                 {"transforms_val.json", Split::kVal},
                                                 {"transforms_test.json", Split::kTest}}};
@@ -116,16 +119,18 @@ Split split_of(const json& frame, const json& file, Split split_of_file, const s
 
 TransformsFrame parse_frame(const json& entry, const json& file, const StatedIntrinsics& globals,
                             const std::filesystem::path& json_path, size_t index,
-                            Split split_of_file) {
+                            Split split_of_file, Pictures pictures) {
   TransformsFrame frame;
   frame.where = fmt::format("{}, frame {}", json_path.string(), index);
-  const std::string file_path =
+  std::string file_path =
       entry.is_object() ? string_at(entry, "file_path", frame.where) : std::string();
+  if (file_path.empty() && pictures == Pictures::kUnused) file_path = fmt::format("{:04}", index);
   if (file_path.empty())
     throw InputError(fmt::format("{}: has no file_path; name its picture", frame.where));
   frame.where += fmt::format(" ({})", file_path);
   frame.split = split_of(entry, file, split_of_file, frame.where);
-  frame.image = find_image(json_path.parent_path(), file_path, frame.where);
+  if (pictures == Pictures::kRequired)
+    frame.image = find_image(json_path.parent_path(), file_path, frame.where);
   frame.name = name_of_image(file_path);
   frame.time = finite_number(entry, "time", frame.where);
   refuse_distortion(entry, frame.where);
@@ -160,7 +165,8 @@ void read_prepared_object(const json& object, const std::string& where,
   capture.prepared_static = is_true(time, "static");
 }
 
-void read_file(const std::filesystem::path& path, Split split_of_file, TransformsCapture& capture) {
+void read_file(const std::filesystem::path& path, Split split_of_file, Pictures pictures,
+               TransformsCapture& capture) {
   const json file = read_json(path);
   const std::string where = path.string();
   const auto frames = file.find("frames");
@@ -175,7 +181,7 @@ void read_file(const std::filesystem::path& path, Split split_of_file, Transform
   int64_t masks = 0;
   for (size_t i = 0; i < frames->size(); ++i) {
     const json& entry = (*frames)[i];
-    capture.frames.push_back(parse_frame(entry, file, globals, path, i, split_of_file));
+    capture.frames.push_back(parse_frame(entry, file, globals, path, i, split_of_file, pictures));
     masks += entry.contains("mask_path");
   }
   if (masks > 0)
@@ -212,6 +218,16 @@ void check_times(const TransformsCapture& capture) {
         without->where));
 }
 
+/// What needs all frames.
+void complete(TransformsCapture& capture) {
+  if (capture.frames.empty())
+    throw InputError(fmt::format("{}: lists no frames; export the cameras again",
+                                 capture.files.front().string()));
+  make_names_unique(capture);
+  number_frames(capture);
+  check_times(capture);
+}
+
 }  // namespace
 
 TransformsCapture read_transforms(const std::filesystem::path& folder) {
@@ -221,21 +237,23 @@ TransformsCapture read_transforms(const std::filesystem::path& folder) {
   if (std::filesystem::exists(folder / kSplitFiles[0].name)) {
     for (const SplitFile& file : kSplitFiles)
       if (std::filesystem::exists(folder / file.name))
-        read_file(folder / file.name, file.split, capture);
+        read_file(folder / file.name, file.split, Pictures::kRequired, capture);
   } else if (std::filesystem::exists(folder / "transforms.json")) {
-    read_file(folder / "transforms.json", Split::kTrain, capture);
+    read_file(folder / "transforms.json", Split::kTrain, Pictures::kRequired, capture);
   } else {
     throw InputError(fmt::format(
         "{}: has neither transforms.json nor transforms_train.json; prepare the capture with "
         "`tessera ingest`",
         folder.string()));
   }
-  if (capture.frames.empty())
-    throw InputError(fmt::format("{}: lists no frames; export the cameras again",
-                                 capture.files.front().string()));
-  make_names_unique(capture);
-  number_frames(capture);
-  check_times(capture);
+  complete(capture);
+  return capture;
+}
+
+TransformsCapture read_camera_path(const std::filesystem::path& file) {
+  TransformsCapture capture;
+  read_file(file, Split::kTest, Pictures::kUnused, capture);
+  complete(capture);
   return capture;
 }
 

@@ -39,6 +39,10 @@ struct TransformsCapture {
 /// transforms.json. Errors: InputError naming file, frame and remedy.
 TransformsCapture read_transforms(const std::filesystem::path& folder);
 
+/// One transforms file as a camera path: the pictures it names need not be there (TransformsFrame::
+/// image is empty), and a frame without file_path is named by its number. Errors: as above.
+TransformsCapture read_camera_path(const std::filesystem::path& file);
+
 /// True when `folder` has a file that read_transforms would read.
 bool has_transforms(const std::filesystem::path& folder);
 /// True when `folder` holds a transforms.json with a `tessera` object.

@@ -1,6 +1,5 @@
 // What: the scores of a model on the held-out splits of a scene, as the JSON that `evaluate`,
-// `train`
-//       and `run` share.
+//       `train` and `run` share.
 // Not: the metrics (recon4d/evaluate.h).
 #pragma once
 #include <nlohmann/json.hpp>

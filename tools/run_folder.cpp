@@ -12,8 +12,8 @@ namespace tessera {
 nlohmann::json RunFolder::read_config() const {
   nlohmann::json json = nlohmann::json::parse(read_text_file(config()), nullptr, false);
   if (!json.is_object())
-    throw InputError(fmt::format("{}: not valid JSON; train again with --overwrite",
-                                 config().string()));
+    throw InputError(
+        fmt::format("{}: not valid JSON; train again with --overwrite", config().string()));
   return json;
 }
 

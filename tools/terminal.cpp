@@ -20,7 +20,9 @@ void say(const std::string& line) {
   fmt::print(stderr, "{}\n", line);
 }
 
-void warn(const std::string& line) { say("warning: " + line); }
+void warn(const std::string& line) {
+  say("warning: " + line);
+}
 
 void print_result(bool as_json, const nlohmann::json& json, const std::string& text) {
   fmt::print("{}\n", as_json ? json.dump(2) : text);
@@ -59,9 +61,8 @@ void ProgressBar::update(int64_t done, int64_t total, std::string_view note, int
   const double elapsed = std::chrono::duration<double>(now - begin_).count();
   const double share = total > 0 ? double(done) / double(total) : 0;
   const std::string left =
-      done > first
-          ? clock_time(elapsed * double(total - done) / double(done - first)) + " left"
-          : "";
+      done > first ? clock_time(elapsed * double(total - done) / double(done - first)) + " left"
+                   : "";
   if (!on_terminal_) {
     fmt::print(stderr, "{} {}/{} ({:.0f} %) {} {}\n", label_, done, total, 100 * share, left, note);
     return;

@@ -1,5 +1,5 @@
-// What: what a person sees on stderr: messages, and a progress bar with ETA on a terminal or a plain
-//       line now and then otherwise.
+// What: what a person sees on stderr: messages, and a progress bar with ETA on a terminal or a
+//       plain line now and then otherwise.
 // Not: results; those go to stdout (print_result).
 #pragma once
 #include <chrono>

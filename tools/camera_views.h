@@ -1,0 +1,35 @@
+// What: --cameras on the command line → named views: a scene's frames, or a transforms file as a
+//       camera path whose pictures need not exist.
+// Not: rendering.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recon4d/gaussian_set.h"
+
+namespace tessera {
+
+struct NamedView {
+  std::string name;  // "test/r_003", safe below a folder
+  View view;
+};
+
+struct CameraChoice {
+  std::filesystem::path cameras;  // scene folder, or a transforms file
+  std::string split;              // empty: all frames
+  std::optional<double> time;     // normalised; instead of the frames' own
+};
+
+/// Times are those of the model. Errors: InputError: unreadable, no frame left, no size, a frame
+/// without a time for a model that moves.
+std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianModel& model);
+
+/// "train", "val" or "test". Errors: InputError.
+Split parse_split(const std::string& name);
+
+/// Normalised time of `axis` → normalised time of the model, through the capture's own clock.
+double model_time(const GaussianModel& model, const TimeAxis& axis, double time);
+
+}  // namespace tessera

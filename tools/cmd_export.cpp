@@ -1,0 +1,168 @@
+// What: `tessera export`: a model → files for other programs.
+// Not: the formats (static3d/ply_sequence.h, recon4d/model_file.h).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "recon4d/hygiene.h"
+#include "recon4d/model_file.h"
+#include "static3d/ply_sequence.h"
+#include "tools/command.h"
+#include "tools/interrupt.h"
+#include "tools/model_input.h"
+#include "tools/output_folder.h"
+#include "tools/terminal.h"
+
+namespace tessera {
+namespace {
+
+constexpr double kDefaultFps = 24;       // frames per unit of the capture's clock (seconds)
+constexpr int64_t kMostDefault = 300;    // frames that nobody asked for
+constexpr int64_t kMostFrames = 100000;  // frames that anybody may ask for
+
+struct ExportRequest {
+  std::string model, out, format = "ply";
+  std::optional<int64_t> frames;
+  std::optional<double> fps, time;
+  int threads = 0;
+  bool overwrite = false, json = false;
+};
+
+/// `count` moments from the first to the last.
+std::vector<double> spread(int64_t count) {
+  std::vector<double> times(static_cast<size_t>(count), 0.0);
+  for (size_t i = 1; i < times.size(); ++i) times[i] = double(i) / double(count - 1);
+  return times;
+}
+
+/// Moments 1/fps apart from the first on.
+std::vector<double> at_rate(double fps, double duration) {
+  const double last = std::floor(fps * duration + 1e-6);
+  if (!(fps > 0) || !(last < double(kMostFrames)))
+    throw InputError(
+        fmt::format("export: --fps {} over {} seconds makes {} frames, expected 1 to "
+                    "{}; pass --frames",
+                    fps, duration, last + 1, kMostFrames));
+  std::vector<double> times;
+  for (int64_t i = 0; i <= int64_t(last); ++i)
+    times.push_back(std::min(1.0, double(i) / (fps * duration)));
+  return times;
+}
+
+std::vector<double> export_times(const ExportRequest& request, const GaussianModel& model) {
+  if (request.time) {
+    if (!std::isfinite(*request.time)) throw InputError("export: --time must be a finite number");
+    return {*request.time};
+  }
+  if (request.frames) {
+    if (*request.frames < 1 || *request.frames > kMostFrames)
+      throw InputError(
+          fmt::format("export: --frames is {}, expected 1 to {}", *request.frames, kMostFrames));
+    return spread(*request.frames);
+  }
+  if (request.fps) return at_rate(*request.fps, model.time_axis.duration);
+  if (model.dynamic_set.count() == 0) return {0.0};
+  const double count = std::floor(kDefaultFps * model.time_axis.duration) + 1;
+  return spread(int64_t(std::clamp(count, 2.0, double(kMostDefault))));
+}
+
+nlohmann::json export_sequence(const ExportRequest& request, const GaussianModel& model) {
+  const std::vector<double> times = export_times(request, model);
+  OutputFolder folder(request.out, "export", {"manifest.json"}, request.overwrite);
+  SequenceReport report;
+  {
+    ProgressBar bar("export");
+    report = export_ply_sequence(model, request.out, times, [&](int64_t done, int64_t total) {
+      stop_if_interrupted();
+      bar.update(done, total);
+    });
+  }
+  folder.finish();
+  return {{"frames", report.frames.size()},        {"bytes", report.bytes},
+          {"max_gaussians", report.max_gaussians}, {"non_finite", report.non_finite},
+          {"below_cutoff", report.below_cutoff},   {"far_outliers", report.far_outliers}};
+}
+
+/// Leaves out what no program can draw; returns how many.
+int64_t drop_unsound(GaussianSet& set) {
+  const std::vector<int64_t> rows = sound_rows(set);
+  const int64_t dropped = set.count() - int64_t(rows.size());
+  if (dropped > 0) set = select_rows(set, rows);
+  return dropped;
+}
+
+nlohmann::json export_tessera(const ExportRequest& request, GaussianModel& model) {
+  const int64_t dropped = drop_unsound(model.static_set) + drop_unsound(model.dynamic_set);
+  OutputFolder folder(request.out, "export", {"model.ply"}, request.overwrite);
+  save_model(folder.path("model.ply"), model);
+  folder.finish();
+  return {{"frames", 1},
+          {"bytes", std::filesystem::file_size(folder.path("model.ply"))},
+          {"max_gaussians", model.count()},
+          {"non_finite", dropped}};
+}
+
+struct Format {
+  const char* name;
+  nlohmann::json (*write)(const ExportRequest&, GaussianModel&);
+};
+constexpr std::array<Format, 2> kFormats{{
+    {"ply", [](const ExportRequest& request,
+               GaussianModel& model) { return export_sequence(request, model); }},
+    {"tessera", export_tessera},
+}};
+
+const Format& find_format(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Format& format : kFormats) {
+    if (name == format.name) return format;
+    names.push_back(format.name);
+  }
+  throw InputError(fmt::format("export: format '{}' is not in this version; there are {}", name,
+                               fmt::join(names, ", ")));
+}
+
+int export_command(const ExportRequest& request) {
+  const Format& format = find_format(request.format);
+  set_thread_count(request.threads);
+  ModelInput input = load_model_input(request.model);
+  for (const std::string& warning : input.warnings) warn(warning);
+  nlohmann::json result = format.write(request, input.model);
+  result["out"] = request.out, result["format"] = format.name;
+  result["model"] = input.file.string(), result["num_gaussians"] = input.model.count();
+  const int64_t frames = result["frames"], bytes = result["bytes"];
+  print_result(request.json, result,
+               fmt::format("{}: {} file{}, {:.1f} MB", request.out, frames, frames == 1 ? "" : "s",
+                           double(bytes) / 1e6));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app, Work& work) {
+  CLI::App* command = app.add_subcommand("export", "write a model for other programs");
+  command->option_defaults()->always_capture_default();
+  const auto request = std::make_shared<ExportRequest>();
+  command->add_option("model", request->model, "run folder, checkpoint, 3DGS or Tessera .ply")
+      ->required();
+  command->add_option("-o,--out", request->out, "folder to write")->required();
+  command->add_option("--format", request->format,
+                      "ply: numbered 3DGS files that players take; tessera: one 4D .ply");
+  CLI::Option* frames =
+      command->add_option("--frames", request->frames, "moments, evenly from first to last");
+  CLI::Option* fps =
+      command->add_option("--fps", request->fps, "moments a second of the capture's clock");
+  CLI::Option* time =
+      command->add_option("--time", request->time, "a single moment, 0 (first) to 1 (last)");
+  fps->excludes(frames), time->excludes(frames), time->excludes(fps);
+  command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");
+  command->add_option("--threads", request->threads, "CPU threads; 0: all");
+  command->add_flag("--json", request->json, "print one JSON object");
+  command->callback([&work, request] { work = [request] { return export_command(*request); }; });
+}
+
+}  // namespace tessera

@@ -1,0 +1,132 @@
+// What: the choice of kind; models, checkpoints, run folders, splat sequences, point clouds.
+// Not: scenes and captures (describe_scene.cpp).
+#include "tools/describe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ingest/capture_layout.h"
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
+#include "ingest/files/ply_header.h"
+#include "ingest/transforms_json.h"
+#include "kernels/base/errors.h"
+#include "recon4d/checkpoint.h"
+#include "recon4d/model_info.h"
+#include "tools/model_input.h"
+#include "tools/run_folder.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+constexpr const char* kKnown =
+    "expected a model or splat .ply, a checkpoint, a point cloud .ply, a run folder, a scene or a "
+    "capture";
+
+json described(const char* kind, const fs::path& path) {
+  return {{"kind", kind}, {"path", path.string()}};
+}
+
+json describe_model(const char* kind, const fs::path& path) {
+  const ModelInput input = load_model_input(path);
+  json info = described(kind, path);
+  info["file"] = input.file.string(), info["bytes"] = input.bytes;
+  info.update(model_info(input.model));
+  if (!input.warnings.empty()) info["warnings"] = input.warnings;
+  return info;
+}
+
+json describe_checkpoint(const fs::path& path) {
+  json info = describe_model("checkpoint", path);
+  const json header = read_checkpoint_header(path);
+  for (const char* key : {"iteration", "finished", "seconds", "options", "provenance"})
+    info[key] = header.at(key);
+  return info;
+}
+
+/// Elements and properties; a cloud is a `vertex` with positions and nothing of a splat.
+json describe_other_ply(const fs::path& path, const PlyHeader& header) {
+  json info = described("PLY", path);
+  info["bytes"] = fs::file_size(path);
+  for (const PlyElementLayout& element : header.elements) {
+    json names = json::array();
+    for (const PlyPropertyLayout& property : element.properties) names.push_back(property.name);
+    const auto has = [&](const char* name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    if (element.name == "vertex" && has("x") && has("y") && has("z")) {
+      info["kind"] = "point cloud";
+      info["points"] = element.rows, info["has_colour"] = has("red");
+    }
+    info["elements"][element.name] = {{"rows", element.rows}, {"properties", names}};
+  }
+  return info;
+}
+
+bool is_splat_header(const PlyHeader& header) {
+  for (const PlyElementLayout& element : header.elements) {
+    if (element.name == "chunk") return true;  // compressed splats
+    for (const PlyPropertyLayout& property : element.properties)
+      if (property.name == "opacity" || property.name == "rot_0") return true;
+  }
+  return false;
+}
+
+json describe_file(const fs::path& path) {
+  switch (model_kind(path)) {
+    case ModelKind::kCheckpoint:
+      return describe_checkpoint(path);
+    case ModelKind::kTesseraPly:
+      return describe_model("Tessera 4D model", path);
+    case ModelKind::kPly: {
+      const PlyHeader header = parse_ply_header(path, read_text_file(path));
+      return is_splat_header(header) ? describe_model("3DGS model", path)
+                                     : describe_other_ply(path, header);
+    }
+    case ModelKind::kNone:
+      break;
+  }
+  throw InputError(fmt::format("{}: nothing that is known; {}", path.string(), kKnown));
+}
+
+json describe_run(const RunFolder& run) {
+  json info = described("run", run.root);
+  const bool has_model = fs::exists(run.model()), has_checkpoint = fs::exists(run.checkpoint());
+  if (has_model || has_checkpoint) info = describe_model("run", run.root);
+  if (has_checkpoint) {
+    const json header = read_checkpoint_header(run.checkpoint());
+    for (const char* key : {"iteration", "finished", "seconds"}) info[key] = header.at(key);
+  }
+  info["config"] = run.read_config();
+  return info;
+}
+
+json describe_sequence(const fs::path& folder) {
+  const json manifest = read_json(folder / "manifest.json");
+  if (!manifest.is_object() || !manifest.contains("format"))
+    throw InputError(
+        fmt::format("{}: a manifest.json without format; {}", folder.string(), kKnown));
+  json info = described("splat sequence", folder);
+  for (const char* key : {"format", "count", "fps", "time_axis", "bytes", "bounds", "counters"})
+    info[key] = manifest.value(key, json());
+  return info;
+}
+
+}  // namespace
+
+json describe(const fs::path& path) {
+  if (!fs::exists(path))
+    throw InputError(fmt::format("{}: no such file or folder; {}", path.string(), kKnown));
+  if (!fs::is_directory(path)) return describe_file(path);
+  if (const RunFolder run{path}; run.exists()) return describe_run(run);
+  if (has_transforms(path)) return describe_transforms(path);
+  if (!videos_in(path).empty()) return describe_videos(path);
+  if (fs::exists(path / "manifest.json")) return describe_sequence(path);
+  if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply");
+  throw InputError(fmt::format("{}: nothing that is known in it; {}", path.string(), kKnown));
+}
+
+}  // namespace tessera
