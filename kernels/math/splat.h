@@ -46,8 +46,9 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
   g.sh = set.at(kSh, n);
   const Sym3<Real>& c = g.spacetime.covariance;
   const Real trace = c.xx + c.yy + c.zz;
-  const Real stored = g.mean[0] + g.mean[1] + g.mean[2] + *set.at(kOpacityLogit, n) + log_scale[0] +
-                      log_scale[1] + log_scale[2];
+  Real stored = g.mean[0] + g.mean[1] + g.mean[2] + *set.at(kOpacityLogit, n) + log_scale[0] +
+                log_scale[1] + log_scale[2];
+  if constexpr (Dim == 4) stored += *set.at(kLogScaleTime, n);
   const Real sum = stored + trace + g.spacetime.mean_time + g.spacetime.precision_time;
   return sum - sum == Real(0);  // finite
 }

@@ -1,0 +1,94 @@
+// What: Buffer, parallel_for, Camera. Not: errors' texts.
+#include "kernels/base/buffer.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+#include "kernels/base/camera.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera::testing {
+namespace {
+
+TEST(Buffer, IsAlignedAndKeepsItsCapacity) {
+  Buffer<float> b(100);
+  EXPECT_EQ(reinterpret_cast<uintptr_t>(b.data()) % 64, 0u);
+  const float* first = b.data();
+  b.resize(10);
+  b.resize(90);
+  EXPECT_EQ(b.data(), first);
+  EXPECT_EQ(b.size(), 90);
+}
+
+TEST(Buffer, GrowKeepKeepsTheValues) {
+  Buffer<int> b(5);
+  std::iota(b.begin(), b.end(), 1);
+  b.grow_keep(5000);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(b[i], i + 1);
+  EXPECT_EQ(b.size(), 5000);
+}
+
+TEST(Buffer, MovesLeaveTheSourceEmpty) {
+  Buffer<int> a(3);
+  a[2] = 7;
+  Buffer<int> b(std::move(a));
+  EXPECT_EQ(b[2], 7);
+  EXPECT_TRUE(a.empty());
+  Buffer<int> c(1);
+  c = std::move(b);
+  EXPECT_EQ(c[2], 7);
+  a.resize(4);  // a moved-from buffer can be used again
+  EXPECT_EQ(a.size(), 4);
+}
+
+TEST(ParallelFor, CoversTheRangeOnceInChunksThatStartAtMultiplesOfTheGrain) {
+  for (const int64_t count : {0, 1, 7, 1000, 1024}) {
+    std::vector<std::atomic<int>> hits(static_cast<size_t>(count));
+    parallel_for(count, 7, [&](int64_t begin, int64_t end) {
+      EXPECT_EQ(begin % 7, 0);
+      EXPECT_LE(end - begin, 7);
+      for (int64_t i = begin; i < end; ++i) ++hits[size_t(i)];
+    });
+    for (const std::atomic<int>& h : hits) ASSERT_EQ(h, 1);
+  }
+}
+
+TEST(ParallelFor, ExceptionsReachTheCaller) {
+  EXPECT_THROW(parallel_for(100, 1,
+                            [](int64_t begin, int64_t) {
+                              if (begin == 57) throw std::runtime_error("57");
+                            }),
+               std::runtime_error);
+}
+
+TEST(ParallelFor, ThreadCountCanBeSetAndSetBack) {
+  const int machine = thread_count();
+  set_thread_count(1);
+  EXPECT_EQ(thread_count(), 1);
+  set_thread_count(0);
+  EXPECT_EQ(thread_count(), machine);
+}
+
+TEST(Camera, PositionIsWhereTheCameraFrameHasItsOrigin) {
+  Camera c;
+  c.cam_from_world = glm::dmat3(0, 1, 0, -1, 0, 0, 0, 0, 1);
+  c.translation = {1, 2, 3};
+  const glm::dvec3 origin = c.cam_from_world * c.position() + c.translation;
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(origin[i], 0, 1e-15);
+}
+
+TEST(Camera, ResizedKeepsTheRays) {
+  Camera c;
+  c.width = 200, c.height = 100, c.fl_x = 150, c.fl_y = 160, c.cx = 90, c.cy = 55;
+  const Camera half = c.resized(100, 50);
+  // the right edge of the picture and its middle row, as rays
+  EXPECT_NEAR((100 - half.cx) / half.fl_x, (200 - c.cx) / c.fl_x, 1e-15);
+  EXPECT_NEAR((25 - half.cy) / half.fl_y, (50 - c.cy) / c.fl_y, 1e-15);
+}
+
+}  // namespace
+}  // namespace tessera::testing

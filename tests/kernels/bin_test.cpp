@@ -1,0 +1,119 @@
+// What: instances: counted = filled, every place written, lists by tile and depth, slots inverse.
+// failure_modes C8. Not: the tile test itself (bounds_test.cpp).
+#include <set>
+
+#include "kernels/stages/radix_order.h"
+#include "tests/support/render.h"
+
+namespace tessera::testing {
+namespace {
+
+template <class Real>
+struct Binned {
+  ViewBatch<Real> batch;
+  Splats<Real> splats;
+  TileInstances<Real> instances;
+  CpuBackend<Real> backend;
+
+  explicit Binned(const TestScene<Real>& scene) : batch(make_view_batch<Real>(scene.views)) {
+    backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options}, splats);
+    backend.bin(batch, splats, true, instances);
+  }
+};
+
+TEST(Bin, EveryPlaceIsWrittenAndCountsAgree) {
+  // Bug put back: the fill pass skips the last tile of a row; seen to fail.
+  Binned<float> b(random_scene(300, 300, 0.2, 1).as<float>());
+  const std::vector<int32_t> splat(b.instances.splat.begin(), b.instances.splat.end());
+  const std::vector<int64_t> slot(b.instances.slot.begin(), b.instances.slot.end());
+  std::fill(b.instances.splat.begin(), b.instances.splat.end(), -1);
+  std::fill(b.instances.slot.begin(), b.instances.slot.end(), -1);
+  std::fill(b.instances.tile_begin.begin(), b.instances.tile_begin.end(), -1);
+  b.backend.bin(b.batch, b.splats, true, b.instances);  // into the poisoned memory
+  EXPECT_TRUE(std::equal(splat.begin(), splat.end(), b.instances.splat.begin()));
+  EXPECT_TRUE(std::equal(slot.begin(), slot.end(), b.instances.slot.begin()));
+  int64_t counted = 0;
+  for (const int32_t tiles : b.splats.tiles) counted += tiles;
+  EXPECT_EQ(counted, b.instances.count);
+  EXPECT_EQ(b.instances.tile_begin[b.batch.tiles], counted);
+  for (int64_t i = 0; i < b.instances.count; ++i) {
+    ASSERT_GE(b.instances.splat[i], 0);
+    ASSERT_GE(b.instances.slot[i], 0);
+  }
+}
+
+TEST(Bin, ListsHoldTheTouchingSplatsFrontToBack) {
+  const Binned<float> b(random_scene(200, 200, 0.3, 2).as<float>());
+  for (const ViewArgs<float>& view : b.batch.views)
+    for (int tile = 0; tile < view.tiles_x * view.tiles_y; ++tile) {
+      std::set<int32_t> expected, actual;
+      for (int64_t s = 0; s < b.splats.count; ++s) {
+        if (&b.batch.views[size_t(b.splats.view[s])] != &view) continue;
+        const TileRect& r = b.splats.rect[s];
+        const int x = tile % view.tiles_x, y = tile / view.tiles_x;
+        const Footprint<float> f{b.splats.mean2d[s], b.splats.conic[s],
+                                 cutoff_power(b.splats.opacity[s])};
+        if (x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1 && touches_tile(f, x, y))
+          expected.insert(int32_t(s));
+      }
+      const int64_t begin = b.instances.tile_begin[view.first_tile + tile];
+      const int64_t end = b.instances.tile_begin[view.first_tile + tile + 1];
+      for (int64_t i = begin; i < end; ++i) {
+        const int32_t s = b.instances.splat[i];
+        actual.insert(s);
+        if (i == begin) continue;
+        const int32_t before = b.instances.splat[i - 1];
+        const bool in_order = b.splats.depth[before] < b.splats.depth[s] ||
+                              (b.splats.depth[before] == b.splats.depth[s] && before < s);
+        ASSERT_TRUE(in_order) << "tile " << tile;
+      }
+      ASSERT_EQ(actual, expected) << "tile " << tile;
+      ASSERT_EQ(int64_t(actual.size()), end - begin);
+    }
+}
+
+TEST(Bin, SlotsLeadFromASplatToItsInstances) {
+  const Binned<double> b(random_scene(100, 100, 0.3, 3));
+  EXPECT_EQ(b.instances.first_of[b.splats.count], b.instances.count);
+  for (int64_t s = 0; s < b.splats.count; ++s)
+    for (int64_t k = b.instances.first_of[s]; k < b.instances.first_of[s + 1]; ++k)
+      ASSERT_EQ(b.instances.splat[b.instances.slot[k]], s);
+}
+
+TEST(Bin, SplatsOfAGaussianAreNeighboursInTheOrderOfViews) {
+  const TestScene<float> scene = random_scene(100, 100, 0.3, 4).as<float>();
+  const Binned<float> b(scene);
+  EXPECT_EQ(b.splats.first_of[0], 0);
+  EXPECT_EQ(b.splats.first_of[200], b.splats.count);
+  for (int64_t n = 0; n < 200; ++n)
+    for (int64_t s = b.splats.first_of[n]; s < b.splats.first_of[n + 1]; ++s) {
+      ASSERT_EQ(b.splats.gaussian[s], n);
+      const bool first = s == b.splats.first_of[n];
+      ASSERT_TRUE(first || b.splats.view[s - 1] < b.splats.view[s]);
+    }
+}
+
+template <class Key>
+void expect_stable_order(int count, Key range, uint64_t seed) {
+  Random random(seed);
+  std::vector<Key> keys;
+  for (int i = 0; i < count; ++i) keys.push_back(Key(random.uniform(0, double(range))));
+  std::vector<int32_t> expected(static_cast<size_t>(count));
+  std::iota(expected.begin(), expected.end(), 0);
+  std::stable_sort(expected.begin(), expected.end(),
+                   [&](int32_t a, int32_t b) { return keys[size_t(a)] < keys[size_t(b)]; });
+  Buffer<int32_t> order;
+  radix_order(keys.data(), count, order);
+  EXPECT_TRUE(std::equal(expected.begin(), expected.end(), order.begin(), order.end()));
+}
+
+TEST(RadixOrder, EqualsStableSort) {  // C7 at a size that a test can afford
+  expect_stable_order<uint32_t>(0, 10, 1);
+  expect_stable_order<uint32_t>(1, 10, 2);
+  expect_stable_order<uint32_t>(5000, 3, 3);
+  expect_stable_order<uint32_t>(20000, 0xffffffffu, 4);
+  expect_stable_order<uint64_t>(20000, 0xffffffffffffff00u, 5);
+}
+
+}  // namespace
+}  // namespace tessera::testing

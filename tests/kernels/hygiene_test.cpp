@@ -1,0 +1,156 @@
+// What: broken parameters and broken gradients: culled and counted, other pixels unchanged, the
+// group named. failure_modes C5, C20. Not: what a trainer does about it.
+#include "tests/support/brute_force.h"
+#include "tests/support/compare.h"
+#include "tests/support/render.h"
+
+namespace tessera::testing {
+namespace {
+
+constexpr int64_t kVictim = 4;  // of 10 in each set
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+TestGaussians<float> without_victim(const TestGaussians<float>& set) {
+  std::vector<int64_t> rest;
+  for (int64_t n = 0; n < set.count; ++n)
+    if (n != kVictim) rest.push_back(n);
+  return set.select(rest);
+}
+
+/// Renders with the victim of one set spoilt: counted once, everything else as if it were not
+/// there, forward and backward.
+void expect_culled_and_counted(const TestScene<float>& spoilt, int dim, const char* what) {
+  TestScene<float> rest = spoilt;
+  TestGaussians<float>& set = dim == 3 ? rest.fixed : rest.moving;
+  set = without_victim(set);
+  const Backward<float> a = backward(spoilt), b = backward(rest);
+  EXPECT_EQ(a.rendered.report.invalid_gaussians, 1) << what;
+  EXPECT_EQ(a.rendered.colour, b.rendered.colour) << what;
+  EXPECT_EQ(a.rendered.transmittance, b.rendered.transmittance) << what;
+  EXPECT_EQ(a.bad, 0u) << what;
+  const TestGaussians<float>&ga = dim == 3 ? a.fixed : a.moving,
+        &gb = dim == 3 ? b.fixed : b.moving;
+  for (int g = 0; g < group_count(dim); ++g) {
+    EXPECT_EQ(without_victim(ga).group[g], gb.group[g]) << what;
+    for (int i = 0; i < group_width(Group(g), 16); ++i)
+      EXPECT_EQ(ga.at(Group(g), kVictim)[i], 0.0f) << what;
+  }
+}
+
+TEST(Hygiene, NonFiniteFieldIsCulledAndCounted) {
+  // Bug put back: the logit left out of the sum in load_gaussian; seen to fail for +Inf.
+  const TestScene<float> scene = random_scene(10, 10, 0.3, 1).as<float>();
+  for (const int dim : {3, 4})
+    for (int g = 0; g < group_count(dim); ++g)
+      for (int i = 0; i < group_width(Group(g), 16); i += g == kSh ? 11 : 1)
+        for (const float value : {kNan, kInf, -kInf}) {
+          TestScene<float> spoilt = scene;
+          (dim == 3 ? spoilt.fixed : spoilt.moving).at(Group(g), kVictim)[i] = value;
+          expect_culled_and_counted(spoilt, dim, group_name(Group(g), dim));
+        }
+}
+
+TEST(Hygiene, ZeroQuaternionIsCulledAndCounted) {
+  const TestScene<float> scene = random_scene(10, 10, 0.3, 2).as<float>();
+  for (const Group g : {kRotation, kRotationRight})
+    for (const float length : {0.0f, 5e-5f}) {
+      TestScene<float> spoilt = scene;
+      std::fill_n(spoilt.moving.at(g, kVictim), 4, length / 2);
+      expect_culled_and_counted(spoilt, 4, group_name(g, 4));
+      if (g != kRotation) continue;
+      spoilt = scene;
+      std::fill_n(spoilt.fixed.at(g, kVictim), 4, length / 2);
+      expect_culled_and_counted(spoilt, 3, group_name(g, 3));
+    }
+}
+
+TEST(Hygiene, ZeroScaleIsADotOfTheDilation) {
+  TestScene<double> scene = random_scene(10, 10, 0.3, 3);
+  std::fill_n(scene.fixed.at(kLogScale, kVictim), 3, -60.0);  // e^{2·−60} vanishes in float
+  const TestScene<float> rough = scene.as<float>();
+  const Backward<float> result = backward(rough);
+  EXPECT_EQ(result.rendered.report.invalid_gaussians, 0);
+  EXPECT_EQ(result.bad, 0u);
+  const BruteImage expected = render_brute(scene, scene.views[0], 1e-4);
+  expect_picture(result.rendered.colour.data(), expected.colour, expected.critical,
+                 {1e-5, 1.2 / 255, 0.02, 1e-6}, "colour");
+}
+
+TEST(Hygiene, NeedleOfAMillionToOneIsFinite) {
+  TestScene<float> scene = random_scene(10, 10, 0.3, 4).as<float>();
+  for (TestGaussians<float>* set : {&scene.fixed, &scene.moving}) {
+    set->at(kLogScale, kVictim)[0] = std::log(100.0f);
+    set->at(kLogScale, kVictim)[1] = set->at(kLogScale, kVictim)[2] = std::log(1e-4f);
+  }
+  const Backward<float> result = backward(scene);
+  EXPECT_EQ(result.bad, 0u);
+  for (const float c : result.rendered.colour) ASSERT_TRUE(std::isfinite(c));
+  for (const float T : result.rendered.transmittance) ASSERT_TRUE(T >= 0 && T <= 1);
+}
+
+TEST(Hygiene, HugeFiniteValuesAreFinite) {
+  for (const float value : {1e10f, 1e19f, 1e30f, 3e38f})
+    for (const Group g : {kMean, kLogScale, kRotation, kOpacityLogit, kMeanTime, kLogScaleTime})
+      for (const float sign : {1.0f, -1.0f}) {
+        TestScene<float> scene = random_scene(10, 10, 0.3, 5).as<float>();
+        scene.moving.at(g, kVictim)[0] = sign * value;
+        if (g < kStaticGroups) scene.fixed.at(g, kVictim)[0] = sign * value;
+        const Backward<float> result = backward(scene);
+        EXPECT_EQ(result.bad, 0u) << group_name(g, 4) << " " << sign * value;
+        for (const float c : result.rendered.colour)
+          ASSERT_TRUE(std::isfinite(c)) << group_name(g, 4) << " " << sign * value;
+      }
+}
+
+/// One static Gaussian's gradient with one field of its splat's gradient spoilt.
+unsigned groups_reported(const TestScene<float>& scene,
+                         const std::function<void(SplatGradient<float>&)>& spoil) {
+  CpuBackend<float> backend;
+  const ViewBatch<float> batch = make_view_batch<float>(scene.views);
+  ProjectBackwardArgs<float> args;
+  args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options};
+  Splats<float> splats;
+  backend.project(args.forward, splats);
+  std::vector<SplatGradient<float>> d_splats(size_t(splats.count));
+  TestGaussians<float> fixed(3, scene.fixed.count), moving(4, scene.moving.count);
+  args.splats = &splats, args.d_splats = {d_splats.data(), splats.count};
+  args.sinks[0].gradient = fixed.spans(), args.sinks[1].gradient = moving.spans();
+  EXPECT_EQ(backend.project_backward(args), 0u);
+  spoil(d_splats[d_splats.size() / 2]);
+  return backend.project_backward(args);
+}
+
+TEST(Hygiene, NonFiniteGradientNamesItsGroups) {  // C20
+  // Bug put back: non_finite without the last group; seen to fail.
+  const TestScene<float> still = random_scene(5, 0, 0.3, 6).as<float>();
+  const TestScene<float> moving = random_scene(0, 5, 0.3, 6).as<float>();
+  const auto bits = [](std::initializer_list<Group> groups) {
+    unsigned all = 0;
+    for (const Group g : groups) all |= 1u << g;
+    return all;
+  };
+  for (const float bad : {kNan, kInf}) {
+    const auto opacity = [bad](SplatGradient<float>& d) { d.opacity = bad; };
+    const auto position = [bad](SplatGradient<float>& d) { d.mean2d[0] = bad; };
+    const auto conic = [bad](SplatGradient<float>& d) { d.conic.xx = bad; };
+    const auto colour = [bad](SplatGradient<float>& d) { d.colour = Vec3<float>(bad); };
+    EXPECT_EQ(groups_reported(still, opacity), bits({kOpacityLogit}));
+    EXPECT_EQ(groups_reported(still, position), bits({kMean}));
+    EXPECT_EQ(groups_reported(still, conic), bits({kMean, kLogScale, kRotation}));
+    EXPECT_EQ(groups_reported(still, colour), bits({kMean, kSh}));
+    EXPECT_EQ(groups_reported(moving, opacity), bits({kOpacityLogit, kMeanTime, kLogScale,
+                                                      kLogScaleTime, kRotation, kRotationRight}));
+  }
+}
+
+TEST(Hygiene, NonFinitePictureGradientIsReported) {  // C20
+  const TestScene<float> scene = random_scene(5, 5, 0.3, 7).as<float>();
+  const auto result = backward<float>(scene, [](Buffer<float>& d) {
+    for (float& x : d) x = kNan;
+  });
+  EXPECT_EQ(result.bad, (1u << kGroupCount) - 1);
+}
+
+}  // namespace
+}  // namespace tessera::testing

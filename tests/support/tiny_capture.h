@@ -1,0 +1,67 @@
+// What: captures of a few known Gaussians, rendered by the CPU backend into a Scene in memory, and
+//       trainings of them that tests can look into.
+// Not: files; nothing is read or written.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "recon4d/trainer.h"
+
+namespace tessera::testing {
+
+/// A ring of cameras around the origin, each with `moments` frames from time 0 to 1.
+struct TinyCapture {
+  int cameras = 6, moments = 4, size = 20;  // pictures are size × size
+  bool moving = true;                       // two of the five blobs move
+  std::array<uint8_t, 3> background{0, 0, 0};
+};
+
+/// What the pictures show: three static blobs, and two dynamic ones when `moving`.
+GaussianModel tiny_truth(const TinyCapture& capture);
+/// Frames ordered by camera, then time; all of the training split. `had_alpha` is set, so initial
+/// points fill a box.
+Scene tiny_capture(const TinyCapture& capture = {});
+/// Short enough for a test, with every event of the schedule in it.
+TrainOptions tiny_options();
+
+/// A trainer with all it refers to, and what it told its observer.
+class Training : private Observer {
+ public:
+  Training(const Scene& scene, const TrainOptions& options);
+  Training(const Scene& scene, const TrainOptions& options, TrainState state);
+  Training(const Scene& scene, const TrainOptions& options, TrainState state, Backend& backend);
+
+  Training& run(int64_t iteration, const std::function<bool()>& stop = {});
+  Training& run() { return run(trainer_.options().iterations); }
+
+  const TrainState& state() const { return trainer_.state(); }
+  const GaussianModel& model() const { return trainer_.state().model; }
+  const std::vector<StepReport>& steps() const { return steps_; }
+  const std::vector<DensityReport>& density() const { return density_; }
+  /// PSNR of all training frames, un-quantised.
+  double psnr() const;
+
+ private:
+  void on_step(const StepReport& report) override { steps_.push_back(report); }
+  void on_density(int64_t, const std::string&, const DensityReport& report) override {
+    density_.push_back(report);
+  }
+
+  const Scene& scene_;
+  std::unique_ptr<Backend> own_backend_;
+  Backend& backend_;
+  std::vector<StepReport> steps_;
+  std::vector<DensityReport> density_;
+  Trainer trainer_;
+};
+
+/// The state before step 0, without its description.
+TrainState first_state(const Scene& scene, const TrainOptions& options);
+
+/// Counts and the bits of every value of both sets: equal if and only if the models are.
+std::vector<uint32_t> model_bits(const GaussianModel& model);
+/// The same with moments, statistics and the numbers of the state; without the time it took.
+std::vector<uint32_t> state_bits(const TrainState& state);
+
+}  // namespace tessera::testing
