@@ -55,7 +55,7 @@ double mean_difference(const Picture& a, const Picture& b) {
 }
 
 // The pose is used as any reader of the JSON would: OpenGL axes, no code shared with the renderer.
-// Seen to fail: pixel centres at +0 instead of the middle of a sample (off by 0.06).
+// Seen to fail: rays through the corners of their cells instead of the middles (off by 0.14).
 TEST(SynthRender, MarkerIsWhereThePoseProjectsIt) {
   for (const glm::dvec3& at : {glm::dvec3(0.3, 0.2, 1.1), glm::dvec3(-0.9, 1.5, 0.4)})
     for (const int index : {0, 3}) {
@@ -78,7 +78,7 @@ TEST(SynthRender, MarkerIsWhereThePoseProjectsIt) {
     }
 }
 
-// Seen to fail: World::solids keep `moves` in build_world's static branch.
+// Seen to fail: `moves` kept in build_world's static branch; movers that cast shadow.
 TEST(SynthRender, StaticRoomNeverChangesAndIsTheRoomAtItsStart) {
   const Camera camera = room_camera(1);
   const World still = build_world(SynthScene::kRoomStatic, 1, 0);
@@ -93,8 +93,7 @@ TEST(SynthRender, StaticRoomNeverChangesAndIsTheRoomAtItsStart) {
   EXPECT_LT(largest_difference(first, start, false), 1e-6);
 }
 
-// Seen to fail: a mover's screen bounds taken at half its radius (the mask is then cut), and a
-// moving solid that casts shadow.
+// Seen to fail: the mask left at 0.
 TEST(SynthRender, MaskHoldsEverythingThatChanges) {
   const World room = build_world(SynthScene::kRoom, 1, 0);
   World empty = room;
@@ -120,7 +119,7 @@ TEST(SynthRender, MaskHoldsEverythingThatChanges) {
 }
 
 // A mover that no screen bounds restrict gives the same picture: bounds only save time.
-// Seen to fail: bounds that take the far depth for the near one.
+// Seen to fail: bounds that take the far depth for the near one; bounds of half the radius.
 TEST(SynthRender, ScreenBoundsCutNothing) {
   World room = build_world(SynthScene::kRoom, 1, 0);
   const Camera camera = room_camera(2);
@@ -181,7 +180,7 @@ TEST(SynthRender, StretchKeepsVolumeAndStandsStill) {
   EXPECT_GT(pose_at(motion, 0.25).linear[2][2], 1.3);
 }
 
-// Seen to fail: one sample a pixel instead of the grid (no value between, error 0.03).
+// Seen to fail: all samples of a pixel at its middle (no value between).
 TEST(SynthRender, EdgesAreSmoothAndThreeByThreeIsCloseToEightByEight) {
   const Picture edge = render(marker_world({0.3, 0.2, 1.1}, 0.2), room_camera(0), 0, 3);
   int64_t between = 0;
@@ -227,7 +226,7 @@ int count_corners(const Picture& picture) {
   return corners;
 }
 
-// Seen to fail: every texture kPlain (14 corners).
+// Seen to fail: every texture kPlain (55 corners).
 TEST(SynthRender, RoomHasManyCornersToMatch) {
   SynthOptions options;
   options = resolve_synth_options(options);

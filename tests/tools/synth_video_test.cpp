@@ -98,8 +98,7 @@ class SynthVideo : public ::testing::Test {
   SynthOptions options_;
 };
 
-// Seen to fail: frames handed over twice; the pts counted in seconds; BT.709 coefficients under a
-// BT.601 tag (3.4); full range under a limited tag (12).
+// Seen to fail: frames handed over twice; time stamps doubled.
 TEST_F(SynthVideo, DecodesToWhatWasRendered) {
   options_.fps = {30000, 1001};
   make_capture(options_, folder_ / "room", {});
@@ -125,7 +124,7 @@ TEST_F(SynthVideo, DecodesToWhatWasRendered) {
 }
 
 // Flat colours have no chroma edges: what is left is the matrix and the range.
-// Seen to fail: the matrix of 601 for 720 lines.
+// Seen to fail: the two matrices exchanged (13 levels); full range under a limited tag (13).
 TEST_F(SynthVideo, FlatColoursReturnWithinTwoLevels) {
   for (const int height : {96, 720}) {
     const int width = 128;
@@ -149,7 +148,7 @@ TEST_F(SynthVideo, FlatColoursReturnWithinTwoLevels) {
 }
 
 // Chroma that is sited elsewhere than tagged shifts a ramp of chroma at equal brightness.
-// Seen to fail: dst_v_chr_pos 0 (1.0 in y), dst_h_chr_pos 0 (1.0 in x).
+// Seen to fail: dst_v_chr_pos 0 (0.8 in y), dst_h_chr_pos 0 (0.8 in x).
 TEST_F(SynthVideo, ChromaIsSitedInTheCentre) {
   for (const bool across : {true, false}) {
     const int size = 96;
@@ -175,7 +174,7 @@ TEST_F(SynthVideo, ChromaIsSitedInTheCentre) {
 }
 
 // Written out from LLFF's definition, not by the writer's code. Rows follow the sorted names.
-// Seen to fail: down and right exchanged.
+// Seen to fail: down and right exchanged; cam00 at the end of the arc.
 TEST_F(SynthVideo, PosesBoundsIsLlff) {
   options_.cameras = 12, options_.frames = 1;
   make_capture(options_, folder_ / "room", {});
@@ -208,7 +207,7 @@ TEST_F(SynthVideo, PosesBoundsIsLlff) {
   EXPECT_GT(right, 1.5);
 }
 
-// Seen to fail: the encoder's library version and thread count left to FFmpeg.
+// Seen to fail: a running counter drawn into the frames; the flag faststart left out.
 TEST_F(SynthVideo, SameSeedSameBytesAndRawVideosHaveNoPoses) {
   options_.layout = SynthLayout::kVideos;
   make_capture(options_, folder_ / "a", {});
