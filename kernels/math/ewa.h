@@ -85,7 +85,8 @@ TESSERA_HD inline bool project_ewa(const ViewArgs<Real>& view, const Vec3<Real>&
   const Vec3<Real> s0 = covariance * f.a0, s1 = covariance * f.a1;
   out.cov2d = {dot(f.a0, s0) + dilation, dot(f.a0, s1), dot(f.a1, s1) + dilation};
   out.det = out.cov2d.xx * out.cov2d.yy - out.cov2d.xy * out.cov2d.xy;
-  if (!(out.det >= kMinDeterminant<Real>)) return false;  // also NaN
+  // Also NaN; and Σ_c = S − w·v·vᵀ of a very fast Gaussian may round to an indefinite matrix.
+  if (!(out.det >= kMinDeterminant<Real> && out.cov2d.xx > Real(0))) return false;
   const Real inverse = Real(1) / out.det;
   out.conic = {out.cov2d.yy * inverse, -out.cov2d.xy * inverse, out.cov2d.xx * inverse};
   return true;

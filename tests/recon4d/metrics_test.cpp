@@ -59,7 +59,7 @@ double direct_ssim(const Image8& a, const Image8& b, bool reflect) {
   return sum / (3.0 * a.width * a.height);
 }
 
-// Failure mode D1. Bug put back: psnr_of_mse with 20·log10; seen to fail.
+// Failure mode D1. Bug put back: 20·log10 in psnr_of_mse; seen to fail.
 TEST(Metrics, PsnrOfAUniformOffsetOfTen) {
   Image8 a = random_picture(31, 20, 1);
   for (uint8_t& byte : a.data) byte = uint8_t(byte % 240);

@@ -28,7 +28,7 @@ void expect_same_model(const GaussianModel& a, const GaussianModel& b) {
   EXPECT_EQ(a.far_plane, b.far_plane);
 }
 
-// Failure mode E2. Bug put back: f_rest written coefficient-major; seen to fail.
+// Failure mode E2. Bug put back: scale_time left out of the columns; seen to fail.
 TEST(ModelFile, ReloadsBitEqualAndWritesTheSameBytes) {
   const TemporaryFolder folder;
   for (const auto& [fixed, moving, coefficients] :
@@ -119,7 +119,7 @@ int save_with_limit(const std::filesystem::path& path, const GaussianModel& mode
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-// Failure mode E6. Bug put back: write_splats on the target itself; seen to fail.
+// Failure mode E6. Bug put back: AtomicFile writes to the target itself; seen to fail.
 TEST(ModelFile, AFailedWriteLeavesThePreviousFile) {
   const TemporaryFolder folder;
   save_model(folder / "model.ply", random_model(2, 2));

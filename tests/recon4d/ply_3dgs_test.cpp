@@ -31,6 +31,7 @@ PlyColumn& column(PlyFile& file, const std::string& name) {
   throw std::logic_error(name);
 }
 
+// Bug put back: f_rest read coefficient-major; seen to fail.
 TEST(Ply3dgs, TakesEveryDegreeAnyOrderAndAnyScalarType) {
   const TemporaryFolder folder;
   for (int degree = 0; degree <= 3; ++degree)
@@ -64,7 +65,7 @@ TEST(Ply3dgs, NamesWhatIsMissingOrOdd) {
   expect_input_error([&] { load_ply_3dgs(folder / "a.ply"); }, {"a.ply", "no element 'vertex'"});
 }
 
-// Failure mode C5. Bug put back: rows not tested for finite values; seen to fail.
+// Failure mode C5. Bug put back: is_sound without the test for finite values; seen to fail.
 TEST(Ply3dgs, DropsBrokenRowsNormalisesAndSaysSo) {
   const TemporaryFolder folder;
   PlyFile file = foreign_file(9, 6);
@@ -124,7 +125,7 @@ TEST(Ply3dgs, HasTheLayoutOfTheReferenceCode) {
             "rot_2 rot_3 ");
 }
 
-// Failure mode C1. Bug put back: a check that a set has rows in write_splats; seen to fail.
+// Failure mode C1. Bug put back: write_splats checks that a set has rows; seen to fail.
 TEST(Ply3dgs, AnEmptySetIsAFile) {
   const TemporaryFolder folder;
   EXPECT_EQ(save_ply_3dgs(folder / "a.ply", GaussianSet(3, 16), 3), 0);
