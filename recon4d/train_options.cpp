@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+#include <cmath>
+
 #include "kernels/base/errors.h"
 #include "recon4d/nearest_name.h"
 
@@ -27,9 +30,8 @@ const OptionRow& row_of(const std::string& key) {
       fmt::format("unknown option '{}'; did you mean '{}'?", key, nearest_name(key, keys)));
 }
 
-template <class Number>
-Number checked(const OptionRow& row, Number value) {
-  if (!(double(value) >= row.low && double(value) <= row.high))
+double checked(const OptionRow& row, double value) {
+  if (!(value >= row.low && value <= row.high))
     throw InputError(fmt::format("option '{}' is {}, expected {} to {}: {}", row.key, value,
                                  row.low, row.high, row.doc));
   return value;
@@ -49,7 +51,8 @@ struct Setter {
                        (value.is_number_float() && std::abs(value.get<double>()) < 1e15 &&
                         value.get<double>() == double(int64_t(value.get<double>())));
     if (!whole) refuse("a whole number");
-    options.*member = checked(row, value.get<int64_t>());
+    checked(row, value.get<double>());  // before the conversion: an unsigned number may not fit
+    options.*member = value.get<int64_t>();
   }
   void operator()(double O::*member) const {
     if (!value.is_number()) refuse("a number");
@@ -93,6 +96,11 @@ const std::vector<OptionRow>& train_option_rows() {
       {"static_fraction", &O::static_fraction, 0, 1,
        "share of the initial Gaussians that start in the static set", "ours"},
       {"carve", &O::carve, 0, 1, "drop random points that no training camera sees", "[Faster-GS]"},
+      {"sweep", &O::sweep, 0, 1,
+       "without a point cloud: find initial points by a plane sweep where cameras share moments",
+       "[Collins96]"},
+      {"split_by_motion", &O::split_by_motion, 0, 1,
+       "swept points whose pixel never changes start in the static set", "ours"},
       {"sh_degree", &O::sh_degree, 0, 3, "highest spherical-harmonics degree", "[3DGS]"},
       {"sh_interval", &O::sh_interval, 1, 1e9, "steps between two degrees", "[3DGS]"},
       {"lambda_dssim", &O::lambda_dssim, 0, 1, "weight of 1 - SSIM; the rest is L1", "[3DGS]"},
@@ -167,15 +175,18 @@ TrainOptions train_options_from_json(const nlohmann::json& json) {
 std::array<uint8_t, 3> parse_background(const std::string& text) {
   if (text == "black") return {0, 0, 0};
   if (text == "white") return {255, 255, 255};
-  std::array<int, 3> rgb{};
-  char rest = 0;
-  const int read = std::sscanf(text.c_str(), "%d,%d,%d%c", &rgb[0], &rgb[1], &rgb[2], &rest);
-  bool good = read == 3;
-  for (int c : rgb) good = good && c >= 0 && c <= 255;
+  std::array<uint8_t, 3> rgb{};
+  const char *at = text.data(), *const end = at + text.size();
+  bool good = true;
+  for (size_t c = 0; c < 3 && good; ++c) {
+    const auto [rest, error] = std::from_chars(at, end, rgb[c]);
+    good = error == std::errc() && (c == 2 ? rest == end : rest != end && *rest == ',');
+    if (c < 2) at = rest + 1;
+  }
   if (!good)
     throw InputError(
         fmt::format("background '{}': expected black, white or r,g,b with 0 to 255", text));
-  return {uint8_t(rgb[0]), uint8_t(rgb[1]), uint8_t(rgb[2])};
+  return rgb;
 }
 
 }  // namespace tessera

@@ -86,8 +86,7 @@ Scene tiny_capture(const TinyCapture& capture) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   const std::vector<Picture> pictures = render_views(*backend, tiny_truth(capture), views);
   for (size_t i = 0; i < pictures.size(); ++i)
-    scene.frames[i].image =
-        quantise(pictures[i].planar(), pictures[i].width, pictures[i].height);
+    scene.frames[i].image = quantise(pictures[i].planar(), pictures[i].width, pictures[i].height);
   return scene;
 }
 
@@ -146,8 +145,8 @@ std::vector<uint32_t> model_bits(const GaussianModel& model) {
   for (int value : {model.sh_degree, int(model.background[0]), int(model.background[1]),
                     int(model.background[2])})
     bits.push_back(uint32_t(value));
-  for (double value : {model.near_plane, model.far_plane, model.time_axis.origin,
-                       model.time_axis.duration})
+  for (double value :
+       {model.near_plane, model.far_plane, model.time_axis.origin, model.time_axis.duration})
     for (int half = 0; half < 2; ++half)
       bits.push_back(uint32_t(std::bit_cast<uint64_t>(value) >> (32 * half)));
   return bits;
@@ -164,8 +163,8 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
     append_bits(bits, statistics.gradient_sum);
     append_bits(bits, statistics.count);
   }
-  for (int64_t value : {state.iteration, state.sampler_epoch, state.sampler_position,
-                        int64_t(state.finished)})
+  for (int64_t value :
+       {state.iteration, state.sampler_epoch, state.sampler_position, int64_t(state.finished)})
     bits.push_back(uint32_t(value));
   return bits;
 }

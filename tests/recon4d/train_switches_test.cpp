@@ -1,0 +1,118 @@
+// What: no dead switch: for every row of the option table, another legal value trains another
+//       model. A row without an entry below fails.
+// Not: what a switch does; that is the subject of the other tests.
+#include <gtest/gtest.h>
+
+#include "tests/support/tiny_capture.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+using testing::model_bits;
+using testing::tiny_capture;
+using testing::tiny_options;
+using testing::TinyCapture;
+using testing::Training;
+
+/// Wide enough for points that no camera sees, small enough for Gaussians that are too large.
+TrainOptions usual_options() {
+  TrainOptions options = tiny_options();
+  options.init_points = 80, options.init_extent = 3;
+  options.prune_extent = 0.05;
+  return options;
+}
+
+/// A legal value that differs from usual_options().
+struct Alternative {
+  const char* key;
+  json value;
+};
+
+const std::vector<Alternative>& alternatives() {
+  static const std::vector<Alternative> rows = {
+      {"iterations", 36},
+      {"schedule_iterations", 80},
+      {"batch", 3},
+      {"seed", 7},
+      {"static_only", true},
+      {"background", "white"},
+      {"near_plane", 3.9},
+      {"far_plane", 4.1},
+      {"init_points", 50},
+      {"init_extent", 0},
+      {"init_opacity", 0.2},
+      {"init_time_scale", 0.3},
+      {"static_fraction", 0.25},
+      {"carve", false},
+      {"sh_degree", 2},
+      {"sh_interval", 12},
+      {"lambda_dssim", 0.5},
+      {"lr_mean", 3e-4},
+      {"lr_mean_final", 1.6e-4},
+      {"lr_mean_time", 3e-4},
+      {"lr_scale", 1e-2},
+      {"lr_scale_time", 1e-2},
+      {"lr_rotation", 1e-2},
+      {"lr_opacity", 0.02},
+      {"lr_sh", 1e-2},
+      {"lr_sh_rest", 1e-3},
+      {"densify_from", 18},
+      {"densify_until", 18},
+      {"densify_interval", 9},
+      {"densify_threshold", 1e-2},
+      {"dense_fraction", 0.2},
+      {"prune_opacity", 0.1},
+      {"prune_extent", 0.08},
+      {"prune_large_from", 29},
+      {"opacity_reset_interval", 10},
+      {"max_gaussians", 70},
+      {"reorder_interval", 0},
+  };
+  return rows;
+}
+
+/// The scene depends on the background as a folder of RGBA frames does.
+std::vector<uint32_t> trained(const TrainOptions& options) {
+  validate(options);
+  TinyCapture capture;
+  capture.background = parse_background(options.background);
+  const Scene scene = tiny_capture(capture);
+  Training training(scene, options);
+  return model_bits(training.run().model());
+}
+
+class Switch : public ::testing::TestWithParam<std::string> {};
+
+// Bug put back: lr_rotation not handed to the optimizer of rotation_right and rotation; seen to
+// fail for lr_rotation.
+TEST_P(Switch, ChangesTheModel) {
+  static const std::vector<uint32_t> usual = trained(usual_options());
+  TrainOptions options = usual_options();
+  if (GetParam() == "fused_optimizer") {  // the one switch that must change nothing
+    ASSERT_TRUE(options.fused_optimizer);
+    options.fused_optimizer = false;
+    EXPECT_TRUE(trained(options) == usual);
+    return;
+  }
+  for (const Alternative& row : alternatives())
+    if (GetParam() == row.key) {
+      set_option(options, row.key, row.value);
+      EXPECT_NE(to_json(options)[row.key], to_json(usual_options())[row.key]);
+      EXPECT_TRUE(trained(options) != usual) << row.key << " = " << row.value << " is dead";
+      return;
+    }
+  FAIL() << GetParam() << " has no alternative value in this test";
+}
+
+std::vector<std::string> all_keys() {
+  std::vector<std::string> keys;
+  for (const OptionRow& row : train_option_rows()) keys.push_back(row.key);
+  return keys;
+}
+
+INSTANTIATE_TEST_SUITE_P(Options, Switch, ::testing::ValuesIn(all_keys()),
+                         [](const auto& row) { return row.param; });
+
+}  // namespace
+}  // namespace tessera
