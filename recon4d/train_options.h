@@ -20,7 +20,7 @@ struct TrainOptions {
   // initial Gaussians
   int64_t init_points = 100000;
   double init_extent = 0, init_opacity = 0.1, init_time_scale = 0.4472135955, static_fraction = 0;
-  bool carve = true;
+  bool carve = true, sweep = false, split_by_motion = false;
   // colour
   int64_t sh_degree = 3, sh_interval = 1000;
   // loss
