@@ -12,7 +12,8 @@ namespace {
 
 bool same_camera(const Camera& a, const Camera& b) {
   return a.cam_from_world == b.cam_from_world && a.translation == b.translation &&
-         a.fl_x == b.fl_x && a.width == b.width;
+         a.fl_x == b.fl_x && a.fl_y == b.fl_y && a.cx == b.cx && a.cy == b.cy &&
+         a.width == b.width && a.height == b.height;
 }
 
 glm::dvec3 viewing_axis(const Camera& camera) {

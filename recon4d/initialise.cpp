@@ -8,14 +8,24 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <optional>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/math/random.h"
 #include "recon4d/nearest_points.h"
+#include "recon4d/plane_sweep.h"
 
 namespace tessera {
 namespace {
+
+/// A point and what is known of it.
+struct InitialPoint {
+  glm::vec3 position;
+  std::array<uint8_t, 3> colour;
+  std::optional<float> time;  // normalised moment at which it was seen
+  std::optional<bool> still;  // whether it never moves
+};
 
 float logit(double p) {
   return float(std::log(p / (1 - p)));
@@ -40,51 +50,76 @@ glm::dvec3 point_in_view(const CameraRig& rig, const RandomBlock& random) {
   return glm::transpose(camera.cam_from_world) * (in_cam - camera.translation);
 }
 
-PointCloud random_points(const Scene& scene, const CameraRig& rig, const TrainOptions& options) {
+void add_random_points(const Scene& scene, const CameraRig& rig, const TrainOptions& options,
+                       int64_t count, std::vector<InitialPoint>& points) {
   const bool boxed = options.init_extent > 0 || scene.had_alpha;
   const double half = options.init_extent > 0 ? options.init_extent : rig.half_view;
-  PointCloud cloud;
-  for (int64_t i = 0; i < options.init_points; ++i) {
+  for (int64_t i = 0; i < count; ++i) {
     const RandomBlock random =
         philox(uint64_t(options.seed), RandomStream::kInitialise, uint64_t(i));
     const glm::dvec3 p = boxed ? point_in_box(rig, half, random) : point_in_view(rig, random);
     const bool seen =
         std::any_of(rig.cameras.begin(), rig.cameras.end(),
                     [&](const Camera& camera) { return sees(camera, p, options.near_plane); });
-    if (options.carve && !seen) continue;
-    cloud.position.push_back(glm::vec3(p));
-    cloud.colour.push_back({128, 128, 128});
+    if (seen || !options.carve) points.push_back({glm::vec3(p), {128, 128, 128}, {}, {}});
   }
-  if (cloud.position.empty() && options.init_points > 0)
+}
+
+/// Swept points where the rig allows it, the rest of the number at random.
+std::vector<InitialPoint> found_points(const Scene& scene, const CameraRig& rig,
+                                       const TrainOptions& options, std::string& source) {
+  constexpr double kRandomShare = 0.1;  // beside swept points: where nothing had texture
+  std::vector<InitialPoint> points;
+  if (options.sweep)
+    for (const SweptPoint& p : plane_sweep(scene, rig, options.init_points, uint64_t(options.seed)))
+      points.push_back({p.position, p.colour, p.time, p.still});
+  const int64_t swept = int64_t(points.size());
+  add_random_points(scene, rig, options,
+                    swept > 0 ? std::llround(kRandomShare * double(swept)) : options.init_points,
+                    points);
+  if (points.empty() && options.init_points > 0)
     throw InputError(
         "no initial point lies in the view of a training camera; pass --init-extent with the half "
         "size of the scene in world units, or give a point cloud");
-  return cloud;
+  source = swept > 0 ? fmt::format("plane sweep, {} points, and {} at random", swept,
+                                   int64_t(points.size()) - swept)
+                     : fmt::format("random, {} points", points.size());
+  return points;
 }
 
 /// At most init_points of the cloud, evenly strided, so that no point is taken twice.
-PointCloud share_of(const PointCloud& cloud, int64_t limit) {
+std::vector<InitialPoint> cloud_points(const PointCloud& cloud, int64_t limit,
+                                       std::string& source) {
   const int64_t count = int64_t(cloud.position.size());
-  if (count <= limit) return cloud;
-  PointCloud share;
-  for (int64_t i = 0; i < limit; ++i) {
-    const size_t from = size_t(i * count / limit);
-    share.position.push_back(cloud.position[from]);
-    share.colour.push_back(cloud.colour[from]);
+  const int64_t taken = std::min(count, limit);
+  std::vector<InitialPoint> points;
+  for (int64_t i = 0; i < taken; ++i) {
+    const size_t from = size_t(i * count / taken);
+    points.push_back({cloud.position[from], cloud.colour[from], {}, {}});
   }
-  return share;
+  source = fmt::format("point cloud, {} of {} points", taken, count);
+  return points;
 }
 
-/// Fills Gaussian n of `set` from point i.
-void place(const PointCloud& cloud, size_t i, float squared_distance, const TrainOptions& options,
+/// Keeps at most `limit` of the points, evenly strided.
+void thin_out(std::vector<InitialPoint>& points, int64_t limit, std::string& source) {
+  const int64_t count = int64_t(points.size());
+  if (count <= limit) return;
+  for (int64_t i = 0; i < limit; ++i) points[size_t(i)] = points[size_t(i * count / limit)];
+  points.resize(size_t(limit));
+  source += fmt::format(", thinned out to {}", limit);
+}
+
+/// Fills Gaussian n of `set`.
+void place(const InitialPoint& point, float squared_distance, const TrainOptions& options,
            GaussianSet& set, int64_t n) {
   constexpr float kMinSquaredDistance = 1e-7f;  // [3DGS]
   const GaussianSpans<float> v = set.values();
   const float log_scale = 0.5f * std::log(std::max(kMinSquaredDistance, squared_distance));
   for (int k = 0; k < 3; ++k) {
-    v.at(kMean, n)[k] = cloud.position[i][k];
+    v.at(kMean, n)[k] = point.position[k];
     v.at(kLogScale, n)[k] = log_scale;
-    v.at(kSh, n)[k] = (float(cloud.colour[i][size_t(k)]) / 255.0f - 0.5f) / float(kSh0);
+    v.at(kSh, n)[k] = (float(point.colour[size_t(k)]) / 255.0f - 0.5f) / float(kSh0);
   }
   std::fill_n(v.at(kSh, n) + 3, set.width(kSh) - 3, 0.0f);
   const float identity[4] = {1, 0, 0, 0};
@@ -92,49 +127,63 @@ void place(const PointCloud& cloud, size_t i, float squared_distance, const Trai
   *v.at(kOpacityLogit, n) = logit(options.init_opacity);
   if (set.dim() != 4) return;
   std::copy_n(identity, 4, v.at(kRotationRight, n));
-  // uniform over the clip and a tenth beyond either end  [method D.4]
+  // when it was seen, else uniform over the clip and a tenth beyond either end  [method D.4]
   const RandomBlock random =
       philox(uint64_t(options.seed), RandomStream::kInitialise, uint64_t(n), 1);
-  *v.at(kMeanTime, n) = 1.2f * uniform(random.word[0]) - 0.1f;
+  *v.at(kMeanTime, n) = point.time.value_or(1.2f * uniform(random.word[0]) - 0.1f);
   *v.at(kLogScaleTime, n) = float(std::log(options.init_time_scale));
+}
+
+/// 1 for points of the static set: all of a static scene; still points; else an even share of the
+/// rest.
+std::vector<char> static_choice(const std::vector<InitialPoint>& points, const Scene& scene,
+                                const TrainOptions& options) {
+  const bool all = options.static_only || scene.is_static;
+  std::vector<char> chosen(points.size(), 0);
+  double due = 0;  // static points owed by the share so far
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (all || (options.split_by_motion && points[i].still)) {
+      chosen[i] = all || *points[i].still;
+      continue;
+    }
+    due += options.static_fraction;
+    chosen[i] = due >= 1 - 1e-9;
+    if (chosen[i]) due -= 1;
+  }
+  return chosen;
 }
 
 }  // namespace
 
 Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
                                 const TrainOptions& options) {
-  const bool from_cloud = !scene.points.position.empty();
-  const PointCloud cloud =
-      from_cloud ? share_of(scene.points, options.init_points) : random_points(scene, rig, options);
-  const std::vector<float> squared = mean_squared_neighbour_distance(cloud.position);
-  const int64_t count = int64_t(cloud.position.size());
-  const bool all_static = options.static_only || scene.is_static;
-  const double share = all_static ? 1.0 : options.static_fraction;
-
   Initialisation result;
+  std::vector<InitialPoint> points =
+      scene.points.position.empty()
+          ? found_points(scene, rig, options, result.source)
+          : cloud_points(scene.points, options.init_points, result.source);
+  if (options.max_gaussians > 0) thin_out(points, options.max_gaussians, result.source);
+  std::vector<glm::vec3> positions;
+  for (const InitialPoint& point : points) positions.push_back(point.position);
+  const std::vector<float> squared = mean_squared_neighbour_distance(positions);
+  const std::vector<char> is_static = static_choice(points, scene, options);
+
   GaussianModel& model = result.model;
   const int stored = sh_coefficients(int(options.sh_degree));
   model.static_set = GaussianSet(3, stored);
   model.dynamic_set = GaussianSet(4, stored);
-  const int64_t statics = std::llround(share * double(count));
+  const int64_t statics = std::count(is_static.begin(), is_static.end(), char(1));
   model.static_set.resize(statics);
-  model.dynamic_set.resize(count - statics);
-  int64_t placed = 0;
-  for (int64_t i = 0; i < count; ++i) {
-    // spread evenly over the order of the points: i belongs to the static set when the share steps
-    const bool is_static =
-        placed < statics && (i + 1) * statics / std::max<int64_t>(count, 1) > placed;
-    GaussianSet& set = is_static ? model.static_set : model.dynamic_set;
-    place(cloud, size_t(i), squared[size_t(i)], options, set, is_static ? placed : i - placed);
-    placed += is_static;
+  model.dynamic_set.resize(int64_t(points.size()) - statics);
+  int64_t placed[2] = {0, 0};
+  for (size_t i = 0; i < points.size(); ++i) {
+    GaussianSet& set = is_static[i] ? model.static_set : model.dynamic_set;
+    place(points[i], squared[i], options, set, placed[size_t(is_static[i])]++);
   }
   model.time_axis = scene.time_axis;
   model.background = scene.background;
   model.near_plane = options.near_plane, model.far_plane = options.far_plane;
   model.sh_degree = 0;
-  result.source =
-      from_cloud ? fmt::format("point cloud, {} of {} points", count, scene.points.position.size())
-                 : fmt::format("random, {} points in view", count);
   return result;
 }
 

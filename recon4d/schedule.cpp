@@ -36,7 +36,9 @@ bool Schedule::reset_opacity(int64_t i) const {
 }
 
 bool Schedule::reorder(int64_t i) const {
-  return reorder_interval_ > 0 && i <= 3 * reorder_interval_ && i % reorder_interval_ == 0;
+  // once more after the set has stopped growing
+  return reorder_interval_ > 0 && i < densify_until_ + reorder_interval_ &&
+         i % reorder_interval_ == 0;
 }
 
 AdamGroups<float> Schedule::adam(int64_t i, int dim) const {

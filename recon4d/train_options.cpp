@@ -135,7 +135,7 @@ const std::vector<OptionRow>& train_option_rows() {
       {"max_gaussians", &O::max_gaussians, 0, 1e9, "upper limit of both sets together; 0: none",
        "ours"},
       {"reorder_interval", &O::reorder_interval, 0, 1e9,
-       "steps between two Morton re-orderings; 0: never", "[Faster-GS]"},
+       "steps between two Morton re-orderings, until density control has ended; 0: never", "[Faster-GS]"},
   };
   return rows;
 }

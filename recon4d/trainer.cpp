@@ -22,10 +22,10 @@ std::vector<int> training_frames(const Scene& scene) {
   return frames;
 }
 
-std::string group_names(unsigned bits) {
+std::string group_names(unsigned bits, int dim) {
   std::string names;
   for (int g = 0; g < kGroupCount; ++g)
-    if (bits >> g & 1) names += (names.empty() ? "" : ", ") + std::string(group_name(Group(g), 4));
+    if (bits >> g & 1) names += (names.empty() ? "" : ", ") + std::string(group_name(Group(g), dim));
   return names;
 }
 
@@ -49,9 +49,9 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       options_(options),
       state_(std::move(state)),
       observer_(observer),
+      train_frames_(training_frames(scene)),
       rig_(make_camera_rig(scene)),
       schedule_(options, rig_.extent),
-      train_frames_(training_frames(scene)),
       sampler_(int64_t(train_frames_.size()), uint64_t(options.seed)),
       pipeline_(backend),
       gradients_{{3, state_.model.static_set.coefficients()},
@@ -122,7 +122,7 @@ StepReport Trainer::step() {
         "step {}: {} not finite; the last checkpoint is intact; lower the learning rates or look "
         "for broken frames",
         state_.iteration + 1,
-        bad == 0 ? "the loss is" : "the gradient of " + group_names(bad) + " is"));
+        bad == 0 ? "the loss is" : "the gradient of " + group_names(bad, set(1).count() > 0 ? 4 : 3) + " is"));
   ++state_.iteration;
   state_.sampler_epoch = sampler_.epoch(), state_.sampler_position = sampler_.position();
   const PipelineReport counts = pipeline_.report();

@@ -50,9 +50,9 @@ class Trainer {
   TrainOptions options_;
   TrainState state_;
   Observer& observer_;
+  std::vector<int> train_frames_;  // before the rig, which needs one
   CameraRig rig_;
   Schedule schedule_;
-  std::vector<int> train_frames_;
   BatchSampler sampler_;
   Pipeline<float> pipeline_;
   GaussianSet gradients_[2];  // only with a separate optimizer
