@@ -57,8 +57,7 @@ class SequenceWriter {
 
  private:
   std::string name(size_t i) const {
-    const size_t digits = std::max<size_t>(4, std::to_string(times_.size() - 1).size());
-    return fmt::format("frame_{:0{}}.ply", i, digits);
+    return sequence_file_name(int64_t(i), int64_t(times_.size()));
   }
   nlohmann::json frames_per_second() const;
 
@@ -177,6 +176,11 @@ int64_t SequenceWriter::frames_at_once() const {
 }
 
 }  // namespace
+
+std::string sequence_file_name(int64_t i, int64_t count) {
+  const size_t digits = std::max<size_t>(4, std::to_string(count - 1).size());
+  return fmt::format("frame_{:0{}}.ply", i, digits);
+}
 
 SequenceReport export_ply_sequence(const GaussianModel& model, const std::filesystem::path& folder,
                                    const std::vector<double>& times,

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "recon4d/gaussian_set.h"
@@ -30,6 +31,9 @@ struct SequenceReport {
 
 /// (frames done, frames in all), on the caller's thread; may throw to stop.
 using SequenceProgress = std::function<void(int64_t, int64_t)>;
+
+/// "frame_0000.ply": four digits, more where `count` frames need them.
+std::string sequence_file_name(int64_t i, int64_t count);
 
 /// Writes frame_0000.ply … (four digits, more when needed) for `times` (normalised, ascending) and,
 /// last, manifest.json. Each file appears atomically; frames of an earlier, longer export are

@@ -70,9 +70,16 @@ std::vector<double> export_times(const ExportRequest& request, const GaussianMod
   return spread(int64_t(std::clamp(count, 2.0, double(kMostDefault))));
 }
 
+std::vector<std::string> sequence_files(int64_t count) {
+  std::vector<std::string> files{"manifest.json"};
+  for (int64_t i = 0; i < count; ++i) files.push_back(sequence_file_name(i, count));
+  return files;
+}
+
 nlohmann::json export_sequence(const ExportRequest& request, const GaussianModel& model) {
   const std::vector<double> times = export_times(request, model);
-  OutputFolder folder(request.out, "export", {"manifest.json"}, request.overwrite);
+  OutputFolder folder(request.out, "export", sequence_files(int64_t(times.size())),
+                      request.overwrite);
   SequenceReport report;
   {
     ProgressBar bar("export");
@@ -126,11 +133,21 @@ const Format& find_format(const std::string& name) {
                                fmt::join(names, ", ")));
 }
 
+/// The files that an earlier export left in the folder are removed; the model must not be one.
+void check_places(const ExportRequest& request, const std::filesystem::path& model) {
+  std::error_code missing;
+  if (std::filesystem::equivalent(std::filesystem::absolute(model).parent_path(), request.out,
+                                  missing))
+    throw InputError(
+        fmt::format("{}: is the folder of the model itself; choose another folder", request.out));
+}
+
 int export_command(const ExportRequest& request) {
   const Format& format = find_format(request.format);
   set_thread_count(request.threads);
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
+  check_places(request, input.file);
   nlohmann::json result = format.write(request, input.model);
   result["out"] = request.out, result["format"] = format.name;
   result["model"] = input.file.string(), result["num_gaussians"] = input.model.count();

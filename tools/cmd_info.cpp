@@ -26,13 +26,29 @@ std::string value_text(const nlohmann::json& value) {
   return text;
 }
 
-/// "name  value" a line; objects are indented below their name.
+/// "min 0.1, max 0.9": for small objects of plain values.
+std::string inline_text(const nlohmann::json& object) {
+  std::string text;
+  for (const auto& [key, value] : object.items())
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", key, value_text(value));
+  return text;
+}
+
+bool fits_a_line(const nlohmann::json& object) {
+  constexpr size_t kMost = 7;
+  return object.size() <= kMost && std::all_of(object.begin(), object.end(), [](const auto& value) {
+           return value.is_number() || value.is_boolean() || value.is_null();
+         });
+}
+
+/// "name  value" a line; larger objects are indented below their name.
 void add_lines(const nlohmann::json& object, const std::string& indent, std::string& text) {
   size_t longest = 0;
   for (const auto& [key, value] : object.items()) longest = std::max(longest, key.size());
   for (const auto& [key, value] : object.items()) {
-    if (!value.is_object()) {
-      text += fmt::format("{}{:<{}}  {}\n", indent, key, longest, value_text(value));
+    if (!value.is_object() || fits_a_line(value)) {
+      text += fmt::format("{}{:<{}}  {}\n", indent, key, longest,
+                          value.is_object() ? inline_text(value) : value_text(value));
     } else {
       text += fmt::format("{}{}\n", indent, key);
       add_lines(value, indent + "  ", text);

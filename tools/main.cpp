@@ -32,7 +32,7 @@ int run_command(const Work& work) {
 
 int tessera_main(int argc, char** argv) {
   install_interrupt_handlers();
-  CLI::App app("Tessera: multi-view video to 4D Gaussians that play");
+  CLI::App app("Tessera: multi-view video to 4D Gaussians that play", "tessera");
   app.set_version_flag("--version", kVersionText);
   app.require_subcommand(1);
   Work work;

@@ -7,7 +7,6 @@
 
 #include <system_error>
 
-#include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -35,7 +34,9 @@ StagedFolder::StagedFolder(std::filesystem::path target, bool may_replace)
   }
   staging_ = sibling(target_, "partial");
   std::filesystem::remove_all(staging_, reason);
-  make_folder(staging_);
+  reason.clear();
+  std::filesystem::create_directories(staging_, reason);
+  if (reason) fail(target_, fmt::format("cannot be created ({})", reason.message()));
 }
 
 StagedFolder::~StagedFolder() {
