@@ -72,7 +72,7 @@ Scene tiny_capture(const TinyCapture& capture) {
   std::vector<View> views;
   for (int c = 0; c < capture.cameras; ++c)
     for (int m = 0; m < capture.moments; ++m) {
-      const double angle = 6.283185307179586 * c / capture.cameras;
+      const double angle = capture.arc * c / capture.cameras;
       Frame frame;
       frame.camera = look_at({4 * std::cos(angle), 1 - 0.4 * (c % 3), 4 * std::sin(angle)},
                              {0, 0, 0}, capture.size, capture.size, 1.4 * capture.size);

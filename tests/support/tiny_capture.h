@@ -13,6 +13,7 @@ namespace tessera::testing {
 /// A ring of cameras around the origin, each with `moments` frames from time 0 to 1.
 struct TinyCapture {
   int cameras = 6, moments = 4, size = 20;  // pictures are size × size
+  double arc = 6.283185307179586;           // of the ring that the cameras share, radians
   bool moving = true;                       // two of the five blobs move
   std::array<uint8_t, 3> background{0, 0, 0};
 };
