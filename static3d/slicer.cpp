@@ -79,10 +79,8 @@ GaussianSet Slicer::at(double time) const {
   for (const MovingGaussian& g : moving_)
     if (is_drawn(g, float(time), slice)) drawn.emplace_back(&g, slice);
 
-  const int coefficients = dynamic.count() == 0 ? fixed.coefficients()
-                           : fixed.count() == 0
-                               ? dynamic.coefficients()
-                               : std::max(fixed.coefficients(), dynamic.coefficients());
+  const auto stored = [](const GaussianSet& s) { return s.count() > 0 ? s.coefficients() : 1; };
+  const int coefficients = std::max(stored(fixed), stored(dynamic));
   GaussianSet set(3, coefficients);
   set.resize(fixed.count() + int64_t(drawn.size()));
   copy_static(fixed, set);

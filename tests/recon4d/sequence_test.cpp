@@ -32,7 +32,8 @@ std::vector<std::string> files_in(const std::filesystem::path& folder) {
 /// Values of a splat file that are NaN or infinite, counted from its raw columns.
 int64_t non_finite_values(const std::filesystem::path& path) {
   int64_t count = 0;
-  for (const PlyColumn& column : read_ply(path).elements.at(0).columns)
+  const PlyFile file = read_ply(path);
+  for (const PlyColumn& column : file.elements.at(0).columns)
     for (double value : column.values) count += !std::isfinite(value);
   return count;
 }
