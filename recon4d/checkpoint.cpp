@@ -108,12 +108,20 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   model.time_axis = {header.at("time_axis").at("origin"), header.at("time_axis").at("duration")};
   model.background = header.at("background");
   model.near_plane = header.at("near_plane"), model.far_plane = header.at("far_plane");
-  checkpoint.options = train_options_from_json(header.at("options"));
   checkpoint.provenance = header.at("provenance");
 }
 
-/// Counts of the header against the size of the file, before any memory is taken.
-void check_size(const std::filesystem::path& path, const json& header, size_t arrays, size_t size) {
+TrainOptions restore_options(const std::filesystem::path& path, const json& header) {
+  try {
+    return train_options_from_json(header.at("options"));
+  } catch (const InputError& error) {
+    refuse(path, fmt::format("checkpoint of another version: {}", error.what()));
+  }
+}
+
+/// Numbers of the header against each other and the size of the file, before any memory is taken.
+void check_header(const std::filesystem::path& path, const json& header, size_t arrays,
+                  size_t size) {
   const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
   const int coefficients = header.at("sh_coefficients");
   const auto scalars = [&](int dim) {
@@ -122,14 +130,30 @@ void check_size(const std::filesystem::path& path, const json& header, size_t ar
     return sum;
   };
   constexpr int64_t kMost = int64_t{1} << 40;
-  if (statics < 0 || dynamics < 0 || statics > kMost || dynamics > kMost || coefficients < 1 ||
-      coefficients > kMaxShCoefficients)
-    refuse(path, "damaged checkpoint: impossible counts in its header");
+  const auto within = [](int64_t value, int64_t low, int64_t high) {
+    return value >= low && value <= high;
+  };
+  const json& sampler = header.at("sampler");
+  if (!within(statics, 0, kMost) || !within(dynamics, 0, kMost) ||
+      !within(coefficients, 1, kMaxShCoefficients) ||
+      !within(header.at("sh_degree"), 0, kMaxShDegree) ||
+      !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
+      !within(sampler.at("position"), 0, kMost))
+    refuse(path, "damaged checkpoint: impossible numbers in its header");
   const size_t expected = arrays + sizeof(uint64_t) +
                           sizeof(float) * size_t(statics * scalars(3) + dynamics * scalars(4));
   if (size != expected)
     refuse(path,
            fmt::format("truncated checkpoint: {} bytes, its header promises {}", size, expected));
+}
+
+void check_sum(const std::filesystem::path& path, const std::string& bytes) {
+  const size_t summed = bytes.size() - sizeof(uint64_t);
+  Fnv1a hash;
+  hash.add(bytes.data(), summed);
+  const uint64_t sum = hash.value();
+  if (std::memcmp(bytes.data() + summed, &sum, sizeof(sum)) != 0)
+    refuse(path, "damaged checkpoint: its checksum does not match");
 }
 
 }  // namespace
@@ -162,16 +186,13 @@ Checkpoint load_checkpoint(const std::filesystem::path& path) {
   const Parsed parsed = parse_header(path, bytes);
   Checkpoint checkpoint;
   try {
-    check_size(path, parsed.header, parsed.arrays, bytes.size());
+    check_header(path, parsed.header, parsed.arrays, bytes.size());
+    check_sum(path, bytes);
     restore_header(parsed.header, checkpoint);
+    checkpoint.options = restore_options(path, parsed.header);
   } catch (const json::exception& error) {
     refuse(path, fmt::format("damaged checkpoint: {}", error.what()));
   }
-  Fnv1a hash;
-  hash.add(bytes.data(), bytes.size() - sizeof(uint64_t));
-  if (std::memcmp(bytes.data() + bytes.size() - sizeof(uint64_t),
-                  std::array<uint64_t, 1>{hash.value()}.data(), sizeof(uint64_t)) != 0)
-    refuse(path, "damaged checkpoint: its checksum does not match");
   TrainState& state = checkpoint.state;
   state.model.static_set.resize(parsed.header.at("num_static"));
   state.model.dynamic_set.resize(parsed.header.at("num_dynamic"));

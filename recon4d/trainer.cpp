@@ -25,7 +25,8 @@ std::vector<int> training_frames(const Scene& scene) {
 std::string group_names(unsigned bits, int dim) {
   std::string names;
   for (int g = 0; g < kGroupCount; ++g)
-    if (bits >> g & 1) names += (names.empty() ? "" : ", ") + std::string(group_name(Group(g), dim));
+    if (bits >> g & 1)
+      names += (names.empty() ? "" : ", ") + std::string(group_name(Group(g), dim));
   return names;
 }
 
@@ -37,6 +38,8 @@ TrainState initial_state(const Scene& scene, const TrainOptions& options, std::s
   Initialisation first = initialise_model(scene, make_camera_rig(scene), options);
   source = first.source;
   state.model = std::move(first.model);
+  state.model.static_set.ensure_moments();
+  state.model.dynamic_set.ensure_moments();
   state.statistics[0].reset(state.model.static_set.count());
   state.statistics[1].reset(state.model.dynamic_set.count());
   return state;
@@ -122,7 +125,8 @@ StepReport Trainer::step() {
         "step {}: {} not finite; the last checkpoint is intact; lower the learning rates or look "
         "for broken frames",
         state_.iteration + 1,
-        bad == 0 ? "the loss is" : "the gradient of " + group_names(bad, set(1).count() > 0 ? 4 : 3) + " is"));
+        bad == 0 ? "the loss is"
+                 : "the gradient of " + group_names(bad, set(1).count() > 0 ? 4 : 3) + " is"));
   ++state_.iteration;
   state_.sampler_epoch = sampler_.epoch(), state_.sampler_position = sampler_.position();
   const PipelineReport counts = pipeline_.report();

@@ -31,7 +31,8 @@ class Trainer {
 
   /// Steps until `iteration` steps are done in all, or `stop` says so (asked before each step).
   /// At options.iterations the model is cleaned up and `finished` set.
-  /// Errors: NumericalError naming step and parameter when a gradient or the loss is not finite.
+  /// Errors: NumericalError naming step and parameter when a gradient or the loss is not finite;
+  /// the state then is not to be used: the fused optimizer has already taken the step.
   void run(int64_t iteration, const std::function<bool()>& stop = {});
 
   const TrainState& state() const { return state_; }
