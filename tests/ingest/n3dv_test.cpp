@@ -50,7 +50,7 @@ class N3dv : public ::testing::Test {
   std::vector<LlffPose> poses_;
 };
 
-// Bug put back: the focal length of poses_bounds.npy not scaled to the video; seen to fail.
+// Bug put back: the focal length of poses_bounds.npy taken for the video's size; seen to fail.
 TEST_F(N3dv, FramesCamerasTimesAndSplits) {
   const IngestReport report = ingest();
   EXPECT_EQ(report.layout, CaptureLayout::kN3dv);

@@ -76,7 +76,7 @@ TEST(TransformsCapture, StaticCapturesStayStatic) {
   EXPECT_TRUE(load_scene(folder / "scene", {}).is_static);
 }
 
-// B7. Bug put back: the camera not resized with the picture; seen to fail.
+// B7. Bug put back: the size scaled and the intrinsics not (scaled_camera); seen to fail.
 TEST(TransformsCapture, ScaledPicturesHaveTheSameRays) {
   const TemporaryFolder folder;
   write_dnerf(folder / "capture", {});

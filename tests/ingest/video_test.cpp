@@ -105,8 +105,6 @@ TEST_F(Video, OddSizes) {
   expect_colours(folder_ / "odd.mp4", video, 35, 21);
 }
 
-// Bugs put back, each seen to fail: the number of packets not compared with the index, together
-// with the packet's corrupt flag not looked at.
 TEST_F(Video, TruncatedFilesNameFileAndFramesRead) {
   TestVideo video = numbered_video(20);
   for (size_t i = 0; i < video.frames.size(); ++i)
@@ -123,6 +121,23 @@ TEST_F(Video, TruncatedFilesNameFileAndFramesRead) {
   const std::string late = read_bytes(folder_ / "late.mp4");
   write_bytes(folder_ / "cut.mp4", late.substr(0, late.size() / 2));
   expect_input_error([&] { decode_all(folder_ / "cut.mp4"); }, {"cut.mp4", "truncated"});
+}
+
+// Bug put back: every failure to read taken for the end of the file, and the packets not compared
+// with the number that the index states; seen to fail (the cut file is taken for a shorter one).
+TEST_F(Video, AFileCutAnywhereIsNeverTakenForAShorterOne) {
+  TestVideo video = numbered_video(20);
+  video.b_frames = 0;
+  for (const std::string kind : {".mp4", ".avi"}) {
+    write_video(folder_ / ("whole" + kind), video);
+    const std::string bytes = read_bytes(folder_ / ("whole" + kind));
+    const size_t index = kind == ".avi" ? bytes.size() - bytes.rfind("idx1") : 0;  // at the end
+    for (size_t missing = index + 1; missing < index + 150; ++missing) {
+      write_bytes(folder_ / ("cut" + kind), bytes.substr(0, bytes.size() - missing));
+      expect_input_error([&] { decode_all(folder_ / ("cut" + kind)); },
+                         {"cut" + kind, "frames could be read"});
+    }
+  }
 }
 
 TEST_F(Video, FilesThatAreNoVideos) {
