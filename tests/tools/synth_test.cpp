@@ -15,7 +15,7 @@ namespace {
 SynthOptions small_room() {
   SynthOptions options;
   options.cameras = 5, options.width = 120, options.height = 90;
-  return resolve_synth_options(options);
+  return options;
 }
 
 Camera room_camera(int index) {
@@ -229,7 +229,7 @@ int count_corners(const Picture& picture) {
 // Seen to fail: every texture kPlain (55 corners).
 TEST(SynthRender, RoomHasManyCornersToMatch) {
   SynthOptions options;
-  options = resolve_synth_options(options);
+  options.width = 240, options.height = 180;
   const World room = build_world(SynthScene::kRoom, options.seed, 0);
   for (const Camera& camera : video_rig(options, room.target)) {
     const Picture picture = render(room, camera, 0, 3);

@@ -86,6 +86,7 @@ void VideoEncoder::State::open_codec(const VideoFormat& format) {
   codec->flags |= AV_CODEC_FLAG_BITEXACT | AV_CODEC_FLAG_GLOBAL_HEADER;
   set_option(codec->priv_data, "preset", "medium");
   set_option(codec->priv_data, "crf", std::to_string(format.quality));
+  set_option(codec->priv_data, "mbtree", "0");  // x264's reads memory that it has not written
   require(avcodec_open2(codec.get(), h264, nullptr), "opening libx264");
 }
 
