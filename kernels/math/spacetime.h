@@ -29,30 +29,42 @@ TESSERA_HD inline Spacetime<Real> static_spacetime(const Vec4<Real>& q,
   return s;
 }
 
-/// Σ₄ = R diag(e^{2 s̃_t}, e^{2 s̃}) Rᵀ cut into Σ_tt = w, Σ_xt = b, Σ_xx = S.
-template <class Real>
-struct Covariance4 {
-  Real w;
-  Vec3<Real> b;
-  Sym3<Real> S;
-};
-
 template <class Real>
 TESSERA_HD inline Vec4<Real> variances4(const Vec3<Real>& log_scale, Real log_scale_time) {
   const Vec3<Real> v = variances(log_scale);
   return Vec4<Real>(exp(Real(2) * log_scale_time), v[0], v[1], v[2]);
 }
 
+/// Σ₄ = R diag(v) Rᵀ, v = (e^{2 s̃_t}, e^{2 s̃}), conditioned on time; (t_k, x_k) is column k of R.
+/// u_k = x_k − velocity·t_k, so that Σ_c = Σ_k v_k u_k u_kᵀ.
 template <class Real>
-TESSERA_HD inline Covariance4<Real> covariance4(const Mat4<Real>& R, const Vec4<Real>& v) {
-  Covariance4<Real> c{};
+struct Conditional {
+  Real precision;       // 1/w, w = Σ_tt = Σ_k v_k t_k²
+  Vec3<Real> velocity;  // b/w, b = Σ_xt
+  Vec3<Real> u[4];
+};
+
+/// u_k = Σ_l v_l t_l (t_l x_k − t_k x_l)/w, in which the term l = k is absent: for a fast Gaussian
+/// the differences x_k − velocity·t_k and S − b bᵀ/w would lose all their digits.
+template <class Real>
+TESSERA_HD inline Conditional<Real> condition_on_time(const Mat4<Real>& R, const Vec4<Real>& v) {
+  Conditional<Real> c{};
+  Vec3<Real> x[4], b(Real(0));
+  Real w = Real(0);
   for (int k = 0; k < 4; ++k) {
-    const Real rt = R.m[0][k], rx = R.m[1][k], ry = R.m[2][k], rz = R.m[3][k];
-    c.w += v[k] * rt * rt;
-    c.b += v[k] * rt * Vec3<Real>(rx, ry, rz);
-    c.S.xx += v[k] * rx * rx, c.S.xy += v[k] * rx * ry, c.S.xz += v[k] * rx * rz;
-    c.S.yy += v[k] * ry * ry, c.S.yz += v[k] * ry * rz, c.S.zz += v[k] * rz * rz;
+    x[k] = Vec3<Real>(R.m[1][k], R.m[2][k], R.m[3][k]);
+    w += v[k] * R.m[0][k] * R.m[0][k];
+    b += v[k] * R.m[0][k] * x[k];
   }
+  c.precision = Real(1) / w;
+  c.velocity = b * c.precision;
+  for (int k = 0; k < 4; ++k)
+    for (int l = k + 1; l < 4; ++l) {
+      const Real tk = R.m[0][k], tl = R.m[0][l];
+      const Vec3<Real> minor = (tl * x[k] - tk * x[l]) * c.precision;
+      c.u[k] += v[l] * tl * minor;
+      c.u[l] -= v[k] * tk * minor;
+    }
   return c;
 }
 
@@ -61,12 +73,13 @@ template <class Real>
 TESSERA_HD inline Spacetime<Real> pair_spacetime(const Vec4<Real>& l, const Vec4<Real>& r,
                                                  const Vec3<Real>& log_scale, Real log_scale_time,
                                                  Real mean_time) {
-  const Covariance4<Real> c = covariance4(rotation4(l, r), variances4(log_scale, log_scale_time));
+  const Vec4<Real> v = variances4(log_scale, log_scale_time);
+  const Conditional<Real> c = condition_on_time(rotation4(l, r), v);
   Spacetime<Real> s;
-  s.precision_time = Real(1) / c.w;
-  s.velocity = c.b * s.precision_time;
-  s.covariance = c.S;
-  s.covariance += -c.w * symmetric_outer(s.velocity, s.velocity);
+  s.precision_time = c.precision;
+  s.velocity = c.velocity;
+  s.covariance = {};
+  for (int k = 0; k < 4; ++k) s.covariance += v[k] * symmetric_outer(c.u[k], c.u[k]);
   s.mean_time = mean_time;
   return s;
 }
@@ -113,28 +126,26 @@ struct PairGradient {
 };
 
 /// Through Σ_c, v, 1/w to the two quaternions and four log-scales. With H = dL/dΣ₄ (symmetric):
-/// H_xx = G, H_xt = −G b/w + ½ d_v/w, H_tt = bᵀGb/w² − ⟨d_v,b⟩/w² − d_{1/w}/w².
+/// H_xx = G, H_xt = −G b/w + ½ d_v/w, H_tt = bᵀGb/w² − ⟨d_v,b⟩/w² − d_{1/w}/w², and its products
+/// with the columns of R written by u_k, where the large parts have cancelled already.
 template <class Real>
 TESSERA_HD inline PairGradient<Real> pair_backward(const Vec4<Real>& l, const Vec4<Real>& r,
                                                    const Vec3<Real>& log_scale, Real log_scale_time,
                                                    const SpacetimeGradient<Real>& d) {
   const Mat4<Real> R = rotation4(l, r);
   const Vec4<Real> v4 = variances4(log_scale, log_scale_time);
-  const Covariance4<Real> c = covariance4(R, v4);
-  const Real precision = Real(1) / c.w;
-  const Vec3<Real> velocity = c.b * precision;
-  const Vec3<Real> Gv = d.covariance * velocity;
-  const Vec3<Real> Hxt = Real(0.5) * precision * d.velocity - Gv;
-  const Real Htt = dot(velocity, Gv) - precision * dot(d.velocity, velocity) -
-                   precision * precision * d.precision_time;
+  const Conditional<Real> c = condition_on_time(R, v4);
+  const Real half_along = Real(0.5) * dot(d.velocity, c.velocity);
   Mat4<Real> d_R;
   Real d_log[4];
   for (int k = 0; k < 4; ++k) {
-    const Real rt = R.m[0][k];
-    const Vec3<Real> rx(R.m[1][k], R.m[2][k], R.m[3][k]);
-    const Real time_row = Htt * rt + dot(Hxt, rx);
-    const Vec3<Real> space_rows = Hxt * rt + d.covariance * rx;
-    d_log[k] = Real(2) * v4[k] * (rt * time_row + dot(rx, space_rows));
+    const Vec3<Real>& u = c.u[k];
+    const Vec3<Real> Gu = d.covariance * u;
+    const Real pt = c.precision * R.m[0][k], du = dot(d.velocity, u);
+    const Vec3<Real> space_rows = Gu + Real(0.5) * pt * d.velocity;
+    const Real time_row = Real(0.5) * c.precision * du - dot(c.velocity, Gu) -
+                          pt * (half_along + c.precision * d.precision_time);
+    d_log[k] = Real(2) * v4[k] * (dot(u, Gu) + pt * du - pt * pt * d.precision_time);
     d_R.m[0][k] = Real(2) * v4[k] * time_row;
     for (int i = 0; i < 3; ++i) d_R.m[i + 1][k] = Real(2) * v4[k] * space_rows[i];
   }

@@ -113,6 +113,21 @@ TEST(Spacetime, SliceIsTheConditionalOfTheFourDimensionalGaussian) {
   }
 }
 
+TEST(Spacetime, FastGaussianKeepsTheDigitsOfItsCovarianceInFloat) {
+  // Bug put back: Σ_c as the difference S − b bᵀ/w; seen to fail with errors of 100 %.
+  const float half = 0.5f * std::atan(20.0f);  // a turn of the (t, x) plane: 20 units per unit time
+  const Vec4<float> turn(std::cos(half), std::sin(half), 0, 0);
+  const Vec3<float> log_scale(std::log(0.01f), std::log(0.02f), std::log(0.03f));
+  const Spacetime<float> fast = pair_spacetime(turn, turn, log_scale, std::log(8.0f), 0.5f);
+  const Spacetime<double> exact = pair_spacetime(
+      Vec4<double>(turn), Vec4<double>(turn), Vec3<double>(log_scale), double(std::log(8.0f)), 0.5);
+  EXPECT_NEAR(exact.velocity[0], 20, 2e-2);  // b/w; σ_t = 8·cos = 0.4
+  EXPECT_NEAR(fast.covariance.xx, exact.covariance.xx, 1e-5 * exact.covariance.xx);
+  EXPECT_NEAR(fast.covariance.yy, exact.covariance.yy, 1e-5 * exact.covariance.yy);
+  EXPECT_NEAR(fast.covariance.zz, exact.covariance.zz, 1e-5 * exact.covariance.zz);
+  EXPECT_NEAR(fast.covariance.xy, 0, 1e-5 * exact.covariance.xx);
+}
+
 TEST(Spacetime, AtItsMeanTimeASliceIsTheMeanAtFullOpacity) {
   Random random(4);
   const auto x = random_pair(random);
