@@ -58,7 +58,8 @@ Case random_case(Random& random, bool on_pixel_centre) {
 }
 
 TEST(Bounds, TouchesTileIsTheExactMinimumOverTheRectangle) {
-  // Trap 24, bug put back: `X0 − mx > 0` for left and above; seen to fail on pixel-centre lines.
+  // Trap 24, bug put back: the corner by `left` with a strict comparison, the direction into the
+  // tile by the sign of X0 − mx; seen to fail where the mean is on a line of pixel centres.
   Random random(1);
   int touched = 0;
   for (int round = 0; round < 4000; ++round) {
