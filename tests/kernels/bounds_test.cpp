@@ -100,7 +100,7 @@ TEST(Bounds, MeanOnAPixelCentreLineKeepsTheTilesOnBothSides) {
 }
 
 TEST(Bounds, TileRectHoldsEveryTileWithADrawnPixel) {
-  // Bug put back: half extent shortened by 1 instead of 0.5; seen to fail.
+  // Bug put back: half extent shortened by 1.5 instead of 0.5; seen to fail.
   Random random(3);
   ViewArgs<double> view{};
   view.width = 60, view.height = 61, view.tiles_x = 4, view.tiles_y = 4;
@@ -118,6 +118,7 @@ TEST(Bounds, TileRectHoldsEveryTileWithADrawnPixel) {
 }
 
 TEST(Bounds, TileRectOfSplatsOutsideOrOfAnySizeIsSafe) {
+  // C4. Bug put back: no test of the power, so that a faint splat's extent is NaN; seen to fail.
   ViewArgs<float> view{};
   view.width = 60, view.height = 60, view.tiles_x = 4, view.tiles_y = 4;
   const Sym2<float> small{1, 0, 1}, huge{1e30f, 0, 1e30f};

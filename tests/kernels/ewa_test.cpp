@@ -40,7 +40,7 @@ constexpr Case kCases[] = {{"inside", 0.4, -0.3, 2.5},        {"left of the marg
 
 /// dL for a weighted sum of mean2d and conic, by the world mean and the covariance.
 TEST(Ewa, BackwardEqualsDualsInsideAndOutsideTheMargin) {
-  // Bug put back: factor 2 instead of (1 + v) in dZ, as 3DGS has it; seen to fail outside only.
+  // Bug put back: factor 2 instead of (1 + v) in dZ, as 3DGS has it; seen to fail.
   Random random(1);
   for (const Case& c : kCases) {
     const Vec3<double> mean = world_point(c.x, c.y, c.z);

@@ -75,8 +75,8 @@ void expect_differences(TestScene<double> scene, const std::vector<Group>& group
 const std::vector<Group> kGeometry{kMean,     kLogScale,     kRotation,     kOpacityLogit,
                                    kMeanTime, kLogScaleTime, kRotationRight};
 
-// Bugs put back, each seen to fail: the background left out of R in blend_backward; Q without its
-// −⟨d_v, b⟩/w² term in pair_backward; opacity gradient without p(t); d_mean without the direction.
+// Bugs put back, each seen to fail: the background left out of R in blend_backward; the opacity's
+// gradient without p(t); the mean's without the viewing direction; the SSIM map not convolved.
 TEST(Gradient, GeometryEqualsDifferences) {
   expect_differences(gradient_scene(1, 3), kGeometry);
 }

@@ -39,7 +39,7 @@ void expect_culled_and_counted(const TestScene<float>& spoilt, int dim, const ch
 }
 
 TEST(Hygiene, NonFiniteFieldIsCulledAndCounted) {
-  // Bug put back: the logit left out of the sum in load_gaussian; seen to fail for +Inf.
+  // Bugs put back, seen to fail: the logit, or the log scale of time, not looked at.
   const TestScene<float> scene = random_scene(10, 10, 0.3, 1).as<float>();
   for (const int dim : {3, 4})
     for (int g = 0; g < group_count(dim); ++g)
@@ -52,6 +52,7 @@ TEST(Hygiene, NonFiniteFieldIsCulledAndCounted) {
 }
 
 TEST(Hygiene, ZeroQuaternionIsCulledAndCounted) {
+  // Bug put back: no test of the norm; seen to fail.
   const TestScene<float> scene = random_scene(10, 10, 0.3, 2).as<float>();
   for (const Group g : {kRotation, kRotationRight})
     for (const float length : {0.0f, 5e-5f}) {

@@ -41,7 +41,7 @@ TEST(SphericalHarmonics, BasisIsOrthonormalOverTheSphere) {
 }
 
 TEST(SphericalHarmonics, BackwardEqualsDualsAtEveryDegree) {
-  // Bug put back: sign of dY[13].x flipped; seen to fail at degree 3 only.
+  // Bug put back: sign of dY[13].x flipped; seen to fail.
   Random random(2);
   ViewArgs<double> eye{};
   eye.position = Vec3<double>(0.2, -0.4, -3);

@@ -110,7 +110,7 @@ TEST(Photometric, LossEqualsItsDefinition) {
 }
 
 TEST(Photometric, GradientIsThatOfTheMeanOverTheBatch) {
-  // Bug put back: SSIM map partials convolved once in x only; seen to fail.
+  // Bug put back: the partial by E[xy] not convolved; seen to fail.
   Random random(3);
   Pictures p({{13, 17}, {7, 4}}, random);
   std::vector<double> d_colour(size_t(3 * p.batch.pixels));
