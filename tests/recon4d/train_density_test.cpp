@@ -122,7 +122,7 @@ TEST_P(Density, ClonesAreCopiesWithoutMoments) {
   }
 }
 
-// Bug put back: the limit holds per event, not per Gaussian (two per split); seen to fail.
+// Bug put back: the room for new ones counted twice; seen to fail.
 TEST_P(Density, TheLimitHoldsAndTheStrongestGrow) {
   std::vector<std::array<float, 3>> rows;
   const float strength[] = {3, 9, 5, 8, 4, 7, 6};
@@ -141,7 +141,7 @@ TEST_P(Density, TheLimitHoldsAndTheStrongestGrow) {
 }
 
 /// Failure mode C13: as many are pruned as are below, and never one more.
-// Bug put back: ≤ in place of ≥ against the limit of opacity; seen to fail.
+// Bug put back: ≤ in place of ≥ against the limit of opacity; seen to fail. (C13)
 TEST_P(Density, PrunesExactlyWhatIsBelow) {
   constexpr int kCount = 400, kBelow = 137;
   std::vector<std::array<float, 3>> rows;

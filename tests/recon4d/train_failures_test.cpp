@@ -123,7 +123,7 @@ TEST(TrainFailures, AllPrunedOnTheWayTrainsOn) {
   EXPECT_EQ(training.steps().size(), size_t(options.iterations));
 }
 
-// Bug put back: the step after a stop is not asked about, or counted twice; seen to fail.
+// Bug put back: stop is never asked; seen to fail.
 TEST(TrainFailures, StopLeavesAConsistentState) {
   const Scene scene = tiny_capture();
   const TrainOptions options = tiny_options();
@@ -159,7 +159,7 @@ TEST(TrainFailures, RunningOnAfterTheEndChangesNothing) {
   EXPECT_EQ(nothing.model().count(), none.init_points);
 }
 
-// Bug put back: each set is given all the room that both have; seen to fail.
+// Bug put back: the room of a set is the limit less that set alone; seen to fail.
 TEST(TrainFailures, BothSetsTogetherKeepToTheLimit) {
   const Scene scene = tiny_capture();
   TrainOptions options = tiny_options();

@@ -77,7 +77,7 @@ TEST(TrainLoop, AnotherSeedAnotherModel) {
   EXPECT_NE(model_bits(a.run().model()), model_bits(b.run().model()));
 }
 
-// Bug put back: gradients of a splat summed in the order in which threads arrive; seen to fail.
+// Bug put back: gradients of a splat summed in an order that depends on the threads; seen to fail.
 TEST(TrainLoop, ThreadsDoNotChangeBytes) {
   TinyCapture capture;
   capture.size = 32;

@@ -55,6 +55,7 @@ TEST(CameraRig, OnlyTrainingFramesCount) {
   EXPECT_EQ(make_camera_rig(scene).extent, extent);
 }
 
+// Bug put back: principal points are not compared; seen to fail.
 TEST(CameraRig, CropsOfOneCameraAreTwoCameras) {
   Camera left = look_at({0, 0, -4}, {0, 0, 0}, 20, 20, 25), right = left;
   right.cx -= 20;

@@ -88,8 +88,7 @@ std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false) 
 
 class Switch : public ::testing::TestWithParam<std::string> {};
 
-// Bug put back: lr_rotation not handed to the optimizer of rotation_right and rotation; seen to
-// fail for lr_rotation.
+// Bug put back: rotations learn at a fixed rate; seen to fail for lr_rotation.
 TEST_P(Switch, ChangesTheModel) {
   TrainOptions options = usual_options();
   if (GetParam() == "fused_optimizer") {  // the one switch that must change nothing
