@@ -14,6 +14,7 @@ void expect_keys(const json& object, const std::vector<std::string>& keys) {
     EXPECT_TRUE(object.contains(key)) << "no '" << key << "' in " << object.dump(1);
 }
 
+// Seen to fail with messages on stdout.
 TEST(CliJson, TrainAndEvaluateKeepTheContract) {
   const CliWorkspace work;
   const json trained = work.run_json(work.train_arguments("run"));

@@ -72,13 +72,13 @@ TEST_F(CliResume, CtrlCLeavesACheckpointThatGoesOn) {
 TEST_F(CliResume, KilledWhileSavingTheCheckpointStaysWhole) {
   const std::vector<std::string> arguments =
       work.train_arguments("run", {"--iterations", "1000000", "--checkpoint-every", "1",
-                                   "--init-points", "20000", "--overwrite"});
+                                   "--init-points", "8000", "--overwrite"});
   const fs::path checkpoint = work / "run/checkpoint.ckpt";
-  for (int round = 0; round < 6; ++round) {
+  for (int round = 0; round < 4; ++round) {
     fs::remove(checkpoint);
     ChildProcess training(arguments, work.path());
     ASSERT_TRUE(training.wait_until([&] { return fs::exists(checkpoint); }));
-    std::this_thread::sleep_for(std::chrono::milliseconds(13 * round));
+    std::this_thread::sleep_for(std::chrono::milliseconds(17 * round));
     training.send(SIGKILL);
     EXPECT_EQ(training.wait().signal, SIGKILL);
     const ChildResult info = work.run({"info", checkpoint.string()});
