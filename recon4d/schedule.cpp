@@ -31,8 +31,12 @@ bool Schedule::densify(int64_t i) const {
 }
 
 bool Schedule::reset_opacity(int64_t i) const {
-  return opacity_reset_interval_ > 0 && i > 0 && i < densify_until_ &&
-         i % opacity_reset_interval_ == 0;
+  if (opacity_reset_interval_ <= 0 || i <= 0 || i >= densify_until_) return false;
+  // early on a bright background is modelled by haze; one more reset removes it  [method A.3]
+  constexpr int64_t kHazeReset = 500;
+  const bool haze = parse_background(options_.background) != std::array<uint8_t, 3>{0, 0, 0} &&
+                    i == scaled(kHazeReset);
+  return haze || i % opacity_reset_interval_ == 0;
 }
 
 bool Schedule::reorder(int64_t i) const {

@@ -131,11 +131,14 @@ const std::vector<OptionRow>& train_option_rows() {
       {"prune_large_from", &O::prune_large_from, 0, 1e9, "first step at which prune_extent holds",
        "[3DGS]"},
       {"opacity_reset_interval", &O::opacity_reset_interval, 0, 1e9,
-       "steps between two opacity resets; 0: never, the default in 4D", "[Hybrid4D]"},
+       "steps between two opacity resets, with one more at 500 unless the background is black; 0: "
+       "never, the default in 4D",
+       "[Hybrid4D]"},
       {"max_gaussians", &O::max_gaussians, 0, 1e9, "upper limit of both sets together; 0: none",
        "ours"},
       {"reorder_interval", &O::reorder_interval, 0, 1e9,
-       "steps between two Morton re-orderings, until density control has ended; 0: never", "[Faster-GS]"},
+       "steps between two Morton re-orderings, until density control has ended; 0: never",
+       "[Faster-GS]"},
   };
   return rows;
 }
@@ -149,7 +152,11 @@ void set_option_from_text(TrainOptions& options, const std::string& key, const s
   const OptionRow& row = row_of(key);
   if (std::holds_alternative<std::string O::*>(row.member)) return set_option(options, key, text);
   nlohmann::json value = nlohmann::json::parse(text, nullptr, false);
-  set_option(options, key, value.is_discarded() ? nlohmann::json(text) : value);
+  if (value.is_discarded()) value = text;
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);  // ".5", "+1", which are not JSON
+  if (value.is_string() && !text.empty() && *end == '\0') value = number;
+  set_option(options, key, value);
 }
 
 void validate(const TrainOptions& options) {

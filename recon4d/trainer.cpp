@@ -78,19 +78,23 @@ void Trainer::run(int64_t iteration, const std::function<bool()>& stop) {
   if (state_.iteration >= options_.iterations && !state_.finished) finish();
 }
 
+int64_t Trainer::room_of(int k) const {
+  if (options_.max_gaussians == 0) return -1;
+  const GaussianModel& model = state_.model;
+  const int64_t room = std::max<int64_t>(0, options_.max_gaussians - model.count());
+  // the static set comes first and must leave the dynamic one its share
+  return k == 1 || room == 0 ? room : room * model.static_set.count() / model.count();
+}
+
 void Trainer::control() {
   const int64_t i = state_.iteration;
   state_.model.sh_degree = schedule_.sh_degree(i);
   for (int k = 0; k < 2; ++k) {
     if (set(k).count() == 0) continue;
     if (schedule_.densify(i)) {
-      const int64_t room =
-          options_.max_gaussians == 0
-              ? -1
-              : std::max<int64_t>(0, options_.max_gaussians - state_.model.count());
       const DensityReport report = control_density(
-          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room, uint64_t(i)}, set(k),
-          state_.statistics[k]);
+          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k), uint64_t(i)},
+          set(k), state_.statistics[k]);
       observer_.on_density(i, k == 0 ? "static" : "dynamic", report);
     }
     if (schedule_.reorder(i)) reorder(backend_, set(k), state_.statistics[k]);

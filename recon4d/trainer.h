@@ -42,6 +42,8 @@ class Trainer {
  private:
   StepReport step();
   void control();
+  /// Gaussians that set k may grow by; −1: no limit.
+  int64_t room_of(int k) const;
   unsigned backward();
   void finish();
   GaussianSet& set(int i) { return i == 0 ? state_.model.static_set : state_.model.dynamic_set; }

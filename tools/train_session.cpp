@@ -91,8 +91,7 @@ int64_t next_pause(int64_t iteration, int64_t end, const TrainRequest& request) 
 
 json score(Backend& backend, const Trainer& trainer, const Scene& scene, TrainingLog& log) {
   const TrainState& state = trainer.state();
-  const json scores =
-      score_splits(backend, state.model, scene, held_out_splits(scene), std::nullopt);
+  json scores = score_splits(backend, state.model, scene, held_out_splits(scene), std::nullopt);
   json brief = json::object();
   if (scores.contains("splits"))
     for (const auto& [split, of_split] : scores["splits"].items())

@@ -50,6 +50,16 @@ TEST(TrainSchedule, EventsOfTheReference) {
     EXPECT_EQ(schedule.sh_degree(steps[k]), degrees[k]) << steps[k];
 }
 
+// Bug put back: no extra reset; seen to fail.
+TEST(TrainSchedule, ABrightBackgroundIsClearedOnceMore) {
+  TrainOptions options;
+  options.opacity_reset_interval = 3000;
+  options.background = "white";
+  EXPECT_EQ(steps_of(options, resets), (std::vector<int64_t>{500, 3000, 6000, 9000, 12000}));
+  options.opacity_reset_interval = 0;
+  EXPECT_TRUE(steps_of(options, resets).empty());
+}
+
 TEST(TrainSchedule, NothingHappensWhenOff) {
   TrainOptions options;
   options.reorder_interval = 0;
