@@ -12,10 +12,10 @@ const std::vector<Preset>& presets() {
   static const std::vector<Preset> rows = {
       {"fast",
        "minutes on a CPU: few initial points, short schedule",
-       {{"iterations", 3000},
+       {{"iterations", 2000},
         {"schedule_iterations", 30000},
         {"init_points", 20000},
-        {"max_gaussians", 60000},
+        {"max_gaussians", 40000},
         {"sweep", true},
         {"split_by_motion", true}}},
       {"balanced",
