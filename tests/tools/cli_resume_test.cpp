@@ -16,16 +16,20 @@ namespace fs = std::filesystem;
 
 class CliResume : public ::testing::Test {
  protected:
-  /// Goes on with a run; density control, re-ordering and both halves of an epoch lie in between.
+  /// Goes on with a run. Density control and re-ordering lie on both sides of the stop.
   ChildResult resume(const std::string& run, const std::vector<std::string>& more = {},
                      const ChildLimits& limits = {}) {
     std::vector<std::string> arguments{"train", work.at("capture"), "-o", work.at(run), "--resume"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return work.run(arguments, limits);
   }
+  /// One view a step, so that an odd stop falls between the two views of an epoch.
+  // clang-format off
   const std::vector<std::string> eventful_{
-      "--schedule-iterations", "20", "--densify-from",     "4", "--densify-until",     "18",
-      "--densify-interval",    "4",  "--reorder-interval", "7", "--densify-threshold", "1e-6"};
+      "--batch", "1", "--schedule-iterations", "20", "--reorder-interval", "7",
+      "--densify-from", "4", "--densify-until", "18", "--densify-interval", "4",
+      "--densify-threshold", "1e-6"};
+  // clang-format on
   ChildResult train(const std::string& run, std::vector<std::string> more = {}) {
     more.insert(more.end(), eventful_.begin(), eventful_.end());
     return work.train(run, more);
