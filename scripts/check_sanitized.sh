@@ -4,6 +4,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 scripts/install_packages.sh test
-cmake --preset debug
+cmake --preset debug -DTESSERA_TESTS=ON
 cmake --build --preset debug --target kernels_test ingest_test recon4d_test
 ctest --preset debug -j "$(nproc)" -R '^(kernels|ingest|recon4d)/'

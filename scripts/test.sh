@@ -10,6 +10,6 @@ launcher=()
 if command -v ccache >/dev/null; then
   launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
-cmake --preset "$preset" "${launcher[@]}"
+cmake --preset "$preset" -DTESSERA_TESTS=ON "${launcher[@]}"
 cmake --build --preset "$preset"
 ctest --preset "$preset" -j "$(nproc)"

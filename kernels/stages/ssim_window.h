@@ -20,14 +20,15 @@ inline int padded_index(int i, int count, Padding padding) {
 
 template <class Real>
 void convolve_rows(const Real* in, int width, int height, Padding padding, Real* out) {
-  std::vector<Real> line(static_cast<size_t>(width + 2 * kSsimRadius), Real(0));
+  std::vector<Real> line(size_t(width) + 2 * kSsimRadius, Real(0));
+  Real* const first = line.data() + kSsimRadius;  // sample 0 of the line
   for (int y = 0; y < height; ++y) {
     const Real* from = in + int64_t(y) * width;
-    for (int x = 0; x < width; ++x) line[size_t(x + kSsimRadius)] = from[x];
+    for (int x = 0; x < width; ++x) first[x] = from[x];
     if (padding == Padding::kReflect)
       for (int k = 1; k <= kSsimRadius; ++k) {
-        line[size_t(kSsimRadius - k)] = from[k];
-        line[size_t(width - 1 + kSsimRadius + k)] = from[width - 1 - k];
+        first[-k] = from[k];
+        first[width - 1 + k] = from[width - 1 - k];
       }
     Real* to = out + int64_t(y) * width;
     const Real* padded = line.data();
