@@ -64,9 +64,9 @@ class Runner {
  private:
   static constexpr int64_t kMostFrames = 60;
 
-  /// Whether the stage must run; says so either way.
-  bool must_run(const std::string& stage, const std::string& key) {
-    const bool done = ledger_.done(stage, key);
+  /// Whether the stage must run: not done for this key, or `product` is gone. Says so either way.
+  bool must_run(const std::string& stage, const std::string& key, const fs::path& product) {
+    const bool done = ledger_.done(stage, key) && fs::exists(product);
     say(fmt::format("{}: {}", stage, done ? "done before, unchanged" : "begins"));
     return !done;
   }
@@ -85,7 +85,7 @@ class Runner {
     const std::string key = key_of({file_stamps(request_.capture), o.scale, o.frames.value_or(0),
                                     o.held_out, options_.static_only, as_it_is});
     scene_key_ = key;
-    if (!must_run("ingest", key)) return;
+    if (!must_run("ingest", key, as_it_is ? scene_ : scene_ / "transforms.json")) return;
     ledger_.begin("ingest", key);
     json result = {{"scene", scene_.string()}};
     if (!as_it_is) {
@@ -106,7 +106,7 @@ class Runner {
 
   bool train() {
     train_key_ = key_of({scene_key_, to_json(options_), request_.training.backend});
-    if (!must_run("train", train_key_)) return true;
+    if (!must_run("train", train_key_, run_.model())) return true;
     TrainRequest train;
     train.scene = scene_, train.run = run_.root, train.options = options_;
     train.preset = request_.training.preset, train.backend = request_.training.backend;
@@ -124,7 +124,7 @@ class Runner {
 
   bool evaluate_model() {
     const std::string key = key_of({train_key_, "evaluate"});
-    if (!must_run("evaluate", key)) return true;
+    if (!must_run("evaluate", key, run_.metrics())) return true;
     ledger_.begin("evaluate", key);
     const Scene scene = load_scene(scene_, scene_options(true));
     const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
@@ -151,9 +151,9 @@ class Runner {
 
   bool export_frames() {
     const std::string key = key_of({train_key_, "export", request_.export_frames});
-    if (!must_run("export", key)) return true;
-    ledger_.begin("export", key);
     const fs::path folder = request_.out / "frames";
+    if (!must_run("export", key, folder / "manifest.json")) return true;
+    ledger_.begin("export", key);
     ProgressBar bar("export");
     const SequenceReport report = export_ply_sequence(
         load_model(run_.model()), folder, export_times(), [&](int64_t done, int64_t total) {

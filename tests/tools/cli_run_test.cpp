@@ -1,0 +1,74 @@
+// What: `tessera run`: every stage once, again only what changed or is gone.
+// Not: the stages (their own commands' tests).
+#include <gtest/gtest.h>
+
+#include "tests/tools/cli_workspace.h"
+
+namespace tessera::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CliRun : public ::testing::Test {
+ protected:
+  ChildResult run(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = work.train_arguments("out", more);
+    arguments[0] = "run";
+    return work.run(arguments);
+  }
+  /// The stages that ran, in order, from what the program says of each.
+  static std::string begun(const ChildResult& result) {
+    std::string stages;
+    for (const std::string stage : {"ingest", "train", "evaluate", "export"}) {
+      const bool ran = result.err.find(stage + ": begins") != std::string::npos;
+      const bool kept = result.err.find(stage + ": done before") != std::string::npos;
+      EXPECT_NE(ran, kept) << result.err;
+      if (ran) stages += stage + " ";
+    }
+    return stages;
+  }
+  CliWorkspace work;
+};
+
+TEST_F(CliRun, MakesModelScoresAndFrames) {
+  const ChildResult result = run({"--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const nlohmann::json json = nlohmann::json::parse(result.out);
+  for (const char* key : {"psnr", "ssim", "num_gaussians", "per_view", "splits"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_EQ(json["training"]["finished"], true);
+  EXPECT_EQ(json["export"]["frames"], 2);  // the two moments of the training split
+  for (const char* file : {"run/model.ply", "run/metrics.json", "run/log.jsonl", "run/config.json",
+                           "frames/frame_0000.ply", "frames/frame_0001.ply"})
+    EXPECT_TRUE(fs::exists(work / "out" / file)) << file;
+}
+
+// Bugs put back, one at a time: `done` always false; the key of `train` without the options; the
+// key of `ingest` without the files' stamps; products not looked at. Each seen to fail.
+TEST_F(CliRun, RepeatsOnlyWhatChanged) {
+  ASSERT_EQ(begun(run()), "ingest train evaluate export ");
+  EXPECT_EQ(begun(run()), "");
+  EXPECT_EQ(begun(run({"--export-frames", "3"})), "export ");
+  EXPECT_EQ(begun(run({"--seed", "5"})), "train evaluate export ");
+  fs::remove(work / "out" / "run" / "metrics.json");
+  EXPECT_EQ(begun(run({"--seed", "5"})), "evaluate ");
+  work.edit_json("capture/transforms_val.json",
+                 [](nlohmann::json& json) { json["comment"] = "touched"; });
+  EXPECT_EQ(begun(run({"--seed", "5"})), "ingest train evaluate export ");
+}
+
+// Bug put back: a begun stage starts over instead of resuming; seen to fail.
+TEST_F(CliRun, GoesOnWithABegunTraining) {
+  ASSERT_EQ(run({"--checkpoint-every", "1"}).exit_code, 0);
+  const std::string whole = work.read("out/run/model.ply");
+  nlohmann::json stages = nlohmann::json::parse(work.read("out/stages.json"));
+  stages["train"]["done"] = false;  // as a kill between the last checkpoint and the end leaves it
+  work.write("out/stages.json", stages.dump());
+  const ChildResult again = run({"--checkpoint-every", "1"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_NE(again.err.find("initialised from checkpoint"), std::string::npos) << again.err;
+  EXPECT_EQ(work.read("out/run/model.ply"), whole);
+}
+
+}  // namespace
+}  // namespace tessera::testing
