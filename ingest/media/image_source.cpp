@@ -5,6 +5,7 @@
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
+#include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
 #include "kernels/base/errors.h"
 
@@ -14,6 +15,19 @@ namespace {
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& seen) {
   throw InputError(
       fmt::format("{}: {}; convert this picture to 8-bit sRGB PNG", path.string(), seen));
+}
+
+/// libjpeg fills what is missing with grey and only warns. Inside a scan 0xFF is never followed by
+/// a marker, so a whole file has its end-of-image marker behind the last start-of-scan.
+void refuse_truncated_jpeg(const std::filesystem::path& path) {
+  const std::string bytes = read_text_file(path);
+  if (!bytes.starts_with("\xff\xd8")) return;  // not a JPEG
+  const size_t scan = bytes.rfind("\xff\xda"), end = bytes.rfind("\xff\xd9");
+  if (scan != std::string::npos && end != std::string::npos && end > scan) return;
+  throw InputError(fmt::format(
+      "{}: truncated JPEG, it has no end-of-image marker; copy it again or take it out of the "
+      "capture",
+      path.string()));
 }
 
 void undo_premultiplied_alpha(Image8& image) {
@@ -28,6 +42,7 @@ void undo_premultiplied_alpha(Image8& image) {
 
 Image8 read_picture(const std::filesystem::path& path) {
   if (path.extension() == ".png" || path.extension() == ".PNG") return read_png(path);
+  if (std::filesystem::is_regular_file(path)) refuse_truncated_jpeg(path);
   OIIO::ImageSpec wishes;
   wishes.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(path.string(), &wishes);
