@@ -1,6 +1,5 @@
 // What: FNV-1a over a file, block by block.
 // Not: parallel within a file; callers hash files beside each other.
-// Source: Fowler, Noll, Vo; offset basis and prime of the 64-bit variant.
 #include "ingest/source_hash.h"
 
 #include <fmt/format.h>
@@ -11,6 +10,7 @@
 #include <cstring>
 #include <memory>
 
+#include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -18,17 +18,17 @@ namespace tessera {
 std::string source_hash(const std::filesystem::path& file) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rb"),
                                                            std::fclose);
-  uint64_t hash = 0xcbf29ce484222325u;
+  Fnv1a hash;
   unsigned char block[1 << 16];
   while (in != nullptr) {
     const size_t count = std::fread(block, 1, sizeof block, in.get());
-    for (size_t i = 0; i < count; ++i) hash = (hash ^ block[i]) * 0x100000001b3u;
+    hash.add(block, count);
     if (count < sizeof block) break;
   }
   if (in == nullptr || std::ferror(in.get()) != 0)
     throw InputError(fmt::format("{}: cannot be read ({}); check the path and its permissions",
                                  file.string(), std::strerror(errno)));
-  return fmt::format("{:016x}", hash);
+  return hash.hex();
 }
 
 }  // namespace tessera

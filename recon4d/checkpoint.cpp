@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -17,18 +18,6 @@ using nlohmann::json;
 constexpr char kMagic[8] = {'T', 'E', 'S', 'S', 'C', 'K', 'P', 'T'};
 constexpr uint32_t kVersion = 1;
 constexpr size_t kPreamble = sizeof(kMagic) + sizeof(uint32_t) + sizeof(uint64_t);
-
-class Fnv1a {
- public:
-  void add(const void* bytes, size_t count) {
-    const auto* p = static_cast<const unsigned char*>(bytes);
-    for (size_t i = 0; i < count; ++i) hash_ = (hash_ ^ p[i]) * 0x100000001b3u;
-  }
-  uint64_t value() const { return hash_; }
-
- private:
-  uint64_t hash_ = 0xcbf29ce484222325u;
-};
 
 /// Calls visit(name, buffer, scalars) for every array of a state, in file order.
 template <class State, class Visit>

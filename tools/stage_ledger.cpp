@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -51,9 +52,9 @@ const nlohmann::json& StageLedger::result(const std::string& stage) const {
 }
 
 std::string key_of(const nlohmann::json& inputs) {
-  uint64_t hash = 0xcbf29ce484222325u;
-  for (char c : inputs.dump()) hash = (hash ^ uint8_t(c)) * 0x100000001b3u;
-  return fmt::format("{:016x}", hash);
+  Fnv1a hash;
+  hash.add(inputs.dump());
+  return hash.hex();
 }
 
 nlohmann::json file_stamps(const fs::path& path) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
@@ -33,13 +34,11 @@ int64_t peak_resident_bytes() {
 
 /// Tells scenes apart on resume: names, times and sizes of the frames.
 std::string scene_fingerprint(const Scene& scene) {
-  uint64_t hash = 0xcbf29ce484222325u;
-  const auto add = [&hash](const std::string& text) {
-    for (char c : text) hash = (hash ^ uint8_t(c)) * 0x100000001b3u;
-  };
+  Fnv1a hash;
   for (const Frame& frame : scene.frames)
-    add(fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width, frame.image.height));
-  return fmt::format("{:016x}", hash);
+    hash.add(
+        fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width, frame.image.height));
+  return hash.hex();
 }
 
 Scene open_scene(const TrainRequest& request, const TrainOptions& options) {
