@@ -7,6 +7,7 @@
 
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
+#include "kernels/stage_clock.h"
 
 namespace tessera {
 
@@ -15,6 +16,15 @@ struct ProjectArgs {
   const ViewBatch<Real>* batch = nullptr;
   GaussianSpans<const Real> sets[2];  // static, dynamic; either may be empty
   RenderOptions options;
+  LazySh<Real> lazy[2];  // of each set's SH
+};
+
+template <class Real>
+struct BinArgs {
+  const ViewBatch<Real>* batch = nullptr;
+  const Splats<Real>* splats = nullptr;
+  RenderOptions options;
+  bool for_backward = false;  // also fills TileInstances::slot
 };
 
 template <class Real>
@@ -23,13 +33,14 @@ struct BlendArgs {
   const Splats<Real>* splats = nullptr;
   const TileInstances<Real>* instances = nullptr;
   RenderOptions options;
+  bool for_backward = false;  // keeps what its gradient needs
 };
 
 template <class Real>
 struct PhotometricArgs {
   const ViewBatch<Real>* batch = nullptr;
   const Images<Real>* images = nullptr;
-  std::vector<Span<const uint8_t>> truth;  // [B] each [height, width, 3]
+  std::vector<Span<const uint8_t>> truth;  // [B] each [height, width, 3], in the backend's memory
   LossWeights weights;
 };
 
@@ -44,39 +55,63 @@ template <class Real>
 struct ProjectBackwardArgs {
   ProjectArgs<Real> forward;
   const Splats<Real>* splats = nullptr;
-  Span<const SplatGradient<Real>> d_splats;  // [S]
+  Span<SplatGradient<Real>> d_splats;  // [S] consumed
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];  // empty spans: not gathered
 };
 
+/// What the stages of a step found out.
+struct StepOutcome {
+  std::vector<ViewLoss> losses;  // of the last photometric
+  unsigned bad_groups = 0;       // a bit (1 << Group) per group with a non-finite gradient
+};
+
+/// A device runs behind the host: only `project`, `outcome`, `select_rows` and memory().copy wait
+/// for it. All spans and buffers of the arguments lie in memory().
 template <class Real>
 class BackendOf {
  public:
   virtual ~BackendOf() = default;
   virtual std::string name() const = 0;  // "cpu, 2 threads"
   virtual Memory& memory() = 0;
+  virtual StageClock& clock() = 0;
 
   /// Gaussians → visible splats of every view: slice, EWA, colour, tiles counted.
   virtual void project(const ProjectArgs<Real>& args, Splats<Real>& splats) = 0;
-  /// Splats → instances by tile and depth. `for_backward` also fills TileInstances::slot.
-  virtual void bin(const ViewBatch<Real>& batch, const Splats<Real>& splats, bool for_backward,
-                   TileInstances<Real>& instances) = 0;
+  /// Splats → instances by tile and depth.
+  virtual void bin(const BinArgs<Real>& args, TileInstances<Real>& instances) = 0;
   /// Front-to-back blending of every tile.
   virtual void blend(const BlendArgs<Real>& args, Images<Real>& images) = 0;
   /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted).
-  virtual std::vector<ViewLoss> photometric(const PhotometricArgs<Real>& args,
-                                            Span<Real> d_colour) = 0;
+  virtual void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) = 0;
   /// Gradient of each splat, summed over its pixels.
   virtual void blend_backward(const BlendBackwardArgs<Real>& args,
                               Span<SplatGradient<Real>> d_splats) = 0;
-  /// Splat gradients → parameter gradients, summed over views, into the sinks. Returns a bit per
-  /// group (1 << Group) in which a non-finite gradient was met.
-  virtual unsigned project_backward(const ProjectBackwardArgs<Real>& args) = 0;
+  /// Splat gradients → parameter gradients, summed over views, into the sinks.
+  virtual void project_backward(const ProjectBackwardArgs<Real>& args) = 0;
+  /// Of the last photometric and project_backward; waits for these two, not for what came after.
+  virtual StepOutcome outcome() = 0;
+
   /// Adam over stored gradients: what the fused sink does, as a stage of its own.
   virtual void adam(const SinkArgs<Real>& args) = 0;
-  /// to[i] = from[index[i]] for rows of `width` scalars; index −1 writes zeros.
+  /// Every Gaussian's SH coefficients and moments take the steps they are behind.
+  virtual void catch_up(const LazySh<Real>& lazy) = 0;
+
+  /// to[i] = from[index[i]] for rows of `width` scalars; index −1 writes zeros, as do rows from
+  /// `inherited` on.
   virtual void gather_rows(Span<const Real> from, Span<const int64_t> index, int width,
-                           Span<Real> to) = 0;
+                           int64_t inherited, Span<Real> to) = 0;
+  /// Which rows survive, are cloned and are split. Where room is short the strongest grow.
+  virtual void select_rows(const GaussianSpans<const Real>& set,
+                           const DensityStatistics<const Real>& statistics,
+                           const DensityRule& rule, DensityRows& rows) = 0;
+  /// Rows from `first` on become samples of the Gaussian they are copies of, and smaller.
+  virtual void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) = 0;
+  /// Rows in Morton order of the means; of a Dim 4 set then stably by 32 bins of temporal means.
+  virtual void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) = 0;
+  /// values[i] ← min(values[i], limit).
+  virtual void limit_values(Span<Real> values, Real limit) = 0;
+  virtual void fill_zero(Span<Real> values) = 0;
 };
 
 using Backend = BackendOf<float>;

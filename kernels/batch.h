@@ -21,38 +21,72 @@ struct ViewBatch {
 template <class Real>
 ViewBatch<Real> make_view_batch(const std::vector<View>& views);
 
+/// How the gradient of blending is traversed on a device; the CPU has one way.
+enum class BackwardForm {
+  kSubTile,      // lanes are pixels of an 8 × 4 part of a tile, splats that miss it are skipped
+  kPixel,        // lanes are pixels, every splat of the tile is visited  [3DGS]
+  kPerGaussian,  // lanes are splats, pixels pass through; from checkpoints of the forward pass
+};
+
+/// Techniques of [Faster-GS] that can be taken out one by one, to measure what each is worth. The
+/// bounds change what is drawn where on any backend; the others only how a device does it.
+struct KernelSwitches {
+  BoundsOptions bounds;
+  bool balanced_instances = true;  // large splats are written by whole warps
+  bool separate_sort = true;       // depth once, then tiles; else one sort of (tile, depth)
+  bool warp_culling = true;        // a warp skips splats that miss its part of the tile
+  BackwardForm backward = BackwardForm::kSubTile;
+  bool deterministic = false;  // gradients are added in a fixed order
+};
+
 struct RenderOptions {
   int sh_degree = kMaxShDegree;      // bands evaluated, of those that are stored
   double background[3] = {0, 0, 0};  // linear blend target, [0, 1] RGB
   double near_plane = 0.2;           // world units along the viewing axis
   double far_plane = 1e4;
+  KernelSwitches kernels;
+};
+
+/// A splat as blending gathers it, twelve words in one aligned record.
+template <class Real>
+struct alignas(16) Splat {
+  Vec2<Real> mean2d;  // pixels
+  Sym2<Real> conic;   // pixels⁻²
+  Real opacity;       // effective: σ(logit)·p(t)
+  Vec3<Real> colour;  // clamped at 0
+  Real power;         // of the cut-off ellipse
+  int32_t view;
+  uint32_t negative;  // bit c: channel c was clamped
+
+  TESSERA_HD Footprint<Real> footprint() const { return {mean2d, conic, power}; }
 };
 
 /// Visible (Gaussian, view) pairs. Those of one Gaussian are neighbours, in the order of views.
 template <class Real>
 struct Splats {
-  int64_t count = 0;          // S
-  Buffer<int32_t> gaussian;   // [S] static set first, then dynamic
-  Buffer<int32_t> view;       // [S]
-  Buffer<Real> depth;         // [S] world units
-  Buffer<Vec2<Real>> mean2d;  // [S] pixels
-  Buffer<Sym2<Real>> conic;   // [S] pixels⁻²
-  Buffer<Real> opacity;       // [S] effective: σ(logit)·p(t)
-  Buffer<Vec3<Real>> colour;  // [S] clamped at 0
-  Buffer<uint8_t> negative;   // [S] bit c: channel c was clamped
-  Buffer<TileRect> rect;      // [S]
-  Buffer<int32_t> tiles;      // [S] tiles touched, ≥ 1
-  Buffer<int64_t> first_of;   // [N+1] first splat of each Gaussian
-  int64_t invalid = 0;        // Gaussians culled for a zero quaternion or non-finite values
+  explicit Splats(Memory& memory = host_memory())
+      : splat(memory), depth(memory), rect(memory), tiles(memory), first_of(memory) {}
+
+  int64_t count = 0;           // S
+  Buffer<Splat<Real>> splat;   // [S]
+  Buffer<Real> depth;          // [S] world units
+  Buffer<TileRect> rect;       // [S]
+  Buffer<int32_t> tiles;       // [S] tiles touched; a splat with none is as good as invisible
+  Buffer<int64_t> first_of;    // [N+1] first splat of each Gaussian
+  int64_t instances = 0;       // Σ tiles
+  int64_t invalid = 0;         // Gaussians culled for a zero quaternion or non-finite values
 };
 
 /// (tile, splat) pairs, by tile, front to back inside a tile.
 template <class Real>
 struct TileInstances {
+  explicit TileInstances(Memory& memory = host_memory())
+      : splat(memory), tile_begin(memory), first_of(memory), slot(memory), depth_order(memory) {}
+
   int64_t count = 0;            // I
   Buffer<int32_t> splat;        // [I]
   Buffer<int64_t> tile_begin;   // [tiles+1]
-  Buffer<int64_t> first_of;     // [S+1] first entry of each splat in `slot`
+  Buffer<int64_t> first_of;     // [S] first entry of each splat in `slot`; it has tiles[s] of them
   Buffer<int64_t> slot;         // [I] places of a splat's instances; filled when asked
   Buffer<int32_t> depth_order;  // [S] splats front to back
 };
@@ -60,6 +94,9 @@ struct TileInstances {
 /// Rendered views, planar: channel c of view b starts at 3·first_pixel + c·width·height.
 template <class Real>
 struct Images {
+  explicit Images(Memory& memory = host_memory())
+      : colour(memory), transmittance(memory), used(memory) {}
+
   Buffer<Real> colour;         // [3·pixels] background included, not clamped
   Buffer<Real> transmittance;  // [pixels] light of the background that remains
   Buffer<int32_t> used;        // [pixels] 1 + place in the tile's list of the last blended splat

@@ -10,20 +10,30 @@ class CpuBackend final : public BackendOf<Real> {
  public:
   std::string name() const override;
   Memory& memory() override { return host_memory(); }
+  StageClock& clock() override { return clock_; }
   void project(const ProjectArgs<Real>& args, Splats<Real>& splats) override;
-  void bin(const ViewBatch<Real>& batch, const Splats<Real>& splats, bool for_backward,
-           TileInstances<Real>& instances) override;
+  void bin(const BinArgs<Real>& args, TileInstances<Real>& instances) override;
   void blend(const BlendArgs<Real>& args, Images<Real>& images) override;
-  std::vector<ViewLoss> photometric(const PhotometricArgs<Real>& args,
-                                    Span<Real> d_colour) override;
+  void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) override;
   void blend_backward(const BlendBackwardArgs<Real>& args,
                       Span<SplatGradient<Real>> d_splats) override;
-  unsigned project_backward(const ProjectBackwardArgs<Real>& args) override;
+  void project_backward(const ProjectBackwardArgs<Real>& args) override;
+  StepOutcome outcome() override { return outcome_; }
   void adam(const SinkArgs<Real>& args) override;
-  void gather_rows(Span<const Real> from, Span<const int64_t> index, int width,
+  void catch_up(const LazySh<Real>& lazy) override;
+  void gather_rows(Span<const Real> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<Real> to) override;
+  void select_rows(const GaussianSpans<const Real>& set,
+                   const DensityStatistics<const Real>& statistics, const DensityRule& rule,
+                   DensityRows& rows) override;
+  void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) override;
+  void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) override;
+  void limit_values(Span<Real> values, Real limit) override;
+  void fill_zero(Span<Real> values) override;
 
  private:
+  HostStageClock clock_;
+  StepOutcome outcome_;
   Buffer<SplatGradient<Real>> instance_gradients_;  // [I] by slot, summed per splat in order
 };
 

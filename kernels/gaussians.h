@@ -3,7 +3,7 @@
 #pragma once
 #include <cstdint>
 
-#include "kernels/base/span.h"
+#include "kernels/base/buffer.h"
 #include "kernels/math/adam.h"
 
 namespace tessera {
@@ -70,6 +70,24 @@ struct AdamGroups {
   AdamScalars<Real> sh_rest;             // coefficients 1 … K−1
 };
 
+/// What the fused optimizer does for a Gaussian that no view of the batch sees.
+enum class IdleUpdate {
+  kDense,  // its step with a zero gradient, like any other: the trajectory of plain Adam
+  kLazy,   // the same for all but SH, which catch up in closed form when they are next seen
+  kSkip,   // nothing  [Taming]: not the trajectory of plain Adam
+};
+
+/// SH coefficients that may be behind: those of Gaussian n have taken the steps up to last_step[n]
+/// [method G.3]. `project` brings those that it draws up to date. Empty last_step: none is behind.
+template <class Real>
+struct LazySh {
+  Span<int32_t> last_step;                   // [N] 0: none yet
+  Span<const double> table;                  // lazy_adam_table
+  Span<Real> value, moment1, moment2;        // [N, K, 3]
+  int64_t step = 0;                          // steps that are done
+  Real rate = Real(0), rate_rest = Real(0);  // learning rates of coefficient 0 and of the others
+};
+
 /// Where a set's gradients go. With `fused` they are consumed by Adam where they arise.
 template <class Real>
 struct SinkArgs {
@@ -77,6 +95,8 @@ struct SinkArgs {
   GaussianSpans<Real> gradient;                 // StoreGradient: written, not added to
   GaussianSpans<Real> value, moment1, moment2;  // ApplyAdam
   AdamGroups<Real> adam;                        // ApplyAdam
+  IdleUpdate idle = IdleUpdate::kDense;         // ApplyAdam
+  LazySh<Real> lazy;                            // ApplyAdam with kLazy
 };
 
 /// Densification statistic of a set, accumulated over batches  [method D.6].
@@ -84,6 +104,23 @@ template <class Real>
 struct DensityStatistics {
   Span<Real> gradient_sum;  // [N] Σ over batches of the mean over views of ‖dL/d mean2D‖ in NDC
   Span<Real> count;         // [N] batches in which it was visible
+};
+
+/// When a Gaussian is removed, cloned or split  [method A.13].
+struct DensityRule {
+  double threshold = 0;        // least statistic of one that grows
+  double prune_opacity = 0;    // less opaque ones are removed
+  double largest_clone = 0;    // world units; larger ones are split
+  double largest_kept = 0;     // world units; larger ones are removed; 0: none
+  int64_t room = -1;           // Gaussians that may be added to the set; < 0: no limit
+};
+
+/// The rows of a set that make up the next one: survivors, clones, first and second children.
+struct DensityRows {
+  explicit DensityRows(Memory& memory = host_memory()) : index(memory) {}
+
+  Buffer<int64_t> index;
+  int64_t survivors = 0, clones = 0, parents = 0, pruned = 0;
 };
 
 }  // namespace tessera

@@ -2,72 +2,52 @@
 // Not: any arithmetic.
 #include "kernels/pipeline.h"
 
-#include <chrono>
-
 #include "kernels/base/errors.h"
 
 namespace tessera {
-namespace {
-
-/// Adds the time until its end to a stage.
-class StageTimer {
- public:
-  StageTimer(std::array<double, kStages>& seconds, Stage stage)
-      : total_(seconds[size_t(stage)]), begin_(std::chrono::steady_clock::now()) {}
-  ~StageTimer() {
-    total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  }
-
- private:
-  double& total_;
-  std::chrono::steady_clock::time_point begin_;
-};
-
-}  // namespace
 
 template <class Real>
-const Images<Real>& Pipeline<Real>::forward(const GaussianSpans<const Real>& static_set,
-                                            const GaussianSpans<const Real>& dynamic_set,
-                                            const std::vector<View>& views,
-                                            const RenderOptions& options, bool for_backward) {
-  batch_ = make_view_batch<Real>(views);
-  project_ = {&batch_, {static_set, dynamic_set}, options};
+const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
+  batch_ = make_view_batch<Real>(args.views);
+  project_ = {&batch_, {args.sets[0], args.sets[1]}, args.options, {args.lazy[0], args.lazy[1]}};
+  for_backward_ = args.for_backward;
+  StageClock& clock = backend_.clock();
   {
-    const StageTimer timer(stage_seconds_, kProject);
+    const StageTimer timer(clock, kProject);
     backend_.project(project_, splats_);
   }
   {
-    const StageTimer timer(stage_seconds_, kBin);
-    backend_.bin(batch_, splats_, for_backward, instances_);
+    const StageTimer timer(clock, kBin);
+    backend_.bin({&batch_, &splats_, args.options, for_backward_}, instances_);
   }
-  const StageTimer timer(stage_seconds_, kBlend);
-  backend_.blend({&batch_, &splats_, &instances_, options}, images_);
+  const StageTimer timer(clock, kBlend);
+  backend_.blend(blend_args(), images_);
   return images_;
 }
 
 template <class Real>
-std::vector<ViewLoss> Pipeline<Real>::loss(const Target& target, bool for_backward) {
+void Pipeline<Real>::loss(const Target& target, bool for_backward) {
   d_colour_.resize(for_backward ? 3 * batch_.pixels : 0);
-  const StageTimer timer(stage_seconds_, kPhotometric);
-  return backend_.photometric({&batch_, &images_, target.truth, target.weights}, d_colour_.span());
+  const StageTimer timer(backend_.clock(), kPhotometric);
+  backend_.photometric({&batch_, &images_, target.truth, target.weights}, d_colour_.span());
 }
 
 template <class Real>
-unsigned Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
+void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
   check(d_colour_.size() == 3 * batch_.pixels, "backward without a gradient of the pictures");
+  check(for_backward_, "backward after a forward pass that was not for it");
   d_splats_.resize(splats_.count);
-  const BlendArgs<Real> blend{&batch_, &splats_, &instances_, project_.options};
   {
-    const StageTimer timer(stage_seconds_, kBlendBackward);
-    backend_.blend_backward({blend, &images_, d_colour_.span()}, d_splats_.span());
+    const StageTimer timer(backend_.clock(), kBlendBackward);
+    backend_.blend_backward({blend_args(), &images_, d_colour_.span()}, d_splats_.span());
   }
   ProjectBackwardArgs<Real> project{project_, &splats_, d_splats_.span(), {}, {}};
   for (int set = 0; set < 2; ++set) {
     project.sinks[set] = args.sinks[set];
     project.statistics[set] = args.statistics[set];
   }
-  const StageTimer timer(stage_seconds_, kProjectBackward);
-  return backend_.project_backward(project);
+  const StageTimer timer(backend_.clock(), kProjectBackward);
+  backend_.project_backward(project);
 }
 
 template class Pipeline<float>;

@@ -2,7 +2,7 @@
 // Not: a model or a schedule: parameters come in as spans, gradients leave through sinks.
 // Trainer, evaluation, export and the double-precision tests all render through this class.
 #pragma once
-#include <array>
+#include <vector>
 
 #include "kernels/backend.h"
 
@@ -20,18 +20,15 @@ struct BackwardArgs {
   DensityStatistics<Real> statistics[2];
 };
 
-/// Wall time of each stage since construction, seconds. On the CPU a stage ends when it returns.
-enum Stage : int {
-  kProject,
-  kBin,
-  kBlend,
-  kPhotometric,
-  kBlendBackward,
-  kProjectBackward,
-  kStages
+/// Gaussians, views and how they are drawn.
+template <class Real>
+struct ForwardArgs {
+  GaussianSpans<const Real> sets[2];  // static, dynamic
+  std::vector<View> views;
+  RenderOptions options;
+  LazySh<Real> lazy[2];
+  bool for_backward = false;
 };
-inline constexpr const char* kStageNames[kStages] = {
-    "project", "bin", "blend", "photometric", "blend_backward", "project_backward"};
 
 /// What a step found, besides the pictures.
 struct PipelineReport {
@@ -41,29 +38,45 @@ struct PipelineReport {
 template <class Real>
 class Pipeline {
  public:
-  explicit Pipeline(BackendOf<Real>& backend) : backend_(backend) {}
+  explicit Pipeline(BackendOf<Real>& backend)
+      : backend_(backend),
+        splats_(backend.memory()),
+        instances_(backend.memory()),
+        images_(backend.memory()),
+        d_colour_(backend.memory()),
+        d_splats_(backend.memory()) {}
 
   /// project → bin → blend. The pictures stay valid until the next call.
+  const Images<Real>& forward(const ForwardArgs<Real>& args);
   const Images<Real>& forward(const GaussianSpans<const Real>& static_set,
                               const GaussianSpans<const Real>& dynamic_set,
                               const std::vector<View>& views, const RenderOptions& options,
-                              bool for_backward = false);
-  /// Loss of each view of the last forward, un-divided by B.
-  std::vector<ViewLoss> loss(const Target& target, bool for_backward = false);
+                              bool for_backward = false) {
+    return forward({{static_set, dynamic_set}, views, options, {}, for_backward});
+  }
+  /// Loss of each view of the last forward, un-divided by B; `outcome` has it.
+  void loss(const Target& target, bool for_backward = false);
   /// blend_backward → project_backward of the mean loss over the batch. Needs forward and loss
-  /// with for_backward. Returns a bit (1 << Group) per group with a non-finite gradient.
-  unsigned backward(const BackwardArgs<Real>& args);
+  /// with for_backward.
+  void backward(const BackwardArgs<Real>& args);
+  /// Losses and non-finite gradients of the last loss and backward. On a device the wait is short
+  /// when the next forward has been called already.
+  StepOutcome outcome() { return backend_.outcome(); }
 
   const ViewBatch<Real>& batch() const { return batch_; }
   const Splats<Real>& splats() const { return splats_; }
   const TileInstances<Real>& instances() const { return instances_; }
   /// dL/d picture of the last loss; tests write to it to send any gradient backward.
   Buffer<Real>& d_colour() { return d_colour_; }
-  const std::array<double, kStages>& stage_seconds() const { return stage_seconds_; }
   PipelineReport report() const { return {splats_.count, instances_.count, splats_.invalid}; }
 
  private:
+  BlendArgs<Real> blend_args() const {
+    return {&batch_, &splats_, &instances_, project_.options, for_backward_};
+  }
+
   BackendOf<Real>& backend_;
+  bool for_backward_ = false;
   ViewBatch<Real> batch_;
   ProjectArgs<Real> project_;
   Splats<Real> splats_;
@@ -71,7 +84,6 @@ class Pipeline {
   Images<Real> images_;
   Buffer<Real> d_colour_;
   Buffer<SplatGradient<Real>> d_splats_;
-  std::array<double, kStages> stage_seconds_{};
 };
 
 }  // namespace tessera

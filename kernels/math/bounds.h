@@ -19,10 +19,20 @@ TESSERA_HD inline Real cutoff_power(Real opacity) {
   return log(Real(255) * opacity);
 }
 
+/// How tightly a splat's tiles are found. No choice changes a picture: pixels are cut off at
+/// α = 1/255 by themselves. Looser bounds only list splats in tiles where they draw nothing.
+struct BoundsOptions {
+  bool rectangular = true;     // else a square of the longer half extent  [3DGS]
+  bool opacity_aware = true;   // else every splat reaches as far as an opaque one
+  bool tile_culling = true;    // else every tile of the bounding box
+  bool row_intervals = false;  // tiles of a row by its interval, instead of a test for each tile
+};
+
 /// Tiles [x0, x1) × [y0, y1) of one view.
 struct TileRect {
-  int x0, y0, x1, y1;
+  uint16_t x0, y0, x1, y1;
   TESSERA_HD bool empty() const { return x0 >= x1 || y0 >= y1; }
+  TESSERA_HD int area() const { return (x1 - x0) * (y1 - y0); }
 };
 
 /// What the tile test needs of a splat.
@@ -36,44 +46,52 @@ struct Footprint {
 /// First and last+1 tile along one axis; −0.5 because only pixel centres are sampled. Computed in
 /// Real and clamped before the cast, so that a splat of any size is safe.
 template <class Real>
-TESSERA_HD inline void tile_interval(Real centre, Real half_extent, int tiles, int& first,
-                                     int& last) {
+TESSERA_HD inline void tile_interval(Real centre, Real half_extent, int tiles, uint16_t& first,
+                                     uint16_t& last) {
   const Real reach = max_of(Real(0), half_extent - Real(0.5));
   const Real limit = Real(tiles) * Real(kTileSize);
   const Real low = floor(clamp_to(centre - reach, Real(0), limit));
   const Real high = ceil(clamp_to(centre + reach, Real(0), limit));
-  first = int(low) / kTileSize;
-  last = (int(high) + kTileSize - 1) / kTileSize;
+  first = uint16_t(int(low) / kTileSize);
+  last = uint16_t((int(high) + kTileSize - 1) / kTileSize);
+}
+
+/// Power of the cut-off ellipse that bounds are made for.
+template <class Real>
+TESSERA_HD inline Real bounds_power(const BoundsOptions& options, Real opacity) {
+  return cutoff_power(options.opacity_aware ? opacity : Real(1));
 }
 
 /// The bounding box of the cut-off ellipse in tiles: half extents √(2·power·Σ2_ii).
 template <class Real>
-TESSERA_HD inline TileRect tile_rect(const ViewArgs<Real>& view, const Vec2<Real>& mean2d,
-                                     const Sym2<Real>& cov2d, Real power) {
+TESSERA_HD inline TileRect tile_rect(const BoundsOptions& options, const ViewArgs<Real>& view,
+                                     const Vec2<Real>& mean2d, const Sym2<Real>& cov2d,
+                                     Real power) {
   TileRect rect{};
   if (!(power >= Real(0))) return rect;
-  tile_interval(mean2d[0], Real(sqrt(Real(2) * power * cov2d.xx)), view.tiles_x, rect.x0, rect.x1);
-  tile_interval(mean2d[1], Real(sqrt(Real(2) * power * cov2d.yy)), view.tiles_y, rect.y0, rect.y1);
+  Real xx = cov2d.xx, yy = cov2d.yy;
+  if (!options.rectangular) {  // both as long as the longer axis of the ellipse: its eigenvalue
+    const Real middle = Real(0.5) * (xx + yy), half = Real(0.5) * (xx - yy);
+    xx = yy = middle + sqrt(half * half + cov2d.xy * cov2d.xy);
+  }
+  tile_interval(mean2d[0], Real(sqrt(Real(2) * power * xx)), view.tiles_x, rect.x0, rect.x1);
+  tile_interval(mean2d[1], Real(sqrt(Real(2) * power * yy)), view.tiles_y, rect.y0, rect.y1);
   return rect;
 }
 
-/// Whether the splat's strongest response at a pixel centre region of the tile reaches the cut-off:
-/// the exact minimum of ½ dᵀ conic d over the rectangle of the tile's pixel centres. One copy:
-/// splats are counted with it in one stage and written with it in another.
+/// Least of ½ dᵀ conic d over the rectangle [x0, x0 + span_x] × [y0, y0 + span_y], d = mean − point:
+/// how strongly the splat can respond there. Needs no branch but inside/outside.
 template <class Real>
-TESSERA_HD TESSERA_ONE_COPY inline bool touches_tile(const Footprint<Real>& splat, int tile_x,
-                                                     int tile_y) {
-  constexpr Real kSpan = Real(kTileSize - 1);
-  const Real mx = splat.mean2d[0] - Real(0.5), my = splat.mean2d[1] - Real(0.5);
-  const Real X0 = Real(tile_x * kTileSize), Y0 = Real(tile_y * kTileSize);
-  const bool left = X0 - mx >= Real(0), right = mx > X0 + kSpan;
-  const bool above = Y0 - my >= Real(0), below = my > Y0 + kSpan;
-  if (!(left || right || above || below)) return true;
-  // p: nearest corner, d: from p into the tile along each axis
-  const Real px = right ? X0 + kSpan : X0, dx = right ? -kSpan : kSpan;
-  const Real py = below ? Y0 + kSpan : Y0, dy = below ? -kSpan : kSpan;
+TESSERA_HD inline Real least_power_in(const Vec2<Real>& mean2d, const Sym2<Real>& c, Real x0,
+                                      Real y0, Real span_x, Real span_y) {
+  const Real mx = mean2d[0], my = mean2d[1];
+  const bool left = x0 - mx >= Real(0), right = mx > x0 + span_x;
+  const bool above = y0 - my >= Real(0), below = my > y0 + span_y;
+  if (!(left || right || above || below)) return Real(0);
+  // p: nearest corner, d: from p into the rectangle along each axis
+  const Real px = right ? x0 + span_x : x0, dx = right ? -span_x : span_x;
+  const Real py = below ? y0 + span_y : y0, dy = below ? -span_y : span_y;
   const Real ex = mx - px, ey = my - py;
-  const Sym2<Real>& c = splat.conic;
   const auto fraction = [](Real numerator, Real denominator) {
     return clamp_to(numerator / denominator, Real(0), Real(1));
   };
@@ -81,16 +99,75 @@ TESSERA_HD TESSERA_ONE_COPY inline bool touches_tile(const Footprint<Real>& spla
   const Real ty = left || right ? fraction(c.xy * ex + c.yy * ey, dy * c.yy) : Real(0);
   const Real qx = mx - (px + tx * dx);
   const Real qy = my - (py + ty * dy);
-  return Real(0.5) * (c.xx * qx * qx + c.yy * qy * qy) + c.xy * qx * qy <= splat.power;
+  return Real(0.5) * (c.xx * qx * qx + c.yy * qy * qy) + c.xy * qx * qy;
+}
+
+/// Whether the splat reaches the cut-off at some pixel-centre position of the tile. One copy:
+/// splats are counted with it in one stage and written with it in another.
+template <class Real>
+TESSERA_HD TESSERA_ONE_COPY inline bool touches_tile(const Footprint<Real>& splat, int tile_x,
+                                                     int tile_y) {
+  const Real half = Real(0.5), span = Real(kTileSize - 1);
+  return least_power_in(splat.mean2d, splat.conic, Real(tile_x * kTileSize) + half,
+                        Real(tile_y * kTileSize) + half, span, span) <= splat.power;
+}
+
+/// The tiles [first, last) of a row that the cut-off ellipse reaches: the hull of its intersections
+/// with the row's two outer lines of pixel centres, and of its extreme points between them. O(1)
+/// for a row of any length  [Speedy-Splat].
+template <class Real>
+TESSERA_HD TESSERA_ONE_COPY inline void row_interval(const Footprint<Real>& splat,
+                                                     const TileRect& rect, int tile_y, int& first,
+                                                     int& last) {
+  const Sym2<Real>& c = splat.conic;
+  const Real det = c.xx * c.yy - c.xy * c.xy;
+  const Real y0 = Real(tile_y * kTileSize) + Real(0.5) - splat.mean2d[1];
+  const Real y1 = y0 + Real(kTileSize - 1);
+  // x of the ellipse's leftmost and rightmost points, and the y at which they lie
+  const Real reach = sqrt(Real(2) * splat.power * c.yy / det);
+  const Real slope = -c.xy / c.yy;  // y = slope·x at the extremes
+  Real low = Real(0), high = Real(0);
+  bool any = false;
+  const auto cut = [&](Real y) {
+    const Real inside = Real(2) * splat.power * c.xx - det * y * y;
+    if (!(inside >= Real(0))) return;
+    const Real root = sqrt(inside), middle = -c.xy * y;
+    const Real a = (middle - root) / c.xx, b = (middle + root) / c.xx;
+    low = any ? min_of(low, a) : a;
+    high = any ? max_of(high, b) : b;
+    any = true;
+  };
+  cut(y0), cut(y1);
+  for (int side = -1; side <= 1; side += 2) {
+    const Real x = Real(side) * reach, y = slope * x;
+    if (!(y >= y0 && y <= y1)) continue;
+    low = any ? min_of(low, x) : x;
+    high = any ? max_of(high, x) : x;
+    any = true;
+  }
+  first = last = rect.x0;
+  if (!any) return;
+  // pixel centres between low and high
+  const Real limit_low = Real(rect.x0) * Real(kTileSize), limit_high = Real(rect.x1 * kTileSize);
+  const Real begin = ceil(clamp_to(splat.mean2d[0] + low - Real(0.5), limit_low, limit_high));
+  const Real end = floor(clamp_to(splat.mean2d[0] + high - Real(0.5), limit_low - Real(1),
+                                  limit_high - Real(1)));
+  if (end < begin) return;
+  first = int(begin) / kTileSize;
+  last = int(end) / kTileSize + 1;
 }
 
 /// Calls visit(tile_y · tiles_x + tile_x) for each tile that the splat is drawn in, row by row.
 template <class Real, class Visit>
-TESSERA_HD inline void for_each_tile(const Footprint<Real>& splat, const TileRect& rect,
-                                     int tiles_x, Visit&& visit) {
-  for (int y = rect.y0; y < rect.y1; ++y)
-    for (int x = rect.x0; x < rect.x1; ++x)
-      if (touches_tile(splat, x, y)) visit(y * tiles_x + x);
+TESSERA_HD inline void for_each_tile(const BoundsOptions& options, const Footprint<Real>& splat,
+                                     const TileRect& rect, int tiles_x, Visit&& visit) {
+  for (int y = rect.y0; y < rect.y1; ++y) {
+    int first = rect.x0, last = rect.x1;
+    if (options.tile_culling && options.row_intervals) row_interval(splat, rect, y, first, last);
+    const bool test = options.tile_culling && !options.row_intervals;
+    for (int x = first; x < last; ++x)
+      if (!test || touches_tile(splat, x, y)) visit(y * tiles_x + x);
+  }
 }
 
 }  // namespace tessera

@@ -83,29 +83,29 @@ TESSERA_HD inline Vec3<Real> sh_colour(int degree, const Vec3<Real>& direction,
   Real Y[kMaxShCoefficients];
   sh_basis(degree, direction, Y);
   Vec3<Real> colour(Real(0.5), Real(0.5), Real(0.5));
-  for (int k = 0; k < sh_coefficients(degree); ++k)
+  TESSERA_UNROLL
+  for (int k = 0; k < kMaxShCoefficients; ++k) {
+    if (k >= sh_coefficients(degree)) break;
     for (int c = 0; c < 3; ++c) colour[c] += Y[k] * coefficients[3 * k + c];
+  }
   return colour;
 }
 
-/// Adds Y_k ⊗ d_colour to d_coefficients; returns dL/d(mean) through the viewing direction
-/// d = (mean − eye)/‖mean − eye‖:  (I − d dᵀ) u / ‖mean − eye‖, u = Σ_c d_colour_c ∂colour_c/∂d.
+/// dL/d(mean) through the viewing direction d = (mean − eye)/‖mean − eye‖:
+/// (I − d dᵀ) u / ‖mean − eye‖, u = Σ_c d_colour_c ∂colour_c/∂d.
+/// By the coefficients the gradient is Y_k(d) ⊗ d_colour: rank 1, so nobody stores it.
 template <class Real>
-TESSERA_HD inline Vec3<Real> sh_colour_backward(int degree, const Vec3<Real>& direction,
-                                                Real distance, const Real* coefficients,
-                                                const Vec3<Real>& d_colour, Real* d_coefficients) {
-  Real Y[kMaxShCoefficients];
+TESSERA_HD inline Vec3<Real> sh_direction_backward(int degree, const Vec3<Real>& direction,
+                                                   Real distance, const Real* coefficients,
+                                                   const Vec3<Real>& d_colour) {
   Vec3<Real> dY[kMaxShCoefficients];
-  sh_basis(degree, direction, Y);
   sh_basis_gradient(degree, direction, dY);
   Vec3<Real> u(Real(0), Real(0), Real(0));
-  for (int k = 0; k < sh_coefficients(degree); ++k) {
-    Real along = Real(0);
-    for (int c = 0; c < 3; ++c) {
-      d_coefficients[3 * k + c] += Y[k] * d_colour[c];
-      along += coefficients[3 * k + c] * d_colour[c];
-    }
-    u += dY[k] * along;
+  TESSERA_UNROLL
+  for (int k = 0; k < kMaxShCoefficients; ++k) {
+    if (k >= sh_coefficients(degree)) break;
+    const Real* c = coefficients + 3 * k;
+    u += dY[k] * (c[0] * d_colour[0] + c[1] * d_colour[1] + c[2] * d_colour[2]);
   }
   return (u - direction * dot(direction, u)) * (Real(1) / distance);
 }

@@ -58,7 +58,12 @@ struct ViewSplat {
   Slice<Real> slice;
   Projection<Real> projection;
   Real opacity;  // effective
+  Real power;    // of the cut-off ellipse
   TileRect rect;
+
+  TESSERA_HD Footprint<Real> footprint() const {
+    return {projection.mean2d, projection.conic, power};
+  }
 };
 
 /// Direction from the camera to the Gaussian where it is at the view's moment, and its length.
@@ -75,7 +80,8 @@ TESSERA_HD inline Vec3<Real> view_direction(const ViewArgs<Real>& view, const Ve
 /// False when the Gaussian is not drawn in this view.
 template <class Real>
 TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianState<Real>& g,
-                                     Real near_plane, Real far_plane, ViewSplat<Real>& out) {
+                                     Real near_plane, Real far_plane, const BoundsOptions& bounds,
+                                     ViewSplat<Real>& out) {
   out.slice = slice_at(g.mean, g.spacetime, view.time);
   if (!(out.slice.marginal >= kMinMarginal<Real>)) return false;
   out.opacity = g.opacity * out.slice.marginal;
@@ -86,9 +92,27 @@ TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianS
     return false;
   const Real probe = out.projection.mean2d[0] + out.projection.mean2d[1] + out.projection.det;
   if (!(probe - probe == Real(0))) return false;  // overflowed
-  out.rect =
-      tile_rect(view, out.projection.mean2d, out.projection.cov2d, cutoff_power(out.opacity));
+  out.power = bounds_power(bounds, out.opacity);
+  out.rect = tile_rect(bounds, view, out.projection.mean2d, out.projection.cov2d, out.power);
   return !out.rect.empty();
+}
+
+/// Drawn colour of a Gaussian whose sliced mean is known, clamped at 0; bit c of `negative`: channel
+/// c was. False when it is not finite.
+template <class Real>
+TESSERA_HD inline bool splat_colour(const ViewArgs<Real>& view, const Vec3<Real>& mean,
+                                    const Real* sh, int degree, Vec3<Real>& drawn,
+                                    uint32_t& negative) {
+  Real distance;
+  const Vec3<Real> direction = view_direction(view, mean, distance);
+  const Vec3<Real> colour = sh_colour(degree, direction, sh);
+  const Real sum = colour[0] + colour[1] + colour[2];
+  negative = 0;
+  for (int c = 0; c < 3; ++c) {
+    if (colour[c] < Real(0)) negative |= 1u << c;
+    drawn[c] = max_of(colour[c], Real(0));
+  }
+  return sum - sum == Real(0);
 }
 
 }  // namespace tessera

@@ -19,30 +19,30 @@ template <class Real>
 using KeyOf = std::conditional_t<sizeof(Real) == 4, uint32_t, uint64_t>;
 
 template <class Real, class Visit>
-void visit_tiles(const ViewBatch<Real>& batch, const Splats<Real>& splats, int64_t s,
-                 Visit&& visit) {
-  const ViewArgs<Real>& view = batch.views[size_t(splats.view[s])];
-  const Footprint<Real> footprint{splats.mean2d[s], splats.conic[s],
-                                  cutoff_power(splats.opacity[s])};
-  for_each_tile(footprint, splats.rect[s], view.tiles_x,
+void visit_tiles(const BinArgs<Real>& args, int64_t s, Visit&& visit) {
+  const Splat<Real>& splat = args.splats->splat[s];
+  const ViewArgs<Real>& view = args.batch->views[size_t(splat.view)];
+  for_each_tile(args.options.kernels.bounds, splat.footprint(), args.splats->rect[s], view.tiles_x,
                 [&](int tile) { visit(view.first_tile + tile); });
 }
 
 }  // namespace
 
 template <class Real>
-void CpuBackend<Real>::bin(const ViewBatch<Real>& batch, const Splats<Real>& splats,
-                           bool for_backward, TileInstances<Real>& out) {
+void CpuBackend<Real>::bin(const BinArgs<Real>& args, TileInstances<Real>& out) {
+  const ViewBatch<Real>& batch = *args.batch;
+  const Splats<Real>& splats = *args.splats;
   // z > 0, so the bits of a depth order as the depth does; equal depths keep the order of Gaussians
   radix_order(reinterpret_cast<const KeyOf<Real>*>(splats.depth.data()), splats.count,
               out.depth_order);
-  out.first_of.resize(splats.count + 1);
-  out.first_of[0] = 0;
-  for (int64_t s = 0; s < splats.count; ++s)
-    out.first_of[s + 1] = out.first_of[s] + splats.tiles[s];
-  out.count = out.first_of[splats.count];
+  out.first_of.resize(splats.count);
+  out.count = 0;
+  for (int64_t s = 0; s < splats.count; ++s) {
+    out.first_of[s] = out.count;
+    out.count += splats.tiles[s];
+  }
   out.splat.resize(out.count);
-  out.slot.resize(for_backward ? out.count : 0);
+  out.slot.resize(args.for_backward ? out.count : 0);
   out.tile_begin.resize(batch.tiles + 1);
 
   const int64_t grain = max_of(kMinGrain, (splats.count + kMaxTasks - 1) / kMaxTasks);
@@ -51,7 +51,7 @@ void CpuBackend<Real>::bin(const ViewBatch<Real>& batch, const Splats<Real>& spl
   parallel_for(splats.count, grain, [&](int64_t begin, int64_t end) {
     int64_t* histogram = cursor.data() + begin / grain * batch.tiles;
     for (int64_t k = begin; k < end; ++k)
-      visit_tiles(batch, splats, out.depth_order[k], [&](int64_t tile) { ++histogram[tile]; });
+      visit_tiles(args, out.depth_order[k], [&](int64_t tile) { ++histogram[tile]; });
   });
   int64_t total = 0;
   for (int64_t tile = 0; tile < batch.tiles; ++tile) {
@@ -69,18 +69,16 @@ void CpuBackend<Real>::bin(const ViewBatch<Real>& batch, const Splats<Real>& spl
     for (int64_t k = begin; k < end; ++k) {
       const int32_t s = out.depth_order[k];
       int64_t entry = out.first_of[s];
-      visit_tiles(batch, splats, s, [&](int64_t tile) {
+      visit_tiles(args, s, [&](int64_t tile) {
         const int64_t place = next[tile]++;
         out.splat[place] = s;
-        if (for_backward) out.slot[entry++] = place;
+        if (args.for_backward) out.slot[entry++] = place;
       });
     }
   });
 }
 
-template void CpuBackend<float>::bin(const ViewBatch<float>&, const Splats<float>&, bool,
-                                     TileInstances<float>&);
-template void CpuBackend<double>::bin(const ViewBatch<double>&, const Splats<double>&, bool,
-                                      TileInstances<double>&);
+template void CpuBackend<float>::bin(const BinArgs<float>&, TileInstances<float>&);
+template void CpuBackend<double>::bin(const BinArgs<double>&, TileInstances<double>&);
 
 }  // namespace tessera

@@ -124,7 +124,7 @@ void CpuBackend<Real>::blend_backward(const BlendBackwardArgs<Real>& args,
   parallel_for(splats.count, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t s = begin; s < end; ++s) {
       SplatGradient<Real> sum{};
-      for (int64_t k = instances.first_of[s]; k < instances.first_of[s + 1]; ++k)
+      for (int64_t k = instances.first_of[s]; k < instances.first_of[s] + splats.tiles[s]; ++k)
         add(instance_gradients_[instances.slot[k]], sum);
       d_splats[s] = sum;
     }

@@ -1,35 +1,47 @@
 // What: where the gradient of a Gaussian goes: stored for later, or into Adam on the spot.
 // The sink is the choice between a separate and a fused optimizer; kernels are templated on it.
-// Not: schedules; step sizes come ready in AdamGroups.
+// Not: schedules; step sizes come ready in AdamGroups. Which Gaussians it is called for is the
+// traversal's (IdleUpdate).
 #pragma once
 #include "kernels/gaussians.h"
+#include "kernels/math/lazy_adam.h"
 #include "kernels/math/spherical_harmonics.h"
 #include "kernels/math/symmetric.h"
 
 namespace tessera {
 
-/// Gradient of one Gaussian by its stored parameters, summed over the views of a batch.
+/// Gradient of one Gaussian by all that is stored of it but SH, summed over the views of a batch.
 template <class Real>
-struct ParameterGradient {
+struct GeometryGradient {
   Vec3<Real> mean{}, log_scale{};
   Vec4<Real> rotation{}, rotation_right{};
   Real opacity_logit{}, mean_time{}, log_scale_time{};
-  Real sh[3 * kMaxShCoefficients] = {};
 
-  /// Calls visit(group, scalars, width) for the groups of a set, `coefficients` of SH. Static, so
-  /// that it serves constant and mutable gradients.
+  /// Calls visit(group, scalars, width) for the groups of a set. Static, so that it serves constant
+  /// and mutable gradients.
   template <int Dim, class Gradient, class Visit>
-  TESSERA_HD static void for_each_group(Gradient& self, int coefficients, Visit&& visit) {
+  TESSERA_HD static void for_each_group(Gradient& self, Visit&& visit) {
     visit(kMean, &self.mean[0], 3);
     visit(kLogScale, &self.log_scale[0], 3);
     visit(kRotation, &self.rotation[0], 4);
     visit(kOpacityLogit, &self.opacity_logit, 1);
-    visit(kSh, self.sh, 3 * coefficients);
     if constexpr (Dim == 4) {
       visit(kMeanTime, &self.mean_time, 1);
       visit(kLogScaleTime, &self.log_scale_time, 1);
       visit(kRotationRight, &self.rotation_right[0], 4);
     }
+  }
+
+  /// Bit (1 << group) for each group with a value that is not finite.
+  template <int Dim>
+  TESSERA_HD unsigned non_finite() const {
+    unsigned bits = 0;
+    for_each_group<Dim>(*this, [&](Group group, const Real* g, int width) {
+      Real sum = Real(0);
+      for (int j = 0; j < width; ++j) sum += g[j] - g[j];
+      if (!(sum == Real(0))) bits |= 1u << group;
+    });
+    return bits;
   }
 };
 
@@ -38,12 +50,14 @@ struct StoreGradient {
   GaussianSpans<Real> out;
 
   template <int Dim>
-  TESSERA_HD void accept(int64_t n, const ParameterGradient<Real>& gradient) const {
-    ParameterGradient<Real>::template for_each_group<Dim>(
-        gradient, out.coefficients, [&](Group group, const Real* g, int width) {
+  TESSERA_HD void accept(int64_t n, const GeometryGradient<Real>& gradient) const {
+    GeometryGradient<Real>::template for_each_group<Dim>(
+        gradient, [&](Group group, const Real* g, int width) {
           for (int j = 0; j < width; ++j) out.at(group, n)[j] = g[j];
         });
   }
+  /// Scalar j of the SH coefficients.
+  TESSERA_HD void accept_sh(int64_t n, int j, Real gradient) const { out.at(kSh, n)[j] = gradient; }
 };
 
 template <class Real>
@@ -52,15 +66,35 @@ struct ApplyAdam {
   AdamGroups<Real> adam;
 
   template <int Dim>
-  TESSERA_HD void accept(int64_t n, const ParameterGradient<Real>& gradient) const {
-    ParameterGradient<Real>::template for_each_group<Dim>(
-        gradient, value.coefficients, [&](Group group, const Real* g, int width) {
+  TESSERA_HD void accept(int64_t n, const GeometryGradient<Real>& gradient) const {
+    GeometryGradient<Real>::template for_each_group<Dim>(
+        gradient, [&](Group group, const Real* g, int width) {
           Real *x = value.at(group, n), *m = moment1.at(group, n), *v = moment2.at(group, n);
-          const int head = group == kSh ? min_of(width, 3) : width;
-          for (int j = 0; j < head; ++j) adam_step(adam.group[group], g[j], x[j], m[j], v[j]);
-          for (int j = head; j < width; ++j) adam_step(adam.sh_rest, g[j], x[j], m[j], v[j]);
+          for (int j = 0; j < width; ++j) adam_step(adam.group[group], g[j], x[j], m[j], v[j]);
         });
   }
+  TESSERA_HD void accept_sh(int64_t n, int j, Real gradient) const {
+    Real *x = value.at(kSh, n), *m = moment1.at(kSh, n), *v = moment2.at(kSh, n);
+    adam_step(j < 3 ? adam.group[kSh] : adam.sh_rest, gradient, x[j], m[j], v[j]);
+  }
 };
+
+/// Brings scalar j of Gaussian n's SH coefficients and its moments up to date.
+template <class Real>
+TESSERA_HD inline void catch_up_sh(const LazySh<Real>& lazy, const LazyGap<Real>& gap, int64_t at,
+                                   int j) {
+  lazy_catch_up(gap, j < 3 ? lazy.rate : lazy.rate_rest, lazy.value[at + j], lazy.moment1[at + j],
+                lazy.moment2[at + j]);
+}
+
+/// All coefficients of one Gaussian, `width` scalars.
+template <class Real>
+TESSERA_HD inline void catch_up_gaussian(const LazySh<Real>& lazy, int64_t n, int width) {
+  const int64_t last = lazy.last_step[n];
+  if (last >= lazy.step) return;
+  const LazyGap<Real> gap = lazy_gap<Real>(lazy.table.data, last, lazy.step);
+  for (int j = 0; j < width; ++j) catch_up_sh(lazy, gap, n * width, j);
+  lazy.last_step[n] = int32_t(lazy.step);
+}
 
 }  // namespace tessera

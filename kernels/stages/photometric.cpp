@@ -53,8 +53,7 @@ PlaneLoss plane_loss(const Real* x, const uint8_t* truth_rgb, int width, int hei
 }  // namespace
 
 template <class Real>
-std::vector<ViewLoss> CpuBackend<Real>::photometric(const PhotometricArgs<Real>& args,
-                                                    Span<Real> d_colour) {
+void CpuBackend<Real>::photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
   check(args.truth.size() == views.size(), "photometric: one ground truth per view");
   std::vector<PlaneLoss> planes(3 * views.size());
@@ -69,7 +68,8 @@ std::vector<ViewLoss> CpuBackend<Real>::photometric(const PhotometricArgs<Real>&
                    view.width, view.height, args.weights, scale,
                    d_colour.empty() ? nullptr : d_colour.data + start, scratch);
   });
-  std::vector<ViewLoss> losses(views.size());
+  std::vector<ViewLoss>& losses = outcome_.losses;
+  losses.assign(views.size(), {});
   for (size_t b = 0; b < views.size(); ++b) {
     const double samples = 3.0 * views[b].width * views[b].height;
     for (size_t c = 0; c < 3; ++c) {
@@ -78,12 +78,9 @@ std::vector<ViewLoss> CpuBackend<Real>::photometric(const PhotometricArgs<Real>&
     }
     losses[b].total = args.weights.l1 * losses[b].l1 + args.weights.dssim * (1 - losses[b].ssim);
   }
-  return losses;
 }
 
-template std::vector<ViewLoss> CpuBackend<float>::photometric(const PhotometricArgs<float>&,
-                                                              Span<float>);
-template std::vector<ViewLoss> CpuBackend<double>::photometric(const PhotometricArgs<double>&,
-                                                               Span<double>);
+template void CpuBackend<float>::photometric(const PhotometricArgs<float>&, Span<float>);
+template void CpuBackend<double>::photometric(const PhotometricArgs<double>&, Span<double>);
 
 }  // namespace tessera

@@ -5,6 +5,7 @@
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/math/splat.h"
+#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 namespace {
@@ -13,12 +14,9 @@ constexpr int64_t kGrain = 512;  // Gaussians per task
 
 template <class Real>
 struct Record {
-  int32_t gaussian, view, tiles;
-  uint8_t negative;
-  Real depth, opacity;
-  Vec2<Real> mean2d;
-  Sym2<Real> conic;
-  Vec3<Real> colour;
+  Splat<Real> splat;
+  Real depth;
+  int32_t tiles;
   TileRect rect;
 };
 
@@ -27,30 +25,17 @@ template <class Real>
 struct Chunk {
   std::vector<Record<Real>> records;
   std::vector<int64_t> starts;
-  int64_t invalid = 0;
+  int64_t instances = 0, invalid = 0;
 };
 
-template <class Real>
-bool colour_splat(const ViewArgs<Real>& view, const Vec3<Real>& mean, const Real* sh, int degree,
-                  Record<Real>& record) {
-  Real distance;
-  const Vec3<Real> direction = view_direction(view, mean, distance);
-  const Vec3<Real> colour = sh_colour(degree, direction, sh);
-  record.negative = 0;
-  for (int c = 0; c < 3; ++c) {
-    if (!(colour[c] - colour[c] == Real(0))) return false;
-    if (colour[c] < Real(0)) record.negative = uint8_t(record.negative | 1 << c);
-    record.colour[c] = max_of(colour[c], Real(0));
-  }
-  return true;
-}
-
 template <int Dim, class Real>
-void project_run(const ProjectArgs<Real>& args, int set, int64_t first_gaussian, int64_t begin,
-                 int64_t end, Chunk<Real>& chunk) {
+void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t end,
+                 Chunk<Real>& chunk) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
   const Real near_plane = Real(args.options.near_plane), far_plane = Real(args.options.far_plane);
   const int degree = min_of(args.options.sh_degree, sh_degree_of(args.sets[set].coefficients));
+  const LazySh<Real>& lazy = args.lazy[set];
+  const BoundsOptions& bounds = args.options.kernels.bounds;
   for (int64_t n = begin; n < end; ++n) {
     chunk.starts.push_back(int64_t(chunk.records.size()));
     GaussianState<Real> g;
@@ -60,21 +45,23 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t first_gaussian,
     }
     for (size_t b = 0; b < views.size(); ++b) {
       ViewSplat<Real> splat;
-      if (!splat_in_view(views[b], g, near_plane, far_plane, splat)) continue;
+      if (!splat_in_view(views[b], g, near_plane, far_plane, bounds, splat)) continue;
       Record<Real> record;
       record.tiles = 0;
-      const Footprint<Real> footprint{splat.projection.mean2d, splat.projection.conic,
-                                      cutoff_power(splat.opacity)};
-      for_each_tile(footprint, splat.rect, views[b].tiles_x, [&](int) { ++record.tiles; });
+      for_each_tile(bounds, splat.footprint(), splat.rect, views[b].tiles_x,
+                    [&](int) { ++record.tiles; });
       if (record.tiles == 0) continue;
-      if (!colour_splat(views[b], splat.slice.mean, g.sh, degree, record)) {
+      Splat<Real>& out = record.splat;
+      if (!lazy.last_step.empty())
+        catch_up_gaussian(lazy, n, 3 * args.sets[set].coefficients);
+      if (!splat_colour(views[b], splat.slice.mean, g.sh, degree, out.colour, out.negative)) {
         ++chunk.invalid;
         break;
       }
-      record.gaussian = int32_t(first_gaussian + n), record.view = int32_t(b);
-      record.depth = splat.projection.in_cam[2], record.opacity = splat.opacity;
-      record.mean2d = splat.projection.mean2d, record.conic = splat.projection.conic;
-      record.rect = splat.rect;
+      out.view = int32_t(b), out.opacity = splat.opacity, out.power = splat.power;
+      out.mean2d = splat.projection.mean2d, out.conic = splat.projection.conic;
+      record.depth = splat.projection.in_cam[2], record.rect = splat.rect;
+      chunk.instances += record.tiles;
       chunk.records.push_back(record);
     }
   }
@@ -83,17 +70,13 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t first_gaussian,
 template <class Real>
 void resize_splats(Splats<Real>& splats, int64_t count, int64_t gaussians) {
   splats.count = count;
-  splats.gaussian.resize(count), splats.view.resize(count), splats.depth.resize(count);
-  splats.mean2d.resize(count), splats.conic.resize(count), splats.opacity.resize(count);
-  splats.colour.resize(count), splats.negative.resize(count), splats.rect.resize(count);
+  splats.splat.resize(count), splats.depth.resize(count), splats.rect.resize(count);
   splats.tiles.resize(count), splats.first_of.resize(gaussians + 1);
 }
 
 template <class Real>
 void store(const Record<Real>& r, int64_t s, Splats<Real>& splats) {
-  splats.gaussian[s] = r.gaussian, splats.view[s] = r.view, splats.depth[s] = r.depth;
-  splats.mean2d[s] = r.mean2d, splats.conic[s] = r.conic, splats.opacity[s] = r.opacity;
-  splats.colour[s] = r.colour, splats.negative[s] = r.negative, splats.rect[s] = r.rect;
+  splats.splat[s] = r.splat, splats.depth[s] = r.depth, splats.rect[s] = r.rect;
   splats.tiles[s] = r.tiles;
 }
 
@@ -108,19 +91,19 @@ void CpuBackend<Real>::project(const ProjectArgs<Real>& args, Splats<Real>& spla
     const int set = c < runs[0] ? 0 : 1;
     const int64_t begin = (c - set * runs[0]) * kGrain;
     const int64_t end = min_of(begin + kGrain, counts[set]);
-    const int64_t first = set * counts[0];
     Chunk<Real>& chunk = chunks[size_t(c)];
     if (args.sets[set].dim == 4)
-      project_run<4>(args, set, first, begin, end, chunk);
+      project_run<4>(args, set, begin, end, chunk);
     else
-      project_run<3>(args, set, first, begin, end, chunk);
+      project_run<3>(args, set, begin, end, chunk);
   });
 
   std::vector<int64_t> offset(chunks.size() + 1, 0), gaussian(chunks.size() + 1, 0);
-  splats.invalid = 0;
+  splats.instances = splats.invalid = 0;
   for (size_t c = 0; c < chunks.size(); ++c) {
     offset[c + 1] = offset[c] + int64_t(chunks[c].records.size());
     gaussian[c + 1] = gaussian[c] + int64_t(chunks[c].starts.size());
+    splats.instances += chunks[c].instances;
     splats.invalid += chunks[c].invalid;
   }
   resize_splats(splats, offset.back(), counts[0] + counts[1]);

@@ -53,11 +53,13 @@ struct TileSplat {
   int first_row, last_row;  // [first, last)
 
   TileSplat(const Splats<Real>& splats, int32_t s, const Tile<Real>& tile)
-      : conic(splats.conic[s]),
-        dx0(splats.mean2d[s][0] - Real(tile.x0) - Real(0.5)),
-        dy0(splats.mean2d[s][1] - Real(tile.y0) - Real(0.5)),
-        opacity(splats.opacity[s]),
-        colour(splats.colour[s]) {
+      : TileSplat(splats.splat[s], tile) {}
+  TileSplat(const Splat<Real>& splat, const Tile<Real>& tile)
+      : conic(splat.conic),
+        dx0(splat.mean2d[0] - Real(tile.x0) - Real(0.5)),
+        dy0(splat.mean2d[1] - Real(tile.y0) - Real(0.5)),
+        opacity(splat.opacity),
+        colour(splat.colour) {
     // half height of ½ dᵀ conic d ≤ power: √(2·power·conic_xx / det), one row to spare
     const Real det = conic.xx * conic.yy - conic.xy * conic.xy;
     const Real reach = sqrt(Real(2) * cutoff_power(opacity) * conic.xx / det) + Real(1);

@@ -15,13 +15,15 @@ constexpr int64_t kGrain = 1024;  // Gaussians or rows per task
 template <int Dim, class Real>
 void adam_run(const SinkArgs<Real>& args, int64_t begin, int64_t end) {
   const ApplyAdam<Real> sink{args.value, args.moment1, args.moment2, args.adam};
+  const int width = 3 * args.gradient.coefficients;
   for (int64_t n = begin; n < end; ++n) {
-    ParameterGradient<Real> gradient;
-    ParameterGradient<Real>::template for_each_group<Dim>(
-        gradient, args.gradient.coefficients, [&](Group group, Real* g, int width) {
-          std::copy_n(args.gradient.at(group, n), width, g);
+    GeometryGradient<Real> gradient;
+    GeometryGradient<Real>::template for_each_group<Dim>(
+        gradient, [&](Group group, Real* g, int scalars) {
+          std::copy_n(args.gradient.at(group, n), scalars, g);
         });
     sink.template accept<Dim>(n, gradient);
+    for (int j = 0; j < width; ++j) sink.accept_sh(n, j, args.gradient.at(kSh, n)[j]);
   }
 }
 
@@ -38,13 +40,22 @@ void CpuBackend<Real>::adam(const SinkArgs<Real>& args) {
 }
 
 template <class Real>
+void CpuBackend<Real>::catch_up(const LazySh<Real>& lazy) {
+  if (lazy.last_step.empty()) return;
+  const int width = int(lazy.value.size / lazy.last_step.size);
+  parallel_for(lazy.last_step.size, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t n = begin; n < end; ++n) catch_up_gaussian(lazy, n, width);
+  });
+}
+
+template <class Real>
 void CpuBackend<Real>::gather_rows(Span<const Real> from, Span<const int64_t> index, int width,
-                                   Span<Real> to) {
+                                   int64_t inherited, Span<Real> to) {
   check(to.size == index.size * width, "gather_rows: target size");
   parallel_for(index.size, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       Real* row = to.data + i * width;
-      if (index[i] < 0)
+      if (i >= inherited)
         std::fill_n(row, width, Real(0));
       else
         std::copy_n(from.data + index[i] * width, width, row);
@@ -52,11 +63,24 @@ void CpuBackend<Real>::gather_rows(Span<const Real> from, Span<const int64_t> in
   });
 }
 
-template void CpuBackend<float>::adam(const SinkArgs<float>&);
-template void CpuBackend<double>::adam(const SinkArgs<double>&);
-template void CpuBackend<float>::gather_rows(Span<const float>, Span<const int64_t>, int,
-                                             Span<float>);
-template void CpuBackend<double>::gather_rows(Span<const double>, Span<const int64_t>, int,
-                                              Span<double>);
+template <class Real>
+void CpuBackend<Real>::limit_values(Span<Real> values, Real limit) {
+  for (Real& value : values) value = std::min(value, limit);
+}
+
+template <class Real>
+void CpuBackend<Real>::fill_zero(Span<Real> values) {
+  std::fill(values.begin(), values.end(), Real(0));
+}
+
+#define TESSERA_INSTANTIATE(Real)                                                              \
+  template void CpuBackend<Real>::adam(const SinkArgs<Real>&);                                 \
+  template void CpuBackend<Real>::catch_up(const LazySh<Real>&);                               \
+  template void CpuBackend<Real>::gather_rows(Span<const Real>, Span<const int64_t>, int,      \
+                                              int64_t, Span<Real>);                            \
+  template void CpuBackend<Real>::limit_values(Span<Real>, Real);                              \
+  template void CpuBackend<Real>::fill_zero(Span<Real>);
+TESSERA_INSTANTIATE(float)
+TESSERA_INSTANTIATE(double)
 
 }  // namespace tessera

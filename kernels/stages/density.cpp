@@ -1,0 +1,109 @@
+// What: density control of a set as lists of rows; the order of a set in memory.
+// Not: when (recon4d/schedule.h); the rule for one Gaussian is in math/density.h.
+// Source: method A.13, A.14, D.7.
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "kernels/base/parallel.h"
+#include "kernels/cpu_backend.h"
+#include "kernels/math/density.h"
+#include "kernels/math/locality.h"
+
+namespace tessera {
+namespace {
+
+/// Those that are to grow, the strongest gradients where room is short.
+template <class Real>
+std::vector<char> growing(const DensityLimits<Real>& limits,
+                          const DensityStatistics<const Real>& statistics,
+                          const std::vector<char>& alive, int64_t room) {
+  std::vector<int64_t> chosen;
+  const auto score = [&](int64_t n) {
+    return growth_score(statistics.gradient_sum[n], statistics.count[n]);
+  };
+  for (int64_t n = 0; n < int64_t(alive.size()); ++n)
+    if (alive[size_t(n)] && score(n) >= limits.threshold) chosen.push_back(n);
+  if (room >= 0 && int64_t(chosen.size()) > room) {
+    std::stable_sort(chosen.begin(), chosen.end(),
+                     [&](int64_t a, int64_t b) { return score(a) > score(b); });
+    chosen.resize(size_t(room));
+  }
+  std::vector<char> grows(alive.size(), 0);
+  for (const int64_t n : chosen) grows[size_t(n)] = 1;
+  return grows;
+}
+
+}  // namespace
+
+template <class Real>
+void CpuBackend<Real>::select_rows(const GaussianSpans<const Real>& set,
+                                   const DensityStatistics<const Real>& statistics,
+                                   const DensityRule& rule, DensityRows& rows) {
+  const DensityLimits<Real> limits = density_limits<Real>(rule);
+  std::vector<char> alive(size_t(set.count), 0);
+  int64_t dead = 0;
+  for (int64_t n = 0; n < set.count; ++n) {
+    alive[size_t(n)] = is_alive(limits, set, n);
+    dead += !alive[size_t(n)];
+  }
+  const std::vector<char> grows =
+      growing(limits, statistics, alive, rule.room < 0 ? -1 : rule.room + dead);
+  std::vector<int64_t> survivors, clones, parents;
+  for (int64_t n = 0; n < set.count; ++n) {
+    if (!alive[size_t(n)]) continue;
+    const Fate fate = fate_of(limits, set, n, grows[size_t(n)] != 0);
+    if (fate == Fate::kKept || fate == Fate::kCloned) survivors.push_back(n);
+    if (fate == Fate::kCloned) clones.push_back(n);
+    if (fate == Fate::kSplit) parents.push_back(n);
+  }
+  rows.survivors = int64_t(survivors.size()), rows.clones = int64_t(clones.size());
+  rows.parents = int64_t(parents.size());
+  rows.pruned = set.count - rows.survivors - rows.parents;
+  rows.index.resize(rows.survivors + rows.clones + 2 * rows.parents);
+  int64_t* out = rows.index.data();
+  for (const auto* list : {&survivors, &clones, &parents, &parents})
+    out = std::copy(list->begin(), list->end(), out);
+}
+
+template <class Real>
+void CpuBackend<Real>::place_children(const GaussianSpans<Real>& set, int64_t first,
+                                      uint64_t seed) {
+  for (int64_t n = first; n < set.count; ++n)
+    set.dim == 4 ? place_child<4>(set, n, seed) : place_child<3>(set, n, seed);
+}
+
+template <class Real>
+void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>& set,
+                                      Buffer<int64_t>& order) {
+  constexpr float kMost = std::numeric_limits<float>::max();
+  LocalityBox box{{kMost, kMost, kMost, kMost}, {-kMost, -kMost, -kMost, -kMost}};
+  const auto coordinate = [&](int64_t n, int axis) {
+    return float(axis < 3 ? set.at(kMean, n)[axis] : *set.at(kMeanTime, n));
+  };
+  for (int64_t n = 0; n < set.count; ++n)
+    for (int a = 0; a < set.dim; ++a) {
+      box.low[a] = std::min(box.low[a], coordinate(n, a));
+      box.high[a] = std::max(box.high[a], coordinate(n, a));
+    }
+  std::vector<std::pair<uint32_t, uint64_t>> keys(size_t(set.count));
+  for (int64_t n = 0; n < set.count; ++n)
+    keys[size_t(n)] = {set.dim == 4 ? time_bin(box, coordinate(n, 3)) : 0,
+                       morton_code(box, coordinate(n, 0), coordinate(n, 1), coordinate(n, 2))};
+  order.resize(set.count);
+  std::iota(order.begin(), order.end(), int64_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int64_t a, int64_t b) { return keys[size_t(a)] < keys[size_t(b)]; });
+}
+
+#define TESSERA_INSTANTIATE(Real)                                                                \
+  template void CpuBackend<Real>::select_rows(const GaussianSpans<const Real>&,                  \
+                                              const DensityStatistics<const Real>&,              \
+                                              const DensityRule&, DensityRows&);                 \
+  template void CpuBackend<Real>::place_children(const GaussianSpans<Real>&, int64_t, uint64_t); \
+  template void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>&,               \
+                                                 Buffer<int64_t>&);
+TESSERA_INSTANTIATE(float)
+TESSERA_INSTANTIATE(double)
+
+}  // namespace tessera

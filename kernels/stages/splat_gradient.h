@@ -1,0 +1,76 @@
+// What: gradient of one splat → sums over the views of its Gaussian → gradient by what is stored.
+// Not: loops over splats, nor the SH coefficients: their gradient is Y_k(direction) ⊗ d_colour.
+// Source: method A.12, D.2, D.6.
+#pragma once
+#include "kernels/batch.h"
+#include "kernels/math/splat.h"
+#include "kernels/stages/gradient_sink.h"
+
+namespace tessera {
+
+/// Sums over the views of one Gaussian.
+template <class Real>
+struct ViewSums {
+  SpacetimeGradient<Real> spacetime{};
+  Vec3<Real> mean{};
+  Real opacity{};    // by σ(logit)
+  Real ndc_norms{};  // Σ_v ‖dL/d mean2D in NDC‖
+};
+
+/// What the gradient by the SH coefficients is made of.
+template <class Real>
+struct ColourGradient {
+  Vec3<Real> direction;  // unit, from the camera
+  Vec3<Real> d_colour;   // 0 where the channel was clamped
+};
+
+/// Adds one view of Gaussian g. `sh` as stored, `d`: of this splat.
+template <class Real>
+TESSERA_HD inline ColourGradient<Real> add_view_gradient(const ViewArgs<Real>& view,
+                                                         const GaussianState<Real>& g, int degree,
+                                                         const Splat<Real>& splat,
+                                                         const SplatGradient<Real>& d,
+                                                         ViewSums<Real>& sums) {
+  const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time);
+  Vec3<Real> d_mean(Real(0));
+  project_ewa_backward(view, to_camera(view, slice.mean), g.spacetime.covariance, splat.conic,
+                       d.mean2d, d.conic, d_mean, sums.spacetime.covariance);
+  ColourGradient<Real> colour;
+  for (int c = 0; c < 3; ++c)
+    colour.d_colour[c] = splat.negative >> c & 1 ? Real(0) : d.colour[c];
+  Real distance;
+  colour.direction = view_direction(view, slice.mean, distance);
+  d_mean += sh_direction_backward(degree, colour.direction, distance, g.sh, colour.d_colour);
+  slice_backward(g.spacetime, slice, d_mean, d.opacity * g.opacity, sums.spacetime);
+  sums.mean += d_mean;
+  sums.opacity += d.opacity * slice.marginal;
+  const Real ndc_x = d.mean2d[0] * Real(view.width) * Real(0.5);
+  const Real ndc_y = d.mean2d[1] * Real(view.height) * Real(0.5);
+  sums.ndc_norms += sqrt(ndc_x * ndc_x + ndc_y * ndc_y);
+  return colour;
+}
+
+/// Sums over the views → gradient by the stored parameters of Gaussian n.
+template <int Dim, class Real>
+TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<const Real>& set,
+                                                           int64_t n,
+                                                           const GaussianState<Real>& g,
+                                                           const ViewSums<Real>& sums) {
+  GeometryGradient<Real> out;
+  const Vec4<Real> q = load4(set.at(kRotation, n));
+  const Vec3<Real> log_scale = load3(set.at(kLogScale, n));
+  out.mean = sums.mean;
+  out.opacity_logit = sums.opacity * g.opacity * (Real(1) - g.opacity);
+  if constexpr (Dim == 4) {
+    const PairGradient<Real> d = pair_backward(q, load4(set.at(kRotationRight, n)), log_scale,
+                                               *set.at(kLogScaleTime, n), sums.spacetime);
+    out.rotation = d.rotation_left, out.rotation_right = d.rotation_right;
+    out.log_scale = d.log_scale, out.log_scale_time = d.log_scale_time;
+    out.mean_time = sums.spacetime.mean_time;
+  } else {
+    covariance3_backward(q, log_scale, sums.spacetime.covariance, out.rotation, out.log_scale);
+  }
+  return out;
+}
+
+}  // namespace tessera
