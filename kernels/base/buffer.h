@@ -21,7 +21,21 @@ class Memory {
   /// 64-byte aligned bytes, never null. Errors: std::bad_alloc (host), DeviceError (device).
   virtual void* allocate(size_t bytes) = 0;
   virtual void release(void* pointer, size_t bytes) noexcept = 0;
+  /// Either side may be the host's. Waits for what is under way.
   virtual void copy(void* to, const void* from, size_t bytes) = 0;
+
+  /// Brings host bytes over beside what is being computed; they and the target must stay as they
+  /// are until `wait_copies`.
+  virtual void copy_async_in(void* device, const void* host, size_t bytes) {
+    copy(device, host, bytes);
+  }
+  /// What is computed from now on sees all that copy_async_in was asked for so far.
+  virtual void wait_copies() {}
+
+  /// Bytes that may still be taken.
+  virtual int64_t free_bytes() const { return INT64_MAX; }
+  /// Most bytes that were in use at once; 0: not known.
+  virtual int64_t peak_bytes() const { return 0; }
 };
 
 /// Memory of the host, shared by every CPU buffer.
@@ -60,6 +74,15 @@ class Buffer {
   /// Sets the length and keeps the values that fit.
   void grow_keep(int64_t count) { reserve(count, std::min(size_, count)), size_ = count; }
 
+  /// Becomes a copy of a buffer that lives here or in another memory.
+  void copy_from(const Buffer& from) {
+    resize(from.size_);
+    if (size_ == 0) return;
+    Memory& mover = memory_ == &host_memory() ? *from.memory_ : *memory_;
+    mover.copy(data_, from.data_, sizeof(T) * static_cast<size_t>(size_));
+  }
+
+  Memory& memory() const { return *memory_; }
   int64_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
   T* data() { return data_; }

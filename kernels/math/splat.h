@@ -97,8 +97,8 @@ TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianS
   return !out.rect.empty();
 }
 
-/// Drawn colour of a Gaussian whose sliced mean is known, clamped at 0; bit c of `negative`: channel
-/// c was. False when it is not finite.
+/// Drawn colour of a Gaussian whose sliced mean is known, clamped at 0; bit c of `negative`:
+/// channel c was. False when it is not finite.
 template <class Real>
 TESSERA_HD inline bool splat_colour(const ViewArgs<Real>& view, const Vec3<Real>& mean,
                                     const Real* sh, int degree, Vec3<Real>& drawn,
