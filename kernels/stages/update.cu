@@ -39,7 +39,8 @@ __global__ void gather(const T* from, Span<const int64_t> index, int width, int6
   const int64_t at = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   const int64_t i = at / width;
   if (i >= index.size) return;
-  to[at] = i < inherited ? from[index[i] * width + at % width] : T{};
+  const int64_t row = i < inherited ? index[i] : -1;
+  to[at] = row >= 0 ? from[row * width + at % width] : T{};
 }
 
 __global__ void limit(Span<float> values, float most) {
