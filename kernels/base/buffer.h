@@ -21,21 +21,17 @@ class Memory {
   /// 64-byte aligned bytes, never null. Errors: std::bad_alloc (host), DeviceError (device).
   virtual void* allocate(size_t bytes) = 0;
   virtual void release(void* pointer, size_t bytes) noexcept = 0;
-  /// Either side may be the host's. Waits for what is under way.
+  /// Any direction between this memory and the host's; returns when the bytes are there.
   virtual void copy(void* to, const void* from, size_t bytes) = 0;
-
-  /// Brings host bytes over beside what is being computed; they and the target must stay as they
-  /// are until `wait_copies`.
-  virtual void copy_async_in(void* device, const void* host, size_t bytes) {
-    copy(device, host, bytes);
-  }
-  /// What is computed from now on sees all that copy_async_in was asked for so far.
+  /// From the host's memory, perhaps later; `wait_copies` orders what is enqueued next after it.
+  virtual void copy_async_in(void* to, const void* from, size_t bytes) { copy(to, from, bytes); }
   virtual void wait_copies() {}
-
-  /// Bytes that may still be taken.
+  /// Bytes that could still be allocated.
   virtual int64_t free_bytes() const { return INT64_MAX; }
-  /// Most bytes that were in use at once; 0: not known.
+  /// The most that was in use so far.
   virtual int64_t peak_bytes() const { return 0; }
+  /// Allocations beyond fail; 0: no limit.
+  virtual void set_limit(int64_t) {}
 };
 
 /// Memory of the host, shared by every CPU buffer.
@@ -84,6 +80,7 @@ class Buffer {
 
   Memory& memory() const { return *memory_; }
   int64_t size() const { return size_; }
+  int64_t capacity() const { return capacity_; }
   bool empty() const { return size_ == 0; }
   T* data() { return data_; }
   const T* data() const { return data_; }
