@@ -185,12 +185,13 @@ void expect_ramp(const Frame& frame, const std::function<glm::dvec2(glm::dvec2)>
       const uint8_t* rgb = frame.image.data.data() + 3 * (y * camera.width + x);
       const glm::dvec2 expected =
           pixel_of_ray({(x + 0.5 - camera.cx) / camera.fl_x, (y + 0.5 - camera.cy) / camera.fl_y});
+      ASSERT_EQ(rgb[2], 7);
+      if (std::min(expected.x, expected.y) < 0.5 || expected.x > 199.5 || expected.y > 159.5)
+        continue;  // the picture's border repeats for half a pixel
       worst = std::max(
           {worst, std::abs(rgb[0] + 0.5 - expected.x), std::abs(rgb[1] + 0.5 - expected.y)});
-      ASSERT_EQ(rgb[2], 7);
     }
-  // Half a level of rounding, and OpenCV's steps of 1/32 pixel; at the border it repeats half one.
-  EXPECT_LT(worst, 0.5 + 1 / 32.0 + 0.5);
+  EXPECT_LT(worst, 0.5 + 1 / 32.0);  // rounding to 8 bit, and OpenCV's steps of 1/32 pixel
   EXPECT_GT(worst, 0.1);
 }
 
@@ -238,7 +239,7 @@ TEST(Undistortion, TransparentColoursDoNotBleed) {
 }
 
 // The whole set takes longer: two JPEGs of it, and the room's distorted ones.
-TEST(RealPhotoSets, JpegsAreDecodedOnceAndOpenCvModelsUndistorted) {
+TEST(RealPhotoSets, JpegsAreKeptAndOpenCvModelsUndistorted) {
   for (const char* name : {"bonsai", "colmap_room"}) {
     TESSERA_NEED_DATA(data, name);
     const TemporaryFolder folder;
