@@ -55,7 +55,7 @@ void CpuBackend<Real>::gather_rows(Span<const Real> from, Span<const int64_t> in
   parallel_for(index.size, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       Real* row = to.data + i * width;
-      if (i >= inherited)
+      if (i >= inherited || index[i] < 0)
         std::fill_n(row, width, Real(0));
       else
         std::copy_n(from.data + index[i] * width, width, row);
@@ -73,12 +73,12 @@ void CpuBackend<Real>::fill_zero(Span<Real> values) {
   std::fill(values.begin(), values.end(), Real(0));
 }
 
-#define TESSERA_INSTANTIATE(Real)                                                              \
-  template void CpuBackend<Real>::adam(const SinkArgs<Real>&);                                 \
-  template void CpuBackend<Real>::catch_up(const LazySh<Real>&);                               \
-  template void CpuBackend<Real>::gather_rows(Span<const Real>, Span<const int64_t>, int,      \
-                                              int64_t, Span<Real>);                            \
-  template void CpuBackend<Real>::limit_values(Span<Real>, Real);                              \
+#define TESSERA_INSTANTIATE(Real)                                                                  \
+  template void CpuBackend<Real>::adam(const SinkArgs<Real>&);                                     \
+  template void CpuBackend<Real>::catch_up(const LazySh<Real>&);                                   \
+  template void CpuBackend<Real>::gather_rows(Span<const Real>, Span<const int64_t>, int, int64_t, \
+                                              Span<Real>);                                         \
+  template void CpuBackend<Real>::limit_values(Span<Real>, Real);                                  \
   template void CpuBackend<Real>::fill_zero(Span<Real>);
 TESSERA_INSTANTIATE(float)
 TESSERA_INSTANTIATE(double)

@@ -2,6 +2,7 @@
 // failure_modes C8. Not: the tile test itself (bounds_test.cpp).
 #include <set>
 
+#include "kernels/math/splat.h"
 #include "kernels/stages/radix_order.h"
 #include "tests/support/render.h"
 
@@ -17,7 +18,7 @@ struct Binned {
 
   explicit Binned(const TestScene<Real>& scene) : batch(make_view_batch<Real>(scene.views)) {
     backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options}, splats);
-    backend.bin(batch, splats, true, instances);
+    backend.bin({&batch, &splats, scene.options, true}, instances);
   }
 };
 
@@ -30,12 +31,13 @@ TEST(Bin, EveryPlaceIsWrittenAndCountsAgree) {
   std::fill(b.instances.splat.begin(), b.instances.splat.end(), -1);
   std::fill(b.instances.slot.begin(), b.instances.slot.end(), -1);
   std::fill(b.instances.tile_begin.begin(), b.instances.tile_begin.end(), -1);
-  b.backend.bin(b.batch, b.splats, true, b.instances);  // into the poisoned memory
+  b.backend.bin({&b.batch, &b.splats, {}, true}, b.instances);  // into the poisoned memory
   EXPECT_TRUE(std::equal(splat.begin(), splat.end(), b.instances.splat.begin()));
   EXPECT_TRUE(std::equal(slot.begin(), slot.end(), b.instances.slot.begin()));
   int64_t counted = 0;
   for (const int32_t tiles : b.splats.tiles) counted += tiles;
   EXPECT_EQ(counted, b.instances.count);
+  EXPECT_EQ(counted, b.splats.instances);
   EXPECT_EQ(b.instances.tile_begin[b.batch.tiles], counted);
   for (int64_t i = 0; i < b.instances.count; ++i) {
     ASSERT_GE(b.instances.splat[i], 0);
@@ -49,11 +51,11 @@ TEST(Bin, ListsHoldTheTouchingSplatsFrontToBack) {
     for (int tile = 0; tile < view.tiles_x * view.tiles_y; ++tile) {
       std::set<int32_t> expected, actual;
       for (int64_t s = 0; s < b.splats.count; ++s) {
-        if (&b.batch.views[size_t(b.splats.view[s])] != &view) continue;
+        if (&b.batch.views[size_t(b.splats.splat[s].view)] != &view) continue;
         const TileRect& r = b.splats.rect[s];
         const int x = tile % view.tiles_x, y = tile / view.tiles_x;
-        const Footprint<float> f{b.splats.mean2d[s], b.splats.conic[s],
-                                 cutoff_power(b.splats.opacity[s])};
+        const Footprint<float> f = b.splats.splat[s].footprint();
+        EXPECT_EQ(f.power, cutoff_power(b.splats.splat[s].opacity));
         if (x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1 && touches_tile(f, x, y))
           expected.insert(int32_t(s));
       }
@@ -75,10 +77,22 @@ TEST(Bin, ListsHoldTheTouchingSplatsFrontToBack) {
 
 TEST(Bin, SlotsLeadFromASplatToItsInstances) {
   const Binned<double> b(random_scene(100, 100, 0.3, 3));
-  EXPECT_EQ(b.instances.first_of[b.splats.count], b.instances.count);
+  std::vector<int> visits(size_t(b.instances.count), 0);
   for (int64_t s = 0; s < b.splats.count; ++s)
-    for (int64_t k = b.instances.first_of[s]; k < b.instances.first_of[s + 1]; ++k)
-      ASSERT_EQ(b.instances.splat[b.instances.slot[k]], s);
+    for (int32_t k = 0; k < b.splats.tiles[s]; ++k) {
+      const int64_t place = b.instances.slot[b.instances.first_of[s] + k];
+      ASSERT_EQ(b.instances.splat[place], s);
+      ++visits[size_t(place)];
+    }
+  EXPECT_EQ(visits, std::vector<int>(visits.size(), 1));
+}
+
+float depth_of(const TestScene<float>& scene, int64_t n, const ViewArgs<float>& view) {
+  GaussianState<float> g;
+  const bool is_static = n < scene.fixed.count;
+  EXPECT_TRUE(is_static ? load_gaussian<3>(scene.fixed.view(), n, g)
+                        : load_gaussian<4>(scene.moving.view(), n - scene.fixed.count, g));
+  return to_camera(view, slice_at(g.mean, g.spacetime, view.time).mean)[2];
 }
 
 TEST(Bin, SplatsOfAGaussianAreNeighboursInTheOrderOfViews) {
@@ -88,9 +102,11 @@ TEST(Bin, SplatsOfAGaussianAreNeighboursInTheOrderOfViews) {
   EXPECT_EQ(b.splats.first_of[200], b.splats.count);
   for (int64_t n = 0; n < 200; ++n)
     for (int64_t s = b.splats.first_of[n]; s < b.splats.first_of[n + 1]; ++s) {
-      ASSERT_EQ(b.splats.gaussian[s], n);
+      // the depth of a splat is that of its Gaussian in its view
+      const Splat<float>& splat = b.splats.splat[s];
+      ASSERT_FLOAT_EQ(b.splats.depth[s], depth_of(scene, n, b.batch.views[size_t(splat.view)]));
       const bool first = s == b.splats.first_of[n];
-      ASSERT_TRUE(first || b.splats.view[s - 1] < b.splats.view[s]);
+      ASSERT_TRUE(first || b.splats.splat[s - 1].view < splat.view);
     }
 }
 

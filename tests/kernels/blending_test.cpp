@@ -35,18 +35,22 @@ std::vector<SplatFields> random_splats(int count, double most_opacity, double le
 Splats<double> as_splats(const std::vector<SplatFields>& fields, const ViewArgs<double>& view) {
   Splats<double> s;
   s.count = int64_t(fields.size());
-  s.view.resize(s.count), s.depth.resize(s.count), s.mean2d.resize(s.count);
-  s.conic.resize(s.count), s.opacity.resize(s.count), s.colour.resize(s.count);
+  s.splat.resize(s.count), s.depth.resize(s.count);
   s.rect.resize(s.count), s.tiles.resize(s.count);
   for (int64_t i = 0; i < s.count; ++i) {
     const SplatFields& f = fields[size_t(i)];
-    s.view[i] = 0, s.depth[i] = double(i + 1);
-    s.mean2d[i] = Vec2<double>(f[0], f[1]), s.conic[i] = {f[2], f[3], f[4]};
-    s.opacity[i] = f[5], s.colour[i] = Vec3<double>(f[6], f[7], f[8]);
-    s.rect[i] = {0, 0, view.tiles_x, view.tiles_y};
+    s.splat[i] = {Vec2<double>(f[0], f[1]),
+                  {f[2], f[3], f[4]},
+                  f[5],
+                  Vec3<double>(f[6], f[7], f[8]),
+                  cutoff_power(f[5]),
+                  0,
+                  0};
+    s.depth[i] = double(i + 1);
+    s.rect[i] = {0, 0, uint16_t(view.tiles_x), uint16_t(view.tiles_y)};
     s.tiles[i] = 0;
-    for_each_tile(Footprint<double>{s.mean2d[i], s.conic[i], cutoff_power(f[5])}, s.rect[i],
-                  view.tiles_x, [&](int) { ++s.tiles[i]; });
+    for_each_tile({}, s.splat[i].footprint(), s.rect[i], view.tiles_x, [&](int) { ++s.tiles[i]; });
+    s.instances += s.tiles[i];
   }
   return s;
 }
@@ -81,8 +85,8 @@ std::vector<SplatGradient<double>> stage_gradient(const std::vector<SplatFields>
   Images<double> images;
   RenderOptions options;
   std::copy_n(kBackground, 3, options.background);
-  backend.bin(batch, splats, true, instances);
-  const BlendArgs<double> blend{&batch, &splats, &instances, options};
+  backend.bin({&batch, &splats, options, true}, instances);
+  const BlendArgs<double> blend{&batch, &splats, &instances, options, true};
   backend.blend(blend, images);
   std::vector<SplatGradient<double>> out(fields.size());
   backend.blend_backward({blend, &images, {g.data(), int64_t(g.size())}},

@@ -107,7 +107,7 @@ TEST(Bounds, TileRectHoldsEveryTileWithADrawnPixel) {
   for (int round = 0; round < 4000; ++round) {
     Case c = random_case(random, round % 2 == 0);
     if (round % 3 == 0) c.footprint.power = random.uniform(0, 0.3);  // nearly too faint to draw
-    const TileRect rect = tile_rect(view, c.footprint.mean2d, c.cov2d, c.footprint.power);
+    const TileRect rect = tile_rect({}, view, c.footprint.mean2d, c.cov2d, c.footprint.power);
     for (int tile = 0; tile < 16; ++tile) {
       const int x = tile % 4, y = tile / 4;
       if (least_over_centres(c.footprint, x, y) > c.footprint.power - 1e-9) continue;
@@ -122,11 +122,11 @@ TEST(Bounds, TileRectOfSplatsOutsideOrOfAnySizeIsSafe) {
   ViewArgs<float> view{};
   view.width = 60, view.height = 60, view.tiles_x = 4, view.tiles_y = 4;
   const Sym2<float> small{1, 0, 1}, huge{1e30f, 0, 1e30f};
-  EXPECT_TRUE(tile_rect(view, Vec2<float>(-20, 30), small, 5.0f).empty());
-  EXPECT_TRUE(tile_rect(view, Vec2<float>(1e20f, 30), small, 5.0f).empty());
-  EXPECT_TRUE(tile_rect(view, Vec2<float>(30, 30), small, cutoff_power(0.0f)).empty());
-  EXPECT_TRUE(tile_rect(view, Vec2<float>(30, 30), small, cutoff_power(1.0f / 256)).empty());
-  const TileRect all = tile_rect(view, Vec2<float>(30, 30), huge, 5.0f);
+  EXPECT_TRUE(tile_rect({}, view, Vec2<float>(-20, 30), small, 5.0f).empty());
+  EXPECT_TRUE(tile_rect({}, view, Vec2<float>(1e20f, 30), small, 5.0f).empty());
+  EXPECT_TRUE(tile_rect({}, view, Vec2<float>(30, 30), small, cutoff_power(0.0f)).empty());
+  EXPECT_TRUE(tile_rect({}, view, Vec2<float>(30, 30), small, cutoff_power(1.0f / 256)).empty());
+  const TileRect all = tile_rect({}, view, Vec2<float>(30, 30), huge, 5.0f);
   EXPECT_EQ(all.x0, 0);
   EXPECT_EQ(all.y0, 0);
   EXPECT_EQ(all.x1, 4);

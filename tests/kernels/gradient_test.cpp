@@ -16,18 +16,7 @@ TestScene<double> gradient_scene(uint64_t seed, int degree, bool opaque = false)
       for (double& logit : set->group[kOpacityLogit]) logit += 6;
       for (double& log_scale : set->group[kLogScale]) log_scale += 1;
     }
-  const Rendered<double> picture = render(scene);
-  Random random(seed + 100);
-  const double* colour = picture.colour.data();
-  for (std::vector<uint8_t>& bytes : scene.truth) {
-    const size_t pixels = bytes.size() / 3;
-    for (size_t i = 0; i < bytes.size(); ++i) {
-      const double x = 255 * colour[i % 3 * pixels + i / 3], away = random.uniform(8, 60);
-      const bool up = x + away <= 255 && (random.below(2) == 1 || x - away < 0);
-      bytes[i] = uint8_t(std::clamp(up ? x + away : x - away, 0.0, 255.0));
-    }
-    colour += bytes.size();
-  }
+  keep_truth_away(scene, seed + 100);
   return scene;
 }
 

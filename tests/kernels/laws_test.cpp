@@ -2,22 +2,11 @@
 // shift and scale of time. Not: determinism (determinism_test.cpp).
 #include "kernels/math/rotation3.h"
 #include "kernels/math/rotation4.h"
+#include "tests/support/compare.h"
 #include "tests/support/render.h"
 
 namespace tessera::testing {
 namespace {
-
-/// Largest |a − b| relative to the largest |b|.
-template <class Real>
-double relative(const std::vector<Real>& a, const std::vector<Real>& b) {
-  EXPECT_EQ(a.size(), b.size());
-  double worst = 0, scale = 1e-30;
-  for (size_t i = 0; i < a.size(); ++i) {
-    worst = std::max(worst, double(std::abs(a[i] - b[i])));
-    scale = std::max(scale, double(std::abs(b[i])));
-  }
-  return worst / scale;
-}
 
 template <class Real>
 void expect_batch_law(double tolerance) {  // C16
@@ -48,19 +37,6 @@ TEST(Laws, BatchIsTheMeanOfItsViews) {
   // Bug put back: photometric scale without 1/B; seen to fail.
   expect_batch_law<float>(1e-5);
   expect_batch_law<double>(1e-13);
-}
-
-/// The dynamic set that shows what a static one does: r = conj(l) and a long life.
-TestGaussians<double> lifted(const TestGaussians<double>& fixed, double log_scale_time) {
-  TestGaussians<double> set(4, fixed.count, fixed.coefficients);
-  for (int g = 0; g < kStaticGroups; ++g) set.group[g] = fixed.group[g];
-  for (int64_t n = 0; n < fixed.count; ++n) {
-    for (int k = 0; k < 4; ++k)
-      set.at(kRotationRight, n)[k] = (k == 0 ? 1 : -1) * fixed.at(kRotation, n)[k];
-    *set.at(kLogScaleTime, n) = log_scale_time;
-    *set.at(kMeanTime, n) = 0.5;
-  }
-  return set;
 }
 
 template <class Real>

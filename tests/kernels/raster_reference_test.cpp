@@ -155,10 +155,10 @@ SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector
   TileInstances<double> instances;
   Images<double> images;
   backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options}, splats);
-  backend.bin(batch, splats, true, instances);
+  backend.bin({&batch, &splats, scene.options, true}, instances);
   const size_t pixels = size_t(batch.pixels);
   const auto gradients = [&](const std::vector<double>& d_colour) {
-    const BlendArgs<double> blend{&batch, &splats, &instances, scene.options};
+    const BlendArgs<double> blend{&batch, &splats, &instances, scene.options, true};
     backend.blend(blend, images);
     SplatGradients out(size_t(splats.count));
     backend.blend_backward({blend, &images, {d_colour.data(), int64_t(d_colour.size())}},
@@ -171,7 +171,7 @@ SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector
     d_alpha[p] = v_out_img[4 * p + 3];
   }
   SplatGradients sum = gradients(d_rgb);
-  for (Vec3<double>& colour : splats.colour) colour = Vec3<double>(1.0);
+  for (Splat<double>& splat : splats.splat) splat.colour = Vec3<double>(1.0);
   const SplatGradients alpha = gradients(d_alpha);
   for (size_t s = 0; s < sum.size(); ++s) {
     sum[s].mean2d += alpha[s].mean2d;
@@ -191,7 +191,9 @@ TestGaussians<double> parameter_gradients(const TestScene<double>& scene,
   args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options};
   args.splats = &splats, args.d_splats = {d_splats.data(), splats.count};
   args.sinks[0].gradient = out.spans(), args.sinks[1].gradient = none.spans();
-  EXPECT_EQ(CpuBackend<double>().project_backward(args), 0u);
+  CpuBackend<double> backend;
+  backend.project_backward(args);
+  EXPECT_EQ(backend.outcome().bad_groups, 0u);
   return out;
 }
 
@@ -211,8 +213,9 @@ TEST(RasterReference, GradientsAgree) {
     const SplatGradients d = splat_gradients(scene, t.at("v_out_img").values, splats);
     const size_t count = size_t(scene.fixed.count);
     std::vector<double> v_xy(2 * count, 0), v_conics(3 * count, 0);
-    for (size_t s = 0; s < d.size(); ++s) {
-      const size_t n = size_t(splats.gaussian[int64_t(s)]);
+    for (size_t n = 0; n < count; ++n) {
+      if (splats.first_of[int64_t(n)] == splats.first_of[int64_t(n) + 1]) continue;  // not drawn
+      const size_t s = size_t(splats.first_of[int64_t(n)]);
       for (size_t i = 0; i < 2; ++i) v_xy[2 * n + i] = d[s].mean2d[int(i)];
       v_conics[3 * n] = d[s].conic.xx, v_conics[3 * n + 2] = d[s].conic.yy;
       v_conics[3 * n + 1] = 2 * d[s].conic.xy;  // the file counts both equal entries

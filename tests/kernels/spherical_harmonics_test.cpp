@@ -62,9 +62,13 @@ TEST(SphericalHarmonics, BackwardEqualsDualsAtEveryDegree) {
     double distance;
     const Vec3<double> d = view_direction(eye, Vec3<double>(x[48], x[49], x[50]), distance);
     std::array<double, 51> actual{};
-    const Vec3<double> d_mean = sh_colour_backward(degree, d, distance, x.data(),
-                                                   Vec3<double>(g[0], g[1], g[2]), actual.data());
+    const Vec3<double> d_mean =
+        sh_direction_backward(degree, d, distance, x.data(), Vec3<double>(g[0], g[1], g[2]));
     for (int i = 0; i < 3; ++i) actual[size_t(48 + i)] = d_mean[i];
+    double Y[kMaxShCoefficients];  // by the coefficients: Y ⊗ d_colour
+    sh_basis(degree, d, Y);
+    for (size_t k = 0; k < size_t(sh_coefficients(degree)); ++k)
+      for (size_t c = 0; c < 3; ++c) actual[3 * k + c] = Y[k] * g[c];
     expect_near_all(actual, expected, 1e-12, "coefficients, mean");
   }
 }

@@ -58,7 +58,9 @@ struct Pictures {
   std::vector<ViewLoss> loss(Span<double> d_colour) {
     PhotometricArgs<double> args{&batch, &images, {}, {}};
     for (const auto& bytes : truth) args.truth.emplace_back(bytes.data(), int64_t(bytes.size()));
-    return CpuBackend<double>().photometric(args, d_colour);
+    CpuBackend<double> backend;
+    backend.photometric(args, d_colour);
+    return backend.outcome().losses;
   }
 };
 

@@ -36,8 +36,23 @@ TEST(GatherRows, CopiesRowsAndWritesZerosForMinusOne) {
   const std::vector<float> from{1, 2, 3, 4, 5, 6};
   const std::vector<int64_t> index{2, -1, 0, 0};
   std::vector<float> to(8, -7);
-  CpuBackend<float>().gather_rows({from.data(), 6}, {index.data(), 4}, 2, {to.data(), 8});
+  CpuBackend<float>().gather_rows({from.data(), 6}, {index.data(), 4}, 2, 4, {to.data(), 8});
   EXPECT_EQ(to, (std::vector<float>{5, 6, 0, 0, 1, 2, 1, 2}));
+}
+
+TEST(GatherRows, RowsFromInheritedOnAreZeros) {
+  // Bug put back: the first row that is not inherited copied too; seen to fail.
+  const std::vector<float> from{1, 2, 3, 4, 5, 6};
+  const std::vector<int64_t> index{2, 1, 0, 1};
+  std::vector<float> to(8, -7);
+  for (const int64_t inherited : {0, 1, 3, 4}) {
+    CpuBackend<float>().gather_rows({from.data(), 6}, {index.data(), 4}, 2, inherited,
+                                    {to.data(), 8});
+    for (int64_t i = 0; i < 4; ++i)
+      for (int64_t j = 0; j < 2; ++j)
+        EXPECT_EQ(to[size_t(2 * i + j)],
+                  i < inherited ? from[size_t(2 * index[size_t(i)] + j)] : 0.0f);
+  }
 }
 
 TEST(GatherRows, TargetOfAnotherSizeIsRefused) {
@@ -45,7 +60,7 @@ TEST(GatherRows, TargetOfAnotherSizeIsRefused) {
   const std::vector<int64_t> index{0};
   std::vector<float> to(1);
   EXPECT_THROW(
-      CpuBackend<float>().gather_rows({from.data(), 2}, {index.data(), 1}, 2, {to.data(), 1}),
+      CpuBackend<float>().gather_rows({from.data(), 2}, {index.data(), 1}, 2, 1, {to.data(), 1}),
       std::logic_error);
 }
 
@@ -59,8 +74,8 @@ std::vector<double> norms_alone(const TestScene<double>& scene, size_t v) {
   TileInstances<double> instances;
   Images<double> images;
   backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options}, splats);
-  backend.bin(batch, splats, true, instances);
-  const BlendArgs<double> blend{&batch, &splats, &instances, scene.options};
+  backend.bin({&batch, &splats, scene.options, true}, instances);
+  const BlendArgs<double> blend{&batch, &splats, &instances, scene.options, true};
   backend.blend(blend, images);
   std::vector<double> d_colour(size_t(3 * batch.pixels));
   const Span<double> span{d_colour.data(), 3 * batch.pixels};
@@ -68,10 +83,11 @@ std::vector<double> norms_alone(const TestScene<double>& scene, size_t v) {
   std::vector<SplatGradient<double>> d_splats(size_t(splats.count));
   backend.blend_backward({blend, &images, span}, {d_splats.data(), splats.count});
   std::vector<double> norms(size_t(scene.fixed.count + scene.moving.count), -1);
-  for (int64_t s = 0; s < splats.count; ++s)
-    norms[size_t(splats.gaussian[s])] =
-        std::hypot(d_splats[size_t(s)].mean2d[0] * scene.views[v].camera.width / 2,
-                   d_splats[size_t(s)].mean2d[1] * scene.views[v].camera.height / 2);
+  const Camera& camera = scene.views[v].camera;
+  for (int64_t n = 0; n < int64_t(norms.size()); ++n)
+    for (int64_t s = splats.first_of[n]; s < splats.first_of[n + 1]; ++s)
+      norms[size_t(n)] = std::hypot(d_splats[size_t(s)].mean2d[0] * camera.width / 2,
+                                    d_splats[size_t(s)].mean2d[1] * camera.height / 2);
   return norms;
 }
 

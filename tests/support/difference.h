@@ -23,7 +23,8 @@ class LossProbe {
     const Images<double>& images =
         pipeline_.forward(scene.fixed.view(), scene.moving.view(), scene.views, scene.options);
     ProbedLoss out;
-    for (const ViewLoss& loss : pipeline_.loss(target_))
+    pipeline_.loss(target_);
+    for (const ViewLoss& loss : pipeline_.outcome().losses)
       out.loss += loss.total / double(scene.views.size());
     digest_ = 0xcbf29ce484222325u;
     for (const int32_t used : images.used) add(uint64_t(used));
@@ -38,14 +39,15 @@ class LossProbe {
 
   void add_splats() {
     const Splats<double>& splats = pipeline_.splats();
-    for (int64_t s = 0; s < splats.count; ++s) {
-      add(uint64_t(splats.gaussian[s]) << 8 | splats.negative[s]);
-      const ViewArgs<double>& view = pipeline_.batch().views[size_t(splats.view[s])];
+    for (const int64_t first : splats.first_of) add(uint64_t(first));
+    for (const Splat<double>& splat : splats.splat) {
+      add(uint64_t(splat.view) << 8 | splat.negative);
+      const ViewArgs<double>& view = pipeline_.batch().views[size_t(splat.view)];
       for (int y = 0; y < view.height; ++y)
         for (int x = 0; x < view.width; ++x) {
-          const double falloff = splat_falloff(splats.conic[s], splats.mean2d[s][0] - x - 0.5,
-                                               splats.mean2d[s][1] - y - 0.5);
-          add(splats.opacity[s] * falloff >= kMinAlpha<double>);
+          const double falloff =
+              splat_falloff(splat.conic, splat.mean2d[0] - x - 0.5, splat.mean2d[1] - y - 0.5);
+          add(splat.opacity * falloff >= kMinAlpha<double>);
         }
     }
   }

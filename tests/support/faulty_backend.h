@@ -1,10 +1,8 @@
 // What: the CPU backend with one value spoilt at one step: what a broken kernel or frame would do.
 // Not: a mock: every stage runs as it is.
 #pragma once
-#include <algorithm>
 #include <limits>
 #include <memory>
-#include <utility>
 
 #include "kernels/backend.h"
 
@@ -20,22 +18,20 @@ class FaultyBackend final : public Backend {
 
   std::string name() const override { return "faulty " + cpu_->name(); }
   Memory& memory() override { return cpu_->memory(); }
+  StageClock& clock() override { return cpu_->clock(); }
   void project(const ProjectArgs<float>& args, Splats<float>& splats) override {
     ++steps_begun_;
     cpu_->project(args, splats);
   }
-  void bin(const ViewBatch<float>& batch, const Splats<float>& splats, bool for_backward,
-           TileInstances<float>& instances) override {
-    cpu_->bin(batch, splats, for_backward, instances);
+  void bin(const BinArgs<float>& args, TileInstances<float>& instances) override {
+    cpu_->bin(args, instances);
   }
   void blend(const BlendArgs<float>& args, Images<float>& images) override {
     cpu_->blend(args, images);
   }
-  std::vector<ViewLoss> photometric(const PhotometricArgs<float>& args,
-                                    Span<float> d_colour) override {
-    std::vector<ViewLoss> losses = cpu_->photometric(args, d_colour);
-    if (strikes(Fault::kLoss)) losses[0].total = kNan;
-    return losses;
+  void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
+    cpu_->photometric(args, d_colour);
+    loss_is_spoilt_ = strikes(Fault::kLoss);
   }
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatGradient<float>> d_splats) override {
@@ -46,14 +42,34 @@ class FaultyBackend final : public Backend {
     if (strikes(Fault::kOpacity)) d_splats[0].opacity = kNan;
     if (strikes(Fault::kColour)) d_splats[0].colour[1] = kNan;
   }
-  unsigned project_backward(const ProjectBackwardArgs<float>& args) override {
-    return cpu_->project_backward(args);
+  void project_backward(const ProjectBackwardArgs<float>& args) override {
+    cpu_->project_backward(args);
+  }
+  /// Of the last photometric, whatever has begun since.
+  StepOutcome outcome() override {
+    StepOutcome outcome = cpu_->outcome();
+    if (loss_is_spoilt_ && !outcome.losses.empty()) outcome.losses[0].total = kNan;
+    return outcome;
   }
   void adam(const SinkArgs<float>& args) override { cpu_->adam(args); }
-  void gather_rows(Span<const float> from, Span<const int64_t> index, int width,
+  void catch_up(const LazySh<float>& lazy) override { cpu_->catch_up(lazy); }
+  void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<float> to) override {
-    cpu_->gather_rows(from, index, width, to);
+    cpu_->gather_rows(from, index, width, inherited, to);
   }
+  void select_rows(const GaussianSpans<const float>& set,
+                   const DensityStatistics<const float>& statistics, const DensityRule& rule,
+                   DensityRows& rows) override {
+    cpu_->select_rows(set, statistics, rule, rows);
+  }
+  void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override {
+    cpu_->place_children(set, first, seed);
+  }
+  void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override {
+    cpu_->locality_order(set, order);
+  }
+  void limit_values(Span<float> values, float limit) override { cpu_->limit_values(values, limit); }
+  void fill_zero(Span<float> values) override { cpu_->fill_zero(values); }
 
  private:
   static constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -62,6 +78,7 @@ class FaultyBackend final : public Backend {
   std::unique_ptr<Backend> cpu_ = make_cpu_backend();
   Fault fault_;
   int64_t step_, steps_begun_ = 0;
+  bool loss_is_spoilt_ = false;
 };
 
 }  // namespace tessera::testing

@@ -1,11 +1,10 @@
-// What: one call that renders a TestScene on the CPU backend, one that also goes backward.
-// Not: a second pipeline: both run kernels/pipeline.h.
+// What: one call that renders a TestScene on any backend, one that also goes backward.
+// Not: a second pipeline: both run kernels/pipeline.h. Without a backend it is the CPU's.
 #pragma once
 #include <functional>
 
 #include "kernels/cpu_backend.h"
-#include "kernels/pipeline.h"
-#include "tests/support/test_scene.h"
+#include "tests/support/stored_scene.h"
 
 namespace tessera::testing {
 
@@ -18,22 +17,44 @@ struct Rendered {
 };
 
 template <class Real>
-Rendered<Real> copy_of(const Images<Real>& images, const PipelineReport& report) {
-  return {{images.colour.begin(), images.colour.end()},
-          {images.transmittance.begin(), images.transmittance.end()},
-          {images.used.begin(), images.used.end()},
-          report};
+Rendered<Real> copy_of(const Images<Real>& images, const PipelineReport& report,
+                       Memory& memory = host_memory()) {
+  return {fetched(images.colour, memory), fetched(images.transmittance, memory),
+          fetched(images.used, memory), report};
+}
+
+template <class Real>
+Rendered<Real> render(const TestScene<Real>& scene, BackendOf<Real>& backend) {
+  const StoredScene<Real> in(scene, backend.memory());
+  Pipeline<Real> pipeline(backend);
+  const Images<Real>& images = pipeline.forward(in.forward(false));
+  return copy_of(images, pipeline.report(), backend.memory());
 }
 
 template <class Real>
 Rendered<Real> render(const TestScene<Real>& scene) {
   CpuBackend<Real> backend;
-  Pipeline<Real> pipeline(backend);
-  const Images<Real>& images =
-      pipeline.forward(scene.fixed.view(), scene.moving.view(), scene.views, scene.options);
-  return copy_of(images, pipeline.report());
+  return render(scene, backend);
 }
 
+/// A ground truth that keeps 8 to 60 steps away from the picture, so that no |I − G| sits on its
+/// kink.
+inline void keep_truth_away(TestScene<double>& scene, uint64_t seed) {
+  const Rendered<double> picture = render(scene);
+  Random random(seed);
+  const double* colour = picture.colour.data();
+  for (std::vector<uint8_t>& bytes : scene.truth) {
+    const size_t pixels = bytes.size() / 3;
+    for (size_t i = 0; i < bytes.size(); ++i) {
+      const double x = 255 * colour[i % 3 * pixels + i / 3], away = random.uniform(8, 60);
+      const bool up = x + away <= 255 && (random.below(2) == 1 || x - away < 0);
+      bytes[i] = uint8_t(std::clamp(up ? x + away : x - away, 0.0, 255.0));
+    }
+    colour += bytes.size();
+  }
+}
+
+/// The ground truth where it lies, on the host.
 template <class Real>
 Target target_of(const TestScene<Real>& scene) {
   Target target;
@@ -57,32 +78,54 @@ struct Backward {
   }
 };
 
-/// Forward, loss and backward with stored gradients. `edit` may change dL/d picture before it goes
-/// backward.
+/// Changes dL/d picture before it goes backward.
 template <class Real>
-Backward<Real> backward(const TestScene<Real>& scene,
-                        const std::function<void(Buffer<Real>&)>& edit = {}) {
-  CpuBackend<Real> backend;
+using EditPictureGradient = std::function<void(std::vector<Real>&)>;
+
+/// Forward, loss and backward with stored gradients.
+template <class Real>
+Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
+                        const EditPictureGradient<Real>& edit = {}) {
+  Memory& memory = backend.memory();
+  const StoredScene<Real> in(scene, memory);
   Pipeline<Real> pipeline(backend);
-  const Images<Real>& images =
-      pipeline.forward(scene.fixed.view(), scene.moving.view(), scene.views, scene.options, true);
   Backward<Real> out;
-  out.losses = pipeline.loss(target_of(scene), true);
-  out.rendered = copy_of(images, pipeline.report());
-  if (edit) edit(pipeline.d_colour());
-  out.fixed = TestGaussians<Real>(scene.fixed.dim, scene.fixed.count, scene.fixed.coefficients);
-  out.moving = TestGaussians<Real>(scene.moving.dim, scene.moving.count, scene.moving.coefficients);
-  BackwardArgs<Real> args;
-  TestGaussians<Real>* gradients[2] = {&out.fixed, &out.moving};
-  for (int set = 0; set < 2; ++set) {
-    const int64_t count = gradients[set]->count;
-    args.sinks[set].gradient = gradients[set]->spans();
-    out.statistic[set].assign(size_t(count), Real(0));
-    out.seen[set].assign(size_t(count), Real(0));
-    args.statistics[set] = {{out.statistic[set].data(), count}, {out.seen[set].data(), count}};
+  const Images<Real>& images = pipeline.forward(in.forward(true));
+  pipeline.loss(in.target(), true);
+  out.rendered = copy_of(images, pipeline.report(), memory);
+  if (edit) {
+    std::vector<Real> d_colour = fetched(pipeline.d_colour(), memory);
+    edit(d_colour);
+    store_over(d_colour, pipeline.d_colour().span(), memory);
   }
-  out.bad = pipeline.backward(args);
+  const TestGaussians<Real>* sets[2] = {&scene.fixed, &scene.moving};
+  BackwardArgs<Real> args;
+  std::vector<StoredGaussians<Real>> gradients;
+  std::vector<Buffer<Real>> statistics;
+  for (const TestGaussians<Real>* set : sets) {
+    gradients.emplace_back(TestGaussians<Real>(set->dim, set->count, set->coefficients), memory);
+    for (int k = 0; k < 2; ++k)
+      statistics.push_back(stored(std::vector<Real>(size_t(set->count), Real(0)), memory));
+  }
+  for (size_t set = 0; set < 2; ++set) {
+    args.sinks[set].gradient = gradients[set].spans();
+    args.statistics[set] = {statistics[2 * set].span(), statistics[2 * set + 1].span()};
+  }
+  pipeline.backward(args);
+  const StepOutcome outcome = pipeline.outcome();
+  out.losses = outcome.losses, out.bad = outcome.bad_groups;
+  out.fixed = gradients[0].fetch(), out.moving = gradients[1].fetch();
+  for (size_t set = 0; set < 2; ++set) {
+    out.statistic[set] = fetched(statistics[2 * set], memory);
+    out.seen[set] = fetched(statistics[2 * set + 1], memory);
+  }
   return out;
+}
+
+template <class Real>
+Backward<Real> backward(const TestScene<Real>& scene, const EditPictureGradient<Real>& edit = {}) {
+  CpuBackend<Real> backend;
+  return backward(scene, backend, edit);
 }
 
 }  // namespace tessera::testing

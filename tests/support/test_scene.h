@@ -106,11 +106,42 @@ inline TestGaussians<double> random_gaussians(int dim, int64_t count, double spr
   return set;
 }
 
+/// The dynamic set that shows what a static one does: r = conj(l) and a long life.
+inline TestGaussians<double> lifted(const TestGaussians<double>& fixed, double log_scale_time) {
+  TestGaussians<double> set(4, fixed.count, fixed.coefficients);
+  for (int g = 0; g < kStaticGroups; ++g) set.group[g] = fixed.group[g];
+  for (int64_t n = 0; n < fixed.count; ++n) {
+    for (int k = 0; k < 4; ++k)
+      set.at(kRotationRight, n)[k] = (k == 0 ? 1 : -1) * fixed.at(kRotation, n)[k];
+    *set.at(kLogScaleTime, n) = log_scale_time;
+    *set.at(kMeanTime, n) = 0.5;
+  }
+  return set;
+}
+
 /// Three views of different sizes, none a multiple of a tile, around the origin.
 inline std::vector<View> three_views() {
   return {{look_at({0.3, 0.5, -4}, {0, 0, 0}, 37, 29, 45), 0.35},
           {look_at({3.5, -0.4, -1.5}, {0.1, 0, 0}, 24, 35, 38), 0.6},
           {look_at({-2.5, 1.5, 3}, {0, 0.1, 0}, 45, 18, 42), 0.5}};
+}
+
+/// Two more: one tile exactly, and a single pixel.
+inline std::vector<View> five_views() {
+  std::vector<View> views = three_views();
+  views.push_back({look_at({0.2, -3, 2}, {0, 0, 0.1}, 16, 16, 15), 0.45});
+  views.push_back({look_at({1, 0.3, -4}, {0, 0, 0}, 1, 1, 2), 0.4});
+  return views;
+}
+
+/// Ground truth of noise for every view.
+template <class Real>
+void fill_truth(TestScene<Real>& scene, Random& random) {
+  scene.truth.clear();
+  for (const View& view : scene.views) {
+    scene.truth.emplace_back(size_t(3 * view.camera.width * view.camera.height));
+    for (uint8_t& byte : scene.truth.back()) byte = uint8_t(random.below(256));
+  }
 }
 
 inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size, uint64_t seed) {
@@ -120,10 +151,7 @@ inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size
   scene.moving = random_gaussians(4, moving, 0.9, size, random);
   scene.views = three_views();
   scene.options.background[0] = 0.2, scene.options.background[2] = 0.7;
-  for (const View& view : scene.views) {
-    scene.truth.emplace_back(size_t(3 * view.camera.width * view.camera.height));
-    for (uint8_t& byte : scene.truth.back()) byte = uint8_t(random.below(256));
-  }
+  fill_truth(scene, random);
   return scene;
 }
 

@@ -1,0 +1,76 @@
+// What: the random scenes that every backend is compared on, and its bounds for pictures.
+// Not: gradients' bounds (backend_gradient_test.cpp).
+#pragma once
+#include "tests/support/brute_force.h"
+#include "tests/support/compare.h"
+#include "tests/support/render.h"
+
+namespace tessera::testing {
+
+struct SceneCase {
+  const char* name;
+  int64_t fixed, moving;
+  double size;  // world units; a pixel is about 0.1
+  int degree;
+};
+
+inline constexpr SceneCase kSceneCases[] = {{"static, degree 0", 150, 0, 0.15, 0},
+                                            {"static, degree 3", 150, 0, 0.15, 3},
+                                            {"dynamic, degree 1", 0, 150, 0.15, 1},
+                                            {"dynamic, degree 3", 0, 150, 0.15, 3},
+                                            {"mixed, degree 2", 90, 110, 0.15, 2},
+                                            {"specks", 120, 120, 0.01, 3},
+                                            {"splats larger than the picture", 20, 20, 2.0, 3}};
+
+inline TestScene<double> scene_of(const SceneCase& c, uint64_t seed) {
+  TestScene<double> scene = random_scene(c.fixed, c.moving, c.size, seed);
+  scene.options.sh_degree = c.degree;
+  return scene;
+}
+
+inline void set_views(TestScene<double>& scene, std::vector<View> views, uint64_t seed) {
+  Random random(seed);
+  scene.views = std::move(views);
+  fill_truth(scene, random);
+}
+
+/// What comes nearer to a cut-off than this, relatively, may be decided otherwise.
+inline constexpr double kCutoffBand = 1e-4;
+
+/// Positions of up to 50 pixels are rounded to 4e-6 and ½ dᵀ conic d ≤ ln 255 has a gradient of at
+/// most some 1/pixel for splats that matter; a device's exp is good to 2 + 1.2·ln 255 units in the
+/// last place, 1e-6: α moves by some 1e-6 per splat, and a pixel sums a few. A pixel at a cut-off
+/// may gain or lose one splat of α = 1/255, and one such pixel moves the mean of the smallest
+/// picture by up to 5e-6.
+inline constexpr PictureBounds kPictureBounds{2e-5, 1.2 / 255, 0.02, 5e-6};
+
+/// Pixels of each view of a scene at a cut-off.
+inline std::vector<std::vector<bool>> critical_pixels(const TestScene<double>& scene) {
+  std::vector<std::vector<bool>> masks;
+  for (const View& view : scene.views)
+    masks.push_back(render_brute(scene, view, kCutoffBand).critical);
+  return masks;
+}
+
+/// Every view of a batch within the bounds.
+inline void expect_batch(const std::vector<float>& colour, const std::vector<float>& transmittance,
+                         const Rendered<double>& expected,
+                         const std::vector<std::vector<bool>>& critical) {
+  ASSERT_EQ(colour.size(), expected.colour.size());
+  ASSERT_EQ(transmittance.size(), expected.transmittance.size());
+  size_t first = 0;
+  for (const std::vector<bool>& mask : critical) {
+    const auto part = [&](const std::vector<double>& all, size_t planes) {
+      const auto begin = all.begin() + ptrdiff_t(planes * first);
+      return std::vector<double>(begin, begin + ptrdiff_t(planes * mask.size()));
+    };
+    expect_picture(colour.data() + 3 * first, part(expected.colour, 3), mask, kPictureBounds,
+                   "colour");
+    expect_picture(transmittance.data() + first, part(expected.transmittance, 1), mask,
+                   kPictureBounds, "transmittance");
+    first += mask.size();
+  }
+  EXPECT_EQ(first, transmittance.size());
+}
+
+}  // namespace tessera::testing

@@ -1,0 +1,121 @@
+// What: the stages of a step called one by one on any backend, with all that flows between them
+// copied to the host. What a stage writes is poisoned first, so that nothing is left unwritten.
+// Not: the pipeline (render.h), whose order this repeats.
+#pragma once
+#include <map>
+
+#include "tests/support/render.h"
+
+namespace tessera::testing {
+
+template <class Real>
+struct StageRun {
+  ViewBatch<Real> batch;
+  int64_t splats = 0, instances = 0, invalid = 0;  // as the backend counted
+  std::vector<Splat<Real>> splat;
+  std::vector<Real> depth;
+  std::vector<TileRect> rect;
+  std::vector<int32_t> tiles;
+  std::vector<int64_t> first_of;  // of Gaussians
+  std::vector<int32_t> instance_splat, depth_order;
+  std::vector<int64_t> tile_begin, slot, first_slot;  // empty slots: the backend did without
+  std::vector<Real> colour, transmittance, d_colour;
+  std::vector<int32_t> used;
+  std::vector<ViewLoss> losses;
+  std::vector<SplatGradient<Real>> d_splats;
+
+  /// Gaussian · views + view of each splat.
+  std::vector<int64_t> keys() const {
+    std::vector<int64_t> keys(splat.size());
+    for (size_t n = 0; n + 1 < first_of.size(); ++n)
+      for (int64_t s = first_of[n]; s < first_of[n + 1]; ++s)
+        keys[size_t(s)] = int64_t(n * batch.views.size()) + splat[size_t(s)].view;
+    return keys;
+  }
+  /// The key of the splat that each pixel blended last, −1: none.
+  std::vector<int64_t> last_drawn() const {
+    const std::vector<int64_t> key = keys();
+    std::vector<int64_t> last(used.size(), -1);
+    for (const ViewArgs<Real>& v : batch.views)
+      for (int64_t p = 0; p < int64_t(v.width) * v.height; ++p) {
+        const int64_t place = used[size_t(v.first_pixel + p)] - 1;
+        const int64_t tile =
+            v.first_tile + p / v.width / kTileSize * v.tiles_x + p % v.width / kTileSize;
+        if (place >= 0)
+          last[size_t(v.first_pixel + p)] =
+              key[size_t(instance_splat[size_t(tile_begin[size_t(tile)] + place)])];
+      }
+    return last;
+  }
+};
+
+/// Every bit of a buffer set: NaN, −1, a number of no splat.
+template <class T>
+void poison(Buffer<T>& buffer, Memory& memory) {
+  const std::vector<unsigned char> ones(sizeof(T) * size_t(buffer.size()), 0xff);
+  if (!ones.empty()) memory.copy(buffer.data(), ones.data(), ones.size());
+}
+
+template <class Real>
+void poison_all(TileInstances<Real>& instances, Memory& memory) {
+  poison(instances.splat, memory), poison(instances.tile_begin, memory);
+  poison(instances.first_of, memory), poison(instances.slot, memory);
+  poison(instances.depth_order, memory);
+}
+
+template <class Real>
+void fetch_lists(const Splats<Real>& splats, const TileInstances<Real>& instances, Memory& memory,
+                 StageRun<Real>& out) {
+  out.splats = splats.count, out.invalid = splats.invalid, out.instances = instances.count;
+  EXPECT_EQ(splats.instances, instances.count);
+  out.splat = fetched(splats.splat, memory), out.depth = fetched(splats.depth, memory);
+  out.rect = fetched(splats.rect, memory), out.tiles = fetched(splats.tiles, memory);
+  out.first_of = fetched(splats.first_of, memory);
+  out.instance_splat = fetched(instances.splat, memory);
+  out.tile_begin = fetched(instances.tile_begin, memory);
+  out.slot = fetched(instances.slot, memory);
+  out.first_slot = fetched(instances.first_of, memory);
+  out.depth_order = fetched(instances.depth_order, memory);
+}
+
+/// All stages up to the gradient of the splats. `edit` may replace dL/d picture.
+template <class Real>
+StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend,
+                          const EditPictureGradient<Real>& edit = {}) {
+  Memory& memory = backend.memory();
+  const StoredScene<Real> in(scene, memory);
+  StageRun<Real> out;
+  out.batch = make_view_batch<Real>(scene.views);
+  const ViewBatch<Real>& batch = out.batch;
+  Splats<Real> splats(memory);
+  TileInstances<Real> instances(memory);
+  Images<Real> images(memory);
+  Buffer<Real> d_colour(3 * batch.pixels, memory);
+  backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options, {}}, splats);
+  const BinArgs<Real> bin{&batch, &splats, scene.options, true};
+  backend.bin(bin, instances);
+  poison_all(instances, memory);
+  backend.bin(bin, instances);
+  fetch_lists(splats, instances, memory, out);
+  const BlendArgs<Real> blend{&batch, &splats, &instances, scene.options, true};
+  backend.blend(blend, images);
+  poison(images.colour, memory), poison(images.transmittance, memory);
+  poison(images.used, memory), poison(d_colour, memory);
+  backend.blend(blend, images);
+  backend.photometric({&batch, &images, in.target().truth, {}}, d_colour.span());
+  out.losses = backend.outcome().losses;
+  out.d_colour = fetched(d_colour, memory);
+  if (edit) {
+    edit(out.d_colour);
+    store_over(out.d_colour, d_colour.span(), memory);
+  }
+  Buffer<SplatGradient<Real>> d_splats(splats.count, memory);
+  poison(d_splats, memory);
+  backend.blend_backward({blend, &images, d_colour.span()}, d_splats.span());
+  out.colour = fetched(images.colour, memory), out.used = fetched(images.used, memory);
+  out.transmittance = fetched(images.transmittance, memory);
+  out.d_splats = fetched(d_splats, memory);
+  return out;
+}
+
+}  // namespace tessera::testing

@@ -1,0 +1,91 @@
+// What: the values of a test in the memory of a backend, and back: arrays, Gaussians, scenes.
+// Not: for one device: Memory::copy takes pointers of either side, the host's is the trivial case.
+#pragma once
+#include "kernels/pipeline.h"
+#include "tests/support/test_scene.h"
+
+namespace tessera::testing {
+
+template <class T>
+Buffer<T> stored(const std::vector<T>& values, Memory& memory) {
+  Buffer<T> buffer(int64_t(values.size()), memory);
+  if (!values.empty()) memory.copy(buffer.data(), values.data(), sizeof(T) * values.size());
+  return buffer;
+}
+
+template <class T>
+void store_over(const std::vector<T>& values, Span<T> to, Memory& memory) {
+  if (!values.empty()) memory.copy(to.data, values.data(), sizeof(T) * values.size());
+}
+
+/// A copy on the host.
+template <class T>
+std::vector<std::remove_const_t<T>> fetched(Span<T> values, Memory& memory) {
+  std::vector<std::remove_const_t<T>> out(size_t(values.size));
+  if (!out.empty()) memory.copy(out.data(), values.data, sizeof(T) * out.size());
+  return out;
+}
+template <class T>
+std::vector<T> fetched(const Buffer<T>& values, Memory& memory) {
+  return fetched(values.span(), memory);
+}
+
+/// TestGaussians in a backend's memory.
+template <class Real>
+class StoredGaussians {
+ public:
+  StoredGaussians(const TestGaussians<Real>& set, Memory& memory)
+      : memory_(memory), dim_(set.dim), count_(set.count), coefficients_(set.coefficients) {
+    for (int g = 0; g < kGroupCount; ++g) group_[g] = stored(set.group[g], memory);
+  }
+
+  GaussianSpans<Real> spans() { return make<Real>(*this); }
+  GaussianSpans<const Real> view() const { return make<const Real>(*this); }
+  TestGaussians<Real> fetch() const {
+    TestGaussians<Real> set(dim_, count_, coefficients_);
+    for (int g = 0; g < kGroupCount; ++g) set.group[g] = fetched(group_[g], memory_);
+    return set;
+  }
+
+ private:
+  template <class T, class Self>
+  static GaussianSpans<T> make(Self& self) {
+    GaussianSpans<T> s;
+    s.dim = self.dim_, s.count = self.count_, s.coefficients = self.coefficients_;
+    for (int g = 0; g < kGroupCount; ++g) s.group[g] = self.group_[g].span();
+    return s;
+  }
+
+  Memory& memory_;
+  int dim_;
+  int64_t count_;
+  int coefficients_;
+  Buffer<Real> group_[kGroupCount];
+};
+
+/// Parameters and ground truth of a TestScene in a backend's memory.
+template <class Real>
+struct StoredScene {
+  StoredGaussians<Real> sets[2];
+  std::vector<Buffer<uint8_t>> truth;
+  std::vector<View> views;
+  RenderOptions options;
+
+  StoredScene(const TestScene<Real>& scene, Memory& memory)
+      : sets{{scene.fixed, memory}, {scene.moving, memory}},
+        views(scene.views),
+        options(scene.options) {
+    for (const auto& bytes : scene.truth) truth.push_back(stored(bytes, memory));
+  }
+
+  ForwardArgs<Real> forward(bool for_backward) const {
+    return {{sets[0].view(), sets[1].view()}, views, options, {}, for_backward};
+  }
+  Target target() const {
+    Target out;
+    for (const Buffer<uint8_t>& bytes : truth) out.truth.push_back(bytes.span());
+    return out;
+  }
+};
+
+}  // namespace tessera::testing
