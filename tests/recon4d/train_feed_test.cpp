@@ -79,7 +79,7 @@ TEST(FrameFeed, TheBudgetDecides) {
 }
 
 /// As the trainer drives it: truth, then the two batches to come.
-// Bugs put back, each seen to fail: no wait in truth; slots filled in turn, whoever uses them.
+// Bug put back: slots filled in turn, whoever uses them; seen to fail.
 TEST(FrameFeed, TheRingIsAlwaysAhead) {
   const Scene scene = patterned();
   for (int64_t batch : {1, 3, 5}) {
@@ -104,6 +104,7 @@ TEST(FrameFeed, TheRingIsAlwaysAhead) {
   }
 }
 
+// Bug put back: no wait in truth; seen to fail.
 TEST(FrameFeed, TheRingSurvivesAJump) {
   const Scene scene = patterned();
   SeparateMemory memory;

@@ -55,8 +55,10 @@ double worst_difference(const GaussianModel& a, const GaussianModel& b) {
   return worst;
 }
 
+/// What a training ends with, compared with dense.
 struct Ends {
-  double difference, psnr;  // from dense; dB
+  double difference;  // largest of a value, before the clean-up and after it
+  double psnr;        // dB
 };
 
 Ends compared(const std::string& idle, const TrainOptions& dense_options) {
@@ -68,29 +70,28 @@ Ends compared(const std::string& idle, const TrainOptions& dense_options) {
   const double difference =
       worst_difference(dense.model(), caught_up_model(other.state(), options));
   dense.run(), other.run();
-  return {difference, other.psnr() - dense.psnr()};
+  return {std::max(difference, worst_difference(dense.model(), other.model())),
+          other.psnr() - dense.psnr()};
 }
 
+// Bugs put back, each seen to fail: project knows nothing of laziness; the rate of the first
+// coefficient for all; no catching up before the last clean-up.
 TEST(TrainLazy, IsTheTrajectoryOfDense) {
   const Ends lazy = compared("lazy", idle_options("dense"));
   const Ends skip = compared("skip", idle_options("dense"));
-  RecordProperty("lazy_difference", std::to_string(lazy.difference));
-  RecordProperty("lazy_psnr", std::to_string(lazy.psnr));
-  RecordProperty("skip_difference", std::to_string(skip.difference));
-  std::cout << "lazy: " << lazy.difference << ", " << lazy.psnr << " dB; skip: " << skip.difference
-            << ", " << skip.psnr << " dB\n";
-  EXPECT_LT(lazy.difference, 1e-3);
-  EXPECT_LT(std::abs(lazy.psnr), 0.01);
-  EXPECT_GT(skip.difference, 0.1) << "what lazy avoids";
+  EXPECT_LT(lazy.difference, 1e-4) << "seen: 2.9e-6";
+  EXPECT_LT(std::abs(lazy.psnr), 0.001) << "dB; seen: 2e-8";
+  EXPECT_GT(skip.difference, 0.1) << "what lazy avoids; seen: 2.2";
 }
 
+/// Rounding decides here and there what is cloned, so the models differ, not their quality.
+// Bug put back: no catching up before density control; seen to fail.
 TEST(TrainLazy, WithDensityControlTheQualityIsThatOfDense) {
   TrainOptions options = idle_options("dense");
   options.densify_from = 30, options.densify_until = 200, options.densify_interval = 40;
   options.reorder_interval = 50, options.prune_large_from = 300;
   const Ends lazy = compared("lazy", options);
-  std::cout << "lazy with density control: " << lazy.psnr << " dB\n";
-  EXPECT_LT(std::abs(lazy.psnr), 0.3);
+  EXPECT_LT(std::abs(lazy.psnr), 0.1) << "dB; seen: 0.0013";
 }
 
 TEST(TrainLazy, MostAreBehindOnTheWayAndNoneAtTheEnd) {

@@ -45,8 +45,8 @@ INSTANTIATE_TEST_SUITE_P(Ways, Separate,
                                            Way{"fed_ahead", {{"feed_bytes", 1}, {"batch", 3}}}),
                          [](const auto& way) { return way.param.name; });
 
-// Bugs put back, each seen to fail: statistics made in the host's memory (segmentation fault),
-// no wait_copies in FrameFeed::truth, host_state kept over steps.
+// Bugs put back, each seen to fail: statistics that stay in the host's memory, no wait_copies in
+// FrameFeed::truth, host_state kept over steps, moments not copied.
 TEST_P(Separate, TrainsAsOnTheHost) {
   const Scene scene = tiny_capture();
   const TrainOptions options = options_of(GetParam());
@@ -61,6 +61,7 @@ TEST_P(Separate, TrainsAsOnTheHost) {
   }
   EXPECT_TRUE(trainer.host_state().finished);
   EXPECT_TRUE(model_bits(trainer.host_model()) == model_bits(host.model()));
+  EXPECT_EQ(backend.strays, 0) << "spans of the host's memory reached the backend";
   EXPECT_TRUE(backend.own.holds(trainer.state().model.static_set.group(kMean).value.data()));
 }
 

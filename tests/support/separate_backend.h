@@ -83,12 +83,14 @@ class SeparateBackend final : public Backend {
  public:
   SeparateMemory own;
   std::vector<std::string> calls;  // of the stages that wait, and of project_backward
+  int64_t strays = 0;              // spans handed in that lie elsewhere
 
   std::string name() const override { return "separate " + cpu_->name(); }
   Memory& memory() override { return own; }
   StageClock& clock() override { return cpu_->clock(); }
   void project(const ProjectArgs<float>& args, Splats<float>& splats) override {
     calls.push_back("project");
+    for (int k = 0; k < 2; ++k) check_lies_here(args.sets[k]), check_lies_here(args.lazy[k]);
     own.inside([&] { cpu_->project(args, splats); });
   }
   void bin(const BinArgs<float>& args, TileInstances<float>& instances) override {
@@ -98,6 +100,7 @@ class SeparateBackend final : public Backend {
     own.inside([&] { cpu_->blend(args, images); });
   }
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
+    for (const Span<const uint8_t>& truth : args.truth) check_lies_here(truth);
     own.inside([&] { cpu_->photometric(args, d_colour); });
   }
   void blend_backward(const BlendBackwardArgs<float>& args,
@@ -106,6 +109,11 @@ class SeparateBackend final : public Backend {
   }
   void project_backward(const ProjectBackwardArgs<float>& args) override {
     calls.push_back("project_backward");
+    for (int k = 0; k < 2; ++k) {
+      check_lies_here(args.sinks[k]);
+      check_lies_here(args.statistics[k].gradient_sum);
+      check_lies_here(args.statistics[k].count);
+    }
     own.inside([&] { cpu_->project_backward(args); });
   }
   StepOutcome outcome() override {
@@ -113,19 +121,23 @@ class SeparateBackend final : public Backend {
     return cpu_->outcome();
   }
   void adam(const SinkArgs<float>& args) override {
+    check_lies_here(args);
     own.inside([&] { cpu_->adam(args); });
   }
   void catch_up(const LazySh<float>& lazy) override {
+    check_lies_here(lazy);
     own.inside([&] { cpu_->catch_up(lazy); });
   }
   void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<float> to) override {
+    check_lies_here(from), check_lies_here(index), check_lies_here(to);
     own.inside([&] { cpu_->gather_rows(from, index, width, inherited, to); });
   }
   void select_rows(const GaussianSpans<const float>& set,
                    const DensityStatistics<const float>& statistics, const DensityRule& rule,
                    DensityRows& rows) override {
     calls.push_back("select_rows");
+    check_lies_here(statistics.gradient_sum), check_lies_here(statistics.count);
     own.inside([&] { cpu_->select_rows(set, statistics, rule, rows); });
   }
   void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override {
@@ -135,13 +147,32 @@ class SeparateBackend final : public Backend {
     own.inside([&] { cpu_->locality_order(set, order); });
   }
   void limit_values(Span<float> values, float limit) override {
+    check_lies_here(values);
     own.inside([&] { cpu_->limit_values(values, limit); });
   }
   void fill_zero(Span<float> values) override {
+    check_lies_here(values);
     own.inside([&] { cpu_->fill_zero(values); });
   }
 
  private:
+  template <class T>
+  void check_lies_here(const Span<T>& span) {
+    strays += !span.empty() && !own.holds(span.data);
+  }
+  template <class T>
+  void check_lies_here(const GaussianSpans<T>& set) {
+    for (const Span<T>& group : set.group) check_lies_here(group);
+  }
+  void check_lies_here(const LazySh<float>& lazy) {
+    check_lies_here(lazy.last_step), check_lies_here(lazy.table), check_lies_here(lazy.value);
+    check_lies_here(lazy.moment1), check_lies_here(lazy.moment2);
+  }
+  void check_lies_here(const SinkArgs<float>& sink) {
+    check_lies_here(sink.value), check_lies_here(sink.gradient), check_lies_here(sink.lazy);
+    check_lies_here(sink.moment1), check_lies_here(sink.moment2);
+  }
+
   std::unique_ptr<Backend> cpu_ = make_cpu_backend();
 };
 
