@@ -94,7 +94,7 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
   images.used.resize(args.batch->pixels);
   const bool keep = args.for_backward && switches.backward == BackwardForm::kPerGaussian;
   if (keep) reserve_checkpoints(args);
-  Blend a{views_.data(),
+  Blend a{views_of(*args.batch),
           int(args.batch->views.size()),
           args.instances->tile_begin.data(),
           args.instances->splat.data(),

@@ -145,7 +145,7 @@ void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
   const TileInstances<float>& instances = *args.forward.instances;
   const KernelSwitches& switches = args.forward.options.kernels;
   const bool ordered = switches.deterministic;
-  BlendBackward a{views_.data(),
+  BlendBackward a{views_of(*args.forward.batch),
                   int(args.forward.batch->views.size()),
                   instances.tile_begin.data(),
                   instances.splat.data(),

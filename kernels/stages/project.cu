@@ -159,7 +159,7 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
     if (spans.count == 0) continue;
     const SetArgs a{spans,
                     first,
-                    views_.data(),
+                    views_of(*args.batch),
                     int(args.batch->views.size()),
                     float(args.options.near_plane),
                     float(args.options.far_plane),
@@ -185,7 +185,7 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
     first += spans.count;
   }
   count_tiles<<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
-      args.options.kernels.bounds, args.options.kernels.balanced_instances, views_.data(),
+      args.options.kernels.bounds, args.options.kernels.balanced_instances, views_of(*args.batch),
       splats.splat.data(), splats.rect.data(), capacity, splats.tiles.data(), counters_.data());
   check_launch("project: count_tiles");
   check_device(cudaMemcpyAsync(counters_host_.data(), counters_.data(), sizeof(StepCounters),
@@ -196,7 +196,6 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
 }
 
 void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats) {
-  upload_views(*args.batch);
   const int64_t gaussians = args.sets[0].count + args.sets[1].count;
   visible_.resize(gaussians);
   splats.first_of.resize(gaussians + 1);
@@ -207,7 +206,7 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
     if (spans.count == 0) continue;
     const SetArgs a{spans,
                     first,
-                    views_.data(),
+                    views_of(*args.batch),
                     int(args.batch->views.size()),
                     float(args.options.near_plane),
                     float(args.options.far_plane),

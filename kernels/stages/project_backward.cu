@@ -118,7 +118,7 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
     const SinkArgs<float>& sink = args.sinks[set];
     const Backward a{spans,
                      first,
-                     views_.data(),
+                     views_of(*args.forward.batch),
                      int(args.forward.batch->views.size()),
                      min_of(args.forward.options.sh_degree, sh_degree_of(spans.coefficients)),
                      args.splats->splat.data(),
