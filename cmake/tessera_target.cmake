@@ -1,15 +1,20 @@
 # One way to make a layer's library: sources are listed, links are explicit, flags are the same.
 function(tessera_configure target)
   target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR})
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor
+  set(cxx_flags -Wall -Wextra -Wshadow -Wnon-virtual-dtor
     # Neither flag changes a value; both let the compiler vectorise comparisons and square roots.
     -fno-math-errno -fno-trapping-math)
+  # 20012: GLM's defaulted members carry an annotation that nvcc ignores
+  set(cuda_flags --expt-relaxed-constexpr --extended-lambda -diag-suppress 20012)
   if(TESSERA_NATIVE)
-    target_compile_options(${target} PRIVATE -march=native)
+    list(APPEND cxx_flags -march=native)
   endif()
   if(TESSERA_WERROR)
-    target_compile_options(${target} PRIVATE -Werror)
+    list(APPEND cxx_flags -Werror)
+    list(APPEND cuda_flags -Werror all-warnings)
   endif()
+  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${cxx_flags}>"
+                                           "$<$<COMPILE_LANGUAGE:CUDA>:${cuda_flags}>")
   if(TESSERA_SANITIZE)
     target_compile_options(${target} PUBLIC -fsanitize=address,undefined -fno-omit-frame-pointer
                                             -fno-sanitize-recover=undefined)

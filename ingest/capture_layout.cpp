@@ -8,6 +8,7 @@
 #include <array>
 #include <cctype>
 
+#include "ingest/colmap_model.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/errors.h"
 
@@ -32,12 +33,15 @@ CaptureLayout detect_layout(const std::filesystem::path& capture) {
   if (!std::filesystem::is_directory(capture))
     throw InputError(fmt::format("{}: no such folder; check the path", capture.string()));
   if (has_transforms(capture)) return CaptureLayout::kTransforms;
-  if (!videos_in(capture).empty())
-    return std::filesystem::exists(capture / "poses_bounds.npy") ? CaptureLayout::kN3dv
-                                                                 : CaptureLayout::kVideos;
+  const bool has_videos = !videos_in(capture).empty();
+  if (has_videos && std::filesystem::exists(capture / "poses_bounds.npy"))
+    return CaptureLayout::kN3dv;
+  if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
+  if (has_videos) return CaptureLayout::kVideos;
   throw InputError(fmt::format(
-      "{}: no transforms.json, no transforms_train.json and no videos (*.mp4, *.mkv, *.mov, "
-      "*.avi, *.webm) in it; name the folder that holds the capture",
+      "{}: no transforms.json, no transforms_train.json, no COLMAP model (sparse/0 or sparse with "
+      "cameras.bin or cameras.txt) and no videos (*.mp4, *.mkv, *.mov, *.avi, *.webm) in it; name "
+      "the folder that holds the capture",
       capture.string()));
 }
 

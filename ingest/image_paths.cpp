@@ -22,13 +22,13 @@ std::filesystem::path with_slashes(std::string file_path) {
   return file_path;
 }
 
-bool has_known_extension(const std::filesystem::path& path) {
+}  // namespace
+
+bool is_picture_name(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
-
-}  // namespace
 
 std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& file_path,
                                  const std::string& where) {
@@ -42,7 +42,7 @@ std::filesystem::path find_image(const std::filesystem::path& folder, const std:
   for (const std::string_view extension : kExtensions)
     if (const auto path = with(extension); std::filesystem::is_regular_file(path)) return path;
   throw InputError(fmt::format("{}: no such picture as {}{}; restore it or remove the frame", where,
-                               stated.string(), has_known_extension(stated) ? "" : "(.png)"));
+                               stated.string(), is_picture_name(stated) ? "" : "(.png)"));
 }
 
 std::string name_of_image(const std::string& file_path) {
@@ -50,7 +50,7 @@ std::string name_of_image(const std::string& file_path) {
   std::filesystem::path name;
   for (const std::filesystem::path& part : stated.relative_path().lexically_normal())
     if (part != "." && part != ".." && !part.empty()) name /= part;
-  if (has_known_extension(name)) name.replace_extension();
+  if (is_picture_name(name)) name.replace_extension();
   return name.generic_string();
 }
 

@@ -6,6 +6,9 @@
 
 namespace tessera {
 
+/// True for the extensions of pictures, in either case.
+bool is_picture_name(const std::filesystem::path& path);
+
 /// The existing picture that `file_path` (relative to `folder`, with or without extension) means;
 /// `file_path` + ".png" is tried first. Errors: InputError that starts with `where`.
 std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& file_path,

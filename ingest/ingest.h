@@ -11,14 +11,18 @@
 
 namespace tessera {
 
-enum class CaptureLayout { kTransforms, kN3dv, kVideos };
+enum class CaptureLayout { kTransforms, kN3dv, kColmap, kVideos };
 
 struct IngestOptions {
-  double scale = 1;                   // (0, 1]: size of the prepared frames by the source's
-  std::optional<int64_t> frames;      // first N instants of each camera; all by default
-  std::vector<std::string> held_out;  // camera names that become the test split (videos);
-                                      // empty: the first camera, as N3DV's protocol has it
-  bool allow_static = false;          // accept a capture whose times are all equal
+  double scale = 1;                     // (0, 1]: size of the prepared frames by the source's
+  std::optional<int64_t> frames;        // first N instants of each camera; all by default
+  std::vector<std::string> held_out;    // camera names that become the test split (videos, photos);
+                                        // empty: the first camera, as N3DV's protocol has it
+  bool allow_static = false;            // accept a capture whose times are all equal
+  std::optional<CaptureLayout> layout;  // read it as this, where a folder can be read as several
+  std::string pictures;                 // photo sets: the folder of the photos; empty: images
+  std::optional<int64_t> test_every;  // photo sets: photos 0, N, 2N … by name are the test split;
+                                      // 0: none; by default 8, as the field's protocol has it
 };
 
 struct IngestReport {

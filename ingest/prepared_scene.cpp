@@ -50,7 +50,7 @@ ordered_json tessera_json(const PreparedScene& scene) {
           {"layout", scene.layout},
           {"applied",
            {{"scale", scene.scale},
-            {"undistortion", "none"},
+            {"undistortion", scene.undistortion},
             {"crop", "none"},
             {"world_transform", identity},
             {"background", scene.background}}},

@@ -30,9 +30,10 @@ struct SourceFile {
 };
 
 struct PreparedScene {
-  std::string layout;      // "transforms", "n3dv"
-  std::string background;  // what was done about alpha: "alpha kept", "opaque"
-  double scale = 1;        // prepared size by source size
+  std::string layout;                 // "transforms", "n3dv", "colmap"
+  std::string background;             // what was done about alpha: "alpha kept", "opaque"
+  std::string undistortion = "none";  // the lens models that were removed: "OPENCV, RADIAL"
+  double scale = 1;                   // prepared size by source size
   TimeAxis time_axis;
   Rational time_base;  // seconds a tick of the first camera; 1/1 where times were stated
   bool is_static = false;

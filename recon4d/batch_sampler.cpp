@@ -38,6 +38,12 @@ std::vector<int64_t> BatchSampler::next(int64_t batch) {
   return indices;
 }
 
+std::vector<int64_t> BatchSampler::peek(int64_t skip, int64_t batch) const {
+  BatchSampler ahead = *this;
+  ahead.next(skip * batch);
+  return ahead.next(batch);
+}
+
 void BatchSampler::restore(int64_t epoch, int64_t position) {
   check(position >= 0 && position <= count_, "BatchSampler: position outside the permutation");
   epoch_ = epoch;

@@ -15,6 +15,9 @@ class BatchSampler {
   /// The next B indices in [0, count); a permutation is used up before the next begins.
   std::vector<int64_t> next(int64_t batch);
 
+  /// What `next` will give after `skip` calls more; nothing is used up.
+  std::vector<int64_t> peek(int64_t skip, int64_t batch) const;
+
   int64_t epoch() const { return epoch_; }
   int64_t position() const { return position_; }
   void restore(int64_t epoch, int64_t position);

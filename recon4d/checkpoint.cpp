@@ -16,7 +16,8 @@ namespace {
 
 using nlohmann::json;
 constexpr char kMagic[8] = {'T', 'E', 'S', 'S', 'C', 'K', 'P', 'T'};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
+constexpr size_t kScalar = 4;  // bytes, of float32 and int32
 constexpr size_t kPreamble = sizeof(kMagic) + sizeof(uint32_t) + sizeof(uint64_t);
 
 /// Calls visit(name, buffer, scalars) for every array of a state, in file order.
@@ -33,6 +34,7 @@ void for_each_array(State& state, Visit&& visit) {
     }
     visit(name + ".gradient_sum", statistics.gradient_sum, set.count());
     visit(name + ".gradient_count", statistics.count, set.count());
+    visit(name + ".sh_step", statistics.sh_step, set.count());
   };
   visit_set(state.model.static_set, state.statistics[0], "static");
   visit_set(state.model.dynamic_set, state.statistics[1], "dynamic");
@@ -114,7 +116,7 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
   const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
   const int coefficients = header.at("sh_coefficients");
   const auto scalars = [&](int dim) {
-    int64_t sum = 2;
+    int64_t sum = 3;  // statistics and sh_step, four bytes each like all
     for (int g = 0; g < group_count(dim); ++g) sum += 3 * group_width(Group(g), coefficients);
     return sum;
   };
@@ -129,8 +131,8 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse(path, "damaged checkpoint: impossible numbers in its header");
-  const size_t expected = arrays + sizeof(uint64_t) +
-                          sizeof(float) * size_t(statics * scalars(3) + dynamics * scalars(4));
+  const size_t expected =
+      arrays + sizeof(uint64_t) + kScalar * size_t(statics * scalars(3) + dynamics * scalars(4));
   if (size != expected)
     refuse(path,
            fmt::format("truncated checkpoint: {} bytes, its header promises {}", size, expected));
@@ -161,9 +163,10 @@ void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
   write(&kVersion, sizeof(kVersion));
   write(&length, sizeof(length));
   write(header.data(), header.size());
-  for_each_array(state, [&](const std::string&, const Buffer<float>& buffer, int64_t scalars) {
+  for_each_array(state, [&](const std::string&, const auto& buffer, int64_t scalars) {
     check(buffer.size() == scalars, "checkpoint: array of unexpected length");
-    write(buffer.data(), sizeof(float) * size_t(scalars));
+    check(&buffer.memory() == &host_memory(), "checkpoint: of a state on a device");
+    write(buffer.data(), kScalar * size_t(scalars));
   });
   const uint64_t sum = hash.value();
   file.write(&sum, sizeof(sum));
@@ -186,10 +189,10 @@ Checkpoint load_checkpoint(const std::filesystem::path& path) {
   state.model.static_set.resize(parsed.header.at("num_static"));
   state.model.dynamic_set.resize(parsed.header.at("num_dynamic"));
   const char* from = bytes.data() + parsed.arrays;
-  for_each_array(state, [&](const std::string&, Buffer<float>& buffer, int64_t scalars) {
+  for_each_array(state, [&](const std::string&, auto& buffer, int64_t scalars) {
     buffer.resize(scalars);
-    if (scalars > 0) std::memcpy(buffer.data(), from, sizeof(float) * size_t(scalars));
-    from += sizeof(float) * size_t(scalars);
+    if (scalars > 0) std::memcpy(buffer.data(), from, kScalar * size_t(scalars));
+    from += kScalar * size_t(scalars);
   });
   return checkpoint;
 }

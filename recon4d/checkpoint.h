@@ -1,25 +1,26 @@
 // What: a training stopped between two steps, as one file: resuming goes on bit for bit.
 // Not: a model to ship (model_file.h). Written whole or not at all; the previous one stays.
 // Layout: "TESSCKPT", u32 version, u64 header bytes, JSON header, then the arrays that the header
-// lists in order, float32 little-endian, then u64 FNV-1a of all before it.
+// lists in order, float32 (sh_step: int32) little-endian, then u64 FNV-1a of all before it.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "recon4d/trainer.h"
+#include "recon4d/train_state.h"
 
 namespace tessera {
 
 struct Checkpoint {
-  TrainState state;
+  TrainState state;  // as it was between the steps: its SH may be behind (caught_up_model)
   TrainOptions options;
   nlohmann::json provenance;  // versions, device, scene hash: what the writer knew
 };
 
-/// Errors: InputError with path and reason (disk full, folder not writable); nothing is lost then.
+/// `state` in the host's memory. Errors: InputError with path and reason (disk full, folder not
+/// writable); nothing is lost then.
 void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
                      const TrainOptions& options, const nlohmann::json& provenance);
-/// Errors: InputError: not a checkpoint, a newer version, truncated, damaged.
+/// Errors: InputError: not a checkpoint, another version, truncated, damaged.
 Checkpoint load_checkpoint(const std::filesystem::path& path);
 /// The header alone, for `tessera info`.
 nlohmann::json read_checkpoint_header(const std::filesystem::path& path);

@@ -1,6 +1,6 @@
 // What: adaptive density control of a set: clone, split, prune as index lists and one gather per
-//       parameter group; opacity reset; order for locality.
-// Not: when (schedule.h). Statistics come from the backward pass.
+//       parameter group; opacity reset; order for locality. On any backend.
+// Not: when (schedule.h), nor the rule for one Gaussian (kernels/math/density.h).
 // Source: method A.13, A.14, D.7.
 #pragma once
 #include "kernels/backend.h"
@@ -9,12 +9,20 @@
 
 namespace tessera {
 
-/// What a set has gathered since the last density control.
+/// What a set has gathered since the last density control, and how far its colours have come.
 struct SetStatistics {
-  Buffer<float> gradient_sum, count;  // [N] as DensityStatistics
+  explicit SetStatistics(Memory& memory = host_memory())
+      : gradient_sum(memory), count(memory), sh_step(memory) {}
 
-  void reset(int64_t gaussians);
+  Buffer<float> gradient_sum, count;  // [N] as DensityStatistics
+  Buffer<int32_t> sh_step;            // [N] as LazySh::last_step; used where SH may be behind
+
+  /// Nothing gathered, all colours at `step`. The first is for the host's memory.
+  void reset(int64_t gaussians, int64_t step = 0);
+  void reset(Backend& backend, int64_t gaussians, int64_t step);
+  SetStatistics clone_to(Memory& memory) const;
   DensityStatistics<float> spans() { return {gradient_sum.span(), count.span()}; }
+  DensityStatistics<const float> spans() const { return {gradient_sum.span(), count.span()}; }
 };
 
 struct DensityReport {
@@ -26,21 +34,24 @@ struct DensityContext {
   double extent;     // E, world units
   bool prune_large;  // prune_extent holds
   int64_t room;      // Gaussians that may be added; < 0: no limit
-  uint64_t draw;     // names the random numbers of the split: the step
+  int64_t step;      // steps done; names the random numbers of the split
 };
+
+/// All of these want a set whose SH coefficients are not behind (Backend::catch_up).
 
 /// Clones, splits and prunes; new Gaussians have zero moments; statistics are reset.
 DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,
                               SetStatistics& statistics);
 
 /// logit ← min(logit, logit 0.01), moments of the opacity zeroed.
-void reset_opacity(GaussianSet& set);
+void reset_opacity(Backend& backend, GaussianSet& set);
 
 /// Morton order of the means; a dynamic set then stably by 32 bins of its temporal means.
 void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics);
 
 /// Removes what can never be drawn: opacity below 1/255, a quaternion without length. Returns how
-/// many. For the end of a training.
-int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics);
+/// many. For the end of a training, after `step` steps.
+int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics,
+                        int64_t step);
 
 }  // namespace tessera

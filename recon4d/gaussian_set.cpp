@@ -8,13 +8,18 @@
 
 namespace tessera {
 
+GaussianSet::GaussianSet(int dim, int coefficients, Memory& memory)
+    : dim_(dim), coefficients_(coefficients), memory_(&memory) {
+  for (ParameterGroup& group : groups_) group = ParameterGroup(memory);
+}
+
 void GaussianSet::resize(int64_t count) {
   count_ = count;
   for (int g = 0; g < groups(); ++g) {
     ParameterGroup& group = groups_[size_t(g)];
     group.value.resize(count * width(Group(g)));
-    group.moment1 = Buffer<float>();
-    group.moment2 = Buffer<float>();
+    group.moment1 = Buffer<float>(*memory_);
+    group.moment2 = Buffer<float>(*memory_);
   }
 }
 
@@ -27,6 +32,7 @@ void GaussianSet::set_count(int64_t count) {
 
 void GaussianSet::ensure_moments() {
   if (has_moments()) return;
+  check(memory_ == &host_memory(), "GaussianSet: moments are made on the host");
   for (int g = 0; g < groups(); ++g) {
     ParameterGroup& group = groups_[size_t(g)];
     group.moment1.resize(group.value.size());
@@ -36,12 +42,20 @@ void GaussianSet::ensure_moments() {
   }
 }
 
-GaussianSet GaussianSet::clone_values() const {
-  GaussianSet copy(dim_, coefficients_);
-  copy.resize(count_);
+GaussianSet GaussianSet::clone_to(Memory& memory) const {
+  GaussianSet copy = clone_values(memory);
+  for (int g = 0; g < groups(); ++g) {
+    copy.groups_[size_t(g)].moment1.copy_from(groups_[size_t(g)].moment1);
+    copy.groups_[size_t(g)].moment2.copy_from(groups_[size_t(g)].moment2);
+  }
+  return copy;
+}
+
+GaussianSet GaussianSet::clone_values(Memory& memory) const {
+  GaussianSet copy(dim_, coefficients_, memory);
+  copy.count_ = count_;
   for (int g = 0; g < groups(); ++g)
-    std::copy(groups_[size_t(g)].value.begin(), groups_[size_t(g)].value.end(),
-              copy.groups_[size_t(g)].value.begin());
+    copy.groups_[size_t(g)].value.copy_from(groups_[size_t(g)].value);
   return copy;
 }
 
@@ -49,6 +63,24 @@ int64_t GaussianSet::value_bytes() const {
   int64_t scalars = 0;
   for (int g = 0; g < groups(); ++g) scalars += width(Group(g));
   return count_ * scalars * int64_t(sizeof(float));
+}
+
+namespace {
+
+GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set,
+                        GaussianSet dynamic_set) {
+  return {std::move(static_set), std::move(dynamic_set), like.sh_degree, like.time_axis,
+          like.background,       like.near_plane,        like.far_plane};
+}
+
+}  // namespace
+
+GaussianModel GaussianModel::clone_to(Memory& memory) const {
+  return with_sets(*this, static_set.clone_to(memory), dynamic_set.clone_to(memory));
+}
+
+GaussianModel GaussianModel::clone_values(Memory& memory) const {
+  return with_sets(*this, static_set.clone_values(memory), dynamic_set.clone_values(memory));
 }
 
 }  // namespace tessera

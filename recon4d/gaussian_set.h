@@ -1,5 +1,5 @@
 // What: a set of Gaussians (Dim 3 static or Dim 4 dynamic) that owns its parameter groups and their
-//       Adam moments; a GaussianModel is one static and one dynamic set.
+//       Adam moments, in any memory; a GaussianModel is one static and one dynamic set.
 // Not: rendering, training or files.
 #pragma once
 #include <array>
@@ -13,6 +13,9 @@
 namespace tessera {
 
 struct ParameterGroup {
+  explicit ParameterGroup(Memory& memory = host_memory())
+      : value(memory), moment1(memory), moment2(memory) {}
+
   Buffer<float> value;             // [N, width]
   Buffer<float> moment1, moment2;  // [N, width] Adam's m and v; empty in a model that only renders
 };
@@ -20,11 +23,12 @@ struct ParameterGroup {
 class GaussianSet {
  public:
   /// `coefficients`: SH coefficients per channel that are stored, (degree+1)².
-  GaussianSet(int dim, int coefficients) : dim_(dim), coefficients_(coefficients) {}
+  GaussianSet(int dim, int coefficients, Memory& memory = host_memory());
 
   int dim() const { return dim_; }
   int64_t count() const { return count_; }
   int coefficients() const { return coefficients_; }
+  Memory& memory() const { return *memory_; }
   int groups() const { return group_count(dim_); }
   int width(Group group) const { return group_width(group, coefficients_); }
   ParameterGroup& group(Group group) { return groups_[group]; }
@@ -35,7 +39,7 @@ class GaussianSet {
   /// Declares N after the groups were replaced row by row (density.cpp). Errors: std::logic_error
   /// when a group does not have N rows.
   void set_count(int64_t count);
-  /// Allocates zero moments where there are none.
+  /// Zero moments where there are none. Of a set in the host's memory only: std::logic_error.
   void ensure_moments();
   bool has_moments() const { return !groups_[kMean].moment1.empty() || count_ == 0; }
 
@@ -46,8 +50,10 @@ class GaussianSet {
   GaussianSpans<float> moments1() { return spans<float>(&ParameterGroup::moment1, *this); }
   GaussianSpans<float> moments2() { return spans<float>(&ParameterGroup::moment2, *this); }
 
-  /// Deep copy of values, without moments.
-  GaussianSet clone_values() const;
+  /// Deep copy in a memory, with the moments that there are.
+  GaussianSet clone_to(Memory& memory) const;
+  /// Deep copy of the values alone.
+  GaussianSet clone_values(Memory& memory = host_memory()) const;
   /// Bytes of the values: 4 · N · scalars.
   int64_t value_bytes() const;
 
@@ -62,6 +68,7 @@ class GaussianSet {
 
   int dim_;
   int coefficients_;
+  Memory* memory_;
   int64_t count_ = 0;
   std::array<ParameterGroup, kGroupCount> groups_;
 };
@@ -76,6 +83,9 @@ struct GaussianModel {
   double near_plane = 0.2, far_plane = 1e4;    // world units
 
   int64_t count() const { return static_set.count() + dynamic_set.count(); }
+  /// Deep copies in a memory: with the moments that there are, or of the values alone.
+  GaussianModel clone_to(Memory& memory) const;
+  GaussianModel clone_values(Memory& memory = host_memory()) const;
 };
 
 }  // namespace tessera

@@ -13,12 +13,13 @@ struct StepReport {
   double loss = 0, l1 = 0, ssim = 0;  // mean over the batch
   int64_t num_static = 0, num_dynamic = 0;
   int64_t splats = 0, instances = 0, invalid_gaussians = 0;
-  double seconds = 0;  // of this step
+  double seconds = 0;  // since the report before, or since `run` began
 };
 
 class Observer {
  public:
   virtual ~Observer() = default;
+  /// In the order of steps; up to one step late, but before `run` returns.
   virtual void on_step(const StepReport&) {}
   /// After a density control; `set` is "static" or "dynamic".
   virtual void on_density(int64_t, const std::string&, const DensityReport&) {}

@@ -12,20 +12,40 @@ RenderOptions render_options(const GaussianModel& model) {
   return options;
 }
 
+Renderer::Renderer(Backend& backend, const GaussianModel& model)
+    : backend_(backend), model_(model), options_(render_options(model)), pipeline_(backend) {
+  refresh();
+}
+
+void Renderer::refresh() {
+  for (int k = 0; k < 2; ++k) {
+    const GaussianSet& own = k == 0 ? model_.static_set : model_.dynamic_set;
+    copies_[k].reset();
+    if (&own.memory() != &backend_.memory()) copies_[k] = own.clone_values(backend_.memory());
+  }
+}
+
+const GaussianSet& Renderer::set(int k) const {
+  return copies_[k] ? *copies_[k] : k == 0 ? model_.static_set : model_.dynamic_set;
+}
+
 std::vector<Picture> Renderer::render(const std::vector<View>& views) {
   std::vector<Picture> pictures;
   if (views.empty()) return pictures;
   const Images<float>& images =
-      pipeline_.forward(model_.static_set.values(), model_.dynamic_set.values(), views, options_);
+      pipeline_.forward(set(0).values(), set(1).values(), views, options_);
+  const float *colour = images.colour.data(), *transmittance = images.transmittance.data();
+  if (&backend_.memory() != &host_memory()) {
+    colour_.copy_from(images.colour), transmittance_.copy_from(images.transmittance);
+    colour = colour_.data(), transmittance = transmittance_.data();
+  }
   for (const ViewArgs<float>& view : pipeline_.batch().views) {
-    const size_t pixels = size_t(view.width) * size_t(view.height);
-    Picture picture{view.width, view.height, std::vector<float>(3 * pixels),
-                    std::vector<float>(pixels)};
-    Memory& memory = backend_.memory();
-    memory.copy(picture.rgb.data(), images.colour.data() + 3 * view.first_pixel,
-                3 * pixels * sizeof(float));
-    memory.copy(picture.alpha.data(), images.transmittance.data() + view.first_pixel,
-                pixels * sizeof(float));
+    const int64_t pixels = int64_t(view.width) * view.height;
+    Picture picture{view.width, view.height, {}, {}};
+    const float* rgb = colour + 3 * view.first_pixel;
+    const float* light = transmittance + view.first_pixel;
+    picture.rgb.assign(rgb, rgb + 3 * pixels);
+    picture.alpha.assign(light, light + pixels);
     for (float& value : picture.alpha) value = 1.0f - value;
     pictures.push_back(std::move(picture));
   }

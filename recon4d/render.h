@@ -1,6 +1,7 @@
 // What: pictures of a model: a pipeline with the model's own background, clip planes and SH degree.
 // Not: training (trainer.h has its own pipeline) and not files of pictures (tools/).
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "kernels/pipeline.h"
@@ -20,24 +21,31 @@ struct Picture {
 /// How a model says it wants to be drawn.
 RenderOptions render_options(const GaussianModel& model);
 
-/// Keeps the buffers of a pipeline between calls. Backend and model must outlive it.
+/// Keeps the buffers of a pipeline between calls. Backend and model must outlive it. A set that is
+/// not in the backend's memory is brought there once.
 class Renderer {
  public:
-  Renderer(Backend& backend, const GaussianModel& model)
-      : backend_(backend), model_(model), options_(render_options(model)), pipeline_(backend) {}
+  Renderer(Backend& backend, const GaussianModel& model);
 
   /// One picture per view, all through the kernels as one batch.
   std::vector<Picture> render(const std::vector<View>& views);
+  /// To be called when the model's values have changed.
+  void refresh();
   /// Of the last call: splats, instances, Gaussians that are none.
   PipelineReport report() const { return pipeline_.report(); }
   /// To be changed between calls, e.g. another background.
   RenderOptions& options() { return options_; }
 
  private:
+  /// Set k where the backend can read it.
+  const GaussianSet& set(int k) const;
+
   Backend& backend_;
   const GaussianModel& model_;
   RenderOptions options_;
   Pipeline<float> pipeline_;
+  std::optional<GaussianSet> copies_[2];
+  Buffer<float> colour_, transmittance_;  // of a batch, on the host
 };
 
 /// For a single call.

@@ -30,12 +30,20 @@ struct TrainOptions {
   double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3;
   double lr_opacity = 0.05, lr_sh = 2.5e-3, lr_sh_rest = 1.25e-4;
   bool fused_optimizer = true;
+  std::string idle_updates = "dense";
   // density control
   int64_t densify_from = 600, densify_until = 14900, densify_interval = 100;
   double densify_threshold = 2e-4, dense_fraction = 0.01;
   double prune_opacity = 0.005, prune_extent = 0.1;
   int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
   int64_t reorder_interval = 5000;
+  // how kernels work (KernelSwitches); none changes what is drawn
+  bool rectangular_bounds = true, opacity_bounds = true, tile_culling = true;
+  bool row_intervals = false, balanced_instances = true, separate_sort = true;
+  bool warp_culling = true;
+  std::string backward = "sub-tile";
+  bool deterministic = false;
+  int64_t feed_bytes = 0;
 };
 
 struct OptionRow {
@@ -43,9 +51,10 @@ struct OptionRow {
   std::variant<int64_t TrainOptions::*, double TrainOptions::*, bool TrainOptions::*,
                std::string TrainOptions::*>
       member;
-  double low, high;    // numbers: inclusive range
-  const char* doc;     // one line: meaning and unit
-  const char* source;  // where the default comes from
+  double low, high;                       // numbers: inclusive range
+  const char* doc;                        // one line: meaning and unit
+  const char* source;                     // where the default comes from
+  std::vector<const char*> choices = {};  // text: what it may be; empty: anything
 };
 const std::vector<OptionRow>& train_option_rows();
 

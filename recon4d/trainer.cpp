@@ -4,12 +4,13 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "kernels/base/errors.h"
+#include "kernels/lazy_schedule.h"
 #include "recon4d/initialise.h"
+#include "recon4d/kernel_options.h"
 #include "recon4d/render.h"
 
 namespace tessera {
@@ -56,26 +57,41 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       rig_(make_camera_rig(scene)),
       schedule_(options, rig_.extent),
       sampler_(int64_t(train_frames_.size()), uint64_t(options.seed)),
+      feed_(backend.memory(), scene, train_frames_, options.feed_bytes, options.batch),
       pipeline_(backend),
-      gradients_{{3, state_.model.static_set.coefficients()},
-                 {4, state_.model.dynamic_set.coefficients()}} {
+      gradients_{{3, state_.model.static_set.coefficients(), backend.memory()},
+                 {4, state_.model.dynamic_set.coefficients(), backend.memory()}},
+      table_(backend.memory()) {
   validate(options_);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
-  for (int i = 0; i < 2; ++i) set(i).ensure_moments();
+  for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
+  if (idle_update(options_) == IdleUpdate::kLazy) {
+    const std::vector<double> table = lazy_adam_table(options_.iterations);
+    table_.resize(int64_t(table.size()));
+    backend.memory().copy(table_.data(), table.data(), table.size() * sizeof(double));
+  }
+  if (&backend.memory() != &host_memory()) state_ = state_.clone_to(backend.memory());
 }
 
 void Trainer::run(int64_t iteration, const std::function<bool()>& stop) {
   const int64_t last = std::min(iteration, options_.iterations);
-  while (state_.iteration < last) {
-    if (stop && stop()) return;
-    const auto begin = std::chrono::steady_clock::now();
-    StepReport report = step();
-    report.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    state_.seconds += report.seconds;
-    observer_.on_step(report);
-  }
+  reported_ = std::chrono::steady_clock::now();
+  while (state_.iteration < last && !(stop && stop())) step();
+  complete_pending();
   if (state_.iteration >= options_.iterations && !state_.finished) finish();
+}
+
+const TrainState& Trainer::host_state() {
+  if (&backend_.memory() == &host_memory()) return state_;
+  if (!host_state_) host_state_ = state_.clone_to(host_memory());
+  return *host_state_;
+}
+
+const GaussianModel& Trainer::host_model() {
+  const TrainState& state = host_state();
+  if (!is_behind(state, options_)) return state.model;
+  if (!host_model_) host_model_ = caught_up_model(state, options_);
+  return *host_model_;
 }
 
 int64_t Trainer::room_of(int k) const {
@@ -86,86 +102,126 @@ int64_t Trainer::room_of(int k) const {
   return k == 1 || room == 0 ? room : room * model.static_set.count() / model.count();
 }
 
+void Trainer::catch_up() {
+  if (idle_update(options_) != IdleUpdate::kLazy) return;
+  const StageTimer timer(backend_.clock(), kUpdate);
+  for (int k = 0; k < 2; ++k) backend_.catch_up(lazy(k));
+}
+
 void Trainer::control() {
   const int64_t i = state_.iteration;
-  state_.model.sh_degree = schedule_.sh_degree(i);
+  const int degree = schedule_.sh_degree(i);
+  const bool densifies = schedule_.densify(i), reorders = schedule_.reorder(i);
+  if (densifies) complete_pending();  // it waits for the backend anyway
+  if (densifies || reorders || degree != state_.model.sh_degree) catch_up();
+  state_.model.sh_degree = degree;
   for (int k = 0; k < 2; ++k) {
-    if (set(k).count() == 0) continue;
-    if (schedule_.densify(i)) {
+    GaussianSet& set = state_.set(k);
+    if (set.count() == 0) continue;
+    if (densifies) {
       const DensityReport report = control_density(
-          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k), uint64_t(i)},
-          set(k), state_.statistics[k]);
+          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k), i}, set,
+          state_.statistics[k]);
       observer_.on_density(i, k == 0 ? "static" : "dynamic", report);
     }
-    if (schedule_.reorder(i)) reorder(backend_, set(k), state_.statistics[k]);
-    if (schedule_.reset_opacity(i)) reset_opacity(set(k));
+    if (reorders) reorder(backend_, set, state_.statistics[k]);
+    if (schedule_.reset_opacity(i)) reset_opacity(backend_, set);
   }
 }
 
-StepReport Trainer::step() {
+void Trainer::step() {
+  forget_copies();
   control();
-  std::vector<View> views;
-  Target target;
-  target.weights = {1 - options_.lambda_dssim, options_.lambda_dssim};
-  for (int64_t index : sampler_.next(options_.batch)) {
+  const std::vector<int64_t> batch = sampler_.next(options_.batch);
+  ForwardArgs<float> args{{std::as_const(state_.model.static_set).values(),
+                           std::as_const(state_.model.dynamic_set).values()},
+                          {},
+                          render_options(state_.model),
+                          {lazy(0), lazy(1)},
+                          true};
+  args.options.kernels = kernel_switches(options_);
+  for (const int64_t index : batch) {
     const Frame& frame = scene_.frames[size_t(train_frames_[size_t(index)])];
-    views.push_back({frame.camera, frame.time});
-    target.truth.push_back({frame.image.data.data(), int64_t(frame.image.data.size())});
+    args.views.push_back({frame.camera, frame.time});
   }
-  pipeline_.forward(std::as_const(state_.model.static_set).values(),
-                    std::as_const(state_.model.dynamic_set).values(), views,
-                    render_options(state_.model), true);
-  const std::vector<ViewLoss> losses = pipeline_.loss(target, true);
+  pipeline_.forward(args);
+  complete_pending();  // the forward pass has waited for that step
 
-  StepReport report;
-  for (const ViewLoss& loss : losses) {
-    report.loss += loss.total / double(losses.size());
-    report.l1 += loss.l1 / double(losses.size());
-    report.ssim += loss.ssim / double(losses.size());
-  }
-  const unsigned bad = backward();
-  if (!std::isfinite(report.loss) || bad != 0)
-    throw NumericalError(fmt::format(
-        "step {}: {} not finite; the last checkpoint is intact; lower the learning rates or look "
-        "for broken frames",
-        state_.iteration + 1,
-        bad == 0 ? "the loss is"
-                 : "the gradient of " + group_names(bad, set(1).count() > 0 ? 4 : 3) + " is"));
-  ++state_.iteration;
-  state_.sampler_epoch = sampler_.epoch(), state_.sampler_position = sampler_.position();
   const PipelineReport counts = pipeline_.report();
-  report.iteration = state_.iteration;
+  StepReport report;
+  report.iteration = state_.iteration + 1;
   report.num_static = state_.model.static_set.count();
   report.num_dynamic = state_.model.dynamic_set.count();
   report.splats = counts.splats, report.instances = counts.instances;
   report.invalid_gaussians = counts.invalid_gaussians;
-  return report;
+  pipeline_.loss({feed_.truth(batch), {1 - options_.lambda_dssim, options_.lambda_dssim}}, true);
+  backward();
+  prefetch();
+  ++state_.iteration;
+  state_.sampler_epoch = sampler_.epoch(), state_.sampler_position = sampler_.position();
+  pending_ = report;
 }
 
-unsigned Trainer::backward() {
+void Trainer::backward() {
   const int64_t i = state_.iteration;
   BackwardArgs<float> args;
   for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state_.set(k);
     SinkArgs<float>& sink = args.sinks[k];
     sink.fused = options_.fused_optimizer;
-    sink.value = set(k).values(), sink.moment1 = set(k).moments1();
-    sink.moment2 = set(k).moments2(), sink.adam = schedule_.adam(i, set(k).dim());
+    sink.value = set.values(), sink.moment1 = set.moments1();
+    sink.moment2 = set.moments2(), sink.adam = schedule_.adam(i, set.dim());
+    sink.idle = idle_update(options_), sink.lazy = lazy(k);
     if (!sink.fused) {
-      gradients_[k].resize(set(k).count());
+      gradients_[k].resize(set.count());
       sink.gradient = gradients_[k].values();
     }
     if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();
   }
-  const unsigned bad = pipeline_.backward(args);
-  if (!options_.fused_optimizer && bad == 0)
-    for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
-  return bad;
+  pipeline_.backward(args);
+  if (options_.fused_optimizer) return;
+  const StageTimer timer(backend_.clock(), kUpdate);
+  for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
+}
+
+void Trainer::prefetch() {
+  std::vector<std::vector<int64_t>> upcoming;
+  for (int64_t skip = 0; skip < feed_.ahead(); ++skip)
+    upcoming.push_back(sampler_.peek(skip, options_.batch));
+  if (!upcoming.empty()) feed_.prefetch(upcoming);
+}
+
+void Trainer::complete_pending() {
+  if (!pending_) return;
+  StepReport report = *std::exchange(pending_, std::nullopt);
+  const StepOutcome outcome = pipeline_.outcome();
+  for (const ViewLoss& loss : outcome.losses) {
+    report.loss += loss.total / double(outcome.losses.size());
+    report.l1 += loss.l1 / double(outcome.losses.size());
+    report.ssim += loss.ssim / double(outcome.losses.size());
+  }
+  const unsigned bad = outcome.bad_groups;
+  if (!std::isfinite(report.loss) || bad != 0) {
+    state_.iteration = report.iteration - 1;
+    throw NumericalError(fmt::format(
+        "step {}: {} not finite; the last checkpoint is intact; lower the learning rates or look "
+        "for broken frames",
+        report.iteration,
+        bad == 0 ? "the loss is"
+                 : "the gradient of " + group_names(bad, report.num_dynamic > 0 ? 4 : 3) + " is"));
+  }
+  const auto now = std::chrono::steady_clock::now();
+  report.seconds = std::chrono::duration<double>(now - std::exchange(reported_, now)).count();
+  state_.seconds += report.seconds;
+  observer_.on_step(report);
 }
 
 void Trainer::finish() {
+  forget_copies();
+  catch_up();
   for (int k = 0; k < 2; ++k) {
-    prune_invisible(backend_, set(k), state_.statistics[k]);
-    reorder(backend_, set(k), state_.statistics[k]);
+    prune_invisible(backend_, state_.set(k), state_.statistics[k], state_.iteration);
+    reorder(backend_, state_.set(k), state_.statistics[k]);
   }
   state_.finished = true;
 }

@@ -2,51 +2,56 @@
 // Not: files, printing, evaluation (tools/ drives those between calls of `run`).
 // Source: method A.3 and D.6 for the order of events in a step.
 #pragma once
+#include <chrono>
 #include <functional>
+#include <optional>
 
 #include "kernels/pipeline.h"
 #include "recon4d/batch_sampler.h"
 #include "recon4d/camera_rig.h"
-#include "recon4d/density.h"
+#include "recon4d/frame_feed.h"
 #include "recon4d/observer.h"
 #include "recon4d/schedule.h"
+#include "recon4d/train_state.h"
 
 namespace tessera {
 
-/// Everything a training needs to go on exactly as if it had not stopped.
-struct TrainState {
-  GaussianModel model;
-  SetStatistics statistics[2];  // static, dynamic
-  int64_t iteration = 0;        // steps done
-  int64_t sampler_epoch = 0, sampler_position = 0;
-  double seconds = 0;     // spent in steps
-  bool finished = false;  // the last clean-up is done
-};
-
 class Trainer {
  public:
-  /// `scene` must outlive the trainer. Errors: InputError: no training frames.
+  /// Takes the state, in the host's memory, into the backend's. `scene` must outlive the trainer.
+  /// Errors: InputError: no training frames.
   Trainer(Backend& backend, const Scene& scene, const TrainOptions& options, TrainState state,
           Observer& observer);
 
   /// Steps until `iteration` steps are done in all, or `stop` says so (asked before each step).
-  /// At options.iterations the model is cleaned up and `finished` set.
+  /// At options.iterations the model is cleaned up and `finished` set. All steps are reported
+  /// before it returns.
   /// Errors: NumericalError naming step and parameter when a gradient or the loss is not finite;
-  /// the state then is not to be used: the fused optimizer has already taken the step.
+  /// the state then is not to be used: the optimizer has already taken the step.
   void run(int64_t iteration, const std::function<bool()>& stop = {});
 
+  /// As it is, in the backend's memory: for its numbers.
   const TrainState& state() const { return state_; }
+  /// The same in the host's memory, e.g. for a checkpoint. Valid until the next step.
+  const TrainState& host_state();
+  /// The model in the host's memory with all SH up to date, e.g. for evaluation. Valid until the
+  /// next step.
+  const GaussianModel& host_model();
   const TrainOptions& options() const { return options_; }
-  const std::array<double, kStages>& stage_seconds() const { return pipeline_.stage_seconds(); }
 
  private:
-  StepReport step();
+  void step();
   void control();
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
-  unsigned backward();
+  void catch_up();
+  void backward();
+  void prefetch();
+  /// Reports the last step once the backend knows how it went.
+  void complete_pending();
   void finish();
-  GaussianSet& set(int i) { return i == 0 ? state_.model.static_set : state_.model.dynamic_set; }
+  void forget_copies() { host_state_.reset(), host_model_.reset(); }
+  LazySh<float> lazy(int k) { return lazy_sh(state_, k, options_, table_.span()); }
 
   Backend& backend_;
   const Scene& scene_;
@@ -57,8 +62,14 @@ class Trainer {
   CameraRig rig_;
   Schedule schedule_;
   BatchSampler sampler_;
+  FrameFeed feed_;
   Pipeline<float> pipeline_;
   GaussianSet gradients_[2];  // only with a separate optimizer
+  Buffer<double> table_;      // only with lazy updates
+  std::optional<StepReport> pending_;
+  std::chrono::steady_clock::time_point reported_;  // until when time is accounted for
+  std::optional<TrainState> host_state_;
+  std::optional<GaussianModel> host_model_;
 };
 
 /// The state before step 0. Errors: as initialise_model.

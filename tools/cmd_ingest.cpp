@@ -26,22 +26,30 @@ const char* layout_name(CaptureLayout layout) {
       return "transforms";
     case CaptureLayout::kN3dv:
       return "n3dv";
+    case CaptureLayout::kColmap:
+      return "colmap";
     case CaptureLayout::kVideos:
       return "videos";
   }
   return "";
 }
 
-void check_request(const IngestRequest& request) {
+/// Checks the request; `--poses` may decide the layout.
+void check_request(IngestRequest& request) {
   if (!(request.options.scale > 0 && request.options.scale <= 1))
     throw InputError(fmt::format("ingest: --scale is {}, expected a value above 0 and up to 1",
                                  request.options.scale));
   if (request.frames < 0)
     throw InputError(fmt::format("ingest: --frames is {}, expected 1 or more", request.frames));
   if (request.poses.empty()) return;
+  if (request.poses == "colmap") {
+    request.options.layout = CaptureLayout::kColmap;
+    return;
+  }
   if (request.poses != "n3dv")
     throw InputError(
-        fmt::format("ingest: --poses '{}' is not in this version; there is n3dv (poses_bounds.npy)",
+        fmt::format("ingest: --poses '{}' is not in this version; there are n3dv "
+                    "(poses_bounds.npy) and colmap (sparse/0)",
                     request.poses));
   if (detect_layout(request.capture) != CaptureLayout::kN3dv)
     throw InputError(
@@ -88,11 +96,16 @@ void add_ingest_command(CLI::App& app, Work& work) {
   command->add_option("--frames", request->frames, "first N instants of each camera; 0: all");
   command
       ->add_option("--held-out", request->options.held_out,
-                   "cameras of the test split, by name; default: the first")
+                   "cameras (or photos) of the test split, by name; default: the first")
       ->delimiter(',');
   command->add_flag("--static", request->options.allow_static,
                     "accept times that are all equal as one moment");
-  command->add_option("--poses", request->poses, "where poses come from: n3dv");
+  command->add_option("--poses", request->poses,
+                      "where poses come from: n3dv, or colmap (also beside a transforms.json)");
+  command->add_option("--images", request->options.pictures,
+                      "COLMAP photo sets: folder of the photos, e.g. images_4; default: images");
+  command->add_option("--test-every", request->options.test_every,
+                      "COLMAP photo sets: every Nth photo is for the test; 0: none; default: 8");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return ingest(*request); }; });

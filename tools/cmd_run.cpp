@@ -109,7 +109,8 @@ class Runner {
     if (!must_run("train", train_key_, run_.model())) return true;
     TrainRequest train;
     train.scene = scene_, train.run = run_.root, train.options = options_;
-    train.preset = request_.training.preset, train.backend = request_.training.backend;
+    train.preset = request_.training.preset, train.ablation = request_.training.ablation;
+    train.backend = request_.training.backend;
     train.evaluate_every = request_.training.evaluate_every;
     train.checkpoint_every = request_.training.checkpoint_every;
     train.resume = ledger_.begun("train", train_key_) && fs::exists(run_.checkpoint());

@@ -1,4 +1,4 @@
-// What: `tessera train`: options from preset, --config and command line, in that order.
+// What: `tessera train`: options from preset, ablation, --config and command line, in that order.
 // Not: the training (train_session.cpp).
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "recon4d/ablations.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
@@ -31,6 +32,9 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
     names += fmt::format("\n    {:<10} {}", preset.name, preset.doc);
   command.add_option("--preset", arguments.preset, "set of options:" + names)
       ->capture_default_str();
+  command.add_option("--ablation", arguments.ablation,
+                     "techniques taken out or added, over the preset's: full, basis, no-..., "
+                     "basis+...; a wrong name lists them");
   command.add_option("--config", arguments.config, "JSON file of options, over the preset's");
   command.add_option("--backend", arguments.backend, "cpu or cuda")->capture_default_str();
   command.add_option("--threads", arguments.threads, "CPU threads; 0: all")->capture_default_str();
@@ -56,6 +60,7 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
 TrainOptions resolve_options(const TrainArguments& arguments) {
   TrainOptions options;
   apply_preset(options, arguments.preset);
+  if (!arguments.ablation.empty()) apply_ablation(options, arguments.ablation);
   if (!arguments.config.empty()) {
     const nlohmann::json json =
         nlohmann::json::parse(read_text_file(arguments.config), nullptr, false);
@@ -102,11 +107,13 @@ void add_train_command(CLI::App& app, Work& work) {
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
       request.options = resolve_options(arguments);
-      request.preset = arguments.preset, request.backend = arguments.backend;
+      request.preset = arguments.preset, request.ablation = arguments.ablation;
+      request.backend = arguments.backend;
       request.evaluate_every = arguments.evaluate_every;
       request.checkpoint_every = arguments.checkpoint_every;
       if (parsed->stop_after > 0) request.stop_after = parsed->stop_after;
-      if (request.resume && (!arguments.given.empty() || !arguments.config.empty()))
+      if (request.resume &&
+          (!arguments.given.empty() || !arguments.config.empty() || !arguments.ablation.empty()))
         throw InputError(
             "--resume goes on with the options of the checkpoint; drop the training options or "
             "start a new run folder");

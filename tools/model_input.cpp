@@ -53,9 +53,11 @@ ModelInput load_model_input(const fs::path& path) {
   ModelInput input;
   input.file = model_file_of(path);
   switch (model_kind(input.file)) {
-    case ModelKind::kCheckpoint:
-      input.model = load_checkpoint(input.file).state.model;
+    case ModelKind::kCheckpoint: {
+      const Checkpoint checkpoint = load_checkpoint(input.file);
+      input.model = caught_up_model(checkpoint.state, checkpoint.options);
       break;
+    }
     case ModelKind::kTesseraPly:
       input.model = load_model(input.file);
       break;

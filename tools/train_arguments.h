@@ -10,15 +10,16 @@
 namespace tessera {
 
 struct TrainArguments {
-  std::string preset = "balanced", config, backend = "cpu";
+  std::string preset = "balanced", ablation, config, backend = "cpu";
   std::map<std::string, std::string> given;  // option key → text, as typed
   int threads = 0;
   int64_t evaluate_every = 0, checkpoint_every = 1000;
 };
 
-/// One option per row of the option table, and --preset, --config, --backend, --threads, ….
+/// One option per row of the option table, and --preset, --ablation, --config, --backend,
+/// --threads, ….
 void add_train_options(CLI::App& command, TrainArguments& arguments);
-/// Defaults ← preset ← --config ← command line. Errors: InputError.
+/// Defaults ← preset ← ablation ← --config ← command line. Errors: InputError.
 TrainOptions resolve_options(const TrainArguments& arguments);
 /// Two or three lines for a person.
 std::string training_text(const nlohmann::json& result);

@@ -4,7 +4,6 @@
 #include "tools/train_session.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
+#include "recon4d/trainer.h"
 #include "tools/backend_choice.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
@@ -25,12 +25,6 @@ namespace tessera {
 namespace {
 
 using nlohmann::json;
-
-int64_t peak_resident_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return int64_t(usage.ru_maxrss) * 1024;
-}
 
 /// Tells scenes apart on resume: names, times and sizes of the frames.
 std::string scene_fingerprint(const Scene& scene) {
@@ -72,6 +66,7 @@ json make_config(const TrainRequest& request, const TrainOptions& options, const
                  const std::string& device) {
   return {{"tessera", kVersionText},
           {"preset", request.preset},
+          {"ablation", request.ablation.empty() ? json(nullptr) : json(request.ablation)},
           {"options", to_json(options)},
           {"scene", std::filesystem::absolute(request.scene).string()},
           {"scene_fingerprint", scene_fingerprint(scene)},
@@ -88,9 +83,10 @@ int64_t next_pause(int64_t iteration, int64_t end, const TrainRequest& request) 
   return next;
 }
 
-json score(Backend& backend, const Trainer& trainer, const Scene& scene, TrainingLog& log) {
+json score(Backend& backend, Trainer& trainer, const Scene& scene, TrainingLog& log) {
   const TrainState& state = trainer.state();
-  json scores = score_splits(backend, state.model, scene, held_out_splits(scene), std::nullopt);
+  json scores =
+      score_splits(backend, trainer.host_model(), scene, held_out_splits(scene), std::nullopt);
   json brief = json::object();
   if (scores.contains("splits"))
     for (const auto& [split, of_split] : scores["splits"].items())
@@ -105,20 +101,44 @@ json score(Backend& backend, const Trainer& trainer, const Scene& scene, Trainin
   return scores;
 }
 
-json summary(const Trainer& trainer, const json& scores, const std::string& device) {
+/// The stages of training; evaluations use the same backend and are left out.
+class StageLog {
+ public:
+  explicit StageLog(Backend& backend) : clock_(backend.clock()) {}
+
+  void run(Trainer& trainer, int64_t iteration) {
+    const std::array<StageTotals, kStages> before = clock_.totals();
+    trainer.run(iteration, interrupted);
+    const std::array<StageTotals, kStages> after = clock_.totals();
+    for (size_t s = 0; s < kStages; ++s) {
+      sum_[s].seconds += after[s].seconds - before[s].seconds;
+      sum_[s].bytes += after[s].bytes - before[s].bytes;
+    }
+  }
+  void add_to(json& result) const {
+    for (size_t s = 0; s < kStages; ++s) {
+      const StageTotals& t = sum_[s];
+      result["stage_ms"][kStageNames[s]] = 1000 * t.seconds;
+      result["stage_gbytes"][kStageNames[s]] = t.bytes / 1e9;
+      result["stage_gb_per_s"][kStageNames[s]] = t.seconds > 0 ? t.bytes / 1e9 / t.seconds : 0;
+    }
+  }
+
+ private:
+  StageClock& clock_;
+  std::array<StageTotals, kStages> sum_{};
+};
+
+json summary(const Trainer& trainer, const json& scores, Backend& backend) {
   const TrainState& state = trainer.state();
-  json stages = json::object();
-  for (int s = 0; s < kStages; ++s)
-    stages[kStageNames[s]] = 1000 * trainer.stage_seconds()[size_t(s)];
   return {{"seconds", state.seconds},
           {"iterations", state.iteration},
           {"finished", state.finished},
           {"num_gaussians", state.model.count()},
           {"num_static", state.model.static_set.count()},
           {"num_dynamic", state.model.dynamic_set.count()},
-          {"peak_device_bytes", peak_resident_bytes()},
-          {"stage_ms", stages},
-          {"device", device},
+          {"peak_device_bytes", backend.memory().peak_bytes()},
+          {"device", backend.name()},
           {"scores", scores}};
 }
 
@@ -151,10 +171,13 @@ json train_session(const TrainRequest& request) {
                           ? std::min(options.iterations, start.iteration + *request.stop_after)
                           : options.iterations;
   Trainer trainer(*backend, scene, options, std::move(start), log);
+  StageLog stages(*backend);
   json scores = json::object();
-  const auto save = [&] { save_checkpoint(run.checkpoint(), trainer.state(), options, config); };
+  const auto save = [&] {
+    save_checkpoint(run.checkpoint(), trainer.host_state(), options, config);
+  };
   do {
-    trainer.run(next_pause(trainer.state().iteration, end, request), interrupted);
+    stages.run(trainer, next_pause(trainer.state().iteration, end, request));
     const int64_t i = trainer.state().iteration;
     const bool done = i >= end || interrupted();
     if (done || (request.checkpoint_every > 0 && i % request.checkpoint_every == 0)) save();
@@ -163,8 +186,9 @@ json train_session(const TrainRequest& request) {
       scores = score(*backend, trainer, scene, log);
     if (done) break;
   } while (true);
-  save_model(run.model(), trainer.state().model);
-  json result = summary(trainer, scores, backend->name());
+  save_model(run.model(), trainer.host_model());
+  json result = summary(trainer, scores, *backend);
+  stages.add_to(result);
   result["model"] = run.model().string();
   log.event("end", result);
   return result;

@@ -14,7 +14,7 @@ namespace tessera {
 struct TrainRequest {
   std::filesystem::path scene, run;
   TrainOptions options;
-  std::string preset, backend = "cpu";
+  std::string preset, ablation, backend = "cpu";
   bool resume = false;
   bool overwrite = false;             // an existing run folder may be replaced
   int64_t evaluate_every = 0;         // steps; 0: only at the end
@@ -23,8 +23,8 @@ struct TrainRequest {
 };
 
 /// Trains until the end, an interrupt or stop_after; writes the run folder. The object has
-/// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `finished`, `psnr`,
-/// …. Errors: InputError, NumericalError.
+/// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `stage_gbytes`,
+/// `stage_gb_per_s`, `finished`, `scores`, …. Errors: InputError, NumericalError.
 nlohmann::json train_session(const TrainRequest& request);
 
 }  // namespace tessera

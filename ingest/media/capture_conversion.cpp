@@ -2,6 +2,10 @@
 // Not: any reading of frames; the converters do that.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "ingest/alpha_composite.h"
 #include "ingest/files/png.h"
 #include "ingest/files/staged_folder.h"
@@ -10,6 +14,7 @@
 #include "ingest/point_cloud.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
@@ -25,7 +30,37 @@ void check_options(const IngestOptions& options) {
         fmt::format("--frames is {}, expected at least 1; leave it out for all", *options.frames));
 }
 
+/// Options that one layout alone has.
+void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
+  if (layout == CaptureLayout::kColmap) return;
+  for (const auto& [given, name] : {std::pair{!options.pictures.empty(), "--images"},
+                                    {options.test_every.has_value(), "--test-every"}})
+    if (given)
+      throw InputError(fmt::format(
+          "{} is given, but the capture is not a photo set with a COLMAP model; leave it out",
+          name));
+}
+
 }  // namespace
+
+void convert_pictures(size_t count, const IngestProgress& progress,
+                      const std::function<void(size_t)>& convert) {
+  const size_t chunk = 4 * size_t(thread_count());
+  for (size_t start = 0; start < count; start += chunk) {
+    const size_t size = std::min(chunk, count - start);
+    std::vector<std::string> errors(size);
+    parallel_for(int64_t(size), 1, [&](int64_t begin, int64_t end) {
+      for (auto i = size_t(begin); i < size_t(end); ++i) try {
+          convert(start + i);
+        } catch (const InputError& error) {
+          errors[i] = error.what();
+        }
+    });
+    for (const std::string& error : errors)
+      if (!error.empty()) throw InputError(error);
+    progress("converting pictures", int64_t(start + size), int64_t(count));
+  }
+}
 
 Camera scaled_camera(const Camera& camera, double scale) {
   return camera.resized(scaled_side(camera.width, scale), scaled_side(camera.height, scale));
@@ -48,7 +83,8 @@ void carry_points(const std::filesystem::path& capture, const std::string& state
 IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path& out,
                             const IngestOptions& options, const IngestProgress& progress) {
   check_options(options);
-  const CaptureLayout layout = detect_layout(capture);
+  const CaptureLayout layout = options.layout ? *options.layout : detect_layout(capture);
+  check_layout_options(layout, options);
   if (layout == CaptureLayout::kVideos)
     throw InputError(fmt::format(
         "{}: videos without poses; add poses_bounds.npy (LLFF order, one row a video) or a "
@@ -57,9 +93,10 @@ IngestReport ingest_capture(const std::filesystem::path& capture, const std::fil
   StagedFolder staged(out, is_prepared_scene(out));
   const IngestProgress report_progress =
       progress ? progress : [](std::string_view, int64_t, int64_t) {};
-  IngestReport report = layout == CaptureLayout::kN3dv
-                            ? convert_n3dv(capture, staged.path(), options, report_progress)
-                            : convert_transforms(capture, staged.path(), options, report_progress);
+  const auto convert = layout == CaptureLayout::kN3dv     ? convert_n3dv
+                       : layout == CaptureLayout::kColmap ? convert_colmap
+                                                          : convert_transforms;
+  IngestReport report = convert(capture, staged.path(), options, report_progress);
   report.layout = layout;
   staged.commit();
   return report;

@@ -1,7 +1,8 @@
-// What: the two converters behind ingest_capture: each fills an empty folder with a prepared scene.
+// What: the converters behind ingest_capture: each fills an empty folder with a prepared scene.
 // Not: the choice between them, or the folder's appearance under its name (capture_conversion.cpp).
 #pragma once
 #include <filesystem>
+#include <functional>
 
 #include "ingest/ingest.h"
 #include "ingest/prepared_scene.h"
@@ -16,6 +17,15 @@ IngestReport convert_transforms(const std::filesystem::path& capture,
                                 const std::filesystem::path& folder, const IngestOptions& options,
                                 const IngestProgress& progress);
 
+/// Photos posed by a COLMAP model; a static scene. Errors: as ingest_capture.
+IngestReport convert_colmap(const std::filesystem::path& capture,
+                            const std::filesystem::path& folder, const IngestOptions& options,
+                            const IngestProgress& progress);
+
+/// Calls `convert` for each picture, in parallel, chunk by chunk, so that progress comes from the
+/// calling thread and stops what it wants to stop. Errors: the InputError of the first picture.
+void convert_pictures(size_t count, const IngestProgress& progress,
+                      const std::function<void(size_t)>& convert);
 /// The camera of a picture scaled by `scale`; its rays are those of the original.
 Camera scaled_camera(const Camera& camera, double scale);
 /// Scales `image` and writes it as an RGB or RGBA PNG (grey becomes RGB).

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "ingest/capture_layout.h"
+#include "ingest/held_out_cameras.h"
 #include "ingest/intrinsics.h"
 #include "ingest/llff_poses.h"
 #include "ingest/media/conversion.h"
@@ -34,16 +35,8 @@ void choose_splits(std::vector<VideoCamera>& cameras, const IngestOptions& optio
   }
   std::vector<std::string> names;
   for (const VideoCamera& camera : cameras) names.push_back(camera.name);
-  for (const std::string& held_out : options.held_out) {
-    const auto found = std::find(names.begin(), names.end(), held_out);
-    if (found == names.end())
-      throw InputError(fmt::format("n3dv: no camera '{}' to hold out; the cameras are {}", held_out,
-                                   fmt::join(names, ", ")));
-    cameras[size_t(found - names.begin())].split = Split::kTest;
-  }
-  if (std::all_of(cameras.begin(), cameras.end(),
-                  [](const VideoCamera& camera) { return camera.split == Split::kTest; }))
-    throw InputError("n3dv: all cameras are held out, none is left to train on; hold out fewer");
+  const std::vector<Split> splits = held_out_splits_of(names, options.held_out, "n3dv");
+  for (size_t i = 0; i < cameras.size(); ++i) cameras[i].split = splits[i];
 }
 
 std::vector<VideoCamera> read_cameras(const std::filesystem::path& capture,

@@ -1,6 +1,5 @@
 // What: D-NeRF, NeRF-synthetic, Nerfstudio or prepared captures → prepared scene.
 // Not: parsing (transforms_json.h); alpha is kept, the background is chosen when a scene is loaded.
-#include <algorithm>
 #include <atomic>
 #include <map>
 #include <set>
@@ -9,8 +8,6 @@
 #include "ingest/media/conversion.h"
 #include "ingest/media/image_source.h"
 #include "ingest/source_hash.h"
-#include "kernels/base/errors.h"
-#include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
@@ -54,27 +51,13 @@ bool convert_frame(const TransformsFrame& listed, const std::filesystem::path& f
   return has_alpha;
 }
 
-/// Chunk by chunk, so progress comes from the calling thread and stops what it wants to stop.
 bool convert_frames(const TransformsCapture& capture, const std::filesystem::path& folder,
                     double scale, const IngestProgress& progress, PreparedScene& scene) {
-  const auto count = int64_t(capture.frames.size());
-  const int64_t chunk = 4 * int64_t(thread_count());
   std::atomic<bool> had_alpha{false};
-  std::vector<std::string> errors(capture.frames.size());
-  for (int64_t start = 0; start < count; start += chunk) {
-    const int64_t size = std::min(chunk, count - start);
-    parallel_for(size, 1, [&](int64_t begin, int64_t end) {
-      for (auto i = size_t(start + begin); i < size_t(start + end); ++i) try {
-          if (convert_frame(capture.frames[i], folder, scale, scene.frames[i], scene.sources[i]))
-            had_alpha = true;
-        } catch (const InputError& error) {
-          errors[i] = error.what();
-        }
-    });
-    for (int64_t i = start; i < start + size; ++i)
-      if (!errors[size_t(i)].empty()) throw InputError(errors[size_t(i)]);
-    progress("converting pictures", start + size, count);
-  }
+  convert_pictures(capture.frames.size(), progress, [&](size_t i) {
+    if (convert_frame(capture.frames[i], folder, scale, scene.frames[i], scene.sources[i]))
+      had_alpha = true;
+  });
   return had_alpha;
 }
 

@@ -2,6 +2,8 @@
 // Not: an arena; Buffers keep their capacity, which makes one unnecessary on the host.
 #include "kernels/base/buffer.h"
 
+#include <sys/resource.h>
+
 namespace tessera {
 namespace {
 
@@ -12,6 +14,12 @@ class HostMemory final : public Memory {
   void* allocate(size_t bytes) override { return ::operator new(bytes, kAlignment); }
   void release(void* pointer, size_t) noexcept override { ::operator delete(pointer, kAlignment); }
   void copy(void* to, const void* from, size_t bytes) override { std::memcpy(to, from, bytes); }
+  /// Of the whole program: the host's memory has no other owner.
+  int64_t peak_bytes() const override {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return int64_t(usage.ru_maxrss) * 1024;
+  }
 };
 
 }  // namespace

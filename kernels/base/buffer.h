@@ -21,7 +21,17 @@ class Memory {
   /// 64-byte aligned bytes, never null. Errors: std::bad_alloc (host), DeviceError (device).
   virtual void* allocate(size_t bytes) = 0;
   virtual void release(void* pointer, size_t bytes) noexcept = 0;
+  /// Any direction between this memory and the host's; returns when the bytes are there.
   virtual void copy(void* to, const void* from, size_t bytes) = 0;
+  /// From the host's memory, perhaps later; `wait_copies` orders what is enqueued next after it.
+  virtual void copy_async_in(void* to, const void* from, size_t bytes) { copy(to, from, bytes); }
+  virtual void wait_copies() {}
+  /// Bytes that could still be allocated.
+  virtual int64_t free_bytes() const { return INT64_MAX; }
+  /// The most that was in use so far.
+  virtual int64_t peak_bytes() const { return 0; }
+  /// Allocations beyond fail; 0: no limit.
+  virtual void set_limit(int64_t) {}
 };
 
 /// Memory of the host, shared by every CPU buffer.
@@ -60,7 +70,17 @@ class Buffer {
   /// Sets the length and keeps the values that fit.
   void grow_keep(int64_t count) { reserve(count, std::min(size_, count)), size_ = count; }
 
+  /// Becomes a copy of a buffer that lives here or in another memory.
+  void copy_from(const Buffer& from) {
+    resize(from.size_);
+    if (size_ == 0) return;
+    Memory& mover = memory_ == &host_memory() ? *from.memory_ : *memory_;
+    mover.copy(data_, from.data_, sizeof(T) * static_cast<size_t>(size_));
+  }
+
+  Memory& memory() const { return *memory_; }
   int64_t size() const { return size_; }
+  int64_t capacity() const { return capacity_; }
   bool empty() const { return size_ == 0; }
   T* data() { return data_; }
   const T* data() const { return data_; }

@@ -9,7 +9,7 @@
 #if defined(__CUDACC__)
 #include <cuda.h>
 #define TESSERA_HD __host__ __device__
-#define TESSERA_ONE_COPY __noinline__
+#define TESSERA_ONE_COPY  // project.cu and bin.cu are compiled without contraction instead
 #define TESSERA_UNROLL _Pragma("unroll")
 #ifndef GLM_FORCE_CUDA
 #define GLM_FORCE_CUDA
@@ -17,5 +17,5 @@
 #else
 #define TESSERA_HD
 #define TESSERA_ONE_COPY [[gnu::noinline, gnu::noclone]]
-#define TESSERA_UNROLL _Pragma("GCC unroll 16")
+#define TESSERA_UNROLL
 #endif

@@ -97,14 +97,11 @@ TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianS
   return !out.rect.empty();
 }
 
-/// Drawn colour of a Gaussian whose sliced mean is known, clamped at 0; bit c of `negative`: channel
-/// c was. False when it is not finite.
+/// Drawn colour in a viewing direction, clamped at 0; bit c of `negative`: channel c was. False when
+/// it is not finite.
 template <class Real>
-TESSERA_HD inline bool splat_colour(const ViewArgs<Real>& view, const Vec3<Real>& mean,
-                                    const Real* sh, int degree, Vec3<Real>& drawn,
-                                    uint32_t& negative) {
-  Real distance;
-  const Vec3<Real> direction = view_direction(view, mean, distance);
+TESSERA_HD inline bool drawn_colour(int degree, const Vec3<Real>& direction, const Real* sh,
+                                    Vec3<Real>& drawn, uint32_t& negative) {
   const Vec3<Real> colour = sh_colour(degree, direction, sh);
   const Real sum = colour[0] + colour[1] + colour[2];
   negative = 0;

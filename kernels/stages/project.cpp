@@ -54,7 +54,9 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t 
       Splat<Real>& out = record.splat;
       if (!lazy.last_step.empty())
         catch_up_gaussian(lazy, n, 3 * args.sets[set].coefficients);
-      if (!splat_colour(views[b], splat.slice.mean, g.sh, degree, out.colour, out.negative)) {
+      Real distance;
+      const Vec3<Real> direction = view_direction(views[b], splat.slice.mean, distance);
+      if (!drawn_colour(degree, direction, g.sh, out.colour, out.negative)) {
         ++chunk.invalid;
         break;
       }

@@ -1,0 +1,106 @@
+// What: the distortion of all lens models, and the shortest focal length without blank pixels.
+// Not: an inverse: resampling needs the way from the ideal ray to the picture only.
+// Source: Brown 1966; Kannala, Brandt 2006; Devernay, Faugeras 2001 (field of view).
+#include "ingest/lens.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+constexpr double kLongestFocal = 8;  // times the camera's own; beyond it little picture is left
+
+/// ρ / r of the projection.
+double bending(const Lens& lens, double r) {
+  if (r < 1e-9) r = 1e-9;  // the limit for r → 0, to rounding
+  switch (lens.projection) {
+    case Lens::Projection::kPinhole:
+      return 1;
+    case Lens::Projection::kFisheye:
+      return std::atan(r) / r;
+    case Lens::Projection::kFieldOfView:
+      return std::abs(lens.omega) < 1e-9
+                 ? 1
+                 : std::atan(2 * r * std::tan(0.5 * lens.omega)) / (lens.omega * r);
+  }
+  return 1;
+}
+
+glm::dvec2 in_pixels(const Camera& camera, const glm::dvec2& ray) {
+  return {camera.fl_x * ray.x + camera.cx, camera.fl_y * ray.y + camera.cy};
+}
+
+/// Whether the ray meets the picture, and nowhere on the way there from the axis turns back.
+bool meets_picture(const Camera& camera, const Lens& lens, const glm::dvec2& ray) {
+  constexpr int kSteps = 16;
+  constexpr double kStep = 1e-4;
+  const glm::dvec2 middle = lens.distorted({0, 0});
+  const auto reach = [&](double part) { return glm::length(lens.distorted(ray * part) - middle); };
+  for (int i = 1; i <= kSteps; ++i) {
+    const double part = double(i) / kSteps;
+    if (!(reach(part) > reach(part - kStep))) return false;  // NaN too
+  }
+  const glm::dvec2 pixel = in_pixels(camera, lens.distorted(ray));
+  return pixel.x >= 0 && pixel.y >= 0 && pixel.x <= camera.width && pixel.y <= camera.height;
+}
+
+/// Whether the border pixels' centres of `target` all meet the picture.
+bool sees_all(const Camera& camera, const Lens& lens, const Camera& target) {
+  constexpr int kSamples = 128;  // along each side; distortion is smooth
+  for (int i = 0; i <= kSamples; ++i) {
+    const double x = 0.5 + (target.width - 1) * double(i) / kSamples;
+    const double y = 0.5 + (target.height - 1) * double(i) / kSamples;
+    for (const glm::dvec2& pixel : {glm::dvec2(x, 0.5), glm::dvec2(x, target.height - 0.5),
+                                    glm::dvec2(0.5, y), glm::dvec2(target.width - 0.5, y)})
+      if (!meets_picture(
+              camera, lens,
+              {(pixel.x - target.cx) / target.fl_x, (pixel.y - target.cy) / target.fl_y}))
+        return false;
+  }
+  return true;
+}
+
+Camera with_focal(Camera camera, double factor) {
+  camera.fl_x *= factor, camera.fl_y *= factor;
+  return camera;
+}
+
+}  // namespace
+
+bool Lens::is_pinhole() const {
+  for (const double value : {k1, k2, k3, k4, d1, d2, d3, p1, p2, s1, s2})
+    if (value != 0) return false;
+  return projection == Projection::kPinhole ||
+         (projection == Projection::kFieldOfView && omega == 0);
+}
+
+glm::dvec2 Lens::distorted(const glm::dvec2& ray) const {
+  const glm::dvec2 bent = ray * bending(*this, glm::length(ray));
+  const double x = bent.x, y = bent.y, r2 = x * x + y * y;
+  const double radial =
+      (1 + r2 * (k1 + r2 * (k2 + r2 * (k3 + r2 * k4)))) / (1 + r2 * (d1 + r2 * (d2 + r2 * d3)));
+  return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x) + s1 * r2,
+          y * radial + 2 * p2 * x * y + p1 * (r2 + 2 * y * y) + s2 * r2};
+}
+
+Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where) {
+  if (lens.is_pinhole() || sees_all(camera, lens, camera)) return camera;
+  double too_short = 1, enough = kLongestFocal;
+  if (!sees_all(camera, lens, with_focal(camera, enough)))
+    throw InputError(fmt::format(
+        "{}: its lens distortion has no undistorted picture of this size (it turns back on itself "
+        "in the picture); estimate this camera again, or run `colmap image_undistorter`",
+        where));
+  for (int i = 0; i < 24; ++i) {
+    const double middle = 0.5 * (too_short + enough);
+    (sees_all(camera, lens, with_focal(camera, middle)) ? enough : too_short) = middle;
+  }
+  return with_focal(camera, enough);
+}
+
+}  // namespace tessera

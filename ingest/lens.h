@@ -1,0 +1,36 @@
+// What: a lens: where the ray of an ideal pinhole meets the picture, and the pinhole camera whose
+//       picture can be resampled from it without blank pixels.
+// Not: pixels (media/undistortion.h) or a lens's name in any file format (colmap_camera.h).
+#pragma once
+#include <glm/vec2.hpp>
+#include <string>
+
+#include "kernels/base/camera.h"
+
+namespace tessera {
+
+/// (x, y) = ray with z = 1. First the projection bends it: ρ = r (pinhole), atan r (fisheye),
+/// atan(2 r tan(ω/2)) / ω (field of view). Then, with r² of the bent ray:
+/// x' = x·(1 + k1 r² + k2 r⁴ + k3 r⁶ + k4 r⁸) / (1 + d1 r² + d2 r⁴ + d3 r⁶)
+///      + 2 p1 x y + p2 (r² + 2 x²) + s1 r², and y' alike with p1, p2 exchanged and s2.
+struct Lens {
+  enum class Projection { kPinhole, kFisheye, kFieldOfView };
+  Projection projection = Projection::kPinhole;
+  double k1 = 0, k2 = 0, k3 = 0, k4 = 0;  // radial
+  double d1 = 0, d2 = 0, d3 = 0;          // radial, below the line
+  double p1 = 0, p2 = 0;                  // tangential
+  double s1 = 0, s2 = 0;                  // thin prism
+  double omega = 0;                       // radians, of the field-of-view projection
+
+  /// True where `distorted` changes nothing.
+  bool is_pinhole() const;
+  glm::dvec2 distorted(const glm::dvec2& ray) const;
+};
+
+/// The pinhole camera of the same size, pose and principal point whose every pixel lies in the
+/// picture that `camera` takes through `lens`: the focal length is the camera's, or as much longer
+/// as that needs. Errors: InputError that starts with `where`: no such camera, because the
+/// distortion turns back on itself within the picture.
+Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where);
+
+}  // namespace tessera

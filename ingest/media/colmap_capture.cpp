@@ -1,0 +1,211 @@
+// What: a folder of photos with a COLMAP model → prepared scene: one moment, pinhole pictures.
+// Not: the model's files (colmap_model.h) or the estimation of poses.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <set>
+
+#include "ingest/colmap_model.h"
+#include "ingest/held_out_cameras.h"
+#include "ingest/image_paths.h"
+#include "ingest/intrinsics.h"
+#include "ingest/media/conversion.h"
+#include "ingest/media/image_source.h"
+#include "ingest/media/undistortion.h"
+#include "ingest/point_cloud.h"
+#include "ingest/source_hash.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+constexpr int64_t kTestEvery = 8;  // the field's protocol for photo sets
+
+struct FoundPhoto {
+  ColmapPhoto photo;
+  std::filesystem::path file;
+  std::string name;  // photo.name without extension, where that is unique
+  Split split = Split::kTrain;
+};
+
+/// `images` or the folder that is named; where neither is there, the only one called images_N.
+std::filesystem::path picture_folder(const std::filesystem::path& capture,
+                                     const std::string& named) {
+  const auto stated = capture / (named.empty() ? "images" : named);
+  if (std::filesystem::is_directory(stated)) return stated;
+  std::vector<std::string> others;
+  for (const auto& entry : std::filesystem::directory_iterator(capture))
+    if (entry.is_directory() && entry.path().filename().string().starts_with("images"))
+      others.push_back(entry.path().filename().string());
+  std::sort(others.begin(), others.end());
+  if (named.empty() && others.size() == 1) return capture / others.front();
+  throw InputError(fmt::format(
+      "{}: no such folder; {}", stated.string(),
+      others.empty() ? "put the photos that the COLMAP model was made of there"
+                     : fmt::format("pass --images with one of {}", listed_names(others))));
+}
+
+/// The photo's file: under its own name, else with another extension (reduced copies may be PNG).
+std::filesystem::path file_of(const std::filesystem::path& folder, const std::string& name) {
+  if (auto same = folder / name; std::filesystem::is_regular_file(same)) return same;
+  for (const char* extension : {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG"})
+    if (auto other = (folder / name).replace_extension(extension);
+        std::filesystem::is_regular_file(other))
+      return other;
+  return {};
+}
+
+void count_unregistered(const std::filesystem::path& folder, const std::vector<FoundPhoto>& found,
+                        std::vector<std::string>& warnings) {
+  std::set<std::filesystem::path> registered;
+  for (const FoundPhoto& photo : found) registered.insert(photo.file.lexically_normal());
+  int64_t count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    count += entry.is_regular_file() && is_picture_name(entry.path()) &&
+             !registered.contains(entry.path().lexically_normal());
+  if (count > 0)
+    warnings.push_back(
+        fmt::format("{}: {} pictures are not in the COLMAP model (not registered) and were left "
+                    "out",
+                    folder.string(), count));
+}
+
+/// The photos of the model whose files are there, by name. The split goes by the model's list, so
+/// that a photo that is missing does not change that of the others.
+std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::path& folder,
+                                    int64_t test_every, std::vector<std::string>& warnings) {
+  std::vector<FoundPhoto> found;
+  std::vector<std::string> missing;
+  std::set<std::string> names;
+  for (size_t i = 0; i < model.photos.size(); ++i) {
+    ColmapPhoto& photo = model.photos[i];
+    const auto file = file_of(folder, photo.name);
+    if (file.empty()) {
+      missing.push_back(photo.name);
+      continue;
+    }
+    std::string name = name_of_image(photo.name);
+    if (!names.insert(name).second) names.insert(name = name_of_image(photo.name + ".png"));
+    const bool is_test = test_every > 0 && int64_t(i) % test_every == 0;
+    found.push_back({std::move(photo), file, name, is_test ? Split::kTest : Split::kTrain});
+  }
+  if (found.empty())
+    throw InputError(fmt::format(
+        "{}: none of the {} photos of the COLMAP model is there ({}); put them there, or pass "
+        "--images with the name of their folder",
+        folder.string(), missing.size(), listed_names(missing)));
+  if (!missing.empty())
+    warnings.push_back(fmt::format("{}: {} photos of the COLMAP model are missing: {}",
+                                   folder.string(), missing.size(), listed_names(missing)));
+  count_unregistered(folder, found, warnings);
+  return found;
+}
+
+void choose_splits(std::vector<FoundPhoto>& photos, const IngestOptions& options,
+                   std::vector<std::string>& warnings) {
+  if (!options.held_out.empty()) {
+    std::vector<std::string> names;
+    for (const FoundPhoto& photo : photos) names.push_back(photo.name);
+    const auto splits = held_out_splits_of(names, options.held_out, "colmap");
+    for (size_t i = 0; i < photos.size(); ++i) photos[i].split = splits[i];
+  }
+  if (std::any_of(photos.begin(), photos.end(),
+                  [](const FoundPhoto& photo) { return photo.split == Split::kTrain; }))
+    return;
+  if (photos.size() > 1)
+    throw InputError(fmt::format(
+        "colmap: all {} photos that are there are held out, none is left to train on; pass "
+        "--test-every 0",
+        photos.size()));
+  photos.front().split = Split::kTrain;
+  warnings.push_back("colmap: there is one photo only, none is held out for testing");
+}
+
+/// Decodes, undistorts, scales and writes one photo. True when it has alpha.
+bool convert_photo(const FoundPhoto& found, const std::filesystem::path& folder, double scale,
+                   PreparedFrame& prepared) {
+  Image8 picture = read_picture(found.file);
+  const Camera& stated = found.photo.camera;
+  if (!same_shape(stated.width, stated.height, picture.width, picture.height))
+    throw InputError(fmt::format(
+        "{}: is {}x{}, the COLMAP model has it as {}x{}; use the photos that the model was made of "
+        "(not turned), or reduced copies of the same shape",
+        found.file.string(), picture.width, picture.height, stated.width, stated.height));
+  Camera camera = stated.resized(picture.width, picture.height);
+  if (!found.photo.lens.is_pinhole()) {
+    const Camera pinhole =
+        undistorted_camera(camera, found.photo.lens,
+                           fmt::format("{} ({})", found.file.string(), found.photo.lens_model));
+    picture = undistorted_picture(picture, camera, found.photo.lens, pinhole);
+    camera = pinhole;
+  }
+  prepared.frame.camera = scaled_camera(camera, scale);
+  const bool has_alpha = picture.channels == 4;
+  write_prepared_picture(folder / prepared.file_path, std::move(picture), scale);
+  return has_alpha;
+}
+
+PreparedScene describe(const std::vector<FoundPhoto>& photos, double scale) {
+  PreparedScene scene;
+  scene.layout = "colmap";
+  scene.scale = scale;
+  scene.is_static = true;
+  std::set<std::string> lenses;
+  for (const FoundPhoto& found : photos) {
+    PreparedFrame prepared;
+    prepared.frame.name = "images/" + found.name;
+    prepared.file_path = prepared.frame.name + ".png";
+    prepared.frame.camera_name = found.name;
+    prepared.frame.split = found.split;
+    scene.frames.push_back(std::move(prepared));
+    scene.cameras.push_back({found.name, {}, 0});
+    if (!found.photo.lens.is_pinhole()) lenses.insert(found.photo.lens_model);
+  }
+  if (!lenses.empty()) scene.undistortion = fmt::format("{}", fmt::join(lenses, ", "));
+  return scene;
+}
+
+}  // namespace
+
+IngestReport convert_colmap(const std::filesystem::path& capture,
+                            const std::filesystem::path& folder, const IngestOptions& options,
+                            const IngestProgress& progress) {
+  const int64_t test_every = options.test_every.value_or(kTestEvery);
+  if (test_every < 0 || test_every == 1)
+    throw InputError(
+        fmt::format("--test-every is {}, expected 2 or more, or 0 to hold none out", test_every));
+  const auto model_folder = find_colmap_model(capture);
+  if (model_folder.empty())
+    throw InputError(fmt::format(
+        "{}: no COLMAP model in it; put cameras, images and points3D (.bin or .txt) into sparse/0",
+        capture.string()));
+  ColmapModel model = read_colmap_model(model_folder);
+  IngestReport report;
+  report.warnings = std::move(model.warnings);
+  if (options.frames)
+    report.warnings.push_back("colmap: --frames has no effect on photos, each is one instant");
+  const auto pictures = picture_folder(capture, options.pictures);
+  auto photos =
+      find_photos(model, pictures, options.held_out.empty() ? test_every : 0, report.warnings);
+  choose_splits(photos, options, report.warnings);
+  PreparedScene scene = describe(photos, options.scale);
+  scene.sources.resize(photos.size());
+  std::atomic<bool> had_alpha{false};
+  convert_pictures(photos.size(), progress, [&](size_t i) {
+    if (convert_photo(photos[i], folder, options.scale, scene.frames[i])) had_alpha = true;
+    scene.sources[i] = {photos[i].file.lexically_relative(capture).generic_string(),
+                        source_hash(photos[i].file)};
+  });
+  scene.background = had_alpha ? "alpha kept" : "opaque";
+  for (const auto& file : model.files)
+    scene.sources.push_back({file.lexically_relative(capture).generic_string(), source_hash(file)});
+  report.points = int64_t(model.points.position.size());
+  scene.has_points = report.points > 0;
+  if (scene.has_points) write_points(folder / "points.ply", model.points);
+  write_prepared_scene(folder, scene);
+  report.frames = report.cameras = int64_t(photos.size());
+  return report;
+}
+
+}  // namespace tessera

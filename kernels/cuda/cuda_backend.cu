@@ -1,0 +1,89 @@
+// What: the device, the stream, and what goes between host and device in a step.
+// Not: any stage.
+#include "kernels/cuda/cuda_backend.h"
+
+#include "kernels/base/errors.h"
+#include "kernels/cuda/device_error.h"
+
+namespace tessera {
+
+template <class T>
+T* PinnedArray<T>::reserve(int64_t count) {
+  if (count <= capacity_) return data_;
+  cudaFreeHost(data_);
+  data_ = nullptr;
+  check_device(cudaMallocHost(reinterpret_cast<void**>(&data_), sizeof(T) * size_t(count)),
+               "cudaMallocHost");
+  capacity_ = count;
+  return data_;
+}
+template class PinnedArray<ViewArgs<float>>;
+template class PinnedArray<const uint8_t*>;
+template class PinnedArray<StepCounters>;
+template class PinnedArray<double>;
+
+CudaBackend::Stream::Stream() {
+  int devices = 0;
+  const cudaError_t found = cudaGetDeviceCount(&devices);
+  if (found != cudaSuccess || devices == 0)
+    throw DeviceError(std::string("no CUDA device: ") +
+                      (found != cudaSuccess ? cudaGetErrorString(found) : "none is present") +
+                      "; use --backend cpu");
+  check_device(cudaStreamCreateWithFlags(&handle, cudaStreamNonBlocking), "cudaStreamCreate");
+}
+
+CudaBackend::CudaBackend() {
+  int device = 0;
+  check_device(cudaGetDevice(&device), "cudaGetDevice");
+  cudaDeviceProp properties{};
+  check_device(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
+  name_ = std::string("cuda, ") + properties.name;
+  check_device(cudaEventCreateWithFlags(&reported_, cudaEventDisableTiming), "cudaEventCreate");
+  counters_.resize(1);
+  counters_host_.reserve(2);
+}
+
+CudaBackend::~CudaBackend() {
+  cudaStreamSynchronize(stream_);
+  cudaEventDestroy(reported_);
+}
+
+void CudaBackend::upload_views(const ViewBatch<float>& batch) {
+  const int64_t count = int64_t(batch.views.size());
+  ViewArgs<float>* staged = views_host_.reserve(count);
+  std::copy(batch.views.begin(), batch.views.end(), staged);
+  views_.resize(count);
+  check_device(cudaMemcpyAsync(views_.data(), staged, sizeof(ViewArgs<float>) * size_t(count),
+                               cudaMemcpyHostToDevice, stream_),
+               "copy of views");
+}
+
+void CudaBackend::report() {
+  const size_t losses = 2 * loss_views_.size();
+  loss_sums_host_.reserve(int64_t(losses));
+  if (losses > 0)
+    check_device(cudaMemcpyAsync(loss_sums_host_.data(), loss_sums_.data(), sizeof(double) * losses,
+                                 cudaMemcpyDeviceToHost, stream_),
+                 "copy of losses");
+  check_device(cudaMemcpyAsync(counters_host_.data() + 1, counters_.data(), sizeof(StepCounters),
+                               cudaMemcpyDeviceToHost, stream_),
+               "copy of counters");
+  check_device(cudaEventRecord(reported_, stream_), "cudaEventRecord");
+}
+
+StepOutcome CudaBackend::outcome() {
+  check_device(cudaEventSynchronize(reported_), "waiting for a step");
+  StepOutcome outcome;
+  outcome.bad_groups = counters_host_.data()[1].bad_groups;
+  for (size_t b = 0; b < loss_views_.size(); ++b) {
+    const double samples = 3.0 * loss_views_[b].width * loss_views_[b].height;
+    const double l1 = loss_sums_host_.data()[2 * b] / samples;
+    const double ssim = loss_sums_host_.data()[2 * b + 1] / samples;
+    outcome.losses.push_back({l1, ssim, loss_weights_.l1 * l1 + loss_weights_.dssim * (1 - ssim)});
+  }
+  return outcome;
+}
+
+std::unique_ptr<Backend> make_cuda_backend() { return std::make_unique<CudaBackend>(); }
+
+}  // namespace tessera

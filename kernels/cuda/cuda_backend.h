@@ -1,0 +1,103 @@
+// What: the CUDA traversal of every stage, in float. One stream; the host waits where backend.h
+// says. Not: equations; those are in math/. Each stage is defined in stages/<stage>.cu.
+#pragma once
+#include <cuda_runtime.h>
+
+#include "kernels/backend.h"
+#include "kernels/cuda/device_clock.h"
+#include "kernels/cuda/device_memory.h"
+
+namespace tessera {
+
+/// What kernels of a step count, copied back as one block.
+struct StepCounters {
+  unsigned long long splats, instances;
+  unsigned invalid, bad_groups;
+};
+
+/// Memory of the host that the device can write to while the host goes on.
+template <class T>
+class PinnedArray {
+ public:
+  PinnedArray() = default;
+  PinnedArray(const PinnedArray&) = delete;
+  ~PinnedArray() { cudaFreeHost(data_); }
+  T* reserve(int64_t count);
+  T* data() { return data_; }
+
+ private:
+  T* data_ = nullptr;
+  int64_t capacity_ = 0;
+};
+
+class CudaBackend final : public Backend {
+ public:
+  CudaBackend();
+  ~CudaBackend() override;
+  std::string name() const override { return name_; }
+  Memory& memory() override { return memory_; }
+  StageClock& clock() override { return clock_; }
+  cudaStream_t stream() const { return stream_; }
+
+  void project(const ProjectArgs<float>& args, Splats<float>& splats) override;
+  void bin(const BinArgs<float>& args, TileInstances<float>& instances) override;
+  void blend(const BlendArgs<float>& args, Images<float>& images) override;
+  void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override;
+  void blend_backward(const BlendBackwardArgs<float>& args,
+                      Span<SplatGradient<float>> d_splats) override;
+  void project_backward(const ProjectBackwardArgs<float>& args) override;
+  StepOutcome outcome() override;
+  void adam(const SinkArgs<float>& args) override;
+  void catch_up(const LazySh<float>& lazy) override;
+  void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
+                   Span<float> to) override;
+  void select_rows(const GaussianSpans<const float>& set,
+                   const DensityStatistics<const float>& statistics, const DensityRule& rule,
+                   DensityRows& rows) override;
+  void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override;
+  void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override;
+  void limit_values(Span<float> values, float limit) override;
+  void fill_zero(Span<float> values) override;
+
+ private:
+  struct Stream {
+    cudaStream_t handle = nullptr;
+    Stream();
+    ~Stream() { cudaStreamDestroy(handle); }
+  };
+
+  void upload_views(const ViewBatch<float>& batch);
+  template <class Key>
+  void bin_with(const BinArgs<float>& args, TileInstances<float>& instances);
+  void write_splats(const ProjectArgs<float>& args, Splats<float>& splats);
+  void reserve_checkpoints(const BlendArgs<float>& args);
+  /// Enqueues the copy of losses and bad groups to the host.
+  void report();
+
+  Stream own_stream_;  // before everything that frees memory on it
+  cudaStream_t stream_ = own_stream_.handle;
+  DeviceMemory memory_{stream_};
+  DeviceStageClock clock_{stream_};
+  std::string name_;
+  cudaEvent_t reported_ = nullptr;
+
+  Buffer<ViewArgs<float>> views_{memory_};  // [B] of the batch last projected
+  PinnedArray<ViewArgs<float>> views_host_;
+  Buffer<const uint8_t*> truth_{memory_};  // [B]
+  PinnedArray<const uint8_t*> truth_host_;
+  Buffer<StepCounters> counters_{memory_};
+  PinnedArray<StepCounters> counters_host_;  // [2] after project, after the step
+  Buffer<double> loss_sums_{memory_};        // [B, 2] Σ|I−G|, Σ SSIM
+  PinnedArray<double> loss_sums_host_;
+  std::vector<ViewArgs<float>> loss_views_;  // whose loss is in loss_sums_
+  LossWeights loss_weights_;
+
+  Buffer<int32_t> visible_{memory_};       // [N] views that draw a Gaussian
+  Buffer<uint8_t> scratch_{memory_};       // of the stage that runs
+  Buffer<uint8_t> sort_scratch_{memory_};  // of the library's sorts and scans
+  Buffer<float4> checkpoints_{memory_};    // [buckets · 256] colour and T before every 32nd splat
+  Buffer<int64_t> bucket_begin_{memory_};  // [tiles+1]
+  Buffer<SplatGradient<float>> instance_gradients_{memory_};  // [I] when they are added in order
+};
+
+}  // namespace tessera

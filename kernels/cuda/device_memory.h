@@ -1,0 +1,41 @@
+// What: device memory from the driver's stream-ordered pool, with a limit, a peak, and copies.
+// The pool reserves virtual addresses and maps pages behind them, so that a set that grows and
+// shrinks does not fragment it.
+// Not: managed memory.
+#pragma once
+#include <cuda_runtime.h>
+
+#include "kernels/base/buffer.h"
+
+namespace tessera {
+
+class DeviceMemory final : public Memory {
+ public:
+  /// Allocations and frees are ordered on `stream`.
+  explicit DeviceMemory(cudaStream_t stream);
+  DeviceMemory(const DeviceMemory&) = delete;
+  ~DeviceMemory() override;
+
+  /// Errors: DeviceError with need, have and advice.
+  void* allocate(size_t bytes) override;
+  void release(void* pointer, size_t bytes) noexcept override;
+  /// Any direction; returns when the bytes are there.
+  void copy(void* to, const void* from, size_t bytes) override;
+  /// From host memory, on a stream of its own; `wait_copies` makes later kernels wait for it.
+  void copy_async_in(void* to, const void* from, size_t bytes) override;
+  void wait_copies() override;
+  int64_t free_bytes() const override;
+  /// The most that the pool has held.
+  int64_t peak_bytes() const override;
+  /// Allocations beyond fail as if the card were that small; 0: none. For forecasts and tests.
+  void set_limit(int64_t bytes) override { limit_ = bytes; }
+  int64_t bytes_in_use() const { return in_use_; }
+
+ private:
+  cudaStream_t stream_, copies_ = nullptr;
+  cudaEvent_t copied_ = nullptr, computed_ = nullptr;
+  cudaMemPool_t pool_ = nullptr;
+  int64_t in_use_ = 0, limit_ = 0;
+};
+
+}  // namespace tessera

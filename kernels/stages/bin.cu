@@ -1,0 +1,168 @@
+// What: splats → tile instances on the device: depth order once, then a stable sort by tile.
+// Not: the tile test (math/bounds.h, walked in cuda/tile_walk.cuh), which project has counted with.
+// Compiled without contraction to fused multiply-adds, as project.cu.
+// Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.8, A.9.
+#include "kernels/base/errors.h"
+#include "kernels/cuda/cuda_backend.h"
+#include "kernels/cuda/device_error.h"
+#include "kernels/cuda/scratch.h"
+#include "kernels/cuda/sort.h"
+#include "kernels/cuda/tile_walk.cuh"
+
+namespace tessera {
+namespace {
+
+constexpr int kThreads = 128;
+
+__global__ void count_up(int32_t* values, int64_t count) {
+  const int64_t i = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i < count) values[i] = int32_t(i);
+}
+
+/// Where instances go: `key` by tile, `value` what the sort carries along.
+template <class Key>
+struct InstanceTarget {
+  Key* key;
+  int32_t* value;
+  int32_t* splat_of;  // null: the value is the splat; else the value is the entry's number
+  const float* depth;  // with 64-bit keys: below the tile
+
+  __device__ void write(int64_t entry, int64_t tile, int32_t s) const {
+    if constexpr (sizeof(Key) == 8)
+      key[entry] = Key(tile) << 32 | Key(__float_as_uint(depth[s]));
+    else
+      key[entry] = Key(tile);
+    value[entry] = splat_of != nullptr ? int32_t(entry) : s;
+    if (splat_of != nullptr) splat_of[entry] = s;
+  }
+};
+
+/// The splat of rank r in `order` (null: as they stand) writes its tiles from offset[r] on.
+template <class Key>
+__global__ void __launch_bounds__(kThreads)
+    write_instances(BoundsOptions bounds, bool balanced, const ViewArgs<float>* views,
+                    const Splat<float>* splats, const TileRect* rects, const int32_t* order,
+                    const int64_t* offset, int64_t count, InstanceTarget<Key> target,
+                    int64_t* first_of) {
+  const int64_t r = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const bool on = r < count;
+  const int32_t s = on ? (order != nullptr ? order[r] : int32_t(r)) : 0;
+  Splat<float> splat{};
+  TileRect rect{};
+  int64_t entry = 0, first_tile = 0;
+  int tiles_x = 0;
+  if (on) {
+    splat = splats[s], rect = rects[s], entry = offset[r];
+    first_tile = views[splat.view].first_tile, tiles_x = views[splat.view].tiles_x;
+    if (first_of != nullptr) first_of[s] = entry;
+  }
+  const int64_t begin = entry;
+  walk_tiles(
+      bounds, balanced, splat.footprint(), rect, tiles_x,
+      [&](int tile) { target.write(entry++, first_tile + tile, s); },
+      [&](int owner, bool hit, int tile, int place) {
+        const int64_t their_entry = __shfl_sync(~0u, begin, owner) + place;
+        const int64_t their_tile = __shfl_sync(~0u, first_tile, owner) + tile;
+        const int32_t their_splat = __shfl_sync(~0u, s, owner);
+        if (hit) target.write(their_entry, their_tile, their_splat);
+      });
+}
+
+/// begin[t] = first sorted instance of a tile ≥ t.
+template <class Key>
+__global__ void find_tiles(const Key* keys, int64_t count, int64_t tiles, int64_t* begin) {
+  const int64_t i = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i > count) return;
+  const auto tile = [keys](int64_t at) {
+    return sizeof(Key) == 8 ? int64_t(uint64_t(keys[at]) >> 32) : int64_t(keys[at]);
+  };
+  const int64_t from = i == 0 ? -1 : tile(i - 1), to = i == count ? tiles : tile(i);
+  for (int64_t t = from + 1; t <= to; ++t) begin[t] = i;
+}
+
+/// Sorted entry numbers → splats, and where each entry went.
+__global__ void resolve_entries(const int32_t* sorted, const int32_t* splat_of, int64_t count,
+                                int32_t* splat, int64_t* slot) {
+  const int64_t i = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (i >= count) return;
+  const int32_t entry = sorted[i];
+  splat[i] = splat_of[entry];
+  slot[entry] = i;
+}
+
+}  // namespace
+
+/// The part of `bin` that depends on the width of the keys.
+template <class Key>
+void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out) {
+  const Splats<float>& splats = *args.splats;
+  const KernelSwitches& switches = args.options.kernels;
+  const bool slots = args.for_backward && switches.deterministic;
+  const bool separate = sizeof(Key) < 8;
+  const int64_t S = splats.count, I = out.count;
+  Scratch scratch(scratch_);
+  scratch.plan<Key>(I), scratch.plan<Key>(I), scratch.plan<int32_t>(I);
+  if (slots) scratch.plan<int32_t>(I), scratch.plan<int32_t>(I);
+  scratch.plan<int64_t>(S + 1);
+  if (separate) scratch.plan<uint32_t>(S), scratch.plan<int32_t>(S);
+  scratch.allocate();
+  const Span<Key> keys = scratch.take<Key>(I), sorted = scratch.take<Key>(I);
+  const Span<int32_t> values = scratch.take<int32_t>(I);
+  const Span<int32_t> splat_of = slots ? scratch.take<int32_t>(I) : Span<int32_t>();
+  const Span<int32_t> entries = slots ? scratch.take<int32_t>(I) : Span<int32_t>();
+  const Span<int64_t> offsets = scratch.take<int64_t>(S + 1);
+  if (separate) {
+    const Span<uint32_t> sorted_depth = scratch.take<uint32_t>(S);
+    const Span<int32_t> numbers = scratch.take<int32_t>(S);
+    count_up<<<grid_of(S, 256), 256, 0, stream_>>>(numbers.data, S);
+    // z > 0, so the bits of a depth order as the depth does; equal ones keep the Gaussians' order
+    const Span<const uint32_t> depth{reinterpret_cast<const uint32_t*>(splats.depth.data()), S};
+    sort_pairs(stream_, depth, numbers, 32, sorted_depth, out.depth_order.span(), sort_scratch_);
+    exclusive_sums(stream_, splats.tiles.span(), out.depth_order.span(), offsets, sort_scratch_);
+  } else {
+    exclusive_sums(stream_, splats.tiles.span(), offsets, sort_scratch_);
+  }
+  const InstanceTarget<Key> target{keys.data, values.data, splat_of.data, splats.depth.data()};
+  write_instances<Key><<<grid_of(S, kThreads), kThreads, 0, stream_>>>(
+      switches.bounds, switches.balanced_instances, views_.data(), splats.splat.data(),
+      splats.rect.data(), separate ? out.depth_order.data() : nullptr, offsets.data, S, target,
+      slots ? out.first_of.data() : nullptr);
+  check_launch("bin: write_instances");
+  const int bits = bits_of(args.batch->tiles) + (separate ? 0 : 32);
+  const Span<int32_t> carried = slots ? entries : out.splat.span();
+  sort_pairs(stream_, Span<const Key>(keys), Span<const int32_t>(values), bits, sorted, carried,
+             sort_scratch_);
+  find_tiles<Key><<<grid_of(I + 1, 256), 256, 0, stream_>>>(sorted.data, I, args.batch->tiles,
+                                                            out.tile_begin.data());
+  if (slots)
+    resolve_entries<<<grid_of(I, 256), 256, 0, stream_>>>(entries.data, splat_of.data, I,
+                                                          out.splat.data(), out.slot.data());
+  check_launch("bin: find_tiles");
+  const double passes = std::ceil(bits / 8.0);
+  clock_.add_bytes(kBin, double(S) * (4 * 8 * 2 + 16 + 48 + 16) +
+                             double(I) * (sizeof(Key) + 4) * (1 + 2 * passes));
+}
+
+void CudaBackend::bin(const BinArgs<float>& args, TileInstances<float>& out) {
+  const Splats<float>& splats = *args.splats;
+  const bool slots = args.for_backward && args.options.kernels.deterministic;
+  out.count = splats.instances;
+  if (out.count > INT32_MAX)
+    throw DeviceError("the splats of this batch touch " + std::to_string(out.count) +
+                      " tiles, more than 2147483647; use a smaller batch or smaller pictures");
+  out.splat.resize(out.count);
+  out.tile_begin.resize(args.batch->tiles + 1);
+  out.depth_order.resize(splats.count);
+  out.first_of.resize(slots ? splats.count : 0);
+  out.slot.resize(slots ? out.count : 0);
+  constexpr int64_t kShort = 1 << 16;
+  check(args.batch->tiles <= int64_t{1} << 31, "tiles of a batch fit 31 bits of a key");
+  if (!args.options.kernels.separate_sort)
+    bin_with<uint64_t>(args, out);
+  else if (args.batch->tiles <= kShort)
+    bin_with<uint16_t>(args, out);
+  else
+    bin_with<uint32_t>(args, out);
+}
+
+}  // namespace tessera

@@ -1,0 +1,194 @@
+// What: gradient of blending on the device, front to back from the scalar R = ⟨colour still to come,
+// dL/dC⟩. Lanes are pixels: no checkpoints are needed, and splats that miss a warp's part of the
+// tile are skipped. The other form, lanes as splats, is in blend_backward_per_gaussian.cu.
+// Not: atomics when a fixed order is asked for: warps then add up in shared memory, tiles by slot.
+// Source: method A.11, G.4.
+#include "kernels/base/errors.h"
+#include "kernels/cuda/cuda_backend.h"
+#include "kernels/cuda/device_error.h"
+#include "kernels/cuda/blend_backward_args.cuh"
+
+namespace tessera {
+namespace {
+
+/// Sums the first eight values over a warp: lane l ends with the total of value l / 4.
+__device__ inline float reduce_eight(const float (&v)[kGradientTerms]) {
+  const int lane = int(threadIdx.x) % 32;
+  const bool upper16 = lane & 16, upper8 = lane & 8, upper4 = lane & 4;
+  float w[4];
+  TESSERA_UNROLL
+  for (int k = 0; k < 4; ++k) {
+    const float mine = upper16 ? v[k + 4] : v[k], theirs = upper16 ? v[k] : v[k + 4];
+    w[k] = mine + __shfl_xor_sync(~0u, theirs, 16);
+  }
+  float u[2];
+  TESSERA_UNROLL
+  for (int k = 0; k < 2; ++k) {
+    const float mine = upper8 ? w[k + 2] : w[k], theirs = upper8 ? w[k] : w[k + 2];
+    u[k] = mine + __shfl_xor_sync(~0u, theirs, 8);
+  }
+  const float mine = upper4 ? u[1] : u[0], theirs = upper4 ? u[0] : u[1];
+  float sum = mine + __shfl_xor_sync(~0u, theirs, 4);
+  sum += __shfl_xor_sync(~0u, sum, 2);
+  return sum + __shfl_xor_sync(~0u, sum, 1);
+}
+
+__device__ inline float reduce_one(float v) {
+  TESSERA_UNROLL
+  for (int step = 16; step > 0; step /= 2) v += __shfl_xor_sync(~0u, v, step);
+  return v;
+}
+
+/// A pixel on its way through the splats.
+struct PixelBackward {
+  float T = 1, R = 0, g0 = 0, g1 = 0, g2 = 0;
+  int32_t used = 0;
+
+  __device__ PixelBackward(const BlendBackward& a, const BlockTile& at) {
+    if (!at.inside) return;
+    g0 = a.d_colour[at.colour_at(0)], g1 = a.d_colour[at.colour_at(1)];
+    g2 = a.d_colour[at.colour_at(2)];
+    R = g0 * a.colour[at.colour_at(0)] + g1 * a.colour[at.colour_at(1)] +
+        g2 * a.colour[at.colour_at(2)];
+    used = a.used[at.view->first_pixel + at.pixel];
+  }
+};
+
+template <bool Cull, bool Ordered>
+__global__ void __launch_bounds__(kTileThreads) backward_tiles(BlendBackward a) {
+  __shared__ SharedSplat chunk[kTileThreads];
+  __shared__ int32_t splat_of[kTileThreads];
+  __shared__ int32_t tile_last;
+  __shared__ float partial[Ordered ? kTileWarps : 1][Ordered ? kBucket : 1][kGradientTerms];
+  const int64_t tile = blockIdx.x;
+  const int64_t first = a.tile_begin[tile];
+  if (first == a.tile_begin[tile + 1]) return;
+  const BlockTile at(a.views, a.view_count, tile, int(threadIdx.x));
+  const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
+  PixelBackward pixel(a, at);
+  if (threadIdx.x == 0) tile_last = 0;
+  __syncthreads();
+  const int32_t warp_last = __reduce_max_sync(~0u, pixel.used);
+  if (lane == 0) atomicMax(&tile_last, warp_last);
+  __syncthreads();
+  const int32_t last = tile_last;
+  for (int32_t begin = 0; begin < last; begin += kTileThreads) {
+    __syncthreads();
+    const int count = min(kTileThreads, last - begin);
+    if (int(threadIdx.x) < count) {
+      const int32_t s = a.instance[first + begin + threadIdx.x];
+      chunk[threadIdx.x] = a.splats[s];
+      splat_of[threadIdx.x] = s;
+    }
+    __syncthreads();
+    for (int group = 0; group < count; group += kBucket) {
+      if constexpr (Ordered) {
+        for (int k = int(threadIdx.x); k < kTileWarps * kBucket * kGradientTerms; k += kTileThreads)
+          (&partial[0][0][0])[k] = 0.0f;
+        __syncthreads();
+      } else if (begin + group >= warp_last) {
+        break;
+      }
+      const bool listed = group + lane < count;
+      unsigned hits = __ballot_sync(
+          ~0u, listed && (!Cull || meets_part(chunk[group + lane], at.part_x, at.part_y)));
+      for (; hits != 0; hits &= hits - 1) {
+        const int i = group + __ffs(int(hits)) - 1;
+        const SharedSplat& s = chunk[i];
+        const PixelResponse p(s, at.x, at.y);
+        const bool on = p.alpha >= kMinAlpha<float> && begin + i < pixel.used;
+        if (!__any_sync(~0u, on)) continue;
+        float v[kGradientTerms];
+        blend_step_backward(s, p, on ? p.alpha : 0.0f, pixel.g0, pixel.g1, pixel.g2, pixel.T,
+                            pixel.R, v);
+        const float sum = reduce_eight(v), ninth = reduce_one(v[8]);
+        // lanes 0, 4, … 28 hold the first eight terms, lane 1 takes the ninth
+        const int term = lane == 1 ? 8 : lane / 4;
+        if (lane % 4 != 0 && lane != 1) continue;
+        const float value = lane == 1 ? ninth : sum;
+        if constexpr (Ordered)
+          partial[warp][i - group][term] = value;
+        else
+          atomicAdd(reinterpret_cast<float*>(a.d_splats + splat_of[i]) + term, value);
+      }
+      if constexpr (Ordered) {
+        __syncthreads();
+        for (int k = int(threadIdx.x); k < kBucket * kGradientTerms; k += kTileThreads) {
+          if (group + k / kGradientTerms >= count) break;
+          float sum = 0;
+          for (int w = 0; w < kTileWarps; ++w) sum += (&partial[w][0][0])[k];
+          reinterpret_cast<float*>(a.d_instances + first + begin + group)[k] = sum;
+        }
+        __syncthreads();
+      }
+    }
+  }
+}
+
+/// Gradients of a splat's instances, added in the order in which it was written into tiles.
+__global__ void add_instances(const SplatGradient<float>* d_instances, const int64_t* first_of,
+                              const int32_t* tiles, const int64_t* slot, int64_t count,
+                              float* d_splats) {
+  const int64_t at = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  const int64_t s = at / kGradientTerms;
+  if (s >= count) return;
+  float sum = 0;
+  for (int k = 0; k < tiles[s]; ++k)
+    sum += reinterpret_cast<const float*>(d_instances + slot[first_of[s] + k])[at % kGradientTerms];
+  d_splats[at] = sum;
+}
+
+}  // namespace
+
+void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
+                                 Span<SplatGradient<float>> d_splats) {
+  const TileInstances<float>& instances = *args.forward.instances;
+  const KernelSwitches& switches = args.forward.options.kernels;
+  const bool ordered = switches.deterministic;
+  BlendBackward a{views_.data(),
+                  int(args.forward.batch->views.size()),
+                  instances.tile_begin.data(),
+                  instances.splat.data(),
+                  reinterpret_cast<const SharedSplat*>(args.forward.splats->splat.data()),
+                  args.images->colour.data(),
+                  args.d_colour.data,
+                  args.images->used.data(),
+                  d_splats.data,
+                  nullptr,
+                  checkpoints_.data(),
+                  bucket_begin_.data(),
+                  args.forward.batch->tiles};
+  const auto clear = [&](Span<SplatGradient<float>> gradients) {
+    if (!gradients.empty())
+      check_device(cudaMemsetAsync(gradients.data, 0,
+                                   size_t(gradients.size) * sizeof(SplatGradient<float>), stream_),
+                   "memset");
+  };
+  clear(d_splats);
+  if (ordered) {
+    instance_gradients_.resize(instances.count);
+    clear(instance_gradients_.span());
+    a.d_instances = instance_gradients_.data();
+  }
+  const unsigned tiles = grid_of(args.forward.batch->tiles, 1);
+  if (switches.backward == BackwardForm::kPerGaussian && !ordered) {
+    launch_per_gaussian(a, instances.count, stream_);
+  } else {
+    const bool cull = switches.backward != BackwardForm::kPixel;
+    const auto kernel = cull ? (ordered ? backward_tiles<true, true> : backward_tiles<true, false>)
+                             : (ordered ? backward_tiles<false, true> : backward_tiles<false, false>);
+    kernel<<<tiles, kTileThreads, 0, stream_>>>(a);
+  }
+  check_launch("blend_backward: backward_tiles");
+  if (ordered) {
+    add_instances<<<grid_of(d_splats.size * kGradientTerms, 256), 256, 0, stream_>>>(
+        instance_gradients_.data(), instances.first_of.data(), args.forward.splats->tiles.data(),
+        instances.slot.data(), d_splats.size, reinterpret_cast<float*>(d_splats.data));
+    check_launch("blend_backward: add_instances");
+  }
+  clock_.add_bytes(kBlendBackward, double(instances.count) * (4 + 48 + 36) +
+                                       36.0 * 2 * double(d_splats.size) +
+                                       28.0 * double(args.forward.batch->pixels));
+}
+
+}  // namespace tessera

@@ -1,0 +1,38 @@
+// What: the loss stage of the device: pointers in, two passes enqueued, sums on their way back.
+// Not: the kernels (photometric_kernels.cu).
+#include "kernels/base/errors.h"
+#include "kernels/cuda/cuda_backend.h"
+#include "kernels/cuda/device_error.h"
+#include "kernels/stages/photometric_kernels.h"
+
+namespace tessera {
+
+void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_colour) {
+  const std::vector<ViewArgs<float>>& views = args.batch->views;
+  check(args.truth.size() == views.size(), "photometric: one ground truth per view");
+  const int64_t count = int64_t(views.size());
+  const uint8_t** staged = truth_host_.reserve(count);
+  int width = 0, height = 0;
+  for (size_t b = 0; b < views.size(); ++b) {
+    staged[b] = args.truth[b].data;
+    width = max_of(width, views[b].width), height = max_of(height, views[b].height);
+  }
+  truth_.resize(count);
+  check_device(cudaMemcpyAsync(truth_.data(), staged, sizeof(uint8_t*) * size_t(count),
+                               cudaMemcpyHostToDevice, stream_),
+               "copy of pointers");
+  loss_sums_.resize(2 * count);
+  loss_views_ = views, loss_weights_ = args.weights;
+  scratch_.resize(int64_t(photometric_scratch_bytes(args.batch->pixels, int(count), width, height,
+                                                    !d_colour.empty())));
+  launch_photometric({views_.data(), truth_.data(), int(count), width, height, args.batch->pixels,
+                      args.images->colour.data(), d_colour.data, scratch_.data(),
+                      loss_sums_.data(), float(args.weights.l1), float(args.weights.dssim)},
+                     stream_);
+  check_launch("photometric");
+  report();
+  const double samples = 3.0 * double(args.batch->pixels);
+  clock_.add_bytes(kPhotometric, samples * (d_colour.empty() ? 5 : 5 + 12 + 12 + 5 + 4));
+}
+
+}  // namespace tessera

@@ -1,0 +1,107 @@
+// What: the optimizer as a stage of its own, SH catching up, rows gathered by index, on the device.
+// Not: the fused optimizer (project_backward.cu).
+#include "kernels/base/errors.h"
+#include "kernels/cuda/cuda_backend.h"
+#include "kernels/cuda/device_error.h"
+#include "kernels/stages/gradient_sink.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kThreads = 256;
+
+/// Scalars of a group, rows of `width`, of which the first `head` have step sizes of their own.
+__global__ void adam_group(const float* gradient, float* value, float* m, float* v, int64_t count,
+                           int width, int head, AdamScalars<float> first, AdamScalars<float> rest) {
+  const int64_t i = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  if (i < count) adam_step(i % width < head ? first : rest, gradient[i], value[i], m[i], v[i]);
+}
+
+__global__ void catch_up_scalars(LazySh<float> lazy, int width) {
+  const int64_t at = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t n = at / width;
+  if (n >= lazy.last_step.size) return;
+  const int64_t last = lazy.last_step[n];
+  if (last >= lazy.step) return;
+  catch_up_sh(lazy, lazy_gap<float>(lazy.table.data, last, lazy.step), n * width,
+              int(at % width));
+}
+
+__global__ void set_steps(Span<int32_t> last_step, int32_t step) {
+  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  if (n < last_step.size) last_step[n] = step;
+}
+
+/// T: float or float4, the widest that divides a row.
+template <class T>
+__global__ void gather(const T* from, Span<const int64_t> index, int width, int64_t inherited,
+                       T* to) {
+  const int64_t at = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t i = at / width;
+  if (i >= index.size) return;
+  const int64_t row = i < inherited ? index[i] : -1;
+  to[at] = row >= 0 ? from[row * width + at % width] : T{};
+}
+
+__global__ void limit(Span<float> values, float most) {
+  const int64_t i = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  if (i < values.size) values[i] = fminf(values[i], most);
+}
+
+}  // namespace
+
+void CudaBackend::adam(const SinkArgs<float>& args) {
+  double scalars = 0;
+  for (int g = 0; g < group_count(args.value.dim); ++g) {
+    const Group group = Group(g);
+    const int width = group_width(group, args.value.coefficients);
+    const int64_t count = args.value.count * width;
+    if (count == 0) continue;
+    adam_group<<<grid_of(count, kThreads), kThreads, 0, stream_>>>(
+        args.gradient.group[g].data, args.value.group[g].data, args.moment1.group[g].data,
+        args.moment2.group[g].data, count, width, group == kSh ? 3 : width, args.adam.group[g],
+        args.adam.sh_rest);
+    scalars += double(count);
+  }
+  check_launch("adam");
+  clock_.add_bytes(kUpdate, 28 * scalars);
+}
+
+void CudaBackend::catch_up(const LazySh<float>& lazy) {
+  if (lazy.last_step.empty()) return;
+  const int width = int(lazy.value.size / lazy.last_step.size);
+  catch_up_scalars<<<grid_of(lazy.value.size, kThreads), kThreads, 0, stream_>>>(lazy, width);
+  set_steps<<<grid_of(lazy.last_step.size, kThreads), kThreads, 0, stream_>>>(lazy.last_step,
+                                                                              int32_t(lazy.step));
+  check_launch("catch_up");
+  clock_.add_bytes(kUpdate, 24.0 * double(lazy.value.size));
+}
+
+void CudaBackend::gather_rows(Span<const float> from, Span<const int64_t> index, int width,
+                              int64_t inherited, Span<float> to) {
+  check(to.size == index.size * width, "gather_rows: target size");
+  if (to.empty()) return;
+  if (width % 4 == 0)
+    gather<<<grid_of(to.size / 4, kThreads), kThreads, 0, stream_>>>(
+        reinterpret_cast<const float4*>(from.data), index, width / 4, inherited,
+        reinterpret_cast<float4*>(to.data));
+  else
+    gather<<<grid_of(to.size, kThreads), kThreads, 0, stream_>>>(from.data, index, width,
+                                                                 inherited, to.data);
+  check_launch("gather_rows");
+  clock_.add_bytes(kDensity, 8.0 * double(to.size));
+}
+
+void CudaBackend::limit_values(Span<float> values, float most) {
+  if (values.empty()) return;
+  limit<<<grid_of(values.size, kThreads), kThreads, 0, stream_>>>(values, most);
+  check_launch("limit_values");
+}
+
+void CudaBackend::fill_zero(Span<float> values) {
+  if (!values.empty())
+    check_device(cudaMemsetAsync(values.data, 0, size_t(values.size) * sizeof(float), stream_),
+                 "fill_zero");
+}
+
+}  // namespace tessera

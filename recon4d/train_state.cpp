@@ -1,0 +1,62 @@
+// What: copies of a state, and its SH coefficients brought up to date on the host.
+// Not: the arithmetic of catching up (kernels/math/lazy_adam.h).
+#include "recon4d/train_state.h"
+
+#include <algorithm>
+
+#include "kernels/lazy_schedule.h"
+#include "recon4d/kernel_options.h"
+
+namespace tessera {
+
+TrainState TrainState::clone_to(Memory& memory) const {
+  TrainState copy{model.clone_to(memory),
+                  {statistics[0].clone_to(memory), statistics[1].clone_to(memory)}};
+  copy.iteration = iteration;
+  copy.sampler_epoch = sampler_epoch, copy.sampler_position = sampler_position;
+  copy.seconds = seconds, copy.finished = finished;
+  return copy;
+}
+
+LazySh<float> lazy_sh(TrainState& state, int k, const TrainOptions& options,
+                      Span<const double> table) {
+  if (idle_update(options) != IdleUpdate::kLazy) return {};
+  ParameterGroup& sh = state.set(k).group(kSh);
+  return {state.statistics[k].sh_step.span(),
+          table,
+          sh.value.span(),
+          sh.moment1.span(),
+          sh.moment2.span(),
+          state.iteration,
+          float(options.lr_sh),
+          float(options.lr_sh_rest)};
+}
+
+bool is_behind(const TrainState& state, const TrainOptions& options) {
+  if (idle_update(options) != IdleUpdate::kLazy) return false;
+  return std::any_of(state.statistics, state.statistics + 2, [&](const SetStatistics& statistics) {
+    return std::any_of(statistics.sh_step.begin(), statistics.sh_step.end(),
+                       [&](int32_t step) { return step < state.iteration; });
+  });
+}
+
+GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options) {
+  GaussianModel model = state.model.clone_values();
+  if (!is_behind(state, options)) return model;
+  const std::vector<double> table = lazy_adam_table(state.iteration);
+  const std::unique_ptr<Backend> host = make_cpu_backend();
+  TrainState copy;  // what catching up writes
+  copy.iteration = state.iteration;
+  copy.model = std::move(model);
+  for (int k = 0; k < 2; ++k) {
+    ParameterGroup& sh = copy.set(k).group(kSh);
+    sh.moment1.copy_from(state.set(k).group(kSh).moment1);
+    sh.moment2.copy_from(state.set(k).group(kSh).moment2);
+    copy.statistics[k].sh_step.copy_from(state.statistics[k].sh_step);
+    host->catch_up(lazy_sh(copy, k, options, {table.data(), int64_t(table.size())}));
+    sh.moment1 = Buffer<float>(), sh.moment2 = Buffer<float>();
+  }
+  return std::move(copy.model);
+}
+
+}  // namespace tessera

@@ -1,0 +1,35 @@
+// What: everything a training needs to go on exactly as if it had not stopped, and the model in it.
+// Not: the steps (trainer.h) or the file (checkpoint.h).
+#pragma once
+#include "kernels/backend.h"
+#include "recon4d/density.h"
+#include "recon4d/gaussian_set.h"
+#include "recon4d/train_options.h"
+
+namespace tessera {
+
+struct TrainState {
+  GaussianModel model;          // in any memory; its SH may be behind, see LazySh
+  SetStatistics statistics[2];  // static, dynamic
+  int64_t iteration = 0;        // steps done
+  int64_t sampler_epoch = 0, sampler_position = 0;
+  double seconds = 0;     // spent in steps
+  bool finished = false;  // the last clean-up is done
+
+  GaussianSet& set(int k) { return k == 0 ? model.static_set : model.dynamic_set; }
+  const GaussianSet& set(int k) const { return k == 0 ? model.static_set : model.dynamic_set; }
+  TrainState clone_to(Memory& memory) const;
+};
+
+/// The SH of set k as they may be behind; empty where the options do not let them. `table`:
+/// lazy_adam_table in the state's memory.
+LazySh<float> lazy_sh(TrainState& state, int k, const TrainOptions& options,
+                      Span<const double> table);
+
+/// Whether SH of a state in the host's memory are behind its steps.
+bool is_behind(const TrainState& state, const TrainOptions& options);
+
+/// A copy of the model of a state in the host's memory, with all SH up to date.
+GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options);
+
+}  // namespace tessera

@@ -1,0 +1,113 @@
+// What: the lens equations against COLMAP's formulas written out, and the pinhole camera chosen.
+// Not: resampling (colmap_capture_test.cpp).
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "ingest/colmap_camera.h"
+#include "tests/ingest/capture_fixture.h"
+
+namespace tessera {
+namespace {
+
+using namespace tessera::testing;
+
+Lens lens_of(const std::string& model, const std::vector<double>& parameters) {
+  return make_colmap_camera(colmap_camera_model(model, "test"), 100, 80, parameters, "test").lens;
+}
+
+Camera camera_of_100_by_80() {
+  return {100, 80, 60, 60, 50, 40, glm::dmat3(1), glm::dvec3(0)};
+}
+
+void expect_met(const Lens& lens, const glm::dvec2& ray, double x, double y) {
+  const glm::dvec2 met = lens.distorted(ray);
+  EXPECT_NEAR(met.x, x, 1e-14);
+  EXPECT_NEAR(met.y, y, 1e-14);
+}
+
+// Bugs put back: p1 and p2 exchanged; r⁴ for r⁶; d1 above the line; each seen to fail.
+TEST(Lens, ModelsWithoutFisheye) {
+  const double u = 0.3, v = -0.2, r2 = u * u + v * v;
+  expect_met(lens_of("PINHOLE", {1, 1, 0, 0}), {u, v}, u, v);
+  const double simple = 1 + 0.1 * r2;
+  expect_met(lens_of("SIMPLE_RADIAL", {1, 0, 0, 0.1}), {u, v}, u * simple, v * simple);
+  const double radial = 1 + 0.1 * r2 - 0.05 * r2 * r2;
+  expect_met(lens_of("RADIAL", {1, 0, 0, 0.1, -0.05}), {u, v}, u * radial, v * radial);
+  const double p1 = 0.01, p2 = -0.03;
+  const double x = 2 * p1 * u * v + p2 * (r2 + 2 * u * u);
+  const double y = 2 * p2 * u * v + p1 * (r2 + 2 * v * v);
+  expect_met(lens_of("OPENCV", {1, 1, 0, 0, 0.1, -0.05, p1, p2}), {u, v}, u * radial + x,
+             v * radial + y);
+  const double full = (1 + 0.1 * r2 - 0.05 * r2 * r2 + 0.02 * std::pow(r2, 3)) /
+                      (1 + 0.4 * r2 + 0.5 * r2 * r2 + 0.6 * std::pow(r2, 3));
+  expect_met(lens_of("FULL_OPENCV", {1, 1, 0, 0, 0.1, -0.05, p1, p2, 0.02, 0.4, 0.5, 0.6}), {u, v},
+             u * full + x, v * full + y);
+}
+
+// Bugs put back: thin prism's terms exchanged; ω not halved; the powers of r for those of θ; each
+// seen to fail.
+TEST(Lens, FisheyeModels) {
+  const double u = 0.9, v = -1.2, r = 1.5, theta = std::atan(r), t2 = theta * theta;
+  const auto along = [&](double reach) { return glm::dvec2(u, v) * (reach / r); };
+  const auto expect = [&](const Lens& lens, const glm::dvec2& met) {
+    expect_met(lens, {u, v}, met.x, met.y);
+  };
+  expect(lens_of("SIMPLE_RADIAL_FISHEYE", {1, 0, 0, 0.1}), along(theta * (1 + 0.1 * t2)));
+  expect(lens_of("RADIAL_FISHEYE", {1, 0, 0, 0.1, 0.2}),
+         along(theta * (1 + 0.1 * t2 + 0.2 * t2 * t2)));
+  const double four = 1 + 0.1 * t2 + 0.2 * t2 * t2 - 0.3 * std::pow(t2, 3) + 0.04 * std::pow(t2, 4);
+  expect(lens_of("OPENCV_FISHEYE", {1, 1, 0, 0, 0.1, 0.2, -0.3, 0.04}), along(theta * four));
+  const double a = u * theta / r, b = v * theta / r;
+  expect(
+      lens_of("THIN_PRISM_FISHEYE", {1, 1, 0, 0, 0.1, 0.2, 0.01, 0.02, -0.3, 0.04, 0.005, -0.006}),
+      along(theta * four) + glm::dvec2(2 * 0.01 * a * b + 0.02 * (t2 + 2 * a * a) + 0.005 * t2,
+                                       2 * 0.02 * a * b + 0.01 * (t2 + 2 * b * b) - 0.006 * t2));
+  expect(lens_of("FOV", {1, 1, 0, 0, 0.8}), along(std::atan(2 * r * std::tan(0.4)) / 0.8));
+  EXPECT_TRUE(lens_of("FOV", {1, 1, 0, 0, 0}).is_pinhole());
+  EXPECT_FALSE(lens_of("OPENCV_FISHEYE", {1, 1, 0, 0, 0, 0, 0, 0}).is_pinhole());
+  for (const char* model : {"OPENCV_FISHEYE", "FOV"})  // on the axis nothing is divided by zero
+    expect_met(lens_of(model, model == std::string("FOV")
+                                  ? std::vector<double>{1, 1, 0, 0, 0.8}
+                                  : std::vector<double>{1, 1, 0, 0, 0.1, 0.2, 0.3, 0.4}),
+               {0, 0}, 0, 0);
+}
+
+/// How far the corners' rays fall outside the picture that was taken; 0 or less: inside.
+double overhang(const Camera& camera, const Lens& lens, const Camera& pinhole) {
+  double most = -1e9;
+  for (const double x : {0.5, 50.0, 99.5})
+    for (const double y : {0.5, 40.0, 79.5}) {
+      const glm::dvec2 met = lens.distorted({(x - 50) / pinhole.fl_x, (y - 40) / pinhole.fl_y});
+      const glm::dvec2 pixel = glm::dvec2(50, 40) + glm::dvec2(camera.fl_x, camera.fl_y) * met;
+      most = std::max({most, -pixel.x, -pixel.y, pixel.x - 100, pixel.y - 80});
+    }
+  return most;
+}
+
+// Bugs put back: the focal length always the camera's; the longest one always; no look for a turn
+// back; each seen to fail.
+TEST(Lens, UndistortedCameraHasNoBlankPixels) {
+  const Camera camera = camera_of_100_by_80();
+  const Lens barrel = lens_of("SIMPLE_RADIAL", {1, 0, 0, -0.2});
+  expect_same_camera(undistorted_camera(camera, barrel, "test"), camera, 0);
+  const Lens pincushion = lens_of("SIMPLE_RADIAL", {1, 0, 0, 0.2});
+  const Camera pinhole = undistorted_camera(camera, pincushion, "test");
+  EXPECT_GT(overhang(camera, pincushion, camera), 5);
+  EXPECT_LE(overhang(camera, pincushion, pinhole), 1e-6);
+  EXPECT_GT(overhang(camera, pincushion, pinhole), -0.1);  // not longer than needed
+  EXPECT_EQ(pinhole.fl_x, pinhole.fl_y);
+  EXPECT_EQ(pinhole.cx, 50);
+  EXPECT_EQ(pinhole.width, 100);
+  // r(1 − 2r²) turns back at r = √(1/6), to which the corners must not come.
+  const Lens turning = lens_of("SIMPLE_RADIAL", {1, 0, 0, -2});
+  EXPECT_NEAR(undistorted_camera(camera, turning, "test").fl_x,
+              std::hypot(49.5, 39.5) * std::sqrt(6.0), 0.05);
+  expect_input_error(
+      [&] {
+        undistorted_camera(camera, lens_of("SIMPLE_RADIAL", {1, 0, 0, -100}), "a.jpg (RADIAL)");
+      },
+      {"a.jpg (RADIAL)", "turns back", "image_undistorter"});
+}
+
+}  // namespace
+}  // namespace tessera
