@@ -10,11 +10,6 @@
 namespace tessera::testing {
 namespace {
 
-/// Sums of some 1000 pixels whose terms are exact to 1e-6 and partly cancel; behind nearly opaque
-/// splats R/(1−α) multiplies rounding. A pixel at a cut-off may add or lose α = 1/255 of one splat,
-/// which is up to a hundredth of the gradient of a small one.
-constexpr GroupBounds kGradientBounds{2e-4, 2e-2, 0.005, 2e-4};
-
 class BackendGradient : public EveryBackend {
  protected:
   void expect_gradients(const TestScene<double>& scene) {

@@ -1,5 +1,5 @@
-// What: the random scenes that every backend is compared on, and its bounds for pictures.
-// Not: gradients' bounds (backend_gradient_test.cpp).
+// What: the random scenes that every backend is compared on, and the bounds for its pictures and
+// gradients. Not: the comparison (tests/support/compare.h).
 #pragma once
 #include "tests/support/brute_force.h"
 #include "tests/support/compare.h"
@@ -43,6 +43,11 @@ inline constexpr double kCutoffBand = 1e-4;
 /// may gain or lose one splat of α = 1/255, and one such pixel moves the mean of the smallest
 /// picture by up to 5e-6.
 inline constexpr PictureBounds kPictureBounds{2e-5, 1.2 / 255, 0.02, 5e-6};
+
+/// Sums of some 1000 pixels whose terms are exact to 1e-6 and partly cancel; behind nearly opaque
+/// splats R/(1−α) multiplies rounding. A pixel at a cut-off may add or lose α = 1/255 of one splat,
+/// which is up to a hundredth of the gradient of a small one.
+inline constexpr GroupBounds kGradientBounds{2e-4, 2e-2, 0.005, 2e-4};
 
 /// Pixels of each view of a scene at a cut-off.
 inline std::vector<std::vector<bool>> critical_pixels(const TestScene<double>& scene) {

@@ -2,6 +2,7 @@
 // Not: a second pipeline: both run kernels/pipeline.h. Without a backend it is the CPU's.
 #pragma once
 #include <functional>
+#include <limits>
 
 #include "kernels/cpu_backend.h"
 #include "tests/support/stored_scene.h"
@@ -103,7 +104,10 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   std::vector<StoredGaussians<Real>> gradients;
   std::vector<Buffer<Real>> statistics;
   for (const TestGaussians<Real>* set : sets) {
-    gradients.emplace_back(TestGaussians<Real>(set->dim, set->count, set->coefficients), memory);
+    TestGaussians<Real> unwritten(set->dim, set->count, set->coefficients);
+    for (std::vector<Real>& group : unwritten.group)
+      std::fill(group.begin(), group.end(), std::numeric_limits<Real>::quiet_NaN());
+    gradients.emplace_back(unwritten, memory);
     for (int k = 0; k < 2; ++k)
       statistics.push_back(stored(std::vector<Real>(size_t(set->count), Real(0)), memory));
   }

@@ -1,0 +1,184 @@
+// What: the stages of density control and ordering of every backend against the CPU's.
+// Not: that the CPU's are right: tests/recon4d/train_density_test.cpp, locality_test.cpp.
+#include <numeric>
+
+#include "kernels/cpu_backend.h"
+#include "tests/support/backends.h"
+#include "tests/support/compare.h"
+#include "tests/support/stored_scene.h"
+
+namespace tessera::testing {
+namespace {
+
+constexpr int64_t kCount = 5000;  // more than a block of any kernel
+
+class BackendDensity : public EveryBackend {
+ protected:
+  Backend& cpu() { return cpu_; }
+
+ private:
+  CpuBackend<float> cpu_;
+};
+TESSERA_ON_EVERY_BACKEND(BackendDensity);
+
+/// Sizes on both sides of `largest_clone` and `largest_kept`, opacities of `prune_opacity`, some
+/// quaternions of no length.
+TestGaussians<float> crowd(int dim, uint64_t seed, int64_t count = kCount) {
+  Random random(seed);
+  TestGaussians<double> set = random_gaussians(dim, count, 1, 0.1, random);
+  for (double& x : set.group[kOpacityLogit]) x = random.uniform(-7, 2);
+  for (double& x : set.group[kLogScale]) x = random.uniform(std::log(0.003), std::log(0.4));
+  for (int64_t n = 0; n < count; n += 97) std::fill_n(set.at(kRotation, n), 4, 0.0);
+  for (int64_t n = 0; dim == 4 && n < count; n += 89)
+    std::fill_n(set.at(kRotationRight, n), 4, 0.0);
+  return set.as<float>();
+}
+
+struct Statistic {
+  std::vector<float> sum, count;
+};
+
+Statistic statistic(uint64_t seed, bool ties, int64_t gaussians = kCount) {
+  Random random(seed);
+  Statistic out;
+  for (int64_t n = 0; n < gaussians; ++n) {
+    out.count.push_back(float(random.below(4)));
+    const double mean = ties ? 1e-4 * random.below(6) : random.uniform(0, 5e-4);
+    out.sum.push_back(float(mean) * out.count.back());
+  }
+  return out;
+}
+
+struct Selected {
+  std::vector<int64_t> index;
+  int64_t survivors, clones, parents, pruned;
+  bool operator==(const Selected&) const = default;
+};
+
+Selected select(Backend& on, const TestGaussians<float>& set, const Statistic& s,
+                const DensityRule& rule) {
+  Memory& memory = on.memory();
+  const StoredGaussians<float> gaussians(set, memory);
+  const Buffer<float> sum = stored(s.sum, memory), count = stored(s.count, memory);
+  DensityRows rows(memory);
+  on.select_rows(gaussians.view(), {sum.span(), count.span()}, rule, rows);
+  return {fetched(rows.index, memory), rows.survivors, rows.clones, rows.parents, rows.pruned};
+}
+
+TEST_P(BackendDensity, RowsAreTheCpus) {
+  for (const int dim : {3, 4})
+    for (const bool ties : {false, true})
+      for (const double largest : {0.0, 0.2})
+        for (const int64_t room :
+             {int64_t{-1}, int64_t{0}, int64_t{1}, int64_t{333}, int64_t{100000}}) {
+          SCOPED_TRACE("dim " + std::to_string(dim) + " ties " + std::to_string(ties) + " room " +
+                       std::to_string(room) + " largest " + std::to_string(largest));
+          const TestGaussians<float> set = crowd(dim, 81);
+          const Statistic s = statistic(82, ties);
+          const DensityRule rule{2e-4, 0.005, 0.05, largest, room};
+          const Selected actual = select(backend(), set, s, rule);
+          const Selected expected = select(cpu(), set, s, rule);
+          EXPECT_EQ(actual.survivors, expected.survivors);
+          EXPECT_EQ(actual.clones, expected.clones);
+          EXPECT_EQ(actual.parents, expected.parents);
+          EXPECT_EQ(actual.pruned, expected.pruned);
+          EXPECT_EQ(actual.index, expected.index);
+        }
+}
+
+TEST_P(BackendDensity, RowsOfEmptyAndOfDyingSets) {
+  const DensityRule rule{2e-4, 0.005, 0.05, 0, 10};
+  for (const int64_t count : {0, 1, 70}) {
+    TestGaussians<float> set = crowd(4, 83, count);
+    const Statistic s = statistic(84, false, count);
+    EXPECT_EQ(select(backend(), set, s, rule), select(cpu(), set, s, rule));
+    std::fill(set.group[kOpacityLogit].begin(), set.group[kOpacityLogit].end(), -9.0f);
+    const Selected none = select(backend(), set, s, rule);
+    EXPECT_TRUE(none.index.empty());
+    EXPECT_EQ(none.pruned, count);
+  }
+}
+
+TEST_P(BackendDensity, ChildrenAreTheCpus) {
+  for (const int dim : {3, 4}) {
+    Random random(85);
+    const TestGaussians<float> before = random_gaussians(dim, kCount, 1, 0.1, random).as<float>();
+    constexpr int64_t kFirst = 1234;
+    const auto placed = [&](Backend& on) {
+      StoredGaussians<float> set(before, on.memory());
+      on.place_children(set.spans(), kFirst, 7);
+      return set.fetch();
+    };
+    const TestGaussians<float> actual = placed(backend()), expected = placed(cpu());
+    for (int g = 0; g < group_count(dim); ++g) {
+      const size_t first = size_t(kFirst * group_width(Group(g), 16));
+      for (size_t i = 0; i < first; ++i)
+        ASSERT_EQ(actual.group[g][i], before.group[g][i]) << group_name(Group(g), dim);
+      // offsets of up to 0.8 from logarithms and sines that are good to 1e-6
+      for (size_t i = first; i < before.group[g].size(); ++i)
+        ASSERT_NEAR(actual.group[g][i], expected.group[g][i], 3e-6) << group_name(Group(g), dim);
+    }
+    EXPECT_NE(actual.group[kMean], before.group[kMean]);
+  }
+}
+
+TEST_P(BackendDensity, OrderIsTheCpus) {
+  for (const int dim : {3, 4})
+    for (const int64_t count : {int64_t{0}, int64_t{1}, kCount}) {
+      TestGaussians<float> set = crowd(dim, 86, count);
+      for (int64_t n = 1; n < count; n += 3)  // equal keys: stable
+        std::copy_n(set.at(kMean, n - 1), 3, set.at(kMean, n));
+      const auto order = [&](Backend& on) {
+        const StoredGaussians<float> gaussians(set, on.memory());
+        Buffer<int64_t> out(on.memory());
+        on.locality_order(gaussians.view(), out);
+        return fetched(out, on.memory());
+      };
+      const std::vector<int64_t> actual = order(backend()), expected = order(cpu());
+      EXPECT_EQ(actual, expected) << "dim " << dim << " of " << count;
+    }
+}
+
+TEST_P(BackendDensity, GatheredRowsAreThoseOfTheIndex) {
+  Random random(87);
+  for (const int width : {1, 3, 4, 48}) {
+    std::vector<float> from(size_t(kCount * width));
+    for (float& x : from) x = float(random.uniform(-1, 1));
+    std::vector<int64_t> index;
+    for (int64_t i = 0; i < 2 * kCount; ++i) index.push_back(random.below(int(kCount)));
+    for (size_t i = 0; i < index.size(); i += 11) index[i] = -1;
+    for (const int64_t inherited : {int64_t{0}, kCount + 3, 2 * kCount}) {
+      const Buffer<float> source = stored(from, memory());
+      const Buffer<int64_t> rows = stored(index, memory());
+      Buffer<float> to = stored(std::vector<float>(index.size() * size_t(width), -7), memory());
+      backend().gather_rows(source.span(), rows.span(), width, inherited, to.span());
+      const std::vector<float> actual = fetched(to, memory());
+      for (size_t i = 0; i < actual.size(); ++i) {
+        const size_t row = i / size_t(width), column = i % size_t(width);
+        const bool zero = index[row] < 0 || int64_t(row) >= inherited;
+        ASSERT_EQ(actual[i], zero ? 0.0f : from[size_t(index[row]) * size_t(width) + column]);
+      }
+    }
+  }
+}
+
+TEST_P(BackendDensity, LimitsAndZeros) {
+  Random random(88);
+  std::vector<float> values(kCount);
+  for (float& x : values) x = float(random.uniform(-8, 8));
+  Buffer<float> buffer = stored(values, memory());
+  // the last ones are beyond the span
+  backend().limit_values({buffer.data(), kCount - 3}, -4.6f);
+  std::vector<float> actual = fetched(buffer, memory());
+  for (size_t i = 0; i < values.size(); ++i)
+    ASSERT_EQ(actual[i], i + 3 < values.size() ? std::min(values[i], -4.6f) : values[i]);
+  backend().fill_zero({buffer.data() + 5, kCount - 9});
+  const std::vector<float> zeroed = fetched(buffer, memory());
+  for (size_t i = 0; i < values.size(); ++i)
+    ASSERT_EQ(zeroed[i], i >= 5 && i + 4 < values.size() ? 0.0f : actual[i]) << i;
+  backend().fill_zero({});
+  backend().limit_values({}, 0);
+}
+
+}  // namespace
+}  // namespace tessera::testing

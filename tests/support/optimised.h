@@ -1,0 +1,53 @@
+// What: parameters with Adam's moments in a backend's memory, and the arguments that update them.
+// Not: a trainer: rates are made up, one per group.
+#pragma once
+#include "tests/support/render.h"
+
+namespace tessera::testing {
+
+/// Both sets of a scene on their way through an optimizer.
+template <class Real>
+struct Optimised {
+  StoredGaussians<Real> value[2], moment1[2], moment2[2], gradient[2];
+
+  /// Moments begin as after a hundred steps of gradients around 1e-3, so that no denominator is
+  /// small and rounding stays rounding.
+  Optimised(const TestScene<Real>& scene, Memory& memory)
+      : value{{scene.fixed, memory}, {scene.moving, memory}},
+        moment1{{moments(scene.fixed, 1), memory}, {moments(scene.moving, 1), memory}},
+        moment2{{moments(scene.fixed, 2), memory}, {moments(scene.moving, 2), memory}},
+        gradient{{empty(scene.fixed), memory}, {empty(scene.moving), memory}} {}
+
+  SinkArgs<Real> sink(size_t set, int64_t step, bool fused, IdleUpdate idle = IdleUpdate::kDense) {
+    SinkArgs<Real> args;
+    args.fused = fused, args.idle = idle;
+    args.gradient = gradient[set].spans(), args.value = value[set].spans();
+    args.moment1 = moment1[set].spans(), args.moment2 = moment2[set].spans();
+    for (int g = 0; g < kGroupCount; ++g)
+      args.adam.group[g] = adam_scalars<Real>(1e-3 * (g + 1), step);
+    args.adam.sh_rest = adam_scalars<Real>(1e-4, step);
+    return args;
+  }
+
+  static TestGaussians<Real> empty(const TestGaussians<Real>& set) {
+    return TestGaussians<Real>(set.dim, set.count, set.coefficients);
+  }
+  static TestGaussians<Real> moments(const TestGaussians<Real>& set, int order) {
+    TestGaussians<Real> out = empty(set);
+    Random random(uint64_t(100 * order + set.dim));
+    for (std::vector<Real>& group : out.group)
+      for (Real& x : group)
+        x = Real(float(order == 1 ? random.uniform(-1e-3, 1e-3) : random.uniform(1e-6, 2e-6)));
+    return out;
+  }
+};
+
+/// What has changed since, element by element.
+template <class Real>
+std::vector<double> change(const std::vector<Real>& after, const std::vector<Real>& before) {
+  std::vector<double> out(after.size());
+  for (size_t i = 0; i < out.size(); ++i) out[i] = double(after[i]) - double(before[i]);
+  return out;
+}
+
+}  // namespace tessera::testing
