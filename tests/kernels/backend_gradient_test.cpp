@@ -86,6 +86,22 @@ TEST_P(BackendGradient, FewerStoredBandsThanDegreeThree) {
   expect_gradients(scene);
 }
 
+TEST_P(BackendGradient, GaussiansThatOnlySomeViewsSee) {
+  TestScene<double> scene = random_scene(200, 200, 0.1, 41);
+  for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
+    for (double& x : set->group[kMean]) x *= 2.5;
+  keep_truth_away(scene, 42);
+  const StageRun<float> run = run_stages(scene.as<float>(), backend());
+  int partly = 0, idle = 0;
+  for (size_t n = 0; n < 400; ++n) {
+    const int64_t views = run.first_of[n + 1] - run.first_of[n];
+    partly += views > 0 && views < 3, idle += views == 0;
+  }
+  EXPECT_GT(partly, 100);
+  EXPECT_GT(idle, 10);
+  expect_gradients(scene);
+}
+
 /// The nine numbers of a splat's gradient, by key, as columns.
 template <class Real>
 std::map<int64_t, std::array<double, 9>> rows_of(const StageRun<Real>& run) {
