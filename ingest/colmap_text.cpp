@@ -2,6 +2,7 @@
 // Not: the binary twins (colmap_binary.cpp), which are preferred where both are there.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string_view>

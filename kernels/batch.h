@@ -44,6 +44,7 @@ struct RenderOptions {
   double background[3] = {0, 0, 0};  // linear blend target, [0, 1] RGB
   double near_plane = 0.2;           // world units along the viewing axis
   double far_plane = 1e4;
+  bool sliced_direction = true;  // colours look along eye → mean at the view's moment; else → μ
   KernelSwitches kernels;
 };
 

@@ -13,7 +13,7 @@ struct BlendBackward {
   int view_count;
   const int64_t* tile_begin;
   const int32_t* instance;
-  const SharedSplat* splats;
+  const Splat<float>* splats;
   const float* colour;    // the picture, background included
   const float* d_colour;  // planar as the picture
   const int32_t* used;
@@ -24,22 +24,47 @@ struct BlendBackward {
   int64_t tiles;
 };
 
-/// A pixel takes its step past a splat: T and R advance, and its share of the splat's gradient comes
-/// out in the order of SplatGradient. `alpha` is 0 where the splat is not drawn.
-__device__ inline void blend_step_backward(const SharedSplat& s, const PixelResponse& p,
-                                           float alpha, float g0, float g1, float g2, float& T,
-                                           float& R, float (&v)[kGradientTerms]) {
-  const float weight = T * alpha, rest = 1.0f - alpha;
-  const float kappa = s.b.z * g0 + s.b.w * g1 + s.c.x * g2;
-  R -= weight * kappa;
-  const float beyond = __fdividef(R, fmaxf(rest, kMinOneMinusAlpha<float>));
-  const float d_alpha = alpha > 0.0f ? T * kappa - beyond : 0.0f;
-  T *= rest;
-  const float h = -alpha * d_alpha, half = 0.5f * h;
-  v[0] = h * p.gx, v[1] = h * p.gy;
-  v[2] = half * p.dx * p.dx, v[3] = half * p.dx * p.dy, v[4] = half * p.dy * p.dy;
-  v[5] = p.falloff * d_alpha;
-  v[6] = weight * g0, v[7] = weight * g1, v[8] = weight * g2;
+/// A pixel on its way back through the splats.
+struct PixelBackward {
+  float x = 0, y = 0;  // centre
+  float T = 1, R = 0;  // light that is left; ⟨colour still to come, dL/dC⟩
+  float g0 = 0, g1 = 0, g2 = 0;
+  int32_t used = 0;
+
+  __device__ PixelBackward() = default;
+  /// `before`: colour and T in front of the first splat it meets.
+  __device__ PixelBackward(const BlendBackward& a, const TilePixel& at, const float4& before)
+      : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(before.w) {
+    if (!at.inside) return;
+    const int64_t c0 = at.colour_at(0), c1 = at.colour_at(1), c2 = at.colour_at(2);
+    g0 = a.d_colour[c0], g1 = a.d_colour[c1], g2 = a.d_colour[c2];
+    R = g0 * (a.colour[c0] - before.x) + g1 * (a.colour[c1] - before.y) +
+        g2 * (a.colour[c2] - before.z);
+    used = a.used[at.index];
+  }
+
+  /// Takes its step past a splat and adds its share of the splat's gradient, in the order of
+  /// SplatGradient but for the factors of `gradient_scale`.
+  __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on,
+                       float (&v)[kGradientTerms]) {
+    const float alpha = on ? p.alpha : 0.0f;
+    const float weight = T * alpha, rest = 1.0f - alpha;
+    const float kappa = s.b.z * g0 + s.b.w * g1 + s.c.x * g2;
+    R -= weight * kappa;
+    const float beyond = __fdividef(R, fmaxf(rest, kMinOneMinusAlpha<float>));
+    const float d_alpha = on ? T * kappa - beyond : 0.0f;
+    T *= rest;
+    const float h = -alpha * d_alpha, hx = h * p.dx, hy = h * p.dy;
+    v[0] += h * p.gx, v[1] += h * p.gy;
+    v[2] += hx * p.dx, v[3] += hx * p.dy, v[4] += hy * p.dy;
+    v[5] += p.falloff * d_alpha;
+    v[6] += weight * g0, v[7] += weight * g1, v[8] += weight * g2;
+  }
+};
+
+/// What sums of PixelBackward::step still have to be multiplied with.
+__device__ inline float gradient_scale(int term) {
+  return term < 2 ? 1.0f / kExponent : term < 5 ? 0.5f : 1.0f;
 }
 
 /// Lanes as splats; needs checkpoints.

@@ -2,6 +2,8 @@
 // Not: any stage.
 #include "kernels/cuda/cuda_backend.h"
 
+#include <cstring>
+
 #include "kernels/base/errors.h"
 #include "kernels/cuda/device_error.h"
 
@@ -38,24 +40,30 @@ CudaBackend::CudaBackend() {
   cudaDeviceProp properties{};
   check_device(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
   name_ = std::string("cuda, ") + properties.name;
-  check_device(cudaEventCreateWithFlags(&reported_, cudaEventDisableTiming), "cudaEventCreate");
+  for (cudaEvent_t* event : {&reported_, &views_copied_})
+    check_device(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "cudaEventCreate");
   counters_.resize(1);
   counters_host_.reserve(2);
 }
 
 CudaBackend::~CudaBackend() {
   cudaStreamSynchronize(stream_);
-  cudaEventDestroy(reported_);
+  for (cudaEvent_t event : {reported_, views_copied_}) cudaEventDestroy(event);
 }
 
-void CudaBackend::upload_views(const ViewBatch<float>& batch) {
-  const int64_t count = int64_t(batch.views.size());
-  ViewArgs<float>* staged = views_host_.reserve(count);
-  std::copy(batch.views.begin(), batch.views.end(), staged);
-  views_.resize(count);
-  check_device(cudaMemcpyAsync(views_.data(), staged, sizeof(ViewArgs<float>) * size_t(count),
-                               cudaMemcpyHostToDevice, stream_),
+const ViewArgs<float>* CudaBackend::views_of(const ViewBatch<float>& batch) {
+  const size_t count = batch.views.size(), bytes = sizeof(ViewArgs<float>) * count;
+  if (int64_t(count) == views_.size() &&
+      std::memcmp(views_host_.data(), batch.views.data(), bytes) == 0)
+    return views_.data();
+  check_device(cudaEventSynchronize(views_copied_), "waiting for the last copy of views");
+  std::memcpy(views_host_.reserve(int64_t(count)), batch.views.data(), bytes);
+  views_.resize(int64_t(count));
+  check_device(cudaMemcpyAsync(views_.data(), views_host_.data(), bytes, cudaMemcpyHostToDevice,
+                               stream_),
                "copy of views");
+  check_device(cudaEventRecord(views_copied_, stream_), "cudaEventRecord");
+  return views_.data();
 }
 
 void CudaBackend::report() {

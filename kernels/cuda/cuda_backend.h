@@ -66,7 +66,8 @@ class CudaBackend final : public Backend {
     ~Stream() { cudaStreamDestroy(handle); }
   };
 
-  void upload_views(const ViewBatch<float>& batch);
+  /// The batch's views on the device; copied there when they are not the last ones.
+  const ViewArgs<float>* views_of(const ViewBatch<float>& batch);
   template <class Key>
   void bin_with(const BinArgs<float>& args, TileInstances<float>& instances);
   void write_splats(const ProjectArgs<float>& args, Splats<float>& splats);
@@ -79,7 +80,7 @@ class CudaBackend final : public Backend {
   DeviceMemory memory_{stream_};
   DeviceStageClock clock_{stream_};
   std::string name_;
-  cudaEvent_t reported_ = nullptr;
+  cudaEvent_t reported_ = nullptr, views_copied_ = nullptr;
 
   Buffer<ViewArgs<float>> views_{memory_};  // [B] of the batch last projected
   PinnedArray<ViewArgs<float>> views_host_;

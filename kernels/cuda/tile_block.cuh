@@ -1,5 +1,5 @@
-// What: how a block of threads lies over a tile: a warp has an 8 × 4 part of it, a lane a pixel; the
-// tile's splats pass through shared memory in chunks of one a thread.
+// What: how a block of threads lies over a tile: a warp has an 8 × 8 part of it, a lane two pixels;
+// the tile's splats pass through shared memory in chunks of one a thread.
 // Not: what is done with a splat (blend.cu, blend_backward.cu).
 // Source: sub-tiles of [Faster-GS]; method A.10, G.4.
 #pragma once
@@ -7,67 +7,98 @@
 
 namespace tessera {
 
-inline constexpr int kTileThreads = kTileSize * kTileSize;
-inline constexpr int kPartWidth = 8, kPartHeight = 4;  // pixels of a warp
+inline constexpr int kTilePixels = kTileSize * kTileSize;
+inline constexpr int kPart = 8;         // pixels of a warp, both ways
+inline constexpr int kLanePixels = 2;   // one above the other, half a part apart
+inline constexpr int kTileThreads = kTilePixels / kLanePixels;
 inline constexpr int kTileWarps = kTileThreads / 32;
-inline constexpr int kBucket = 32;  // splats between two checkpoints
+inline constexpr int kBucket = 32;      // splats between two checkpoints
 
-/// A tile of the batch and this thread's pixel in it.
-struct BlockTile {
+/// A tile of the batch.
+struct BatchTile {
   const ViewArgs<float>* view;
-  int part_x, part_y;  // first pixel of the warp's part
-  int x, y;            // pixel
-  bool inside;         // of the picture
-  int64_t pixel;       // index within the view
+  int x0, y0;  // first pixel
 
-  __device__ BlockTile(const ViewArgs<float>* views, int view_count, int64_t tile, int thread) {
+  __device__ BatchTile(const ViewArgs<float>* views, int view_count, int64_t tile) {
     int b = 0;
     while (b + 1 < view_count && tile >= views[b + 1].first_tile) ++b;
     view = views + b;
     const int local = int(tile - view->first_tile);
-    const int warp = thread / 32, lane = thread % 32;
-    constexpr int kParts = kTileSize / kPartWidth;
-    part_x = local % view->tiles_x * kTileSize + warp % kParts * kPartWidth;
-    part_y = local / view->tiles_x * kTileSize + warp / kParts * kPartHeight;
-    x = part_x + lane % kPartWidth, y = part_y + lane / kPartWidth;
-    inside = x < view->width && y < view->height;
-    pixel = int64_t(y) * view->width + x;
+    x0 = local % view->tiles_x * kTileSize, y0 = local / view->tiles_x * kTileSize;
   }
-  __device__ int64_t plane() const { return int64_t(view->width) * view->height; }
-  /// Index of this pixel's channel c in a planar picture of the batch.
-  __device__ int64_t colour_at(int c) const {
-    return 3 * view->first_pixel + c * plane() + pixel;
-  }
+  /// First pixel of a warp's part.
+  __device__ int part_x(int warp) const { return x0 + warp % (kTileSize / kPart) * kPart; }
+  __device__ int part_y(int warp) const { return y0 + warp / (kTileSize / kPart) * kPart; }
 };
 
-/// What blending reads of a splat, 48 bytes as three vectors.
+/// Pixel number i of a tile's 256: by warp, then upper and lower half of its part, then lane.
+struct TilePixel {
+  int x, y;
+  bool inside;    // of the picture
+  int64_t index;  // within the batch's one-channel pictures
+  int64_t first_colour, plane;
+
+  __device__ TilePixel(const BatchTile& tile, int i) {
+    const int warp = i / (32 * kLanePixels), lane = i % 32, half = i / 32 % kLanePixels;
+    x = tile.part_x(warp) + lane % kPart;
+    y = tile.part_y(warp) + half * (kPart / kLanePixels) + lane / kPart;
+    const ViewArgs<float>& view = *tile.view;
+    inside = x < view.width && y < view.height;
+    plane = int64_t(view.width) * view.height;
+    const int64_t within = int64_t(y) * view.width + x;
+    index = view.first_pixel + within;
+    first_colour = 3 * view.first_pixel + within;
+  }
+  /// Index of channel c in a planar picture of the batch.
+  __device__ int64_t colour_at(int c) const { return first_colour + c * plane; }
+};
+/// Number of a thread's pixel p in its tile.
+__device__ inline int pixel_of_thread(int p) {
+  return int(threadIdx.x) / 32 * (32 * kLanePixels) + p * 32 + int(threadIdx.x) % 32;
+}
+
+/// exp(−½ x) = 2^(kExponent·x).
+inline constexpr float kExponent = -0.5f * 1.44269504088896341f;
+
+/// What blending reads of a splat, 48 bytes as three vectors, its conic times kExponent.
 struct alignas(16) SharedSplat {
   float4 a;  // mean2d, conic xx, xy
   float4 b;  // conic yy, opacity, colour r, g
   float4 c;  // colour b, power, view, negative
 
-  __device__ Vec2<float> mean2d() const { return {a.x, a.y}; }
-  __device__ Sym2<float> conic() const { return {a.z, a.w, b.x}; }
+  __device__ static SharedSplat load(const Splat<float>* splat) {
+    const float4* from = reinterpret_cast<const float4*>(splat);
+    SharedSplat s{from[0], from[1], from[2]};
+    s.a.z *= kExponent, s.a.w *= kExponent, s.b.x *= kExponent;
+    return s;
+  }
 };
 static_assert(sizeof(SharedSplat) == sizeof(Splat<float>));
 
 /// Whether a splat may draw a pixel of the part that begins at (x, y). A little generous, as the
 /// pixels decide for themselves.
 __device__ inline bool meets_part(const SharedSplat& s, int x, int y) {
-  const float least =
-      least_power_in(s.mean2d(), s.conic(), float(x) + 0.5f, float(y) + 0.5f,
-                     float(kPartWidth - 1), float(kPartHeight - 1));
-  return least <= s.c.y * 1.0001f + 1e-3f;
+  const float least = least_power_in<float>({s.a.x, s.a.y}, {s.a.z, s.a.w, s.b.x}, float(x) + 0.5f,
+                                            float(y) + 0.5f, float(kPart - 1), float(kPart - 1));
+  // by the scaled conic, so times kExponent, which is negative
+  return least >= kExponent * (s.c.y * 1.0001f + 1e-3f);
 }
 
-/// Response of a splat at a pixel: offsets, conic · offset, falloff, α.
+/// 2^x, relative error 2^-22.
+__device__ inline float exp2_approximate(float x) {
+  float result;
+  asm("ex2.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(x));
+  return result;
+}
+
+/// Response of a splat at a pixel: offset, scaled conic · offset, falloff, α  (splat_falloff).
 struct PixelResponse {
   float dx, dy, gx, gy, falloff, alpha;
 
-  __device__ PixelResponse(const SharedSplat& s, int x, int y) {
-    dx = s.a.x - (float(x) + 0.5f), dy = s.a.y - (float(y) + 0.5f);
+  __device__ PixelResponse(const SharedSplat& s, float x, float y) {  // pixel centre
+    dx = s.a.x - x, dy = s.a.y - y;
     gx = s.a.z * dx + s.a.w * dy, gy = s.a.w * dx + s.b.x * dy;
-    falloff = fast_exp(fminf(-0.5f * (dx * gx + dy * gy), 0.0f));  // splat_falloff
+    falloff = exp2_approximate(fminf(dx * gx + dy * gy, 0.0f));
     alpha = s.b.y * falloff;
   }
 };

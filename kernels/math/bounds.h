@@ -93,7 +93,7 @@ TESSERA_HD inline Real least_power_in(const Vec2<Real>& mean2d, const Sym2<Real>
   const Real py = below ? y0 + span_y : y0, dy = below ? -span_y : span_y;
   const Real ex = mx - px, ey = my - py;
   const auto fraction = [](Real numerator, Real denominator) {
-    return clamp_to(numerator / denominator, Real(0), Real(1));
+    return clamp_to(fast_divide(numerator, denominator), Real(0), Real(1));
   };
   const Real tx = above || below ? fraction(c.xx * ex + c.xy * ey, dx * c.xx) : Real(0);
   const Real ty = left || right ? fraction(c.xy * ex + c.yy * ey, dy * c.yy) : Real(0);

@@ -57,6 +57,15 @@ TESSERA_HD inline double fast_exp(double x) {
   return exp(x);
 }
 
+/// a / b where a rounding or two do not matter.
+template <class Real>
+TESSERA_HD inline Real fast_divide(Real a, Real b) {
+#if defined(__CUDA_ARCH__)
+  if constexpr (sizeof(Real) == sizeof(float)) return __fdividef(a, b);
+#endif
+  return a / b;
+}
+
 template <class Real>
 TESSERA_HD inline Real sigmoid(Real x) {
   return Real(1) / (Real(1) + exp(-x));

@@ -66,9 +66,10 @@ struct ViewSplat {
   }
 };
 
-/// Direction from the camera to the Gaussian where it is at the view's moment, and its length.
-/// Deviation: both reference codes take the unconditional mean μ [method 0.19]. With the sliced
-/// mean a frame exported as a static 3DGS file renders equal to the 4D model at that moment.
+/// Direction from the camera to the Gaussian, and its length.
+/// Deviation: both reference codes take the unconditional mean μ [method 0.19], we the mean at the
+/// view's moment: a frame exported as a static 3DGS file then renders equal to the 4D model. The
+/// option sliced_direction restores theirs.
 template <class Real>
 TESSERA_HD inline Vec3<Real> view_direction(const ViewArgs<Real>& view, const Vec3<Real>& mean,
                                             Real& distance) {

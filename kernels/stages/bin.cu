@@ -124,7 +124,7 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
   }
   const InstanceTarget<Key> target{keys.data, values.data, splat_of.data, splats.depth.data()};
   write_instances<Key><<<grid_of(S, kThreads), kThreads, 0, stream_>>>(
-      switches.bounds, switches.balanced_instances, views_.data(), splats.splat.data(),
+      switches.bounds, switches.balanced_instances, views_of(*args.batch), splats.splat.data(),
       splats.rect.data(), separate ? out.depth_order.data() : nullptr, offsets.data, S, target,
       slots ? out.first_of.data() : nullptr);
   check_launch("bin: write_instances");

@@ -1,4 +1,4 @@
-// What: front-to-back blending on the device: a block a tile, a warp an 8 × 4 part of it.
+// What: front-to-back blending on the device: a block a tile, a warp an 8 × 8 part of it.
 // Not: its gradient (blend_backward.cu).
 // Source: [3DGS]; warp-level culling [Faster-GS]; method A.10.
 #include "kernels/base/errors.h"
@@ -15,7 +15,7 @@ struct Blend {
   int view_count;
   const int64_t* tile_begin;
   const int32_t* instance;
-  const SharedSplat* splats;
+  const Splat<float>* splats;
   float background[3];
   float* colour;
   float* transmittance;
@@ -24,49 +24,79 @@ struct Blend {
   const int64_t* bucket_begin;  // [tiles+1]
 };
 
+/// A pixel on its way through the splats.
+struct PixelForward {
+  float x, y;  // centre
+  float T, red = 0, green = 0, blue = 0;
+  int32_t used = 0;
+
+  __device__ PixelForward(const TilePixel& at)
+      : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(at.inside ? 1.0f : 0.0f) {}
+  __device__ float4 state() const { return {red, green, blue, T}; }
+
+  __device__ void blend(const SharedSplat& s, int32_t number) {
+    const PixelResponse p(s, x, y);
+    const bool on = p.alpha >= kMinAlpha<float> && T >= kMinTransmittance<float>;
+    const float alpha = on ? p.alpha : 0.0f, weight = T * alpha;
+    red += weight * s.b.z, green += weight * s.b.w, blue += weight * s.c.x;
+    T *= 1.0f - alpha;
+    used = on ? number : used;
+  }
+};
+
 template <bool Cull, bool Checkpoint>
 __global__ void __launch_bounds__(kTileThreads) blend_tiles(Blend a) {
-  __shared__ SharedSplat chunk[kTileThreads];
+  __shared__ SharedSplat chunks[2][kTileThreads];
   const int64_t tile = blockIdx.x;
-  const BlockTile at(a.views, a.view_count, tile, int(threadIdx.x));
+  const BatchTile at(a.views, a.view_count, tile);
   const int64_t first = a.tile_begin[tile], last = a.tile_begin[tile + 1];
-  const int lane = int(threadIdx.x) % 32;
-  float T = at.inside ? 1.0f : 0.0f;
-  float red = 0, green = 0, blue = 0;
-  int32_t used = 0;
-  for (int64_t begin = first; begin < last; begin += kTileThreads) {
-    if (__syncthreads_count(T >= kMinTransmittance<float>) == 0) break;
+  const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
+  const int part_x = at.part_x(warp), part_y = at.part_y(warp);
+  PixelForward pixel[kLanePixels] = {TilePixel(at, pixel_of_thread(0)),
+                                     TilePixel(at, pixel_of_thread(1))};
+  const auto alive = [&] {
+    return pixel[0].T >= kMinTransmittance<float> || pixel[1].T >= kMinTransmittance<float>;
+  };
+  SharedSplat next;
+  const auto fetch = [&](int64_t i) {
+    if (i < last) next = SharedSplat::load(a.splats + a.instance[i]);
+  };
+  fetch(first + threadIdx.x);
+  int buffer = 0;
+  for (int64_t begin = first; begin < last; begin += kTileThreads, buffer ^= 1) {
+    SharedSplat* const chunk = chunks[buffer];
+    chunk[threadIdx.x] = next;
+    if (__syncthreads_count(alive()) == 0) break;
+    fetch(begin + kTileThreads + threadIdx.x);
     const int count = int(min(int64_t(kTileThreads), last - begin));
-    if (int(threadIdx.x) < count) chunk[threadIdx.x] = a.splats[a.instance[begin + threadIdx.x]];
-    __syncthreads();
     for (int group = 0; group < count; group += kBucket) {
       if constexpr (Checkpoint) {
         const int64_t bucket = a.bucket_begin[tile] + (begin - first + group) / kBucket;
-        a.checkpoints[bucket * kTileThreads + threadIdx.x] = {red, green, blue, T};
-      } else if (!__any_sync(~0u, T >= kMinTransmittance<float>)) {
+        for (int p = 0; p < kLanePixels; ++p)
+          a.checkpoints[bucket * kTilePixels + pixel_of_thread(p)] = pixel[p].state();
+      } else if (!__any_sync(~0u, alive())) {
         break;
       }
       const bool listed = group + lane < count;
-      unsigned hits = __ballot_sync(
-          ~0u, listed && (!Cull || meets_part(chunk[group + lane], at.part_x, at.part_y)));
+      unsigned hits =
+          __ballot_sync(~0u, listed && (!Cull || meets_part(chunk[group + lane], part_x, part_y)));
       for (; hits != 0; hits &= hits - 1) {
         const int i = group + __ffs(int(hits)) - 1;
-        const SharedSplat& s = chunk[i];
-        const PixelResponse p(s, at.x, at.y);
-        if (p.alpha < kMinAlpha<float> || T < kMinTransmittance<float>) continue;
-        const float weight = T * p.alpha;
-        red += weight * s.b.z, green += weight * s.b.w, blue += weight * s.c.x;
-        T *= 1.0f - p.alpha;
-        used = int32_t(begin - first) + i + 1;
+        TESSERA_UNROLL
+        for (int p = 0; p < kLanePixels; ++p)
+          pixel[p].blend(chunk[i], int32_t(begin - first) + i + 1);
       }
     }
   }
-  if (!at.inside) return;
-  a.colour[at.colour_at(0)] = red + T * a.background[0];
-  a.colour[at.colour_at(1)] = green + T * a.background[1];
-  a.colour[at.colour_at(2)] = blue + T * a.background[2];
-  a.transmittance[at.view->first_pixel + at.pixel] = T;
-  a.used[at.view->first_pixel + at.pixel] = used;
+  for (int p = 0; p < kLanePixels; ++p) {
+    const TilePixel out(at, pixel_of_thread(p));
+    if (!out.inside) continue;
+    a.colour[out.colour_at(0)] = pixel[p].red + pixel[p].T * a.background[0];
+    a.colour[out.colour_at(1)] = pixel[p].green + pixel[p].T * a.background[1];
+    a.colour[out.colour_at(2)] = pixel[p].blue + pixel[p].T * a.background[2];
+    a.transmittance[out.index] = pixel[p].T;
+    a.used[out.index] = pixel[p].used;
+  }
 }
 
 __global__ void count_buckets(const int64_t* tile_begin, int64_t tiles, int32_t* buckets) {
@@ -84,7 +114,7 @@ void CudaBackend::reserve_checkpoints(const BlendArgs<float>& args) {
   bucket_begin_.resize(tiles + 1);
   exclusive_sums(stream_, buckets.span(), bucket_begin_.span(), sort_scratch_);
   // every tile's last bucket may be incomplete: no more than this, whatever the lists are
-  checkpoints_.resize((args.instances->count / kBucket + tiles) * kTileThreads);
+  checkpoints_.resize((args.instances->count / kBucket + tiles) * kTilePixels);
 }
 
 void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
@@ -94,11 +124,11 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
   images.used.resize(args.batch->pixels);
   const bool keep = args.for_backward && switches.backward == BackwardForm::kPerGaussian;
   if (keep) reserve_checkpoints(args);
-  Blend a{views_.data(),
+  Blend a{views_of(*args.batch),
           int(args.batch->views.size()),
           args.instances->tile_begin.data(),
           args.instances->splat.data(),
-          reinterpret_cast<const SharedSplat*>(args.splats->splat.data()),
+          args.splats->splat.data(),
           {},
           images.colour.data(),
           images.transmittance.data(),
@@ -110,7 +140,7 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
                                             : (keep ? blend_tiles<false, true> : blend_tiles<false, false>);
   kernel<<<grid_of(args.batch->tiles, 1), kTileThreads, 0, stream_>>>(a);
   check_launch("blend: blend_tiles");
-  const double checkpointed = keep ? 16.0 * kTileThreads / kBucket : 0.0;
+  const double checkpointed = keep ? 16.0 * kTilePixels / kBucket : 0.0;
   clock_.add_bytes(kBlend, double(args.instances->count) * (4 + 48 + checkpointed) +
                                20.0 * double(args.batch->pixels));
 }

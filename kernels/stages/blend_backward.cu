@@ -39,48 +39,57 @@ __device__ inline float reduce_one(float v) {
   return v;
 }
 
-/// A pixel on its way through the splats.
-struct PixelBackward {
-  float T = 1, R = 0, g0 = 0, g1 = 0, g2 = 0;
-  int32_t used = 0;
-
-  __device__ PixelBackward(const BlendBackward& a, const BlockTile& at) {
-    if (!at.inside) return;
-    g0 = a.d_colour[at.colour_at(0)], g1 = a.d_colour[at.colour_at(1)];
-    g2 = a.d_colour[at.colour_at(2)];
-    R = g0 * a.colour[at.colour_at(0)] + g1 * a.colour[at.colour_at(1)] +
-        g2 * a.colour[at.colour_at(2)];
-    used = a.used[at.view->first_pixel + at.pixel];
-  }
-};
+/// A lane's pixels take their step past a splat; false for the whole warp when none draws it.
+__device__ inline bool step_lane(const SharedSplat& s, int32_t index,
+                                 PixelBackward (&pixel)[kLanePixels], float (&v)[kGradientTerms]) {
+  const PixelResponse upper(s, pixel[0].x, pixel[0].y), lower(s, pixel[1].x, pixel[1].y);
+  const bool on_upper = upper.alpha >= kMinAlpha<float> && index < pixel[0].used;
+  const bool on_lower = lower.alpha >= kMinAlpha<float> && index < pixel[1].used;
+  if (!__any_sync(~0u, on_upper || on_lower)) return false;
+  TESSERA_UNROLL
+  for (int k = 0; k < kGradientTerms; ++k) v[k] = 0.0f;
+  pixel[0].step(s, upper, on_upper, v);
+  pixel[1].step(s, lower, on_lower, v);
+  return true;
+}
 
 template <bool Cull, bool Ordered>
 __global__ void __launch_bounds__(kTileThreads) backward_tiles(BlendBackward a) {
-  __shared__ SharedSplat chunk[kTileThreads];
-  __shared__ int32_t splat_of[kTileThreads];
+  __shared__ SharedSplat chunks[2][kTileThreads];
+  __shared__ int32_t numbers[2][kTileThreads];
   __shared__ int32_t tile_last;
   __shared__ float partial[Ordered ? kTileWarps : 1][Ordered ? kBucket : 1][kGradientTerms];
   const int64_t tile = blockIdx.x;
   const int64_t first = a.tile_begin[tile];
   if (first == a.tile_begin[tile + 1]) return;
-  const BlockTile at(a.views, a.view_count, tile, int(threadIdx.x));
+  const BatchTile at(a.views, a.view_count, tile);
   const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
-  PixelBackward pixel(a, at);
+  const int part_x = at.part_x(warp), part_y = at.part_y(warp);
+  const float4 start{0, 0, 0, 1};
+  PixelBackward pixel[kLanePixels] = {{a, TilePixel(at, pixel_of_thread(0)), start},
+                                      {a, TilePixel(at, pixel_of_thread(1)), start}};
   if (threadIdx.x == 0) tile_last = 0;
   __syncthreads();
-  const int32_t warp_last = __reduce_max_sync(~0u, pixel.used);
+  const int32_t warp_last = __reduce_max_sync(~0u, max(pixel[0].used, pixel[1].used));
   if (lane == 0) atomicMax(&tile_last, warp_last);
   __syncthreads();
   const int32_t last = tile_last;
-  for (int32_t begin = 0; begin < last; begin += kTileThreads) {
+  SharedSplat next;
+  int32_t next_number = 0;
+  const auto fetch = [&](int32_t i) {
+    if (i >= last) return;
+    next_number = a.instance[first + i];
+    next = SharedSplat::load(a.splats + next_number);
+  };
+  fetch(int32_t(threadIdx.x));
+  int buffer = 0;
+  for (int32_t begin = 0; begin < last; begin += kTileThreads, buffer ^= 1) {
+    SharedSplat* const chunk = chunks[buffer];
+    chunk[threadIdx.x] = next;
+    numbers[buffer][threadIdx.x] = next_number;
     __syncthreads();
+    fetch(begin + kTileThreads + int32_t(threadIdx.x));
     const int count = min(kTileThreads, last - begin);
-    if (int(threadIdx.x) < count) {
-      const int32_t s = a.instance[first + begin + threadIdx.x];
-      chunk[threadIdx.x] = a.splats[s];
-      splat_of[threadIdx.x] = s;
-    }
-    __syncthreads();
     for (int group = 0; group < count; group += kBucket) {
       if constexpr (Ordered) {
         for (int k = int(threadIdx.x); k < kTileWarps * kBucket * kGradientTerms; k += kTileThreads)
@@ -90,26 +99,21 @@ __global__ void __launch_bounds__(kTileThreads) backward_tiles(BlendBackward a) 
         break;
       }
       const bool listed = group + lane < count;
-      unsigned hits = __ballot_sync(
-          ~0u, listed && (!Cull || meets_part(chunk[group + lane], at.part_x, at.part_y)));
+      unsigned hits =
+          __ballot_sync(~0u, listed && (!Cull || meets_part(chunk[group + lane], part_x, part_y)));
       for (; hits != 0; hits &= hits - 1) {
         const int i = group + __ffs(int(hits)) - 1;
-        const SharedSplat& s = chunk[i];
-        const PixelResponse p(s, at.x, at.y);
-        const bool on = p.alpha >= kMinAlpha<float> && begin + i < pixel.used;
-        if (!__any_sync(~0u, on)) continue;
         float v[kGradientTerms];
-        blend_step_backward(s, p, on ? p.alpha : 0.0f, pixel.g0, pixel.g1, pixel.g2, pixel.T,
-                            pixel.R, v);
+        if (!step_lane(chunk[i], begin + i, pixel, v)) continue;
+        // lanes 0, 4, … 28 get the first eight terms, lane 1 the ninth
         const float sum = reduce_eight(v), ninth = reduce_one(v[8]);
-        // lanes 0, 4, … 28 hold the first eight terms, lane 1 takes the ninth
         const int term = lane == 1 ? 8 : lane / 4;
         if (lane % 4 != 0 && lane != 1) continue;
-        const float value = lane == 1 ? ninth : sum;
+        const float value = (lane == 1 ? ninth : sum) * gradient_scale(term);
         if constexpr (Ordered)
           partial[warp][i - group][term] = value;
         else
-          atomicAdd(reinterpret_cast<float*>(a.d_splats + splat_of[i]) + term, value);
+          atomicAdd(reinterpret_cast<float*>(a.d_splats + numbers[buffer][i]) + term, value);
       }
       if constexpr (Ordered) {
         __syncthreads();
@@ -145,11 +149,11 @@ void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
   const TileInstances<float>& instances = *args.forward.instances;
   const KernelSwitches& switches = args.forward.options.kernels;
   const bool ordered = switches.deterministic;
-  BlendBackward a{views_.data(),
+  BlendBackward a{views_of(*args.forward.batch),
                   int(args.forward.batch->views.size()),
                   instances.tile_begin.data(),
                   instances.splat.data(),
-                  reinterpret_cast<const SharedSplat*>(args.forward.splats->splat.data()),
+                  args.forward.splats->splat.data(),
                   args.images->colour.data(),
                   args.d_colour.data,
                   args.images->used.data(),

@@ -55,7 +55,8 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t 
       if (!lazy.last_step.empty())
         catch_up_gaussian(lazy, n, 3 * args.sets[set].coefficients);
       Real distance;
-      const Vec3<Real> direction = view_direction(views[b], splat.slice.mean, distance);
+      const Vec3<Real> direction = view_direction(
+          views[b], args.options.sliced_direction ? splat.slice.mean : g.mean, distance);
       if (!drawn_colour(degree, direction, g.sh, out.colour, out.negative)) {
         ++chunk.invalid;
         break;

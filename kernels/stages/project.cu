@@ -6,6 +6,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/sh_registers.cuh"
 #include "kernels/cuda/sort.h"
 #include "kernels/cuda/tile_walk.cuh"
 #include "kernels/math/splat.h"
@@ -24,6 +25,7 @@ struct SetArgs {
   int view_count;
   float near_plane, far_plane;
   BoundsOptions bounds;
+  bool sliced_direction;
 };
 
 template <int Dim>
@@ -59,28 +61,13 @@ __global__ void __launch_bounds__(kThreads)
     if (!splat_in_view(a.views[b], g, a.near_plane, a.far_plane, a.bounds, splat)) continue;
     Splat<float> out;
     float distance;
-    out.colour = view_direction(a.views[b], splat.slice.mean, distance);
+    out.colour = view_direction(a.views[b], a.sliced_direction ? splat.slice.mean : g.mean,
+                                distance);
     out.mean2d = splat.projection.mean2d, out.conic = splat.projection.conic;
     out.opacity = splat.opacity, out.power = splat.power;
     out.view = b, out.negative = 0;
     splats[s] = out, depth[s] = splat.projection.in_cam[2], rects[s] = splat.rect;
     ++s;
-  }
-}
-
-/// SH coefficients in registers, sixteen bytes at a time where rows allow it.
-__device__ inline void load_sh(const float* from, int row, int wanted, float* sh) {
-  if (row % 4 == 0) {
-    TESSERA_UNROLL
-    for (int j = 0; j < 3 * kMaxShCoefficients; j += 4) {
-      if (j >= wanted) break;
-      const float4 four = *reinterpret_cast<const float4*>(from + j);
-      sh[j] = four.x, sh[j + 1] = four.y, sh[j + 2] = four.z, sh[j + 3] = four.w;
-    }
-  } else {
-    TESSERA_UNROLL
-    for (int j = 0; j < 3 * kMaxShCoefficients; ++j)
-      if (j < wanted) sh[j] = from[j];
   }
 }
 
@@ -159,11 +146,12 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
     if (spans.count == 0) continue;
     const SetArgs a{spans,
                     first,
-                    views_.data(),
+                    views_of(*args.batch),
                     int(args.batch->views.size()),
                     float(args.options.near_plane),
                     float(args.options.far_plane),
-                    args.options.kernels.bounds};
+                    args.options.kernels.bounds,
+                    args.options.sliced_direction};
     const unsigned grid = grid_of(spans.count, kThreads);
     const auto write = spans.dim == 4 ? write_views<4> : write_views<3>;
     write<<<grid, kThreads, 0, stream_>>>(a, splats.first_of.data(), capacity, splats.splat.data(),
@@ -185,7 +173,7 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
     first += spans.count;
   }
   count_tiles<<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
-      args.options.kernels.bounds, args.options.kernels.balanced_instances, views_.data(),
+      args.options.kernels.bounds, args.options.kernels.balanced_instances, views_of(*args.batch),
       splats.splat.data(), splats.rect.data(), capacity, splats.tiles.data(), counters_.data());
   check_launch("project: count_tiles");
   check_device(cudaMemcpyAsync(counters_host_.data(), counters_.data(), sizeof(StepCounters),
@@ -196,7 +184,6 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
 }
 
 void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats) {
-  upload_views(*args.batch);
   const int64_t gaussians = args.sets[0].count + args.sets[1].count;
   visible_.resize(gaussians);
   splats.first_of.resize(gaussians + 1);
@@ -207,11 +194,12 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
     if (spans.count == 0) continue;
     const SetArgs a{spans,
                     first,
-                    views_.data(),
+                    views_of(*args.batch),
                     int(args.batch->views.size()),
                     float(args.options.near_plane),
                     float(args.options.far_plane),
-                    args.options.kernels.bounds};
+                    args.options.kernels.bounds,
+                    args.options.sliced_direction};
     const auto count = spans.dim == 4 ? count_views<4> : count_views<3>;
     count<<<grid_of(spans.count, kThreads), kThreads, 0, stream_>>>(a, visible_.data(),
                                                                     counters_.data());

@@ -34,13 +34,14 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, int set, int64_t n
   const GaussianSpans<const Real>& params = args.forward.sets[set];
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
   const int degree = min_of(args.forward.options.sh_degree, sh_degree_of(params.coefficients));
+  const bool sliced = args.forward.options.sliced_direction;
   GaussianState<Real> g;
   if (!load_gaussian<Dim>(params, n, g)) return;
   ViewSums<Real> sums;
   for (int64_t s = first; s < last; ++s) {
     const Splat<Real>& splat = args.splats->splat[s];
     const ViewArgs<Real>& view = views[size_t(splat.view)];
-    add_sh(degree, add_view_gradient(view, g, degree, splat, args.d_splats[s], sums), out.sh);
+    add_sh(degree, add_view_gradient(view, g, g.sh, degree, sliced, splat, args.d_splats[s], sums), out.sh);
   }
   out.geometry = geometry_gradient<Dim>(params, n, g, sums);
   out.bad = out.geometry.template non_finite<Dim>();

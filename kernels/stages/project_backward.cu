@@ -1,25 +1,27 @@
 // What: splat gradients → parameter gradients into a sink, on the device. First one thread a
-// Gaussian, for all but SH, summed over its views in registers; then sixteen lanes a Gaussian for
-// the SH coefficients, so that they and their moments are read and written in whole lines.
+// Gaussian, for all but SH, summed over its views in registers; then a thread for every four SH
+// scalars, so that they and their moments are read and written in whole lines.
 // Not: equations (stages/splat_gradient.h). Compiled without contraction to fused multiply-adds, so
 // that fused and separate Adam agree to the bit.
 // Source: method A.12, A.16, D.6, G.4.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/sh_registers.cuh"
 #include "kernels/stages/splat_gradient.h"
 
 namespace tessera {
 namespace {
 
 constexpr int kThreads = 128;
-constexpr int kShLanes = 16;  // one a coefficient
+constexpr int kShThreads = 192;
 
 struct Backward {
   GaussianSpans<const float> set;
   int64_t first;  // Gaussians before this set
   const ViewArgs<float>* views;
   int view_count, degree;
+  bool sliced_direction;
   const Splat<float>* splats;
   const int32_t* tiles;
   const int64_t* first_of;
@@ -45,12 +47,15 @@ __global__ void __launch_bounds__(kThreads) geometry_backward(Backward a, Sink s
   GeometryGradient<float> gradient;
   GaussianState<float> g;
   if (begin < end && load_gaussian<Dim>(a.set, n, g)) {
+    float sh[3 * kMaxShCoefficients] = {};
+    load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
     ViewSums<float> sums;
     int seen = 0;
     for (int64_t s = begin; s < end; ++s) {
       const SplatGradient<float> d = a.d_splats[s];
       const Splat<float> splat = a.splats[s];
-      keep_colour(add_view_gradient(a.views[splat.view], g, a.degree, splat, d, sums),
+      keep_colour(add_view_gradient(a.views[splat.view], g, sh, a.degree,
+                                    a.sliced_direction, splat, d, sums),
                   a.d_splats[s]);
       seen += a.tiles[s] > 0;
     }
@@ -66,36 +71,69 @@ __global__ void __launch_bounds__(kThreads) geometry_backward(Backward a, Sink s
   sink.template accept<Dim>(n, gradient);
 }
 
-/// Y_k at a direction, for the lane of coefficient k.
-__device__ inline float basis_of_lane(int degree, const Vec3<float>& direction, int k) {
-  float Y[kMaxShCoefficients] = {};
-  sh_basis(degree, direction, Y);
-  float mine = 0;
+/// Neighbouring SH scalars into a sink, with one access of 16 bytes to each array where there are 4.
+template <int Scalars>
+__device__ inline void accept_sh(const StoreGradient<float>& sink, int64_t n, int first,
+                                 const float (&g)[Scalars]) {
+  for (int j = 0; j < Scalars; ++j) sink.accept_sh(n, first + j, g[j]);
+}
+template <int Scalars>
+__device__ inline void accept_sh(const ApplyAdam<float>& sink, int64_t n, int first,
+                                 const float (&g)[Scalars]) {
+  struct alignas(4 * Scalars) Lane {
+    float at[Scalars];
+  };
+  Lane& value = reinterpret_cast<Lane&>(sink.value.at(kSh, n)[first]);
+  Lane& moment1 = reinterpret_cast<Lane&>(sink.moment1.at(kSh, n)[first]);
+  Lane& moment2 = reinterpret_cast<Lane&>(sink.moment2.at(kSh, n)[first]);
+  Lane x = value, m = moment1, v = moment2;
   TESSERA_UNROLL
-  for (int j = 0; j < kMaxShCoefficients; ++j) mine = j == k ? Y[j] : mine;
-  return mine;
+  for (int j = 0; j < Scalars; ++j)
+    adam_step(first + j < 3 ? sink.adam.group[kSh] : sink.adam.sh_rest, g[j], x.at[j], m.at[j],
+              v.at[j]);
+  value = x, moment1 = m, moment2 = v;
 }
 
-template <class Sink>
-__global__ void __launch_bounds__(kThreads) sh_backward(Backward a, Sink sink, bool stores) {
-  const int64_t at = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  const int64_t n = at / kShLanes;
-  const int k = int(at % kShLanes);
-  if (n >= a.set.count || k >= a.set.coefficients) return;
+/// Basis functions k and k + 1 at a direction; k differs between lanes.
+__device__ inline float2 two_of_basis(int degree, const Vec3<float>& direction, int k) {
+  float Y[kMaxShCoefficients + 1] = {};
+  sh_basis(degree, direction, Y);
+  float2 two{0, 0};
+  TESSERA_UNROLL
+  for (int j = 0; j < kMaxShCoefficients; ++j)
+    if (j == k) two = {Y[j], Y[j + 1]};
+  return two;
+}
+
+/// A thread has `Scalars` neighbouring ones of a Gaussian's coefficients: 4 where rows allow it.
+template <int Scalars, class Sink>
+__global__ void __launch_bounds__(kShThreads) sh_backward(Backward a, Sink sink, bool stores) {
+  const int64_t at = int64_t(blockIdx.x) * kShThreads + threadIdx.x;
+  const int per_gaussian = 3 * a.set.coefficients / Scalars;
+  const int64_t n = at / per_gaussian;
+  if (n >= a.set.count) return;
+  const int first = int(at - n * per_gaussian) * Scalars, k = first / 3;
   const int64_t begin = a.first_of[a.first + n], end = a.first_of[a.first + n + 1];
   if (begin == end && a.idle != IdleUpdate::kDense) return;
-  if (a.idle == IdleUpdate::kLazy && k == 0) a.lazy.last_step[n] = int32_t(a.lazy.step + 1);
+  if (a.idle == IdleUpdate::kLazy && first == 0) a.lazy.last_step[n] = int32_t(a.lazy.step + 1);
   // coefficients of bands that are not active yet have neither gradient nor moments
   if (k >= sh_coefficients(a.degree) && !stores) return;
-  Vec3<float> sum(0.0f);
+  float sum[Scalars] = {};
   for (int64_t s = begin; s < end; ++s) {
     const SplatGradient<float>& d = a.d_splats[s];
     const Vec3<float> direction(d.conic.xx, d.conic.xy, d.conic.yy);
-    sum += basis_of_lane(a.degree, direction, k) * d.colour;
+    const float2 Y = two_of_basis(a.degree, direction, k);
+    const float red = d.colour[0], green = d.colour[1], blue = d.colour[2];
+    TESSERA_UNROLL
+    for (int j = 0; j < Scalars; ++j) {
+      const int c = (first + j) % 3;
+      sum[j] += ((first + j) / 3 == k ? Y.x : Y.y) * (c == 0 ? red : c == 1 ? green : blue);
+    }
   }
-  if (!(sum[0] - sum[0] + (sum[1] - sum[1]) + (sum[2] - sum[2]) == 0.0f))
-    atomicOr(&a.counters->bad_groups, 1u << kSh);
-  for (int c = 0; c < 3; ++c) sink.accept_sh(n, 3 * k + c, sum[c]);
+  float check = 0;
+  for (int j = 0; j < Scalars; ++j) check += sum[j] - sum[j];
+  if (!(check == 0.0f)) atomicOr(&a.counters->bad_groups, 1u << kSh);
+  accept_sh<Scalars>(sink, n, first, sum);
 }
 
 template <class Sink>
@@ -103,7 +141,10 @@ void backward_set(const Backward& a, const Sink& sink, bool stores, cudaStream_t
   const auto geometry = a.set.dim == 4 ? geometry_backward<4, Sink> : geometry_backward<3, Sink>;
   geometry<<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sink);
   check_launch("project_backward: geometry_backward");
-  sh_backward<<<grid_of(a.set.count * kShLanes, kThreads), kThreads, 0, stream>>>(a, sink, stores);
+  const int row = 3 * a.set.coefficients;
+  const auto sh = row % 4 == 0 ? sh_backward<4, Sink> : sh_backward<1, Sink>;
+  const int64_t threads = a.set.count * (row % 4 == 0 ? row / 4 : row);
+  sh<<<grid_of(threads, kShThreads), kShThreads, 0, stream>>>(a, sink, stores);
   check_launch("project_backward: sh_backward");
 }
 
@@ -118,9 +159,10 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
     const SinkArgs<float>& sink = args.sinks[set];
     const Backward a{spans,
                      first,
-                     views_.data(),
+                     views_of(*args.forward.batch),
                      int(args.forward.batch->views.size()),
                      min_of(args.forward.options.sh_degree, sh_degree_of(spans.coefficients)),
+                     args.forward.options.sliced_direction,
                      args.splats->splat.data(),
                      args.splats->tiles.data(),
                      args.splats->first_of.data(),

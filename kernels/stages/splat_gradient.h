@@ -24,10 +24,11 @@ struct ColourGradient {
   Vec3<Real> d_colour;   // 0 where the channel was clamped
 };
 
-/// Adds one view of Gaussian g. `sh` as stored, `d`: of this splat.
+/// Adds one view of Gaussian g, whose coefficients are `sh`; `d`: of this splat.
 template <class Real>
 TESSERA_HD inline ColourGradient<Real> add_view_gradient(const ViewArgs<Real>& view,
-                                                         const GaussianState<Real>& g, int degree,
+                                                         const GaussianState<Real>& g, const Real* sh,
+                                                         int degree, bool sliced_direction,
                                                          const Splat<Real>& splat,
                                                          const SplatGradient<Real>& d,
                                                          ViewSums<Real>& sums) {
@@ -39,10 +40,12 @@ TESSERA_HD inline ColourGradient<Real> add_view_gradient(const ViewArgs<Real>& v
   for (int c = 0; c < 3; ++c)
     colour.d_colour[c] = splat.negative >> c & 1 ? Real(0) : d.colour[c];
   Real distance;
-  colour.direction = view_direction(view, slice.mean, distance);
-  d_mean += sh_direction_backward(degree, colour.direction, distance, g.sh, colour.d_colour);
+  colour.direction = view_direction(view, sliced_direction ? slice.mean : g.mean, distance);
+  const Vec3<Real> d_eye =
+      sh_direction_backward(degree, colour.direction, distance, sh, colour.d_colour);
+  if (sliced_direction) d_mean += d_eye;
   slice_backward(g.spacetime, slice, d_mean, d.opacity * g.opacity, sums.spacetime);
-  sums.mean += d_mean;
+  sums.mean += sliced_direction ? d_mean : d_mean + d_eye;
   sums.opacity += d.opacity * slice.marginal;
   const Real ndc_x = d.mean2d[0] * Real(view.width) * Real(0.5);
   const Real ndc_y = d.mean2d[1] * Real(view.height) * Real(0.5);

@@ -2,10 +2,10 @@
 // Not: the model's files (colmap_test.cpp) or the lens equations (lens_test.cpp).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "ingest/alpha_composite.h"
 #include "ingest/files/png.h"
 #include "ingest/ingest.h"
 #include "ingest/media/image_source.h"
@@ -38,8 +38,8 @@ class ColmapCapture : public ::testing::Test {
   WrittenModel model_;
 };
 
-// Bugs put back: split by the model's order instead of the names'; is_static not set; colours left
-// out of points.ply; each seen to fail.
+// Bugs put back: names sorted backwards; is_static not set; points.ply without the colours; each
+// seen to fail.
 TEST_F(ColmapCapture, BecomesAStaticScene) {
   write(18);
   const IngestReport report = ingest();
@@ -96,7 +96,7 @@ TEST_F(ColmapCapture, WithoutPhotosItIsRefused) {
   EXPECT_EQ(ingest(options).frames, 3);
 }
 
-// Bug put back: the intrinsics of the model's size kept; seen to fail.
+// Bugs put back: the intrinsics of the model's size kept; any shape accepted; each seen to fail.
 TEST_F(ColmapCapture, ReducedPhotosHaveTheSameRays) {
   write(3);
   std::filesystem::remove_all(capture_ / "images");
@@ -122,6 +122,7 @@ TEST_F(ColmapCapture, ReducedPhotosHaveTheSameRays) {
   expect_input_error([&] { ingest(options); }, {"b01.png: is 6x8", "has it as 32x24"});
 }
 
+// Bug put back: held-out names looked up and not used; seen to fail.
 TEST_F(ColmapCapture, SplitsAsAsked) {
   write(6);
   const auto test_photos = [&](const IngestOptions& options) {
@@ -149,6 +150,8 @@ TEST_F(ColmapCapture, SplitsAsAsked) {
   EXPECT_EQ(test_photos({}), "");  // one photo: nothing to hold out
 }
 
+// Bugs put back: options of photo sets not refused elsewhere; the videos before the model; each
+// seen to fail.
 TEST_F(ColmapCapture, LayoutIsFoundOrStated) {
   write(2);
   EXPECT_EQ(detect_layout(capture_), CaptureLayout::kColmap);
@@ -219,11 +222,11 @@ TEST_F(ColmapCapture, DistortedPhotosBecomePinhole) {
   EXPECT_EQ(file["tessera"]["applied"]["undistortion"], "OPENCV_FISHEYE, SIMPLE_RADIAL");
 }
 
-// Bug put back: colours resampled without their alpha; seen to fail.
+// Bugs put back: colours not multiplied by alpha; nor divided by it again; each seen to fail.
 TEST(Undistortion, TransparentColoursDoNotBleed) {
   Image8 picture = constant_picture(40, 30, {200, 100, 50, 255});
   for (size_t p = 0; p < picture.data.size(); p += 4)
-    if ((p / 4) % 40 >= 20) picture.data[p] = 0, picture.data[p + 3] = 0;
+    if ((p / 4) % 40 >= 20) picture.data[p] = 50, picture.data[p + 3] = 0;
   const Camera camera{40, 30, 30, 30, 20, 15, glm::dmat3(1), glm::dvec3(0)};
   Lens lens;
   lens.k1 = -0.1, lens.p2 = 0.05;

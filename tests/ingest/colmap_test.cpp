@@ -3,8 +3,10 @@
 // (lens_test.cpp).
 #include <fmt/format.h>
 
+#include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <map>
 
 #include "ingest/colmap_model.h"
 #include "ingest/pose_matrix.h"
@@ -40,7 +42,7 @@ void expect_same_points(const PointCloud& one, const PointCloud& other) {
   EXPECT_EQ(colour, (std::array<int64_t, 3>{}));
 }
 
-// Bugs put back: quaternion read as x y z w; photos not sorted; a feature taken for 20 bytes;
+// Bugs put back: quaternion read as x y z w; names sorted backwards; a feature taken for 20 bytes;
 // each seen to fail.
 TEST(ColmapModel, BinaryAndTextHoldTheSame) {
   const TemporaryFolder folder;
@@ -74,7 +76,7 @@ TEST(ColmapModel, BinaryAndTextHoldTheSame) {
   }
 }
 
-// Bugs put back: need() that checks nothing (crash); skip_list() without its check; expect_end()
+// Bugs put back: need() that checks nothing; skip_list() without its check; expect_end()
 // not called; each seen to fail.
 TEST(ColmapModel, EveryTruncationOfABinaryFileIsRefused) {
   const TemporaryFolder folder;
@@ -131,7 +133,7 @@ TEST(ColmapModel, TextOfOtherHandsIsRead) {
   EXPECT_NE(model.warnings[0].find("states 3 records in its comment, holds 2"), std::string::npos);
 }
 
-// Bug put back: a camera that is not listed taken for the first; seen to fail.
+// Bug put back: the look-up of an image's camera not checked; seen to fail.
 TEST(ColmapModel, WhatCannotBeIsRefused) {
   const TemporaryFolder folder;
   const auto expect = [&](const std::function<void(WrittenModel&)>& spoil,
@@ -173,7 +175,7 @@ TEST(ColmapModel, MissingFilesAndPointsThatAreNotFinite) {
   expect_input_error([&] { read_colmap_model(folder.path()); }, {"images.bin", "no such file"});
 }
 
-// Bug put back: RADIAL's number and THIN_PRISM_FISHEYE's exchanged; seen to fail.
+// Bug put back: RADIAL with the number 10; seen to fail.
 TEST(ColmapModel, AllModelsOfColmapAreRead) {
   const TemporaryFolder folder;
   const std::vector<std::pair<std::string, size_t>> models{{"SIMPLE_PINHOLE", 3},

@@ -1,5 +1,6 @@
 // What: the lens equations against COLMAP's formulas written out, and the pinhole camera chosen.
 // Not: resampling (colmap_capture_test.cpp).
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -25,7 +26,8 @@ void expect_met(const Lens& lens, const glm::dvec2& ray, double x, double y) {
   EXPECT_NEAR(met.y, y, 1e-14);
 }
 
-// Bugs put back: p1 and p2 exchanged; r⁴ for r⁶; d1 above the line; each seen to fail.
+// Bugs put back: p1 and p2 exchanged; d1 to d3 with the other sign; k3 a power too low;
+// each seen to fail.
 TEST(Lens, ModelsWithoutFisheye) {
   const double u = 0.3, v = -0.2, r2 = u * u + v * v;
   expect_met(lens_of("PINHOLE", {1, 1, 0, 0}), {u, v}, u, v);

@@ -23,6 +23,10 @@ DensityReport control(HandmadeSet& made, bool prune_large = false, int64_t room 
                          made.statistics);
 }
 
+std::vector<int32_t> steps_of(const SetStatistics& statistics) {
+  return {statistics.sh_step.begin(), statistics.sh_step.end()};
+}
+
 std::vector<Tag> tags(std::initializer_list<int> values) {
   std::vector<Tag> result;
   for (int value : values) result.push_back(Tag(value));
@@ -73,6 +77,7 @@ TEST_P(Density, TheStatisticIsAMean) {
   EXPECT_EQ(made.statistics.gradient_sum.size(), 4);
   for (int64_t n = 0; n < 4; ++n)
     EXPECT_EQ(made.statistics.count[n] + made.statistics.gradient_sum[n], 0) << "reset";
+  EXPECT_EQ(steps_of(made.statistics), std::vector<int32_t>(4, 7)) << "colours are up to date";
 }
 
 // Bug put back: large Gaussians pruned from the first step; seen to fail.
@@ -162,14 +167,14 @@ TEST_P(Density, AllPrunedAndNoneAtAll) {
   EXPECT_EQ(control(made).before, 0);
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   reorder(*backend, made.set, made.statistics);
-  EXPECT_EQ(prune_invisible(*backend, made.set, made.statistics), 0);
+  EXPECT_EQ(prune_invisible(*backend, made.set, made.statistics, 40), 0);
   EXPECT_EQ(made.set.count(), 0);
 }
 
 TEST_P(Density, OpacityReset) {
   HandmadeSet made = make({{kMedium, 0.9f, 0}, {kMedium, 0.006f, 0}, {kMedium, 0.01f, 0}});
   const HandmadeSet before = make({{kMedium, 0.9f, 0}, {kMedium, 0.006f, 0}, {kMedium, 0.01f, 0}});
-  reset_opacity(made.set);
+  reset_opacity(*make_cpu_backend(), made.set);
   const ParameterGroup& opacity = made.set.group(kOpacityLogit);
   EXPECT_FLOAT_EQ(opacity.value[0], -4.595119953155518f);
   EXPECT_EQ(opacity.value[1], before.set.group(kOpacityLogit).value[1]) << "lower ones stay";
@@ -190,10 +195,19 @@ TEST_P(Density, PruneInvisibleKeepsWhatIsDrawn) {
   for (int k = 0; k < 4; ++k) made.set.values().at(kRotation, 2)[k] = 0;
   const float moment = made.set.group(kMean).moment1[3 * 3];
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  EXPECT_EQ(prune_invisible(*backend, made.set, made.statistics), 2);
+  EXPECT_EQ(prune_invisible(*backend, made.set, made.statistics, 40), 2);
   EXPECT_EQ(made.tags(), tags({1, 3}));
   EXPECT_EQ(made.set.group(kMean).moment1[3], moment);
   EXPECT_EQ(made.statistics.count.size(), 2);
+  EXPECT_EQ(steps_of(made.statistics), (std::vector<int32_t>{40, 40}));
+}
+
+// Bug put back: a limit of 0 for the size is passed on, which keeps all sizes; seen to fail.
+TEST_P(Density, ASizeLimitOfZeroRemovesAll) {
+  TrainOptions options;
+  options.prune_extent = 0;
+  HandmadeSet made = make({{kSmall, 0.5f, kWeak}, {kLarge, 0.5f, kStrong}});
+  EXPECT_EQ(control(made, true, -1, options).pruned, 2);
 }
 
 }  // namespace

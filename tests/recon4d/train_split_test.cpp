@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "recon4d/locality_order.h"
 #include "tests/recon4d/handmade_set.h"
 #include "tests/support/brute_force.h"
 
@@ -40,13 +39,13 @@ HandmadeSet crowd(int dim, int64_t count) {
   return made;
 }
 
-void split(HandmadeSet& made, int64_t seed = 1, uint64_t draw = 7) {
+void split(HandmadeSet& made, int64_t seed = 1, int64_t step = 7) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   TrainOptions options;
   options.seed = seed;
   const int64_t count = made.set.count();
   const DensityReport report =
-      control_density(*backend, {options, 1, false, -1, draw}, made.set, made.statistics);
+      control_density(*backend, {options, 1, false, -1, step}, made.set, made.statistics);
   ASSERT_EQ(report.split, count);
   ASSERT_EQ(report.after, 2 * count);
 }
@@ -136,6 +135,12 @@ TEST_P(SplitDim, ChildrenAreShrunkCopiesWithoutMoments) {
       EXPECT_EQ(made.set.group(group).moment2[i], 0);
     }
   }
+}
+
+std::vector<int64_t> locality_order(const GaussianSet& set) {
+  Buffer<int64_t> order;
+  make_cpu_backend()->locality_order(set.values(), order);
+  return {order.begin(), order.end()};
 }
 
 /// Bits of the three cells, x lowest, as text from the top: an independent way to compare.

@@ -3,6 +3,7 @@
 // Not: what a switch does; that is the subject of the other tests.
 #include <gtest/gtest.h>
 
+#include "recon4d/kernel_options.h"
 #include "tests/support/tiny_capture.h"
 
 namespace tessera {
@@ -71,9 +72,25 @@ const std::vector<Alternative>& alternatives() {
       {"opacity_reset_interval", 10},
       {"max_gaussians", 70},
       {"reorder_interval", 0},
+      {"idle_updates", "skip"},
   };
   return rows;
 }
+
+/// Rows that change how something is done, and must not change the model of a CPU: its gradients
+/// are added in one order. What a device makes of the kernels' switches is the subject of its
+/// tests.
+const std::vector<Alternative>& same_models() {
+  static const std::vector<Alternative> rows = {
+      {"fused_optimizer", false}, {"balanced_instances", false}, {"separate_sort", false},
+      {"warp_culling", false},    {"backward", "pixel"},         {"deterministic", true},
+      {"feed_bytes", 1000},       {"row_intervals", true},
+  };
+  return rows;
+}
+
+/// Rows that list splats in more tiles: the instances of a step say so.
+const char* const kBounds[] = {"rectangular_bounds", "opacity_bounds", "tile_culling"};
 
 /// The scene depends on the background as a folder of RGBA frames does.
 std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false) {
@@ -86,17 +103,35 @@ std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false) 
   return model_bits(training.run().model());
 }
 
+/// Tile instances of the last step before density control, of pictures of several tiles.
+int64_t some_instances(const std::string& key, bool value) {
+  TinyCapture capture;
+  capture.size = 100;
+  const Scene scene = tiny_capture(capture);
+  TrainOptions options = usual_options();
+  if (key == "rectangular_bounds") options.tile_culling = false;  // which would make up for it
+  set_option(options, key, value);
+  Training training(scene, options);
+  return training.run(options.densify_from).steps().back().instances;
+}
+
 class Switch : public ::testing::TestWithParam<std::string> {};
 
 // Bug put back: rotations learn at a fixed rate; seen to fail for lr_rotation.
 TEST_P(Switch, ChangesTheModel) {
   TrainOptions options = usual_options();
-  if (GetParam() == "fused_optimizer") {  // the one switch that must change nothing
-    ASSERT_TRUE(options.fused_optimizer);
-    options.fused_optimizer = false;
-    EXPECT_TRUE(trained(options) == trained(usual_options()));
-    return;
-  }
+  for (const Alternative& row : same_models())
+    if (GetParam() == row.key) {
+      set_option(options, row.key, row.value);
+      EXPECT_NE(to_json(options), to_json(usual_options()));
+      EXPECT_TRUE(trained(options) == trained(usual_options()));
+      return;
+    }
+  for (const char* key : kBounds)
+    if (GetParam() == key) {
+      EXPECT_GT(some_instances(key, false), some_instances(key, true));
+      return;
+    }
   for (const Alternative& row : alternatives())
     if (GetParam() == row.key) {
       const bool narrow = !row.with.empty();
@@ -109,6 +144,42 @@ TEST_P(Switch, ChangesTheModel) {
       return;
     }
   FAIL() << GetParam() << " has no alternative value in this test";
+}
+
+/// Each row of KernelSwitches reaches its own member, and defaults are the kernels'.
+// Bug put back: separate_sort read from balanced_instances; seen to fail.
+TEST(KernelOptions, EachSwitchIsItsOwn) {
+  const auto bits = [](const TrainOptions& options) {
+    const KernelSwitches k = kernel_switches(options);
+    return std::vector<int>{k.bounds.rectangular,   k.bounds.opacity_aware, k.bounds.tile_culling,
+                            k.bounds.row_intervals, k.balanced_instances,   k.separate_sort,
+                            k.warp_culling,         int(k.backward),        k.deterministic};
+  };
+  const KernelSwitches usual;
+  EXPECT_EQ(bits({}),
+            (std::vector<int>{usual.bounds.rectangular, usual.bounds.opacity_aware,
+                              usual.bounds.tile_culling, usual.bounds.row_intervals,
+                              usual.balanced_instances, usual.separate_sort, usual.warp_culling,
+                              int(usual.backward), usual.deterministic}));
+  const char* const keys[] = {"rectangular_bounds", "opacity_bounds",     "tile_culling",
+                              "row_intervals",      "balanced_instances", "separate_sort",
+                              "warp_culling",       "backward",           "deterministic"};
+  for (size_t i = 0; i < std::size(keys); ++i) {
+    TrainOptions options;
+    const json before = to_json(options)[keys[i]];
+    set_option(options, keys[i], before.is_boolean() ? json(!before.get<bool>()) : json("pixel"));
+    for (size_t j = 0; j < std::size(keys); ++j)
+      EXPECT_EQ(bits(options)[j] != bits({})[j], i == j) << keys[i] << " at " << j;
+  }
+  TrainOptions options;
+  options.backward = "per-gaussian";
+  EXPECT_EQ(kernel_switches(options).backward, BackwardForm::kPerGaussian);
+  for (const auto& [name, idle] : {std::pair{"dense", IdleUpdate::kDense},
+                                   {"lazy", IdleUpdate::kLazy},
+                                   {"skip", IdleUpdate::kSkip}}) {
+    options.idle_updates = name;
+    EXPECT_EQ(idle_update(options), idle);
+  }
 }
 
 std::vector<std::string> all_keys() {

@@ -19,6 +19,14 @@ TEST(CliJson, TrainAndEvaluateKeepTheContract) {
   const CliWorkspace work;
   const json trained = work.run_json(work.train_arguments("run"));
   expect_keys(trained, {"seconds", "iterations", "peak_device_bytes", "num_gaussians", "stage_ms"});
+  expect_keys(trained, {"stage_gbytes", "stage_gb_per_s"});
+  for (const char* stage : {"project", "bin", "blend", "photometric", "blend_backward"}) {
+    EXPECT_GT(trained["stage_ms"][stage], 0) << stage;
+    EXPECT_GE(trained["stage_gbytes"][stage], 0) << stage;
+    EXPECT_GE(trained["stage_gb_per_s"][stage], 0) << stage;
+  }
+  EXPECT_GT(trained["stage_ms"]["density"], 0);
+  EXPECT_GT(trained["peak_device_bytes"], 1'000'000);
   EXPECT_EQ(trained["iterations"], 20);
   EXPECT_GT(trained["num_gaussians"], 0);
 

@@ -1,0 +1,148 @@
+// What: the CPU backend in a memory of its own that the rest of the program cannot touch, as a
+//       device's: pages are closed but while a stage or a copy is under way.
+// Not: a device: nothing runs behind. A touch from outside ends the test with a segmentation fault.
+#pragma once
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "kernels/backend.h"
+
+namespace tessera::testing {
+
+class SeparateMemory final : public Memory {
+ public:
+  void* allocate(size_t bytes) override {
+    const size_t length = std::max<size_t>(bytes, 1);
+    void* pages = mmap(nullptr, length, rights(), MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (pages == MAP_FAILED) throw std::bad_alloc();
+    lengths_[pages] = length;
+    return pages;
+  }
+  void release(void* pointer, size_t) noexcept override {
+    munmap(pointer, lengths_.at(pointer));
+    lengths_.erase(pointer);
+  }
+  void copy(void* to, const void* from, size_t bytes) override {
+    ++copies;
+    copied_bytes += int64_t(bytes);
+    inside([&] { std::memcpy(to, from, bytes); });
+  }
+  /// Done no earlier than it must be.
+  void copy_async_in(void* to, const void* from, size_t bytes) override {
+    ++async_copies;
+    late_.push_back([to, from, bytes] { std::memcpy(to, from, bytes); });
+  }
+  void wait_copies() override {
+    inside([&] {
+      for (const auto& copy : late_) copy();
+    });
+    late_.clear();
+  }
+  int64_t free_bytes() const override { return free; }
+  int64_t peak_bytes() const override { return 12345; }
+
+  /// Opens the pages while `work` runs.
+  template <class Work>
+  void inside(Work&& work) {
+    if (depth_++ == 0) protect();
+    work();
+    if (--depth_ == 0) protect();
+  }
+  bool holds(const void* pointer) const {
+    const auto after = lengths_.upper_bound(const_cast<void*>(pointer));
+    if (after == lengths_.begin()) return false;
+    const auto& [begin, length] = *std::prev(after);
+    return static_cast<const char*>(pointer) < static_cast<const char*>(begin) + length;
+  }
+  int64_t buffers() const { return int64_t(lengths_.size()); }
+
+  int64_t free = int64_t{1} << 40;
+  int64_t copies = 0, copied_bytes = 0, async_copies = 0;
+
+ private:
+  int rights() const { return depth_ > 0 ? PROT_READ | PROT_WRITE : PROT_NONE; }
+  void protect() {
+    for (const auto& [pages, length] : lengths_) mprotect(pages, length, rights());
+  }
+
+  std::map<void*, size_t> lengths_;
+  std::vector<std::function<void()>> late_;
+  int depth_ = 0;
+};
+
+class SeparateBackend final : public Backend {
+ public:
+  SeparateMemory own;
+  std::vector<std::string> calls;  // of the stages that wait, and of project_backward
+
+  std::string name() const override { return "separate " + cpu_->name(); }
+  Memory& memory() override { return own; }
+  StageClock& clock() override { return cpu_->clock(); }
+  void project(const ProjectArgs<float>& args, Splats<float>& splats) override {
+    calls.push_back("project");
+    own.inside([&] { cpu_->project(args, splats); });
+  }
+  void bin(const BinArgs<float>& args, TileInstances<float>& instances) override {
+    own.inside([&] { cpu_->bin(args, instances); });
+  }
+  void blend(const BlendArgs<float>& args, Images<float>& images) override {
+    own.inside([&] { cpu_->blend(args, images); });
+  }
+  void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
+    own.inside([&] { cpu_->photometric(args, d_colour); });
+  }
+  void blend_backward(const BlendBackwardArgs<float>& args,
+                      Span<SplatGradient<float>> d_splats) override {
+    own.inside([&] { cpu_->blend_backward(args, d_splats); });
+  }
+  void project_backward(const ProjectBackwardArgs<float>& args) override {
+    calls.push_back("project_backward");
+    own.inside([&] { cpu_->project_backward(args); });
+  }
+  StepOutcome outcome() override {
+    calls.push_back("outcome");
+    return cpu_->outcome();
+  }
+  void adam(const SinkArgs<float>& args) override {
+    own.inside([&] { cpu_->adam(args); });
+  }
+  void catch_up(const LazySh<float>& lazy) override {
+    own.inside([&] { cpu_->catch_up(lazy); });
+  }
+  void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
+                   Span<float> to) override {
+    own.inside([&] { cpu_->gather_rows(from, index, width, inherited, to); });
+  }
+  void select_rows(const GaussianSpans<const float>& set,
+                   const DensityStatistics<const float>& statistics, const DensityRule& rule,
+                   DensityRows& rows) override {
+    calls.push_back("select_rows");
+    own.inside([&] { cpu_->select_rows(set, statistics, rule, rows); });
+  }
+  void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override {
+    own.inside([&] { cpu_->place_children(set, first, seed); });
+  }
+  void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override {
+    own.inside([&] { cpu_->locality_order(set, order); });
+  }
+  void limit_values(Span<float> values, float limit) override {
+    own.inside([&] { cpu_->limit_values(values, limit); });
+  }
+  void fill_zero(Span<float> values) override {
+    own.inside([&] { cpu_->fill_zero(values); });
+  }
+
+ private:
+  std::unique_ptr<Backend> cpu_ = make_cpu_backend();
+};
+
+}  // namespace tessera::testing
