@@ -66,6 +66,7 @@ Selected select(Backend& on, const TestGaussians<float>& set, const Statistic& s
 }
 
 TEST_P(BackendDensity, RowsAreTheCpus) {
+  // Bugs put back, seen to fail: the dead make no room; clones in another order.
   for (const int dim : {3, 4})
     for (const bool ties : {false, true})
       for (const double largest : {0.0, 0.2})
@@ -100,6 +101,7 @@ TEST_P(BackendDensity, RowsOfEmptyAndOfDyingSets) {
 }
 
 TEST_P(BackendDensity, ChildrenAreTheCpus) {
+  // Bugs put back, seen to fail: another seed; the first child left out.
   for (const int dim : {3, 4}) {
     Random random(85);
     const TestGaussians<float> before = random_gaussians(dim, kCount, 1, 0.1, random).as<float>();
@@ -123,6 +125,7 @@ TEST_P(BackendDensity, ChildrenAreTheCpus) {
 }
 
 TEST_P(BackendDensity, OrderIsTheCpus) {
+  // Bugs put back, seen to fail: time not looked at; not stable.
   for (const int dim : {3, 4})
     for (const int64_t count : {int64_t{0}, int64_t{1}, kCount}) {
       TestGaussians<float> set = crowd(dim, 86, count);
@@ -140,6 +143,7 @@ TEST_P(BackendDensity, OrderIsTheCpus) {
 }
 
 TEST_P(BackendDensity, GatheredRowsAreThoseOfTheIndex) {
+  // Bug put back: one row too many inherited; seen to fail.
   Random random(87);
   for (const int width : {1, 3, 4, 48}) {
     std::vector<float> from(size_t(kCount * width));
@@ -163,6 +167,7 @@ TEST_P(BackendDensity, GatheredRowsAreThoseOfTheIndex) {
 }
 
 TEST_P(BackendDensity, LimitsAndZeros) {
+  // Bugs put back, seen to fail: the larger of both; the last one not zeroed.
   Random random(88);
   std::vector<float> values(kCount);
   for (float& x : values) x = float(random.uniform(-8, 8));

@@ -57,6 +57,7 @@ class BackendFailures : public EveryBackend {
 TESSERA_ON_EVERY_BACKEND(BackendFailures);
 
 TEST_P(BackendFailures, CoincidentDuplicatesMultiplyTransmittance) {  // C3
+  // Bug put back: T reduced by 0.9999·α; seen to fail.
   TestScene<float> scene = front_scene();
   for (int n = 1; n <= 40; ++n) {
     add_round(scene, {0, 0, 5}, 0.3, 0.2, {0.6, 0.6, 0.6});
@@ -70,6 +71,8 @@ TEST_P(BackendFailures, CoincidentDuplicatesMultiplyTransmittance) {  // C3
 }
 
 TEST_P(BackendFailures, OpacityBelowTheCutoffContributesNothing) {  // C4
+  // Bugs put back, seen to fail: gradients of what is not drawn not written; empty tiles not
+  // stored.
   for (const double opacity : {0.0, 1e-90, 1e-9, 1.0 / 256}) {
     TestScene<float> scene = front_scene();
     add_round(scene, {0, 0, 5}, 0.3, opacity, {1, 1, 1});
@@ -85,6 +88,7 @@ TEST_P(BackendFailures, OpacityBelowTheCutoffContributesNothing) {  // C4
 }
 
 TEST_P(BackendFailures, NonFiniteFieldIsCulledAndCounted) {  // C5
+  // Bugs put back, seen to fail: the logit not looked at; not counted.
   const TestScene<float> scene = scene_to_spoil(1);
   for (const int dim : {3, 4})
     for (int g = 0; g < group_count(dim); ++g)
@@ -97,6 +101,7 @@ TEST_P(BackendFailures, NonFiniteFieldIsCulledAndCounted) {  // C5
 }
 
 TEST_P(BackendFailures, ZeroQuaternionIsCulledAndCounted) {  // C5
+  // Bug put back: no test of the norm; seen to fail.
   const TestScene<float> scene = scene_to_spoil(2);
   for (const Group g : {kRotation, kRotationRight})
     for (const float length : {0.0f, 5e-5f}) {
@@ -111,6 +116,7 @@ TEST_P(BackendFailures, ZeroQuaternionIsCulledAndCounted) {  // C5
 }
 
 TEST_P(BackendFailures, ZeroScaleAndNeedlesAreFinite) {  // C5
+  // Bug put back: no dilation and no test of the determinant; seen to fail.
   TestScene<float> scene = scene_to_spoil(3);
   std::fill_n(scene.fixed.at(kLogScale, kVictim), 3, -60.0f);  // e^{2·−60} vanishes in float
   std::fill_n(scene.moving.at(kLogScale, kVictim), 3, -60.0f);
@@ -134,6 +140,7 @@ TEST_P(BackendFailures, HugeFiniteValuesAreFinite) {  // C5
 }
 
 TEST_P(BackendFailures, NearAndFarPlaneAreInclusive) {  // C9, C10
+  // Bugs put back, seen to fail: no far plane; near plane 2e-7 further.
   const auto drawn = [&](float z) {
     TestScene<float> scene = front_scene();
     scene.options.near_plane = 0.25, scene.options.far_plane = 1024;
@@ -155,6 +162,7 @@ TEST_P(BackendFailures, NearAndFarPlaneAreInclusive) {  // C9, C10
 }
 
 TEST_P(BackendFailures, GaussianBesideTheCameraDoesNotFlash) {  // C9
+  // Bug put back: Jacobian not clamped; seen to fail.
   for (double z = 1.0; z >= 0.2; z -= 0.1) {
     TestScene<float> scene = front_scene();
     add_round(scene, {12 * z, 0, z}, 0.1 * z / 0.25, 0.99, {1, 1, 1});
@@ -163,6 +171,7 @@ TEST_P(BackendFailures, GaussianBesideTheCameraDoesNotFlash) {  // C9
 }
 
 TEST_P(BackendFailures, BackgroundsDifferByTransmittance) {  // C14
+  // Bug put back: the background added without T; seen to fail.
   TestScene<float> scene = front_scene();
   add_round(scene, {0, 0, 5}, 0.5, 0.7, {0.9, 0.1, 0.4});
   add_round(scene, {0.3, 0.1, 4}, 0.2, 0.4, {0.1, 0.8, 0.3});
@@ -176,6 +185,7 @@ TEST_P(BackendFailures, BackgroundsDifferByTransmittance) {  // C14
 }
 
 TEST_P(BackendFailures, LowDegreeEqualsHighDegreeWithZeroBands) {  // C15
+  // Bug put back: one coefficient of the degree left out; seen to fail.
   for (int degree = 0; degree < 3; ++degree) {
     TestScene<float> scene = random_scene(15, 15, 0.2, 7).as<float>();
     scene.options.sh_degree = degree;
@@ -221,6 +231,7 @@ unsigned groups_reported(const TestScene<float>& scene, Backend& backend,
 }
 
 TEST_P(BackendFailures, NonFiniteGradientNamesItsGroups) {  // C20
+  // Bug put back: SH not looked at; seen to fail.
   const TestScene<float> still = random_scene(5, 0, 0.3, 6).as<float>();
   const TestScene<float> moving = random_scene(0, 5, 0.3, 6).as<float>();
   for (const float bad : {kNan, kInf}) {
@@ -239,6 +250,7 @@ TEST_P(BackendFailures, NonFiniteGradientNamesItsGroups) {  // C20
 }
 
 TEST_P(BackendFailures, NonFinitePictureGradientIsReportedOnceOnly) {  // C20
+  // Bug put back: reported groups not reset; seen to fail.
   const TestScene<float> scene = random_scene(5, 5, 0.3, 7).as<float>();
   const auto result = backward<float>(scene, backend(), [](std::vector<float>& d) {
     for (float& x : d) x = kNan;

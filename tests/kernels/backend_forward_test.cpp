@@ -25,6 +25,8 @@ class BackendForward : public EveryBackend {
 TESSERA_ON_EVERY_BACKEND(BackendForward);
 
 TEST_P(BackendForward, PicturesOfThreeViews) {
+  // Bugs put back, each seen to fail: all stored bands drawn whatever the degree; means 1e-5 off;
+  // the background not dimmed.
   for (const SceneCase& c : kSceneCases) {
     SCOPED_TRACE(c.name);
     expect_pictures(scene_of(c, 1));
@@ -32,6 +34,7 @@ TEST_P(BackendForward, PicturesOfThreeViews) {
 }
 
 TEST_P(BackendForward, PicturesOfOneViewAndOfFive) {
+  // Bug put back: the fifth view left out; seen to fail.
   TestScene<double> scene = random_scene(80, 80, 0.2, 2);
   set_views(scene, {three_views()[1]}, 3);
   expect_pictures(scene);
@@ -40,6 +43,7 @@ TEST_P(BackendForward, PicturesOfOneViewAndOfFive) {
 }
 
 TEST_P(BackendForward, PicturesLargerThanTheBlocksOfAnyStage) {
+  // Bug put back: two splats exchanged in the order of depth; seen to fail.
   TestScene<double> scene = random_scene(700, 900, 0.1, 4);
   std::vector<View> views = three_views();
   for (View& view : views)
@@ -49,12 +53,14 @@ TEST_P(BackendForward, PicturesLargerThanTheBlocksOfAnyStage) {
 }
 
 TEST_P(BackendForward, PicturesWhereManyOpaqueLayersStopTheLight) {
+  // Bug put back: the stop tested before blending; seen to fail.
   TestScene<double> scene = random_scene(300, 200, 0.4, 6);
   for (double& logit : scene.fixed.group[kOpacityLogit]) logit = 4;
   expect_pictures(scene);
 }
 
 TEST_P(BackendForward, ZeroGaussiansInEitherOrBothSets) {  // C1
+  // Bug put back: tiles without instances not stored; seen to fail.
   for (const auto& [fixed, moving] : {std::pair{0, 0}, {40, 0}, {0, 40}}) {
     SCOPED_TRACE(fixed);
     const TestScene<double> scene = random_scene(fixed, moving, 0.2, 7);
@@ -99,6 +105,7 @@ void expect_field(const StageRun<float>& actual, const StageRun<double>& expecte
 }
 
 TEST_P(BackendForward, SplatsEqualTheOracles) {
+  // Bug put back: means 1e-5 off; seen to fail.
   const TestScene<double> scene = random_scene(150, 150, 0.15, 8);
   const StageRun<float> actual = run_stages(scene.as<float>(), backend());
   CpuBackend<double> oracle;
@@ -132,6 +139,7 @@ TEST_P(BackendForward, SplatsEqualTheOracles) {
 }
 
 TEST_P(BackendForward, LastBlendedSplatIsTheOracles) {
+  // Bug put back: the place without the 1; seen to fail.
   const TestScene<double> scene = random_scene(150, 150, 0.3, 9);
   const std::vector<int64_t> actual = run_stages(scene.as<float>(), backend()).last_drawn();
   CpuBackend<double> oracle;
@@ -157,6 +165,7 @@ double margin(const Splat<float>& s, int x, int y) {
 }
 
 TEST_P(BackendForward, ListsHoldTheTouchingSplatsFrontToBack) {  // C8
+  // Bugs put back, seen to fail: every 97th place not written; instances counted one short.
   const StageRun<float> run = run_stages(random_scene(250, 250, 0.25, 10).as<float>(), backend());
   ASSERT_EQ(int64_t(run.tile_begin.size()), run.batch.tiles + 1);
   EXPECT_EQ(run.tile_begin.front(), 0);
@@ -188,6 +197,7 @@ TEST_P(BackendForward, ListsHoldTheTouchingSplatsFrontToBack) {  // C8
 }
 
 TEST_P(BackendForward, SlotsLeadFromASplatToItsInstances) {
+  // Bug put back: all instances of a splat in its first slot; seen to fail.
   TestScene<float> scene = random_scene(150, 150, 0.3, 11).as<float>();
   scene.options.kernels.deterministic = true;  // then every backend needs them
   const StageRun<float> run = run_stages(scene, backend());
@@ -203,6 +213,7 @@ TEST_P(BackendForward, SlotsLeadFromASplatToItsInstances) {
 }
 
 TEST_P(BackendForward, EqualDepthsKeepTheOrderOfGaussians) {
+  // Bug put back: an unstable sort; seen to fail.
   // a wall of Gaussians at one depth before a camera along z: the first one is in front
   TestScene<double> scene = random_scene(120, 0, 0.3, 12);
   View view;

@@ -44,6 +44,8 @@ TestScene<double> smooth_scene(const SceneCase& c, uint64_t seed) {
 }
 
 TEST_P(BackendGradient, ParametersEqualTheOracles) {
+  // Bugs put back, each seen to fail: R not reduced by the own weight; clamped channels not masked;
+  // the mean without the viewing direction; d_opacity 4e-4 off; splat gradients added, not written.
   for (const SceneCase& c : kSceneCases) {
     SCOPED_TRACE(c.name);
     expect_gradients(smooth_scene(c, 21));
@@ -51,6 +53,7 @@ TEST_P(BackendGradient, ParametersEqualTheOracles) {
 }
 
 TEST_P(BackendGradient, OneViewAndFive) {
+  // Bug put back: the fifth view left out; seen to fail.
   TestScene<double> scene = random_scene(80, 80, 0.2, 22);
   for (const std::vector<View>& views : {std::vector<View>{three_views()[2]}, five_views()}) {
     SCOPED_TRACE(views.size());
@@ -71,6 +74,7 @@ TEST_P(BackendGradient, PicturesAndSetsLargerThanTheBlocksOfAnyStage) {
 }
 
 TEST_P(BackendGradient, WhereTheLightStops) {
+  // Bug put back: `index < used` left out; seen to fail.
   TestScene<double> scene = random_scene(100, 100, 0.4, 28);
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
     for (double& logit : set->group[kOpacityLogit]) logit += 4;
@@ -83,6 +87,23 @@ TEST_P(BackendGradient, FewerStoredBandsThanDegreeThree) {
   Random random(31);
   scene.fixed = random_gaussians(3, 60, 0.9, 0.2, random, 4);
   keep_truth_away(scene, 32);
+  expect_gradients(scene);
+}
+
+TEST_P(BackendGradient, GaussiansThatOnlySomeViewsSee) {
+  // Bug put back: the statistic divided by B instead of n_v; seen to fail.
+  TestScene<double> scene = random_scene(200, 200, 0.1, 41);
+  for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
+    for (double& x : set->group[kMean]) x *= 2.5;
+  keep_truth_away(scene, 42);
+  const StageRun<float> run = run_stages(scene.as<float>(), backend());
+  int partly = 0, idle = 0;
+  for (size_t n = 0; n < 400; ++n) {
+    const int64_t views = run.first_of[n + 1] - run.first_of[n];
+    partly += views > 0 && views < 3, idle += views == 0;
+  }
+  EXPECT_GT(partly, 100);
+  EXPECT_GT(idle, 10);
   expect_gradients(scene);
 }
 
@@ -101,6 +122,7 @@ std::map<int64_t, std::array<double, 9>> rows_of(const StageRun<Real>& run) {
 }
 
 TEST_P(BackendGradient, SplatsEqualTheOracles) {
+  // Bug put back: d_conic.xy without the half; seen to fail.
   const TestScene<double> scene = random_scene(150, 150, 0.2, 33);
   // the same dL/d picture for both
   const auto noise = [](auto& d_colour) {
@@ -157,6 +179,8 @@ std::vector<Real> picture_gradient(BackendOf<Real>& backend, const TestScene<dou
 }
 
 TEST_P(BackendGradient, LossAndPictureGradientEqualTheOracles) {
+  // Bugs put back, each seen to fail: no 1/B; the weight of L1 ignored; the last pixel not written;
+  // the partial by E[x²] 0.5 % off.
   TestScene<double> scene;
   std::vector<View> views = five_views();
   views[0].camera = views[0].camera.resized(131, 97);
@@ -191,6 +215,7 @@ TEST_P(BackendGradient, LossAndPictureGradientEqualTheOracles) {
 }
 
 TEST_P(BackendGradient, DeterministicRunsAreEqualToTheBit) {  // C18
+  // Bug put back: d_opacity 1e-6 off from run to run; seen to fail.
   TestScene<float> scene = random_scene(900, 900, 0.2, 37).as<float>();
   scene.options.kernels.deterministic = true;
   const Backward<float> a = backward(scene, backend()), b = backward(scene, backend());
@@ -204,6 +229,7 @@ TEST_P(BackendGradient, DeterministicRunsAreEqualToTheBit) {  // C18
 }
 
 TEST_P(BackendGradient, SpreadOfTheDefaultIsThatOfFloatSums) {  // C18
+  // Bug put back: d_opacity 1e-4 off from run to run; seen to fail.
   const TestScene<float> scene = random_scene(900, 900, 0.2, 37).as<float>();
   const Backward<float> first = backward(scene, backend());
   double spread = 0;

@@ -11,6 +11,7 @@ class BackendLaws : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendLaws);
 
 TEST_P(BackendLaws, BatchIsTheMeanOfItsViews) {  // C16
+  // Bug put back: no 1/B; seen to fail.
   TestScene<float> scene = random_scene(120, 120, 0.2, 71).as<float>();
   scene.views = five_views();
   Random random(72);
@@ -39,6 +40,7 @@ TEST_P(BackendLaws, BatchIsTheMeanOfItsViews) {  // C16
 }
 
 TEST_P(BackendLaws, OrderOfGaussiansDoesNotMatter) {
+  // Bug put back: every other Gaussian 1e-3 redder; seen to fail.
   constexpr int64_t kCount = 150;
   const TestScene<float> scene = random_scene(kCount, kCount, 0.15, 73).as<float>();
   TestScene<float> shuffled = scene;
@@ -54,6 +56,7 @@ TEST_P(BackendLaws, OrderOfGaussiansDoesNotMatter) {
 }
 
 TEST_P(BackendLaws, StaticIsTheLiftWithALongLife) {
+  // Bug put back: dynamic means 1e-4 off; seen to fail.
   // as on the CPU in float (laws_test.cpp): w = σ_t² = 1e6, 1 − p(t) ≤ ½ 0.15²/w; dL/dl holds
   // parts ∝ w·rounding that cancel against dL/dr
   TestScene<double> still = random_scene(100, 0, 0.2, 74), lift = still;
@@ -72,6 +75,7 @@ TEST_P(BackendLaws, StaticIsTheLiftWithALongLife) {
 }
 
 TEST_P(BackendLaws, ReusedBuffersLeaveNoTrace) {
+  // Bug put back: tiles without instances not stored; seen to fail.
   const TestScene<float> large = random_scene(300, 300, 0.3, 75).as<float>();
   const TestScene<float> small = random_scene(2, 1, 0.05, 76).as<float>();
   const StoredScene<float> first(large, memory()), second(small, memory());
@@ -89,6 +93,7 @@ TEST_P(BackendLaws, ReusedBuffersLeaveNoTrace) {
 }
 
 TEST_P(BackendLaws, OutcomeIsThatOfTheStepBeforeTheNextForward) {
+  // Bug put back: losses reset by project; seen to fail.
   // as a trainer calls it: the next project has begun when the losses are asked for
   const TestScene<float> scene = random_scene(80, 80, 0.2, 77).as<float>();
   const Backward<float> expected = backward(scene, backend());

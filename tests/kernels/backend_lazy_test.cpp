@@ -144,6 +144,8 @@ class BackendLazy : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendLazy);
 
 TEST_P(BackendLazy, CatchingUpEqualsEveryStep) {
+  // Bugs put back, each seen to fail: drawn without catching up; last_step not set; one rate for
+  // all bands.
   const TestScene<float> scene = wide_scene();
   const ShRun dense = ShTraining(scene, backend(), IdleUpdate::kDense).run();
   const ShRun lazy = ShTraining(scene, backend(), IdleUpdate::kLazy).run();
@@ -172,6 +174,7 @@ TEST_P(BackendLazy, CatchingUpEqualsEveryStep) {
 }
 
 TEST_P(BackendLazy, CatchUpEqualsTheCpus) {
+  // Bug put back: the last Gaussian of a block left out; seen to fail.
   constexpr int64_t kCount = 3000;
   constexpr int kWidth = 48;
   Random random(52);

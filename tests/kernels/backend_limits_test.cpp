@@ -48,6 +48,7 @@ struct Projected {
 };
 
 TEST_P(BackendLimits, InstancesOfFullScreenSplatsEqualTheClosedForm) {  // C6
+  // Bug put back: counted one short a splat; seen to fail.
   Projected p(full_screen(40), backend());
   EXPECT_EQ(p.splats.count, 40);
   EXPECT_EQ(p.splats.instances, 40 * kTilesOf8K);

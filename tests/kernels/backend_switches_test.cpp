@@ -76,6 +76,8 @@ class BackendSwitches : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendSwitches);
 
 TEST_P(BackendSwitches, PicturesAndGradientsDoNotChange) {
+  // Bugs put back, each seen to fail: one form's d_opacity 0.2 % off; the last tile of a row left
+  // out without culling, or with intervals.
   for (const TestScene<double>& scene : switch_scenes()) {
     const Backward<double> expected = backward(scene);
     const auto critical = critical_pixels(scene);
@@ -127,6 +129,7 @@ bool draws_in(const Splat<float>& s, const ViewArgs<float>& view, int64_t tile) 
 }
 
 TEST_P(BackendSwitches, LooserBoundsListSupersets) {
+  // Bug put back: bounds of a splat of opacity 0.5 for opaque ones; seen to fail.
   const TestScene<double> scene = switch_scenes()[0];
   const StageRun<float> run = run_stages(scene.as<float>(), backend());
   const auto usual = listed(run);
@@ -150,6 +153,7 @@ TEST_P(BackendSwitches, LooserBoundsListSupersets) {
 }
 
 TEST_P(BackendSwitches, EveryDeterministicFormIsEqualToTheBitTwice) {  // C18
+  // Bug put back: d_opacity 1e-6 off from run to run; seen to fail.
   const TestScene<double> scene = random_scene(500, 500, 0.2, 68);
   for (const Variant& variant : kVariants) {
     SCOPED_TRACE(variant.name);

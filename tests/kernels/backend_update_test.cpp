@@ -77,6 +77,7 @@ class BackendUpdate : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendUpdate);
 
 TEST_P(BackendUpdate, FusedAdamEqualsTheSeparateOne) {
+  // Bug put back: the rate of the other bands for coefficient 0, in one of both; seen to fail.
   const TestScene<double> scene = scene_with_idle(41);
   const Trained fused = train(scene, backend(), true, IdleUpdate::kDense, 3);
   const Trained separate = train(scene, backend(), false, IdleUpdate::kDense, 3);
@@ -95,6 +96,7 @@ TEST_P(BackendUpdate, FusedAdamEqualsTheOracles) {
 }
 
 TEST_P(BackendUpdate, DenseMovesIdleGaussiansByTheirMoments) {
+  // Bug put back: idle Gaussians skipped; seen to fail.
   const TestScene<double> scene = scene_with_idle(45);
   const TestScene<float> rough = scene.as<float>();
   const Trained after = train(scene, backend(), true, IdleUpdate::kDense, 1);
@@ -113,6 +115,7 @@ TEST_P(BackendUpdate, DenseMovesIdleGaussiansByTheirMoments) {
 }
 
 TEST_P(BackendUpdate, SkipLeavesIdleGaussiansUntouched) {
+  // Bug put back: skipping does nothing; seen to fail.
   const TestScene<double> scene = scene_with_idle(47);
   const TestScene<double> rounded = scene.as<float>().as<double>();
   const Trained skip = train(scene, backend(), true, IdleUpdate::kSkip, 2);

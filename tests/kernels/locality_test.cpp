@@ -29,6 +29,7 @@ TEST(Locality, SpreadBitsEqualsALoop) {
 }
 
 TEST(Locality, CodeInterleavesXLowestInCubesOfTheLongestSide) {
+  // Bug put back: y where z belongs; seen to fail.
   const LocalityBox box{{-1, 2, 0, 0}, {3, 3, 1, 0}};  // sides 4, 1, 1
   const auto cell = [](double unit) { return uint64_t(unit * ((1 << kMortonBits) - 1)); };
   Random random(2);
@@ -53,6 +54,7 @@ TEST(Locality, DegenerateBoxesAndValuesOutsideAreSafe) {
 }
 
 TEST(Locality, TimeHas32BinsOfEqualLength) {
+  // Bug put back: 31 bins; seen to fail.
   const LocalityBox box{{0, 0, 0, 0.25f}, {0, 0, 0, 0.75f}};
   for (int bin = 0; bin < kTimeBins; ++bin)
     EXPECT_EQ(time_bin(box, 0.25f + 0.5f * (float(bin) + 0.5f) / kTimeBins), uint32_t(bin));

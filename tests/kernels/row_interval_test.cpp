@@ -52,7 +52,7 @@ int expect_tiles(const FootprintCase& c, double share) {
 
 TEST(RowInterval, EqualsTheTestOfEachTileExceptBetweenColumnsOfPixels) {
   // Bugs put back, each seen to fail: no extreme points between the row's lines; the sign of the
-  // slope; floor and ceil exchanged.
+  // slope; the last column left out.
   Random random(1);
   int between = 0;
   constexpr int kRounds = 6000;
@@ -89,6 +89,7 @@ TEST(RowInterval, NeedlesAlongAnAxisAndAtASmallAngle) {
 }
 
 TEST(RowInterval, StaysInsideTheRectangle) {
+  // Bug put back: the interval clamped to the picture; seen to fail.
   Random random(3);
   for (int round = 0; round < 2000; ++round) {
     const FootprintCase c = random_footprint(random, false);
@@ -102,6 +103,7 @@ TEST(RowInterval, StaysInsideTheRectangle) {
 }
 
 TEST(RowInterval, SplatsOfAnySizeAreSafe) {
+  // Bug put back: an interval without pixel centres kept; seen to fail.
   // faint: no interval; enormous: every tile; far away: none. What is not finite is culled before.
   Footprint<float> faint{{50, 50}, {1, 0, 1}, -1.0f};
   EXPECT_TRUE(tiles_of(kRows, faint).empty());
@@ -123,7 +125,7 @@ std::set<int> bounded_tiles(const BoundsOptions& options, const FootprintCase& c
 }
 
 TEST(BoundsOptions, EachLooserChoiceListsASupersetThatDrawsNothingMore) {
-  // Bug put back: the square of the shorter half extent; seen to fail.
+  // Bugs put back, seen to fail: the square of the shorter half extent; opacity_aware inverted.
   const BoundsOptions looser[] = {{false, true, true, false},
                                   {true, false, true, false},
                                   {true, true, false, false},

@@ -78,6 +78,18 @@ void fetch_lists(const Splats<Real>& splats, const TileInstances<Real>& instance
   out.depth_order = fetched(instances.depth_order, memory);
 }
 
+/// Whether blending may read these lists: what it would do with a poisoned one is anybody's guess.
+template <class Real>
+bool lists_are_sound(const StageRun<Real>& run) {
+  const auto all_in = [](const auto& values, int64_t low, int64_t high) {
+    return std::all_of(values.begin(), values.end(),
+                       [&](auto value) { return value >= low && value <= high; });
+  };
+  return all_in(run.instance_splat, 0, run.splats - 1) &&
+         all_in(run.tile_begin, 0, run.instances) && all_in(run.slot, 0, run.instances - 1) &&
+         std::is_sorted(run.tile_begin.begin(), run.tile_begin.end());
+}
+
 /// All stages up to the gradient of the splats. `edit` may replace dL/d picture.
 template <class Real>
 StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend,
@@ -97,6 +109,11 @@ StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend
   poison_all(instances, memory);
   backend.bin(bin, instances);
   fetch_lists(splats, instances, memory, out);
+  if (!lists_are_sound(out)) {
+    ADD_FAILURE() << "bin left a place unwritten";
+    out.d_splats.resize(out.splat.size());
+    return out;
+  }
   const BlendArgs<Real> blend{&batch, &splats, &instances, scene.options, true};
   backend.blend(blend, images);
   poison(images.colour, memory), poison(images.transmittance, memory);
