@@ -48,6 +48,9 @@ struct RenderOptions {
   KernelSwitches kernels;
 };
 
+/// `negative` of a splat that is listed but not drawn, because its colour is not finite.
+inline constexpr uint32_t kNotDrawn = ~0u;
+
 /// A splat as blending gathers it, twelve words in one aligned record.
 template <class Real>
 struct alignas(16) Splat {
@@ -82,7 +85,12 @@ struct Splats {
 template <class Real>
 struct TileInstances {
   explicit TileInstances(Memory& memory = host_memory())
-      : splat(memory), tile_begin(memory), first_of(memory), slot(memory), depth_order(memory) {}
+      : splat(memory),
+        tile_begin(memory),
+        first_of(memory),
+        slot(memory),
+        depth_order(memory),
+        tile_order(memory) {}
 
   int64_t count = 0;            // I
   Buffer<int32_t> splat;        // [I]
@@ -90,6 +98,7 @@ struct TileInstances {
   Buffer<int64_t> first_of;     // [S] first entry of each splat in `slot`; it has tiles[s] of them
   Buffer<int64_t> slot;         // [I] places of a splat's instances; filled when asked
   Buffer<int32_t> depth_order;  // [S] splats front to back
+  Buffer<int32_t> tile_order;   // [tiles] a device's: long lists first, so that none comes last
 };
 
 /// Rendered views, planar: channel c of view b starts at 3·first_pixel + c·width·height.

@@ -13,12 +13,14 @@ struct BlendBackward {
   int view_count;
   const int64_t* tile_begin;
   const int32_t* instance;
+  const int32_t* tile_order;
+  int64_t instances;  // I
   const Splat<float>* splats;
   const float* colour;    // the picture, background included
   const float* d_colour;  // planar as the picture
   const int32_t* used;
   SplatGradient<float>* d_splats;     // added to
-  SplatGradient<float>* d_instances;  // [I] when they are added in order
+  SplatGradient<float>* d_instances;  // [kTileWarps, I] when they are added in order
   const float4* checkpoints;          // [buckets · 256] colour and T
   const int64_t* bucket_begin;        // [tiles+1]
   int64_t tiles;

@@ -70,6 +70,7 @@ class CudaBackend final : public Backend {
   const ViewArgs<float>* views_of(const ViewBatch<float>& batch);
   template <class Key>
   void bin_with(const BinArgs<float>& args, TileInstances<float>& instances);
+  void order_tiles(TileInstances<float>& instances);
   void write_splats(const ProjectArgs<float>& args, Splats<float>& splats);
   void reserve_checkpoints(const BlendArgs<float>& args);
   /// Enqueues the copy of losses and bad groups to the host.

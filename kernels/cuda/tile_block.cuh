@@ -1,5 +1,5 @@
-// What: how a block of threads lies over a tile: a warp has an 8 × 8 part of it, a lane two pixels;
-// the tile's splats pass through shared memory in chunks of one a thread.
+// What: how a block of threads lies over a tile: a warp has an 8 × 8 part of it, a lane two pixels.
+// Warps go through the tile's splats on their own, 32 at a time: no warp waits for another.
 // Not: what is done with a splat (blend.cu, blend_backward.cu).
 // Source: sub-tiles of [Faster-GS]; method A.10, G.4.
 #pragma once
@@ -101,6 +101,55 @@ struct PixelResponse {
     falloff = exp2_approximate(fminf(dx * gx + dy * gy, 0.0f));
     alpha = s.b.y * falloff;
   }
+};
+
+/// A warp's way through the splats of a tile, a bucket at a time; the next one is on its way while
+/// this one is worked on.
+class WarpSplats {
+ public:
+  /// Instances [first, first + count) of the tile; `mine`: this warp's 32 places in shared memory.
+  __device__ WarpSplats(const Splat<float>* splats, const int32_t* instance, int32_t count,
+                        SharedSplat* mine)
+      : splats_(splats), instance_(instance), count_(count), mine_(mine) {
+    fetch();
+  }
+  /// Puts the next bucket into shared memory. Returns a bit for each splat that may draw the part
+  /// at (x, y); all that are listed without `Cull`.
+  template <bool Cull>
+  __device__ unsigned next_bucket(int x, int y) {
+    const int lane = int(threadIdx.x) % 32;
+    const bool listed = fetched_ + lane < count_;
+    const bool meets = listed && (!Cull || meets_part(next_, x, y));
+    number_ = next_number_;
+    __syncwarp();  // the last bucket has been read
+    if (meets) mine_[lane] = next_;
+    __syncwarp();
+    begin_ = fetched_;
+    fetched_ += kBucket;
+    fetch();
+    return __ballot_sync(~0u, meets);
+  }
+  __device__ bool done() const { return fetched_ >= count_; }
+  /// Place in the tile's list of the first splat of this bucket and of the next.
+  __device__ int32_t begin() const { return begin_; }
+  __device__ int32_t next_begin() const { return fetched_; }
+  __device__ const SharedSplat& operator[](int i) const { return mine_[i]; }
+  /// Number of the bucket's splat i in the batch; all lanes ask together.
+  __device__ int32_t number(int i) const { return __shfl_sync(~0u, number_, i); }
+
+ private:
+  __device__ void fetch() {
+    const int32_t i = fetched_ + int(threadIdx.x) % 32;
+    if (i >= count_) return;
+    next_number_ = instance_[i];
+    next_ = SharedSplat::load(splats_ + next_number_);
+  }
+
+  const Splat<float>* splats_;
+  const int32_t* instance_;
+  int32_t count_, fetched_ = 0, begin_ = 0, number_ = 0, next_number_ = 0;
+  SharedSplat* mine_;
+  SharedSplat next_;
 };
 
 }  // namespace tessera

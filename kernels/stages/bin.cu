@@ -80,6 +80,16 @@ __global__ void find_tiles(const Key* keys, int64_t count, int64_t tiles, int64_
   for (int64_t t = from + 1; t <= to; ++t) begin[t] = i;
 }
 
+/// Keys that put long lists first: the length in sixteenths, the last of 256 for all that are longer.
+__global__ void rate_tiles(const int64_t* tile_begin, int64_t tiles, uint16_t* key,
+                           int32_t* number) {
+  const int64_t t = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (t >= tiles) return;
+  const int64_t length = tile_begin[t + 1] - tile_begin[t];
+  key[t] = uint16_t(255 - min(int64_t{255}, (length + 15) / 16));
+  number[t] = int32_t(t);
+}
+
 /// Sorted entry numbers → splats, and where each entry went.
 __global__ void resolve_entries(const int32_t* sorted, const int32_t* splat_of, int64_t count,
                                 int32_t* splat, int64_t* slot) {
@@ -143,6 +153,24 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
                              double(I) * (sizeof(Key) + 4) * (1 + 2 * passes));
 }
 
+void CudaBackend::order_tiles(TileInstances<float>& out) {
+  const int64_t tiles = out.tile_begin.size() - 1;
+  constexpr int kBits = 8;
+  Scratch scratch(scratch_);
+  for (int k = 0; k < 2; ++k) scratch.plan<uint16_t>(tiles);
+  scratch.plan<int32_t>(tiles);
+  scratch.allocate();
+  const Span<uint16_t> keys = scratch.take<uint16_t>(tiles);
+  const Span<uint16_t> sorted = scratch.take<uint16_t>(tiles);
+  const Span<int32_t> numbers = scratch.take<int32_t>(tiles);
+  out.tile_order.resize(tiles);
+  rate_tiles<<<grid_of(tiles, 256), 256, 0, stream_>>>(out.tile_begin.data(), tiles, keys.data,
+                                                       numbers.data);
+  sort_pairs(stream_, Span<const uint16_t>(keys), Span<const int32_t>(numbers), kBits, sorted,
+             out.tile_order.span(), sort_scratch_);
+  check_launch("bin: order_tiles");
+}
+
 void CudaBackend::bin(const BinArgs<float>& args, TileInstances<float>& out) {
   const Splats<float>& splats = *args.splats;
   const bool slots = args.for_backward && args.options.kernels.deterministic;
@@ -163,6 +191,7 @@ void CudaBackend::bin(const BinArgs<float>& args, TileInstances<float>& out) {
     bin_with<uint16_t>(args, out);
   else
     bin_with<uint32_t>(args, out);
+  order_tiles(out);
 }
 
 }  // namespace tessera

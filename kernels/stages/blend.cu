@@ -15,6 +15,7 @@ struct Blend {
   int view_count;
   const int64_t* tile_begin;
   const int32_t* instance;
+  const int32_t* tile_order;
   const Splat<float>* splats;
   float background[3];
   float* colour;
@@ -33,10 +34,11 @@ struct PixelForward {
   __device__ PixelForward(const TilePixel& at)
       : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(at.inside ? 1.0f : 0.0f) {}
   __device__ float4 state() const { return {red, green, blue, T}; }
+  __device__ bool alive() const { return T >= kMinTransmittance<float>; }
 
   __device__ void blend(const SharedSplat& s, int32_t number) {
     const PixelResponse p(s, x, y);
-    const bool on = p.alpha >= kMinAlpha<float> && T >= kMinTransmittance<float>;
+    const bool on = p.alpha >= kMinAlpha<float> && alive();
     const float alpha = on ? p.alpha : 0.0f, weight = T * alpha;
     red += weight * s.b.z, green += weight * s.b.w, blue += weight * s.c.x;
     T *= 1.0f - alpha;
@@ -46,46 +48,27 @@ struct PixelForward {
 
 template <bool Cull, bool Checkpoint>
 __global__ void __launch_bounds__(kTileThreads) blend_tiles(Blend a) {
-  __shared__ SharedSplat chunks[2][kTileThreads];
-  const int64_t tile = blockIdx.x;
+  __shared__ SharedSplat shared[kTileWarps][kBucket];
+  const int64_t tile = a.tile_order[blockIdx.x];
   const BatchTile at(a.views, a.view_count, tile);
-  const int64_t first = a.tile_begin[tile], last = a.tile_begin[tile + 1];
-  const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
+  const int warp = int(threadIdx.x) / 32;
   const int part_x = at.part_x(warp), part_y = at.part_y(warp);
   PixelForward pixel[kLanePixels] = {TilePixel(at, pixel_of_thread(0)),
                                      TilePixel(at, pixel_of_thread(1))};
-  const auto alive = [&] {
-    return pixel[0].T >= kMinTransmittance<float> || pixel[1].T >= kMinTransmittance<float>;
-  };
-  SharedSplat next;
-  const auto fetch = [&](int64_t i) {
-    if (i < last) next = SharedSplat::load(a.splats + a.instance[i]);
-  };
-  fetch(first + threadIdx.x);
-  int buffer = 0;
-  for (int64_t begin = first; begin < last; begin += kTileThreads, buffer ^= 1) {
-    SharedSplat* const chunk = chunks[buffer];
-    chunk[threadIdx.x] = next;
-    if (__syncthreads_count(alive()) == 0) break;
-    fetch(begin + kTileThreads + threadIdx.x);
-    const int count = int(min(int64_t(kTileThreads), last - begin));
-    for (int group = 0; group < count; group += kBucket) {
-      if constexpr (Checkpoint) {
-        const int64_t bucket = a.bucket_begin[tile] + (begin - first + group) / kBucket;
-        for (int p = 0; p < kLanePixels; ++p)
-          a.checkpoints[bucket * kTilePixels + pixel_of_thread(p)] = pixel[p].state();
-      } else if (!__any_sync(~0u, alive())) {
-        break;
-      }
-      const bool listed = group + lane < count;
-      unsigned hits =
-          __ballot_sync(~0u, listed && (!Cull || meets_part(chunk[group + lane], part_x, part_y)));
-      for (; hits != 0; hits &= hits - 1) {
-        const int i = group + __ffs(int(hits)) - 1;
-        TESSERA_UNROLL
-        for (int p = 0; p < kLanePixels; ++p)
-          pixel[p].blend(chunk[i], int32_t(begin - first) + i + 1);
-      }
+  const int64_t first = a.tile_begin[tile];
+  WarpSplats splats(a.splats, a.instance + first, int32_t(a.tile_begin[tile + 1] - first),
+                    shared[warp]);
+  while (!splats.done() && __any_sync(~0u, pixel[0].alive() || pixel[1].alive())) {
+    if constexpr (Checkpoint) {
+      const int64_t bucket = a.bucket_begin[tile] + splats.next_begin() / kBucket;
+      for (int p = 0; p < kLanePixels; ++p)
+        a.checkpoints[bucket * kTilePixels + pixel_of_thread(p)] = pixel[p].state();
+    }
+    unsigned hits = splats.next_bucket<Cull>(part_x, part_y);
+    for (; hits != 0; hits &= hits - 1) {
+      const int i = __ffs(int(hits)) - 1;
+      TESSERA_UNROLL
+      for (int p = 0; p < kLanePixels; ++p) pixel[p].blend(splats[i], splats.begin() + i + 1);
     }
   }
   for (int p = 0; p < kLanePixels; ++p) {
@@ -128,6 +111,7 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
           int(args.batch->views.size()),
           args.instances->tile_begin.data(),
           args.instances->splat.data(),
+          args.instances->tile_order.data(),
           args.splats->splat.data(),
           {},
           images.colour.data(),

@@ -1,7 +1,7 @@
 // What: gradient of blending on the device, front to back from the scalar R = ⟨colour still to come,
 // dL/dC⟩. Lanes are pixels: no checkpoints are needed, and splats that miss a warp's part of the
 // tile are skipped. The other form, lanes as splats, is in blend_backward_per_gaussian.cu.
-// Not: atomics when a fixed order is asked for: warps then add up in shared memory, tiles by slot.
+// Not: atomics when a fixed order is asked for: every warp then keeps its sum of each instance.
 // Source: method A.11, G.4.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
@@ -55,11 +55,8 @@ __device__ inline bool step_lane(const SharedSplat& s, int32_t index,
 
 template <bool Cull, bool Ordered>
 __global__ void __launch_bounds__(kTileThreads) backward_tiles(BlendBackward a) {
-  __shared__ SharedSplat chunks[2][kTileThreads];
-  __shared__ int32_t numbers[2][kTileThreads];
-  __shared__ int32_t tile_last;
-  __shared__ float partial[Ordered ? kTileWarps : 1][Ordered ? kBucket : 1][kGradientTerms];
-  const int64_t tile = blockIdx.x;
+  __shared__ SharedSplat shared[kTileWarps][kBucket];
+  const int64_t tile = a.tile_order[blockIdx.x];
   const int64_t first = a.tile_begin[tile];
   if (first == a.tile_begin[tile + 1]) return;
   const BatchTile at(a.views, a.view_count, tile);
@@ -68,77 +65,42 @@ __global__ void __launch_bounds__(kTileThreads) backward_tiles(BlendBackward a) 
   const float4 start{0, 0, 0, 1};
   PixelBackward pixel[kLanePixels] = {{a, TilePixel(at, pixel_of_thread(0)), start},
                                       {a, TilePixel(at, pixel_of_thread(1)), start}};
-  if (threadIdx.x == 0) tile_last = 0;
-  __syncthreads();
-  const int32_t warp_last = __reduce_max_sync(~0u, max(pixel[0].used, pixel[1].used));
-  if (lane == 0) atomicMax(&tile_last, warp_last);
-  __syncthreads();
-  const int32_t last = tile_last;
-  SharedSplat next;
-  int32_t next_number = 0;
-  const auto fetch = [&](int32_t i) {
-    if (i >= last) return;
-    next_number = a.instance[first + i];
-    next = SharedSplat::load(a.splats + next_number);
-  };
-  fetch(int32_t(threadIdx.x));
-  int buffer = 0;
-  for (int32_t begin = 0; begin < last; begin += kTileThreads, buffer ^= 1) {
-    SharedSplat* const chunk = chunks[buffer];
-    chunk[threadIdx.x] = next;
-    numbers[buffer][threadIdx.x] = next_number;
-    __syncthreads();
-    fetch(begin + kTileThreads + int32_t(threadIdx.x));
-    const int count = min(kTileThreads, last - begin);
-    for (int group = 0; group < count; group += kBucket) {
-      if constexpr (Ordered) {
-        for (int k = int(threadIdx.x); k < kTileWarps * kBucket * kGradientTerms; k += kTileThreads)
-          (&partial[0][0][0])[k] = 0.0f;
-        __syncthreads();
-      } else if (begin + group >= warp_last) {
-        break;
-      }
-      const bool listed = group + lane < count;
-      unsigned hits =
-          __ballot_sync(~0u, listed && (!Cull || meets_part(chunk[group + lane], part_x, part_y)));
-      for (; hits != 0; hits &= hits - 1) {
-        const int i = group + __ffs(int(hits)) - 1;
-        float v[kGradientTerms];
-        if (!step_lane(chunk[i], begin + i, pixel, v)) continue;
-        // lanes 0, 4, … 28 get the first eight terms, lane 1 the ninth
-        const float sum = reduce_eight(v), ninth = reduce_one(v[8]);
-        const int term = lane == 1 ? 8 : lane / 4;
-        if (lane % 4 != 0 && lane != 1) continue;
-        const float value = (lane == 1 ? ninth : sum) * gradient_scale(term);
-        if constexpr (Ordered)
-          partial[warp][i - group][term] = value;
-        else
-          atomicAdd(reinterpret_cast<float*>(a.d_splats + numbers[buffer][i]) + term, value);
-      }
-      if constexpr (Ordered) {
-        __syncthreads();
-        for (int k = int(threadIdx.x); k < kBucket * kGradientTerms; k += kTileThreads) {
-          if (group + k / kGradientTerms >= count) break;
-          float sum = 0;
-          for (int w = 0; w < kTileWarps; ++w) sum += (&partial[w][0][0])[k];
-          reinterpret_cast<float*>(a.d_instances + first + begin + group)[k] = sum;
-        }
-        __syncthreads();
-      }
+  const int32_t last = __reduce_max_sync(~0u, max(pixel[0].used, pixel[1].used));
+  WarpSplats splats(a.splats, a.instance + first, last, shared[warp]);
+  while (!splats.done()) {
+    unsigned hits = splats.next_bucket<Cull>(part_x, part_y);
+    for (; hits != 0; hits &= hits - 1) {
+      const int i = __ffs(int(hits)) - 1;
+      const int32_t number = splats.number(i);
+      float v[kGradientTerms];
+      if (!step_lane(splats[i], splats.begin() + i, pixel, v)) continue;
+      // lanes 0, 4, … 28 get the first eight terms, lane 1 the ninth
+      const float sum = reduce_eight(v), ninth = reduce_one(v[8]);
+      const int term = lane == 1 ? 8 : lane / 4;
+      if (lane % 4 != 0 && lane != 1) continue;
+      const float value = (lane == 1 ? ninth : sum) * gradient_scale(term);
+      if constexpr (Ordered)
+        reinterpret_cast<float*>(a.d_instances + warp * a.instances + first + splats.begin() +
+                                 i)[term] = value;
+      else
+        atomicAdd(reinterpret_cast<float*>(a.d_splats + number) + term, value);
     }
   }
 }
 
-/// Gradients of a splat's instances, added in the order in which it was written into tiles.
-__global__ void add_instances(const SplatGradient<float>* d_instances, const int64_t* first_of,
-                              const int32_t* tiles, const int64_t* slot, int64_t count,
-                              float* d_splats) {
+/// Gradients of a splat's instances, added in the order in which it was written into tiles, and of
+/// each by the parts of the tile.
+__global__ void add_instances(const SplatGradient<float>* d_instances, int64_t instances,
+                              const int64_t* first_of, const int32_t* tiles, const int64_t* slot,
+                              int64_t count, float* d_splats) {
   const int64_t at = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
   const int64_t s = at / kGradientTerms;
   if (s >= count) return;
   float sum = 0;
   for (int k = 0; k < tiles[s]; ++k)
-    sum += reinterpret_cast<const float*>(d_instances + slot[first_of[s] + k])[at % kGradientTerms];
+    for (int part = 0; part < kTileWarps; ++part)
+      sum += reinterpret_cast<const float*>(d_instances + part * instances +
+                                            slot[first_of[s] + k])[at % kGradientTerms];
   d_splats[at] = sum;
 }
 
@@ -153,6 +115,8 @@ void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
                   int(args.forward.batch->views.size()),
                   instances.tile_begin.data(),
                   instances.splat.data(),
+                  instances.tile_order.data(),
+                  instances.count,
                   args.forward.splats->splat.data(),
                   args.images->colour.data(),
                   args.d_colour.data,
@@ -170,7 +134,7 @@ void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
   };
   clear(d_splats);
   if (ordered) {
-    instance_gradients_.resize(instances.count);
+    instance_gradients_.resize(kTileWarps * instances.count);
     clear(instance_gradients_.span());
     a.d_instances = instance_gradients_.data();
   }
@@ -186,7 +150,8 @@ void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
   check_launch("blend_backward: backward_tiles");
   if (ordered) {
     add_instances<<<grid_of(d_splats.size * kGradientTerms, 256), 256, 0, stream_>>>(
-        instance_gradients_.data(), instances.first_of.data(), args.forward.splats->tiles.data(),
+        instance_gradients_.data(), instances.count, instances.first_of.data(),
+        args.forward.splats->tiles.data(),
         instances.slot.data(), d_splats.size, reinterpret_cast<float*>(d_splats.data));
     check_launch("blend_backward: add_instances");
   }

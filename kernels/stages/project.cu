@@ -89,6 +89,7 @@ __global__ void __launch_bounds__(kThreads)
     if (!drawn_colour(degree, splats[s].colour, sh, drawn, negative)) {
       invalid = true;
       rects[s] = {};
+      negative = kNotDrawn;
     }
     splats[s].colour = drawn, splats[s].negative = negative;
   }

@@ -38,8 +38,8 @@ __device__ inline void keep_colour(const ColourGradient<float>& colour, SplatGra
   d.conic = {colour.direction[0], colour.direction[1], colour.direction[2]};
 }
 
-template <int Dim, class Sink>
-__global__ void __launch_bounds__(kThreads) geometry_backward(Backward a, Sink sink) {
+template <int Dim, class Sink, int Blocks>
+__global__ void __launch_bounds__(kThreads, Blocks) geometry_backward(Backward a, Sink sink) {
   const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   if (n >= a.set.count) return;
   const int64_t begin = a.first_of[a.first + n], end = a.first_of[a.first + n + 1];
@@ -54,6 +54,7 @@ __global__ void __launch_bounds__(kThreads) geometry_backward(Backward a, Sink s
     for (int64_t s = begin; s < end; ++s) {
       const SplatGradient<float> d = a.d_splats[s];
       const Splat<float> splat = a.splats[s];
+      if (splat.negative == kNotDrawn) continue;
       keep_colour(add_view_gradient(a.views[splat.view], g, sh, a.degree,
                                     a.sliced_direction, splat, d, sums),
                   a.d_splats[s]);
@@ -138,7 +139,8 @@ __global__ void __launch_bounds__(kShThreads) sh_backward(Backward a, Sink sink,
 
 template <class Sink>
 void backward_set(const Backward& a, const Sink& sink, bool stores, cudaStream_t stream) {
-  const auto geometry = a.set.dim == 4 ? geometry_backward<4, Sink> : geometry_backward<3, Sink>;
+  static const int blocks = getenv("TX") ? atoi(getenv("TX")) : 3;
+  const auto geometry = a.set.dim == 4 ? (blocks==3?geometry_backward<4, Sink,3>:blocks==4?geometry_backward<4, Sink,4>:blocks==5?geometry_backward<4, Sink,5>:geometry_backward<4, Sink,6>) : geometry_backward<3, Sink,3>;
   geometry<<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sink);
   check_launch("project_backward: geometry_backward");
   const int row = 3 * a.set.coefficients;
