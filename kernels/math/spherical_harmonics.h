@@ -80,7 +80,7 @@ TESSERA_HD inline void sh_basis_gradient(int degree, const Vec3<Real>& d, Vec3<R
 template <class Real>
 TESSERA_HD inline Vec3<Real> sh_colour(int degree, const Vec3<Real>& direction,
                                        const Real* coefficients) {
-  Real Y[kMaxShCoefficients];
+  Real Y[kMaxShCoefficients] = {};
   sh_basis(degree, direction, Y);
   Vec3<Real> colour(Real(0.5), Real(0.5), Real(0.5));
   TESSERA_UNROLL
@@ -98,7 +98,7 @@ template <class Real>
 TESSERA_HD inline Vec3<Real> sh_direction_backward(int degree, const Vec3<Real>& direction,
                                                    Real distance, const Real* coefficients,
                                                    const Vec3<Real>& d_colour) {
-  Vec3<Real> dY[kMaxShCoefficients];
+  Vec3<Real> dY[kMaxShCoefficients] = {};
   sh_basis_gradient(degree, direction, dY);
   Vec3<Real> u(Real(0), Real(0), Real(0));
   TESSERA_UNROLL
