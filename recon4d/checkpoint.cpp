@@ -55,6 +55,7 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"background", model.background},
       {"near_plane", model.near_plane},
       {"far_plane", model.far_plane},
+      {"sliced_direction", model.sliced_direction},
       {"options", to_json(options)},
       {"provenance", provenance}};
 }
@@ -99,6 +100,7 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   model.time_axis = {header.at("time_axis").at("origin"), header.at("time_axis").at("duration")};
   model.background = header.at("background");
   model.near_plane = header.at("near_plane"), model.far_plane = header.at("far_plane");
+  model.sliced_direction = header.at("sliced_direction");
   checkpoint.provenance = header.at("provenance");
 }
 

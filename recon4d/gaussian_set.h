@@ -81,6 +81,7 @@ struct GaussianModel {
   TimeAxis time_axis;                          // normalised time → the capture's own
   std::array<uint8_t, 3> background{0, 0, 0};  // sRGB, what it was trained on
   double near_plane = 0.2, far_plane = 1e4;    // world units
+  bool sliced_direction = true;                // RenderOptions::sliced_direction
 
   int64_t count() const { return static_set.count() + dynamic_set.count(); }
   /// Deep copies in a memory: with the moments that there are, or of the values alone.

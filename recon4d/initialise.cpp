@@ -183,6 +183,7 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
   model.time_axis = scene.time_axis;
   model.background = scene.background;
   model.near_plane = options.near_plane, model.far_plane = options.far_plane;
+  model.sliced_direction = options.sliced_direction;
   model.sh_degree = 0;
   return result;
 }

@@ -68,6 +68,7 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
   }
   const auto planes = numbers_of(path, comments, "clip_planes", 2);
   model.near_plane = planes[0], model.far_plane = planes[1];
+  model.sliced_direction = numbers_of(path, comments, "sliced_direction", 1)[0] != 0;
 }
 
 }  // namespace
@@ -79,7 +80,8 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
       fmt::format("time_axis {} {}", model.time_axis.origin, model.time_axis.duration),
       fmt::format("sh_degree {}", model.sh_degree),
       fmt::format("background {} {} {}", rgb[0], rgb[1], rgb[2]),
-      fmt::format("clip_planes {} {}", model.near_plane, model.far_plane)};
+      fmt::format("clip_planes {} {}", model.near_plane, model.far_plane),
+      fmt::format("sliced_direction {}", int(model.sliced_direction))};
   // A model without movement is a file that any viewer of static splats opens.
   std::vector<SplatElement> elements = {
       {kStaticElement, &model.static_set, model.static_set.coefficients()}};

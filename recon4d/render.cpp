@@ -9,6 +9,7 @@ RenderOptions render_options(const GaussianModel& model) {
   options.sh_degree = model.sh_degree;
   for (size_t c = 0; c < 3; ++c) options.background[c] = model.background[c] / 255.0;
   options.near_plane = model.near_plane, options.far_plane = model.far_plane;
+  options.sliced_direction = model.sliced_direction;
   return options;
 }
 

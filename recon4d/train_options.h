@@ -23,6 +23,7 @@ struct TrainOptions {
   bool carve = true, sweep = false, split_by_motion = false;
   // colour
   int64_t sh_degree = 3, sh_interval = 1000;
+  bool sliced_direction = true;
   // loss
   double lambda_dssim = 0.2;
   // learning rates

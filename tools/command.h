@@ -19,6 +19,7 @@ void add_evaluate_command(CLI::App& app, Work& work);
 void add_render_command(CLI::App& app, Work& work);
 void add_export_command(CLI::App& app, Work& work);
 void add_info_command(CLI::App& app, Work& work);
+void add_bench_command(CLI::App& app, Work& work);
 void add_synth_command(CLI::App& app, Work& work);
 
 }  // namespace tessera

@@ -43,6 +43,7 @@ int tessera_main(int argc, char** argv) {
   add_render_command(app, work);
   add_export_command(app, work);
   add_info_command(app, work);
+  add_bench_command(app, work);
   add_synth_command(app, work);
   try {
     app.parse(argc, argv);

@@ -94,7 +94,8 @@ class CudaBackend final : public Backend {
   std::vector<ViewArgs<float>> loss_views_;  // whose loss is in loss_sums_
   LossWeights loss_weights_;
 
-  Buffer<int32_t> visible_{memory_};       // [N] views that draw a Gaussian
+  Buffer<int32_t> visible_{memory_};       // [N] how many views draw a Gaussian
+  Buffer<uint32_t> seen_by_{memory_};      // [N, words] a bit for each of them
   Buffer<uint8_t> scratch_{memory_};       // of the stage that runs
   Buffer<uint8_t> sort_scratch_{memory_};  // of the library's sorts and scans
   Buffer<float4> checkpoints_{memory_};    // [buckets · 256] colour and T before every 32nd splat

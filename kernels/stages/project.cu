@@ -1,5 +1,6 @@
-// What: Gaussians → splats of every view on the device. One thread owns a Gaussian and loops over
-// the views: how many draw it, a scan, the splats at their places, their colours, their tiles.
+// What: Gaussians → splats of every view on the device. One thread a Gaussian finds the views that
+// draw it; after a scan, one thread a splat: in 4D most Gaussians are out of time in most views, and
+// a loop over views would leave most lanes of a warp idle.
 // Not: equations (math/splat.h). Compiled without contraction to fused multiply-adds: the passes
 // must decide alike, and so must the tile test here and in bin.cu.
 // Source: method A.5–A.8; order of the splats without atomics: method 0.27.
@@ -22,78 +23,106 @@ struct SetArgs {
   GaussianSpans<const float> set;
   int64_t first;
   const ViewArgs<float>* views;
-  int view_count;
+  int view_count, degree;
   float near_plane, far_plane;
   BoundsOptions bounds;
   bool sliced_direction;
 };
 
+/// A bit for each view that draws a Gaussian, in `words` words, and how many there are.
 template <int Dim>
 __global__ void __launch_bounds__(kThreads)
-    count_views(SetArgs a, int32_t* visible, StepCounters* counters) {
+    count_views(SetArgs a, int words, uint32_t* seen_by, int32_t* visible,
+                StepCounters* counters) {
   const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   if (n >= a.set.count) return;
   GaussianState<float> g;
+  const bool valid = load_gaussian<Dim>(a.set, n, g);
+  if (!valid) atomicAdd(&counters->invalid, 1u);
   int count = 0;
-  if (!load_gaussian<Dim>(a.set, n, g)) {
-    atomicAdd(&counters->invalid, 1u);
-  } else {
-    ViewSplat<float> splat;
-    for (int b = 0; b < a.view_count; ++b)
-      count += splat_in_view(a.views[b], g, a.near_plane, a.far_plane, a.bounds, splat);
+  for (int word = 0; word < words; ++word) {
+    uint32_t bits = 0;
+    for (int b = 32 * word; valid && b < min(a.view_count, 32 * word + 32); ++b) {
+      ViewSplat<float> splat;
+      if (splat_in_view(a.views[b], g, a.near_plane, a.far_plane, a.bounds, splat))
+        bits |= 1u << (b - 32 * word);
+    }
+    seen_by[(a.first + n) * words + word] = bits;
+    count += __popc(bits);
   }
   visible[a.first + n] = count;
 }
 
-/// The splats at their places; the viewing direction stands where the colour will.
-template <int Dim>
-__global__ void __launch_bounds__(kThreads)
-    write_views(SetArgs a, const int64_t* first_of, int64_t capacity, Splat<float>* splats,
-                float* depth, TileRect* rects) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  if (n >= a.set.count) return;
-  int64_t s = first_of[a.first + n];
-  const int64_t last = first_of[a.first + n + 1];
-  GaussianState<float> g;
-  if (s == last || last > capacity || !load_gaussian<Dim>(a.set, n, g)) return;
-  for (int b = 0; b < a.view_count; ++b) {
-    ViewSplat<float> splat;
-    if (!splat_in_view(a.views[b], g, a.near_plane, a.far_plane, a.bounds, splat)) continue;
-    Splat<float> out;
-    float distance;
-    out.colour = view_direction(a.views[b], a.sliced_direction ? splat.slice.mean : g.mean,
-                                distance);
-    out.mean2d = splat.projection.mean2d, out.conic = splat.projection.conic;
-    out.opacity = splat.opacity, out.power = splat.power;
-    out.view = b, out.negative = 0;
-    splats[s] = out, depth[s] = splat.projection.in_cam[2], rects[s] = splat.rect;
-    ++s;
-  }
+/// Which Gaussian and view each splat is of.
+__global__ void list_splats(const uint32_t* seen_by, int words, int64_t gaussians,
+                            const int64_t* first_of, int64_t capacity, int32_t* gaussian,
+                            int32_t* view) {
+  const int64_t n = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  if (n >= gaussians) return;
+  int64_t s = first_of[n];
+  for (int word = 0; word < words; ++word)
+    for (uint32_t bits = seen_by[n * words + word]; bits != 0; bits &= bits - 1, ++s) {
+      if (s >= capacity) return;
+      gaussian[s] = int32_t(n);
+      view[s] = 32 * word + __ffs(int(bits)) - 1;
+    }
 }
 
-/// Direction → colour, for all splats of a Gaussian. One whose colour is not finite is not drawn.
+struct SplatTargets {
+  const int64_t* first_of;
+  const int32_t *gaussian, *view;
+  int64_t capacity;
+  Splat<float>* splat;
+  float* depth;
+  TileRect* rect;
+  int32_t* tiles;
+};
+
+/// Splat s of a set: where it lies, its colour, how far it reaches. False when its colour is not
+/// finite: then it stays in the list, but is not drawn.
+template <int Dim>
+__device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int64_t s,
+                                  Splat<float>& splat, TileRect& rect) {
+  const int64_t n = out.gaussian[s] - a.first;
+  const int b = out.view[s];
+  GaussianState<float> g;
+  ViewSplat<float> in_view;
+  load_gaussian<Dim>(a.set, n, g);
+  splat_in_view(a.views[b], g, a.near_plane, a.far_plane, a.bounds, in_view);
+  splat.mean2d = in_view.projection.mean2d, splat.conic = in_view.projection.conic;
+  splat.opacity = in_view.opacity, splat.power = in_view.power, splat.view = b;
+  out.depth[s] = in_view.projection.in_cam[2];
+  rect = in_view.rect;
+  float sh[3 * kMaxShCoefficients] = {}, distance;
+  load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
+  const Vec3<float> direction = view_direction(
+      a.views[b], a.sliced_direction ? in_view.slice.mean : g.mean, distance);
+  const bool finite = drawn_colour(a.degree, direction, sh, splat.colour, splat.negative);
+  if (!finite) splat.negative = kNotDrawn, rect = {};
+  return finite;
+}
+
+/// One thread a splat; the tiles of each, and of all of them in 64 bits.
+template <int Dim>
 __global__ void __launch_bounds__(kThreads)
-    colour_splats(GaussianSpans<const float> set, int64_t first, int degree,
-                  const int64_t* first_of, int64_t capacity, Splat<float>* splats, TileRect* rects,
-                  StepCounters* counters) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  if (n >= set.count) return;
-  const int64_t begin = first_of[first + n], end = first_of[first + n + 1];
-  if (begin == end || end > capacity) return;
-  float sh[3 * kMaxShCoefficients] = {};
-  load_sh(set.at(kSh, n), 3 * set.coefficients, 3 * sh_coefficients(degree), sh);
-  bool invalid = false;
-  for (int64_t s = begin; s < end; ++s) {
-    Vec3<float> drawn;
-    uint32_t negative;
-    if (!drawn_colour(degree, splats[s].colour, sh, drawn, negative)) {
-      invalid = true;
-      rects[s] = {};
-      negative = kNotDrawn;
-    }
-    splats[s].colour = drawn, splats[s].negative = negative;
+    write_splats_of(SetArgs a, SplatTargets out, bool balanced, StepCounters* counters) {
+  const int64_t s = out.first_of[a.first] + int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const bool on = s < min(out.first_of[a.first + a.set.count], out.capacity);
+  Splat<float> splat{};
+  TileRect rect{};
+  int tiles_x = 0, count = 0;
+  if (on) {
+    if (!make_splat<Dim>(a, out, s, splat, rect) && s == out.first_of[out.gaussian[s]])
+      atomicAdd(&counters->invalid, 1u);
+    out.splat[s] = splat, out.rect[s] = rect;
+    tiles_x = a.views[splat.view].tiles_x;
   }
-  if (invalid) atomicAdd(&counters->invalid, 1u);
+  walk_tiles(a.bounds, balanced, splat.footprint(), rect, tiles_x, [&](int) { ++count; },
+             [&](int more) { count += more; });
+  if (on) out.tiles[s] = count;
+  unsigned long long sum = (unsigned long long)count;
+  for (int step = 16; step > 0; step /= 2) sum += __shfl_down_sync(~0u, sum, step);
+  if (threadIdx.x % 32 == 0 && sum > 0) atomicAdd(&counters->instances, sum);
 }
 
 /// Brings the SH of Gaussians that are drawn up to date, a thread per scalar.
@@ -114,69 +143,54 @@ __global__ void mark_drawn(LazySh<float> lazy, int64_t first, const int64_t* fir
     lazy.last_step[n] = int32_t(lazy.step);
 }
 
-/// Tiles of each splat, and of all of them in 64 bits.
-__global__ void __launch_bounds__(kThreads)
-    count_tiles(BoundsOptions bounds, bool balanced, const ViewArgs<float>* views,
-                const Splat<float>* splats, const TileRect* rects, int64_t capacity,
-                int32_t* tiles, StepCounters* counters) {
-  const int64_t s = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  const bool on = s < min(int64_t(counters->splats), capacity);
-  Splat<float> splat{};
-  TileRect rect{};
-  if (on) splat = splats[s], rect = rects[s];
-  int count = 0;
-  walk_tiles(bounds, balanced, splat.footprint(), rect, on ? views[splat.view].tiles_x : 0,
-             [&](int) { ++count; }, [&](int more) { count += more; });
-  if (on) tiles[s] = count;
-  unsigned long long sum = (unsigned long long)count;
-  for (int step = 16; step > 0; step /= 2) sum += __shfl_down_sync(~0u, sum, step);
-  if (threadIdx.x % 32 == 0 && sum > 0) atomicAdd(&counters->instances, sum);
-}
-
 __global__ void store_total(const int64_t* total, StepCounters* counters) {
   counters->splats = (unsigned long long)*total;
+}
+
+SetArgs set_args(const ProjectArgs<float>& args, int set, const ViewArgs<float>* views) {
+  const GaussianSpans<const float>& spans = args.sets[set];
+  return {spans,
+          set == 0 ? 0 : args.sets[0].count,
+          views,
+          int(args.batch->views.size()),
+          min_of(args.options.sh_degree, sh_degree_of(spans.coefficients)),
+          float(args.options.near_plane),
+          float(args.options.far_plane),
+          args.options.kernels.bounds,
+          args.options.sliced_direction};
 }
 
 }  // namespace
 
 void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& splats) {
   const int64_t capacity = splats.splat.size();
-  int64_t first = 0;
+  scratch_.resize(4 * capacity);
+  int32_t* const view = reinterpret_cast<int32_t*>(scratch_.data());
+  const int64_t gaussians = args.sets[0].count + args.sets[1].count;
+  const int words = int(args.batch->views.size() + 31) / 32;
+  list_splats<<<grid_of(gaussians, 256), 256, 0, stream_>>>(
+      seen_by_.data(), words, gaussians, splats.first_of.data(), capacity, splats.gaussian.data(),
+      view);
+  const SplatTargets out{splats.first_of.data(), splats.gaussian.data(), view,
+                         capacity,               splats.splat.data(),    splats.depth.data(),
+                         splats.rect.data(),     splats.tiles.data()};
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;
-    const SetArgs a{spans,
-                    first,
-                    views_of(*args.batch),
-                    int(args.batch->views.size()),
-                    float(args.options.near_plane),
-                    float(args.options.far_plane),
-                    args.options.kernels.bounds,
-                    args.options.sliced_direction};
-    const unsigned grid = grid_of(spans.count, kThreads);
-    const auto write = spans.dim == 4 ? write_views<4> : write_views<3>;
-    write<<<grid, kThreads, 0, stream_>>>(a, splats.first_of.data(), capacity, splats.splat.data(),
-                                          splats.depth.data(), splats.rect.data());
+    const SetArgs a = set_args(args, set, views_of(*args.batch));
     const LazySh<float>& lazy = args.lazy[set];
     if (!lazy.last_step.empty()) {
       const int width = 3 * spans.coefficients;
-      constexpr int kMany = 256;
-      catch_up_drawn<<<grid_of(spans.count * width, kMany), kMany, 0, stream_>>>(
-          lazy, first, width, splats.first_of.data());
-      mark_drawn<<<grid_of(spans.count, kMany), kMany, 0, stream_>>>(lazy, first,
-                                                                     splats.first_of.data());
+      catch_up_drawn<<<grid_of(spans.count * width, 256), 256, 0, stream_>>>(
+          lazy, a.first, width, splats.first_of.data());
+      mark_drawn<<<grid_of(spans.count, 256), 256, 0, stream_>>>(lazy, a.first,
+                                                                 splats.first_of.data());
     }
-    const int degree = min_of(args.options.sh_degree, sh_degree_of(spans.coefficients));
-    colour_splats<<<grid, kThreads, 0, stream_>>>(spans, first, degree, splats.first_of.data(),
-                                                  capacity, splats.splat.data(),
-                                                  splats.rect.data(), counters_.data());
-    check_launch("project: write_views, colour_splats");
-    first += spans.count;
+    const auto write = spans.dim == 4 ? write_splats_of<4> : write_splats_of<3>;
+    write<<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
+        a, out, args.options.kernels.balanced_instances, counters_.data());
   }
-  count_tiles<<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
-      args.options.kernels.bounds, args.options.kernels.balanced_instances, views_of(*args.batch),
-      splats.splat.data(), splats.rect.data(), capacity, splats.tiles.data(), counters_.data());
-  check_launch("project: count_tiles");
+  check_launch("project: write_splats");
   check_device(cudaMemcpyAsync(counters_host_.data(), counters_.data(), sizeof(StepCounters),
                                cudaMemcpyDeviceToHost, stream_),
                "copy of counters");
@@ -186,34 +200,27 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
 
 void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats) {
   const int64_t gaussians = args.sets[0].count + args.sets[1].count;
+  const int words = int(args.batch->views.size() + 31) / 32;
   visible_.resize(gaussians);
+  seen_by_.resize(gaussians * words);
   splats.first_of.resize(gaussians + 1);
   check_device(cudaMemsetAsync(counters_.data(), 0, sizeof(StepCounters), stream_), "memset");
-  int64_t first = 0;
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;
-    const SetArgs a{spans,
-                    first,
-                    views_of(*args.batch),
-                    int(args.batch->views.size()),
-                    float(args.options.near_plane),
-                    float(args.options.far_plane),
-                    args.options.kernels.bounds,
-                    args.options.sliced_direction};
     const auto count = spans.dim == 4 ? count_views<4> : count_views<3>;
-    count<<<grid_of(spans.count, kThreads), kThreads, 0, stream_>>>(a, visible_.data(),
-                                                                    counters_.data());
-    first += spans.count;
+    count<<<grid_of(spans.count, kThreads), kThreads, 0, stream_>>>(
+        set_args(args, set, views_of(*args.batch)), words, seen_by_.data(), visible_.data(),
+        counters_.data());
   }
   check_launch("project: count_views");
-  exclusive_sums(stream_, visible_.span(), splats.first_of.span(), scratch_);
+  exclusive_sums(stream_, visible_.span(), splats.first_of.span(), sort_scratch_);
   store_total<<<1, 1, 0, stream_>>>(splats.first_of.data() + gaussians, counters_.data());
 
   // room for as many splats as there have ever been; once more where that is too little
   const auto resize = [&](int64_t count) {
     splats.splat.resize(count), splats.depth.resize(count), splats.rect.resize(count);
-    splats.tiles.resize(count);
+    splats.tiles.resize(count), splats.gaussian.resize(count);
   };
   resize(splats.splat.capacity());
   write_splats(args, splats);
@@ -226,7 +233,7 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
   splats.count = int64_t(counted.splats), splats.instances = int64_t(counted.instances);
   splats.invalid = counted.invalid;
   resize(splats.count);
-  double bytes = 48.0 * double(gaussians) + double(splats.count) * (60 + 28);
+  double bytes = 20.0 * double(gaussians) + double(splats.count) * (8 + 48 + 4 + 8 + 4);
   for (const GaussianSpans<const float>& spans : args.sets)
     bytes += double(spans.count) * 4 * (spans.dim == 4 ? 17 : 11);
   const int degree = args.options.sh_degree;

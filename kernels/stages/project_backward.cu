@@ -1,6 +1,6 @@
-// What: splat gradients → parameter gradients into a sink, on the device. First one thread a
-// Gaussian, for all but SH, summed over its views in registers; then a thread for every four SH
-// scalars, so that they and their moments are read and written in whole lines.
+// What: splat gradients → parameter gradients into a sink, on the device. One thread a splat finds
+// its share of its Gaussian's sums; one thread a Gaussian adds them up, for all but SH; then a thread
+// for every four SH scalars, so that they and their moments are read and written in whole lines.
 // Not: equations (stages/splat_gradient.h). Compiled without contraction to fused multiply-adds, so
 // that fused and separate Adam agree to the bit.
 // Source: method A.12, A.16, D.6, G.4.
@@ -23,7 +23,7 @@ struct Backward {
   int view_count, degree;
   bool sliced_direction;
   const Splat<float>* splats;
-  const int32_t* tiles;
+  const int32_t *tiles, *gaussian;
   const int64_t* first_of;
   SplatGradient<float>* d_splats;
   DensityStatistics<float> statistics;
@@ -38,8 +38,30 @@ __device__ inline void keep_colour(const ColourGradient<float>& colour, SplatGra
   d.conic = {colour.direction[0], colour.direction[1], colour.direction[2]};
 }
 
-template <int Dim, class Sink, int Blocks>
-__global__ void __launch_bounds__(kThreads, Blocks) geometry_backward(Backward a, Sink sink) {
+/// One thread a splat: its share of its Gaussian's sums.
+template <int Dim>
+__global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<float>* sums) {
+  const int64_t s = a.first_of[a.first] + int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  if (s >= a.first_of[a.first + a.set.count]) return;
+  const int64_t n = a.gaussian[s] - a.first;
+  ViewSums<float> sum;
+  GaussianState<float> g;
+  const Splat<float> splat = a.splats[s];
+  if (splat.negative != kNotDrawn && load_gaussian<Dim>(a.set, n, g)) {
+    float sh[3 * kMaxShCoefficients] = {};
+    load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
+    const SplatGradient<float> d = a.d_splats[s];
+    keep_colour(add_view_gradient(a.views[splat.view], g, sh, a.degree, a.sliced_direction, splat,
+                                  d, sum),
+                a.d_splats[s]);
+  }
+  sums[s] = sum;
+}
+
+/// One thread a Gaussian: what its splats found, through its stored parameters, into the sink.
+template <int Dim, class Sink>
+__global__ void __launch_bounds__(kThreads)
+    geometry_backward(Backward a, const ViewSums<float>* view_sums, Sink sink) {
   const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   if (n >= a.set.count) return;
   const int64_t begin = a.first_of[a.first + n], end = a.first_of[a.first + n + 1];
@@ -47,17 +69,10 @@ __global__ void __launch_bounds__(kThreads, Blocks) geometry_backward(Backward a
   GeometryGradient<float> gradient;
   GaussianState<float> g;
   if (begin < end && load_gaussian<Dim>(a.set, n, g)) {
-    float sh[3 * kMaxShCoefficients] = {};
-    load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
     ViewSums<float> sums;
     int seen = 0;
     for (int64_t s = begin; s < end; ++s) {
-      const SplatGradient<float> d = a.d_splats[s];
-      const Splat<float> splat = a.splats[s];
-      if (splat.negative == kNotDrawn) continue;
-      keep_colour(add_view_gradient(a.views[splat.view], g, sh, a.degree,
-                                    a.sliced_direction, splat, d, sums),
-                  a.d_splats[s]);
+      sums += view_sums[s];
       seen += a.tiles[s] > 0;
     }
     gradient = geometry_gradient<Dim>(a.set, n, g, sums);
@@ -137,11 +152,13 @@ __global__ void __launch_bounds__(kShThreads) sh_backward(Backward a, Sink sink,
   accept_sh<Scalars>(sink, n, first, sum);
 }
 
-template <class Sink>
-void backward_set(const Backward& a, const Sink& sink, bool stores, cudaStream_t stream) {
-  static const int blocks = getenv("TX") ? atoi(getenv("TX")) : 3;
-  const auto geometry = a.set.dim == 4 ? (blocks==3?geometry_backward<4, Sink,3>:blocks==4?geometry_backward<4, Sink,4>:blocks==5?geometry_backward<4, Sink,5>:geometry_backward<4, Sink,6>) : geometry_backward<3, Sink,3>;
-  geometry<<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sink);
+template <int Dim, class Sink>
+void backward_set(const Backward& a, int64_t splats, ViewSums<float>* sums, const Sink& sink,
+                  bool stores, cudaStream_t stream) {
+  splat_backward<Dim><<<grid_of(splats, kThreads), kThreads, 0, stream>>>(a, sums);
+  check_launch("project_backward: splat_backward");
+  geometry_backward<Dim, Sink>
+      <<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sums, sink);
   check_launch("project_backward: geometry_backward");
   const int row = 3 * a.set.coefficients;
   const auto sh = row % 4 == 0 ? sh_backward<4, Sink> : sh_backward<1, Sink>;
@@ -150,11 +167,22 @@ void backward_set(const Backward& a, const Sink& sink, bool stores, cudaStream_t
   check_launch("project_backward: sh_backward");
 }
 
+template <class Sink>
+void backward_set(const Backward& a, int64_t splats, ViewSums<float>* sums, const Sink& sink,
+                  bool stores, cudaStream_t stream) {
+  if (a.set.dim == 4)
+    backward_set<4>(a, splats, sums, sink, stores, stream);
+  else
+    backward_set<3>(a, splats, sums, sink, stores, stream);
+}
+
 }  // namespace
 
 void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
   int64_t first = 0;
-  double bytes = double(args.splats->count) * (48 + 36 * 2 + 24 * 2);
+  scratch_.resize(args.splats->count * int64_t(sizeof(ViewSums<float>)));
+  ViewSums<float>* const sums = reinterpret_cast<ViewSums<float>*>(scratch_.data());
+  double bytes = double(args.splats->count) * (48 + 36 * 2 + 24 * 2 + 64 * 2);
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];
     if (spans.count == 0) continue;
@@ -167,6 +195,7 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      args.forward.options.sliced_direction,
                      args.splats->splat.data(),
                      args.splats->tiles.data(),
+                     args.splats->gaussian.data(),
                      args.splats->first_of.data(),
                      args.d_splats.data,
                      args.statistics[set],
@@ -174,10 +203,10 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      sink.lazy,
                      counters_.data()};
     if (sink.fused)
-      backward_set(a, ApplyAdam<float>{sink.value, sink.moment1, sink.moment2, sink.adam}, false,
+      backward_set(a, args.splats->count, sums, ApplyAdam<float>{sink.value, sink.moment1, sink.moment2, sink.adam}, false,
                    stream_);
     else
-      backward_set(a, StoreGradient<float>{sink.gradient}, true, stream_);
+      backward_set(a, args.splats->count, sums, StoreGradient<float>{sink.gradient}, true, stream_);
     first += spans.count;
     const double scalars = (spans.dim == 4 ? 17 : 11) + 3 * spans.coefficients;
     bytes += double(spans.count) * (8 + scalars * (sink.fused ? 24 : 8));

@@ -62,7 +62,7 @@ struct TileSplat {
         colour(splat.colour) {
     // half height of ½ dᵀ conic d ≤ power: √(2·power·conic_xx / det), one row to spare
     const Real det = conic.xx * conic.yy - conic.xy * conic.xy;
-    const Real reach = sqrt(Real(2) * cutoff_power(opacity) * conic.xx / det) + Real(1);
+    const Real reach = sqrt(Real(2) * splat.power * conic.xx / det) + Real(1);
     const Real rows = Real(tile.height);
     first_row = reach == reach ? int(clamp_to(dy0 - reach, Real(0), rows)) : 0;
     last_row = reach == reach ? int(clamp_to(dy0 + reach + Real(1), Real(0), rows)) : tile.height;

@@ -34,8 +34,9 @@ TEST_P(BackendLaws, BatchIsTheMeanOfItsViews) {  // C16
     }
   }
   for (int g = 0; g < kGroupCount; ++g) {
-    EXPECT_LE(relative(together.fixed.group[g], fixed.group[g]), 1e-5) << g;
-    EXPECT_LE(relative(together.moving.group[g], moving.group[g]), 1e-5) << g;
+    // in float the views are summed before and after the chain rule; laws_test has it in double
+    EXPECT_LE(relative(together.fixed.group[g], fixed.group[g]), 1e-4) << g;
+    EXPECT_LE(relative(together.moving.group[g], moving.group[g]), 1e-4) << g;
   }
 }
 

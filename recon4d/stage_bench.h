@@ -1,0 +1,35 @@
+// What: the stages of a training step on a fixed load, timed: a scene's cameras, as many Gaussians
+// as wanted, learning rates of zero so that the load does not move.
+// Not: a training, and no claim about quality.
+#pragma once
+#include <array>
+
+#include "ingest/scene.h"
+#include "kernels/backend.h"
+#include "recon4d/train_options.h"
+
+namespace tessera {
+
+struct StageBenchOptions {
+  int64_t gaussians = 0;  // copies of the initial ones, moved by their size; 0: as they are
+  double opacity = 0.5;   // of all of them
+  int64_t steps = 30, warm_up = 5;
+};
+
+struct StageBenchReport {
+  int64_t gaussians = 0, splats = 0, instances = 0, pixels = 0;
+  double step_seconds = 0;                    // wall time of a step
+  std::array<StageTotals, kStages> stages{};  // per step
+  int64_t peak_bytes = 0;                     // ground truth included
+};
+
+/// Steps of options.batch views, taken in turn and repeated where there are fewer.
+/// Errors: InputError: no training frames, no points.
+StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainOptions& options,
+                              const StageBenchOptions& bench);
+
+/// Bytes read plus bytes written per second by a large copy inside the backend's memory: the ceiling
+/// of every stage that only moves data.
+double copy_bytes_per_second(Backend& backend);
+
+}  // namespace tessera

@@ -1,0 +1,95 @@
+// What: `tessera bench SCENE`: time and bytes of every stage of a training step on a fixed load.
+// Not: the load or the clock (recon4d/stage_bench.h).
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "ingest/scene_reader.h"
+#include "kernels/base/errors.h"
+#include "recon4d/stage_bench.h"
+#include "tools/backend_choice.h"
+#include "tools/command.h"
+#include "tools/terminal.h"
+#include "tools/train_arguments.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+struct BenchRequest {
+  std::string scene;
+  TrainArguments training;
+  StageBenchOptions bench;
+  bool json = false;
+};
+
+json to_json(const StageBenchReport& report, double copy_rate, const std::string& device) {
+  json stages = json::object();
+  for (size_t s = 0; s < kStages; ++s) {
+    const StageTotals& stage = report.stages[s];
+    if (stage.seconds <= 0) continue;
+    stages[kStageNames[s]] = {{"ms", 1e3 * stage.seconds},
+                              {"gbytes", 1e-9 * stage.bytes},
+                              {"gb_per_s", 1e-9 * stage.bytes / stage.seconds},
+                              {"floor_ms", 1e3 * stage.bytes / copy_rate}};
+  }
+  return {{"device", device},
+          {"gaussians", report.gaussians},
+          {"splats", report.splats},
+          {"instances", report.instances},
+          {"pixels", report.pixels},
+          {"step_ms", 1e3 * report.step_seconds},
+          {"copy_gb_per_s", 1e-9 * copy_rate},
+          {"peak_device_bytes", report.peak_bytes},
+          {"stages", stages}};
+}
+
+std::string table_text(const json& result) {
+  std::string text = fmt::format(
+      "{}: {} Gaussians, {} splats, {} instances, {} pixels; copy {:.0f} GB/s\n"
+      "{:<17}{:>10}{:>10}{:>10}{:>10}\n",
+      result["device"].get<std::string>(), result["gaussians"].dump(), result["splats"].dump(),
+      result["instances"].dump(), result["pixels"].dump(), result["copy_gb_per_s"].get<double>(),
+      "stage", "ms", "GB", "GB/s", "floor ms");
+  for (const auto& [name, stage] : result["stages"].items())
+    text += fmt::format("{:<17}{:>10.3f}{:>10.3f}{:>10.0f}{:>10.3f}\n", name,
+                        stage["ms"].get<double>(), stage["gbytes"].get<double>(),
+                        stage["gb_per_s"].get<double>(), stage["floor_ms"].get<double>());
+  return text + fmt::format("{:<17}{:>10.3f}\n", "step, wall time", result["step_ms"].get<double>());
+}
+
+int bench(const BenchRequest& request) {
+  const TrainOptions options = resolve_options(request.training);
+  SceneOptions scene_options;
+  scene_options.background = parse_background(options.background);
+  scene_options.allow_static = options.static_only;
+  const Scene scene = load_scene(request.scene, scene_options);
+  const std::unique_ptr<Backend> backend = make_backend(request.training.backend);
+  const double copy_rate = copy_bytes_per_second(*backend);
+  const json result = to_json(bench_stages(*backend, scene, options, request.bench), copy_rate,
+                              backend->name());
+  print_result(request.json, result, table_text(result));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, Work& work) {
+  CLI::App* command =
+      app.add_subcommand("bench", "time and bytes of every stage of a training step");
+  auto request = std::make_shared<BenchRequest>();
+  command->add_option("scene", request->scene, "prepared scene: its training cameras are rendered")
+      ->required();
+  command->add_option("--gaussians", request->bench.gaussians,
+                      "copies of the initial Gaussians up to that many; 0: as they are");
+  command->add_option("--opacity", request->bench.opacity, "of all Gaussians")
+      ->capture_default_str();
+  command->add_option("--steps", request->bench.steps, "measured")->capture_default_str();
+  command->add_option("--warm-up", request->bench.warm_up, "steps before")->capture_default_str();
+  command->add_flag("--json", request->json, "print one JSON object");
+  add_train_options(*command, request->training);
+  command->callback([request, &work] { work = [request] { return bench(*request); }; });
+}
+
+}  // namespace tessera
