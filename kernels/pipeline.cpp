@@ -50,6 +50,14 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
   backend_.project_backward(project);
 }
 
+template <class Real>
+void Pipeline<Real>::release() {
+  Memory& memory = backend_.memory();
+  splats_ = Splats<Real>(memory), instances_ = TileInstances<Real>(memory);
+  images_ = Images<Real>(memory);
+  d_colour_.release(), d_splats_.release();
+}
+
 template class Pipeline<float>;
 template class Pipeline<double>;
 

@@ -59,6 +59,8 @@ class Pipeline {
   /// blend_backward → project_backward of the mean loss over the batch. Needs forward and loss
   /// with for_backward.
   void backward(const BackwardArgs<Real>& args);
+  /// Gives the memory of the last step back, so that something else can have it for a while.
+  void release();
   /// Losses and non-finite gradients of the last loss and backward. On a device the wait is short
   /// when the next forward has been called already.
   StepOutcome outcome() { return backend_.outcome(); }

@@ -112,7 +112,11 @@ void Trainer::control() {
   const int64_t i = state_.iteration;
   const int degree = schedule_.sh_degree(i);
   const bool densifies = schedule_.densify(i), reorders = schedule_.reorder(i);
-  if (densifies) complete_pending();  // it waits for the backend anyway
+  if (densifies) {
+    complete_pending();  // it waits for the backend anyway
+    // the copies of density control and the buffers of a step need not exist at once
+    if (&backend_.memory() != &host_memory()) pipeline_.release();
+  }
   if (densifies || reorders || degree != state_.model.sh_degree) catch_up();
   state_.model.sh_degree = degree;
   for (int k = 0; k < 2; ++k) {

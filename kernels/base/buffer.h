@@ -26,6 +26,10 @@ class Memory {
   /// From the host's memory, perhaps later; `wait_copies` orders what is enqueued next after it.
   virtual void copy_async_in(void* to, const void* from, size_t bytes) { copy(to, from, bytes); }
   virtual void wait_copies() {}
+  /// Elements to make room for when a buffer of `capacity` has to hold `count`.
+  virtual int64_t grown(int64_t count, int64_t capacity) const {
+    return std::max(count, capacity + capacity / 2);
+  }
   /// Bytes that could still be allocated.
   virtual int64_t free_bytes() const { return INT64_MAX; }
   /// The most that was in use so far.
@@ -67,6 +71,8 @@ class Buffer {
 
   /// Sets the length; contents are undefined afterwards where memory had to grow.
   void resize(int64_t count) { reserve(count, 0), size_ = count; }
+  /// Gives the memory back; the length becomes 0.
+  void release() { *this = Buffer(*memory_); }
   /// Sets the length and keeps the values that fit.
   void grow_keep(int64_t count) { reserve(count, std::min(size_, count)), size_ = count; }
 
@@ -96,7 +102,7 @@ class Buffer {
  private:
   void reserve(int64_t count, int64_t keep) {
     if (count <= capacity_) return;
-    const int64_t wanted = std::max(count, capacity_ + capacity_ / 2);
+    const int64_t wanted = memory_->grown(count, capacity_);
     T* grown = static_cast<T*>(memory_->allocate(sizeof(T) * static_cast<size_t>(wanted)));
     if (keep > 0) memory_->copy(grown, data_, sizeof(T) * static_cast<size_t>(keep));
     if (data_ != nullptr) memory_->release(data_, sizeof(T) * static_cast<size_t>(capacity_));

@@ -7,11 +7,12 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/lazy_sh.h"
+#include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sh_registers.cuh"
 #include "kernels/cuda/sort.h"
 #include "kernels/cuda/tile_walk.cuh"
 #include "kernels/math/splat.h"
-#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 namespace {
@@ -125,24 +126,6 @@ __global__ void __launch_bounds__(kThreads)
   if (threadIdx.x % 32 == 0 && sum > 0) atomicAdd(&counters->instances, sum);
 }
 
-/// Brings the SH of Gaussians that are drawn up to date, a thread per scalar.
-__global__ void catch_up_drawn(LazySh<float> lazy, int64_t first, int width,
-                               const int64_t* first_of) {
-  const int64_t at = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
-  const int64_t n = at / width;
-  if (n >= lazy.last_step.size || first_of[first + n] == first_of[first + n + 1]) return;
-  const int64_t last = lazy.last_step[n];
-  if (last >= lazy.step) return;
-  catch_up_sh(lazy, lazy_gap<float>(lazy.table.data, last, lazy.step), n * width,
-              int(at % width));
-}
-
-__global__ void mark_drawn(LazySh<float> lazy, int64_t first, const int64_t* first_of) {
-  const int64_t n = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
-  if (n < lazy.last_step.size && first_of[first + n] != first_of[first + n + 1])
-    lazy.last_step[n] = int32_t(lazy.step);
-}
-
 __global__ void store_total(const int64_t* total, StepCounters* counters) {
   counters->splats = (unsigned long long)*total;
 }
@@ -164,14 +147,18 @@ SetArgs set_args(const ProjectArgs<float>& args, int set, const ViewArgs<float>*
 
 void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& splats) {
   const int64_t capacity = splats.splat.size();
-  scratch_.resize(4 * capacity);
-  int32_t* const view = reinterpret_cast<int32_t*>(scratch_.data());
   const int64_t gaussians = args.sets[0].count + args.sets[1].count;
+  const int64_t behind = max_of(args.lazy[0].last_step.size, args.lazy[1].last_step.size);
+  Scratch scratch(scratch_);
+  scratch.plan<int32_t>(capacity), scratch.plan<LazyGap<float>>(behind);
+  scratch.allocate();
+  const Span<int32_t> view = scratch.take<int32_t>(capacity);
+  const Span<LazyGap<float>> gaps = scratch.take<LazyGap<float>>(behind);
   const int words = int(args.batch->views.size() + 31) / 32;
   list_splats<<<grid_of(gaussians, 256), 256, 0, stream_>>>(
       seen_by_.data(), words, gaussians, splats.first_of.data(), capacity, splats.gaussian.data(),
-      view);
-  const SplatTargets out{splats.first_of.data(), splats.gaussian.data(), view,
+      view.data);
+  const SplatTargets out{splats.first_of.data(), splats.gaussian.data(), view.data,
                          capacity,               splats.splat.data(),    splats.depth.data(),
                          splats.rect.data(),     splats.tiles.data()};
   for (int set = 0; set < 2; ++set) {
@@ -179,13 +166,8 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
     if (spans.count == 0) continue;
     const SetArgs a = set_args(args, set, views_of(*args.batch));
     const LazySh<float>& lazy = args.lazy[set];
-    if (!lazy.last_step.empty()) {
-      const int width = 3 * spans.coefficients;
-      catch_up_drawn<<<grid_of(spans.count * width, 256), 256, 0, stream_>>>(
-          lazy, a.first, width, splats.first_of.data());
-      mark_drawn<<<grid_of(spans.count, 256), 256, 0, stream_>>>(lazy, a.first,
-                                                                 splats.first_of.data());
-    }
+    if (!lazy.last_step.empty())
+      launch_catch_up(lazy, splats.first_of.data() + a.first, gaps.data, stream_);
     const auto write = spans.dim == 4 ? write_splats_of<4> : write_splats_of<3>;
     write<<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
         a, out, args.options.kernels.balanced_instances, counters_.data());

@@ -3,6 +3,8 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/lazy_sh.h"
+#include "kernels/cuda/scratch.h"
 #include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
@@ -15,21 +17,6 @@ __global__ void adam_group(const float* gradient, float* value, float* m, float*
                            int width, int head, AdamScalars<float> first, AdamScalars<float> rest) {
   const int64_t i = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   if (i < count) adam_step(i % width < head ? first : rest, gradient[i], value[i], m[i], v[i]);
-}
-
-__global__ void catch_up_scalars(LazySh<float> lazy, int width) {
-  const int64_t at = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  const int64_t n = at / width;
-  if (n >= lazy.last_step.size) return;
-  const int64_t last = lazy.last_step[n];
-  if (last >= lazy.step) return;
-  catch_up_sh(lazy, lazy_gap<float>(lazy.table.data, last, lazy.step), n * width,
-              int(at % width));
-}
-
-__global__ void set_steps(Span<int32_t> last_step, int32_t step) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  if (n < last_step.size) last_step[n] = step;
 }
 
 /// T: float or float4, the widest that divides a row.
@@ -69,11 +56,10 @@ void CudaBackend::adam(const SinkArgs<float>& args) {
 
 void CudaBackend::catch_up(const LazySh<float>& lazy) {
   if (lazy.last_step.empty()) return;
-  const int width = int(lazy.value.size / lazy.last_step.size);
-  catch_up_scalars<<<grid_of(lazy.value.size, kThreads), kThreads, 0, stream_>>>(lazy, width);
-  set_steps<<<grid_of(lazy.last_step.size, kThreads), kThreads, 0, stream_>>>(lazy.last_step,
-                                                                              int32_t(lazy.step));
-  check_launch("catch_up");
+  Scratch scratch(scratch_);
+  scratch.plan<LazyGap<float>>(lazy.last_step.size);
+  scratch.allocate();
+  launch_catch_up(lazy, nullptr, scratch.take<LazyGap<float>>(lazy.last_step.size).data, stream_);
   clock_.add_bytes(kUpdate, 24.0 * double(lazy.value.size));
 }
 
