@@ -5,6 +5,7 @@
 
 namespace tessera {
 
+inline constexpr int kSegment = 128;  // splats between two checkpoints where lists are cut
 inline constexpr int kGradientTerms = 9;  // floats of a SplatGradient
 static_assert(sizeof(SplatGradient<float>) == kGradientTerms * sizeof(float));
 
@@ -20,10 +21,20 @@ struct BlendBackward {
   const float* d_colour;  // planar as the picture
   const int32_t* used;
   SplatGradient<float>* d_splats;     // added to
-  SplatGradient<float>* d_instances;  // [kTileWarps, I] when they are added in order
+  SplatGradient<float>* d_instances;  // [parts, I] when they are added in order
   const float4* checkpoints;          // [buckets · 256] colour and T
   const int64_t* bucket_begin;        // [tiles+1]
   int64_t tiles;
+
+  /// Tile of a bucket: the last whose buckets begin at or before it.
+  __device__ int64_t tile_of_bucket(int64_t bucket) const {
+    int64_t low = 0, high = tiles;
+    while (high - low > 1) {
+      const int64_t middle = (low + high) / 2;
+      (bucket_begin[middle] <= bucket ? low : high) = middle;
+    }
+    return low;
+  }
 };
 
 /// A pixel on its way back through the splats.

@@ -39,6 +39,7 @@ CudaBackend::CudaBackend() {
   check_device(cudaGetDevice(&device), "cudaGetDevice");
   cudaDeviceProp properties{};
   check_device(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
+  processors_ = properties.multiProcessorCount;
   name_ = std::string("cuda, ") + properties.name;
   for (cudaEvent_t* event : {&reported_, &views_copied_})
     check_device(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "cudaEventCreate");

@@ -73,6 +73,7 @@ class CudaBackend final : public Backend {
   void order_tiles(TileInstances<float>& instances);
   void write_splats(const ProjectArgs<float>& args, Splats<float>& splats);
   void reserve_checkpoints(const BlendArgs<float>& args);
+  bool is_small(const ViewBatch<float>& batch) const;
   /// Enqueues the copy of losses and bad groups to the host.
   void report();
 
@@ -81,6 +82,7 @@ class CudaBackend final : public Backend {
   DeviceMemory memory_{stream_};
   DeviceStageClock clock_{stream_};
   std::string name_;
+  int processors_ = 1;  // of the device
   cudaEvent_t reported_ = nullptr, views_copied_ = nullptr;
 
   Buffer<ViewArgs<float>> views_{memory_};  // [B] of the batch last projected
@@ -98,7 +100,8 @@ class CudaBackend final : public Backend {
   Buffer<uint32_t> seen_by_{memory_};      // [N, words] a bit for each of them
   Buffer<uint8_t> scratch_{memory_};       // of the stage that runs
   Buffer<uint8_t> sort_scratch_{memory_};  // of the library's sorts and scans
-  Buffer<float4> checkpoints_{memory_};    // [buckets · 256] colour and T before every 32nd splat
+  int checkpoint_interval_ = 0;            // splats between two of the last blend; 0: none
+  Buffer<float4> checkpoints_{memory_};    // [checkpoints, 256] colour and T
   Buffer<int64_t> bucket_begin_{memory_};  // [tiles+1]
   Buffer<SplatGradient<float>> instance_gradients_{memory_};  // [I] when they are added in order
 };

@@ -1,5 +1,5 @@
-// What: how a block of threads lies over a tile: a warp has an 8 × 8 part of it, a lane two pixels.
-// Warps go through the tile's splats on their own, 32 at a time: no warp waits for another.
+// What: how warps lie over a tile: a warp has a part of it, a lane one or two pixels. Warps go through
+// the tile's splats on their own, 32 at a time: no warp waits for another.
 // Not: what is done with a splat (blend.cu, blend_backward.cu).
 // Source: sub-tiles of [Faster-GS]; method A.10, G.4.
 #pragma once
@@ -8,11 +8,17 @@
 namespace tessera {
 
 inline constexpr int kTilePixels = kTileSize * kTileSize;
-inline constexpr int kPart = 8;         // pixels of a warp, both ways
-inline constexpr int kLanePixels = 2;   // one above the other, half a part apart
-inline constexpr int kTileThreads = kTilePixels / kLanePixels;
-inline constexpr int kTileWarps = kTileThreads / 32;
-inline constexpr int kBucket = 32;      // splats between two checkpoints
+inline constexpr int kBucket = 32;      // splats that a warp takes at a time
+inline constexpr int kPartWidth = 8;    // pixels of a warp's part
+
+/// A tile cut into parts for lanes of `Pixels` pixels, one above the other.
+template <int Pixels>
+struct TileParts {
+  static constexpr int kHeight = 4 * Pixels;  // of a part
+  static constexpr int kColumns = kTileSize / kPartWidth;
+  static constexpr int kWarps = kTilePixels / (32 * Pixels);
+  static constexpr int kThreads = 32 * kWarps;
+};
 
 /// A tile of the batch.
 struct BatchTile {
@@ -26,22 +32,19 @@ struct BatchTile {
     const int local = int(tile - view->first_tile);
     x0 = local % view->tiles_x * kTileSize, y0 = local / view->tiles_x * kTileSize;
   }
-  /// First pixel of a warp's part.
-  __device__ int part_x(int warp) const { return x0 + warp % (kTileSize / kPart) * kPart; }
-  __device__ int part_y(int warp) const { return y0 + warp / (kTileSize / kPart) * kPart; }
 };
 
-/// Pixel number i of a tile's 256: by warp, then upper and lower half of its part, then lane.
+/// A pixel of a tile.
 struct TilePixel {
   int x, y;
+  int number;     // within the tile, row by row
   bool inside;    // of the picture
   int64_t index;  // within the batch's one-channel pictures
   int64_t first_colour, plane;
 
-  __device__ TilePixel(const BatchTile& tile, int i) {
-    const int warp = i / (32 * kLanePixels), lane = i % 32, half = i / 32 % kLanePixels;
-    x = tile.part_x(warp) + lane % kPart;
-    y = tile.part_y(warp) + half * (kPart / kLanePixels) + lane / kPart;
+  /// (dx, dy): within the tile.
+  __device__ TilePixel(const BatchTile& tile, int dx, int dy)
+      : x(tile.x0 + dx), y(tile.y0 + dy), number(dy * kTileSize + dx) {
     const ViewArgs<float>& view = *tile.view;
     inside = x < view.width && y < view.height;
     plane = int64_t(view.width) * view.height;
@@ -52,10 +55,24 @@ struct TilePixel {
   /// Index of channel c in a planar picture of the batch.
   __device__ int64_t colour_at(int c) const { return first_colour + c * plane; }
 };
-/// Number of a thread's pixel p in its tile.
-__device__ inline int pixel_of_thread(int p) {
-  return int(threadIdx.x) / 32 * (32 * kLanePixels) + p * 32 + int(threadIdx.x) % 32;
-}
+
+/// The part of a tile that a warp has.
+template <int Pixels>
+struct WarpPart {
+  using Parts = TileParts<Pixels>;
+  const BatchTile& tile;
+  int dx, dy;  // of its first pixel, within the tile
+
+  __device__ WarpPart(const BatchTile& of) : tile(of) {
+    const int warp = int(threadIdx.x) / 32;
+    dx = warp % Parts::kColumns * kPartWidth, dy = warp / Parts::kColumns * Parts::kHeight;
+  }
+  /// Pixel p of this lane.
+  __device__ TilePixel pixel(int p) const {
+    const int lane = int(threadIdx.x) % 32;
+    return {tile, dx + lane % kPartWidth, dy + 4 * p + lane / kPartWidth};
+  }
+};
 
 /// exp(−½ x) = 2^(kExponent·x).
 inline constexpr float kExponent = -0.5f * 1.44269504088896341f;
@@ -75,11 +92,14 @@ struct alignas(16) SharedSplat {
 };
 static_assert(sizeof(SharedSplat) == sizeof(Splat<float>));
 
-/// Whether a splat may draw a pixel of the part that begins at (x, y). A little generous, as the
-/// pixels decide for themselves.
-__device__ inline bool meets_part(const SharedSplat& s, int x, int y) {
-  const float least = least_power_in<float>({s.a.x, s.a.y}, {s.a.z, s.a.w, s.b.x}, float(x) + 0.5f,
-                                            float(y) + 0.5f, float(kPart - 1), float(kPart - 1));
+/// Whether a splat may draw a pixel of the part. A little generous, as the pixels decide for
+/// themselves.
+template <int Pixels>
+__device__ inline bool meets_part(const SharedSplat& s, const WarpPart<Pixels>& part) {
+  const float least = least_power_in<float>(
+      {s.a.x, s.a.y}, {s.a.z, s.a.w, s.b.x}, float(part.tile.x0 + part.dx) + 0.5f,
+      float(part.tile.y0 + part.dy) + 0.5f, float(kPartWidth - 1),
+      float(TileParts<Pixels>::kHeight - 1));
   // by the scaled conic, so times kExponent, which is negative
   return least >= kExponent * (s.c.y * 1.0001f + 1e-3f);
 }
@@ -95,6 +115,7 @@ __device__ inline float exp2_approximate(float x) {
 struct PixelResponse {
   float dx, dy, gx, gy, falloff, alpha;
 
+  __device__ PixelResponse() {}
   __device__ PixelResponse(const SharedSplat& s, float x, float y) {  // pixel centre
     dx = s.a.x - x, dy = s.a.y - y;
     gx = s.a.z * dx + s.a.w * dy, gy = s.a.w * dx + s.b.x * dy;
@@ -103,53 +124,58 @@ struct PixelResponse {
   }
 };
 
-/// A warp's way through the splats of a tile, a bucket at a time; the next one is on its way while
-/// this one is worked on.
+/// A warp's way through the splats of a tile, a bucket at a time. The next bucket's records and the
+/// numbers of the one after it are on their way while this one is worked on.
 class WarpSplats {
  public:
-  /// Instances [first, first + count) of the tile; `mine`: this warp's 32 places in shared memory.
-  __device__ WarpSplats(const Splat<float>* splats, const int32_t* instance, int32_t count,
-                        SharedSplat* mine)
-      : splats_(splats), instance_(instance), count_(count), mine_(mine) {
-    fetch();
+  /// Places [begin, end) of the list at `instance`; `mine`: this warp's 32 places in shared memory.
+  __device__ WarpSplats(const Splat<float>* splats, const int32_t* instance, int32_t begin,
+                        int32_t end, SharedSplat* mine)
+      : splats_(splats), instance_(instance), end_(end), next_(begin), mine_(mine) {
+    fetch_number(begin);
+    fetch_record();
+    fetch_number(begin + kBucket);
   }
-  /// Puts the next bucket into shared memory. Returns a bit for each splat that may draw the part
-  /// at (x, y); all that are listed without `Cull`.
-  template <bool Cull>
-  __device__ unsigned next_bucket(int x, int y) {
+  /// Puts the next bucket into shared memory. Returns a bit for each splat that may draw the part;
+  /// all that are listed without `Cull`.
+  template <bool Cull, int Pixels>
+  __device__ unsigned next_bucket(const WarpPart<Pixels>& part) {
     const int lane = int(threadIdx.x) % 32;
-    const bool listed = fetched_ + lane < count_;
-    const bool meets = listed && (!Cull || meets_part(next_, x, y));
-    number_ = next_number_;
+    const bool listed = next_ + lane < end_;
+    const bool meets = listed && (!Cull || meets_part(record_, part));
+    number_ = record_number_;
     __syncwarp();  // the last bucket has been read
-    if (meets) mine_[lane] = next_;
+    if (meets) mine_[lane] = record_;
     __syncwarp();
-    begin_ = fetched_;
-    fetched_ += kBucket;
-    fetch();
+    begin_ = next_;
+    next_ += kBucket;
+    fetch_record();
+    fetch_number(next_ + kBucket);
     return __ballot_sync(~0u, meets);
   }
-  __device__ bool done() const { return fetched_ >= count_; }
+  __device__ bool done() const { return next_ >= end_; }
   /// Place in the tile's list of the first splat of this bucket and of the next.
   __device__ int32_t begin() const { return begin_; }
-  __device__ int32_t next_begin() const { return fetched_; }
+  __device__ int32_t next_begin() const { return next_; }
   __device__ const SharedSplat& operator[](int i) const { return mine_[i]; }
   /// Number of the bucket's splat i in the batch; all lanes ask together.
   __device__ int32_t number(int i) const { return __shfl_sync(~0u, number_, i); }
 
  private:
-  __device__ void fetch() {
-    const int32_t i = fetched_ + int(threadIdx.x) % 32;
-    if (i >= count_) return;
-    next_number_ = instance_[i];
-    next_ = SharedSplat::load(splats_ + next_number_);
+  __device__ void fetch_number(int32_t bucket) {
+    const int32_t i = bucket + int(threadIdx.x) % 32;
+    next_number_ = i < end_ ? instance_[i] : -1;
+  }
+  __device__ void fetch_record() {
+    record_number_ = next_number_;
+    if (record_number_ >= 0) record_ = SharedSplat::load(splats_ + record_number_);
   }
 
   const Splat<float>* splats_;
   const int32_t* instance_;
-  int32_t count_, fetched_ = 0, begin_ = 0, number_ = 0, next_number_ = 0;
+  int32_t end_, next_, begin_ = 0, number_ = 0, record_number_ = 0, next_number_ = 0;
   SharedSplat* mine_;
-  SharedSplat next_;
+  SharedSplat record_;
 };
 
 }  // namespace tessera

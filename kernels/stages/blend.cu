@@ -1,11 +1,11 @@
-// What: front-to-back blending on the device: a block a tile, a warp an 8 × 8 part of it.
+// What: front-to-back blending on the device: a block a tile, a warp a part of it.
 // Not: its gradient (blend_backward.cu).
 // Source: [3DGS]; warp-level culling [Faster-GS]; method A.10.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/sort.h"
-#include "kernels/cuda/tile_block.cuh"
+#include "kernels/cuda/blend_backward_args.cuh"
 
 namespace tessera {
 namespace {
@@ -21,8 +21,9 @@ struct Blend {
   float* colour;
   float* transmittance;
   int32_t* used;
-  float4* checkpoints;          // of the per-Gaussian backward pass
-  const int64_t* bucket_begin;  // [tiles+1]
+  float4* checkpoints;          // [checkpoints, 256] colour and T
+  const int64_t* bucket_begin;  // [tiles+1] first of each tile
+  int interval;                 // splats between two
 };
 
 /// A pixel on its way through the splats.
@@ -31,7 +32,8 @@ struct PixelForward {
   float T, red = 0, green = 0, blue = 0;
   int32_t used = 0;
 
-  __device__ PixelForward(const TilePixel& at)
+  __device__ PixelForward() {}
+  __device__ explicit PixelForward(const TilePixel& at)
       : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(at.inside ? 1.0f : 0.0f) {}
   __device__ float4 state() const { return {red, green, blue, T}; }
   __device__ bool alive() const { return T >= kMinTransmittance<float>; }
@@ -46,33 +48,39 @@ struct PixelForward {
   }
 };
 
-template <bool Cull, bool Checkpoint>
-__global__ void __launch_bounds__(kTileThreads) blend_tiles(Blend a) {
-  __shared__ SharedSplat shared[kTileWarps][kBucket];
+template <int Pixels, bool Cull, bool Checkpoint>
+__global__ void __launch_bounds__(TileParts<Pixels>::kThreads) blend_tiles(Blend a) {
+  __shared__ SharedSplat shared[TileParts<Pixels>::kWarps][kBucket];
   const int64_t tile = a.tile_order[blockIdx.x];
   const BatchTile at(a.views, a.view_count, tile);
-  const int warp = int(threadIdx.x) / 32;
-  const int part_x = at.part_x(warp), part_y = at.part_y(warp);
-  PixelForward pixel[kLanePixels] = {TilePixel(at, pixel_of_thread(0)),
-                                     TilePixel(at, pixel_of_thread(1))};
+  const WarpPart<Pixels> part(at);
+  PixelForward pixel[Pixels];
+  TESSERA_UNROLL
+  for (int p = 0; p < Pixels; ++p) pixel[p] = PixelForward(part.pixel(p));
+  const auto alive = [&] {
+    bool any = false;
+    for (int p = 0; p < Pixels; ++p) any = any || pixel[p].alive();
+    return any;
+  };
   const int64_t first = a.tile_begin[tile];
-  WarpSplats splats(a.splats, a.instance + first, int32_t(a.tile_begin[tile + 1] - first),
-                    shared[warp]);
-  while (!splats.done() && __any_sync(~0u, pixel[0].alive() || pixel[1].alive())) {
-    if constexpr (Checkpoint) {
-      const int64_t bucket = a.bucket_begin[tile] + splats.next_begin() / kBucket;
-      for (int p = 0; p < kLanePixels; ++p)
-        a.checkpoints[bucket * kTilePixels + pixel_of_thread(p)] = pixel[p].state();
+  WarpSplats splats(a.splats, a.instance + first, 0, int32_t(a.tile_begin[tile + 1] - first),
+                    shared[threadIdx.x / 32]);
+  while (!splats.done() && __any_sync(~0u, alive())) {
+    if (Checkpoint && splats.next_begin() % a.interval == 0) {
+      const int64_t bucket = a.bucket_begin[tile] + splats.next_begin() / a.interval;
+      for (int p = 0; p < Pixels; ++p)
+        a.checkpoints[bucket * kTilePixels + part.pixel(p).number] = pixel[p].state();
     }
-    unsigned hits = splats.next_bucket<Cull>(part_x, part_y);
+    unsigned hits = splats.next_bucket<Cull>(part);
     for (; hits != 0; hits &= hits - 1) {
       const int i = __ffs(int(hits)) - 1;
       TESSERA_UNROLL
-      for (int p = 0; p < kLanePixels; ++p) pixel[p].blend(splats[i], splats.begin() + i + 1);
+      for (int p = 0; p < Pixels; ++p) pixel[p].blend(splats[i], splats.begin() + i + 1);
     }
   }
-  for (int p = 0; p < kLanePixels; ++p) {
-    const TilePixel out(at, pixel_of_thread(p));
+  TESSERA_UNROLL
+  for (int p = 0; p < Pixels; ++p) {
+    const TilePixel out = part.pixel(p);
     if (!out.inside) continue;
     a.colour[out.colour_at(0)] = pixel[p].red + pixel[p].T * a.background[0];
     a.colour[out.colour_at(1)] = pixel[p].green + pixel[p].T * a.background[1];
@@ -82,9 +90,10 @@ __global__ void __launch_bounds__(kTileThreads) blend_tiles(Blend a) {
   }
 }
 
-__global__ void count_buckets(const int64_t* tile_begin, int64_t tiles, int32_t* buckets) {
+__global__ void count_buckets(const int64_t* tile_begin, int64_t tiles, int interval,
+                              int32_t* buckets) {
   const int64_t t = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
-  if (t < tiles) buckets[t] = int32_t((tile_begin[t + 1] - tile_begin[t] + kBucket - 1) / kBucket);
+  if (t < tiles) buckets[t] = int32_t((tile_begin[t + 1] - tile_begin[t] + interval - 1) / interval);
 }
 
 }  // namespace
@@ -93,11 +102,18 @@ void CudaBackend::reserve_checkpoints(const BlendArgs<float>& args) {
   const int64_t tiles = args.batch->tiles;
   Buffer<int32_t> buckets(tiles, memory_);
   count_buckets<<<grid_of(tiles, 256), 256, 0, stream_>>>(args.instances->tile_begin.data(), tiles,
-                                                          buckets.data());
+                                                          checkpoint_interval_, buckets.data());
   bucket_begin_.resize(tiles + 1);
   exclusive_sums(stream_, buckets.span(), bucket_begin_.span(), sort_scratch_);
   // every tile's last bucket may be incomplete: no more than this, whatever the lists are
-  checkpoints_.resize((args.instances->count / kBucket + tiles) * kTilePixels);
+  checkpoints_.resize((args.instances->count / checkpoint_interval_ + tiles) * kTilePixels);
+}
+
+/// With few tiles, lanes of one pixel and lists cut into segments keep the device busy; with many,
+/// lanes of two do less work in all.
+bool CudaBackend::is_small(const ViewBatch<float>& batch) const {
+  constexpr int64_t kTilesPerProcessor = 48;
+  return batch.tiles < kTilesPerProcessor * processors_;
 }
 
 void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
@@ -105,7 +121,13 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
   images.colour.resize(3 * args.batch->pixels);
   images.transmittance.resize(args.batch->pixels);
   images.used.resize(args.batch->pixels);
-  const bool keep = args.for_backward && switches.backward == BackwardForm::kPerGaussian;
+  const bool small = is_small(*args.batch);
+  checkpoint_interval_ = 0;
+  if (args.for_backward && !switches.deterministic) {
+    if (switches.backward == BackwardForm::kPerGaussian) checkpoint_interval_ = kBucket;
+    if (switches.backward == BackwardForm::kSubTile && small) checkpoint_interval_ = kSegment;
+  }
+  const bool keep = checkpoint_interval_ > 0;
   if (keep) reserve_checkpoints(args);
   Blend a{views_of(*args.batch),
           int(args.batch->views.size()),
@@ -118,13 +140,26 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
           images.transmittance.data(),
           images.used.data(),
           checkpoints_.data(),
-          bucket_begin_.data()};
+          bucket_begin_.data(),
+          checkpoint_interval_};
   for (int c = 0; c < 3; ++c) a.background[c] = float(args.options.background[c]);
-  const auto kernel = switches.warp_culling ? (keep ? blend_tiles<true, true> : blend_tiles<true, false>)
-                                            : (keep ? blend_tiles<false, true> : blend_tiles<false, false>);
-  kernel<<<grid_of(args.batch->tiles, 1), kTileThreads, 0, stream_>>>(a);
+  const auto launch = [&](auto pixels, auto cull, auto checkpoint) {
+    constexpr int kPixels = decltype(pixels)::value;
+    blend_tiles<kPixels, decltype(cull)::value, decltype(checkpoint)::value>
+        <<<grid_of(args.batch->tiles, 1), TileParts<kPixels>::kThreads, 0, stream_>>>(a);
+  };
+  using One = std::integral_constant<int, 1>;
+  using Two = std::integral_constant<int, 2>;
+  const auto by_cull = [&](auto pixels, auto checkpoint) {
+    switches.warp_culling ? launch(pixels, std::true_type(), checkpoint)
+                          : launch(pixels, std::false_type(), checkpoint);
+  };
+  const auto by_size = [&](auto checkpoint) {
+    small ? by_cull(One(), checkpoint) : by_cull(Two(), checkpoint);
+  };
+  keep ? by_size(std::true_type()) : by_size(std::false_type());
   check_launch("blend: blend_tiles");
-  const double checkpointed = keep ? 16.0 * kTilePixels / kBucket : 0.0;
+  const double checkpointed = keep ? 16.0 * kTilePixels / checkpoint_interval_ : 0.0;
   clock_.add_bytes(kBlend, double(args.instances->count) * (4 + 48 + checkpointed) +
                                20.0 * double(args.batch->pixels));
 }

@@ -40,35 +40,73 @@ __device__ inline float reduce_one(float v) {
 }
 
 /// A lane's pixels take their step past a splat; false for the whole warp when none draws it.
+template <int Pixels>
 __device__ inline bool step_lane(const SharedSplat& s, int32_t index,
-                                 PixelBackward (&pixel)[kLanePixels], float (&v)[kGradientTerms]) {
-  const PixelResponse upper(s, pixel[0].x, pixel[0].y), lower(s, pixel[1].x, pixel[1].y);
-  const bool on_upper = upper.alpha >= kMinAlpha<float> && index < pixel[0].used;
-  const bool on_lower = lower.alpha >= kMinAlpha<float> && index < pixel[1].used;
-  if (!__any_sync(~0u, on_upper || on_lower)) return false;
+                                 PixelBackward (&pixel)[Pixels], float (&v)[kGradientTerms]) {
+  bool on[Pixels], any = false;
+  PixelResponse response[Pixels];
+  TESSERA_UNROLL
+  for (int p = 0; p < Pixels; ++p) {
+    response[p] = PixelResponse(s, pixel[p].x, pixel[p].y);
+    on[p] = response[p].alpha >= kMinAlpha<float> && index < pixel[p].used;
+    any = any || on[p];
+  }
+  if (!__any_sync(~0u, any)) return false;
   TESSERA_UNROLL
   for (int k = 0; k < kGradientTerms; ++k) v[k] = 0.0f;
-  pixel[0].step(s, upper, on_upper, v);
-  pixel[1].step(s, lower, on_lower, v);
+  TESSERA_UNROLL
+  for (int p = 0; p < Pixels; ++p) pixel[p].step(s, response[p], on[p], v);
   return true;
 }
 
-template <bool Cull, bool Ordered>
-__global__ void __launch_bounds__(kTileThreads) backward_tiles(BlendBackward a) {
-  __shared__ SharedSplat shared[kTileWarps][kBucket];
-  const int64_t tile = a.tile_order[blockIdx.x];
-  const int64_t first = a.tile_begin[tile];
-  if (first == a.tile_begin[tile + 1]) return;
-  const BatchTile at(a.views, a.view_count, tile);
+/// What a block works on: a tile's whole list, or a segment of it behind a checkpoint.
+template <bool Segmented>
+struct Work {
+  int64_t tile = 0, bucket = 0;
+  int32_t begin = 0;
+  bool none = false;
+
+  __device__ explicit Work(const BlendBackward& a) {
+    if constexpr (Segmented) {
+      bucket = blockIdx.x;
+      none = bucket >= a.bucket_begin[a.tiles];
+      if (none) return;
+      tile = a.tile_of_bucket(bucket);
+      begin = int32_t(bucket - a.bucket_begin[tile]) * kSegment;
+    } else {
+      tile = a.tile_order[blockIdx.x];
+      none = a.tile_begin[tile] == a.tile_begin[tile + 1];
+    }
+  }
+  __device__ PixelBackward pixel(const BlendBackward& a, const TilePixel& at) const {
+    if constexpr (Segmented)
+      return {a, at, a.checkpoints[bucket * kTilePixels + at.number]};
+    else
+      return {a, at, {0, 0, 0, 1}};
+  }
+};
+
+template <int Pixels, bool Cull, bool Ordered, bool Segmented>
+__global__ void __launch_bounds__(TileParts<Pixels>::kThreads) backward_tiles(BlendBackward a) {
+  __shared__ SharedSplat shared[TileParts<Pixels>::kWarps][kBucket];
+  const Work<Segmented> work(a);
+  if (work.none) return;
+  const int64_t first = a.tile_begin[work.tile];
+  const BatchTile at(a.views, a.view_count, work.tile);
+  const WarpPart<Pixels> part(at);
   const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
-  const int part_x = at.part_x(warp), part_y = at.part_y(warp);
-  const float4 start{0, 0, 0, 1};
-  PixelBackward pixel[kLanePixels] = {{a, TilePixel(at, pixel_of_thread(0)), start},
-                                      {a, TilePixel(at, pixel_of_thread(1)), start}};
-  const int32_t last = __reduce_max_sync(~0u, max(pixel[0].used, pixel[1].used));
-  WarpSplats splats(a.splats, a.instance + first, last, shared[warp]);
+  PixelBackward pixel[Pixels];
+  int32_t last = 0;
+  TESSERA_UNROLL
+  for (int p = 0; p < Pixels; ++p) {
+    pixel[p] = work.pixel(a, part.pixel(p));
+    last = max(last, pixel[p].used);
+  }
+  last = __reduce_max_sync(~0u, last);
+  if (Segmented) last = min(last, work.begin + kSegment);
+  WarpSplats splats(a.splats, a.instance + first, work.begin, last, shared[warp]);
   while (!splats.done()) {
-    unsigned hits = splats.next_bucket<Cull>(part_x, part_y);
+    unsigned hits = splats.next_bucket<Cull>(part);
     for (; hits != 0; hits &= hits - 1) {
       const int i = __ffs(int(hits)) - 1;
       const int32_t number = splats.number(i);
@@ -90,7 +128,7 @@ __global__ void __launch_bounds__(kTileThreads) backward_tiles(BlendBackward a) 
 
 /// Gradients of a splat's instances, added in the order in which it was written into tiles, and of
 /// each by the parts of the tile.
-__global__ void add_instances(const SplatGradient<float>* d_instances, int64_t instances,
+__global__ void add_instances(const SplatGradient<float>* d_instances, int64_t instances, int parts,
                               const int64_t* first_of, const int32_t* tiles, const int64_t* slot,
                               int64_t count, float* d_splats) {
   const int64_t at = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
@@ -98,10 +136,16 @@ __global__ void add_instances(const SplatGradient<float>* d_instances, int64_t i
   if (s >= count) return;
   float sum = 0;
   for (int k = 0; k < tiles[s]; ++k)
-    for (int part = 0; part < kTileWarps; ++part)
+    for (int part = 0; part < parts; ++part)
       sum += reinterpret_cast<const float*>(d_instances + part * instances +
                                             slot[first_of[s] + k])[at % kGradientTerms];
   d_splats[at] = sum;
+}
+
+template <int Pixels, bool Cull, bool Ordered, bool Segmented>
+void launch(const BlendBackward& a, int64_t blocks, cudaStream_t stream) {
+  backward_tiles<Pixels, Cull, Ordered, Segmented>
+      <<<grid_of(blocks, 1), TileParts<Pixels>::kThreads, 0, stream>>>(a);
 }
 
 }  // namespace
@@ -110,7 +154,6 @@ void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
                                  Span<SplatGradient<float>> d_splats) {
   const TileInstances<float>& instances = *args.forward.instances;
   const KernelSwitches& switches = args.forward.options.kernels;
-  const bool ordered = switches.deterministic;
   BlendBackward a{views_of(*args.forward.batch),
                   int(args.forward.batch->views.size()),
                   instances.tile_begin.data(),
@@ -133,28 +176,28 @@ void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
                    "memset");
   };
   clear(d_splats);
-  if (ordered) {
-    instance_gradients_.resize(kTileWarps * instances.count);
+  const int64_t tiles = args.forward.batch->tiles;
+  const bool cull = switches.backward != BackwardForm::kPixel;
+  if (switches.deterministic) {
+    constexpr int kParts = TileParts<2>::kWarps;
+    instance_gradients_.resize(kParts * instances.count);
     clear(instance_gradients_.span());
     a.d_instances = instance_gradients_.data();
-  }
-  const unsigned tiles = grid_of(args.forward.batch->tiles, 1);
-  if (switches.backward == BackwardForm::kPerGaussian && !ordered) {
-    launch_per_gaussian(a, instances.count, stream_);
-  } else {
-    const bool cull = switches.backward != BackwardForm::kPixel;
-    const auto kernel = cull ? (ordered ? backward_tiles<true, true> : backward_tiles<true, false>)
-                             : (ordered ? backward_tiles<false, true> : backward_tiles<false, false>);
-    kernel<<<tiles, kTileThreads, 0, stream_>>>(a);
-  }
-  check_launch("blend_backward: backward_tiles");
-  if (ordered) {
+    cull ? launch<2, true, true, false>(a, tiles, stream_)
+         : launch<2, false, true, false>(a, tiles, stream_);
     add_instances<<<grid_of(d_splats.size * kGradientTerms, 256), 256, 0, stream_>>>(
-        instance_gradients_.data(), instances.count, instances.first_of.data(),
-        args.forward.splats->tiles.data(),
-        instances.slot.data(), d_splats.size, reinterpret_cast<float*>(d_splats.data));
-    check_launch("blend_backward: add_instances");
+        instance_gradients_.data(), instances.count, kParts, instances.first_of.data(),
+        args.forward.splats->tiles.data(), instances.slot.data(), d_splats.size,
+        reinterpret_cast<float*>(d_splats.data));
+  } else if (switches.backward == BackwardForm::kPerGaussian) {
+    launch_per_gaussian(a, instances.count, stream_);
+  } else if (checkpoint_interval_ == kSegment) {
+    launch<1, true, false, true>(a, instances.count / kSegment + tiles, stream_);
+  } else {
+    cull ? launch<2, true, false, false>(a, tiles, stream_)
+         : launch<2, false, false, false>(a, tiles, stream_);
   }
+  check_launch("blend_backward");
   clock_.add_bytes(kBlendBackward, double(instances.count) * (4 + 48 + 36) +
                                        36.0 * 2 * double(d_splats.size) +
                                        28.0 * double(args.forward.batch->pixels));

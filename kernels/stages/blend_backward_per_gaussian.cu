@@ -14,23 +14,13 @@ constexpr int kWarps = 4;
 /// from lane to lane, the rest stays.
 constexpr int kRing = 64;
 
-/// Tile of a bucket: the last whose buckets begin at or before it.
-__device__ inline int64_t tile_of(const BlendBackward& a, int64_t bucket) {
-  int64_t low = 0, high = a.tiles;
-  while (high - low > 1) {
-    const int64_t middle = (low + high) / 2;
-    (a.bucket_begin[middle] <= bucket ? low : high) = middle;
-  }
-  return low;
-}
-
 __global__ void __launch_bounds__(32 * kWarps) backward_buckets(BlendBackward a) {
   __shared__ PixelBackward rings[kWarps][kRing];
   PixelBackward* const ring = rings[threadIdx.x / 32];
   const int lane = int(threadIdx.x) % 32;
   const int64_t bucket = int64_t(blockIdx.x) * kWarps + threadIdx.x / 32;
   if (bucket >= a.bucket_begin[a.tiles]) return;
-  const int64_t tile = tile_of(a, bucket);
+  const int64_t tile = a.tile_of_bucket(bucket);
   const int32_t index = int32_t(bucket - a.bucket_begin[tile]) * kBucket + lane;
   const int64_t first = a.tile_begin[tile];
   const bool listed = first + index < a.tile_begin[tile + 1];
@@ -42,8 +32,10 @@ __global__ void __launch_bounds__(32 * kWarps) backward_buckets(BlendBackward a)
   for (int i = 0; i < kTilePixels + 31; ++i) {
     if (i % 32 == 0 && i < kTilePixels) {
       __syncwarp();
-      ring[(i + lane) % kRing] = PixelBackward(
-          a, TilePixel(at, i + lane), a.checkpoints[bucket * kTilePixels + i + lane]);
+      const int number = i + lane;
+      ring[number % kRing] =
+          PixelBackward(a, TilePixel(at, number % kTileSize, number / kTileSize),
+                        a.checkpoints[bucket * kTilePixels + number]);
       __syncwarp();
     }
     T = __shfl_up_sync(~0u, T, 1), R = __shfl_up_sync(~0u, R, 1);
