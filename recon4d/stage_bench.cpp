@@ -36,8 +36,7 @@ GaussianSet enlarged(const GaussianSet& set, int64_t count, double opacity, uint
     *to.at(kOpacityLogit, n) = float(std::log(opacity / (1 - opacity)));
     if (n < set.count()) continue;
     const Vec4<float> noise = normals(philox(seed, RandomStream::kSplit, uint64_t(n)));
-    for (int k = 0; k < 3; ++k)
-      to.at(kMean, n)[k] += noise[k] * std::exp(to.at(kLogScale, n)[k]);
+    for (int k = 0; k < 3; ++k) to.at(kMean, n)[k] += noise[k] * std::exp(to.at(kLogScale, n)[k]);
   }
   return large;
 }

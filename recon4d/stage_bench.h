@@ -28,8 +28,8 @@ struct StageBenchReport {
 StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainOptions& options,
                               const StageBenchOptions& bench);
 
-/// Bytes read plus bytes written per second by a large copy inside the backend's memory: the ceiling
-/// of every stage that only moves data.
+/// Bytes read plus bytes written per second by a large copy inside the backend's memory: the
+/// ceiling of every stage that only moves data.
 double copy_bytes_per_second(Backend& backend);
 
 }  // namespace tessera
