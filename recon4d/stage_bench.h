@@ -24,7 +24,7 @@ struct StageBenchReport {
 };
 
 /// Steps of options.batch views, taken in turn and repeated where there are fewer.
-/// Errors: InputError: no training frames, no points.
+/// Errors: InputError: an option out of range, no training frames, no points.
 StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainOptions& options,
                               const StageBenchOptions& bench);
 
