@@ -103,8 +103,8 @@ class BackendOf {
                            int64_t inherited, Span<Real> to) = 0;
   /// Which rows survive, are cloned and are split. Where room is short the strongest grow.
   virtual void select_rows(const GaussianSpans<const Real>& set,
-                           const DensityStatistics<const Real>& statistics,
-                           const DensityRule& rule, DensityRows& rows) = 0;
+                           const DensityStatistics<const Real>& statistics, const DensityRule& rule,
+                           DensityRows& rows) = 0;
   /// Rows from `first` on become samples of the Gaussian they are copies of, and smaller.
   virtual void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) = 0;
   /// Rows in Morton order of the means; of a Dim 4 set then stably by 32 bins of temporal means.

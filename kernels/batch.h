@@ -76,15 +76,15 @@ struct Splats {
         gaussian(memory),
         first_of(memory) {}
 
-  int64_t count = 0;           // S
-  Buffer<Splat<Real>> splat;   // [S]
-  Buffer<Real> depth;          // [S] world units
-  Buffer<TileRect> rect;       // [S]
-  Buffer<int32_t> tiles;       // [S] tiles touched; a splat with none is as good as invisible
-  Buffer<int32_t> gaussian;    // [S] static set first, then dynamic; a device's, else empty
-  Buffer<int64_t> first_of;    // [N+1] first splat of each Gaussian
-  int64_t instances = 0;       // Σ tiles
-  int64_t invalid = 0;         // Gaussians culled for a zero quaternion or non-finite values
+  int64_t count = 0;          // S
+  Buffer<Splat<Real>> splat;  // [S]
+  Buffer<Real> depth;         // [S] world units
+  Buffer<TileRect> rect;      // [S]
+  Buffer<int32_t> tiles;      // [S] tiles touched; a splat with none is as good as invisible
+  Buffer<int32_t> gaussian;   // [S] static set first, then dynamic; a device's, else empty
+  Buffer<int64_t> first_of;   // [N+1] first splat of each Gaussian
+  int64_t instances = 0;      // Σ tiles
+  int64_t invalid = 0;        // Gaussians culled for a zero quaternion or non-finite values
 };
 
 /// (tile, splat) pairs, by tile, front to back inside a tile.

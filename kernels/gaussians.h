@@ -108,11 +108,11 @@ struct DensityStatistics {
 
 /// When a Gaussian is removed, cloned or split  [method A.13].
 struct DensityRule {
-  double threshold = 0;        // least statistic of one that grows
-  double prune_opacity = 0;    // less opaque ones are removed
-  double largest_clone = 0;    // world units; larger ones are split
-  double largest_kept = 0;     // world units; larger ones are removed; 0: none
-  int64_t room = -1;           // Gaussians that may be added to the set; < 0: no limit
+  double threshold = 0;      // least statistic of one that grows
+  double prune_opacity = 0;  // less opaque ones are removed
+  double largest_clone = 0;  // world units; larger ones are split
+  double largest_kept = 0;   // world units; larger ones are removed; 0: none
+  int64_t room = -1;         // Gaussians that may be added to the set; < 0: no limit
 };
 
 /// The rows of a set that make up the next one: survivors, clones, first and second children.

@@ -19,7 +19,7 @@ enum Stage : int {
   kStages
 };
 inline constexpr const char* kStageNames[kStages] = {
-    "project",        "bin",    "blend",  "photometric", "blend_backward",
+    "project",          "bin",    "blend",  "photometric", "blend_backward",
     "project_backward", "update", "density"};
 
 /// Totals since construction. `bytes` are counted from sizes, each array read or written once.

@@ -70,8 +70,7 @@ namespace {
 GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set,
                         GaussianSet dynamic_set) {
   return {std::move(static_set), std::move(dynamic_set), like.sh_degree, like.time_axis,
-          like.background,       like.near_plane,        like.far_plane,
-          like.sliced_direction};
+          like.background,       like.near_plane,        like.far_plane, like.sliced_direction};
 }
 
 }  // namespace

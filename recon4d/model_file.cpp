@@ -19,10 +19,11 @@ constexpr const char* kVersionKey = "tessera_4d_version";
 constexpr const char* kStaticElement = "vertex";
 constexpr const char* kDynamicElement = "vertex_dynamic";
 
-/// Numbers behind `key` in the comments. fmt writes the shortest text that reads back bit-equal.
-std::vector<double> numbers_of(const std::filesystem::path& path,
-                               const std::vector<std::string>& comments, const std::string& key,
-                               size_t count) {
+/// Numbers behind `key` in the comments; none when it is not there. fmt writes the shortest text
+/// that reads back bit-equal.
+std::vector<double> numbers_if_any(const std::filesystem::path& path,
+                                   const std::vector<std::string>& comments,
+                                   const std::string& key, size_t count) {
   for (const std::string& comment : comments) {
     if (comment.rfind(key + " ", 0) != 0) continue;
     std::vector<double> numbers;
@@ -39,6 +40,15 @@ std::vector<double> numbers_of(const std::filesystem::path& path,
     throw InputError(fmt::format("{}: comment '{}' is malformed, expected {} numbers; export again",
                                  path.string(), comment, count));
   }
+  return {};
+}
+
+/// The same, of a comment that every file has.
+std::vector<double> numbers_of(const std::filesystem::path& path,
+                               const std::vector<std::string>& comments, const std::string& key,
+                               size_t count) {
+  std::vector<double> numbers = numbers_if_any(path, comments, key, count);
+  if (!numbers.empty()) return numbers;
   throw InputError(fmt::format(
       "{}: no comment '{}', expected a Tessera 4D .ply; a 3DGS .ply is read as a static model",
       path.string(), key));
@@ -68,7 +78,8 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
   }
   const auto planes = numbers_of(path, comments, "clip_planes", 2);
   model.near_plane = planes[0], model.far_plane = planes[1];
-  model.sliced_direction = numbers_of(path, comments, "sliced_direction", 1)[0] != 0;
+  const auto sliced = numbers_if_any(path, comments, "sliced_direction", 1);  // absent: older file
+  if (!sliced.empty()) model.sliced_direction = sliced[0] != 0;
 }
 
 }  // namespace

@@ -23,6 +23,14 @@ double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
+void check_options(const StageBenchOptions& bench) {
+  if (bench.gaussians < 0) throw InputError("--gaussians is negative; 0 keeps the initial ones");
+  if (!(bench.opacity > 0 && bench.opacity < 1))
+    throw InputError("--opacity must be between 0 and 1, without both");
+  if (bench.steps < 1 || bench.warm_up < 0)
+    throw InputError("bench needs --steps of at least 1 and --warm-up of at least 0");
+}
+
 /// `set` repeated up to `count` rows, copies moved by about their own size; opacity as given.
 GaussianSet enlarged(const GaussianSet& set, int64_t count, double opacity, uint64_t seed) {
   GaussianSet large(set.dim(), set.coefficients());
@@ -36,8 +44,7 @@ GaussianSet enlarged(const GaussianSet& set, int64_t count, double opacity, uint
     *to.at(kOpacityLogit, n) = float(std::log(opacity / (1 - opacity)));
     if (n < set.count()) continue;
     const Vec4<float> noise = normals(philox(seed, RandomStream::kSplit, uint64_t(n)));
-    for (int k = 0; k < 3; ++k)
-      to.at(kMean, n)[k] += noise[k] * std::exp(to.at(kLogScale, n)[k]);
+    for (int k = 0; k < 3; ++k) to.at(kMean, n)[k] += noise[k] * std::exp(to.at(kLogScale, n)[k]);
   }
   return large;
 }
@@ -47,12 +54,14 @@ GaussianModel make_load(const Scene& scene, const CameraRig& rig, const TrainOpt
   GaussianModel model = initialise_model(scene, rig, options).model;
   const int64_t before = model.count();
   if (before == 0) throw InputError("no initial Gaussians; raise --init-points");
-  for (GaussianSet* set : {&model.static_set, &model.dynamic_set}) {
-    if (set->count() == 0) continue;
-    const int64_t wanted =
-        bench.gaussians > 0 ? bench.gaussians * set->count() / before : set->count();
-    *set = enlarged(*set, wanted, bench.opacity, uint64_t(options.seed));
-    set->ensure_moments();
+  const int64_t wanted = bench.gaussians > 0 ? bench.gaussians : before;
+  const int64_t dynamic = wanted * model.dynamic_set.count() / before;
+  const int64_t counts[2] = {wanted - dynamic, dynamic};  // in the proportion of the initial ones
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = k == 0 ? model.static_set : model.dynamic_set;
+    if (set.count() == 0) continue;
+    set = enlarged(set, counts[k], bench.opacity, uint64_t(options.seed));
+    set.ensure_moments();
   }
   model.sh_degree = int(options.sh_degree);
   return model;
@@ -83,6 +92,7 @@ struct Views {
 
 StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainOptions& options,
                               const StageBenchOptions& bench) {
+  check_options(bench);
   const CameraRig rig = make_camera_rig(scene);
   TrainState state;
   state.model = make_load(scene, rig, options, bench);
@@ -120,7 +130,7 @@ StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainO
   const Clock::time_point begin = Clock::now();
   for (int64_t i = 0; i < bench.steps; ++i) step();
   pipeline.outcome();
-  const double steps = double(std::max<int64_t>(1, bench.steps));
+  const double steps = double(bench.steps);
   report.step_seconds = seconds_since(begin) / steps;
   const std::array<StageTotals, kStages>& after = backend.clock().totals();
   for (size_t s = 0; s < kStages; ++s)

@@ -24,12 +24,12 @@ struct StageBenchReport {
 };
 
 /// Steps of options.batch views, taken in turn and repeated where there are fewer.
-/// Errors: InputError: no training frames, no points.
+/// Errors: InputError: an option out of range, no training frames, no points.
 StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainOptions& options,
                               const StageBenchOptions& bench);
 
-/// Bytes read plus bytes written per second by a large copy inside the backend's memory: the ceiling
-/// of every stage that only moves data.
+/// Bytes read plus bytes written per second by a large copy inside the backend's memory: the
+/// ceiling of every stage that only moves data.
 double copy_bytes_per_second(Backend& backend);
 
 }  // namespace tessera

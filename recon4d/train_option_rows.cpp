@@ -44,8 +44,8 @@ const std::vector<OptionRow>& train_option_rows() {
       {"sh_degree", &O::sh_degree, 0, 3, "highest spherical-harmonics degree", "[3DGS]"},
       {"sh_interval", &O::sh_interval, 1, 1e9, "steps between two degrees", "[3DGS]"},
       {"sliced_direction", &O::sliced_direction, 0, 1,
-       "colours depend on the direction to a Gaussian where it is at the view's moment; false: to its "
-       "mean over time",
+       "colours depend on the direction to a Gaussian where it is at the view's moment; false: to "
+       "its mean over time",
        "ours; [Yang24] and [Faster-GS] have false"},
       {"lambda_dssim", &O::lambda_dssim, 0, 1, "weight of 1 - SSIM; the rest is L1", "[3DGS]"},
       {"lr_mean", &O::lr_mean, 0, 1e3, "of means at the start, per scene extent", "[3DGS]"},

@@ -2,7 +2,7 @@
 # Fails when a source file is not as clang-format 14 writes it. `--fix` formats in place.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-mapfile -t files < <(git ls-files '*.cpp' '*.h' '*.cu')
+mapfile -t files < <(git ls-files '*.cpp' '*.h' '*.cu' '*.cuh')
 if [ "${1:-}" = --fix ]; then
   clang-format-14 -i "${files[@]}"
 else

@@ -11,7 +11,9 @@ GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time);
 
 /// The model at normalised time t as one static set: the static Gaussians unchanged, then each
 /// dynamic one that is drawn at t with mean μ + vΔ, covariance Σ_c and opacity o·p. Those the
-/// renderer would not draw (p < 0.05, o·p < 1/255) are left out.
+/// renderer would not draw (p < 0.05, o·p < 1/255) are left out. It renders as the model does at t
+/// only when the model has sliced_direction: without, a moving Gaussian's colour is seen along the
+/// direction of its mean over time, which the slice does not have.
 GaussianSet slice_model(const GaussianModel& model, double time);
 
 }  // namespace tessera

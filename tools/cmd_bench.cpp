@@ -56,7 +56,8 @@ std::string table_text(const json& result) {
     text += fmt::format("{:<17}{:>10.3f}{:>10.3f}{:>10.0f}{:>10.3f}\n", name,
                         stage["ms"].get<double>(), stage["gbytes"].get<double>(),
                         stage["gb_per_s"].get<double>(), stage["floor_ms"].get<double>());
-  return text + fmt::format("{:<17}{:>10.3f}\n", "step, wall time", result["step_ms"].get<double>());
+  return text +
+         fmt::format("{:<17}{:>10.3f}\n", "step, wall time", result["step_ms"].get<double>());
 }
 
 int bench(const BenchRequest& request) {
@@ -67,8 +68,8 @@ int bench(const BenchRequest& request) {
   const Scene scene = load_scene(request.scene, scene_options);
   const std::unique_ptr<Backend> backend = make_backend(request.training.backend);
   const double copy_rate = copy_bytes_per_second(*backend);
-  const json result = to_json(bench_stages(*backend, scene, options, request.bench), copy_rate,
-                              backend->name());
+  const json result =
+      to_json(bench_stages(*backend, scene, options, request.bench), copy_rate, backend->name());
   print_result(request.json, result, table_text(result));
   return kExitDone;
 }

@@ -79,8 +79,8 @@ TESSERA_HD inline TileRect tile_rect(const BoundsOptions& options, const ViewArg
   return rect;
 }
 
-/// Least of ½ dᵀ conic d over the rectangle [x0, x0 + span_x] × [y0, y0 + span_y], d = mean − point:
-/// how strongly the splat can respond there. Needs no branch but inside/outside.
+/// Least of ½ dᵀ conic d over the rectangle [x0, x0 + span_x] × [y0, y0 + span_y], d = mean −
+/// point: how strongly the splat can respond there. Needs no branch but inside/outside.
 template <class Real>
 TESSERA_HD inline Real least_power_in(const Vec2<Real>& mean2d, const Sym2<Real>& c, Real x0,
                                       Real y0, Real span_x, Real span_y) {
@@ -150,8 +150,8 @@ TESSERA_HD TESSERA_ONE_COPY inline void row_interval(const Footprint<Real>& spla
   // pixel centres between low and high
   const Real limit_low = Real(rect.x0) * Real(kTileSize), limit_high = Real(rect.x1 * kTileSize);
   const Real begin = ceil(clamp_to(splat.mean2d[0] + low - Real(0.5), limit_low, limit_high));
-  const Real end = floor(clamp_to(splat.mean2d[0] + high - Real(0.5), limit_low - Real(1),
-                                  limit_high - Real(1)));
+  const Real end = floor(
+      clamp_to(splat.mean2d[0] + high - Real(0.5), limit_low - Real(1), limit_high - Real(1)));
   if (end < begin) return;
   first = int(begin) / kTileSize;
   last = int(end) / kTileSize + 1;

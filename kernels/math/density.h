@@ -63,8 +63,7 @@ TESSERA_HD inline Fate fate_of(const DensityLimits<Real>& limits, const Gaussian
 /// Moves the copy at row n to a sample of the distribution it is a copy of, and shrinks it.
 template <int Dim, class Real>
 TESSERA_HD inline void place_child(const GaussianSpans<Real>& v, int64_t n, uint64_t seed) {
-  const Vec4<float> noise =
-      normals(philox(seed, RandomStream::kSplit, uint64_t(n), uint32_t(Dim)));
+  const Vec4<float> noise = normals(philox(seed, RandomStream::kSplit, uint64_t(n), uint32_t(Dim)));
   Real* s = v.at(kLogScale, n);
   Real* mean = v.at(kMean, n);
   if constexpr (Dim == 4) {

@@ -26,8 +26,8 @@ TESSERA_HD inline uint64_t spread_bits(uint64_t x) {
 
 /// x lowest; cells are cubes, 2^21 along the longest side of the box.
 TESSERA_HD inline uint64_t morton_code(const LocalityBox& box, float x, float y, float z) {
-  const float side = max_of(max_of(box.high[0] - box.low[0], box.high[1] - box.low[1]),
-                            box.high[2] - box.low[2]);
+  const float side =
+      max_of(max_of(box.high[0] - box.low[0], box.high[1] - box.low[1]), box.high[2] - box.low[2]);
   const auto cell = [side](float value, float low) {
     const float unit = side > 0 ? clamp_to((value - low) / side, 0.0f, 1.0f) : 0.0f;
     return uint64_t(double(unit) * double((1 << kMortonBits) - 1));

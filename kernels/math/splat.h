@@ -98,8 +98,8 @@ TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianS
   return !out.rect.empty();
 }
 
-/// Drawn colour in a viewing direction, clamped at 0; bit c of `negative`: channel c was. False when
-/// it is not finite.
+/// Drawn colour in a viewing direction, clamped at 0; bit c of `negative`: channel c was. False
+/// when it is not finite.
 template <class Real>
 TESSERA_HD inline bool drawn_colour(int degree, const Vec3<Real>& direction, const Real* sh,
                                     Vec3<Real>& drawn, uint32_t& negative) {

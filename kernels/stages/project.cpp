@@ -52,8 +52,7 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t 
                     [&](int) { ++record.tiles; });
       if (record.tiles == 0) continue;
       Splat<Real>& out = record.splat;
-      if (!lazy.last_step.empty())
-        catch_up_gaussian(lazy, n, 3 * args.sets[set].coefficients);
+      if (!lazy.last_step.empty()) catch_up_gaussian(lazy, n, 3 * args.sets[set].coefficients);
       Real distance;
       const Vec3<Real> direction = view_direction(
           views[b], args.options.sliced_direction ? splat.slice.mean : g.mean, distance);

@@ -41,7 +41,8 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, int set, int64_t n
   for (int64_t s = first; s < last; ++s) {
     const Splat<Real>& splat = args.splats->splat[s];
     const ViewArgs<Real>& view = views[size_t(splat.view)];
-    add_sh(degree, add_view_gradient(view, g, g.sh, degree, sliced, splat, args.d_splats[s], sums), out.sh);
+    add_sh(degree, add_view_gradient(view, g, g.sh, degree, sliced, splat, args.d_splats[s], sums),
+           out.sh);
   }
   out.geometry = geometry_gradient<Dim>(params, n, g, sums);
   out.bad = out.geometry.template non_finite<Dim>();

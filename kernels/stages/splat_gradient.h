@@ -34,19 +34,16 @@ struct ColourGradient {
 
 /// Adds one view of Gaussian g, whose coefficients are `sh`; `d`: of this splat.
 template <class Real>
-TESSERA_HD inline ColourGradient<Real> add_view_gradient(const ViewArgs<Real>& view,
-                                                         const GaussianState<Real>& g, const Real* sh,
-                                                         int degree, bool sliced_direction,
-                                                         const Splat<Real>& splat,
-                                                         const SplatGradient<Real>& d,
-                                                         ViewSums<Real>& sums) {
+TESSERA_HD inline ColourGradient<Real> add_view_gradient(
+    const ViewArgs<Real>& view, const GaussianState<Real>& g, const Real* sh, int degree,
+    bool sliced_direction, const Splat<Real>& splat, const SplatGradient<Real>& d,
+    ViewSums<Real>& sums) {
   const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time);
   Vec3<Real> d_mean(Real(0));
   project_ewa_backward(view, to_camera(view, slice.mean), g.spacetime.covariance, splat.conic,
                        d.mean2d, d.conic, d_mean, sums.spacetime.covariance);
   ColourGradient<Real> colour;
-  for (int c = 0; c < 3; ++c)
-    colour.d_colour[c] = splat.negative >> c & 1 ? Real(0) : d.colour[c];
+  for (int c = 0; c < 3; ++c) colour.d_colour[c] = splat.negative >> c & 1 ? Real(0) : d.colour[c];
   Real distance;
   colour.direction = view_direction(view, sliced_direction ? slice.mean : g.mean, distance);
   const Vec3<Real> d_eye =
@@ -64,8 +61,7 @@ TESSERA_HD inline ColourGradient<Real> add_view_gradient(const ViewArgs<Real>& v
 /// Sums over the views → gradient by the stored parameters of Gaussian n.
 template <int Dim, class Real>
 TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<const Real>& set,
-                                                           int64_t n,
-                                                           const GaussianState<Real>& g,
+                                                           int64_t n, const GaussianState<Real>& g,
                                                            const ViewSums<Real>& sums) {
   GeometryGradient<Real> out;
   const Vec4<Real> q = load4(set.at(kRotation, n));

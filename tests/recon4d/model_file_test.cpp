@@ -26,6 +26,7 @@ void expect_same_model(const GaussianModel& a, const GaussianModel& b) {
   EXPECT_EQ(a.time_axis.duration, b.time_axis.duration);
   EXPECT_EQ(a.near_plane, b.near_plane);
   EXPECT_EQ(a.far_plane, b.far_plane);
+  EXPECT_EQ(a.sliced_direction, b.sliced_direction);
 }
 
 // Failure mode E2. Bug put back: scale_time left out of the columns; seen to fail.

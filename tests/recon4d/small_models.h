@@ -39,6 +39,7 @@ inline GaussianModel clone(const GaussianModel& model) {
   copy.sh_degree = model.sh_degree, copy.time_axis = model.time_axis;
   copy.background = model.background;
   copy.near_plane = model.near_plane, copy.far_plane = model.far_plane;
+  copy.sliced_direction = model.sliced_direction;
   return copy;
 }
 

@@ -109,6 +109,18 @@ TEST_F(CheckpointFile, BringsBackEveryBit) {
   EXPECT_TRUE(read_text_file(folder_ / "again.ckpt") == bytes_) << "and writes the same file";
 }
 
+// Bug put back: sliced_direction is not read; seen to fail.
+TEST_F(CheckpointFile, KeepsTheDirectionOfColours) {
+  EXPECT_TRUE(load_checkpoint(path()).state.model.sliced_direction);
+  TrainOptions unsliced = options();
+  unsliced.sliced_direction = false;
+  Training training(scene_, unsliced);
+  training.run(1);
+  save_checkpoint(path(), training.state(), unsliced, {});
+  EXPECT_EQ(read_checkpoint_header(path())["sliced_direction"], false);
+  EXPECT_FALSE(load_checkpoint(path()).state.model.sliced_direction);
+}
+
 TEST_F(CheckpointFile, HeaderAlone) {
   const json read = read_checkpoint_header(path());
   EXPECT_EQ(read, header());

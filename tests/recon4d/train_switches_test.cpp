@@ -51,6 +51,7 @@ const std::vector<Alternative>& alternatives() {
       {"split_by_motion", true, {{"init_points", 400}, {"max_gaussians", 400}, {"sweep", true}}},
       {"sh_degree", 2},
       {"sh_interval", 12},
+      {"sliced_direction", false},
       {"lambda_dssim", 0.5},
       {"lr_mean", 3e-4},
       {"lr_mean_final", 1.6e-4},

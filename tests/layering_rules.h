@@ -1,0 +1,120 @@
+// What: the rules of the source tree, on lines of text: includes, first comments, who speaks.
+// Not: reading files, nor the tests (layering_test.cpp). Source: the table of layers in
+//      ARCHITECTURE.md.
+#pragma once
+#include <map>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+using Lines = std::vector<std::string>;
+
+/// What each folder may include of the tree, by prefix; the longest folder that fits decides.
+inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
+    {"kernels/base/", {"kernels/base/"}},
+    {"kernels/math/", {"kernels/base/", "kernels/math/", "kernels/gaussians.h"}},
+    {"kernels/", {"kernels/"}},
+    {"ingest/files/", {"kernels/base/", "ingest/files/", "ingest/scene.h"}},
+    {"ingest/", {"kernels/", "ingest/"}},
+    {"recon4d/", {"kernels/", "ingest/scene.h", "ingest/files/", "recon4d/"}},
+    {"static3d/", {"kernels/", "ingest/scene.h", "ingest/files/", "recon4d/", "static3d/"}},
+    {"tools/", {"kernels/", "ingest/", "recon4d/", "static3d/", "tools/"}},
+    {"tests/", {""}},
+};
+
+/// Where CUDA may be spoken. photometric_kernels.h names a stream; host_device.h has the
+/// qualifiers.
+inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",
+                                                 "kernels/stages/*.cuh",
+                                                 "kernels/stages/photometric_kernels.h"};
+inline const std::vector<std::string> kDeviceAndItsTests = {
+    "kernels/cuda/", "kernels/stages/*.cu", "kernels/stages/*.cuh",
+    "kernels/stages/photometric_kernels.h", "tests/kernels/"};
+
+/// Headers that have one place: by the beginning of their name.
+inline const std::vector<std::pair<std::string, std::vector<std::string>>> kOnlyIn = {
+    {"opencv2/", {"ingest/media/", "tests/"}},
+    {"libav", {"ingest/media/", "tools/", "tests/"}},
+    {"libsw", {"ingest/media/", "tools/", "tests/"}},
+    {"OpenImageIO/", {"ingest/media/", "tests/"}},
+    {"png.h", {"ingest/files/", "tests/"}},
+    {"CLI/", {"tools/"}},
+    {"spdlog/", {"tools/"}},
+    {"iostream", {"tools/", "tests/"}},
+    {"oneapi/", {"kernels/base/parallel_tbb.cpp"}},
+    {"tbb/", {"kernels/base/parallel_tbb.cpp"}},
+    {"cuda.h", {"kernels/base/host_device.h"}},
+    {"cuda", kDevice},
+    {"cooperative_groups", kDevice},
+    {"cub/", kDevice},
+    {"thrust/", kDevice},
+    {"nvtx", kDevice},
+    {"nvToolsExt", kDevice},
+    {"kernels/cuda/", kDeviceAndItsTests},
+    {"nlohmann/", {"ingest/", "recon4d/", "static3d/", "tools/", "tests/"}},
+    {"gtest/", {"tests/"}},
+};
+
+inline bool starts_with_any(const std::string& text, const std::vector<std::string>& prefixes) {
+  for (const std::string& prefix : prefixes)
+    if (text.starts_with(prefix)) return true;
+  return false;
+}
+
+/// Whether the file lies in one of the places: a prefix of its path, or prefix*suffix.
+inline bool lies_in(const std::string& file, const std::vector<std::string>& places) {
+  for (const std::string& place : places) {
+    const size_t star = place.find('*');
+    if (file.starts_with(place.substr(0, star)) &&
+        (star == std::string::npos || file.ends_with(place.substr(star + 1))))
+      return true;
+  }
+  return false;
+}
+
+/// Why the file may not have this line; "" when it may or when it is no include.
+inline std::string include_complaint(const std::string& file, const std::string& line) {
+  static const std::regex kInclude(R"re(^\s*#\s*include\s*(["<])([^">]+)[">])re");
+  std::smatch match;
+  if (!std::regex_search(line, match, kInclude)) return "";
+  const std::string header = match[2];
+  for (const auto& [prefix, places] : kOnlyIn) {
+    if (!header.starts_with(prefix)) continue;
+    if (!lies_in(file, places))
+      return file + " includes " + header + ", which has its place elsewhere";
+    break;  // the first that fits decides
+  }
+  if (match[1] == "<") return "";
+  const std::vector<std::string>* allowed = nullptr;
+  size_t longest = 0;
+  for (const auto& [folder, prefixes] : kMayInclude)
+    if (file.starts_with(folder) && folder.size() > longest)
+      allowed = &prefixes, longest = folder.size();
+  if (allowed == nullptr) return file + " belongs to no layer";
+  if (!starts_with_any(header, *allowed)) return file + " may not include \"" + header + "\"";
+  return "";
+}
+
+/// Why the first lines are not the header comment that each file has.
+inline std::string heading_complaint(const std::string& file, const Lines& lines) {
+  if (lines.empty() || !lines[0].starts_with("// What: "))
+    return file + " does not begin with '// What: '";
+  for (const std::string& line : lines) {
+    if (!line.starts_with("//")) break;
+    if (line.find("Not: ") != std::string::npos) return "";
+  }
+  return file + " does not say '// Not: ' in its first comment";
+}
+
+/// Why the line may not stand in a file outside tools/ and tests/.
+inline std::string speech_complaint(const std::string& file, const std::string& line) {
+  if (file.starts_with("tools/") || file.starts_with("tests/")) return "";
+  static const std::regex kSpeech(
+      R"re(\b(exit|_Exit|quick_exit|abort|printf|fprintf|puts|putchar|perror)\s*\(|\b(cout|cerr|clog)\b)re");
+  const std::string code = line.substr(0, line.find("//"));
+  return std::regex_search(code, kSpeech) ? file + " speaks or ends the program: " + line : "";
+}
+
+}  // namespace tessera

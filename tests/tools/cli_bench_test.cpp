@@ -1,0 +1,75 @@
+// What: `tessera bench`: the keys of its JSON, the load it makes, what it refuses.
+// Not: any time; those are a machine's.
+#include <gtest/gtest.h>
+
+#include "tests/tools/cli_workspace.h"
+
+namespace tessera::testing {
+namespace {
+
+using nlohmann::json;
+
+std::vector<std::string> bench(const CliWorkspace& work, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{
+      "bench", work.at("capture"), "--backend", "cpu",           "--steps", "1", "--warm-up",
+      "0",     "--batch",          "3",         "--init-points", "50"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+// Bug put back: stages that took no step are divided by zero steps; seen to fail.
+TEST(CliBench, SaysWhatWasMeasured) {
+  const CliWorkspace work;
+  const json result = work.run_json(bench(work, {"--gaussians", "777"}));
+  EXPECT_EQ(result["device"].get<std::string>().substr(0, 5), "cpu, ");
+  EXPECT_EQ(result["gaussians"], 777);
+  EXPECT_EQ(result["pixels"], 3 * 32 * 32) << "two frames, the first of them twice";
+  EXPECT_GT(result["splats"], 0);
+  EXPECT_GE(result["instances"], result["splats"]);
+  EXPECT_GT(result["step_ms"], 0);
+  EXPECT_GT(result["copy_gb_per_s"], 0);
+  EXPECT_GT(result["peak_device_bytes"], 0);
+  double sum = 0;
+  for (const char* name :
+       {"project", "bin", "blend", "photometric", "blend_backward", "project_backward"}) {
+    ASSERT_TRUE(result["stages"].contains(name)) << name;
+    const json& stage = result["stages"][name];
+    for (const char* key : {"ms", "gbytes", "gb_per_s", "floor_ms"})
+      EXPECT_GT(stage[key], 0) << name << "." << key;
+    sum += stage["ms"].get<double>();
+  }
+  EXPECT_LE(sum, result["step_ms"]);
+}
+
+// Bug put back: both sets rounded down; seen to fail.
+TEST(CliBench, MakesAsManyGaussiansAsWanted) {
+  const CliWorkspace work;
+  for (const char* share : {"0", "0.37", "1"}) {
+    const auto count = [&](const char* gaussians) {
+      return work.run_json(bench(work, {"--gaussians", gaussians, "--static-fraction", share}))
+          .at("gaussians");
+    };
+    EXPECT_EQ(count("101"), 101) << share;
+    EXPECT_EQ(count("0"), 50) << "the initial ones";
+  }
+}
+
+TEST(CliBench, ATableForPeople) {
+  const CliWorkspace work;
+  const ChildResult result = work.run(bench(work, {}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const char* part : {"50 Gaussians", "GB/s", "blend_backward", "step, wall time"})
+    EXPECT_NE(result.out.find(part), std::string::npos) << part << " is not in " << result.out;
+}
+
+// Bug put back: an opacity of 1 is let through; seen to fail.
+TEST(CliBench, RefusesWhatCannotBeMeasured) {
+  const CliWorkspace work;
+  work.expect_refused({"bench", work.at("nowhere")}, {"nowhere", "no such folder"});
+  work.expect_refused(bench(work, {"--opacity", "1"}), {"--opacity"});
+  work.expect_refused(bench(work, {"--gaussians", "-1"}), {"--gaussians"});
+  work.expect_refused(bench(work, {"--steps", "0"}), {"--steps"});
+}
+
+}  // namespace
+}  // namespace tessera::testing
