@@ -33,6 +33,7 @@ const std::vector<Preset>& presets() {
       {"3dgs",
        "static 3DGS: one view a step, opacity reset, one timestep",
        {{"static_only", true},
+        {"idle_updates", "lazy"},
         {"batch", 1},
         {"lr_opacity", 0.025},
         {"opacity_reset_interval", 3000},

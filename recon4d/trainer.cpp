@@ -116,6 +116,7 @@ void Trainer::control() {
     complete_pending();  // it waits for the backend anyway
     // the copies of density control and the buffers of a step need not exist at once
     if (&backend_.memory() != &host_memory()) pipeline_.release();
+    backend_.memory().trim();
   }
   if (densifies || reorders || degree != state_.model.sh_degree) catch_up();
   state_.model.sh_degree = degree;

@@ -101,21 +101,23 @@ json score(Backend& backend, Trainer& trainer, const Scene& scene, TrainingLog& 
   return scores;
 }
 
-/// The stages of training; evaluations use the same backend and are left out.
+/// Stages and memory of training; evaluations use the same backend and are left out.
 class StageLog {
  public:
-  explicit StageLog(Backend& backend) : clock_(backend.clock()) {}
+  explicit StageLog(Backend& backend) : memory_(backend.memory()), clock_(backend.clock()) {}
 
   void run(Trainer& trainer, int64_t iteration) {
     const std::array<StageTotals, kStages> before = clock_.totals();
     trainer.run(iteration, interrupted);
     const std::array<StageTotals, kStages> after = clock_.totals();
+    peak_ = memory_.peak_bytes();
     for (size_t s = 0; s < kStages; ++s) {
       sum_[s].seconds += after[s].seconds - before[s].seconds;
       sum_[s].bytes += after[s].bytes - before[s].bytes;
     }
   }
   void add_to(json& result) const {
+    result["peak_device_bytes"] = peak_;
     for (size_t s = 0; s < kStages; ++s) {
       const StageTotals& t = sum_[s];
       result["stage_ms"][kStageNames[s]] = 1000 * t.seconds;
@@ -125,8 +127,10 @@ class StageLog {
   }
 
  private:
+  Memory& memory_;
   StageClock& clock_;
   std::array<StageTotals, kStages> sum_{};
+  int64_t peak_ = 0;  // before the evaluation that follows the last stretch
 };
 
 json summary(const Trainer& trainer, const json& scores, Backend& backend) {
@@ -137,7 +141,6 @@ json summary(const Trainer& trainer, const json& scores, Backend& backend) {
           {"num_gaussians", state.model.count()},
           {"num_static", state.model.static_set.count()},
           {"num_dynamic", state.model.dynamic_set.count()},
-          {"peak_device_bytes", backend.memory().peak_bytes()},
           {"device", backend.name()},
           {"scores", scores}};
 }

@@ -32,6 +32,8 @@ class Memory {
   }
   /// Bytes that could still be allocated.
   virtual int64_t free_bytes() const { return INT64_MAX; }
+  /// Gives pages that nothing uses back to the system; waits for a device.
+  virtual void trim() {}
   /// The most that was in use so far.
   virtual int64_t peak_bytes() const { return 0; }
   /// Allocations beyond fail; 0: no limit.

@@ -24,14 +24,29 @@ DeviceMemory::DeviceMemory(cudaStream_t stream) : stream_(stream) {
 
 DeviceMemory::~DeviceMemory() {
   cudaStreamSynchronize(stream_);
+  uint64_t used = 0; cudaMemPoolGetAttribute(pool_, cudaMemPoolAttrUsedMemHigh, &used); fprintf(stderr, "DBG used high %.3f reserved high %.3f GiB\n", used/1073741824.0, peak_bytes()/1073741824.0);
   cudaStreamDestroy(copies_);
   cudaEventDestroy(copied_);
   cudaEventDestroy(computed_);
   cudaMemPoolDestroy(pool_);
 }
 
+namespace {
+
+/// Large blocks in classes 1/32 of a power of two apart, so that the old copy of one group is the
+/// right size for the new copy of the next.
+size_t size_class(size_t bytes) {
+  constexpr size_t kSmall = size_t{1} << 20;
+  if (bytes < kSmall) return bytes > 0 ? bytes : 1;
+  size_t step = kSmall / 32;
+  while (step * 64 <= bytes) step *= 2;
+  return (bytes + step - 1) / step * step;
+}
+
+}  // namespace
+
 void* DeviceMemory::allocate(size_t bytes) {
-  const size_t wanted = bytes > 0 ? bytes : 1;
+  const size_t wanted = size_class(bytes);
   void* pointer = nullptr;
   const bool within = limit_ == 0 || in_use_ + int64_t(wanted) <= limit_;
   const cudaError_t code =
@@ -50,7 +65,7 @@ void* DeviceMemory::allocate(size_t bytes) {
 
 void DeviceMemory::release(void* pointer, size_t bytes) noexcept {
   cudaFreeAsync(pointer, stream_);
-  in_use_ -= int64_t(bytes > 0 ? bytes : 1);
+  in_use_ -= int64_t(size_class(bytes));
 }
 
 void DeviceMemory::copy(void* to, const void* from, size_t bytes) {
@@ -70,6 +85,11 @@ void DeviceMemory::copy_async_in(void* to, const void* from, size_t bytes) {
 
 void DeviceMemory::wait_copies() {
   check_device(cudaStreamWaitEvent(stream_, copied_, 0), "cudaStreamWaitEvent");
+}
+
+void DeviceMemory::trim() {
+  check_device(cudaStreamSynchronize(stream_), "waiting to trim memory");
+  check_device(cudaMemPoolTrimTo(pool_, 0), "cudaMemPoolTrimTo");
 }
 
 int64_t DeviceMemory::free_bytes() const {

@@ -24,8 +24,11 @@ class DeviceMemory final : public Memory {
   /// From host memory, on a stream of its own; `wait_copies` makes later kernels wait for it.
   void copy_async_in(void* to, const void* from, size_t bytes) override;
   void wait_copies() override;
-  /// A little more than is needed: pages are cheap to exchange, and the card is small.
-  int64_t grown(int64_t count, int64_t) const override { return count + count / 16; }
+  /// At first what is asked for, then a little more: pages are cheap to exchange.
+  int64_t grown(int64_t count, int64_t capacity) const override {
+    return capacity == 0 ? count : count + count / 16;
+  }
+  void trim() override;
   int64_t free_bytes() const override;
   /// The most that the pool has held.
   int64_t peak_bytes() const override;
