@@ -5,7 +5,6 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "kernels/base/prefetch.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/radix_order.h"
 
@@ -18,13 +17,6 @@ constexpr int64_t kMaxTasks = 16;
 
 template <class Real>
 using KeyOf = std::conditional_t<sizeof(Real) == 4, uint32_t, uint64_t>;
-
-/// Asks for what visit_tiles reads of a splat that comes soon after the k-th by depth.
-template <class Real>
-void prefetch_splat(const Splats<Real>& splats, const Buffer<int32_t>& order, int64_t k) {
-  prefetch<8>(splats.splat, order, k, splats.count);
-  prefetch<8>(splats.rect, order, k, splats.count);
-}
 
 template <class Real, class Visit>
 void visit_tiles(const BinArgs<Real>& args, int64_t s, Visit&& visit) {
@@ -58,10 +50,8 @@ void CpuBackend<Real>::bin(const BinArgs<Real>& args, TileInstances<Real>& out) 
   std::vector<int64_t> cursor(static_cast<size_t>(tasks * batch.tiles), 0);
   parallel_for(splats.count, grain, [&](int64_t begin, int64_t end) {
     int64_t* histogram = cursor.data() + begin / grain * batch.tiles;
-    for (int64_t k = begin; k < end; ++k) {
-      prefetch_splat(splats, out.depth_order, k);
+    for (int64_t k = begin; k < end; ++k)
       visit_tiles(args, out.depth_order[k], [&](int64_t tile) { ++histogram[tile]; });
-    }
   });
   int64_t total = 0;
   for (int64_t tile = 0; tile < batch.tiles; ++tile) {
@@ -77,8 +67,6 @@ void CpuBackend<Real>::bin(const BinArgs<Real>& args, TileInstances<Real>& out) 
   parallel_for(splats.count, grain, [&](int64_t begin, int64_t end) {
     int64_t* next = cursor.data() + begin / grain * batch.tiles;
     for (int64_t k = begin; k < end; ++k) {
-      prefetch_splat(splats, out.depth_order, k);
-      prefetch<8>(out.first_of, out.depth_order, k, splats.count);
       const int32_t s = out.depth_order[k];
       int64_t entry = out.first_of[s];
       visit_tiles(args, s, [&](int64_t tile) {
