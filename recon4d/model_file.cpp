@@ -22,8 +22,8 @@ constexpr const char* kDynamicElement = "vertex_dynamic";
 /// Numbers behind `key` in the comments; none when it is not there. fmt writes the shortest text
 /// that reads back bit-equal.
 std::vector<double> numbers_if_any(const std::filesystem::path& path,
-                                   const std::vector<std::string>& comments,
-                                   const std::string& key, size_t count) {
+                                   const std::vector<std::string>& comments, const std::string& key,
+                                   size_t count) {
   for (const std::string& comment : comments) {
     if (comment.rfind(key + " ", 0) != 0) continue;
     std::vector<double> numbers;

@@ -8,7 +8,7 @@ preset=${1:-release}
 scripts/install_packages.sh test
 launcher=()
 if command -v ccache >/dev/null; then
-  launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_CUDA_COMPILER_LAUNCHER=ccache)
 fi
 cmake --preset "$preset" -DTESSERA_TESTS=ON "${launcher[@]}"
 cmake --build --preset "$preset"

@@ -73,6 +73,7 @@ void CpuBackend<Real>::blend(const BlendArgs<Real>& args, Images<Real>& images) 
     for (int64_t i = tile.begin; i < tile.end; ++i) {
       const int64_t index = i - tile.begin;
       if (index % kFinishedCheck == 0 && index > 0 && finished(state, tile)) break;
+      prefetch_splat(*args.splats, *args.instances, tile, i);
       const TileSplat<Real> splat(*args.splats, args.instances->splat[i], tile);
       for (int y = splat.first_row; y < splat.last_row; ++y)
         blend_row(splat, y, int32_t(index), state);

@@ -113,6 +113,7 @@ void CpuBackend<Real>::blend_backward(const BlendBackwardArgs<Real>& args,
         instance_gradients_[i] = {};
         continue;
       }
+      prefetch_splat(splats, instances, tile, i);
       Lanes<Real> sum = {};
       const TileSplat<Real> splat(splats, instances.splat[i], tile);
       for (int y = splat.first_row; y < splat.last_row; ++y)
@@ -121,11 +122,15 @@ void CpuBackend<Real>::blend_backward(const BlendBackwardArgs<Real>& args,
     }
   });
   constexpr int64_t kGrain = 1024;  // splats per task
+  const Buffer<SplatGradient<Real>>& gradients = instance_gradients_;
   parallel_for(splats.count, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t s = begin; s < end; ++s) {
       SplatGradient<Real> sum{};
-      for (int64_t k = instances.first_of[s]; k < instances.first_of[s] + splats.tiles[s]; ++k)
-        add(instance_gradients_[instances.slot[k]], sum);
+      const int64_t first = instances.first_of[s], last = first + splats.tiles[s];
+      for (int64_t k = first; k < last; ++k) {
+        prefetch<16>(gradients, instances.slot, k, instances.count);
+        add(gradients[instances.slot[k]], sum);
+      }
       d_splats[s] = sum;
     }
   });

@@ -2,6 +2,7 @@
 // Not: the blending itself. Lanes are a fixed-length array, so that the compiler uses vectors.
 #pragma once
 #include "kernels/base/parallel.h"
+#include "kernels/base/prefetch.h"
 #include "kernels/batch.h"
 
 namespace tessera {
@@ -41,6 +42,13 @@ void for_each_tile_of(const ViewBatch<Real>& batch, const TileInstances<Real>& i
       body(tile);
     }
   });
+}
+
+/// Asks for the record of a splat that comes soon after instance i of the tile.
+template <class Real>
+void prefetch_splat(const Splats<Real>& splats, const TileInstances<Real>& instances,
+                    const Tile<Real>& tile, int64_t i) {
+  prefetch<4>(splats.splat, instances.splat, i, tile.end);
 }
 
 /// One splat as the lanes of a tile see it, with the rows that its cut-off ellipse reaches.

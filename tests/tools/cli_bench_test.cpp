@@ -2,6 +2,8 @@
 // Not: any time; those are a machine's.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/tools/cli_workspace.h"
 
 namespace tessera::testing {
@@ -9,15 +11,22 @@ namespace {
 
 using nlohmann::json;
 
+/// `tessera bench capture` with few steps of a small load, over which `more` goes.
 std::vector<std::string> bench(const CliWorkspace& work, const std::vector<std::string>& more) {
-  std::vector<std::string> arguments{
-      "bench", work.at("capture"), "--backend", "cpu",           "--steps", "1", "--warm-up",
-      "0",     "--batch",          "3",         "--init-points", "50"};
+  std::vector<std::string> arguments{"bench", work.at("capture")};
+  const std::pair<const char*, const char*> tiny[] = {{"--backend", "cpu"},
+                                                      {"--steps", "2"},
+                                                      {"--warm-up", "1"},
+                                                      {"--batch", "3"},
+                                                      {"--init-points", "50"}};
+  for (const auto& [option, value] : tiny)
+    if (std::find(more.begin(), more.end(), option) == more.end())
+      arguments.insert(arguments.end(), {option, value});
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
 
-// Bug put back: stages that took no step are divided by zero steps; seen to fail.
+// Bug put back: the stages of the warm-up are counted; seen to fail.
 TEST(CliBench, SaysWhatWasMeasured) {
   const CliWorkspace work;
   const json result = work.run_json(bench(work, {"--gaussians", "777"}));
@@ -66,9 +75,9 @@ TEST(CliBench, ATableForPeople) {
 TEST(CliBench, RefusesWhatCannotBeMeasured) {
   const CliWorkspace work;
   work.expect_refused({"bench", work.at("nowhere")}, {"nowhere", "no such folder"});
-  work.expect_refused(bench(work, {"--opacity", "1"}), {"--opacity"});
-  work.expect_refused(bench(work, {"--gaussians", "-1"}), {"--gaussians"});
-  work.expect_refused(bench(work, {"--steps", "0"}), {"--steps"});
+  work.expect_refused(bench(work, {"--opacity", "1"}), {"--opacity must be"});
+  work.expect_refused(bench(work, {"--gaussians", "-1"}), {"--gaussians is negative"});
+  work.expect_refused(bench(work, {"--steps", "0"}), {"--steps of at least 1"});
 }
 
 }  // namespace
