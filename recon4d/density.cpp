@@ -19,6 +19,9 @@ void gather(Backend& backend, Span<const int64_t> index, int width, int64_t inhe
   Buffer<float> to(index.size * width, backend.memory());
   backend.gather_rows(std::as_const(buffer).span(), index, width, inherited, to.span());
   buffer = std::move(to);
+  // the old rows of a large group are not kept beside the new ones of the next
+  constexpr int64_t kLarge = int64_t{1} << 22;
+  if (buffer.size() > kLarge) backend.memory().trim();
 }
 
 /// Puts row index[i] at place i of every group; moments of places ≥ `inherited` become zero.

@@ -7,8 +7,11 @@
 #include <cmath>
 
 #include "kernels/base/errors.h"
+#include "kernels/lazy_schedule.h"
 #include "kernels/math/random.h"
 #include "kernels/pipeline.h"
+#include "recon4d/density.h"
+#include "recon4d/frame_feed.h"
 #include "recon4d/initialise.h"
 #include "recon4d/kernel_options.h"
 #include "recon4d/render.h"
@@ -49,43 +52,133 @@ GaussianSet enlarged(const GaussianSet& set, int64_t count, double opacity, uint
   return large;
 }
 
-GaussianModel make_load(const Scene& scene, const CameraRig& rig, const TrainOptions& options,
-                        const StageBenchOptions& bench) {
-  GaussianModel model = initialise_model(scene, rig, options).model;
+GaussianModel initial_load(const Scene& scene, const TrainOptions& options,
+                           const StageBenchOptions& bench) {
+  GaussianModel model = initialise_model(scene, make_camera_rig(scene), options).model;
   const int64_t before = model.count();
   if (before == 0) throw InputError("no initial Gaussians; raise --init-points");
-  const int64_t wanted = bench.gaussians > 0 ? bench.gaussians : before;
-  const int64_t dynamic = wanted * model.dynamic_set.count() / before;
-  const int64_t counts[2] = {wanted - dynamic, dynamic};  // in the proportion of the initial ones
-  for (int k = 0; k < 2; ++k) {
-    GaussianSet& set = k == 0 ? model.static_set : model.dynamic_set;
-    if (set.count() == 0) continue;
-    set = enlarged(set, counts[k], bench.opacity, uint64_t(options.seed));
-    set.ensure_moments();
+  for (GaussianSet* set : {&model.static_set, &model.dynamic_set}) {
+    if (set->count() == 0) continue;
+    const int64_t wanted =
+        bench.gaussians > 0 ? bench.gaussians * set->count() / before : set->count();
+    *set = enlarged(*set, wanted, bench.opacity, uint64_t(options.seed));
   }
   model.sh_degree = int(options.sh_degree);
   return model;
 }
 
-/// Training frames in turn.
-struct Views {
-  std::vector<View> views;
-  Target target;
-  std::vector<Buffer<uint8_t>> truth;
-
-  Views(Backend& backend, const Scene& scene, const TrainOptions& options) {
-    const std::vector<int> frames = scene.split_indices(Split::kTrain);
-    if (frames.empty()) throw InputError(scene.path + ": no frame belongs to the training split");
-    for (int64_t b = 0; b < options.batch; ++b) {
-      const Frame& frame = scene.frames[size_t(frames[size_t(b) % frames.size()])];
-      views.push_back({frame.camera, frame.time});
-      const int64_t bytes = int64_t(frame.image.data.size());
-      truth.emplace_back(bytes, backend.memory());
-      backend.memory().copy(truth.back().data(), frame.image.data.data(), size_t(bytes));
-      target.truth.push_back(truth.back().span());
-    }
-    target.weights = {1 - options.lambda_dssim, options.lambda_dssim};
+/// Rows in an order that has nothing to do with where they lie.
+void shuffle(Backend& backend, GaussianSet& set, uint64_t seed) {
+  std::vector<std::pair<uint32_t, int64_t>> keys;
+  for (int64_t n = 0; n < set.count(); ++n)
+    keys.emplace_back(philox(seed, RandomStream::kSampler, uint64_t(n)).word[0], n);
+  std::sort(keys.begin(), keys.end());
+  Buffer<int64_t> host(set.count()), order(set.count(), backend.memory());
+  for (int64_t n = 0; n < set.count(); ++n) host[n] = keys[size_t(n)].second;
+  order.copy_from(host);
+  for (int g = 0; g < set.groups(); ++g) {
+    const int width = set.width(Group(g));
+    Buffer<float>& values = set.group(Group(g)).value;
+    Buffer<float> to(set.count() * width, backend.memory());
+    backend.gather_rows(std::as_const(values).span(), std::as_const(order).span(), width,
+                        set.count(), to.span());
+    values = std::move(to);
   }
+}
+
+/// A step after another over the training views.
+class Load {
+ public:
+  Load(Backend& backend, const Scene& scene, const TrainOptions& options,
+       const StageBenchOptions& bench)
+      : backend_(backend),
+        scene_(scene),
+        options_(options),
+        frames_(scene.split_indices(Split::kTrain)),
+        feed_(backend.memory(), scene, frames_, 0, options.batch),
+        pipeline_(backend),
+        gradients_{{3, 1}, {4, 1}},
+        table_(backend.memory()) {
+    if (frames_.empty()) throw InputError(scene.path + ": no frame belongs to the training split");
+    state_.model = bench.model ? bench.model->clone_values() : initial_load(scene, options, bench);
+    for (int k = 0; k < 2; ++k) {
+      state_.set(k).ensure_moments();
+      state_.statistics[k].reset(state_.set(k).count());
+    }
+    state_ = state_.clone_to(backend.memory());
+    for (int k = 0; k < 2; ++k) arrange(k);
+    const std::vector<double> table = lazy_adam_table(bench.warm_up + bench.steps + 1);
+    table_.resize(int64_t(table.size()));
+    backend.memory().copy(table_.data(), table.data(), table.size() * sizeof(double));
+  }
+
+  void step() {
+    std::vector<int64_t> chosen;
+    ForwardArgs<float> forward;
+    for (int64_t b = 0; b < options_.batch; ++b) {
+      chosen.push_back((state_.iteration * options_.batch + b) % int64_t(frames_.size()));
+      const Frame& frame = scene_.frames[size_t(frames_[size_t(chosen.back())])];
+      forward.views.push_back({frame.camera, frame.time});
+    }
+    forward.options = render_options(state_.model);
+    forward.options.kernels = kernel_switches(options_);
+    forward.for_backward = true;
+    for (int k = 0; k < 2; ++k) {
+      forward.sets[k] = std::as_const(state_).set(k).values();
+      forward.lazy[k] = lazy(k);
+    }
+    pipeline_.forward(forward);
+    pipeline_.loss({feed_.truth(chosen), {1 - options_.lambda_dssim, options_.lambda_dssim}}, true);
+    backward();
+    ++state_.iteration;
+  }
+
+  const TrainState& state() const { return state_; }
+  Pipeline<float>& pipeline() { return pipeline_; }
+
+ private:
+  /// Order of the rows, room for gradients.
+  void arrange(int k) {
+    GaussianSet& set = state_.set(k);
+    if (set.count() == 0) return;
+    if (options_.reorder_interval > 0)
+      reorder(backend_, set, state_.statistics[k]);
+    else
+      shuffle(backend_, set, uint64_t(options_.seed));
+    gradients_[k] = GaussianSet(set.dim(), set.coefficients(), backend_.memory());
+    if (!options_.fused_optimizer) gradients_[k].resize(set.count());
+  }
+
+  LazySh<float> lazy(int k) { return lazy_sh(state_, k, options_, std::as_const(table_).span()); }
+
+  void backward() {
+    BackwardArgs<float> args;
+    for (int k = 0; k < 2; ++k) {
+      GaussianSet& set = state_.set(k);
+      SinkArgs<float>& sink = args.sinks[k];
+      sink.fused = options_.fused_optimizer, sink.value = set.values();
+      sink.moment1 = set.moments1(), sink.moment2 = set.moments2();
+      sink.gradient = gradients_[k].values();
+      sink.idle = idle_update(options_), sink.lazy = lazy(k);
+      for (AdamScalars<float>& scalars : sink.adam.group) scalars = adam_scalars<float>(0, 1);
+      sink.adam.sh_rest = adam_scalars<float>(0, 1);
+      args.statistics[k] = state_.statistics[k].spans();
+    }
+    pipeline_.backward(args);
+    if (options_.fused_optimizer) return;
+    const StageTimer timer(backend_.clock(), kUpdate);
+    for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
+  }
+
+  Backend& backend_;
+  const Scene& scene_;
+  const TrainOptions& options_;
+  std::vector<int> frames_;
+  FrameFeed feed_;
+  TrainState state_;
+  Pipeline<float> pipeline_;
+  GaussianSet gradients_[2];  // only with a separate optimizer
+  Buffer<double> table_;
 };
 
 }  // namespace
@@ -93,52 +186,24 @@ struct Views {
 StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainOptions& options,
                               const StageBenchOptions& bench) {
   check_options(bench);
-  const CameraRig rig = make_camera_rig(scene);
-  TrainState state;
-  state.model = make_load(scene, rig, options, bench);
-  for (int k = 0; k < 2; ++k) state.statistics[k].reset(state.set(k).count());
-  state = state.clone_to(backend.memory());
-  const Views batch(backend, scene, options);
-  RenderOptions render = render_options(state.model);
-  render.kernels = kernel_switches(options);
-
-  Pipeline<float> pipeline(backend);
-  StageBenchReport report;
-  const auto step = [&] {
-    pipeline.forward({{std::as_const(state.model.static_set).values(),
-                       std::as_const(state.model.dynamic_set).values()},
-                      batch.views,
-                      render,
-                      {},
-                      true});
-    pipeline.loss(batch.target, true);
-    BackwardArgs<float> args;
-    for (int k = 0; k < 2; ++k) {
-      GaussianSet& set = state.set(k);
-      SinkArgs<float>& sink = args.sinks[k];
-      sink.fused = true, sink.value = set.values();
-      sink.moment1 = set.moments1(), sink.moment2 = set.moments2();
-      for (AdamScalars<float>& scalars : sink.adam.group) scalars = adam_scalars<float>(0, 1);
-      sink.adam.sh_rest = adam_scalars<float>(0, 1);
-      args.statistics[k] = state.statistics[k].spans();
-    }
-    pipeline.backward(args);
-  };
-  for (int64_t i = 0; i < bench.warm_up; ++i) step();
-  pipeline.outcome();
+  Load load(backend, scene, options, bench);
+  for (int64_t i = 0; i < bench.warm_up; ++i) load.step();
+  load.pipeline().outcome();
   const std::array<StageTotals, kStages> before = backend.clock().totals();
   const Clock::time_point begin = Clock::now();
-  for (int64_t i = 0; i < bench.steps; ++i) step();
-  pipeline.outcome();
-  const double steps = double(bench.steps);
+  for (int64_t i = 0; i < bench.steps; ++i) load.step();
+  load.pipeline().outcome();
+  const double steps = double(std::max<int64_t>(1, bench.steps));
+  StageBenchReport report;
   report.step_seconds = seconds_since(begin) / steps;
   const std::array<StageTotals, kStages>& after = backend.clock().totals();
   for (size_t s = 0; s < kStages; ++s)
     report.stages[s] = {(after[s].seconds - before[s].seconds) / steps,
                         (after[s].bytes - before[s].bytes) / steps};
-  report.gaussians = state.model.count();
-  report.splats = pipeline.report().splats, report.instances = pipeline.report().instances;
-  report.pixels = pipeline.batch().pixels;
+  const PipelineReport counts = load.pipeline().report();
+  report.gaussians = load.state().model.count();
+  report.splats = counts.splats, report.instances = counts.instances;
+  report.pixels = load.pipeline().batch().pixels;
   report.peak_bytes = backend.memory().peak_bytes();
   return report;
 }

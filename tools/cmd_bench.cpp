@@ -2,10 +2,14 @@
 // Not: the load or the clock (recon4d/stage_bench.h).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
+#include "recon4d/ablations.h"
+#include "recon4d/model_file.h"
 #include "recon4d/stage_bench.h"
 #include "tools/backend_choice.h"
 #include "tools/command.h"
@@ -21,6 +25,9 @@ struct BenchRequest {
   std::string scene;
   TrainArguments training;
   StageBenchOptions bench;
+  std::string model;
+  bool ablations = false;
+  int64_t runs = 3;
   bool json = false;
 };
 
@@ -60,16 +67,58 @@ std::string table_text(const json& result) {
          fmt::format("{:<17}{:>10.3f}\n", "step, wall time", result["step_ms"].get<double>());
 }
 
-int bench(const BenchRequest& request) {
+/// Median step and largest memory of a few runs, each on a backend of its own.
+json bench_row(const BenchRequest& request, const Scene& scene, const TrainOptions& options,
+               const std::string& name) {
+  std::vector<double> steps;
+  int64_t peak = 0;
+  for (int64_t run = 0; run < std::max<int64_t>(1, request.runs); ++run) {
+    const std::unique_ptr<Backend> backend = make_backend(request.training.backend);
+    const StageBenchReport report = bench_stages(*backend, scene, options, request.bench);
+    steps.push_back(1e3 * report.step_seconds);
+    peak = std::max(peak, report.peak_bytes);
+  }
+  std::sort(steps.begin(), steps.end());
+  say(fmt::format("{:<28}{:>9.3f} ms ({:.3f} to {:.3f}), {:>6} MiB", name, steps[steps.size() / 2],
+                  steps.front(), steps.back(), peak >> 20));
+  return {{"name", name},
+          {"step_ms", steps[steps.size() / 2]},
+          {"least_ms", steps.front()},
+          {"most_ms", steps.back()},
+          {"peak_device_bytes", peak}};
+}
+
+/// Every named ablation on the same load.
+json bench_ablations(const BenchRequest& request, const Scene& scene, const TrainOptions& base) {
+  json rows = json::array();
+  for (const Ablation& ablation : ablations()) {
+    TrainOptions options = base;
+    apply_ablation(options, ablation.name);
+    rows.push_back(bench_row(request, scene, options, ablation.name));
+  }
+  return rows;
+}
+
+int bench(BenchRequest request) {
   const TrainOptions options = resolve_options(request.training);
   SceneOptions scene_options;
   scene_options.background = parse_background(options.background);
   scene_options.allow_static = options.static_only;
   const Scene scene = load_scene(request.scene, scene_options);
+  std::optional<GaussianModel> model;
+  if (!request.model.empty()) {
+    model = load_model(request.model);
+    request.bench.model = &*model;
+  }
+  if (request.ablations) {
+    const json rows = bench_ablations(request, scene, options);
+    print_result(request.json, {{"ablations", rows}}, "");
+    return kExitDone;
+  }
   const std::unique_ptr<Backend> backend = make_backend(request.training.backend);
   const double copy_rate = copy_bytes_per_second(*backend);
-  const json result =
-      to_json(bench_stages(*backend, scene, options, request.bench), copy_rate, backend->name());
+  const json result = to_json(bench_stages(*backend, scene, options, request.bench), copy_rate,
+                              backend->name());
   print_result(request.json, result, table_text(result));
   return kExitDone;
 }
@@ -82,6 +131,11 @@ void add_bench_command(CLI::App& app, Work& work) {
   auto request = std::make_shared<BenchRequest>();
   command->add_option("scene", request->scene, "prepared scene: its training cameras are rendered")
       ->required();
+  command->add_option("--model", request->model,
+                      "trained model (.ply) as the load, instead of the initial Gaussians");
+  command->add_flag("--ablations", request->ablations,
+                    "a row for each named ablation: median step of --runs, and memory");
+  command->add_option("--runs", request->runs, "of each ablation")->capture_default_str();
   command->add_option("--gaussians", request->bench.gaussians,
                       "copies of the initial Gaussians up to that many; 0: as they are");
   command->add_option("--opacity", request->bench.opacity, "of all Gaussians")

@@ -24,7 +24,6 @@ DeviceMemory::DeviceMemory(cudaStream_t stream) : stream_(stream) {
 
 DeviceMemory::~DeviceMemory() {
   cudaStreamSynchronize(stream_);
-  uint64_t used = 0; cudaMemPoolGetAttribute(pool_, cudaMemPoolAttrUsedMemHigh, &used); fprintf(stderr, "DBG used high %.3f reserved high %.3f GiB\n", used/1073741824.0, peak_bytes()/1073741824.0);
   cudaStreamDestroy(copies_);
   cudaEventDestroy(copied_);
   cudaEventDestroy(computed_);
