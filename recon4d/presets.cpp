@@ -26,7 +26,7 @@ const std::vector<Preset>& presets() {
         {"split_by_motion", true}}},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
-       {{"opacity_reset_interval", 3000}}},
+       {{"opacity_reset_interval", 3000}, {"idle_updates", "lazy"}}},
       {"yang4d",
        "Yang's N3DV protocol with plain SH: opacity reset every 3000 steps, no carving",
        {{"opacity_reset_interval", 3000}, {"carve", false}}},
