@@ -159,6 +159,7 @@ void Trainer::step() {
   report.num_dynamic = state_.model.dynamic_set.count();
   report.splats = counts.splats, report.instances = counts.instances;
   report.invalid_gaussians = counts.invalid_gaussians;
+  report.peak_bytes = backend_.memory().peak_bytes();
   pipeline_.loss({feed_.truth(batch), {1 - options_.lambda_dssim, options_.lambda_dssim}}, true);
   backward();
   prefetch();

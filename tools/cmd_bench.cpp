@@ -116,9 +116,9 @@ int bench(BenchRequest request) {
     return kExitDone;
   }
   const std::unique_ptr<Backend> backend = make_backend(request.training.backend);
-  const double copy_rate = copy_bytes_per_second(*backend);
-  const json result = to_json(bench_stages(*backend, scene, options, request.bench), copy_rate,
-                              backend->name());
+  const StageBenchReport report = bench_stages(*backend, scene, options, request.bench);
+  // after it, so that the peak is that of the steps
+  const json result = to_json(report, copy_bytes_per_second(*backend), backend->name());
   print_result(request.json, result, table_text(result));
   return kExitDone;
 }

@@ -39,6 +39,7 @@ void TrainingLog::on_step(const StepReport& report) {
                   {"num_static", report.num_static},
                   {"num_dynamic", report.num_dynamic},
                   {"splats", report.splats},
+                  {"peak_device_bytes", report.peak_bytes},
                   {"instances", report.instances},
                   {"invalid_gaussians", report.invalid_gaussians}});
   sum_ = {};

@@ -5,7 +5,7 @@
 
 namespace tessera {
 
-inline constexpr int kSegment = 128;  // splats between two checkpoints where lists are cut
+inline constexpr int kSegment = 128;      // splats between two checkpoints where lists are cut
 inline constexpr int kGradientTerms = 9;  // floats of a SplatGradient
 static_assert(sizeof(SplatGradient<float>) == kGradientTerms * sizeof(float));
 

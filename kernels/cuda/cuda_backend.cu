@@ -60,9 +60,9 @@ const ViewArgs<float>* CudaBackend::views_of(const ViewBatch<float>& batch) {
   check_device(cudaEventSynchronize(views_copied_), "waiting for the last copy of views");
   std::memcpy(views_host_.reserve(int64_t(count)), batch.views.data(), bytes);
   views_.resize(int64_t(count));
-  check_device(cudaMemcpyAsync(views_.data(), views_host_.data(), bytes, cudaMemcpyHostToDevice,
-                               stream_),
-               "copy of views");
+  check_device(
+      cudaMemcpyAsync(views_.data(), views_host_.data(), bytes, cudaMemcpyHostToDevice, stream_),
+      "copy of views");
   check_device(cudaEventRecord(views_copied_, stream_), "cudaEventRecord");
   return views_.data();
 }
@@ -93,6 +93,8 @@ StepOutcome CudaBackend::outcome() {
   return outcome;
 }
 
-std::unique_ptr<Backend> make_cuda_backend() { return std::make_unique<CudaBackend>(); }
+std::unique_ptr<Backend> make_cuda_backend() {
+  return std::make_unique<CudaBackend>();
+}
 
 }  // namespace tessera

@@ -48,12 +48,12 @@ void* DeviceMemory::allocate(size_t bytes) {
   const size_t wanted = size_class(bytes);
   void* pointer = nullptr;
   const bool within = limit_ == 0 || in_use_ + int64_t(wanted) <= limit_;
-  const cudaError_t code =
-      within ? cudaMallocFromPoolAsync(&pointer, wanted, pool_, stream_) : cudaErrorMemoryAllocation;
+  const cudaError_t code = within ? cudaMallocFromPoolAsync(&pointer, wanted, pool_, stream_)
+                                  : cudaErrorMemoryAllocation;
   if (code == cudaErrorMemoryAllocation) {
     cudaGetLastError();
-    throw DeviceError("out of device memory: need " + std::to_string(wanted >> 20) +
-                      " MiB more, " + std::to_string(in_use_ >> 20) + " MiB are in use and " +
+    throw DeviceError("out of device memory: need " + std::to_string(wanted >> 20) + " MiB more, " +
+                      std::to_string(in_use_ >> 20) + " MiB are in use and " +
                       std::to_string(free_bytes() >> 20) +
                       " MiB free; use a smaller batch, smaller pictures or --max-gaussians");
   }

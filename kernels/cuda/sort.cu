@@ -2,10 +2,10 @@
 // Not: a choice of keys.
 #include "kernels/cuda/sort.h"
 
-#include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_scan.cuh>
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
 
 #include "kernels/base/errors.h"
 #include "kernels/cuda/device_error.h"
@@ -56,11 +56,11 @@ void sums_of(cudaStream_t stream, const OrderedCount& count, Span<int64_t> sums,
 
 }  // namespace
 
-#define TESSERA_SORT(Key)                                                                       \
-  void sort_pairs(cudaStream_t stream, Span<const Key> keys, Span<const int32_t> values,        \
-                  int key_bits, Span<Key> sorted_keys, Span<int32_t> sorted_values,             \
-                  Buffer<uint8_t>& scratch) {                                                   \
-    sort<Key>(stream, keys, values, key_bits, sorted_keys, sorted_values, scratch);             \
+#define TESSERA_SORT(Key)                                                                \
+  void sort_pairs(cudaStream_t stream, Span<const Key> keys, Span<const int32_t> values, \
+                  int key_bits, Span<Key> sorted_keys, Span<int32_t> sorted_values,      \
+                  Buffer<uint8_t>& scratch) {                                            \
+    sort<Key>(stream, keys, values, key_bits, sorted_keys, sorted_values, scratch);      \
   }
 TESSERA_SORT(uint16_t)
 TESSERA_SORT(uint32_t)

@@ -1,15 +1,15 @@
-// What: how warps lie over a tile: a warp has a part of it, a lane one or two pixels. Warps go through
-// the tile's splats on their own, 32 at a time: no warp waits for another.
-// Not: what is done with a splat (blend.cu, blend_backward.cu).
-// Source: sub-tiles of [Faster-GS]; method A.10, G.4.
+// What: how warps lie over a tile: a warp has a part of it, a lane one or two pixels. Warps go
+// through the tile's splats on their own, 32 at a time: no warp waits for another. Not: what is
+// done with a splat (blend.cu, blend_backward.cu). Source: sub-tiles of [Faster-GS]; method A.10,
+// G.4.
 #pragma once
 #include "kernels/batch.h"
 
 namespace tessera {
 
 inline constexpr int kTilePixels = kTileSize * kTileSize;
-inline constexpr int kBucket = 32;      // splats that a warp takes at a time
-inline constexpr int kPartWidth = 8;    // pixels of a warp's part
+inline constexpr int kBucket = 32;    // splats that a warp takes at a time
+inline constexpr int kPartWidth = 8;  // pixels of a warp's part
 
 /// A tile cut into parts for lanes of `Pixels` pixels, one above the other.
 template <int Pixels>

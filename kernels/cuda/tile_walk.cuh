@@ -13,9 +13,9 @@ namespace tessera {
 inline constexpr int kOwnTiles = 8;
 
 /// All lanes of a warp call this together; a lane without a splat passes an empty rect.
-/// Small splats: visit(tile) for each tile, by the lane itself. Large ones: 32 candidates at a time,
-/// either shared(owner, hit, tile, place) by all lanes together, `place` counted from the owner's
-/// first tile, or shared(count) by the owner at the end.
+/// Small splats: visit(tile) for each tile, by the lane itself. Large ones: 32 candidates at a
+/// time, either shared(owner, hit, tile, place) by all lanes together, `place` counted from the
+/// owner's first tile, or shared(count) by the owner at the end.
 template <class Visit, class Shared>
 __device__ inline void walk_tiles(const BoundsOptions& options, bool balanced,
                                   const Footprint<float>& splat, const TileRect& rect, int tiles_x,
@@ -27,10 +27,10 @@ __device__ inline void walk_tiles(const BoundsOptions& options, bool balanced,
   for (unsigned owners = __ballot_sync(~0u, large); owners != 0; owners &= owners - 1) {
     const int owner = __ffs(int(owners)) - 1;
     const auto from = [owner](auto value) { return __shfl_sync(~0u, value, owner); };
-    const Footprint<float> theirs{{from(splat.mean2d[0]), from(splat.mean2d[1])},
-                                  {from(splat.conic.xx), from(splat.conic.xy),
-                                   from(splat.conic.yy)},
-                                  from(splat.power)};
+    const Footprint<float> theirs{
+        {from(splat.mean2d[0]), from(splat.mean2d[1])},
+        {from(splat.conic.xx), from(splat.conic.xy), from(splat.conic.yy)},
+        from(splat.power)};
     const int x0 = from(int(rect.x0)), y0 = from(int(rect.y0)), x1 = from(int(rect.x1));
     const int candidates = from(area), width = x1 - x0, row = from(tiles_x);
     int total = 0;

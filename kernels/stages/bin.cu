@@ -24,7 +24,7 @@ template <class Key>
 struct InstanceTarget {
   Key* key;
   int32_t* value;
-  int32_t* splat_of;  // null: the value is the splat; else the value is the entry's number
+  int32_t* splat_of;   // null: the value is the splat; else the value is the entry's number
   const float* depth;  // with 64-bit keys: below the tile
 
   __device__ void write(int64_t entry, int64_t tile, int32_t s) const {
@@ -80,7 +80,8 @@ __global__ void find_tiles(const Key* keys, int64_t count, int64_t tiles, int64_
   for (int64_t t = from + 1; t <= to; ++t) begin[t] = i;
 }
 
-/// Keys that put long lists first: the length in sixteenths, the last of 256 for all that are longer.
+/// Keys that put long lists first: the length in sixteenths, the last of 256 for all that are
+/// longer.
 __global__ void rate_tiles(const int64_t* tile_begin, int64_t tiles, uint16_t* key,
                            int32_t* number) {
   const int64_t t = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;

@@ -2,10 +2,10 @@
 // Not: its gradient (blend_backward.cu).
 // Source: [3DGS]; warp-level culling [Faster-GS]; method A.10.
 #include "kernels/base/errors.h"
+#include "kernels/cuda/blend_backward_args.cuh"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/sort.h"
-#include "kernels/cuda/blend_backward_args.cuh"
 
 namespace tessera {
 namespace {
@@ -93,7 +93,8 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) blend_tiles(Blend
 __global__ void count_buckets(const int64_t* tile_begin, int64_t tiles, int interval,
                               int32_t* buckets) {
   const int64_t t = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
-  if (t < tiles) buckets[t] = int32_t((tile_begin[t + 1] - tile_begin[t] + interval - 1) / interval);
+  if (t < tiles)
+    buckets[t] = int32_t((tile_begin[t + 1] - tile_begin[t] + interval - 1) / interval);
 }
 
 }  // namespace

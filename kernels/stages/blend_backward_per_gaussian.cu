@@ -33,9 +33,8 @@ __global__ void __launch_bounds__(32 * kWarps) backward_buckets(BlendBackward a)
     if (i % 32 == 0 && i < kTilePixels) {
       __syncwarp();
       const int number = i + lane;
-      ring[number % kRing] =
-          PixelBackward(a, TilePixel(at, number % kTileSize, number / kTileSize),
-                        a.checkpoints[bucket * kTilePixels + number]);
+      ring[number % kRing] = PixelBackward(a, TilePixel(at, number % kTileSize, number / kTileSize),
+                                           a.checkpoints[bucket * kTilePixels + number]);
       __syncwarp();
     }
     T = __shfl_up_sync(~0u, T, 1), R = __shfl_up_sync(~0u, R, 1);

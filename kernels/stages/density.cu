@@ -44,15 +44,14 @@ __global__ void decide(DensityLimits<float> limits, GaussianSpans<const float> s
                        int32_t* cloned, int32_t* split) {
   const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   if (n >= set.count) return;
-  const Fate fate =
-      alive[n] != 0 ? fate_of(limits, set, n, candidate[n] != 0) : Fate::kRemoved;
+  const Fate fate = alive[n] != 0 ? fate_of(limits, set, n, candidate[n] != 0) : Fate::kRemoved;
   kept[n] = fate == Fate::kKept || fate == Fate::kCloned;
   cloned[n] = fate == Fate::kCloned;
   split[n] = fate == Fate::kSplit;
 }
 
 struct Places {
-  const int64_t *kept, *cloned, *split;    // [N+1] exclusive sums
+  const int64_t *kept, *cloned, *split;  // [N+1] exclusive sums
   int64_t first_clone, first_child, children;
 };
 

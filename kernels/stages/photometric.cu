@@ -23,12 +23,13 @@ void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_
                "copy of pointers");
   loss_sums_.resize(2 * count);
   loss_views_ = views, loss_weights_ = args.weights;
-  scratch_.resize(int64_t(photometric_scratch_bytes(args.batch->pixels, int(count), width, height,
-                                                    !d_colour.empty())));
-  launch_photometric({views_of(*args.batch), truth_.data(), int(count), width, height, args.batch->pixels,
-                      args.images->colour.data(), d_colour.data, scratch_.data(),
-                      loss_sums_.data(), float(args.weights.l1), float(args.weights.dssim)},
-                     stream_);
+  scratch_.resize(int64_t(
+      photometric_scratch_bytes(args.batch->pixels, int(count), width, height, !d_colour.empty())));
+  launch_photometric(
+      {views_of(*args.batch), truth_.data(), int(count), width, height, args.batch->pixels,
+       args.images->colour.data(), d_colour.data, scratch_.data(), loss_sums_.data(),
+       float(args.weights.l1), float(args.weights.dssim)},
+      stream_);
   check_launch("photometric");
   report();
   const double samples = 3.0 * double(args.batch->pixels);

@@ -1,9 +1,9 @@
 // What: Gaussians → splats of every view on the device. One thread a Gaussian finds the views that
-// draw it; after a scan, one thread a splat: in 4D most Gaussians are out of time in most views, and
-// a loop over views would leave most lanes of a warp idle.
-// Not: equations (math/splat.h). Compiled without contraction to fused multiply-adds: the passes
-// must decide alike, and so must the tile test here and in bin.cu.
-// Source: method A.5–A.8; order of the splats without atomics: method 0.27.
+// draw it; after a scan, one thread a splat: in 4D most Gaussians are out of time in most views,
+// and a loop over views would leave most lanes of a warp idle. Not: equations (math/splat.h).
+// Compiled without contraction to fused multiply-adds: the passes must decide alike, and so must
+// the tile test here and in bin.cu. Source: method A.5–A.8; order of the splats without atomics:
+// method 0.27.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
@@ -33,8 +33,7 @@ struct SetArgs {
 /// A bit for each view that draws a Gaussian, in `words` words, and how many there are.
 template <int Dim>
 __global__ void __launch_bounds__(kThreads)
-    count_views(SetArgs a, int words, uint32_t* seen_by, int32_t* visible,
-                StepCounters* counters) {
+    count_views(SetArgs a, int words, uint32_t* seen_by, int32_t* visible, StepCounters* counters) {
   const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   if (n >= a.set.count) return;
   GaussianState<float> g;
@@ -96,8 +95,8 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
   rect = in_view.rect;
   float sh[3 * kMaxShCoefficients] = {}, distance;
   load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
-  const Vec3<float> direction = view_direction(
-      a.views[b], a.sliced_direction ? in_view.slice.mean : g.mean, distance);
+  const Vec3<float> direction =
+      view_direction(a.views[b], a.sliced_direction ? in_view.slice.mean : g.mean, distance);
   const bool finite = drawn_colour(a.degree, direction, sh, splat.colour, splat.negative);
   if (!finite) splat.negative = kNotDrawn, rect = {};
   return finite;
@@ -118,8 +117,9 @@ __global__ void __launch_bounds__(kThreads)
     out.splat[s] = splat, out.rect[s] = rect;
     tiles_x = a.views[splat.view].tiles_x;
   }
-  walk_tiles(a.bounds, balanced, splat.footprint(), rect, tiles_x, [&](int) { ++count; },
-             [&](int more) { count += more; });
+  walk_tiles(
+      a.bounds, balanced, splat.footprint(), rect, tiles_x, [&](int) { ++count; },
+      [&](int more) { count += more; });
   if (on) out.tiles[s] = count;
   unsigned long long sum = (unsigned long long)count;
   for (int step = 16; step > 0; step /= 2) sum += __shfl_down_sync(~0u, sum, step);
@@ -155,12 +155,12 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
   const Span<int32_t> view = scratch.take<int32_t>(capacity);
   const Span<LazyGap<float>> gaps = scratch.take<LazyGap<float>>(behind);
   const int words = int(args.batch->views.size() + 31) / 32;
-  list_splats<<<grid_of(gaussians, 256), 256, 0, stream_>>>(
-      seen_by_.data(), words, gaussians, splats.first_of.data(), capacity, splats.gaussian.data(),
-      view.data);
-  const SplatTargets out{splats.first_of.data(), splats.gaussian.data(), view.data,
-                         capacity,               splats.splat.data(),    splats.depth.data(),
-                         splats.rect.data(),     splats.tiles.data()};
+  list_splats<<<grid_of(gaussians, 256), 256, 0, stream_>>>(seen_by_.data(), words, gaussians,
+                                                            splats.first_of.data(), capacity,
+                                                            splats.gaussian.data(), view.data);
+  const SplatTargets out{
+      splats.first_of.data(), splats.gaussian.data(), view.data,          capacity,
+      splats.splat.data(),    splats.depth.data(),    splats.rect.data(), splats.tiles.data()};
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;

@@ -1,9 +1,9 @@
 // What: splat gradients → parameter gradients into a sink, on the device. One thread a splat finds
-// its share of its Gaussian's sums; one thread a Gaussian adds them up, for all but SH; then a thread
-// for every four SH scalars, so that they and their moments are read and written in whole lines.
-// Not: equations (stages/splat_gradient.h). Compiled without contraction to fused multiply-adds, so
-// that fused and separate Adam agree to the bit.
-// Source: method A.12, A.16, D.6, G.4.
+// its share of its Gaussian's sums; one thread a Gaussian adds them up, for all but SH; then a
+// thread for every four SH scalars, so that they and their moments are read and written in whole
+// lines. Not: equations (stages/splat_gradient.h). Compiled without contraction to fused
+// multiply-adds, so that fused and separate Adam agree to the bit. Source: method A.12, A.16, D.6,
+// G.4.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
@@ -51,9 +51,9 @@ __global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<
     float sh[3 * kMaxShCoefficients] = {};
     load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
     const SplatGradient<float> d = a.d_splats[s];
-    keep_colour(add_view_gradient(a.views[splat.view], g, sh, a.degree, a.sliced_direction, splat,
-                                  d, sum),
-                a.d_splats[s]);
+    keep_colour(
+        add_view_gradient(a.views[splat.view], g, sh, a.degree, a.sliced_direction, splat, d, sum),
+        a.d_splats[s]);
   }
   sums[s] = sum;
 }
@@ -87,7 +87,8 @@ __global__ void __launch_bounds__(kThreads)
   sink.template accept<Dim>(n, gradient);
 }
 
-/// Neighbouring SH scalars into a sink, with one access of 16 bytes to each array where there are 4.
+/// Neighbouring SH scalars into a sink, with one access of 16 bytes to each array where there
+/// are 4.
 template <int Scalars>
 __device__ inline void accept_sh(const StoreGradient<float>& sink, int64_t n, int first,
                                  const float (&g)[Scalars]) {
@@ -203,7 +204,8 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      sink.lazy,
                      counters_.data()};
     if (sink.fused)
-      backward_set(a, args.splats->count, sums, ApplyAdam<float>{sink.value, sink.moment1, sink.moment2, sink.adam}, false,
+      backward_set(a, args.splats->count, sums,
+                   ApplyAdam<float>{sink.value, sink.moment1, sink.moment2, sink.adam}, false,
                    stream_);
     else
       backward_set(a, args.splats->count, sums, StoreGradient<float>{sink.gradient}, true, stream_);

@@ -72,8 +72,8 @@ void CudaBackend::gather_rows(Span<const float> from, Span<const int64_t> index,
         reinterpret_cast<const float4*>(from.data), index, width / 4, inherited,
         reinterpret_cast<float4*>(to.data));
   else
-    gather<<<grid_of(to.size, kThreads), kThreads, 0, stream_>>>(from.data, index, width,
-                                                                 inherited, to.data);
+    gather<<<grid_of(to.size, kThreads), kThreads, 0, stream_>>>(from.data, index, width, inherited,
+                                                                 to.data);
   check_launch("gather_rows");
   clock_.add_bytes(kDensity, 8.0 * double(to.size));
 }

@@ -17,7 +17,7 @@ struct Binned {
   CpuBackend<Real> backend;
 
   explicit Binned(const TestScene<Real>& scene) : batch(make_view_batch<Real>(scene.views)) {
-    backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options}, splats);
+    backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options, {}}, splats);
     backend.bin({&batch, &splats, scene.options, true}, instances);
   }
 };
@@ -88,7 +88,7 @@ TEST(Bin, SlotsLeadFromASplatToItsInstances) {
 }
 
 float depth_of(const TestScene<float>& scene, int64_t n, const ViewArgs<float>& view) {
-  GaussianState<float> g;
+  GaussianState<float> g{};
   const bool is_static = n < scene.fixed.count;
   EXPECT_TRUE(is_static ? load_gaussian<3>(scene.fixed.view(), n, g)
                         : load_gaussian<4>(scene.moving.view(), n - scene.fixed.count, g));

@@ -8,12 +8,12 @@
 namespace tessera::testing {
 namespace {
 
-/// The largest difference of two pictures.
-double largest_difference(const Picture& a, const Picture& b) {
-  double largest = 0;
-  for (size_t i = 0; i < a.rgb.size(); ++i)
-    largest = std::max(largest, std::abs(double(a.rgb[i]) - double(b.rgb[i])));
-  return largest;
+/// Share of the values that differ by more than expect_same_picture lets pass, of which it allows
+/// 0.002.
+double share_that_differs(const Picture& a, const Picture& b) {
+  int64_t count = 0;
+  for (size_t i = 0; i < a.rgb.size(); ++i) count += std::abs(a.rgb[i] - b.rgb[i]) > 1e-4f;
+  return double(count) / double(a.rgb.size());
 }
 
 GaussianModel unsliced(const GaussianModel& model) {
@@ -34,7 +34,7 @@ TEST(SlicedDirection, ChangesThePictureOfWhatMovesAndOnlyThat) {
   const View view = at_time(0.8);
   const Picture sliced = render_one(moving, view), other = render_one(unsliced(moving), view);
   EXPECT_GT(coverage(sliced), 0.1);
-  EXPECT_GT(largest_difference(sliced, other), 0.01);
+  EXPECT_GT(share_that_differs(sliced, other), 0.1);
   EXPECT_EQ(sliced.alpha, other.alpha) << "only colours depend on it";
   EXPECT_TRUE(same_bits(render_one(fixed, view), render_one(unsliced(fixed), view)));
 
@@ -79,9 +79,9 @@ TEST(SlicedDirection, SlicesAreExactOnlyWithIt) {
     const View view = at_time(time);
     expect_same_picture(render_one(static_model(model, slice_model(model, time)), view),
                         render_one(model, view));
-    EXPECT_GT(largest_difference(render_one(static_model(other, slice_model(other, time)), view),
+    EXPECT_GT(share_that_differs(render_one(static_model(other, slice_model(other, time)), view),
                                  render_one(other, view)),
-              0.01);
+              0.1);
   }
 }
 

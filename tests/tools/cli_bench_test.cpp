@@ -14,11 +14,9 @@ using nlohmann::json;
 /// `tessera bench capture` with few steps of a small load, over which `more` goes.
 std::vector<std::string> bench(const CliWorkspace& work, const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"bench", work.at("capture")};
-  const std::pair<const char*, const char*> tiny[] = {{"--backend", "cpu"},
-                                                      {"--steps", "2"},
-                                                      {"--warm-up", "1"},
-                                                      {"--batch", "3"},
-                                                      {"--init-points", "50"}};
+  const std::pair<const char*, const char*> tiny[] = {
+      {"--backend", "cpu"}, {"--steps", "2"},     {"--warm-up", "1"},
+      {"--batch", "3"},     {"--carve", "false"}, {"--init-points", "50"}};
   for (const auto& [option, value] : tiny)
     if (std::find(more.begin(), more.end(), option) == more.end())
       arguments.insert(arguments.end(), {option, value});
@@ -43,8 +41,9 @@ TEST(CliBench, SaysWhatWasMeasured) {
        {"project", "bin", "blend", "photometric", "blend_backward", "project_backward"}) {
     ASSERT_TRUE(result["stages"].contains(name)) << name;
     const json& stage = result["stages"][name];
-    for (const char* key : {"ms", "gbytes", "gb_per_s", "floor_ms"})
-      EXPECT_GT(stage[key], 0) << name << "." << key;
+    EXPECT_GT(stage["ms"], 0) << name;
+    for (const char* key : {"gbytes", "gb_per_s", "floor_ms"})  // devices count their bytes
+      EXPECT_GE(stage[key], 0) << name << "." << key;
     sum += stage["ms"].get<double>();
   }
   EXPECT_LE(sum, result["step_ms"]);
@@ -53,14 +52,14 @@ TEST(CliBench, SaysWhatWasMeasured) {
 // Bug put back: both sets rounded down; seen to fail.
 TEST(CliBench, MakesAsManyGaussiansAsWanted) {
   const CliWorkspace work;
-  for (const char* share : {"0", "0.37", "1"}) {
-    const auto count = [&](const char* gaussians) {
-      return work.run_json(bench(work, {"--gaussians", gaussians, "--static-fraction", share}))
-          .at("gaussians");
-    };
-    EXPECT_EQ(count("101"), 101) << share;
-    EXPECT_EQ(count("0"), 50) << "the initial ones";
-  }
+  const auto count = [&](const char* gaussians, const char* static_fraction) {
+    return work
+        .run_json(bench(work, {"--gaussians", gaussians, "--static-fraction", static_fraction}))
+        .at("gaussians");
+  };
+  EXPECT_EQ(count("101", "0.37"), 101);
+  EXPECT_EQ(count("11", "1"), 11) << "fewer than the initial ones";
+  EXPECT_EQ(count("0", "0.37"), 50) << "the initial ones";
 }
 
 TEST(CliBench, ATableForPeople) {
