@@ -10,7 +10,8 @@
 
 namespace tessera {
 
-struct TrainOptions {
+// Grouped by meaning, not by size.
+struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   // steps
   int64_t iterations = 30000, schedule_iterations = 30000, batch = 4, seed = 1;
   // scene

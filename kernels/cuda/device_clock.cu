@@ -45,12 +45,12 @@ void DeviceStageClock::collect(bool wait) {
   std::vector<Span> rest;
   for (const Span& span : pending_) {
     if (wait) check_device(cudaEventSynchronize(span.end), "cudaEventSynchronize");
-    float milliseconds = 0;
-    if (cudaEventElapsedTime(&milliseconds, span.begin, span.end) != cudaSuccess) {
-      cudaGetLastError();  // not there yet
+    if (cudaEventQuery(span.end) == cudaErrorNotReady) {
       rest.push_back(span);
       continue;
     }
+    float milliseconds = 0;
+    check_device(cudaEventElapsedTime(&milliseconds, span.begin, span.end), "cudaEventElapsedTime");
     totals_[size_t(span.stage)].seconds += 1e-3 * double(milliseconds) * span.weight;
     spare_.push_back(span.begin), spare_.push_back(span.end);
   }

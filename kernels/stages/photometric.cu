@@ -3,7 +3,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
-#include "kernels/stages/photometric_kernels.h"
+#include "kernels/cuda/photometric_kernels.h"
 
 namespace tessera {
 

@@ -4,7 +4,7 @@
 // pixels a thread. Pass 1: sums and the three weighted partial maps. Pass 2: dL/dx from the maps.
 // Not: atomics: each block writes its sums, and a small kernel adds them in a fixed order.
 // Source: method A.15.
-#include "kernels/stages/photometric_tile.cuh"
+#include "kernels/cuda/photometric_tile.cuh"
 
 namespace tessera {
 

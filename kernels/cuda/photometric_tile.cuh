@@ -3,8 +3,8 @@
 // Not: the passes (photometric_kernels.cu).
 // Source: method A.15.
 #pragma once
+#include "kernels/cuda/photometric_kernels.h"
 #include "kernels/math/ssim.h"
-#include "kernels/stages/photometric_kernels.h"
 
 namespace tessera::photometric {
 
