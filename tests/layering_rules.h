@@ -24,14 +24,11 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"tests/", {""}},
 };
 
-/// Where CUDA may be spoken. photometric_kernels.h names a stream; host_device.h has the
-/// qualifiers.
+/// Where CUDA may be spoken; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",
-                                                 "kernels/stages/*.cuh",
-                                                 "kernels/stages/photometric_kernels.h"};
+                                                 "kernels/stages/*.cuh"};
 inline const std::vector<std::string> kDeviceAndItsTests = {
-    "kernels/cuda/", "kernels/stages/*.cu", "kernels/stages/*.cuh",
-    "kernels/stages/photometric_kernels.h", "tests/kernels/"};
+    "kernels/cuda/", "kernels/stages/*.cu", "kernels/stages/*.cuh", "tests/kernels/"};
 
 /// Headers that have one place: by the beginning of their name.
 inline const std::vector<std::pair<std::string, std::vector<std::string>>> kOnlyIn = {

@@ -1,5 +1,5 @@
 // What: the table of backends by name.
-// Not: choosing for the user.
+// Not: any preference but a device over the CPU where the user has none.
 #include "tools/backend_choice.h"
 
 #include <fmt/format.h>
@@ -8,10 +8,23 @@
 
 namespace tessera {
 
+namespace {
+
+std::unique_ptr<Backend> make_best_backend() {
+  try {
+    return make_cuda_backend();
+  } catch (const DeviceError&) {  // no device, or a build without CUDA
+    return make_cpu_backend();
+  }
+}
+
+}  // namespace
+
 std::unique_ptr<Backend> make_backend(const std::string& name) {
+  if (name == "auto") return make_best_backend();
   if (name == "cpu") return make_cpu_backend();
   if (name == "cuda") return make_cuda_backend();
-  throw InputError(fmt::format("unknown backend '{}'; choose cpu or cuda", name));
+  throw InputError(fmt::format("unknown backend '{}'; choose auto, cpu or cuda", name));
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // What: --backend on the command line → Backend.
-// Not: a fallback: asking for CUDA where there is none is an error.
+// Not: a fallback where CUDA was asked for: that is an error if there is none.
 #pragma once
 #include <memory>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-/// "cpu" or "cuda". Errors: InputError for another name, DeviceError where there is no CUDA.
+/// "auto": a CUDA device where there is one, else the CPU; "cpu"; "cuda". Errors: InputError for another name, DeviceError where there is no CUDA.
 std::unique_ptr<Backend> make_backend(const std::string& name);
 
 }  // namespace tessera

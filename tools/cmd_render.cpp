@@ -21,7 +21,7 @@ namespace {
 constexpr size_t kViewsAtOnce = 4;
 
 struct RenderRequest {
-  std::string model, out, background, backend = "cpu";
+  std::string model, out, background, backend = "auto";
   CameraChoice choice;
   int threads = 0;
   bool floats = false, alpha = false, overwrite = false, json = false;
@@ -120,7 +120,7 @@ void add_render_command(CLI::App& app, Work& work) {
   command->add_flag("--alpha", request->alpha, "RGBA PNG without background");
   command->add_flag("--float", request->floats, "also unclamped floats as .pfm");
   command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");
-  command->add_option("--backend", request->backend, "cpu or cuda");
+  command->add_option("--backend", request->backend, "auto (a CUDA device where there is one), cpu or cuda");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return render(*request); }; });

@@ -10,7 +10,7 @@
 namespace tessera {
 
 struct TrainArguments {
-  std::string preset = "balanced", ablation, config, backend = "cpu";
+  std::string preset = "balanced", ablation, config, backend = "auto";
   std::map<std::string, std::string> given;  // option key → text, as typed
   int threads = 0;
   int64_t evaluate_every = 0, checkpoint_every = 1000;

@@ -14,7 +14,7 @@ namespace tessera {
 struct TrainRequest {
   std::filesystem::path scene, run;
   TrainOptions options;
-  std::string preset, ablation, backend = "cpu";
+  std::string preset, ablation, backend = "auto";
   bool resume = false;
   bool overwrite = false;             // an existing run folder may be replaced
   int64_t evaluate_every = 0;         // steps; 0: only at the end
