@@ -32,7 +32,12 @@ if(NOT TESSERA_CUDA STREQUAL "OFF")
   check_language(CUDA)
   if(CMAKE_CUDA_COMPILER)
     if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES)
-      set(CMAKE_CUDA_ARCHITECTURES 90)
+      # the card that is here; where there is none, one architecture that compiles quickly
+      if(EXISTS /dev/nvidia0 OR EXISTS /dev/dxg)
+        set(CMAKE_CUDA_ARCHITECTURES native)
+      else()
+        set(CMAKE_CUDA_ARCHITECTURES 90)
+      endif()
     endif()
     enable_language(CUDA)
     # CMake 3.25 does not know this flag of nvcc 13

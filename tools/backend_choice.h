@@ -8,7 +8,8 @@
 
 namespace tessera {
 
-/// "auto": a CUDA device where there is one, else the CPU; "cpu"; "cuda". Errors: InputError for another name, DeviceError where there is no CUDA.
+/// "auto": a CUDA device where there is one, else the CPU; "cpu"; "cuda". Errors: InputError for
+/// another name, DeviceError where there is no CUDA.
 std::unique_ptr<Backend> make_backend(const std::string& name);
 
 }  // namespace tessera

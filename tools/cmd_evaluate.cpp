@@ -120,7 +120,8 @@ void add_evaluate_command(CLI::App& app, Work& work) {
                       "black, white or r,g,b; default: the model's");
   command->add_option("--save-images", request->images, "folder for the rendered pictures");
   command->add_flag("--overwrite", request->overwrite, "save among files that are not ours");
-  command->add_option("--backend", request->backend, "auto (a CUDA device where there is one), cpu or cuda");
+  command->add_option("--backend", request->backend,
+                      "auto (a CUDA device where there is one), cpu or cuda");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return evaluate_command(*request); }; });

@@ -120,7 +120,8 @@ void add_render_command(CLI::App& app, Work& work) {
   command->add_flag("--alpha", request->alpha, "RGBA PNG without background");
   command->add_flag("--float", request->floats, "also unclamped floats as .pfm");
   command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");
-  command->add_option("--backend", request->backend, "auto (a CUDA device where there is one), cpu or cuda");
+  command->add_option("--backend", request->backend,
+                      "auto (a CUDA device where there is one), cpu or cuda");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return render(*request); }; });

@@ -14,7 +14,11 @@ void check_device(cudaError_t code, const char* what) {
   if (cudaMemGetInfo(&free_bytes, &all_bytes) == cudaSuccess)
     memory = "; " + std::to_string(free_bytes >> 20) + " of " + std::to_string(all_bytes >> 20) +
              " MiB of device memory are free";
-  throw DeviceError(std::string(what) + ": " + cudaGetErrorString(code) + memory);
+  const bool foreign = code == cudaErrorNoKernelImageForDevice;
+  const char* remedy =
+      foreign ? "; configure with -DCMAKE_CUDA_ARCHITECTURES=native on the machine of this card"
+              : "";
+  throw DeviceError(std::string(what) + ": " + cudaGetErrorString(code) + memory + remedy);
 }
 
 unsigned grid_of(int64_t count, int threads) {
