@@ -1,5 +1,6 @@
 // What: the CUDA traversal of every stage, in float. One stream; the host waits where backend.h
-// says. Not: equations; those are in math/. Each stage is defined in stages/<stage>.cu.
+// says.
+// Not: equations; those are in math/. Each stage is defined in stages/<stage>.cu.
 #pragma once
 #include <cuda_runtime.h>
 

@@ -1,8 +1,8 @@
 // What: gradient of blending on the device, front to back from the scalar R = ⟨colour still to
-// come, dL/dC⟩. Lanes are pixels: no checkpoints are needed, and splats that miss a warp's part of
-// the tile are skipped. The other form, lanes as splats, is in blend_backward_per_gaussian.cu. Not:
-// atomics when a fixed order is asked for: every warp then keeps its sum of each instance. Source:
-// method A.11, G.4.
+// come, dL/dC⟩. Lanes are pixels; splats that miss a warp's part of the tile are skipped. The other
+// form, lanes as splats, is in blend_backward_per_gaussian.cu.
+// Not: atomics when a fixed order is asked for: every warp then keeps its sum of each instance.
+// Source: method A.11, G.4.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/blend_backward_args.cuh"
 #include "kernels/cuda/cuda_backend.h"

@@ -1,5 +1,7 @@
 // What: the closed form of idle Adam steps, its factors once a Gaussian, then four scalars a
-// thread. Not: the closed form (math/lazy_adam.h). Source: method G.3.
+// thread.
+// Not: the closed form itself (math/lazy_adam.h).
+// Source: method G.3.
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/lazy_sh.h"
 

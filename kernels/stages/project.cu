@@ -1,9 +1,9 @@
 // What: Gaussians → splats of every view on the device. One thread a Gaussian finds the views that
 // draw it; after a scan, one thread a splat: in 4D most Gaussians are out of time in most views,
-// and a loop over views would leave most lanes of a warp idle. Not: equations (math/splat.h).
-// Compiled without contraction to fused multiply-adds: the passes must decide alike, and so must
-// the tile test here and in bin.cu. Source: method A.5–A.8; order of the splats without atomics:
-// method 0.27.
+// and a loop over views would leave most lanes of a warp idle.
+// Not: equations (math/splat.h). Compiled without contraction to fused multiply-adds: the passes
+// must decide alike, and so must the tile test here and in bin.cu.
+// Source: method A.5–A.8; order of the splats without atomics: method 0.27.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"

@@ -1,9 +1,9 @@
 // What: splat gradients → parameter gradients into a sink, on the device. One thread a splat finds
 // its share of its Gaussian's sums; one thread a Gaussian adds them up, for all but SH; then a
-// thread for every four SH scalars, so that they and their moments are read and written in whole
-// lines. Not: equations (stages/splat_gradient.h). Compiled without contraction to fused
-// multiply-adds, so that fused and separate Adam agree to the bit. Source: method A.12, A.16, D.6,
-// G.4.
+// thread for every four SH scalars, so that whole lines are read and written.
+// Not: equations (stages/splat_gradient.h). Compiled without contraction to fused multiply-adds, so
+// that fused and separate Adam agree to the bit.
+// Source: method A.12, A.16, D.6, G.4.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
