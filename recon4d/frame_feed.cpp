@@ -10,8 +10,12 @@
 namespace tessera {
 namespace {
 
-constexpr int64_t kReserve = int64_t{8} << 30;  // bytes left for Gaussians and their splats
-constexpr int64_t kAlignment = 64;              // bytes
+/// Bytes left for Gaussians and their splats: a few, or half of a small card.
+int64_t reserve_of(int64_t free_bytes) {
+  constexpr int64_t kReserve = int64_t{8} << 30;
+  return std::min(kReserve, free_bytes / 2);
+}
+constexpr int64_t kAlignment = 64;  // bytes
 
 int64_t aligned(int64_t bytes) {
   return (bytes + kAlignment - 1) / kAlignment * kAlignment;
@@ -29,15 +33,25 @@ FrameFeed::FrameFeed(Memory& memory, const Scene& scene, std::vector<int> frames
     offset_.push_back(all);
     all += bytes, largest = std::max(largest, bytes);
   }
-  if (all <= (budget > 0 ? budget : memory_.free_bytes() - kReserve)) {
+  const int64_t free_bytes = memory_.free_bytes();
+  if (all <= (budget > 0 ? budget : free_bytes - reserve_of(free_bytes))) {
     upload_all();
     return;
   }
   place_ = Place::kRing;
+  for (const int frame : frames_) {  // so that a copy does not hold the host up
+    const std::vector<uint8_t>& data = scene_.frames[size_t(frame)].image.data;
+    memory_.pin(data.data(), data.size());
+  }
   for (int64_t i = 0; i < kSlots; ++i) {
     slots_.emplace_back(memory_);
     slots_.back().bytes.resize(batch * largest);
   }
+}
+
+FrameFeed::~FrameFeed() {
+  if (place_ != Place::kRing) return;
+  for (const int frame : frames_) memory_.unpin(scene_.frames[size_t(frame)].image.data.data());
 }
 
 void FrameFeed::upload_all() {

@@ -16,6 +16,8 @@ class FrameFeed {
   /// bytes for frames; 0: what is free but for a reserve. `batch`: frames of a step.
   FrameFeed(Memory& memory, const Scene& scene, std::vector<int> frames, int64_t budget,
             int64_t batch);
+  FrameFeed(const FrameFeed&) = delete;
+  ~FrameFeed();
 
   /// [B] each [height, width, 3]: of training frames `indices`, for what is computed next.
   std::vector<Span<const uint8_t>> truth(const std::vector<int64_t>& indices);

@@ -26,6 +26,9 @@ class Memory {
   /// From the host's memory, perhaps later; `wait_copies` orders what is enqueued next after it.
   virtual void copy_async_in(void* to, const void* from, size_t bytes) { copy(to, from, bytes); }
   virtual void wait_copies() {}
+  /// Host memory that `copy_async_in` will read again and again; a hint.
+  virtual void pin(const void*, size_t) {}
+  virtual void unpin(const void*) {}
   /// Elements to make room for when a buffer of `capacity` has to hold `count`.
   virtual int64_t grown(int64_t count, int64_t capacity) const {
     return std::max(count, capacity + capacity / 2);

@@ -82,6 +82,17 @@ void DeviceMemory::copy_async_in(void* to, const void* from, size_t bytes) {
   check_device(cudaEventRecord(copied_, copies_), "cudaEventRecord");
 }
 
+void DeviceMemory::pin(const void* host, size_t bytes) {
+  // where the system refuses, copies go through the driver's own pinned buffer
+  if (cudaHostRegister(const_cast<void*>(host), bytes, cudaHostRegisterDefault) != cudaSuccess)
+    cudaGetLastError();
+}
+
+void DeviceMemory::unpin(const void* host) {
+  cudaStreamSynchronize(copies_);
+  if (cudaHostUnregister(const_cast<void*>(host)) != cudaSuccess) cudaGetLastError();
+}
+
 void DeviceMemory::wait_copies() {
   check_device(cudaStreamWaitEvent(stream_, copied_, 0), "cudaStreamWaitEvent");
 }

@@ -24,6 +24,8 @@ class DeviceMemory final : public Memory {
   /// From host memory, on a stream of its own; `wait_copies` makes later kernels wait for it.
   void copy_async_in(void* to, const void* from, size_t bytes) override;
   void wait_copies() override;
+  void pin(const void* host, size_t bytes) override;
+  void unpin(const void* host) override;
   /// At first what is asked for, then a little more: pages are cheap to exchange.
   int64_t grown(int64_t count, int64_t capacity) const override {
     return capacity == 0 ? count : count + count / 16;
