@@ -57,12 +57,13 @@ GaussianModel initial_load(const Scene& scene, const TrainOptions& options,
   GaussianModel model = initialise_model(scene, make_camera_rig(scene), options).model;
   const int64_t before = model.count();
   if (before == 0) throw InputError("no initial Gaussians; raise --init-points");
-  for (GaussianSet* set : {&model.static_set, &model.dynamic_set}) {
-    if (set->count() == 0) continue;
-    const int64_t wanted =
-        bench.gaussians > 0 ? bench.gaussians * set->count() / before : set->count();
-    *set = enlarged(*set, wanted, bench.opacity, uint64_t(options.seed));
-  }
+  const int64_t wanted = bench.gaussians > 0 ? bench.gaussians : before;
+  const int64_t statics = wanted * model.static_set.count() / before;
+  const auto enlarge = [&](GaussianSet& set, int64_t count) {
+    if (set.count() > 0) set = enlarged(set, count, bench.opacity, uint64_t(options.seed));
+  };
+  enlarge(model.static_set, statics);
+  enlarge(model.dynamic_set, wanted - statics);
   model.sh_degree = int(options.sh_degree);
   return model;
 }

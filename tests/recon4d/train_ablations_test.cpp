@@ -37,10 +37,13 @@ TEST(Ablations, EachRowIsKnownAndChangesAnOption) {
     EXPECT_FALSE(row.doc.empty()) << row.name;
     const bool added = row.name.starts_with("basis+");
     const char* base = row.name == "full" || row.name == "basis" ? "" : added ? "basis" : "full";
-    for (const Preset& preset : presets())
+    for (const Preset& preset : presets()) {
+      // these presets are the full method already
+      if (row.name == "full" && options_of("", preset.name).idle_updates == "lazy") continue;
       EXPECT_FALSE(
           difference(options_of(row.name, preset.name), options_of(base, preset.name)).empty())
           << row.name << " of " << preset.name;
+    }
   }
   for (const char* name :
        {"full", "basis", "no-rectangular-bounds", "no-opacity-bounds", "no-tile-culling",
