@@ -70,9 +70,10 @@ TEST(FrameFeed, TheBudgetDecides) {
     memory.free = free;
     return FrameFeed(memory, scene, trained(), budget, 1).ahead() > 0;
   };
-  constexpr int64_t kReserve = int64_t{8} << 30, kAll = kTrained * 128;  // 60 to 84 bytes, aligned
-  EXPECT_FALSE(ring(kReserve + kAll, 0));
-  EXPECT_TRUE(ring(kReserve + 100, 0)) << "the reserve is not for frames";
+  constexpr int64_t kAll = kTrained * 128;  // 60 to 84 bytes, aligned
+  EXPECT_FALSE(ring(int64_t{1} << 40, 0));
+  EXPECT_FALSE(ring(2 * kAll, 0)) << "half of a small card is for frames";
+  EXPECT_TRUE(ring(kAll + 100, 0)) << "the other half is not";
   EXPECT_TRUE(ring(0, 0));
   EXPECT_FALSE(ring(0, kAll)) << "what was asked for is not second-guessed";
   EXPECT_TRUE(ring(int64_t{1} << 40, 100));
