@@ -39,6 +39,13 @@ __device__ inline float reduce_one(float v) {
   return v;
 }
 
+/// In every lane.
+__device__ inline int32_t largest_of_warp(int32_t v) {
+  TESSERA_UNROLL
+  for (int step = 16; step > 0; step /= 2) v = max(v, __shfl_xor_sync(~0u, v, step));
+  return v;
+}
+
 /// A lane's pixels take their step past a splat; false for the whole warp when none draws it.
 template <int Pixels>
 __device__ inline bool step_lane(const SharedSplat& s, int32_t index,
@@ -102,7 +109,7 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) backward_tiles(Bl
     pixel[p] = work.pixel(a, part.pixel(p));
     last = max(last, pixel[p].used);
   }
-  last = __reduce_max_sync(~0u, last);
+  last = largest_of_warp(last);
   if (Segmented) last = min(last, work.begin + kSegment);
   WarpSplats splats(a.splats, a.instance + first, work.begin, last, shared[warp]);
   while (!splats.done()) {
