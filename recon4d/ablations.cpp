@@ -5,9 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "kernels/base/errors.h"
-#include "recon4d/nearest_name.h"
-
 namespace tessera {
 namespace {
 
@@ -124,15 +121,7 @@ const std::vector<Ablation>& ablations() {
 }
 
 void apply_ablation(TrainOptions& options, const std::string& name) {
-  std::vector<std::string> names;
-  for (const Ablation& ablation : ablations()) {
-    names.push_back(ablation.name);
-    if (name != ablation.name) continue;
-    for (const auto& [key, value] : ablation.overrides) set_option(options, key, value);
-    return;
-  }
-  throw InputError(fmt::format("unknown ablation '{}'; did you mean '{}'? There are {}", name,
-                               nearest_name(name, names), fmt::join(names, ", ")));
+  apply_named(options, ablations(), "ablation", name);
 }
 
 }  // namespace tessera

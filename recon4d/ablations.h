@@ -1,19 +1,14 @@
 // What: each technique taken out of the full method, and each added alone to a basis without any.
 // Not: presets of a training: an ablation goes on top of any of them.
 #pragma once
-#include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "recon4d/train_options.h"
 
 namespace tessera {
 
-struct Ablation {
-  std::string name, doc;
-  std::vector<std::pair<const char*, nlohmann::json>> overrides;  // applied in order
-};
+using Ablation = NamedOptions;
 const std::vector<Ablation>& ablations();
 
 /// Errors: InputError naming the nearest known name.

@@ -1,9 +1,5 @@
 // What: named sets of options, as data rows.
 // Not: code paths: a preset only changes what any user could set by hand.
-#include <fmt/format.h>
-
-#include "kernels/base/errors.h"
-#include "recon4d/nearest_name.h"
 #include "recon4d/train_options.h"
 
 namespace tessera {
@@ -43,15 +39,7 @@ const std::vector<Preset>& presets() {
 }
 
 void apply_preset(TrainOptions& options, const std::string& name) {
-  std::vector<std::string> names;
-  for (const Preset& preset : presets()) {
-    names.push_back(preset.name);
-    if (name != preset.name) continue;
-    for (const auto& [key, value] : preset.overrides) set_option(options, key, value);
-    return;
-  }
-  throw InputError(fmt::format("unknown preset '{}'; did you mean '{}'? There are {}", name,
-                               nearest_name(name, names), fmt::join(names, ", ")));
+  apply_named(options, presets(), "preset", name);
 }
 
 }  // namespace tessera

@@ -92,6 +92,19 @@ void set_option_from_text(TrainOptions& options, const std::string& key, const s
   set_option(options, key, value);
 }
 
+void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, const char* kind,
+                 const std::string& name) {
+  std::vector<std::string> names;
+  for (const NamedOptions& row : rows) {
+    names.push_back(row.name);
+    if (name != row.name) continue;
+    for (const auto& [key, value] : row.overrides) set_option(options, key, value);
+    return;
+  }
+  throw InputError(fmt::format("unknown {} '{}'; did you mean '{}'? There are {}", kind, name,
+                               nearest_name(name, names), fmt::join(names, ", ")));
+}
+
 void validate(const TrainOptions& options) {
   if (options.near_plane >= options.far_plane)
     throw InputError(fmt::format("near_plane {} must be smaller than far_plane {}",

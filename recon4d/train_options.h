@@ -60,11 +60,16 @@ struct OptionRow {
 };
 const std::vector<OptionRow>& train_option_rows();
 
-struct Preset {
-  const char* name;
-  const char* doc;
-  std::vector<std::pair<const char*, nlohmann::json>> overrides;  // on top of the defaults
+/// A set of options under a name: a preset on top of the defaults, an ablation on top of that.
+struct NamedOptions {
+  std::string name, doc;
+  std::vector<std::pair<const char*, nlohmann::json>> overrides;  // applied in order
 };
+/// `kind`: "preset", for the message. Errors: InputError naming the nearest known name.
+void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, const char* kind,
+                 const std::string& name);
+
+using Preset = NamedOptions;
 const std::vector<Preset>& presets();
 
 /// Errors: InputError naming the nearest known name.

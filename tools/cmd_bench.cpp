@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 
-#include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/ablations.h"
 #include "recon4d/model_file.h"
@@ -101,10 +100,7 @@ json bench_ablations(const BenchRequest& request, const Scene& scene, const Trai
 
 int bench(BenchRequest request) {
   const TrainOptions options = resolve_options(request.training);
-  SceneOptions scene_options;
-  scene_options.background = parse_background(options.background);
-  scene_options.allow_static = options.static_only;
-  const Scene scene = load_scene(request.scene, scene_options);
+  const Scene scene = load_training_scene(request.scene, options);
   std::optional<GaussianModel> model;
   if (!request.model.empty()) {
     model = load_model(request.model);

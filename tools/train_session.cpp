@@ -35,15 +35,6 @@ std::string scene_fingerprint(const Scene& scene) {
   return hash.hex();
 }
 
-Scene open_scene(const TrainRequest& request, const TrainOptions& options) {
-  SceneOptions scene_options;
-  scene_options.background = parse_background(options.background);
-  scene_options.allow_static = options.static_only;
-  Scene scene = load_scene(request.scene, scene_options);
-  for (const std::string& warning : scene.warnings) warn(warning);
-  return scene;
-}
-
 /// What the run folder already holds, if it may be used.
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run) {
   if (!run.exists()) {
@@ -147,12 +138,20 @@ json summary(const Trainer& trainer, const json& scores, Backend& backend) {
 
 }  // namespace
 
+Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options) {
+  SceneOptions scene_options;
+  scene_options.background = parse_background(options.background);
+  scene_options.allow_static = options.static_only;
+  return load_scene(path, scene_options);
+}
+
 json train_session(const TrainRequest& request) {
   const RunFolder run{request.run};
   std::optional<Checkpoint> previous = previous_state(request, run);
   const TrainOptions options = previous ? previous->options : request.options;
   validate(options);
-  const Scene scene = open_scene(request, options);
+  const Scene scene = load_training_scene(request.scene, options);
+  for (const std::string& warning : scene.warnings) warn(warning);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   const json config = make_config(request, options, scene, backend->name());
   if (previous && previous->provenance.value("scene_fingerprint", "") !=

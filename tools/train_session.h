@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "ingest/scene.h"
 #include "recon4d/train_options.h"
 
 namespace tessera {
@@ -21,6 +22,10 @@ struct TrainRequest {
   int64_t checkpoint_every = 1000;    // steps
   std::optional<int64_t> stop_after;  // steps of this call
 };
+
+/// The scene as a training with these options sees it: its background, one moment allowed or not.
+/// Errors: as load_scene.
+Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options);
 
 /// Trains until the end, an interrupt or stop_after; writes the run folder. The object has
 /// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `stage_gbytes`,

@@ -28,7 +28,7 @@ cudaEvent_t DeviceStageClock::event() {
 void DeviceStageClock::begin(Stage stage) {
   nvtxRangePushA(kStageNames[stage]);
   // rare stages are measured every time
-  const int64_t every = stage == kDensity || stage == kUpdate ? 1 : every_;
+  const int64_t every = stage == kDensity || stage == kUpdate ? 1 : kEvery;
   open_ = calls_[stage]++ % every == 0;
   if (open_) pending_.push_back({stage, double(every), event(), nullptr});
 }

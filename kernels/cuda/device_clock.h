@@ -17,8 +17,6 @@ class DeviceStageClock final : public StageClock {
   void begin(Stage stage) override;
   void end(Stage stage) override;
   const std::array<StageTotals, kStages>& totals() override;
-  /// Measures every step from now on.
-  void measure_all() { every_ = 1; }
 
  private:
   struct Span {
@@ -31,7 +29,6 @@ class DeviceStageClock final : public StageClock {
 
   static constexpr int64_t kEvery = 8;
   cudaStream_t stream_;
-  int64_t every_ = kEvery;
   int64_t calls_[kStages] = {};
   bool open_ = false;
   std::vector<Span> pending_;

@@ -36,7 +36,6 @@ class DeviceMemory final : public Memory {
   int64_t peak_bytes() const override;
   /// Allocations beyond fail as if the card were that small; 0: none. For forecasts and tests.
   void set_limit(int64_t bytes) override { limit_ = bytes; }
-  int64_t bytes_in_use() const { return in_use_; }
 
  private:
   cudaStream_t stream_, copies_ = nullptr;

@@ -4,41 +4,19 @@
 #include "tests/support/backends.h"
 #include "tests/support/front_scene.h"
 #include "tests/support/stage_run.h"
+#include "tests/support/victim.h"
 
 namespace tessera::testing {
 namespace {
 
-constexpr int64_t kVictim = 4;  // of 10 in each set
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr int kMiddlePixel = kFrontMiddle * kFrontSize + kFrontMiddle;
-
-TestGaussians<float> without_victim(const TestGaussians<float>& set) {
-  std::vector<int64_t> rest;
-  for (int64_t n = 0; n < set.count; ++n)
-    if (n != kVictim) rest.push_back(n);
-  return set.select(rest);
-}
 
 class BackendFailures : public EveryBackend {
  protected:
-  /// Counted once, and everything else as if it were not there, forward and backward.
   void expect_culled_and_counted(const TestScene<float>& spoilt, int dim, const char* what) {
-    TestScene<float> rest = spoilt;
-    TestGaussians<float>& set = dim == 3 ? rest.fixed : rest.moving;
-    set = without_victim(set);
-    const Backward<float> a = backward(spoilt, backend()), b = backward(rest, backend());
-    EXPECT_EQ(a.rendered.report.invalid_gaussians, 1) << what;
-    EXPECT_EQ(a.rendered.colour, b.rendered.colour) << what;
-    EXPECT_EQ(a.rendered.transmittance, b.rendered.transmittance) << what;
-    EXPECT_EQ(a.bad, 0u) << what;
-    const TestGaussians<float>&ga = dim == 3 ? a.fixed : a.moving,
-          &gb = dim == 3 ? b.fixed : b.moving;
-    for (int g = 0; g < group_count(dim); ++g) {
-      EXPECT_EQ(without_victim(ga).group[g], gb.group[g]) << what;
-      for (int i = 0; i < group_width(Group(g), 16); ++i)
-        EXPECT_EQ(ga.at(Group(g), kVictim)[i], 0.0f) << what;
-    }
+    testing::expect_culled_and_counted(spoilt, dim, what, [&](const TestScene<float>& scene) {
+      return backward(scene, backend());
+    });
   }
 
   TestScene<float> scene_to_spoil(uint64_t seed) {

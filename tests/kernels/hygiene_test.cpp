@@ -3,39 +3,14 @@
 #include "tests/support/brute_force.h"
 #include "tests/support/compare.h"
 #include "tests/support/render.h"
+#include "tests/support/victim.h"
 
 namespace tessera::testing {
 namespace {
 
-constexpr int64_t kVictim = 4;  // of 10 in each set
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
-
-TestGaussians<float> without_victim(const TestGaussians<float>& set) {
-  std::vector<int64_t> rest;
-  for (int64_t n = 0; n < set.count; ++n)
-    if (n != kVictim) rest.push_back(n);
-  return set.select(rest);
-}
-
-/// Renders with the victim of one set spoilt: counted once, everything else as if it were not
-/// there, forward and backward.
 void expect_culled_and_counted(const TestScene<float>& spoilt, int dim, const char* what) {
-  TestScene<float> rest = spoilt;
-  TestGaussians<float>& set = dim == 3 ? rest.fixed : rest.moving;
-  set = without_victim(set);
-  const Backward<float> a = backward(spoilt), b = backward(rest);
-  EXPECT_EQ(a.rendered.report.invalid_gaussians, 1) << what;
-  EXPECT_EQ(a.rendered.colour, b.rendered.colour) << what;
-  EXPECT_EQ(a.rendered.transmittance, b.rendered.transmittance) << what;
-  EXPECT_EQ(a.bad, 0u) << what;
-  const TestGaussians<float>&ga = dim == 3 ? a.fixed : a.moving,
-        &gb = dim == 3 ? b.fixed : b.moving;
-  for (int g = 0; g < group_count(dim); ++g) {
-    EXPECT_EQ(without_victim(ga).group[g], gb.group[g]) << what;
-    for (int i = 0; i < group_width(Group(g), 16); ++i)
-      EXPECT_EQ(ga.at(Group(g), kVictim)[i], 0.0f) << what;
-  }
+  testing::expect_culled_and_counted(spoilt, dim, what,
+                                     [](const TestScene<float>& scene) { return backward(scene); });
 }
 
 TEST(Hygiene, NonFiniteFieldIsCulledAndCounted) {
