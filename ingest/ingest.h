@@ -13,6 +13,20 @@ namespace tessera {
 
 enum class CaptureLayout { kTransforms, kN3dv, kColmap, kVideos };
 
+enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
+
+struct SyncOptions {
+  SyncMethod method = SyncMethod::kAuto;  // container times, else sound, else motion
+  std::filesystem::path offsets;          // file of stated offsets; it wins over the method
+};
+
+struct PoseOptions {
+  std::string source;                  // "colmap", "n3dv", a file of cameras; empty: what is there
+  std::string lens_model;              // COLMAP's name; empty: SIMPLE_RADIAL
+  bool intrinsics_per_camera = false;  // false: cameras of one picture size share them
+  bool strict = false;                 // an unregistered camera is an error
+};
+
 struct IngestOptions {
   double scale = 1;                     // (0, 1]: size of the prepared frames by the source's
   std::optional<int64_t> frames;        // first N instants of each camera; all by default

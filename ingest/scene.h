@@ -33,6 +33,8 @@ struct Frame {
 struct PointCloud {
   std::vector<glm::vec3> position;             // [P] world units
   std::vector<std::array<uint8_t, 3>> colour;  // [P] sRGB, same length as position
+  std::vector<float> time;     // [P] normalised moment at which it was seen; empty: not known
+  std::vector<uint8_t> still;  // [P] 1: looks the same at all times; empty: not known
 };
 
 /// time = (source_time − origin) / duration; source_time in the capture's own unit.

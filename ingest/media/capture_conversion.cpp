@@ -41,6 +41,15 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
           name));
 }
 
+/// What is done alike for all layouts, and the two files that describe the scene.
+void finish(Converted& converted, const std::filesystem::path& folder) {
+  const PointCloud& points = converted.points;
+  converted.report.points = int64_t(points.position.size());
+  converted.scene.has_points = !points.position.empty();
+  if (converted.scene.has_points) write_points(folder / "points.ply", points);
+  write_prepared_scene(folder, converted.scene);
+}
+
 }  // namespace
 
 void convert_pictures(size_t count, const IngestProgress& progress,
@@ -72,14 +81,6 @@ void write_prepared_picture(const std::filesystem::path& path, Image8 image, dou
   write_png(path, image);
 }
 
-void carry_points(const std::filesystem::path& capture, const std::string& stated,
-                  const std::filesystem::path& folder, PreparedScene& scene, IngestReport& report) {
-  const PointCloud points = find_points(capture, stated, report.warnings);
-  report.points = int64_t(points.position.size());
-  scene.has_points = report.points > 0;
-  if (scene.has_points) write_points(folder / "points.ply", points);
-}
-
 IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path& out,
                             const IngestOptions& options, const IngestProgress& progress) {
   check_options(options);
@@ -96,10 +97,11 @@ IngestReport ingest_capture(const std::filesystem::path& capture, const std::fil
   const auto convert = layout == CaptureLayout::kN3dv     ? convert_n3dv
                        : layout == CaptureLayout::kColmap ? convert_colmap
                                                           : convert_transforms;
-  IngestReport report = convert(capture, staged.path(), options, report_progress);
-  report.layout = layout;
+  Converted converted = convert(capture, staged.path(), options, report_progress);
+  finish(converted, staged.path());
+  converted.report.layout = layout;
   staged.commit();
-  return report;
+  return converted.report;
 }
 
 }  // namespace tessera

@@ -13,7 +13,6 @@
 #include "ingest/media/conversion.h"
 #include "ingest/media/image_source.h"
 #include "ingest/media/undistortion.h"
-#include "ingest/point_cloud.h"
 #include "ingest/source_hash.h"
 #include "kernels/base/errors.h"
 
@@ -168,9 +167,8 @@ PreparedScene describe(const std::vector<FoundPhoto>& photos, double scale) {
 
 }  // namespace
 
-IngestReport convert_colmap(const std::filesystem::path& capture,
-                            const std::filesystem::path& folder, const IngestOptions& options,
-                            const IngestProgress& progress) {
+Converted convert_colmap(const std::filesystem::path& capture, const std::filesystem::path& folder,
+                         const IngestOptions& options, const IngestProgress& progress) {
   const int64_t test_every = options.test_every.value_or(kTestEvery);
   if (test_every < 0 || test_every == 1)
     throw InputError(
@@ -200,12 +198,8 @@ IngestReport convert_colmap(const std::filesystem::path& capture,
   scene.background = had_alpha ? "alpha kept" : "opaque";
   for (const auto& file : model.files)
     scene.sources.push_back({file.lexically_relative(capture).generic_string(), source_hash(file)});
-  report.points = int64_t(model.points.position.size());
-  scene.has_points = report.points > 0;
-  if (scene.has_points) write_points(folder / "points.ply", model.points);
-  write_prepared_scene(folder, scene);
   report.frames = report.cameras = int64_t(photos.size());
-  return report;
+  return {std::move(scene), std::move(model.points), std::move(report)};
 }
 
 }  // namespace tessera

@@ -9,18 +9,25 @@
 
 namespace tessera {
 
+/// What a converter found and wrote. Pictures lie in the folder already; transforms.json and
+/// points.ply are written from this (capture_conversion.cpp), after what holds for all layouts.
+struct Converted {
+  PreparedScene scene;
+  PointCloud points;  // initial cloud in the capture's world; may be empty
+  IngestReport report;
+};
+
 /// Videos beside poses_bounds.npy. Errors: as ingest_capture.
-IngestReport convert_n3dv(const std::filesystem::path& capture, const std::filesystem::path& folder,
-                          const IngestOptions& options, const IngestProgress& progress);
+Converted convert_n3dv(const std::filesystem::path& capture, const std::filesystem::path& folder,
+                       const IngestOptions& options, const IngestProgress& progress);
 /// Pictures listed in transforms*.json. Errors: as ingest_capture.
-IngestReport convert_transforms(const std::filesystem::path& capture,
-                                const std::filesystem::path& folder, const IngestOptions& options,
-                                const IngestProgress& progress);
+Converted convert_transforms(const std::filesystem::path& capture,
+                             const std::filesystem::path& folder, const IngestOptions& options,
+                             const IngestProgress& progress);
 
 /// Photos posed by a COLMAP model; a static scene. Errors: as ingest_capture.
-IngestReport convert_colmap(const std::filesystem::path& capture,
-                            const std::filesystem::path& folder, const IngestOptions& options,
-                            const IngestProgress& progress);
+Converted convert_colmap(const std::filesystem::path& capture, const std::filesystem::path& folder,
+                         const IngestOptions& options, const IngestProgress& progress);
 
 /// Calls `convert` for each picture, in parallel, chunk by chunk, so that progress comes from the
 /// calling thread and stops what it wants to stop. Errors: the InputError of the first picture.
@@ -30,8 +37,4 @@ void convert_pictures(size_t count, const IngestProgress& progress,
 Camera scaled_camera(const Camera& camera, double scale);
 /// Scales `image` and writes it as an RGB or RGBA PNG (grey becomes RGB).
 void write_prepared_picture(const std::filesystem::path& path, Image8 image, double scale);
-/// Carries the initial cloud of `capture` over, notes it in `scene` and `report`.
-void carry_points(const std::filesystem::path& capture, const std::string& stated,
-                  const std::filesystem::path& folder, PreparedScene& scene, IngestReport& report);
-
 }  // namespace tessera

@@ -10,6 +10,7 @@
 #include "ingest/llff_poses.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/video_decoder.h"
+#include "ingest/point_cloud.h"
 #include "ingest/source_hash.h"
 #include "ingest/time_normalisation.h"
 #include "kernels/base/errors.h"
@@ -146,8 +147,8 @@ void check_count(const VideoCamera& camera, int64_t count, const VideoCamera& fi
 
 }  // namespace
 
-IngestReport convert_n3dv(const std::filesystem::path& capture, const std::filesystem::path& folder,
-                          const IngestOptions& options, const IngestProgress& progress) {
+Converted convert_n3dv(const std::filesystem::path& capture, const std::filesystem::path& folder,
+                       const IngestOptions& options, const IngestProgress& progress) {
   IngestReport report;
   const auto cameras = read_cameras(capture, options, report);
   PreparedScene scene;
@@ -169,11 +170,10 @@ IngestReport convert_n3dv(const std::filesystem::path& capture, const std::files
   scene.time_base = scene.cameras.front().time_base;
   scene.is_static = times.is_static;
   scene.sources.push_back({"poses_bounds.npy", source_hash(capture / "poses_bounds.npy")});
-  carry_points(capture, "", folder, scene, report);
-  write_prepared_scene(folder, scene);
+  PointCloud points = find_points(capture, "", report.warnings);
   report.frames = int64_t(scene.frames.size());
   report.cameras = int64_t(cameras.size());
-  return report;
+  return {std::move(scene), std::move(points), std::move(report)};
 }
 
 }  // namespace tessera

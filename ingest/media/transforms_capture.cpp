@@ -7,6 +7,7 @@
 #include "ingest/capture_times.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/image_source.h"
+#include "ingest/point_cloud.h"
 #include "ingest/source_hash.h"
 
 namespace tessera {
@@ -63,9 +64,9 @@ bool convert_frames(const TransformsCapture& capture, const std::filesystem::pat
 
 }  // namespace
 
-IngestReport convert_transforms(const std::filesystem::path& capture_folder,
-                                const std::filesystem::path& folder, const IngestOptions& options,
-                                const IngestProgress& progress) {
+Converted convert_transforms(const std::filesystem::path& capture_folder,
+                             const std::filesystem::path& folder, const IngestOptions& options,
+                             const IngestProgress& progress) {
   TransformsCapture capture = read_transforms(capture_folder);
   if (options.frames) keep_first_instants(capture, *options.frames);
   const NormalisedTimes times = times_of(capture, options.allow_static);
@@ -87,11 +88,10 @@ IngestReport convert_transforms(const std::filesystem::path& capture_folder,
   scene.background = had_alpha ? "alpha kept" : "opaque";
   for (const std::filesystem::path& file : capture.files)
     scene.sources.push_back({file.filename().string(), source_hash(file)});
-  carry_points(capture_folder, capture.points_file, folder, scene, report);
-  write_prepared_scene(folder, scene);
+  PointCloud points = find_points(capture_folder, capture.points_file, report.warnings);
   report.frames = int64_t(scene.frames.size());
   report.cameras = int64_t(cameras.size());
-  return report;
+  return {std::move(scene), std::move(points), std::move(report)};
 }
 
 }  // namespace tessera

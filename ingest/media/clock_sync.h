@@ -1,0 +1,39 @@
+// What: how much later or earlier each camera's clock runs than the rig's, from the videos.
+// Not: resampling: frames keep their moments, the offset is added to their times.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/ingest.h"
+#include "ingest/media/video_timeline.h"
+#include "ingest/rig_camera.h"
+
+namespace tessera {
+
+/// A camera's video, with its pose where that is known.
+struct RigClip {
+  std::string name;  // "cam02"
+  std::filesystem::path video;
+  VideoTimeline timeline;
+  std::optional<RigCamera> camera;
+};
+
+struct ClipClock {
+  double offset = 0;       // seconds added to the clip's own presentation times
+  double uncertainty = 0;  // standard error of it, seconds; 0 where it was stated
+  std::string source;      // "stated", "container", "audio", "motion", "none"
+};
+
+/// One entry a clip. Their gauge: the median of the offsets is 0, so that most clocks stay.
+struct ClipClocks {
+  std::vector<ClipClock> clocks;
+  std::vector<std::string> warnings;  // one line each, with the camera's name
+};
+
+/// Errors: InputError naming file or camera and the remedy.
+ClipClocks synchronise(const std::vector<RigClip>& clips, const SyncOptions& options,
+                       const IngestProgress& progress);
+
+}  // namespace tessera
