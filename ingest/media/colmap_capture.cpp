@@ -136,7 +136,7 @@ bool convert_photo(const FoundPhoto& found, const std::filesystem::path& folder,
     const Camera pinhole =
         undistorted_camera(camera, found.photo.lens,
                            fmt::format("{} ({})", found.file.string(), found.photo.lens_model));
-    picture = undistorted_picture(picture, camera, found.photo.lens, pinhole);
+    picture = Undistortion(camera, found.photo.lens, pinhole).apply(picture);
     camera = pinhole;
   }
   prepared.frame.camera = scaled_camera(camera, scale);

@@ -230,7 +230,7 @@ TEST(Undistortion, TransparentColoursDoNotBleed) {
   const Camera camera{40, 30, 30, 30, 20, 15, glm::dmat3(1), glm::dvec3(0)};
   Lens lens;
   lens.k1 = -0.1, lens.p2 = 0.05;
-  const Image8 result = undistorted_picture(picture, camera, lens, camera);
+  const Image8 result = Undistortion(camera, lens, camera).apply(picture);
   size_t partial = 0;
   for (size_t p = 0; p < result.data.size(); p += 4) {
     partial += result.data[p + 3] > 0 && result.data[p + 3] < 255;
