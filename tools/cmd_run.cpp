@@ -13,6 +13,7 @@
 #include "kernels/base/parallel.h"
 #include "recon4d/model_file.h"
 #include "static3d/ply_sequence.h"
+#include "static3d/world_change.h"
 #include "tools/backend_choice.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
@@ -157,7 +158,7 @@ class Runner {
     ledger_.begin("export", key);
     ProgressBar bar("export");
     const SequenceReport report = export_ply_sequence(
-        load_model(run_.model()), folder, export_times(), [&](int64_t done, int64_t total) {
+        model_in_source_world(load_model(run_.model())), folder, export_times(), [&](int64_t done, int64_t total) {
           stop_if_interrupted();
           bar.update(done, total);
         });
