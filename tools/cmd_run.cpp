@@ -17,6 +17,7 @@
 #include "tools/backend_choice.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
+#include "tools/ingest_batch.h"
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
 #include "tools/stage_ledger.h"
@@ -79,6 +80,10 @@ class Runner {
   void ingest() {
     if (!fs::exists(request_.capture))
       throw InputError(fmt::format("{}: no such capture", request_.capture.string()));
+    if (is_folder_of_captures(request_.capture))
+      throw InputError(fmt::format(
+          "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
+          request_.capture.string(), fmt::join(captures_in(request_.capture), ", ")));
     const bool as_it_is = detect_layout(request_.capture) == CaptureLayout::kTransforms &&
                           request_.ingest.scale == 1 && !request_.ingest.frames;
     scene_ = as_it_is ? request_.capture : request_.out / "scene";
