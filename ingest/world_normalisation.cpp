@@ -18,8 +18,8 @@ constexpr int kReweightings = 50;        // Weiszfeld's iteration converges line
 constexpr double kSwing = 0.1;           // second eigenvalue of right axes: about ±20° of an orbit
 constexpr double kLevel = 0.1;           // smallest by second eigenvalue: a level horizon
 constexpr double kUpAgreement = 0.7071;  // cosine of 45° to the mean up: else the horizon is no up
-// Smallest eigenvalue of the mean of I − d dᵀ: axes 4° apart, as the pairs of method E.3 are 6°.
-constexpr double kMeeting = 0.005;
+// Smallest eigenvalue of the mean of I − d dᵀ: of two axes 5.7° apart, the least of method E.3.
+constexpr double kMeeting = 0.0025;
 constexpr double kNearest = 0.3;        // 1.5 × the near plane 0.2
 constexpr double kMostEnlarged = 8;     // keeps the cameras' distance, 32, within the far plane 100
 constexpr double kNearQuantile = 0.01;  // points nearer than this share are taken for outliers

@@ -100,7 +100,6 @@ TEST(FourRotation, QuaternionsAreFoundFromTheMatrix) {
 }
 
 // The closed form: b/w and Σ_c of the conditional scale with space, w does not.
-// Bug put back: ln s added to the log scales of moving Gaussians; seen to fail.
 TEST(FourRotation, AScaleOfSpaceScalesVelocityAndCovariance) {
   Random random(7);
   for (double s : {0.05, 0.7, 3.0, 40.0})
@@ -170,7 +169,8 @@ TEST(WorldChange, ThereAndBackAndTheIdentity) {
       EXPECT_EQ(back.dynamic_set.group(same).value[n], model.dynamic_set.group(same).value[n]);
 }
 
-// A slice of the moved model is the moved slice. Bug put back: only l turned; seen to fail.
+// A slice of the moved model is the moved slice. Bugs put back, each seen to fail: only l turned;
+// ln s added to the log scales of moving Gaussians, whose axes mix space and time.
 TEST(WorldChange, CommutesWithSlicing) {
   const GaussianModel model = random_model(0, 50);
   const Similarity world = random_similarity(41, 2.2);
