@@ -42,7 +42,8 @@ ordered_json frame_json(const PreparedFrame& prepared) {
 ordered_json world_transform_json(const Similarity& transform) {
   const glm::dmat3 m = transform.scale * transform.rotation;
   ordered_json matrix = ordered_json::array();
-  for (int r = 0; r < 3; ++r) matrix.push_back({m[0][r], m[1][r], m[2][r], transform.translation[r]});
+  for (int r = 0; r < 3; ++r)
+    matrix.push_back({m[0][r], m[1][r], m[2][r], transform.translation[r]});
   matrix.push_back({0.0, 0.0, 0.0, 1.0});
   return matrix;
 }

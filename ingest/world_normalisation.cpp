@@ -14,9 +14,9 @@ namespace {
 using glm::dmat3;
 using glm::dvec3;
 
-constexpr int kReweightings = 50;        // Weiszfeld's iteration converges linearly
-constexpr double kSwing = 0.1;           // second eigenvalue of right axes: about ±20° of an orbit
-constexpr double kLevel = 0.1;           // smallest by second eigenvalue: a level horizon
+constexpr int kReweightings = 50;  // Weiszfeld's iteration converges linearly
+constexpr double kSwing = 0.1;     // second eigenvalue of right axes: about ±20° of an orbit
+constexpr double kLevel = 0.1;     // smallest by second eigenvalue: a level horizon
 constexpr double kUpAgreement = 0.7071;  // cosine of 45° to the mean up: else the horizon is no up
 // Smallest eigenvalue of the mean of I − d dᵀ: of two axes 5.7° apart, the least of method E.3.
 constexpr double kMeeting = 0.0025;

@@ -19,8 +19,8 @@ struct Node {
 std::array<Node, 4> gauss_legendre4() {
   const double root = 2.0 / 7 * std::sqrt(6.0 / 5), share = std::sqrt(30.0) / 36;
   const double inner = std::sqrt(3.0 / 7 - root), outer = std::sqrt(3.0 / 7 + root);
-  return {{{-outer, 0.5 - share}, {-inner, 0.5 + share}, {inner, 0.5 + share},
-           {outer, 0.5 - share}}};
+  return {
+      {{-outer, 0.5 - share}, {-inner, 0.5 + share}, {inner, 0.5 + share}, {outer, 0.5 - share}}};
 }
 
 template <class Real>
@@ -43,7 +43,8 @@ ShRotation::ShRotation(const Mat3<double>& b_from_a) {
   const Mat3<double> a_from_b = glm::transpose(b_from_a);
   for (const Node& node : gauss_legendre4())
     for (int i = 0; i < kAzimuths; ++i) {
-      const double azimuth = 2 * kPi * (i + 0.5) / kAzimuths, across = std::sqrt(1 - node.z * node.z);
+      const double azimuth = 2 * kPi * (i + 0.5) / kAzimuths,
+                   across = std::sqrt(1 - node.z * node.z);
       const Vec3<double> d(across * std::cos(azimuth), across * std::sin(azimuth), node.z);
       double of_a[kMaxShCoefficients], of_b[kMaxShCoefficients];
       sh_basis(kMaxShDegree, a_from_b * d, of_a);

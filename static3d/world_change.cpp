@@ -39,8 +39,7 @@ struct Change {
 /// Quaternions and scales of one dynamic Gaussian.
 void change_shape4(const Change& change, const GaussianSpans<float>& v, int64_t n) {
   const Vec4<double> left = product(change.quaternion, load4(v.at(kRotation, n)));
-  const Vec4<double> right =
-      product(load4(v.at(kRotationRight, n)), conjugate(change.quaternion));
+  const Vec4<double> right = product(load4(v.at(kRotationRight, n)), conjugate(change.quaternion));
   float* const log_scale = v.at(kLogScale, n);
   float* const log_scale_time = v.at(kLogScaleTime, n);
   const double sigma[4] = {std::exp(double(*log_scale_time)), std::exp(double(log_scale[0])),

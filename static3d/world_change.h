@@ -2,9 +2,10 @@
 //       cameras. Exports use it to give the source's world back.
 // Not: the choice of the similarity (ingest/world_normalisation.h).
 // Source: μ' = s·R·μ + t. A rotation q of space turns x ↦ l·x·r into (q·l)·x·(r·q̄), time being the
-//         real axis. A scale of space alone is no scale of a moving Gaussian's axes, which mix space
-//         and time: Σ₄' = D Σ₄ D, D = diag(1, s, s, s), is taken apart anew, by one-sided Jacobi
-//         rotations of D·R₄·diag(σ) [GolubVanLoan]; where the axes do not mix, ln s is added.
+//         real axis. A scale of space alone is no scale of a moving Gaussian's axes, which mix
+//         space and time: Σ₄' = D Σ₄ D, D = diag(1, s, s, s), is taken apart anew, by one-sided
+//         Jacobi rotations of D·R₄·diag(σ) [GolubVanLoan]; where the axes do not mix, ln s is
+//         added.
 #pragma once
 #include "kernels/base/similarity.h"
 #include "recon4d/gaussian_set.h"

@@ -22,8 +22,8 @@ struct CameraChoice {
   std::optional<double> time;     // normalised; instead of the frames' own
 };
 
-/// Times and world are those of the model. Errors: InputError: unreadable, no frame left, no size, a frame
-/// without a time for a model that moves.
+/// Times and world are those of the model. Errors: InputError: unreadable, no frame left, no size,
+/// a frame without a time for a model that moves.
 std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianModel& model);
 
 /// "train", "val" or "test". Errors: InputError.

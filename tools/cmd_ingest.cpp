@@ -97,8 +97,11 @@ void add_ingest_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand("ingest", "turn a capture into a prepared scene");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<IngestRequest>();
-  command->add_option("capture", request->capture, "folder of the capture, or of captures")->required();
-  command->add_option("-o,--out", request->out, "prepared scene to write; for a folder of captures, the folder of their scenes")
+  command->add_option("capture", request->capture, "folder of the capture, or of captures")
+      ->required();
+  command
+      ->add_option("-o,--out", request->out,
+                   "prepared scene to write; for a folder of captures, the folder of their scenes")
       ->required();
   command->add_option("--scale", request->options.scale, "size of the pictures by the source's");
   command->add_option("--frames", request->frames, "first N instants of each camera; 0: all");
@@ -120,7 +123,8 @@ void add_ingest_command(CLI::App& app, Work& work) {
   command->add_option("--test-every", request->options.test_every,
                       "COLMAP photo sets: every Nth photo is for the test; 0: none; default: 8");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
-  command->add_flag("--json", request->json, "print one JSON object; for a folder of captures, an array");
+  command->add_flag("--json", request->json,
+                    "print one JSON object; for a folder of captures, an array");
   command->callback([&work, request] { work = [request] { return ingest(*request); }; });
 }
 

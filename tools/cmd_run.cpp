@@ -162,11 +162,12 @@ class Runner {
     if (!must_run("export", key, folder / "manifest.json")) return true;
     ledger_.begin("export", key);
     ProgressBar bar("export");
-    const SequenceReport report = export_ply_sequence(
-        model_in_source_world(load_model(run_.model())), folder, export_times(), [&](int64_t done, int64_t total) {
-          stop_if_interrupted();
-          bar.update(done, total);
-        });
+    const SequenceReport report =
+        export_ply_sequence(model_in_source_world(load_model(run_.model())), folder, export_times(),
+                            [&](int64_t done, int64_t total) {
+                              stop_if_interrupted();
+                              bar.update(done, total);
+                            });
     ledger_.finish(
         "export", key,
         {{"folder", folder.string()}, {"frames", report.frames.size()}, {"bytes", report.bytes}});

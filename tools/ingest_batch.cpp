@@ -45,8 +45,8 @@ std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
     const bool is_hidden = entry.path().filename().string().front() == '.';
     const bool is_file = !unresolved && entry.is_regular_file(unresolved);
     if (!is_folder || is_hidden || is_file) continue;
-    if (!out.empty() && fs::weakly_canonical(entry.path(), unresolved) ==
-                            fs::weakly_canonical(out, unresolved))
+    if (!out.empty() &&
+        fs::weakly_canonical(entry.path(), unresolved) == fs::weakly_canonical(out, unresolved))
       continue;
     found.push_back(entry.path());
   }
@@ -196,9 +196,8 @@ BatchResult ingest_batch(const fs::path& folder, const fs::path& out,
 std::string batch_table(const BatchResult& result) {
   size_t width = 5;
   for (const BatchScene& scene : result.scenes) width = std::max(width, scene.name.size());
-  std::string table =
-      fmt::format("{:{}}  {:10} {:>7} {:>7} {:>9} {:>8}  {}\n", "scene", width, "layout", "cameras",
-                  "frames", "points", "seconds", "outcome");
+  std::string table = fmt::format("{:{}}  {:10} {:>7} {:>7} {:>9} {:>8}  {}\n", "scene", width,
+                                  "layout", "cameras", "frames", "points", "seconds", "outcome");
   for (const BatchScene& scene : result.scenes) {
     if (scene.outcome == BatchOutcome::kFailed) {
       table += fmt::format("{:{}}  {:10} {:>7} {:>7} {:>9} {:>8.1f}  failed: {}\n", scene.name,
@@ -207,15 +206,13 @@ std::string batch_table(const BatchResult& result) {
     }
     const IngestReport& report = scene.report;
     const size_t warnings = report.warnings.size();
-    table += fmt::format("{:{}}  {:10} {:>7} {:>7} {:>9} {:>8.1f}  {}{}\n", scene.name, width,
-                         layout_name(report.layout), report.cameras, report.frames, report.points,
-                         scene.seconds, outcome_name(scene.outcome),
-                         warnings == 0 ? ""
-                                       : fmt::format(", {} warning{}", warnings,
-                                                     warnings == 1 ? "" : "s"));
+    table += fmt::format(
+        "{:{}}  {:10} {:>7} {:>7} {:>9} {:>8.1f}  {}{}\n", scene.name, width,
+        layout_name(report.layout), report.cameras, report.frames, report.points, scene.seconds,
+        outcome_name(scene.outcome),
+        warnings == 0 ? "" : fmt::format(", {} warning{}", warnings, warnings == 1 ? "" : "s"));
   }
-  return table + fmt::format("{} done, {} unchanged, {} failed",
-                             result.count(BatchOutcome::kDone),
+  return table + fmt::format("{} done, {} unchanged, {} failed", result.count(BatchOutcome::kDone),
                              result.count(BatchOutcome::kUnchanged),
                              result.count(BatchOutcome::kFailed));
 }

@@ -13,13 +13,11 @@ namespace tessera {
 
 /// x ↦ scale · rotation · x + translation. Named `b_from_a` as all transforms are.
 struct Similarity {
-  double scale = 1;            // > 0
-  glm::dmat3 rotation{1.0};    // proper; m[column][row]
+  double scale = 1;             // > 0
+  glm::dmat3 rotation{1.0};     // proper; m[column][row]
   glm::dvec3 translation{0.0};  // units of the world that it leads to
 
-  glm::dvec3 operator()(const glm::dvec3& x) const {
-    return scale * (rotation * x) + translation;
-  }
+  glm::dvec3 operator()(const glm::dvec3& x) const { return scale * (rotation * x) + translation; }
   bool operator==(const Similarity&) const = default;
   bool is_identity() const { return *this == Similarity{}; }
 };

@@ -125,9 +125,8 @@ TEST(RealData, StudioPreparedScene) {
   // The world is normalised; undone, the poses are those of the truth.
   EXPECT_GT(scene.prepared_from_source.scale, 0);
   EXPECT_FALSE(scene.prepared_from_source.is_identity());
-  expect_same_camera(
-      camera_in_world(inverse(scene.prepared_from_source), scene.frames[36].camera),
-      studio_camera(truth, 1).resized(120, 90), 1e-6);
+  expect_same_camera(camera_in_world(inverse(scene.prepared_from_source), scene.frames[36].camera),
+                     studio_camera(truth, 1).resized(120, 90), 1e-6);
 }
 
 /// Poses of the model's images by name, of COLMAP's binary format.

@@ -29,9 +29,9 @@ std::vector<Camera> arc(int count, double radius, double elevation, double span)
   std::vector<Camera> cameras;
   for (int i = 0; i < count; ++i) {
     const double angle = span * i / (count - 1);
-    cameras.push_back(camera_of(looking_at_origin(
-        {radius * std::cos(elevation) * std::cos(angle),
-         radius * std::cos(elevation) * std::sin(angle), radius * std::sin(elevation)})));
+    cameras.push_back(camera_of(looking_at_origin({radius * std::cos(elevation) * std::cos(angle),
+                                                   radius * std::cos(elevation) * std::sin(angle),
+                                                   radius * std::sin(elevation)})));
   }
   return cameras;
 }

@@ -108,10 +108,10 @@ TEST(FourRotation, AScaleOfSpaceScalesVelocityAndCovariance) {
       Shape4 shape{random_quaternion(random), random_quaternion(random), {}};
       for (int k = 0; k < 4; ++k) shape.sigma[k] = std::exp(logs[size_t(k)]);
       const auto spacetime = [](const Shape4& g) {
-        return pair_spacetime(g.left, g.right,
-                              Vec3<double>(std::log(g.sigma[1]), std::log(g.sigma[2]),
-                                           std::log(g.sigma[3])),
-                              std::log(g.sigma[0]), 0.5);
+        return pair_spacetime(
+            g.left, g.right,
+            Vec3<double>(std::log(g.sigma[1]), std::log(g.sigma[2]), std::log(g.sigma[3])),
+            std::log(g.sigma[0]), 0.5);
       };
       const Spacetime<double> before = spacetime(shape);
       ASSERT_TRUE(scale_space(s, shape));
@@ -148,10 +148,10 @@ TEST(WorldChange, StaticPicturesStayTo1e5) {
   Similarity world = random_similarity(21, 1.6);
   world.translation *= 0.1;
   for (const View& view : three_views())
-    EXPECT_LT(largest_difference(
-                  render_one(model_in_world(world, model), view_in_world(world, view)),
-                  render_one(model, view)),
-              1e-5);
+    EXPECT_LT(
+        largest_difference(render_one(model_in_world(world, model), view_in_world(world, view)),
+                           render_one(model, view)),
+        1e-5);
 }
 
 TEST(WorldChange, ThereAndBackAndTheIdentity) {

@@ -132,7 +132,7 @@ TEST_F(CliBatch, NothingThereIsRefusedAndAmbiguityIsDecided) {
   work_.expect_refused({"ingest", work_.at("none"), "-o", work_.at("out"), "--batch"},
                        {"none of its 1 subfolders is a capture"});
   // A capture whose subfolder is one too: the capture itself, or with --batch the subfolder.
-  fs::copy(work_ / "capture", work_ / "capture/inner", kTree);
+  fs::rename(place(good_[0]), work_ / "capture/inner");
   EXPECT_EQ(work_.run_json({"ingest", work_.at("capture"), "-o", work_.at("outer")})["frames"], 4);
   const ChildResult inner =
       work_.run({"ingest", work_.at("capture"), "-o", work_.at("inners"), "--batch", "--json"});
@@ -161,8 +161,8 @@ TEST_F(CliBatch, CtrlCKeepsWhatIsDone) {
   });
   ChildProcess running({"ingest", work_.at("all"), "-o", work_.at("out")}, work_.path());
   ASSERT_TRUE(running.wait_until([&] {
-    for (const auto& entry : fs::directory_iterator(
-             fs::exists(work_ / "out") ? work_ / "out" : fs::path(work_.path())))
+    for (const auto& entry :
+         fs::directory_iterator(fs::exists(work_ / "out") ? work_ / "out" : fs::path(work_.path())))
       if (entry.path().filename().string().starts_with("." + last)) return true;
     return false;
   }));
