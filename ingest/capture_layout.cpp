@@ -29,6 +29,20 @@ std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder
   return videos;
 }
 
+const char* layout_name(CaptureLayout layout) {
+  switch (layout) {
+    case CaptureLayout::kTransforms:
+      return "transforms";
+    case CaptureLayout::kN3dv:
+      return "n3dv";
+    case CaptureLayout::kColmap:
+      return "colmap";
+    case CaptureLayout::kVideos:
+      return "videos";
+  }
+  return "";
+}
+
 CaptureLayout detect_layout(const std::filesystem::path& capture) {
   if (!std::filesystem::is_directory(capture))
     throw InputError(fmt::format("{}: no such folder; check the path", capture.string()));

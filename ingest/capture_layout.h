@@ -11,4 +11,7 @@ namespace tessera {
 /// The videos directly in `folder`, sorted by name.
 std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder);
 
+/// "transforms", "n3dv", "colmap" or "videos".
+const char* layout_name(CaptureLayout layout);
+
 }  // namespace tessera

@@ -33,6 +33,7 @@ struct IngestOptions {
   std::vector<std::string> held_out;    // camera names that become the test split (videos, photos);
                                         // empty: the first camera, as N3DV's protocol has it
   bool allow_static = false;            // accept a capture whose times are all equal
+  bool keep_world = false;              // no normalisation of the world (world_normalisation.h)
   std::optional<CaptureLayout> layout;  // read it as this, where a folder can be read as several
   std::string pictures;                 // photo sets: the folder of the photos; empty: images
   std::optional<int64_t> test_every;  // photo sets: photos 0, N, 2N … by name are the test split;

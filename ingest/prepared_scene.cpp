@@ -38,6 +38,16 @@ ordered_json frame_json(const PreparedFrame& prepared) {
           {"tessera", std::move(tessera)}};
 }
 
+/// 4×4, prepared world from source's world: scale · rotation | translation.
+ordered_json world_transform_json(const Similarity& transform) {
+  const glm::dmat3 m = transform.scale * transform.rotation;
+  ordered_json matrix = ordered_json::array();
+  for (int r = 0; r < 3; ++r)
+    matrix.push_back({m[0][r], m[1][r], m[2][r], transform.translation[r]});
+  matrix.push_back({0.0, 0.0, 0.0, 1.0});
+  return matrix;
+}
+
 ordered_json tessera_json(const PreparedScene& scene) {
   ordered_json cameras = ordered_json::array(), sources = ordered_json::object();
   for (const PreparedCamera& camera : scene.cameras)
@@ -45,14 +55,13 @@ ordered_json tessera_json(const PreparedScene& scene) {
                        {"time_base", rational_json(camera.time_base)},
                        {"time_offset", camera.time_offset}});
   for (const SourceFile& source : scene.sources) sources[source.name] = source.hash;
-  const ordered_json identity = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
   return {{"format_version", 1},
           {"layout", scene.layout},
           {"applied",
            {{"scale", scene.scale},
             {"undistortion", scene.undistortion},
             {"crop", "none"},
-            {"world_transform", identity},
+            {"world_transform", world_transform_json(scene.prepared_from_source)},
             {"background", scene.background}}},
           {"time",
            {{"base", rational_json(scene.time_base)},

@@ -35,6 +35,7 @@ struct PreparedScene {
   std::string undistortion = "none";  // the lens models that were removed: "OPENCV, RADIAL"
   double scale = 1;                   // prepared size by source size
   TimeAxis time_axis;
+  Similarity prepared_from_source;  // poses and points here are in the prepared world
   Rational time_base;  // seconds a tick of the first camera; 1/1 where times were stated
   bool is_static = false;
   bool has_points = false;  // points.ply lies beside transforms.json

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernels/base/camera.h"
+#include "kernels/base/similarity.h"
 
 namespace tessera {
 
@@ -48,7 +49,8 @@ struct Scene {
   std::vector<Frame> frames;  // in the order of the files
   PointCloud points;          // may be empty
   TimeAxis time_axis;
-  bool is_static = false;  // one timestep (no times given, or all equal and allowed)
+  Similarity prepared_from_source;  // what was done to the world; identity where nothing was
+  bool is_static = false;           // one timestep (no times given, or all equal and allowed)
   std::array<uint8_t, 3> background{0, 0, 0};  // sRGB colour that RGBA frames were composited on
   bool had_alpha = false;             // some frame had an alpha channel: empty space is known
   std::vector<std::string> warnings;  // one line each, for tools/ to print

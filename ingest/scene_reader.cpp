@@ -80,6 +80,7 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   load_frames(capture, options, scene);
   const NormalisedTimes times = times_of(capture, options.allow_static);
   scene.time_axis = times.axis;
+  scene.prepared_from_source = capture.prepared_from_source;
   scene.is_static = times.is_static;
   for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].time = times.time[i];
   check_splits(scene);

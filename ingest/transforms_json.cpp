@@ -95,6 +95,7 @@ void read_prepared_object(const json& object, const std::string& where,
   axis.duration = finite_number(time, "duration", where).value_or(axis.duration);
   capture.prepared_axis = axis;
   capture.prepared_static = is_true(time, "static");
+  capture.prepared_from_source = world_transform_of(object, where);
 }
 
 void read_file(const std::filesystem::path& path, Split split_of_file, Pictures pictures,

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <glm/matrix.hpp>
 
 #include "kernels/base/errors.h"
 
@@ -82,6 +84,26 @@ PoseRows pose_rows(const json& frame, const std::string& where) {
       rows[r][c] = value.get<double>();
     }
   return rows;
+}
+
+Similarity world_transform_of(const json& object, const std::string& where) {
+  const auto applied = object.find("applied");
+  if (applied == object.end() || !applied->contains("world_transform")) return {};
+  const std::string place = where + ": tessera.applied.world_transform";
+  const PoseRows rows = pose_rows({{"transform_matrix", (*applied)["world_transform"]}}, place);
+  Similarity world;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) world.rotation[c][r] = rows[size_t(r)][size_t(c)];
+    world.translation[r] = rows[size_t(r)][3];
+  }
+  world.scale = std::cbrt(glm::determinant(world.rotation));
+  world.rotation /= world.scale;
+  const glm::dmat3 residual = glm::transpose(world.rotation) * world.rotation - glm::dmat3(1.0);
+  for (int c = 0; c < 3; ++c)
+    if (!(world.scale > 0) || !(glm::length(residual[c]) < 1e-9))
+      throw InputError(
+          fmt::format("{} is no rotation times a scale above 0; prepare the capture again", place));
+  return world;
 }
 
 }  // namespace tessera

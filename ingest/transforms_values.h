@@ -6,6 +6,7 @@
 #include "ingest/files/json_file.h"
 #include "ingest/intrinsics.h"
 #include "ingest/pose_matrix.h"
+#include "kernels/base/similarity.h"
 
 namespace tessera {
 
@@ -17,5 +18,8 @@ StatedIntrinsics intrinsics_of(const nlohmann::json& object, const std::string& 
 void refuse_distortion(const nlohmann::json& object, const std::string& where);
 /// The first three rows of transform_matrix. Errors: InputError when it is no matrix of numbers.
 PoseRows pose_rows(const nlohmann::json& frame, const std::string& where);
+/// applied.world_transform of a `tessera` object; identity where it states none. Errors: InputError
+/// when it is no similarity.
+Similarity world_transform_of(const nlohmann::json& object, const std::string& where);
 
 }  // namespace tessera

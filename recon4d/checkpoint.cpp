@@ -52,6 +52,7 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"sh_coefficients", model.static_set.coefficients()},
       {"sh_degree", model.sh_degree},
       {"time_axis", {{"origin", model.time_axis.origin}, {"duration", model.time_axis.duration}}},
+      {"prepared_from_source", similarity_numbers(model.prepared_from_source)},
       {"background", model.background},
       {"near_plane", model.near_plane},
       {"far_plane", model.far_plane},
@@ -98,6 +99,8 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   model.dynamic_set = GaussianSet(4, coefficients);
   model.sh_degree = header.at("sh_degree");
   model.time_axis = {header.at("time_axis").at("origin"), header.at("time_axis").at("duration")};
+  if (const auto world = header.find("prepared_from_source"); world != header.end())
+    model.prepared_from_source = similarity_from_numbers(*world);  // absent: older file
   model.background = header.at("background");
   model.near_plane = header.at("near_plane"), model.far_plane = header.at("far_plane");
   model.sliced_direction = header.at("sliced_direction");

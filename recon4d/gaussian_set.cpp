@@ -69,8 +69,13 @@ namespace {
 
 GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set,
                         GaussianSet dynamic_set) {
-  return {std::move(static_set), std::move(dynamic_set), like.sh_degree, like.time_axis,
-          like.background,       like.near_plane,        like.far_plane, like.sliced_direction};
+  GaussianModel model;
+  model.static_set = std::move(static_set), model.dynamic_set = std::move(dynamic_set);
+  model.sh_degree = like.sh_degree, model.time_axis = like.time_axis;
+  model.prepared_from_source = like.prepared_from_source;
+  model.background = like.background, model.sliced_direction = like.sliced_direction;
+  model.near_plane = like.near_plane, model.far_plane = like.far_plane;
+  return model;
 }
 
 }  // namespace

@@ -79,6 +79,7 @@ struct GaussianModel {
   GaussianSet dynamic_set{4, kMaxShCoefficients};
   int sh_degree = 3;                           // bands that are active
   TimeAxis time_axis;                          // normalised time → the capture's own
+  Similarity prepared_from_source;             // the model's world by the source's
   std::array<uint8_t, 3> background{0, 0, 0};  // sRGB, what it was trained on
   double near_plane = 0.2, far_plane = 1e4;    // world units
   bool sliced_direction = true;                // RenderOptions::sliced_direction

@@ -181,6 +181,7 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
     place(points[i], squared[i], options, set, placed[size_t(is_static[i])]++);
   }
   model.time_axis = scene.time_axis;
+  model.prepared_from_source = scene.prepared_from_source;
   model.background = scene.background;
   model.near_plane = options.near_plane, model.far_plane = options.far_plane;
   model.sliced_direction = options.sliced_direction;

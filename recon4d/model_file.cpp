@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstdio>
 
@@ -80,6 +81,11 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
   model.near_plane = planes[0], model.far_plane = planes[1];
   const auto sliced = numbers_if_any(path, comments, "sliced_direction", 1);  // absent: older file
   if (!sliced.empty()) model.sliced_direction = sliced[0] != 0;
+  const auto world = numbers_if_any(path, comments, "prepared_from_source", kSimilarityNumbers);
+  if (world.empty()) return;  // older file: the source's own world
+  SimilarityNumbers numbers{};
+  std::copy(world.begin(), world.end(), numbers.begin());
+  model.prepared_from_source = similarity_from_numbers(numbers);
 }
 
 }  // namespace
@@ -92,7 +98,9 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
       fmt::format("sh_degree {}", model.sh_degree),
       fmt::format("background {} {} {}", rgb[0], rgb[1], rgb[2]),
       fmt::format("clip_planes {} {}", model.near_plane, model.far_plane),
-      fmt::format("sliced_direction {}", int(model.sliced_direction))};
+      fmt::format("sliced_direction {}", int(model.sliced_direction)),
+      fmt::format("prepared_from_source {}",
+                  fmt::join(similarity_numbers(model.prepared_from_source), " "))};
   // A model without movement is a file that any viewer of static splats opens.
   std::vector<SplatElement> elements = {
       {kStaticElement, &model.static_set, model.static_set.coefficients()}};

@@ -76,6 +76,7 @@ json model_info(const GaussianModel& model) {
   info["temporal_extent"] = percentiles(facts.temporal_extent);
   info["speed"] = percentiles(facts.speed);
   info["time_axis"] = {{"origin", model.time_axis.origin}, {"duration", model.time_axis.duration}};
+  info["world"] = model.prepared_from_source.is_identity() ? "source" : "prepared";
   info["background"] = model.background;
   info["clip_planes"] = {model.near_plane, model.far_plane};
   return info;

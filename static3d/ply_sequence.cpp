@@ -127,6 +127,8 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
   manifest["fps"] = frames_per_second();
   manifest["time_axis"] = {{"origin", model_.time_axis.origin},
                            {"duration", model_.time_axis.duration}};
+  const bool in_source_world = model_.prepared_from_source.is_identity();
+  manifest["world"] = in_source_world ? "source" : "prepared";
   manifest["sh_degree"] = model_.sh_degree;
   manifest["background"] = model_.background;
   manifest["constant_ids"] = false;

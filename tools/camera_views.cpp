@@ -25,7 +25,8 @@ std::vector<NamedView> views_of_scene(const CameraChoice& choice, const Gaussian
   for (const Frame& frame : scene.frames) {
     if (!choice.split.empty() && frame.split != parse_split(choice.split)) continue;
     const double time = choice.time.value_or(model_time(model, scene.time_axis, frame.time));
-    views.push_back({frame.name, {frame.camera, time}});
+    views.push_back(
+        {frame.name, {model_camera(model, scene.prepared_from_source, frame.camera), time}});
   }
   return views;
 }
@@ -62,7 +63,9 @@ std::vector<NamedView> views_of_path(const CameraChoice& choice, const GaussianM
     Camera camera = frame.camera;
     const Image8 size = size_of(frame, choice.cameras.parent_path());
     set_intrinsics(camera, frame.intrinsics, size.width, size.height, frame.where);
-    views.push_back({frame.name, {camera, time_of(frame, path, choice, model)}});
+    views.push_back({frame.name,
+                     {model_camera(model, path.prepared_from_source, camera),
+                      time_of(frame, path, choice, model)}});
   }
   return views;
 }
@@ -94,6 +97,13 @@ double model_time(const GaussianModel& model, const TimeAxis& axis, double time)
   const TimeAxis& own = model.time_axis;
   if (axis.origin == own.origin && axis.duration == own.duration) return time;
   return (axis.origin + time * axis.duration - own.origin) / own.duration;
+}
+
+Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
+                    const Camera& camera) {
+  if (prepared_from_source == model.prepared_from_source) return camera;
+  return camera_in_world(compose(model.prepared_from_source, inverse(prepared_from_source)),
+                         camera);
 }
 
 }  // namespace tessera

@@ -22,8 +22,8 @@ struct CameraChoice {
   std::optional<double> time;     // normalised; instead of the frames' own
 };
 
-/// Times are those of the model. Errors: InputError: unreadable, no frame left, no size, a frame
-/// without a time for a model that moves.
+/// Times and world are those of the model. Errors: InputError: unreadable, no frame left, no size,
+/// a frame without a time for a model that moves.
 std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianModel& model);
 
 /// "train", "val" or "test". Errors: InputError.
@@ -31,5 +31,10 @@ Split parse_split(const std::string& name);
 
 /// Normalised time of `axis` → normalised time of the model, through the capture's own clock.
 double model_time(const GaussianModel& model, const TimeAxis& axis, double time);
+
+/// A camera of a file into the model's world. A prepared scene says how its world comes from the
+/// source's (`prepared_from_source`); any other file is in the source's world: the identity.
+Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
+                    const Camera& camera);
 
 }  // namespace tessera

@@ -49,7 +49,10 @@ Scene open_scene(const EvaluateRequest& request, const GaussianModel& model) {
   options.background = model.background, options.allow_static = true;
   Scene scene = load_scene(scene_path(request), options);
   for (const std::string& warning : scene.warnings) warn(warning);
-  for (Frame& frame : scene.frames) frame.time = model_time(model, scene.time_axis, frame.time);
+  for (Frame& frame : scene.frames) {
+    frame.time = model_time(model, scene.time_axis, frame.time);
+    frame.camera = model_camera(model, scene.prepared_from_source, frame.camera);
+  }
   return scene;
 }
 

@@ -11,6 +11,7 @@
 #include "recon4d/hygiene.h"
 #include "recon4d/model_file.h"
 #include "static3d/ply_sequence.h"
+#include "static3d/world_change.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/model_input.h"
@@ -29,7 +30,7 @@ struct ExportRequest {
   std::optional<int64_t> frames;
   std::optional<double> fps, time;
   int threads = 0;
-  bool overwrite = false, json = false;
+  bool keep_world = false, overwrite = false, json = false;
 };
 
 /// `count` moments from the first to the last.
@@ -148,6 +149,7 @@ int export_command(const ExportRequest& request) {
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
   check_places(request, input.file);
+  if (!request.keep_world) input.model = model_in_source_world(input.model);
   nlohmann::json result = format.write(request, input.model);
   result["out"] = request.out, result["format"] = format.name;
   result["model"] = input.file.string(), result["num_gaussians"] = input.model.count();
@@ -176,6 +178,8 @@ void add_export_command(CLI::App& app, Work& work) {
   CLI::Option* time =
       command->add_option("--time", request->time, "a single moment, 0 (first) to 1 (last)");
   fps->excludes(frames), time->excludes(frames), time->excludes(fps);
+  command->add_flag("--keep-world", request->keep_world,
+                    "stay in the world of the prepared scene; default: back in the capture's own");
   command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");

@@ -2,10 +2,12 @@
 // Not: the readers (ingest).
 #include <fmt/format.h>
 
+#include "ingest/capture_layout.h"
 #include "ingest/ingest.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "tools/command.h"
+#include "tools/ingest_batch.h"
 #include "tools/interrupt.h"
 #include "tools/terminal.h"
 
@@ -17,22 +19,8 @@ struct IngestRequest {
   std::string capture, out, poses;
   int64_t frames = 0;  // 0: all
   int threads = 0;
-  bool json = false;
+  bool batch = false, json = false;
 };
-
-const char* layout_name(CaptureLayout layout) {
-  switch (layout) {
-    case CaptureLayout::kTransforms:
-      return "transforms";
-    case CaptureLayout::kN3dv:
-      return "n3dv";
-    case CaptureLayout::kColmap:
-      return "colmap";
-    case CaptureLayout::kVideos:
-      return "videos";
-  }
-  return "";
-}
 
 /// Checks the request; `--poses` may decide the layout.
 void check_request(IngestRequest& request) {
@@ -51,6 +39,10 @@ void check_request(IngestRequest& request) {
         fmt::format("ingest: --poses '{}' is not in this version; there are n3dv "
                     "(poses_bounds.npy) and colmap (sparse/0)",
                     request.poses));
+  if (request.batch) {
+    request.options.layout = CaptureLayout::kN3dv;  // its reader says where it is not
+    return;
+  }
   if (detect_layout(request.capture) != CaptureLayout::kN3dv)
     throw InputError(
         fmt::format("{}: has no videos with a poses_bounds.npy, which --poses n3dv "
@@ -58,10 +50,17 @@ void check_request(IngestRequest& request) {
                     request.capture));
 }
 
-int ingest(IngestRequest request) {
-  check_request(request);
-  if (request.frames > 0) request.options.frames = request.frames;
-  set_thread_count(request.threads);
+int ingest_all(const IngestRequest& request) {
+  const BatchResult result = ingest_batch(request.capture, request.out, request.options);
+  print_result(request.json, batch_json(result, request.out), batch_table(result));
+  if (result.interrupted) {
+    say("interrupted; run the same command again to go on");
+    return kExitInterrupted;
+  }
+  return result.count(BatchOutcome::kFailed) == 0 ? kExitDone : kExitFailed;
+}
+
+int ingest_one(const IngestRequest& request) {
   IngestReport report;
   {
     ProgressBar bar("ingest");
@@ -84,14 +83,26 @@ int ingest(IngestRequest request) {
   return kExitDone;
 }
 
+int ingest(IngestRequest request) {
+  request.batch = request.batch || is_folder_of_captures(request.capture);
+  check_request(request);
+  if (request.frames > 0) request.options.frames = request.frames;
+  set_thread_count(request.threads);
+  return request.batch ? ingest_all(request) : ingest_one(request);
+}
+
 }  // namespace
 
 void add_ingest_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand("ingest", "turn a capture into a prepared scene");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<IngestRequest>();
-  command->add_option("capture", request->capture, "folder of the capture")->required();
-  command->add_option("-o,--out", request->out, "prepared scene to write")->required();
+  command->add_option("capture", request->capture, "folder of the capture, or of captures")
+      ->required();
+  command
+      ->add_option("-o,--out", request->out,
+                   "prepared scene to write; for a folder of captures, the folder of their scenes")
+      ->required();
   command->add_option("--scale", request->options.scale, "size of the pictures by the source's");
   command->add_option("--frames", request->frames, "first N instants of each camera; 0: all");
   command
@@ -100,6 +111,11 @@ void add_ingest_command(CLI::App& app, Work& work) {
       ->delimiter(',');
   command->add_flag("--static", request->options.allow_static,
                     "accept times that are all equal as one moment");
+  command->add_flag("--keep-world", request->options.keep_world,
+                    "leave the poses' world as it is; default: up, centre and scale are normalised "
+                    "where the world is arbitrary (all but transforms)");
+  command->add_flag("--batch", request->batch,
+                    "prepare every subfolder, also where the folder is a capture itself");
   command->add_option("--poses", request->poses,
                       "where poses come from: n3dv, or colmap (also beside a transforms.json)");
   command->add_option("--images", request->options.pictures,
@@ -107,7 +123,8 @@ void add_ingest_command(CLI::App& app, Work& work) {
   command->add_option("--test-every", request->options.test_every,
                       "COLMAP photo sets: every Nth photo is for the test; 0: none; default: 8");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
-  command->add_flag("--json", request->json, "print one JSON object");
+  command->add_flag("--json", request->json,
+                    "print one JSON object; for a folder of captures, an array");
   command->callback([&work, request] { work = [request] { return ingest(*request); }; });
 }
 

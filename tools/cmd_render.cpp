@@ -109,7 +109,8 @@ void add_render_command(CLI::App& app, Work& work) {
   command
       ->add_option(
           "--cameras", request->choice.cameras,
-          "scene folder, or a transforms file as camera path (its pictures need not exist)")
+          "scene folder, or a transforms file as camera path (its pictures need not exist); one "
+          "without a `tessera` object is in the capture's own world")
       ->required();
   command->add_option("-o,--out", request->out, "folder of the pictures")->required();
   command->add_option("--split", request->choice.split, "train, val or test; default: all frames");

@@ -13,9 +13,11 @@
 #include "kernels/base/parallel.h"
 #include "recon4d/model_file.h"
 #include "static3d/ply_sequence.h"
+#include "static3d/world_change.h"
 #include "tools/backend_choice.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
+#include "tools/ingest_batch.h"
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
 #include "tools/stage_ledger.h"
@@ -78,6 +80,10 @@ class Runner {
   void ingest() {
     if (!fs::exists(request_.capture))
       throw InputError(fmt::format("{}: no such capture", request_.capture.string()));
+    if (is_folder_of_captures(request_.capture))
+      throw InputError(fmt::format(
+          "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
+          request_.capture.string(), fmt::join(captures_in(request_.capture), ", ")));
     const bool as_it_is = detect_layout(request_.capture) == CaptureLayout::kTransforms &&
                           request_.ingest.scale == 1 && !request_.ingest.frames;
     scene_ = as_it_is ? request_.capture : request_.out / "scene";
@@ -156,11 +162,12 @@ class Runner {
     if (!must_run("export", key, folder / "manifest.json")) return true;
     ledger_.begin("export", key);
     ProgressBar bar("export");
-    const SequenceReport report = export_ply_sequence(
-        load_model(run_.model()), folder, export_times(), [&](int64_t done, int64_t total) {
-          stop_if_interrupted();
-          bar.update(done, total);
-        });
+    const SequenceReport report =
+        export_ply_sequence(model_in_source_world(load_model(run_.model())), folder, export_times(),
+                            [&](int64_t done, int64_t total) {
+                              stop_if_interrupted();
+                              bar.update(done, total);
+                            });
     ledger_.finish(
         "export", key,
         {{"folder", folder.string()}, {"frames", report.frames.size()}, {"bytes", report.bytes}});

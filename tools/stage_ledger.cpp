@@ -14,6 +14,8 @@
 namespace tessera {
 
 namespace fs = std::filesystem;
+// File names need not be UTF-8.
+constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
 
 StageLedger::StageLedger(fs::path file) : file_(std::move(file)) {
   if (!fs::exists(file_)) return;
@@ -35,7 +37,7 @@ bool StageLedger::begun(const std::string& stage, const std::string& key) const 
 
 void StageLedger::set(const std::string& stage, nlohmann::json entry) {
   entries_[stage] = std::move(entry);
-  write_text_file(file_, entries_.dump(2));
+  write_text_file(file_, entries_.dump(2, ' ', false, kReplace));
 }
 
 void StageLedger::begin(const std::string& stage, const std::string& key) {
@@ -53,7 +55,7 @@ const nlohmann::json& StageLedger::result(const std::string& stage) const {
 
 std::string key_of(const nlohmann::json& inputs) {
   Fnv1a hash;
-  hash.add(inputs.dump());
+  hash.add(inputs.dump(-1, ' ', false, kReplace));
   return hash.hex();
 }
 

@@ -25,7 +25,8 @@ void warn(const std::string& line) {
 }
 
 void print_result(bool as_json, const nlohmann::json& json, const std::string& text) {
-  fmt::print("{}\n", as_json ? json.dump(2) : text);
+  fmt::print("{}\n",
+             as_json ? json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) : text);
   std::fflush(stdout);
 }
 

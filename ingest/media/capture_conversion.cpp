@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "ingest/media/picture_scale.h"
 #include "ingest/point_cloud.h"
 #include "ingest/transforms_json.h"
+#include "ingest/world_normalisation.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 
@@ -41,8 +43,44 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
           name));
 }
 
+/// The training cameras, a camera that stands still once.
+std::vector<Camera> training_poses(const PreparedScene& scene) {
+  std::vector<Camera> poses;
+  std::map<std::string, Camera> last;  // by camera name
+  for (const PreparedFrame& prepared : scene.frames) {
+    const Frame& frame = prepared.frame;
+    if (frame.split != Split::kTrain) continue;
+    const auto [at, is_new] = last.try_emplace(frame.camera_name, frame.camera);
+    if (!is_new && at->second.cam_from_world == frame.camera.cam_from_world &&
+        at->second.translation == frame.camera.translation)
+      continue;
+    at->second = frame.camera;
+    poses.push_back(frame.camera);
+  }
+  return poses;
+}
+
+/// Poses and points to the normalised world, if there is a training camera.
+void normalise_world(Converted& converted) {
+  PreparedScene& scene = converted.scene;
+  const std::vector<Camera> poses = training_poses(scene);
+  if (poses.empty()) return;
+  const Similarity change = normalised_from_source(poses, converted.points);
+  for (PreparedFrame& prepared : scene.frames)
+    prepared.frame.camera = camera_in_world(change, prepared.frame.camera);
+  for (glm::vec3& point : converted.points.position) point = glm::vec3(change(glm::dvec3(point)));
+  scene.prepared_from_source = compose(change, scene.prepared_from_source);
+}
+
+/// A transforms file states a world that protocols and other programs rely on; poses that were
+/// estimated, or given in whatever world their program chose, do not.
+bool has_arbitrary_world(CaptureLayout layout) {
+  return layout != CaptureLayout::kTransforms;
+}
+
 /// What is done alike for all layouts, and the two files that describe the scene.
-void finish(Converted& converted, const std::filesystem::path& folder) {
+void finish(Converted& converted, const std::filesystem::path& folder, bool keep_world) {
+  if (!keep_world) normalise_world(converted);
   const PointCloud& points = converted.points;
   converted.report.points = int64_t(points.position.size());
   converted.scene.has_points = !points.position.empty();
@@ -98,7 +136,7 @@ IngestReport ingest_capture(const std::filesystem::path& capture, const std::fil
                        : layout == CaptureLayout::kColmap ? convert_colmap
                                                           : convert_transforms;
   Converted converted = convert(capture, staged.path(), options, report_progress);
-  finish(converted, staged.path());
+  finish(converted, staged.path(), options.keep_world || !has_arbitrary_world(layout));
   converted.report.layout = layout;
   staged.commit();
   return converted.report;

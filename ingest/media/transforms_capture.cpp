@@ -74,6 +74,7 @@ Converted convert_transforms(const std::filesystem::path& capture_folder,
   scene.layout = "transforms";
   scene.scale = options.scale;
   scene.time_axis = times.axis;
+  scene.prepared_from_source = capture.prepared_from_source;
   scene.is_static = times.is_static;
   IngestReport report;
   report.warnings = std::move(capture.warnings);

@@ -24,7 +24,9 @@ class ColmapCapture : public ::testing::Test {
     model_ = small_colmap_model(photos);
     write_photo_set(capture_, model_);
   }
-  IngestReport ingest(const IngestOptions& options = {}) {
+  /// In the model's world.
+  IngestReport ingest(IngestOptions options = {}) {
+    options.keep_world = true;
     return ingest_capture(capture_, folder_ / "scene", options, {});
   }
   Scene scene() { return load_scene(folder_ / "scene", {}); }

@@ -122,7 +122,11 @@ TEST(RealData, StudioPreparedScene) {
   EXPECT_NEAR(scene.frames[7].time, 7.0 / 35, 1e-9);
   EXPECT_EQ(scene.frames[7].image.width, 120);
   const json truth = json::parse(read_bytes(folder / "ground_truth.json"));
-  expect_same_camera(scene.frames[36].camera, studio_camera(truth, 1).resized(120, 90), 1e-6);
+  // The world is normalised; undone, the poses are those of the truth.
+  EXPECT_GT(scene.prepared_from_source.scale, 0);
+  EXPECT_FALSE(scene.prepared_from_source.is_identity());
+  expect_same_camera(camera_in_world(inverse(scene.prepared_from_source), scene.frames[36].camera),
+                     studio_camera(truth, 1).resized(120, 90), 1e-6);
 }
 
 /// Poses of the model's images by name, of COLMAP's binary format.

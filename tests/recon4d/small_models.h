@@ -40,6 +40,7 @@ inline GaussianModel clone(const GaussianModel& model) {
   copy.background = model.background;
   copy.near_plane = model.near_plane, copy.far_plane = model.far_plane;
   copy.sliced_direction = model.sliced_direction;
+  copy.prepared_from_source = model.prepared_from_source;
   return copy;
 }
 

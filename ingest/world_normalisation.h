@@ -1,0 +1,31 @@
+// What: the similarity that brings a capture's arbitrary world to up = +z, its centre to the origin
+//       and its cameras to distance 4.
+// Not: applying it to a scene's files (media/capture_conversion.cpp) or undoing it (static3d/).
+// Source: method E.3 (centre of optical axes, mean up, distance 4), by robust means.
+#pragma once
+#include <vector>
+
+#include "ingest/scene.h"
+#include "kernels/base/similarity.h"
+
+namespace tessera {
+
+/// Where the cameras stand about the centre afterwards, in world units: learning rates, near plane
+/// 0.2 and far plane 100 of the published 4D protocols are made for it.
+inline constexpr double kNormalisedDistance = 4;
+
+/// prepared_from_source by the training cameras (one entry a pose) and the initial cloud, which may
+/// be empty. `cameras` must not be empty.
+///
+/// Up: the direction across the cameras' right axes (people and tripods hold the horizon level)
+/// where these swing far enough to say it (an orbit); else the geometric median of the cameras' own
+/// up axes (a rig that looks one way). It is turned to +z by the shortest rotation.
+/// Centre: the point nearest to the viewing axes, outlying cameras weighted down, where the axes
+/// meet in front of most cameras; else the cameras' mean, led on along their mean direction by the
+/// median depth of the points.
+/// Scale: median distance of the cameras to the centre → 4 (median depth of the points, if larger,
+/// where the axes do not meet), and more where the nearest points would lie before the near plane.
+/// Without any length to measure (one camera, no points) the scale stays.
+Similarity normalised_from_source(const std::vector<Camera>& cameras, const PointCloud& points);
+
+}  // namespace tessera

@@ -1,0 +1,32 @@
+// What: the axes of a 4D Gaussian under a scale of space alone, and the two quaternions of a
+//       rotation of space-time.
+// Not: on the path of training; changes of world need it once per Gaussian, in double.
+// Source: [GolubVanLoan] one-sided Jacobi (section 8.6.3): small axes keep their relative accuracy.
+#pragma once
+#include "kernels/math/rotation4.h"
+
+namespace tessera {
+
+/// Quaternion product a·b.
+inline Vec4<double> product(const Vec4<double>& a, const Vec4<double>& b) {
+  const Mat4<double> left = left_matrix(a);
+  Vec4<double> result(0.0);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) result[i] += left.m[i][j] * b[j];
+  return result;
+}
+
+/// Unit (l, r), up to a common sign, with rotation4(l, r) = R for a proper rotation R.
+void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<double>& right);
+
+/// Axes of x ↦ left·x·right, standard deviations along them, time's first.
+struct Shape4 {
+  Vec4<double> left, right;
+  Vec4<double> sigma;
+};
+
+/// Stretches the three spatial directions by `scale` > 0. False, and nothing changed, where the
+/// axes stay as they are because none mixes space and time.
+bool scale_space(double scale, Shape4& shape);
+
+}  // namespace tessera

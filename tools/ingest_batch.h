@@ -1,0 +1,48 @@
+// What: `tessera ingest` on a folder whose subfolders are captures: one prepared scene each.
+// Not: one capture (ingest/ingest.h), nor the command line (cmd_ingest.cpp).
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "ingest/ingest.h"
+
+namespace tessera {
+
+enum class BatchOutcome { kDone, kUnchanged, kFailed };
+
+/// One line of the summary.
+struct BatchScene {
+  std::string name;  // of the subfolder, and of the prepared scene in the output folder
+  BatchOutcome outcome = BatchOutcome::kFailed;
+  IngestReport report;  // where it did not fail
+  double seconds = 0;
+  std::string error;  // where it failed: one line
+};
+
+struct BatchResult {
+  std::vector<BatchScene> scenes;  // in the order of names
+  bool interrupted = false;        // the scenes are those that were reached
+
+  int64_t count(BatchOutcome outcome) const;
+};
+
+/// Names of the subfolders that are captures; hidden ones are not looked at. Errors: none: what
+/// cannot be read is no capture.
+std::vector<std::string> captures_in(const std::filesystem::path& folder);
+
+/// True when `folder` is no capture itself and some of its subfolders are.
+bool is_folder_of_captures(const std::filesystem::path& folder);
+
+/// Prepares every subfolder of `folder` into out/NAME. A bad one is reported and the next begun;
+/// one that was prepared before from the same files with the same options is left alone
+/// (out/scenes.json keeps the keys). Errors: InputError when no subfolder is a capture, or `out`
+/// cannot be written.
+BatchResult ingest_batch(const std::filesystem::path& folder, const std::filesystem::path& out,
+                         const IngestOptions& options);
+
+std::string batch_table(const BatchResult& result);
+nlohmann::json batch_json(const BatchResult& result, const std::filesystem::path& out);
+
+}  // namespace tessera
