@@ -8,7 +8,7 @@
 
 #include "kernels/pipeline.h"
 #include "recon4d/batch_sampler.h"
-#include "recon4d/camera_rig.h"
+#include "kernels/base/camera_rig.h"
 #include "recon4d/frame_feed.h"
 #include "recon4d/observer.h"
 #include "recon4d/schedule.h"

@@ -14,7 +14,7 @@ namespace {
 
 struct IngestRequest {
   IngestOptions options;
-  std::string capture, out, poses;
+  std::string capture, out, poses, cloud;
   int64_t frames = 0;  // 0: all
   int threads = 0;
   bool json = false;
@@ -32,6 +32,15 @@ const char* layout_name(CaptureLayout layout) {
       return "videos";
   }
   return "";
+}
+
+std::optional<CloudDensity> cloud_density(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  for (const auto& [known, density] : {std::pair{"none", CloudDensity::kNone},
+                                       {"sparse", CloudDensity::kSparse},
+                                       {"dense", CloudDensity::kDense}})
+    if (name == known) return density;
+  throw InputError(fmt::format("ingest: --cloud is '{}', expected none, sparse or dense", name));
 }
 
 /// Checks the request; `--poses` may decide the layout.
@@ -61,6 +70,7 @@ void check_request(IngestRequest& request) {
 int ingest(IngestRequest request) {
   check_request(request);
   if (request.frames > 0) request.options.frames = request.frames;
+  request.options.cloud = cloud_density(request.cloud);
   set_thread_count(request.threads);
   IngestReport report;
   {
@@ -106,6 +116,11 @@ void add_ingest_command(CLI::App& app, Work& work) {
                       "COLMAP photo sets: folder of the photos, e.g. images_4; default: images");
   command->add_option("--test-every", request->options.test_every,
                       "COLMAP photo sets: every Nth photo is for the test; 0: none; default: 8");
+  command->add_option("--cloud", request->cloud,
+                      "initial points: none, sparse (the capture's), dense (and a plane sweep); "
+                      "default: dense where three training cameras share moments");
+  command->add_option("--cloud-points", request->options.cloud_points,
+                      "most points that the plane sweep finds");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return ingest(*request); }; });
