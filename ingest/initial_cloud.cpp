@@ -46,8 +46,7 @@ int64_t instants_in_memory(const PreparedScene& scene) {
 /// moment.
 CloudDensity density(const PreparedScene& scene, const PointCloud& sparse,
                      const IngestOptions& options) {
-  if (scene.layout == "transforms" && !sparse.still.empty() &&
-      options.cloud != CloudDensity::kNone)
+  if (scene.layout == "transforms" && !sparse.still.empty() && options.cloud != CloudDensity::kNone)
     return CloudDensity::kSparse;
   if (options.cloud) return *options.cloud;
   return scene.layout != "colmap" && cameras_of_a_moment(scene) >= kFewestCameras

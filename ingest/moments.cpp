@@ -39,8 +39,8 @@ std::vector<Moment> group_moments(const std::vector<FrameTime>& frames) {
   for (double time : times) moments.push_back({time, {}});
   const double reach = 0.5 * smallest_gap(times);
   for (const FrameTime& frame : frames) {
-    const auto above = size_t(std::lower_bound(times.begin(), times.end(), frame.time) -
-                              times.begin());
+    const auto above =
+        size_t(std::lower_bound(times.begin(), times.end(), frame.time) - times.begin());
     size_t nearest = std::min(above, times.size() - 1);
     if (above > 0 && frame.time - times[above - 1] < std::abs(times[nearest] - frame.time))
       nearest = above - 1;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
+#include <vector>
 
 #include "ingest/scene.h"
 
@@ -37,8 +39,8 @@ inline Patch patch_at(const Image8& image, int x, int y) {
   Patch patch;
   size_t i = 0;
   for (int dy = -Patch::kRadius; dy <= Patch::kRadius; ++dy) {
-    const uint8_t* row = image.data.data() +
-                         3 * (size_t(y + dy) * size_t(image.width) + size_t(x - Patch::kRadius));
+    const uint8_t* row =
+        image.data.data() + 3 * (size_t(y + dy) * size_t(image.width) + size_t(x - Patch::kRadius));
     for (int k = 0; k < 3 * Patch::kSide; ++k) patch.level[i++] = float(row[k]);
   }
   centre(patch);
@@ -83,6 +85,49 @@ inline float texture(const Patch& patch) {
   float sum = 0;
   for (float level : patch.level) sum += std::abs(level);
   return sum / float(patch.level.size());
+}
+
+/// One byte a pixel, for searches over many depths.
+struct GreyImage {
+  int width = 0;
+  std::vector<uint8_t> level;
+};
+
+inline GreyImage grey_image(const Image8& image) {
+  GreyImage grey{image.width, std::vector<uint8_t>(image.data.size() / 3)};
+  for (size_t i = 0; i < grey.level.size(); ++i)
+    grey.level[i] =
+        uint8_t((image.data[3 * i] + 2 * image.data[3 * i + 1] + image.data[3 * i + 2]) / 4);
+  return grey;
+}
+
+/// As Patch, in whole numbers: levels less their mean, times kPixels.
+struct GreyPatch {
+  std::array<int16_t, size_t(Patch::kPixels)> level;
+  int sum;  // of the levels
+};
+
+inline GreyPatch grey_patch_at(const GreyImage& image, int x, int y) {
+  GreyPatch patch;
+  size_t i = 0;
+  patch.sum = 0;
+  for (int dy = -Patch::kRadius; dy <= Patch::kRadius; ++dy) {
+    const uint8_t* row =
+        image.level.data() + size_t(y + dy) * size_t(image.width) + size_t(x - Patch::kRadius);
+    for (int k = 0; k < Patch::kSide; ++k) {
+      patch.level[i++] = int16_t(Patch::kPixels * row[k]);
+      patch.sum += row[k];
+    }
+  }
+  for (int16_t& level : patch.level) level = int16_t(level - patch.sum);
+  return patch;
+}
+
+/// Mean absolute difference of the structure, levels.
+inline float difference(const GreyPatch& a, const GreyPatch& b) {
+  int sum = 0;
+  for (size_t i = 0; i < a.level.size(); ++i) sum += std::abs(a.level[i] - b.level[i]);
+  return float(sum) / float(Patch::kPixels * Patch::kPixels);
 }
 
 }  // namespace tessera

@@ -24,13 +24,14 @@ constexpr float kMostUnlike = 0.7f;    // of agreeing patches, by their texture
 constexpr float kMostGain = 48;        // difference of their brightness, levels
 constexpr float kDistinct = 1.15f;     // second valley ÷ best
 constexpr float kNoAgreement = 1e9f;
-constexpr double kSamePoint = 1.5;  // pixels between a point and where the other camera has it
-constexpr float kStill = 4;         // change over time of a still pixel, levels
+constexpr double kSamePoint = 1.5;   // pixels between a point and where the other camera has it
+constexpr float kStill = 4;          // change over time of a still pixel, levels
 constexpr size_t kStillMoments = 8;  // moments at which a pixel is looked at
 
 /// A camera along another's ray: pixel position at inverse depth w of that ray, (a + w b) / z.
 struct Line {
   const Image8* image;
+  const GreyImage* grey;
   const Camera* camera;
   int frame;
   glm::dvec3 a, b;
@@ -55,37 +56,57 @@ struct PlaneSweep::Depth {
 
 struct PlaneSweep::Search {
   Patch patch;
+  GreyPatch grey;
   std::vector<Line> lines;
   double farthest, step;  // inverse depth of plane 0, and from one plane to the next
   int planes;
 
   double inverse(double plane) const { return farthest + step * plane; }
 
+  using Costs = std::array<std::pair<float, int>, kNeighbours>;  // with the frame
+
   /// Mean over the better half of the other cameras, so that occluded ones have no say.
-  float cost(double plane, bool fine, int* best = nullptr) const {
-    std::array<std::pair<float, int>, kNeighbours> costs;
-    size_t count = 0;
-    double u, v;
-    for (const Line& line : lines) {
-      if (!line.at(inverse(plane), u, v)) continue;
-      const Patch other =
-          fine ? patch_between(*line.image, u, v) : patch_at(*line.image, int(u), int(v));
-      if (brightness_difference(patch, other) > kMostGain) continue;
-      costs[count++] = {difference(patch, other), line.frame};
-    }
+  static float better_half(Costs& costs, size_t count) {
     if (count < 2) return kNoAgreement;
     const size_t half = std::max<size_t>(2, (count + 1) / 2);
     std::partial_sort(costs.begin(), costs.begin() + long(half), costs.begin() + long(count));
     float sum = 0;
     for (size_t i = 0; i < half; ++i) sum += costs[i].first;
-    if (best != nullptr) *best = costs[0].second;
     return sum / float(half);
+  }
+  /// In grey, at whole pixels.
+  float coarse(double plane) const {
+    Costs costs{};
+    size_t count = 0;
+    double u, v;
+    for (const Line& line : lines) {
+      if (!line.at(inverse(plane), u, v)) continue;
+      const GreyPatch other = grey_patch_at(*line.grey, int(u), int(v));
+      if (std::abs(grey.sum - other.sum) > kMostGain * Patch::kPixels) continue;
+      costs[count++] = {difference(grey, other), line.frame};
+    }
+    return better_half(costs, count);
+  }
+  /// In colour, between pixels; `best` becomes the frame that agrees most.
+  float fine(double plane, int& best) const {
+    Costs costs{};
+    size_t count = 0;
+    double u, v;
+    for (const Line& line : lines) {
+      if (!line.at(inverse(plane), u, v)) continue;
+      const Patch other = patch_between(*line.image, u, v);
+      if (brightness_difference(patch, other) > kMostGain) continue;
+      costs[count++] = {difference(patch, other), line.frame};
+    }
+    const float cost = better_half(costs, count);
+    best = costs[0].second;
+    return cost;
   }
 
   /// The best plane, if no other valley is nearly as deep.
   std::optional<int> best_plane() const {
     std::array<float, kMostPlanes> costs;
-    for (int k = 0; k < planes; ++k) costs[size_t(k)] = cost(k, false);
+    for (int k = 0; k < planes; ++k) costs[size_t(k)] = coarse(k);
     const int best = int(std::min_element(costs.begin(), costs.begin() + planes) - costs.begin());
     const float least = costs[size_t(best)];
     if (least >= kNoAgreement) return std::nullopt;
@@ -99,13 +120,15 @@ struct PlaneSweep::Search {
   double refined(int plane) const {
     constexpr int kSteps = 4;  // on either side
     std::array<float, size_t(2 * kSteps + 1)> costs;
+    int agreeing;
     for (int i = 0; i <= 2 * kSteps; ++i)
-      costs[size_t(i)] = cost(plane + kFineStep * (i - kSteps), true);
+      costs[size_t(i)] = fine(plane + kFineStep * (i - kSteps), agreeing);
     const int best = int(std::min_element(costs.begin(), costs.end()) - costs.begin());
     double vertex = 0;
     if (best > 0 && best < 2 * kSteps && costs[size_t(best) - 1] < kNoAgreement &&
         costs[size_t(best) + 1] < kNoAgreement) {
-      const double a = costs[size_t(best) - 1], b = costs[size_t(best)], c = costs[size_t(best) + 1];
+      const double a = costs[size_t(best) - 1], b = costs[size_t(best)],
+                   c = costs[size_t(best) + 1];
       if (a - 2 * b + c > 0) vertex = 0.5 * (a - c) / (a - 2 * b + c);
     }
     return plane + kFineStep * (best - kSteps + vertex);
@@ -137,6 +160,7 @@ void PlaneSweep::choose_neighbours(const std::vector<int>& frames) {
     others.resize(std::min(others.size(), kNeighbours));
     for (const auto& [distance, other] : others) neighbours_[frame].push_back(other);
     usable_.push_back(frame);
+    grey_.emplace(frame, grey_image(scene_.frames[size_t(frame)].image));
   }
 }
 
@@ -145,6 +169,7 @@ std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) con
   if (!has_patch(frame.image, x, y)) return std::nullopt;
   Search search;
   search.patch = patch_at(frame.image, x, y);
+  search.grey = grey_patch_at(grey_.at(index), x, y);
   const float structure = texture(search.patch);
   if (structure < kLeastTexture) return std::nullopt;
   const Camera& camera = frame.camera;
@@ -155,7 +180,8 @@ std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) con
   const std::vector<int>& others = neighbours_.at(index);
   for (int i : others) {
     const Frame& other = scene_.frames[size_t(i)];
-    search.lines.push_back({&other.image, &other.camera, i, other.camera.cam_from_world * ray,
+    search.lines.push_back({&other.image, &grey_.at(i), &other.camera, i,
+                            other.camera.cam_from_world * ray,
                             other.camera.cam_from_world * eye + other.camera.translation});
   }
   search.farthest = 1 / (kFarthest * rig_.distance);
@@ -169,7 +195,7 @@ std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) con
   if (!plane) return std::nullopt;
   const double fine = search.refined(*plane);
   int best = -1;
-  if (!(search.cost(fine, true, &best) < std::min(kMostDifference, kMostUnlike * structure)))
+  if (!(search.fine(fine, best) < std::min(kMostDifference, kMostUnlike * structure)))
     return std::nullopt;
   const double inverse = search.inverse(fine);
   if (!(inverse > 0)) return std::nullopt;

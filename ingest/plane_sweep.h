@@ -21,7 +21,8 @@ struct SweptPoint {
   float pixel;                    // size of a pixel there, world units
 };
 
-/// Depths between a quarter of and four times the cameras' distance to what they look at.
+/// Takes a byte for each pixel of `scene`. Depths between a quarter of and four times the cameras'
+/// distance to what they look at.
 class PlaneSweep {
  public:
   /// Looks at the training frames only. `scene` must outlive this.
@@ -45,6 +46,7 @@ class PlaneSweep {
   std::vector<int> usable_;
   std::map<int, std::vector<int>> neighbours_;       // frame → the nearest of its moment
   std::map<std::string, std::vector<int>> cameras_;  // camera → its training frames
+  std::map<int, GreyImage> grey_;                    // of usable_
 };
 
 }  // namespace tessera

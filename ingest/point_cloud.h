@@ -11,8 +11,9 @@ namespace tessera {
 
 /// The cloud that `stated` names (relative to `folder`), or, where it is empty, one of points.ply,
 /// points3d.ply, points3D.ply, fused.ply if there is one. Points that are not finite are left out
-/// with a warning, times outside [0, 1] count as not known, also with one; a cloud that was found but is no cloud is passed over with a warning.
-/// Errors: InputError: a stated file that is missing, no PLY, without x y z, or a 3DGS model.
+/// with a warning, times outside [0, 1] count as not known, also with one; a cloud that was found
+/// but is no cloud is passed over with a warning. Errors: InputError: a stated file that is
+/// missing, no PLY, without x y z, or a 3DGS model.
 PointCloud find_points(const std::filesystem::path& folder, const std::string& stated,
                        std::vector<std::string>& warnings);
 

@@ -158,10 +158,9 @@ std::vector<char> static_choice(const std::vector<InitialPoint>& points, const S
 Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
                                 const TrainOptions& options) {
   Initialisation result;
-  std::vector<InitialPoint> points =
-      scene.points.position.empty()
-          ? random_points(scene, rig, options, result.source)
-          : cloud_points(scene, rig, options, result.source);
+  std::vector<InitialPoint> points = scene.points.position.empty()
+                                         ? random_points(scene, rig, options, result.source)
+                                         : cloud_points(scene, rig, options, result.source);
   if (options.max_gaussians > 0) thin_out(points, options.max_gaussians, result.source);
   std::vector<glm::vec3> positions;
   for (const InitialPoint& point : points) positions.push_back(point.position);

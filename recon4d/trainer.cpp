@@ -36,7 +36,8 @@ std::string group_names(unsigned bits, int dim) {
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source) {
   training_frames(scene);
   TrainState state;
-  Initialisation first = initialise_model(scene, make_camera_rig(scene.training_cameras()), options);
+  Initialisation first =
+      initialise_model(scene, make_camera_rig(scene.training_cameras()), options);
   source = first.source;
   state.model = std::move(first.model);
   state.model.static_set.ensure_moments();

@@ -30,9 +30,10 @@ void check_options(const IngestOptions& options) {
     throw InputError(
         fmt::format("--frames is {}, expected at least 1; leave it out for all", *options.frames));
   if (options.cloud_points < 1)
-    throw InputError(fmt::format("--cloud-points is {}, expected at least 1; pass --cloud none for "
-                                 "no points",
-                                 options.cloud_points));
+    throw InputError(
+        fmt::format("--cloud-points is {}, expected at least 1; pass --cloud none for "
+                    "no points",
+                    options.cloud_points));
 }
 
 /// Options that one layout alone has.
@@ -47,8 +48,8 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
 }
 
 /// What is done alike for all layouts, and the two files that describe the scene.
-void finish(Converted& converted, const std::filesystem::path& folder,
-            const IngestOptions& options, const IngestProgress& progress) {
+void finish(Converted& converted, const std::filesystem::path& folder, const IngestOptions& options,
+            const IngestProgress& progress) {
   IngestReport& report = converted.report;
   write_prepared_scene(folder, converted.scene);  // for the cloud, which looks at the pictures
   converted.points = initial_cloud(folder, converted.scene, std::move(converted.points), options,

@@ -115,8 +115,9 @@ PointCloud made(const Scene& scene, const IngestOptions& options, PointCloud spa
                 std::vector<std::string>& warnings) {
   const TemporaryFolder folder;
   const PreparedScene prepared = write_scene(scene, folder.path());
-  return initial_cloud(folder.path(), prepared, std::move(sparse), options,
-                       [](std::string_view, int64_t, int64_t) {}, warnings);
+  return initial_cloud(
+      folder.path(), prepared, std::move(sparse), options,
+      [](std::string_view, int64_t, int64_t) {}, warnings);
 }
 
 // Bugs put back: the thinned load keeps all splits, with the bug of the test above; times of the

@@ -102,13 +102,8 @@ std::vector<FrameTime> frame_times(const std::vector<std::pair<std::string, doub
 
 // Bug put back: only equal times go together; seen to fail.
 TEST(Moments, CamerasMayBeApartByPartsOfAFrame) {
-  const auto moments = group_moments(frame_times({{"a", 0.0},
-                                                  {"a", 0.2},
-                                                  {"a", 0.4},
-                                                  {"b", 0.09},
-                                                  {"b", 0.29},
-                                                  {"c", 0.11},
-                                                  {"c", 0.9}}));
+  const auto moments = group_moments(frame_times(
+      {{"a", 0.0}, {"a", 0.2}, {"a", 0.4}, {"b", 0.09}, {"b", 0.29}, {"c", 0.11}, {"c", 0.9}}));
   ASSERT_EQ(moments.size(), 3u);
   EXPECT_EQ(moments[0].frames, (std::vector<int>{0, 3}));
   EXPECT_EQ(moments[1].frames, (std::vector<int>{1, 4, 5})) << "0.11 is nearer to 0.2";

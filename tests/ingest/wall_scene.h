@@ -9,7 +9,7 @@
 
 namespace tessera::testing {
 
-inline constexpr double kWallDepth = 3;   // z of the wall, world units
+inline constexpr double kWallDepth = 3;    // z of the wall, world units
 inline constexpr double kWallMoves = 0.3;  // the pattern moves right of this x
 
 /// Colour of the wall: waves of several lengths, so that no two places look the same.
@@ -41,8 +41,7 @@ inline Scene wall_scene(const WallRig& rig = {}) {
       frame.camera.width = frame.camera.height = rig.size;
       frame.camera.fl_x = frame.camera.fl_y = rig.size;
       frame.camera.cx = frame.camera.cy = rig.size / 2.0;
-      for (int i = 0; i < 3; ++i)
-        frame.camera.cam_from_world[i] = {right[i], down[i], forward[i]};
+      for (int i = 0; i < 3; ++i) frame.camera.cam_from_world[i] = {right[i], down[i], forward[i]};
       frame.camera.translation = -(frame.camera.cam_from_world * eye);
       frame.camera_name = "cam" + std::to_string(k);
       frame.name = frame.camera_name + "/" + std::to_string(m);
