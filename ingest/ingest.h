@@ -40,9 +40,8 @@ struct IngestOptions {
   std::string pictures;                 // photo sets: the folder of the photos; empty: images
   std::optional<int64_t> test_every;  // photo sets: photos 0, N, 2N … by name are the test split;
                                       // 0: none; by default 8, as the field's protocol has it
-  std::optional<CloudDensity>
-      cloud;                      // by default dense where three training cameras share a moment
-  int64_t cloud_points = 100000;  // at most, found by the sweep
+  std::optional<CloudDensity> cloud;  // by default dense where three cameras share moments
+  int64_t cloud_points = 100000;      // at most, found by the sweep
 };
 
 struct IngestReport {

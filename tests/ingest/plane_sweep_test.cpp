@@ -66,23 +66,29 @@ TEST(PlaneSweep, CamerasMayDifferInBrightness) {
   EXPECT_LT(share_off(points, 0.05), 0.03);
 }
 
-// Bug put back: confirmed() always true; seen to fail.
-TEST(PlaneSweep, WhatOneCameraSeesGivesNoPoint) {
-  Scene scene = wall_scene();
-  for (Frame& frame : scene.frames) {
-    if (frame.camera_name != "cam2") continue;
-    const Image8 whole = frame.image;  // something that covers the upper half: the wall mirrored
-    for (int y = 0; y < 48; ++y)
-      for (int x = 0; x < 96; ++x)
-        for (int c = 0; c < 3; ++c)
-          frame.image.data[size_t(3 * (96 * y + x) + c)] =
-              whole.data[size_t(3 * (96 * (95 - y) + 95 - x) + c)];
+/// Repeats every 0.4 units of x. The third camera sees it half a period off.
+std::array<uint8_t, 3> repeating(int camera, double x, double y, double) {
+  if (camera == 2) x += 0.2;
+  std::array<uint8_t, 3> rgb;
+  for (size_t c = 0; c < 3; ++c) {
+    const double turn = 2 * 3.14159265358979 * x / 0.4, phase = 1.7 * double(c);
+    rgb[c] = uint8_t(127.5 + 40 * std::sin(turn + 5 * y + phase) +
+                     40 * std::sin(2 * turn - 9 * y + 2 * phase));
   }
+  return rgb;
+}
+
+// At half the wall's depth its neighbours on either side agree with the third camera, by half a
+// period each. They themselves do not: there the others speak against it.
+// Bug put back: confirmed() always true; seen to fail.
+TEST(PlaneSweep, TheOtherCameraMustConsent) {
+  const Scene scene = wall_scene({.moments = 1, .focus = 3.6, .colour = repeating});
   const PlaneSweep sweep(scene);
   int64_t found = 0;
-  for (int y = 3; y < 42; ++y)
-    for (int x = 3; x < 92; ++x) found += sweep.find(4, x, y).has_value();
-  EXPECT_LE(found, 3) << "of 3,471 pixels";
+  for (int y = 3; y < 93; ++y)  // in the middle, which all cameras see at all depths
+    for (int x = 36; x < 60; ++x) found += sweep.find(2, x, y).has_value();
+  // of 2,160 pixels; by chance a few agree both ways (317 do; 1,570 without the check)
+  EXPECT_LT(found, 500);
 }
 
 TEST(PlaneSweep, NeedsThreeTrainingCamerasOfAMoment) {

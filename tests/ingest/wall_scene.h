@@ -27,14 +27,17 @@ inline std::array<uint8_t, 3> wall_colour(double x, double y, double time) {
 
 struct WallRig {
   int cameras = 5, moments = 2, size = 96;  // pictures are size × size
+  double focus = 2.5;                       // z of what all cameras look at
+  std::array<uint8_t, 3> (*colour)(int camera, double x, double y, double time) =
+      [](int, double x, double y, double time) { return wall_colour(x, y, time); };
 };
 
-/// Cameras at x = −0.4 … 0.4, z = 0, that look at (0, 0, 2.5); moments from 0 to 1. All training.
+/// Cameras at x = −0.4 … 0.4, z = 0, that look at (0, 0, focus); moments from 0 to 1. All training.
 inline Scene wall_scene(const WallRig& rig = {}) {
   Scene scene;
   for (int k = 0; k < rig.cameras; ++k) {
     const double x = rig.cameras > 1 ? -0.4 + 0.8 * k / (rig.cameras - 1) : 0;
-    const glm::dvec3 eye(x, 0, 0), forward = glm::normalize(glm::dvec3(-x, 0, 2.5));
+    const glm::dvec3 eye(x, 0, 0), forward = glm::normalize(glm::dvec3(-x, 0, rig.focus));
     const glm::dvec3 down(0, 1, 0), right = glm::cross(down, forward);
     for (int m = 0; m < rig.moments; ++m) {
       Frame frame;
@@ -53,7 +56,8 @@ inline Scene wall_scene(const WallRig& rig = {}) {
           const glm::dvec3 ray = forward + (u + 0.5 - rig.size / 2.0) / rig.size * right +
                                  (v + 0.5 - rig.size / 2.0) / rig.size * down;
           const glm::dvec3 p = eye + ray * (kWallDepth / ray.z);
-          for (uint8_t level : wall_colour(p.x, p.y, frame.time)) frame.image.data.push_back(level);
+          for (uint8_t level : rig.colour(k, p.x, p.y, frame.time))
+            frame.image.data.push_back(level);
         }
       scene.frames.push_back(std::move(frame));
     }
