@@ -100,11 +100,12 @@ PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScen
 void warn_of_few_cameras(const PreparedScene& scene, std::vector<std::string>& warnings) {
   constexpr int64_t kFew = 6;
   const int64_t cameras = cameras_of_a_moment(scene);
-  if (scene.layout == "colmap" || cameras < 2 || cameras >= kFew) return;
-  warnings.push_back(
-      fmt::format("{} training cameras: new views will be poor; published methods lose 10 to 14 dB "
-                  "on N3DV with 4 cameras instead of all; {} or more are advised",
-                  cameras, kFew));
+  const bool monocular = scene.layout == "transforms" ? cameras < 2 : scene.cameras.size() < 2;
+  if (scene.layout == "colmap" || monocular || cameras >= kFew) return;
+  warnings.push_back(fmt::format(
+      "{} training camera{}: new views will be poor; published methods lose 10 to 14 dB "
+      "on N3DV with 4 cameras instead of all; {} or more are advised",
+      cameras, cameras == 1 ? "" : "s", kFew));
 }
 
 }  // namespace tessera
