@@ -15,6 +15,9 @@ enum class CaptureLayout { kTransforms, kN3dv, kColmap, kVideos };
 
 enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
 
+/// Initial cloud of the prepared scene: none, what the capture has, or a plane sweep added to it.
+enum class CloudDensity { kNone, kSparse, kDense };
+
 struct SyncOptions {
   SyncMethod method = SyncMethod::kAuto;  // container times, else sound, else motion
   std::filesystem::path offsets;          // file of stated offsets; it wins over the method
@@ -38,6 +41,8 @@ struct IngestOptions {
   std::string pictures;                 // photo sets: the folder of the photos; empty: images
   std::optional<int64_t> test_every;  // photo sets: photos 0, N, 2N … by name are the test split;
                                       // 0: none; by default 8, as the field's protocol has it
+  std::optional<CloudDensity> cloud;  // by default dense where three cameras share moments
+  int64_t cloud_points = 100000;      // at most, found by the sweep
 };
 
 struct IngestReport {

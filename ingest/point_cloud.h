@@ -11,12 +11,20 @@ namespace tessera {
 
 /// The cloud that `stated` names (relative to `folder`), or, where it is empty, one of points.ply,
 /// points3d.ply, points3D.ply, fused.ply if there is one. Points that are not finite are left out
-/// with a warning; a cloud that was found but is no cloud is passed over with a warning.
-/// Errors: InputError: a stated file that is missing, no PLY, without x y z, or a 3DGS model.
+/// with a warning, times outside [0, 1] count as not known, also with one; a cloud that was found
+/// but is no cloud is passed over with a warning. Errors: InputError: a stated file that is
+/// missing, no PLY, without x y z, or a 3DGS model.
 PointCloud find_points(const std::filesystem::path& folder, const std::string& stated,
                        std::vector<std::string>& warnings);
 
-/// x y z float, red green blue uchar. Errors: InputError when it cannot be written.
+/// x y z float, red green blue uchar; and, where the cloud has them, time float (normalised over
+/// the whole scene, NaN: not known) and still uchar (1, 0, other: not known). Errors: InputError
+/// when it cannot be written.
 void write_points(const std::filesystem::path& path, const PointCloud& points);
+
+/// Appends `more`; a column that only one of them has is filled up with "not known".
+void add_points(PointCloud& cloud, const PointCloud& more);
+/// States the times of `cloud` on another axis; times that lie outside it become not known.
+void change_time_axis(PointCloud& cloud, const TimeAxis& from, const TimeAxis& to);
 
 }  // namespace tessera

@@ -34,8 +34,10 @@ struct Frame {
 struct PointCloud {
   std::vector<glm::vec3> position;             // [P] world units
   std::vector<std::array<uint8_t, 3>> colour;  // [P] sRGB, same length as position
-  std::vector<float> time;     // [P] normalised moment at which it was seen; empty: not known
-  std::vector<uint8_t> still;  // [P] 1: looks the same at all times; empty: not known
+  // Columns about time, each empty or [P].
+  std::vector<float> time;     // moment at which it was seen, normalised; NaN: not known
+  std::vector<uint8_t> still;  // 1: looks the same at all times, 0: not, kStillUnknown
+  static constexpr uint8_t kStillUnknown = 255;
 };
 
 /// time = (source_time − origin) / duration; source_time in the capture's own unit.
@@ -61,6 +63,13 @@ struct Scene {
     for (int i = 0; i < int(frames.size()); ++i)
       if (frames[i].split == split) indices.push_back(i);
     return indices;
+  }
+  /// The camera of each training frame, in file order.
+  std::vector<Camera> training_cameras() const {
+    std::vector<Camera> cameras;
+    for (const Frame& frame : frames)
+      if (frame.split == Split::kTrain) cameras.push_back(frame.camera);
+    return cameras;
   }
 };
 

@@ -10,6 +10,7 @@
 #include "ingest/alpha_composite.h"
 #include "ingest/capture_times.h"
 #include "ingest/files/png.h"
+#include "ingest/moments.h"
 #include "ingest/point_cloud.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/errors.h"
@@ -40,6 +41,22 @@ bool load_frame(const TransformsFrame& listed, const SceneOptions& options, Fram
     frame.image =
         picture.channels == 3 ? std::move(picture) : composite_on(picture, options.background);
   return had_alpha;
+}
+
+/// Leaves the training frames of at most `count` moments, with their times.
+void keep_moments(TransformsCapture& capture, std::vector<double>& time, int64_t count) {
+  std::vector<FrameTime> training;
+  for (size_t i = 0; i < capture.frames.size(); ++i)
+    if (capture.frames[i].split == Split::kTrain)
+      training.push_back({capture.frames[i].camera_name, time[i], int(i)});
+  std::vector<TransformsFrame> frames;
+  std::vector<double> times;
+  for (const Moment& moment : spread_moments(group_moments(training), count))
+    for (int i : moment.frames) {
+      frames.push_back(std::move(capture.frames[size_t(i)]));
+      times.push_back(time[size_t(i)]);
+    }
+  capture.frames = std::move(frames), time = std::move(times);
 }
 
 /// All frames in parallel; the error that is reported is the first in file order.
@@ -77,8 +94,9 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   scene.background = options.background;
   scene.warnings = std::move(capture.warnings);
   scene.points = find_points(folder, capture.points_file, scene.warnings);
+  NormalisedTimes times = times_of(capture, options.allow_static);
+  if (options.instants) keep_moments(capture, times.time, *options.instants);
   load_frames(capture, options, scene);
-  const NormalisedTimes times = times_of(capture, options.allow_static);
   scene.time_axis = times.axis;
   scene.prepared_from_source = capture.prepared_from_source;
   scene.is_static = times.is_static;

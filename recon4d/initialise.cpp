@@ -14,7 +14,6 @@
 #include "kernels/base/parallel.h"
 #include "kernels/math/random.h"
 #include "recon4d/nearest_points.h"
-#include "recon4d/plane_sweep.h"
 
 namespace tessera {
 namespace {
@@ -65,39 +64,40 @@ void add_random_points(const Scene& scene, const CameraRig& rig, const TrainOpti
   }
 }
 
-/// Swept points where the rig allows it, the rest of the number at random.
-std::vector<InitialPoint> found_points(const Scene& scene, const CameraRig& rig,
-                                       const TrainOptions& options, std::string& source) {
-  constexpr double kRandomShare = 0.1;  // beside swept points: where nothing had texture
+std::vector<InitialPoint> random_points(const Scene& scene, const CameraRig& rig,
+                                        const TrainOptions& options, std::string& source) {
   std::vector<InitialPoint> points;
-  if (options.sweep)
-    for (const SweptPoint& p : plane_sweep(scene, rig, options.init_points, uint64_t(options.seed)))
-      points.push_back({p.position, p.colour, p.time, p.still});
-  const int64_t swept = int64_t(points.size());
-  add_random_points(scene, rig, options,
-                    swept > 0 ? std::llround(kRandomShare * double(swept)) : options.init_points,
-                    points);
+  add_random_points(scene, rig, options, options.init_points, points);
   if (points.empty() && options.init_points > 0)
     throw InputError(
         "no initial point lies in the view of a training camera; pass --init-extent with the half "
         "size of the scene in world units, or give a point cloud");
-  source = swept > 0 ? fmt::format("plane sweep, {} points, and {} at random", swept,
-                                   int64_t(points.size()) - swept)
-                     : fmt::format("random, {} points", points.size());
+  source = fmt::format("random, {} points", points.size());
   return points;
 }
 
-/// At most init_points of the cloud, evenly strided, so that no point is taken twice.
-std::vector<InitialPoint> cloud_points(const PointCloud& cloud, int64_t limit,
-                                       std::string& source) {
-  const int64_t count = int64_t(cloud.position.size());
-  const int64_t taken = std::min(count, limit);
+InitialPoint point_of(const PointCloud& cloud, size_t i) {
+  InitialPoint point{cloud.position[i], cloud.colour[i], {}, {}};
+  if (!cloud.time.empty() && std::isfinite(cloud.time[i])) point.time = cloud.time[i];
+  if (!cloud.still.empty() && cloud.still[i] != PointCloud::kStillUnknown)
+    point.still = cloud.still[i] == 1;
+  return point;
+}
+
+/// At most init_points of the cloud, evenly strided, so that no point is taken twice. A cloud that
+/// was found in pictures lacks what has no texture: a share of random points is added to it.
+std::vector<InitialPoint> cloud_points(const Scene& scene, const CameraRig& rig,
+                                       const TrainOptions& options, std::string& source) {
+  constexpr double kRandomShare = 0.1;
+  const PointCloud& cloud = scene.points;
+  const auto count = int64_t(cloud.position.size());
+  const int64_t taken = std::min(count, options.init_points);
   std::vector<InitialPoint> points;
-  for (int64_t i = 0; i < taken; ++i) {
-    const size_t from = size_t(i * count / taken);
-    points.push_back({cloud.position[from], cloud.colour[from], {}, {}});
-  }
+  for (int64_t i = 0; i < taken; ++i) points.push_back(point_of(cloud, size_t(i * count / taken)));
   source = fmt::format("point cloud, {} of {} points", taken, count);
+  if (cloud.still.empty()) return points;
+  add_random_points(scene, rig, options, std::llround(kRandomShare * double(taken)), points);
+  source += fmt::format(", and {} at random", int64_t(points.size()) - taken);
   return points;
 }
 
@@ -158,10 +158,9 @@ std::vector<char> static_choice(const std::vector<InitialPoint>& points, const S
 Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
                                 const TrainOptions& options) {
   Initialisation result;
-  std::vector<InitialPoint> points =
-      scene.points.position.empty()
-          ? found_points(scene, rig, options, result.source)
-          : cloud_points(scene.points, options.init_points, result.source);
+  std::vector<InitialPoint> points = scene.points.position.empty()
+                                         ? random_points(scene, rig, options, result.source)
+                                         : cloud_points(scene, rig, options, result.source);
   if (options.max_gaussians > 0) thin_out(points, options.max_gaussians, result.source);
   std::vector<glm::vec3> positions;
   for (const InitialPoint& point : points) positions.push_back(point.position);

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "recon4d/camera_rig.h"
+#include "kernels/base/camera_rig.h"
 #include "recon4d/gaussian_set.h"
 #include "recon4d/train_options.h"
 

@@ -54,7 +54,8 @@ GaussianSet enlarged(const GaussianSet& set, int64_t count, double opacity, uint
 
 GaussianModel initial_load(const Scene& scene, const TrainOptions& options,
                            const StageBenchOptions& bench) {
-  GaussianModel model = initialise_model(scene, make_camera_rig(scene), options).model;
+  GaussianModel model =
+      initialise_model(scene, make_camera_rig(scene.training_cameras()), options).model;
   const int64_t before = model.count();
   if (before == 0) throw InputError("no initial Gaussians; raise --init-points");
   const int64_t wanted = bench.gaussians > 0 ? bench.gaussians : before;

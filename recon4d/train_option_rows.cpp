@@ -40,7 +40,7 @@ const std::vector<OptionRow>& train_option_rows() {
        "without a point cloud: find initial points by a plane sweep where cameras share moments",
        "[Collins96]"},
       {"split_by_motion", &O::split_by_motion, 0, 1,
-       "swept points whose pixel never changes start in the static set", "ours"},
+       "points whose pixel never changes start in the static set", "ours"},
       {"sh_degree", &O::sh_degree, 0, 3, "highest spherical-harmonics degree", "[3DGS]"},
       {"sh_interval", &O::sh_interval, 1, 1e9, "steps between two degrees", "[3DGS]"},
       {"sliced_direction", &O::sliced_direction, 0, 1,

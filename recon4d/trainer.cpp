@@ -36,7 +36,8 @@ std::string group_names(unsigned bits, int dim) {
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source) {
   training_frames(scene);
   TrainState state;
-  Initialisation first = initialise_model(scene, make_camera_rig(scene), options);
+  Initialisation first =
+      initialise_model(scene, make_camera_rig(scene.training_cameras()), options);
   source = first.source;
   state.model = std::move(first.model);
   state.model.static_set.ensure_moments();
@@ -54,7 +55,7 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       state_(std::move(state)),
       observer_(observer),
       train_frames_(training_frames(scene)),
-      rig_(make_camera_rig(scene)),
+      rig_(make_camera_rig(scene.training_cameras())),
       schedule_(options, rig_.extent),
       sampler_(int64_t(train_frames_.size()), uint64_t(options.seed)),
       feed_(backend.memory(), scene, train_frames_, options.feed_bytes, options.batch),

@@ -6,9 +6,9 @@
 #include <functional>
 #include <optional>
 
+#include "kernels/base/camera_rig.h"
 #include "kernels/pipeline.h"
 #include "recon4d/batch_sampler.h"
-#include "recon4d/camera_rig.h"
 #include "recon4d/frame_feed.h"
 #include "recon4d/observer.h"
 #include "recon4d/schedule.h"

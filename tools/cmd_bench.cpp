@@ -100,11 +100,13 @@ json bench_ablations(const BenchRequest& request, const Scene& scene, const Trai
 
 int bench(BenchRequest request) {
   const TrainOptions options = resolve_options(request.training);
-  const Scene scene = load_training_scene(request.scene, options);
+  Scene scene = load_training_scene(request.scene, options);
   std::optional<GaussianModel> model;
   if (!request.model.empty()) {
     model = load_model(request.model);
     request.bench.model = &*model;
+  } else {
+    complete_cloud(scene, options);
   }
   if (request.ablations) {
     const json rows = bench_ablations(request, scene, options);

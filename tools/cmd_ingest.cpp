@@ -16,11 +16,20 @@ namespace {
 
 struct IngestRequest {
   IngestOptions options;
-  std::string capture, out, poses;
+  std::string capture, out, poses, cloud;
   int64_t frames = 0;  // 0: all
   int threads = 0;
   bool batch = false, json = false;
 };
+
+std::optional<CloudDensity> cloud_density(const std::string& name) {
+  if (name.empty()) return std::nullopt;
+  for (const auto& [known, density] : {std::pair{"none", CloudDensity::kNone},
+                                       {"sparse", CloudDensity::kSparse},
+                                       {"dense", CloudDensity::kDense}})
+    if (name == known) return density;
+  throw InputError(fmt::format("ingest: --cloud is '{}', expected none, sparse or dense", name));
+}
 
 /// Checks the request; `--poses` may decide the layout.
 void check_request(IngestRequest& request) {
@@ -87,6 +96,7 @@ int ingest(IngestRequest request) {
   request.batch = request.batch || is_folder_of_captures(request.capture);
   check_request(request);
   if (request.frames > 0) request.options.frames = request.frames;
+  request.options.cloud = cloud_density(request.cloud);
   set_thread_count(request.threads);
   return request.batch ? ingest_all(request) : ingest_one(request);
 }
@@ -122,6 +132,11 @@ void add_ingest_command(CLI::App& app, Work& work) {
                       "COLMAP photo sets: folder of the photos, e.g. images_4; default: images");
   command->add_option("--test-every", request->options.test_every,
                       "COLMAP photo sets: every Nth photo is for the test; 0: none; default: 8");
+  command->add_option("--cloud", request->cloud,
+                      "initial points: none, sparse (the capture's), dense (and a plane sweep); "
+                      "default: dense where three training cameras share moments");
+  command->add_option("--cloud-points", request->options.cloud_points,
+                      "most points that the plane sweep finds");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json,
                     "print one JSON object; for a folder of captures, an array");

@@ -7,6 +7,7 @@
 
 #include <utility>
 
+#include "ingest/dense_cloud.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/scene_reader.h"
@@ -145,12 +146,18 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
   return load_scene(path, scene_options);
 }
 
+void complete_cloud(Scene& scene, const TrainOptions& options) {
+  if (!options.sweep || !scene.points.position.empty()) return;
+  scene.points = dense_cloud(scene, {options.init_points, uint64_t(options.seed), {}});
+}
+
 json train_session(const TrainRequest& request) {
   const RunFolder run{request.run};
   std::optional<Checkpoint> previous = previous_state(request, run);
   const TrainOptions options = previous ? previous->options : request.options;
   validate(options);
-  const Scene scene = load_training_scene(request.scene, options);
+  Scene scene = load_training_scene(request.scene, options);
+  if (!previous) complete_cloud(scene, options);
   for (const std::string& warning : scene.warnings) warn(warning);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   const json config = make_config(request, options, scene, backend->name());

@@ -27,6 +27,10 @@ struct TrainRequest {
 /// Errors: as load_scene.
 Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options);
 
+/// Gives a scene without a cloud the one that `tessera ingest` would have: options.init_points
+/// points found by a plane sweep, unless options.sweep is off.
+void complete_cloud(Scene& scene, const TrainOptions& options);
+
 /// Trains until the end, an interrupt or stop_after; writes the run folder. The object has
 /// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `stage_gbytes`,
 /// `stage_gb_per_s`, `finished`, `scores`, …. Errors: InputError, NumericalError.

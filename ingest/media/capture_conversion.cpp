@@ -10,6 +10,7 @@
 #include "ingest/alpha_composite.h"
 #include "ingest/files/png.h"
 #include "ingest/files/staged_folder.h"
+#include "ingest/initial_cloud.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/picture_scale.h"
 #include "ingest/point_cloud.h"
@@ -30,6 +31,11 @@ void check_options(const IngestOptions& options) {
   if (options.frames && *options.frames < 1)
     throw InputError(
         fmt::format("--frames is {}, expected at least 1; leave it out for all", *options.frames));
+  if (options.cloud_points < 1)
+    throw InputError(
+        fmt::format("--cloud-points is {}, expected at least 1; pass --cloud none for "
+                    "no points",
+                    options.cloud_points));
 }
 
 /// Options that one layout alone has.
@@ -79,12 +85,18 @@ bool has_arbitrary_world(CaptureLayout layout) {
 }
 
 /// What is done alike for all layouts, and the two files that describe the scene.
-void finish(Converted& converted, const std::filesystem::path& folder, bool keep_world) {
+void finish(Converted& converted, const std::filesystem::path& folder, const IngestOptions& options,
+            bool keep_world, const IngestProgress& progress) {
   if (!keep_world) normalise_world(converted);
-  const PointCloud& points = converted.points;
-  converted.report.points = int64_t(points.position.size());
-  converted.scene.has_points = !points.position.empty();
-  if (converted.scene.has_points) write_points(folder / "points.ply", points);
+  IngestReport& report = converted.report;
+  write_prepared_scene(folder, converted.scene);  // for the cloud, which looks at the pictures
+  converted.points = initial_cloud(folder, converted.scene, std::move(converted.points), options,
+                                   progress, report.warnings);
+  warn_of_few_cameras(converted.scene, report.warnings);
+  report.points = int64_t(converted.points.position.size());
+  converted.scene.has_points = report.points > 0;
+  if (!converted.scene.has_points) return;
+  write_points(folder / "points.ply", converted.points);
   write_prepared_scene(folder, converted.scene);
 }
 
@@ -136,7 +148,8 @@ IngestReport ingest_capture(const std::filesystem::path& capture, const std::fil
                        : layout == CaptureLayout::kColmap ? convert_colmap
                                                           : convert_transforms;
   Converted converted = convert(capture, staged.path(), options, report_progress);
-  finish(converted, staged.path(), options.keep_world || !has_arbitrary_world(layout));
+  finish(converted, staged.path(), options, options.keep_world || !has_arbitrary_world(layout),
+         report_progress);
   converted.report.layout = layout;
   staged.commit();
   return converted.report;

@@ -68,6 +68,7 @@ Converted convert_transforms(const std::filesystem::path& capture_folder,
                              const std::filesystem::path& folder, const IngestOptions& options,
                              const IngestProgress& progress) {
   TransformsCapture capture = read_transforms(capture_folder);
+  const TimeAxis whole = times_of(capture, true).axis;
   if (options.frames) keep_first_instants(capture, *options.frames);
   const NormalisedTimes times = times_of(capture, options.allow_static);
   PreparedScene scene;
@@ -90,6 +91,7 @@ Converted convert_transforms(const std::filesystem::path& capture_folder,
   for (const std::filesystem::path& file : capture.files)
     scene.sources.push_back({file.filename().string(), source_hash(file)});
   PointCloud points = find_points(capture_folder, capture.points_file, report.warnings);
+  change_time_axis(points, whole, times.axis);
   report.frames = int64_t(scene.frames.size());
   report.cameras = int64_t(cameras.size());
   return {std::move(scene), std::move(points), std::move(report)};

@@ -43,7 +43,7 @@ TEST(TransformsCapture, PreparedSceneLoadsLikeTheCapture) {
   SmallCapture capture;
   capture.time = [](double t) { return 100 + 3 * t; };
   write_dnerf(folder / "capture", capture);
-  write_points(folder / "capture/points3d.ply", {{{1, 2, 3}}, {{{9, 8, 7}}}});
+  write_points(folder / "capture/points3d.ply", {{{1, 2, 3}}, {{{9, 8, 7}}}, {}, {}});
   const IngestReport report = ingest_capture(folder / "capture", folder / "scene", {}, {});
   EXPECT_EQ(report.layout, CaptureLayout::kTransforms);
   EXPECT_EQ(report.frames, 6);

@@ -1,24 +1,25 @@
-// What: what the training cameras say about the scene: its extent, the point they look at, whether
+// What: what the cameras of a rig say about the scene: its extent, the point they look at, whether
 //       a point is seen.
-// Not: images or points.
+// Not: images or points, and not which cameras count (Scene::training_cameras).
 // Source: method A.2 (scene extent, carving).
 #pragma once
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "ingest/scene.h"
+#include "kernels/base/camera.h"
 
 namespace tessera {
 
 struct CameraRig {
-  std::vector<Camera> cameras;  // distinct training cameras
+  std::vector<Camera> cameras;  // distinct ones
   double extent = 0;            // E = 1.1 · max ‖C_i − mean C‖, world units; never 0
   glm::dvec3 focus{0.0};        // point nearest to all viewing axes
   double distance = 0;          // median distance of a camera to `focus`
   double half_view = 0;         // distance · tan(half the largest field of view)
 };
 
-CameraRig make_camera_rig(const Scene& scene);
+/// `cameras`: one or more, of any number of frames; equal ones count once.
+CameraRig make_camera_rig(const std::vector<Camera>& cameras);
 
 /// Whether the point lies in front of the near plane and inside the picture.
 bool sees(const Camera& camera, const glm::dvec3& point, double near_plane);

@@ -1,6 +1,6 @@
 // What: scene extent and focus from camera centres and axes.
 // Not: a bundle adjustment; the poses are taken as given.
-#include "recon4d/camera_rig.h"
+#include "kernels/base/camera_rig.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,15 +38,13 @@ glm::dvec3 nearest_to_axes(const std::vector<Camera>& cameras, double fallback) 
 
 }  // namespace
 
-CameraRig make_camera_rig(const Scene& scene) {
+CameraRig make_camera_rig(const std::vector<Camera>& cameras) {
   constexpr double kExtentMargin = 1.1;  // [3DGS]
   CameraRig rig;
-  for (int i : scene.split_indices(Split::kTrain)) {
-    const Camera& camera = scene.frames[size_t(i)].camera;
+  for (const Camera& camera : cameras)
     if (std::none_of(rig.cameras.begin(), rig.cameras.end(),
                      [&](const Camera& other) { return same_camera(camera, other); }))
       rig.cameras.push_back(camera);
-  }
   glm::dvec3 mean(0.0);
   for (const Camera& camera : rig.cameras) mean += camera.position() / double(rig.cameras.size());
   for (const Camera& camera : rig.cameras)
