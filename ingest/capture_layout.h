@@ -11,4 +11,7 @@ namespace tessera {
 /// The videos directly in `folder`, sorted by name.
 std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder);
 
+/// True where pictures lie in `capture` itself or in a folder images… directly below it.
+bool has_pictures(const std::filesystem::path& capture);
+
 }  // namespace tessera

@@ -28,8 +28,12 @@ const char* layout_name(CaptureLayout layout) {
       return "n3dv";
     case CaptureLayout::kColmap:
       return "colmap";
+    case CaptureLayout::kLlff:
+      return "llff";
     case CaptureLayout::kVideos:
       return "videos";
+    case CaptureLayout::kPhotos:
+      return "photos";
   }
   return "";
 }
@@ -46,10 +50,14 @@ void check_request(IngestRequest& request) {
     request.options.layout = CaptureLayout::kColmap;
     return;
   }
+  if (request.poses == "llff") {
+    request.options.layout = CaptureLayout::kLlff;
+    return;
+  }
   if (request.poses != "n3dv")
     throw InputError(
-        fmt::format("ingest: --poses '{}' is not in this version; there are n3dv "
-                    "(poses_bounds.npy) and colmap (sparse/0)",
+        fmt::format("ingest: --poses '{}' is not in this version; there are n3dv and llff "
+                    "(poses_bounds.npy beside videos, beside photos) and colmap (sparse/0)",
                     request.poses));
   if (detect_layout(request.capture) != CaptureLayout::kN3dv)
     throw InputError(
@@ -101,11 +109,14 @@ void add_ingest_command(CLI::App& app, Work& work) {
   command->add_flag("--static", request->options.allow_static,
                     "accept times that are all equal as one moment");
   command->add_option("--poses", request->poses,
-                      "where poses come from: n3dv, or colmap (also beside a transforms.json)");
+                      "where poses come from: n3dv (videos), llff (photos), or colmap, also where there "
+                      "are several");
+  command->add_flag("--strict", request->options.strict,
+                    "missing or unreadable pictures, and photos without a pose, are errors");
   command->add_option("--images", request->options.pictures,
-                      "COLMAP photo sets: folder of the photos, e.g. images_4; default: images");
+                      "photo sets: folder of the photos, e.g. images_4; default: images");
   command->add_option("--test-every", request->options.test_every,
-                      "COLMAP photo sets: every Nth photo is for the test; 0: none; default: 8");
+                      "photo sets: every Nth photo is for the test; 0: none; default: 8");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return ingest(*request); }; });

@@ -32,12 +32,12 @@ void check_options(const IngestOptions& options) {
 
 /// Options that one layout alone has.
 void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
-  if (layout == CaptureLayout::kColmap) return;
+  if (layout == CaptureLayout::kColmap || layout == CaptureLayout::kLlff) return;
   for (const auto& [given, name] : {std::pair{!options.pictures.empty(), "--images"},
                                     {options.test_every.has_value(), "--test-every"}})
     if (given)
       throw InputError(fmt::format(
-          "{} is given, but the capture is not a photo set with a COLMAP model; leave it out",
+          "{} is given, but the capture is not a photo set with poses (COLMAP or LLFF); leave it out",
           name));
 }
 
@@ -91,11 +91,17 @@ IngestReport ingest_capture(const std::filesystem::path& capture, const std::fil
         "{}: videos without poses; add poses_bounds.npy (LLFF order, one row a video) or a "
         "transforms.json with frames: estimating poses is not in this version",
         capture.string()));
+  if (layout == CaptureLayout::kPhotos)
+    throw InputError(fmt::format(
+        "{}: photos without poses; run COLMAP on them and put its model into sparse/0, or add "
+        "poses_bounds.npy or a transforms.json with frames",
+        capture.string()));
   StagedFolder staged(out, is_prepared_scene(out));
   const IngestProgress report_progress =
       progress ? progress : [](std::string_view, int64_t, int64_t) {};
   const auto convert = layout == CaptureLayout::kN3dv     ? convert_n3dv
                        : layout == CaptureLayout::kColmap ? convert_colmap
+                       : layout == CaptureLayout::kLlff   ? convert_llff
                                                           : convert_transforms;
   Converted converted = convert(capture, staged.path(), options, report_progress);
   finish(converted, staged.path());
