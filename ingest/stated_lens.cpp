@@ -59,9 +59,10 @@ StatedLens stated_lens(const json& frame, const json& file, const std::string& w
   const json& level = states_coefficients(frame) ? frame : file;
   for (const Coefficient& each : kCoefficients)
     stated.lens.*each.member = finite_number(level, each.key, where).value_or(0);
-  for (const char* key : {"k5", "k6"})
-    if (finite_number(level, key, where).value_or(0) != 0)
-      throw InputError(fmt::format("{}: {} is not supported; {}", where, key, kRemedy));
+  for (const json* each : {&frame, &file})
+    for (const char* key : {"k5", "k6"})
+      if (finite_number(*each, key, where).value_or(0) != 0)
+        throw InputError(fmt::format("{}: {} is not supported; {}", where, key, kRemedy));
   const auto is_one_of = [&](const auto& names) {
     return std::find(names.begin(), names.end(), model) != names.end();
   };

@@ -209,10 +209,10 @@ void expect_points_on_colours(const Scene& scene, const PointCloud& points, cons
   double permuted = 1e9;
   for (size_t shift = 1; shift < cameras.size(); ++shift)
     permuted = std::min(permuted, median_colour_error(cameras, pictures, points, shift));
-  ::testing::Test::RecordProperty(name, fmt::format("{} {}", right, permuted));
-  std::printf("%s: median colour error %.1f, of the best permutation %.1f\n", name, right, permuted);
   EXPECT_GT(right, 0) << name;
-  EXPECT_LT(right, 0.6 * permuted) << name;  // measured ratios are beside the calls
+  EXPECT_LT(right, 0.6 * permuted)  // seen: 14 / 57, 23 / 43, 13 / 38, 17 / 38 of 255
+      << name;
+
 }
 
 /// A capture folder with links to a few photos of `data`.
@@ -289,8 +289,7 @@ TEST(RealConventions, N3dvPointsLieOnTheirColours) {
   expect_points_on_colours(llff, points, "n3dv_one_instant, LLFF");
 }
 
-// B3. Bugs put back: a text quaternion read as x y z w; a text point's colour taken a column late;
-// each seen to fail.
+// B3. Bug put back: points in the order of the file, which differs; seen to fail.
 TEST(RealConventions, BinaryAndTextModelsGiveEqualScenes) {
   TESSERA_NEED_DATA(data, "colmap_room");
   const TemporaryFolder folder;
@@ -312,9 +311,9 @@ TEST(RealConventions, BinaryAndTextModelsGiveEqualScenes) {
   json other = json::parse(file("txt", "transforms.json"));
   one["tessera"].erase("source_hashes_fnv1a64"), other["tessera"].erase("source_hashes_fnv1a64");
   EXPECT_EQ(one.dump(), other.dump());
-  EXPECT_EQ(file("bin", "points.ply"), file("txt", "points.ply"));
+  EXPECT_TRUE(file("bin", "points.ply") == file("txt", "points.ply"));
   for (const json& frame : one["frames"])
-    EXPECT_EQ(file("bin", frame["file_path"]), file("txt", frame["file_path"]));
+    EXPECT_TRUE(file("bin", frame["file_path"]) == file("txt", frame["file_path"]));
 }
 
 }  // namespace
