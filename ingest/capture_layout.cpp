@@ -34,8 +34,8 @@ bool has_pictures(const std::filesystem::path& capture) {
   if (!pictures_in(capture).empty()) return true;
   for (const auto& entry : std::filesystem::directory_iterator(capture)) {
     std::error_code unreachable;
-    if (entry.path().filename().string().starts_with("images") &&
-        entry.is_directory(unreachable) && !pictures_in(entry.path()).empty())
+    if (entry.path().filename().string().starts_with("images") && entry.is_directory(unreachable) &&
+        !pictures_in(entry.path()).empty())
       return true;
   }
   return false;

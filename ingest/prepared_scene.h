@@ -27,8 +27,8 @@ struct RemovedLens {
 
 struct PreparedCamera {
   std::string name;
-  Rational time_base;                       // seconds a tick
-  double time_offset = 0;                   // seconds added to the camera's own clock
+  Rational time_base;                         // seconds a tick
+  double time_offset = 0;                     // seconds added to the camera's own clock
   std::vector<RemovedLens> removed_lenses{};  // distinct; several where it was zoomed
 };
 
@@ -38,10 +38,10 @@ struct SourceFile {
 };
 
 struct PreparedScene {
-  std::string layout;                 // "transforms", "n3dv", "colmap", "llff"
-  std::string background;             // what was done about alpha: "alpha kept", "opaque"
-  std::string tone_map = "none";      // of pictures with linear pixels
-  double scale = 1;                   // prepared size by source size
+  std::string layout;             // "transforms", "n3dv", "colmap", "llff"
+  std::string background;         // what was done about alpha: "alpha kept", "opaque"
+  std::string tone_map = "none";  // of pictures with linear pixels
+  double scale = 1;               // prepared size by source size
   TimeAxis time_axis;
   Rational time_base;  // seconds a tick of the first camera; 1/1 where times were stated
   bool is_static = false;

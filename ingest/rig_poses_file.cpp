@@ -45,8 +45,8 @@ std::vector<double> numbers(const json& value, size_t rows, size_t columns, cons
         if (cell.is_number() && std::isfinite(cell.get<double>())) all.push_back(cell);
     }
   if (all.size() != rows * columns)
-    throw InputError(fmt::format("{}: {} is not {} finite numbers; correct this camera", where,
-                                 key, rows * columns));
+    throw InputError(fmt::format("{}: {} is not {} finite numbers; correct this camera", where, key,
+                                 rows * columns));
   return all;
 }
 
@@ -138,9 +138,10 @@ std::vector<RigCamera> read_rig_cameras(const path& file, const std::vector<std:
       cameras.push_back(found->second);
   }
   if (!missing.empty())
-    throw InputError(fmt::format("{}: has no camera for {}; it has {}: rename them alike, or leave "
-                                 "those without a pose out of the capture",
-                                 file.string(), listed_names(missing), listed_names(listed)));
+    throw InputError(
+        fmt::format("{}: has no camera for {}; it has {}: rename them alike, or leave "
+                    "those without a pose out of the capture",
+                    file.string(), listed_names(missing), listed_names(listed)));
   return cameras;
 }
 

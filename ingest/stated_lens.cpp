@@ -43,8 +43,8 @@ std::string model_of(const json& object, const std::string& where) {
   return stated.empty() && is_true(object, "is_fisheye") ? "OPENCV_FISHEYE" : stated;
 }
 
-void refuse_coefficient(const Lens& lens, double Lens::*member, const char* key,
-                        const char* kind, const std::string& where) {
+void refuse_coefficient(const Lens& lens, double Lens::*member, const char* key, const char* kind,
+                        const std::string& where) {
   if (lens.*member != 0)
     throw InputError(fmt::format("{}: {} = {} is not supported for a {} camera; {}", where, key,
                                  lens.*member, kind, kRemedy));

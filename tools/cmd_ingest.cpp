@@ -108,9 +108,10 @@ void add_ingest_command(CLI::App& app, Work& work) {
       ->delimiter(',');
   command->add_flag("--static", request->options.allow_static,
                     "accept times that are all equal as one moment");
-  command->add_option("--poses", request->poses,
-                      "where poses come from: n3dv (videos), llff (photos), or colmap, also where there "
-                      "are several");
+  command->add_option(
+      "--poses", request->poses,
+      "where poses come from: n3dv (videos), llff (photos), or colmap, also where there "
+      "are several");
   command->add_flag("--strict", request->options.strict,
                     "missing or unreadable pictures, and photos without a pose, are errors");
   command->add_option("--images", request->options.pictures,

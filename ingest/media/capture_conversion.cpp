@@ -36,9 +36,10 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
   for (const auto& [given, name] : {std::pair{!options.pictures.empty(), "--images"},
                                     {options.test_every.has_value(), "--test-every"}})
     if (given)
-      throw InputError(fmt::format(
-          "{} is given, but the capture is not a photo set with poses (COLMAP or LLFF); leave it out",
-          name));
+      throw InputError(
+          fmt::format("{} is given, but the capture is not a photo set with poses (COLMAP or "
+                      "LLFF); leave it out",
+                      name));
 }
 
 /// What is done alike for all layouts, and the two files that describe the scene.

@@ -52,9 +52,7 @@ std::filesystem::path picture_folder(const std::filesystem::path& capture,
 std::filesystem::path file_of(const std::filesystem::path& folder, const std::string& name) {
   if (auto same = folder / name; is_file(same)) return same;
   for (const char* extension : {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG"})
-    if (auto other = (folder / name).replace_extension(extension);
-        is_file(other))
-      return other;
+    if (auto other = (folder / name).replace_extension(extension); is_file(other)) return other;
   return {};
 }
 
@@ -97,10 +95,10 @@ std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::p
     found.push_back({std::move(photo), file, name, is_test ? Split::kTest : Split::kTrain});
   }
   if (found.empty())
-    throw InputError(fmt::format(
-        "{}: none of the {} photos with a pose is there ({}); put them there, or pass "
-        "--images with the name of their folder",
-        folder.string(), missing.size(), listed_names(missing)));
+    throw InputError(
+        fmt::format("{}: none of the {} photos with a pose is there ({}); put them there, or pass "
+                    "--images with the name of their folder",
+                    folder.string(), missing.size(), listed_names(missing)));
   note_missing(folder, missing, "the COLMAP model", strict, warnings);
   count_unregistered(folder, found, strict, warnings);
   return found;
@@ -186,8 +184,7 @@ Converted convert_photos(const std::filesystem::path& capture,
   convert_pictures(photos.size(), progress, [&](size_t i) {
     const FoundPhoto& found = photos[i];
     scene.sources[i].name = found.file.lexically_relative(capture).generic_string();
-    auto picture =
-        intake.read(i, found.file, found.photo.camera.width, found.photo.camera.height);
+    auto picture = intake.read(i, found.file, found.photo.camera.width, found.photo.camera.height);
     if (!picture) return;
     convert_photo(found, std::move(*picture), folder, options.scale, scene.frames[i]);
     scene.sources[i].hash = source_hash(found.file);
@@ -208,9 +205,8 @@ Converted convert_colmap(const std::filesystem::path& capture, const std::filesy
     throw InputError(fmt::format(
         "{}: no COLMAP model in it; put cameras, images and points3D (.bin or .txt) into sparse/0",
         capture.string()));
-  Converted converted =
-      convert_photos(capture, picture_folder(capture, options.pictures),
-                     read_colmap_model(model_folder), folder, options, progress);
+  Converted converted = convert_photos(capture, picture_folder(capture, options.pictures),
+                                       read_colmap_model(model_folder), folder, options, progress);
   converted.scene.layout = "colmap";
   return converted;
 }

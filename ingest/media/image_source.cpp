@@ -83,9 +83,9 @@ void refuse_damage(const path& file, OIIO::ImageInput& input, bool read) {
   const bool harmless = seen.find("extraneous bytes before marker 0xd9") != std::string::npos;
   if (read && (seen.empty() || harmless)) return;
   std::string line = seen.substr(0, seen.find('\n'));
-  throw InputError(fmt::format(
-      "{}: cannot be decoded ({}); copy it again or take it out of the capture", file.string(),
-      line.empty() ? "no reason given" : line));
+  throw InputError(
+      fmt::format("{}: cannot be decoded ({}); copy it again or take it out of the capture",
+                  file.string(), line.empty() ? "no reason given" : line));
 }
 
 SourcePicture read_through_oiio(const path& file) {

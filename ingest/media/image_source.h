@@ -12,7 +12,7 @@ inline constexpr const char* kToneMap = "clamp to [0, 1], sRGB transfer curve";
 
 struct SourcePicture {
   Image8 image;
-  int orientation = 1;      // EXIF, 1 to 8: how a viewer would turn it; 1 where it says nothing
+  int orientation = 1;       // EXIF, 1 to 8: how a viewer would turn it; 1 where it says nothing
   bool tone_mapped = false;  // it was linear: floating-point pixels (EXR, TIFF)
 };
 

@@ -68,9 +68,8 @@ void PictureIntake::finish(PreparedScene& scene, bool strict,
   erase_where(scene.frames, unreadable_);
   erase_where(scene.sources, unreadable_);
   erase_cameras_without_frames(scene);
-  if (std::none_of(scene.frames.begin(), scene.frames.end(), [](const PreparedFrame& frame) {
-        return frame.frame.split == Split::kTrain;
-      }))
+  if (std::none_of(scene.frames.begin(), scene.frames.end(),
+                   [](const PreparedFrame& frame) { return frame.frame.split == Split::kTrain; }))
     throw InputError(fmt::format(
         "{} (no picture of the split 'train' is left; restore some of them, or hold fewer out)",
         reasons.empty() ? "all pictures are held out" : reasons.front()));

@@ -16,8 +16,10 @@ Image8 turned_upright(const Image8& stored, int orientation) {
   Image8 upright{sides_swapped ? h : w, sides_swapped ? w : h, stored.channels, {}};
   upright.data.reserve(stored.data.size());
   // The tag says where row 0 and column 0 of the stored picture lie in the upright one.
-  const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
-  const bool from_below = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+  const bool from_right =
+      orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+  const bool from_below =
+      orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
   for (int y = 0; y < upright.height; ++y)
     for (int x = 0; x < upright.width; ++x) {
       int column = sides_swapped ? y : x, row = sides_swapped ? x : y;

@@ -92,8 +92,8 @@ Converted convert_transforms(const std::filesystem::path& capture_folder,
   PictureIntake intake(capture.frames.size());
   convert_pictures(capture.frames.size(), progress, [&](size_t i) {
     const TransformsFrame& frame = capture.frames[i];
-    auto picture = intake.read(i, frame.image, frame.intrinsics.w.value_or(0),
-                               frame.intrinsics.h.value_or(0));
+    auto picture =
+        intake.read(i, frame.image, frame.intrinsics.w.value_or(0), frame.intrinsics.h.value_or(0));
     if (!picture) return;
     convert_frame(frame, std::move(*picture), folder, options.scale, scene.frames[i]);
     scene.sources[i].hash = source_hash(frame.image);

@@ -33,7 +33,8 @@ std::vector<Damage> damages() {
       {"corrupt",
        [](const path& file) {
          std::string bytes = read_bytes(file);
-         for (size_t i = bytes.size() / 3; i < bytes.size(); i += 2) bytes[i] = char(bytes[i] ^ 0x5a);
+         for (size_t i = bytes.size() / 3; i < bytes.size(); i += 2)
+           bytes[i] = char(bytes[i] ^ 0x5a);
          write_bytes(file, bytes);
        }},
       {"of another kind", [](const path& file) { write_bytes(file, "%PDF-1.4\n%%EOF\n"); }},
@@ -42,8 +43,7 @@ std::vector<Damage> damages() {
          std::filesystem::remove(file);
          std::filesystem::create_symlink(file, file);
        }},
-      {"a folder",
-       [](const path& file) {
+      {"a folder", [](const path& file) {
          std::filesystem::remove(file);
          std::filesystem::create_directory(file);
        }}};
@@ -90,10 +90,9 @@ void expect_said(const path& capture, const path& file, const std::string& what,
     } else {
       EXPECT_EQ(error, "") << where;
       EXPECT_EQ(report.frames, 3) << where;
-      EXPECT_TRUE(std::any_of(report.warnings.begin(), report.warnings.end(),
-                              [&](const std::string& line) {
-                                return line.find(name) != std::string::npos;
-                              }))
+      EXPECT_TRUE(std::any_of(
+          report.warnings.begin(), report.warnings.end(),
+          [&](const std::string& line) { return line.find(name) != std::string::npos; }))
           << where;
       std::filesystem::remove_all(out / "scene");
     }
@@ -138,8 +137,8 @@ TEST(DamagedCapture, ColmapPhotos) {
 TEST(DamagedCapture, LlffPhotos) {
   for (const char* name : {"b00", "b03"})  // a missing picture would shift the rows: an error
     for (const Damage& damage : damages()) {
-      const bool is_gone = std::string(damage.name) == "a link loop" ||
-                           std::string(damage.name) == "a folder";
+      const bool is_gone =
+          std::string(damage.name) == "a link loop" || std::string(damage.name) == "a folder";
       const TemporaryFolder folder;
       write_llff(folder / "capture");
       const path file = folder / fmt::format("capture/images/{}.png", name);

@@ -1,5 +1,6 @@
 // What: axes, names and colours of photo captures through the whole ingest: a cube with coloured
-//       faces in every layout (B6), real models whose points lie on their colours, .bin = .txt (B3).
+//       faces in every layout (B6), real models whose points lie on their colours, .bin = .txt
+//       (B3).
 // Not: single readers (pose_test.cpp, colmap_test.cpp).
 #include <fmt/format.h>
 
@@ -212,7 +213,6 @@ void expect_points_on_colours(const Scene& scene, const PointCloud& points, cons
   EXPECT_GT(right, 0) << name;
   EXPECT_LT(right, 0.6 * permuted)  // seen: 14 / 57, 23 / 43, 13 / 38, 17 / 38 of 255
       << name;
-
 }
 
 /// A capture folder with links to a few photos of `data`.
@@ -251,7 +251,8 @@ void move_points(PointCloud& points, const std::vector<Camera>& here,
   const glm::dmat3 turn = glm::transpose(there[0].cam_from_world) * here[0].cam_from_world;
   glm::dvec3 from(0), to(0);
   for (size_t i = 0; i < here.size(); ++i)
-    from += here[i].position() / double(here.size()), to += there[i].position() / double(here.size());
+    from += here[i].position() / double(here.size()),
+        to += there[i].position() / double(here.size());
   double size_from = 0, size_to = 0;
   for (size_t i = 0; i < here.size(); ++i)
     size_from += glm::distance(here[i].position(), from),
@@ -267,8 +268,9 @@ TEST(RealConventions, N3dvPointsLieOnTheirColours) {
   const std::array<const char*, 5> names{"0.jpg", "3.jpg", "5.jpg", "8.jpg", "14.jpg"};
   std::filesystem::create_directories(folder / "capture/images");
   for (size_t i = 0; i < 5; ++i)
-    std::filesystem::create_symlink(data / fmt::format("images_4/{}.png", i + 1),
-                                    (folder / "capture/images" / names[i]).replace_extension("png"));
+    std::filesystem::create_symlink(
+        data / fmt::format("images_4/{}.png", i + 1),
+        (folder / "capture/images" / names[i]).replace_extension("png"));
   std::filesystem::create_directory_symlink(data / "sparse", folder / "capture/sparse");
   ingest_capture(folder / "capture", folder / "colmap", {}, {});
   const Scene colmap = load_scene(folder / "colmap", {});

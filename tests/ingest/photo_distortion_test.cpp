@@ -90,12 +90,12 @@ TEST(PhotoDistortion, TransformsAreUndistortedAndRecorded) {
     for (int y = 1; y < 159; ++y)
       for (int x = 1; x < 199; ++x) {
         const uint8_t* rgb = frame.image.data.data() + 3 * (y * 200 + x);
-        const glm::dvec2 place =
-            150.0 * met(f, (x + 0.5 - camera.cx) / camera.fl_x, (y + 0.5 - camera.cy) / camera.fl_y) +
-            glm::dvec2(98, 83);
+        const glm::dvec2 place = 150.0 * met(f, (x + 0.5 - camera.cx) / camera.fl_x,
+                                             (y + 0.5 - camera.cy) / camera.fl_y) +
+                                 glm::dvec2(98, 83);
         if (place.x > 0.5 && place.x < 199.5 && place.y > 0.5 && place.y < 159.5)
-          worst = std::max({worst, std::abs(rgb[0] + 0.5 - place.x),
-                            std::abs(rgb[1] + 0.5 - place.y)});
+          worst =
+              std::max({worst, std::abs(rgb[0] + 0.5 - place.x), std::abs(rgb[1] + 0.5 - place.y)});
       }
     EXPECT_LT(worst, 0.5 + 1 / 32.0) << f;  // 8-bit rounding, OpenCV's steps of 1/32 pixel
   }
@@ -127,8 +127,7 @@ TEST(PhotoDistortion, TheWrongModelShiftsTheCornerAsPredicted) {
       {"FOV", {150, 150, 100, 80, 0.7}},
       {"SIMPLE_RADIAL_FISHEYE", {150, 100, 80, 0.02}},
       {"RADIAL_FISHEYE", {150, 100, 80, 0.02, 0.01}},
-      {"THIN_PRISM_FISHEYE",
-       {150, 150, 100, 80, 0.02, 0.01, 0.003, -0.002, 0, 0, 0.001, -0.001}}};
+      {"THIN_PRISM_FISHEYE", {150, 150, 100, 80, 0.02, 0.01, 0.003, -0.002, 0, 0, 0.001, -0.001}}};
   for (const auto& [name, parameters] : models) {
     const ColmapCamera camera =
         make_colmap_camera(colmap_camera_model(name, "t"), 200, 160, parameters, "t");
@@ -137,8 +136,8 @@ TEST(PhotoDistortion, TheWrongModelShiftsTheCornerAsPredicted) {
     Image8 picture = constant_picture(200, 160, {0, 0, 0});
     for (int y = 0; y < 160; ++y)  // a cone of light around `met`
       for (int x = 0; x < 200; ++x)
-        picture.data[size_t(3 * (y * 200 + x))] = uint8_t(std::lround(std::max(
-            0.0, 200 * (1 - glm::distance(glm::dvec2(x + 0.5, y + 0.5), met) / 4))));
+        picture.data[size_t(3 * (y * 200 + x))] = uint8_t(std::lround(
+            std::max(0.0, 200 * (1 - glm::distance(glm::dvec2(x + 0.5, y + 0.5), met) / 4))));
     const auto light = [&](const Lens& lens) {
       const Image8 shown = undistorted_picture(picture, camera.camera, lens, camera.camera);
       glm::dvec2 sum(0);

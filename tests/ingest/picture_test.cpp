@@ -95,9 +95,9 @@ TEST(Picture, AlphaIsNotPremultiplied) {
                     spec.alpha_channel = 3;
                     if (unassociated) spec.attribute("oiio:UnassociatedAlpha", 1);
                   });
-    EXPECT_EQ(read_picture(folder / "a.tif").data,
-              unassociated ? (std::vector<uint8_t>{102, 51, 0, 102})
-                           : (std::vector<uint8_t>{255, 128, 0, 102}));
+    EXPECT_EQ(read_picture(folder / "a.tif").data, unassociated
+                                                       ? (std::vector<uint8_t>{102, 51, 0, 102})
+                                                       : (std::vector<uint8_t>{255, 128, 0, 102}));
   }
 }
 

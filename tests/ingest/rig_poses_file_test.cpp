@@ -19,14 +19,16 @@ const Stand kStand = looking_at_origin({3, -4, 2});
 /// Pixels, right and down of the principal point, of a point a quarter to the right and up.
 void expect_stands(const Camera& camera, const Stand& stand) {
   const glm::dvec3 point = stand.centre + stand.forward * 4.0 + stand.right + stand.up * 2.0;
-  EXPECT_LT(glm::distance(project(camera, point), {camera.cx + camera.fl_x * 0.25,
-                                                   camera.cy - camera.fl_y * 0.5}),
+  EXPECT_LT(glm::distance(project(camera, point),
+                          {camera.cx + camera.fl_x * 0.25, camera.cy - camera.fl_y * 0.5}),
             1e-9);
 }
 
 json whole_entry() {
-  return {{"name", "b"}, {"transform_matrix", gl_matrix(kStand)}, {"fl_x", 100}, {"fl_y", 110},
-          {"cx", 61},    {"cy", 41},                              {"w", 120},    {"h", 80}};
+  return {{"name", "b"}, {"transform_matrix", gl_matrix(kStand)},
+          {"fl_x", 100}, {"fl_y", 110},
+          {"cx", 61},    {"cy", 41},
+          {"w", 120},    {"h", 80}};
 }
 
 // Bugs put back: rows of R taken for columns; y not turned; each seen to fail.

@@ -20,14 +20,14 @@ TEST(CliSizes, TwoCamerasOfDifferentSizesTrainTogether) {
   const std::pair<const char*, std::pair<const char*, const char*>> sizes[] = {
       {"small", {"640", "480"}}, {"large", {"1280", "720"}}};
   for (const auto& [name, size] : sizes) {
-    const auto made = work.run({"synth", "object", "-o", work.at(std::string("both/") + name),
-                                "--layout", "dnerf", "--frames", "3", "--held-out-frames", "1",
-                                "--width", size.first, "--height", size.second, "--supersampling",
-                                "1", "--points", "500"});
+    const auto made =
+        work.run({"synth", "object", "-o", work.at(std::string("both/") + name), "--layout",
+                  "dnerf", "--frames", "3", "--held-out-frames", "1", "--width", size.first,
+                  "--height", size.second, "--supersampling", "1", "--points", "500"});
     ASSERT_EQ(made.exit_code, 0) << made.err;
     for (const char* split : {"train", "test"}) {
-      const json file = json::parse(
-          work.read(std::string("both/") + name + "/transforms_" + split + ".json"));
+      const json file =
+          json::parse(work.read(std::string("both/") + name + "/transforms_" + split + ".json"));
       for (json frame : file["frames"]) {
         std::string picture = frame["file_path"];
         frame["file_path"] = std::string(name) + "/" + picture.substr(2);
