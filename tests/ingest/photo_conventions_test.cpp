@@ -109,8 +109,7 @@ const uint8_t* pixel_of(const Camera& camera, const Image8& image, const glm::dv
   return image.data.data() + 3 * (int(at.y) * camera.width + int(at.x));
 }
 
-// B6. Bugs put back, one a loader: OpenGL's y not turned (set_pose); LLFF's first two columns
-// exchanged; COLMAP's rotation inverted; each seen to fail.
+// B6. Bug put back: LLFF's first two columns exchanged; seen to fail.
 TEST(Conventions, EveryLoaderPutsTheRedFaceAtPlusX) {
   const TemporaryFolder folder;
   write_cube_transforms(folder / "transforms");
@@ -137,7 +136,7 @@ TEST(Conventions, EveryLoaderPutsTheRedFaceAtPlusX) {
   }
 }
 
-// Bugs put back: pictures not sorted; every 8th not held out; each seen to fail.
+// Bug put back: pictures sorted backwards; seen to fail.
 TEST(LlffPhotos, BecomeAStaticSceneOfTheChosenSize) {
   const TemporaryFolder folder;
   write_cube_llff(folder / "capture");
@@ -168,7 +167,6 @@ TEST(LlffPhotos, BecomeAStaticSceneOfTheChosenSize) {
                      {"has 6 rows", "has 5 pictures"});
 }
 
-// Bug put back: LLFF before COLMAP; seen to fail.
 TEST(Layouts, PhotosByWhatLiesBesideThem) {
   const TemporaryFolder folder;
   write_pictures(folder / "a/images");

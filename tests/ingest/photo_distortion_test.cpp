@@ -18,8 +18,7 @@ namespace {
 using namespace tessera::testing;
 using nlohmann::json;
 
-// Bugs put back: a frame's coefficients mixed with the file's; p1 and p2 exchanged; each seen to
-// fail.
+// Bug put back: the file's coefficients over the frame's; seen to fail.
 TEST(StatedLens, FrameBeforeFile) {
   const json file{{"camera_model", "OPENCV"}, {"k1", 0.1}, {"k2", 0.2}, {"p1", 0.01}, {"p2", 0.02}};
   StatedLens lens = stated_lens(json::object(), file, "t");
@@ -59,8 +58,8 @@ Image8 ramp(int width, int height) {
 }
 
 // The picture is the ramp, so that an undistorted pixel shows where the lens equation, written out
-// here, has its ray. Bugs put back: the lens left out; the lens of the file for that of the frame;
-// removed lenses not recorded; each seen to fail.
+// here, has its ray. Bugs put back: the lens of the file for that of the frame; removed lenses not
+// recorded; each seen to fail.
 TEST(PhotoDistortion, TransformsAreUndistortedAndRecorded) {
   const TemporaryFolder folder;
   SmallCapture small;
@@ -116,7 +115,7 @@ TEST(PhotoDistortion, TrainingOpensPinholePicturesOnly) {
 
 // B8: the same picture through each model of COLMAP, then undistorted as if it were a pinhole: the
 // corner is shifted by what the equation says, f·|distorted(ray) − ray|. A dot marks the corner's
-// ray in the distorted picture. Bug put back: undistortion by the pinhole everywhere; seen to fail.
+// ray in the distorted picture.
 TEST(PhotoDistortion, TheWrongModelShiftsTheCornerAsPredicted) {
   const std::vector<std::pair<std::string, std::vector<double>>> models{
       {"SIMPLE_RADIAL", {150, 100, 80, -0.1}},

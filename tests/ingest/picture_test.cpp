@@ -35,7 +35,6 @@ std::vector<float> as_fractions(const Image8& image) {
   return values;
 }
 
-// Bugs put back: 16 bit cut instead of rounded (TIFF, PNG); each seen to fail.
 TEST(Picture, IntegerFormatsKeepTheirValues) {
   const TemporaryFolder folder;
   const Image8 image = patterned_picture(9, 7, 3);
@@ -69,8 +68,8 @@ TEST(Picture, WebpIsReadWhereItIsBuiltIn) {
 }
 
 // The curve's known values: 0.5 → 188, 0.18 → 118, 0.001 → 3 (12.92 · 0.001 · 255 = 3.29).
-// Bugs put back: no curve; no clamp above 1; alpha through the curve; colours left multiplied by
-// alpha; NaN not caught; each seen to fail.
+// Bugs put back: alpha through the curve and colours left multiplied by alpha, together; seen to
+// fail.
 TEST(Picture, LinearPicturesGoThroughTheStatedToneMap) {
   const TemporaryFolder folder;
   const float nan = std::numeric_limits<float>::quiet_NaN();
@@ -101,7 +100,7 @@ TEST(Picture, AlphaIsNotPremultiplied) {
   }
 }
 
-// Bug put back: any four channels taken for RGBA; seen to fail.
+// Bug put back: CMYK and any four channels taken for RGBA; seen to fail.
 TEST(Picture, CmykAndOddChannelsAreRefused) {
   const TemporaryFolder folder;
   const auto refused = [&](const char* name, const std::string& why) {
@@ -154,7 +153,7 @@ Image8 six_pixels() {
   return {3, 2, 1, {1, 2, 3, 4, 5, 6}};
 }
 
-// The eight orders, written out. Bug put back: 6 and 8 exchanged; seen to fail.
+// The eight orders, written out. Bug put back: the columns of 6 taken for those of 8; seen to fail.
 TEST(Orientation, EachOrderIsTurnedUpright) {
   const std::vector<std::vector<uint8_t>> upright{
       {1, 2, 3, 4, 5, 6}, {3, 2, 1, 6, 5, 4}, {6, 5, 4, 3, 2, 1}, {4, 5, 6, 1, 2, 3},
@@ -166,7 +165,7 @@ TEST(Orientation, EachOrderIsTurnedUpright) {
   }
 }
 
-// Bugs put back: always upright; always as stored; square pictures turned; each seen to fail.
+// Bug put back: turned wherever upright fits too (square, 180°); seen to fail.
 TEST(Orientation, ThePosesSizeDecides) {
   const auto posed = [](Image8 image, int orientation, int width, int height, bool& doubtful) {
     doubtful = false;

@@ -31,7 +31,7 @@ json whole_entry() {
           {"w", 120},    {"h", 80}};
 }
 
-// Bugs put back: rows of R taken for columns; y not turned; each seen to fail.
+// Bug put back: y and z not turned from OpenCV to OpenGL axes; seen to fail.
 TEST(RigPosesFile, OpenCvPosesAndLens) {
   const TemporaryFolder folder;
   json entry = whole_entry();
@@ -55,8 +55,7 @@ TEST(RigPosesFile, OpenCvPosesAndLens) {
   expect_stands(cameras[0].camera, kStand);
 }
 
-// Bugs put back: the file's order for that of the names; shared intrinsics over a camera's own;
-// each seen to fail.
+// Bug put back: shared intrinsics over a camera's own; seen to fail.
 TEST(RigPosesFile, TransformsByNameWithSharedIntrinsics) {
   const TemporaryFolder folder;
   const Stand other = looking_at_origin({-3, 1, 1});
