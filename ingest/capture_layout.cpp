@@ -9,6 +9,7 @@
 #include <cctype>
 
 #include "ingest/colmap_model.h"
+#include "ingest/image_paths.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/errors.h"
 
@@ -23,7 +24,7 @@ std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder
     const bool is_video =
         std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
     const bool is_hidden = entry.path().filename().string().front() == '.';
-    if (is_video && !is_hidden && entry.is_regular_file()) videos.push_back(entry.path());
+    if (is_video && !is_hidden && is_file(entry.path())) videos.push_back(entry.path());
   }
   std::sort(videos.begin(), videos.end());
   return videos;
@@ -37,10 +38,25 @@ const char* layout_name(CaptureLayout layout) {
       return "n3dv";
     case CaptureLayout::kColmap:
       return "colmap";
+    case CaptureLayout::kLlff:
+      return "llff";
     case CaptureLayout::kVideos:
       return "videos";
+    case CaptureLayout::kPhotos:
+      return "photos";
   }
   return "";
+}
+
+bool has_pictures(const std::filesystem::path& capture) {
+  if (!pictures_in(capture).empty()) return true;
+  for (const auto& entry : std::filesystem::directory_iterator(capture)) {
+    std::error_code unreachable;
+    if (entry.path().filename().string().starts_with("images") && entry.is_directory(unreachable) &&
+        !pictures_in(entry.path()).empty())
+      return true;
+  }
+  return false;
 }
 
 CaptureLayout detect_layout(const std::filesystem::path& capture) {
@@ -51,11 +67,15 @@ CaptureLayout detect_layout(const std::filesystem::path& capture) {
   if (has_videos && std::filesystem::exists(capture / "poses_bounds.npy"))
     return CaptureLayout::kN3dv;
   if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
+  const bool has_photos = has_pictures(capture);
+  if (has_photos && std::filesystem::exists(capture / "poses_bounds.npy"))
+    return CaptureLayout::kLlff;
   if (has_videos) return CaptureLayout::kVideos;
+  if (has_photos) return CaptureLayout::kPhotos;
   throw InputError(fmt::format(
       "{}: no transforms.json, no transforms_train.json, no COLMAP model (sparse/0 or sparse with "
-      "cameras.bin or cameras.txt) and no videos (*.mp4, *.mkv, *.mov, *.avi, *.webm) in it; name "
-      "the folder that holds the capture",
+      "cameras.bin or cameras.txt), no videos (*.mp4, *.mkv, *.mov, *.avi, *.webm) and no pictures "
+      "(in images or beside each other) in it; name the folder that holds the capture",
       capture.string()));
 }
 

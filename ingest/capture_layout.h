@@ -11,7 +11,9 @@ namespace tessera {
 /// The videos directly in `folder`, sorted by name.
 std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder);
 
-/// "transforms", "n3dv", "colmap" or "videos".
+/// The word for it: "transforms", "n3dv", "colmap", …
 const char* layout_name(CaptureLayout layout);
+/// True where pictures lie in `capture` itself or in a folder images… directly below it.
+bool has_pictures(const std::filesystem::path& capture);
 
 }  // namespace tessera

@@ -126,9 +126,10 @@ PointCloud read_colmap_points_bin(const std::filesystem::path& path) {
   constexpr uint64_t kLeastBytes = 8 + 3 * 8 + 3 + 8 + 8, kTrackBytes = 4 + 4;
   BinaryCursor file(path, "points");
   PointCloud points;
+  std::vector<uint64_t> ids;
   for (uint64_t left = file.take_count(kLeastBytes); left > 0; --left) {
     file.begin_record();
-    file.take<uint64_t>();  // the point's id
+    ids.push_back(file.take<uint64_t>());
     glm::vec3 position;
     for (glm::length_t i = 0; i < 3; ++i) position[i] = float(file.take<double>());
     std::array<uint8_t, 3> colour;
@@ -139,6 +140,7 @@ PointCloud read_colmap_points_bin(const std::filesystem::path& path) {
     points.colour.push_back(colour);
   }
   file.expect_end();
+  sort_by_id(points, ids);
   return points;
 }
 

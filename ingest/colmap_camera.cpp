@@ -117,4 +117,12 @@ ColmapCamera make_colmap_camera(const ColmapCameraModel& model, uint64_t width, 
   return camera;
 }
 
+std::vector<std::pair<const char*, double>> lens_parameters(const Lens& lens) {
+  std::vector<std::pair<const char*, double>> parameters;
+  for (const LensParameter& parameter : kLensParameters)
+    if (const double value = lens.*parameter.member; value != 0)
+      parameters.emplace_back(parameter.name, value);
+  return parameters;
+}
+
 }  // namespace tessera

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ingest/lens.h"
@@ -32,5 +33,8 @@ const ColmapCameraModel& colmap_camera_model(const std::string& name, const std:
 /// parameter that is not finite, another number of parameters than the model has.
 ColmapCamera make_colmap_camera(const ColmapCameraModel& model, uint64_t width, uint64_t height,
                                 const std::vector<double>& parameters, const std::string& where);
+
+/// The lens's parameters that are not zero, by COLMAP's names, in one fixed order.
+std::vector<std::pair<const char*, double>> lens_parameters(const Lens& lens);
 
 }  // namespace tessera

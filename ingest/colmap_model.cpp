@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <numeric>
 
 #include "ingest/colmap_records.h"
 #include "kernels/base/errors.h"
@@ -114,6 +115,19 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
   model.files.push_back(points_file);
   drop_infinite_points(model.points, points_file.string(), model.warnings);
   return model;
+}
+
+void sort_by_id(PointCloud& points, const std::vector<uint64_t>& ids) {
+  check(ids.size() == points.position.size(), "an id for each point");
+  std::vector<size_t> order(ids.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return ids[a] < ids[b]; });
+  PointCloud sorted;
+  for (const size_t i : order) {
+    sorted.position.push_back(points.position[i]);
+    sorted.colour.push_back(points.colour[i]);
+  }
+  points = std::move(sorted);
 }
 
 }  // namespace tessera

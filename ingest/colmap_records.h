@@ -37,4 +37,7 @@ std::vector<ColmapImage> read_colmap_images_txt(const std::filesystem::path& pat
 PointCloud read_colmap_points_txt(const std::filesystem::path& path,
                                   std::vector<std::string>& warnings);
 
+/// Points in the order of their ids: COLMAP's two formats list the same points differently.
+void sort_by_id(PointCloud& points, const std::vector<uint64_t>& ids);
+
 }  // namespace tessera

@@ -166,8 +166,9 @@ PointCloud read_colmap_points_txt(const std::filesystem::path& path,
                                   std::vector<std::string>& warnings) {
   TextRecords file(path);
   PointCloud points;
+  std::vector<uint64_t> ids;
   while (auto words = file.next_record()) {
-    words->number<uint64_t>("the point's id");
+    ids.push_back(words->number<uint64_t>("the point's id"));
     glm::vec3 position;
     for (glm::length_t i = 0; i < 3; ++i)
       position[i] = float(words->number<double>("the position"));
@@ -179,6 +180,7 @@ PointCloud read_colmap_points_txt(const std::filesystem::path& path,
     points.colour.push_back(colour);
   }
   file.check_count(warnings);
+  sort_by_id(points, ids);
   return points;
 }
 

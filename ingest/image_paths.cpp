@@ -30,17 +30,39 @@ bool is_picture_name(const std::filesystem::path& path) {
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
 
-std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& file_path,
-                                 const std::string& where) {
+bool is_file(const std::filesystem::path& path) {
+  std::error_code unreachable;
+  return std::filesystem::is_regular_file(path, unreachable);
+}
+
+std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> pictures;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (is_file(entry.path()) && is_picture_name(entry.path()) &&
+        !entry.path().filename().string().starts_with('.'))
+      pictures.push_back(entry.path());
+  std::sort(pictures.begin(), pictures.end());
+  return pictures;
+}
+
+std::filesystem::path find_image(const std::filesystem::path& folder,
+                                 const std::string& file_path) {
   const std::filesystem::path stated = folder / with_slashes(file_path);
   const auto with = [&](std::string_view extension) {
     std::filesystem::path path = stated;
     return path += extension;
   };
-  if (const auto png = with(".png"); std::filesystem::is_regular_file(png)) return png;
-  if (std::filesystem::is_regular_file(stated)) return stated;
+  if (const auto png = with(".png"); is_file(png)) return png;
+  if (is_file(stated)) return stated;
   for (const std::string_view extension : kExtensions)
-    if (const auto path = with(extension); std::filesystem::is_regular_file(path)) return path;
+    if (const auto path = with(extension); is_file(path)) return path;
+  return {};
+}
+
+std::filesystem::path require_image(const std::filesystem::path& folder,
+                                    const std::string& file_path, const std::string& where) {
+  if (auto found = find_image(folder, file_path); !found.empty()) return found;
+  const std::filesystem::path stated = folder / with_slashes(file_path);
   throw InputError(fmt::format("{}: no such picture as {}{}; restore it or remove the frame", where,
                                stated.string(), is_picture_name(stated) ? "" : "(.png)"));
 }

@@ -3,16 +3,25 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace tessera {
 
 /// True for the extensions of pictures, in either case.
 bool is_picture_name(const std::filesystem::path& path);
 
+/// True for a file that can be asked for, links followed; false, not an error, for a link loop.
+bool is_file(const std::filesystem::path& path);
+
+/// The pictures directly in `folder` by their extensions, sorted by name; hidden ones left out.
+std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder);
+
 /// The existing picture that `file_path` (relative to `folder`, with or without extension) means;
-/// `file_path` + ".png" is tried first. Errors: InputError that starts with `where`.
-std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& file_path,
-                                 const std::string& where);
+/// `file_path` + ".png" is tried first; an empty path where there is none.
+std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& file_path);
+/// The same. Errors: InputError that starts with `where` where there is none.
+std::filesystem::path require_image(const std::filesystem::path& folder,
+                                    const std::string& file_path, const std::string& where);
 
 /// "./train/r_003.png" → "train/r_003"; root, "." and ".." are dropped, so it is safe below a
 /// folder.

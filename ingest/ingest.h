@@ -11,7 +11,7 @@
 
 namespace tessera {
 
-enum class CaptureLayout { kTransforms, kN3dv, kColmap, kVideos };
+enum class CaptureLayout { kTransforms, kN3dv, kColmap, kLlff, kVideos, kPhotos };
 
 enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
 
@@ -39,6 +39,8 @@ struct IngestOptions {
   bool keep_world = false;              // no normalisation of the world (world_normalisation.h)
   std::optional<CaptureLayout> layout;  // read it as this, where a folder can be read as several
   std::string pictures;                 // photo sets: the folder of the photos; empty: images
+  bool strict = false;                  // missing or unreadable pictures and photos without a
+                                        // pose are errors; otherwise they are warned of
   std::optional<int64_t> test_every;  // photo sets: photos 0, N, 2N … by name are the test split;
                                       // 0: none; by default 8, as the field's protocol has it
   std::optional<CloudDensity> cloud;  // by default dense where three cameras share moments

@@ -22,6 +22,7 @@ struct Lens {
   double s1 = 0, s2 = 0;                  // thin prism
   double omega = 0;                       // radians, of the field-of-view projection
 
+  bool operator==(const Lens&) const = default;
   /// True where `distorted` changes nothing.
   bool is_pinhole() const;
   glm::dvec2 distorted(const glm::dvec2& ray) const;

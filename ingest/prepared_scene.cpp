@@ -2,8 +2,11 @@
 // Not: a place for decisions: everything written here was decided by the converter.
 #include "ingest/prepared_scene.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "ingest/colmap_camera.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/pose_matrix.h"
 
@@ -48,19 +51,45 @@ ordered_json world_transform_json(const Similarity& transform) {
   return matrix;
 }
 
+/// Of each camera whose pictures were resampled: what was removed. {} where nothing was.
+ordered_json removed_lenses_json(const PreparedCamera& camera) {
+  ordered_json list = ordered_json::array();
+  for (const RemovedLens& removed : camera.removed_lenses) {
+    ordered_json row{{"model", removed.model}};
+    for (const auto& [name, value] : lens_parameters(removed.lens)) row[name] = value;
+    list.push_back(std::move(row));
+  }
+  return list;
+}
+
+/// "OPENCV, RADIAL"; "none" where no lens was removed.
+std::string removed_models(const PreparedScene& scene) {
+  std::set<std::string> models;
+  for (const PreparedCamera& camera : scene.cameras)
+    for (const RemovedLens& removed : camera.removed_lenses) models.insert(removed.model);
+  std::string joined;
+  for (const std::string& model : models) joined += (joined.empty() ? "" : ", ") + model;
+  return joined.empty() ? "none" : joined;
+}
+
 ordered_json tessera_json(const PreparedScene& scene) {
   ordered_json cameras = ordered_json::array(), sources = ordered_json::object();
-  for (const PreparedCamera& camera : scene.cameras)
+  for (const PreparedCamera& camera : scene.cameras) {
     cameras.push_back({{"name", camera.name},
                        {"time_base", rational_json(camera.time_base)},
                        {"time_offset", camera.time_offset}});
+    if (!camera.removed_lenses.empty())
+      cameras.back()["removed_lenses"] = removed_lenses_json(camera);
+  }
+  const std::string removed = removed_models(scene);
   for (const SourceFile& source : scene.sources) sources[source.name] = source.hash;
   return {{"format_version", 1},
           {"layout", scene.layout},
           {"applied",
            {{"scale", scene.scale},
-            {"undistortion", scene.undistortion},
-            {"crop", "none"},
+            {"undistortion", removed},
+            {"crop", removed == "none" ? "none" : "zoomed to valid pixels"},
+            {"tone_map", scene.tone_map},
             {"world_transform", world_transform_json(scene.prepared_from_source)},
             {"background", scene.background}}},
           {"time",
@@ -73,6 +102,15 @@ ordered_json tessera_json(const PreparedScene& scene) {
 }
 
 }  // namespace
+
+void note_removed_lens(PreparedCamera& camera, const RemovedLens& removed) {
+  const auto known = [&](const RemovedLens& other) {
+    return other.model == removed.model && other.lens == removed.lens;
+  };
+  if (!removed.lens.is_pinhole() &&
+      std::none_of(camera.removed_lenses.begin(), camera.removed_lenses.end(), known))
+    camera.removed_lenses.push_back(removed);
+}
 
 void write_prepared_scene(const std::filesystem::path& folder, const PreparedScene& scene) {
   ordered_json file{{"camera_model", "PINHOLE"}};

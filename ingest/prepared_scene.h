@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ingest/lens.h"
 #include "ingest/rational.h"
 #include "ingest/scene.h"
 
@@ -18,10 +19,17 @@ struct PreparedFrame {
   std::optional<int64_t> ticks;  // presentation time in the camera's time base (videos)
 };
 
+/// A lens whose distortion was taken out of the pictures.
+struct RemovedLens {
+  std::string model;  // COLMAP's or Nerfstudio's name: "OPENCV"
+  Lens lens;
+};
+
 struct PreparedCamera {
   std::string name;
-  Rational time_base;      // seconds a tick
-  double time_offset = 0;  // seconds added to the camera's own clock
+  Rational time_base;                         // seconds a tick
+  double time_offset = 0;                     // seconds added to the camera's own clock
+  std::vector<RemovedLens> removed_lenses{};  // distinct; several where it was zoomed
 };
 
 struct SourceFile {
@@ -30,10 +38,10 @@ struct SourceFile {
 };
 
 struct PreparedScene {
-  std::string layout;                 // "transforms", "n3dv", "colmap"
-  std::string background;             // what was done about alpha: "alpha kept", "opaque"
-  std::string undistortion = "none";  // the lens models that were removed: "OPENCV, RADIAL"
-  double scale = 1;                   // prepared size by source size
+  std::string layout;             // "transforms", "n3dv", "colmap", "llff"
+  std::string background;         // what was done about alpha: "alpha kept", "opaque"
+  std::string tone_map = "none";  // of pictures with linear pixels
+  double scale = 1;               // prepared size by source size
   TimeAxis time_axis;
   Similarity prepared_from_source;  // poses and points here are in the prepared world
   Rational time_base;  // seconds a tick of the first camera; 1/1 where times were stated
@@ -43,6 +51,9 @@ struct PreparedScene {
   std::vector<PreparedCamera> cameras;
   std::vector<SourceFile> sources;
 };
+
+/// Notes that `camera` took a picture through `lens`, which was removed; a pinhole is nothing.
+void note_removed_lens(PreparedCamera& camera, const RemovedLens& removed);
 
 /// Writes `folder`/transforms.json. Errors: InputError when it cannot be written.
 void write_prepared_scene(const std::filesystem::path& folder, const PreparedScene& scene);

@@ -23,7 +23,7 @@ struct SplitFile {
 };
 
 /// Whether the pictures that frames name must be there.
-enum class Pictures { kRequired, kUnused };
+enum class Pictures { kRequired, kListed, kUnused };
 
 constexpr std::array<SplitFile, 3> kSplitFiles{{{"transforms_train.json", Split::kTrain},
                                                 {"transforms_val.json", Split::kVal},
@@ -62,10 +62,15 @@ TransformsFrame parse_frame(const json& entry, const json& file, const StatedInt
   frame.where += fmt::format(" ({})", file_path);
   frame.split = split_of(entry, file, split_of_file, frame.where);
   if (pictures == Pictures::kRequired)
-    frame.image = find_image(json_path.parent_path(), file_path, frame.where);
+    frame.image = require_image(json_path.parent_path(), file_path, frame.where);
+  else if (pictures == Pictures::kListed)
+    frame.image = find_image(json_path.parent_path(), file_path);
   frame.name = name_of_image(file_path);
   frame.time = finite_number(entry, "time", frame.where);
-  refuse_distortion(entry, frame.where);
+  if (pictures == Pictures::kListed)
+    frame.lens = stated_lens(entry, file, frame.where);
+  else
+    refuse_distortion(entry, frame.where);
   frame.intrinsics = intrinsics_of(entry, frame.where).or_else(globals);
   set_pose(frame.camera, pose_rows(entry, frame.where), frame.where);
   const size_t slash = frame.name.rfind('/');
@@ -107,7 +112,7 @@ void read_file(const std::filesystem::path& path, Split split_of_file, Pictures 
     throw InputError(
         fmt::format("{}: has no list 'frames'; expected a NeRF transforms file", where));
   capture.files.push_back(path);
-  refuse_distortion(file, where);
+  if (pictures != Pictures::kListed) refuse_distortion(file, where);
   const StatedIntrinsics globals = intrinsics_of(file, where);
   if (capture.points_file.empty()) capture.points_file = string_at(file, "ply_file_path", where);
   if (file.contains("tessera")) read_prepared_object(file["tessera"], where, capture);
@@ -161,18 +166,16 @@ void complete(TransformsCapture& capture) {
   check_times(capture);
 }
 
-}  // namespace
-
-TransformsCapture read_transforms(const std::filesystem::path& folder) {
+TransformsCapture read_files(const std::filesystem::path& folder, Pictures pictures) {
   if (!std::filesystem::is_directory(folder))
     throw InputError(fmt::format("{}: no such folder; check the path", folder.string()));
   TransformsCapture capture;
   if (std::filesystem::exists(folder / kSplitFiles[0].name)) {
     for (const SplitFile& file : kSplitFiles)
       if (std::filesystem::exists(folder / file.name))
-        read_file(folder / file.name, file.split, Pictures::kRequired, capture);
+        read_file(folder / file.name, file.split, pictures, capture);
   } else if (std::filesystem::exists(folder / "transforms.json")) {
-    read_file(folder / "transforms.json", Split::kTrain, Pictures::kRequired, capture);
+    read_file(folder / "transforms.json", Split::kTrain, pictures, capture);
   } else {
     throw InputError(fmt::format(
         "{}: has neither transforms.json nor transforms_train.json; prepare the capture with "
@@ -180,6 +183,30 @@ TransformsCapture read_transforms(const std::filesystem::path& folder) {
         folder.string()));
   }
   complete(capture);
+  return capture;
+}
+
+/// After frames were numbered and named, so that those of others do not change.
+void leave_out_missing(TransformsCapture& capture) {
+  const std::string first = capture.frames.front().where;
+  std::erase_if(capture.frames, [&](const TransformsFrame& frame) {
+    if (frame.image.empty()) capture.missing.push_back(frame.name);
+    return frame.image.empty();
+  });
+  if (capture.frames.empty())
+    throw InputError(fmt::format("{}: no such picture, nor any of the {} others; restore them",
+                                 first, capture.missing.size() - 1));
+}
+
+}  // namespace
+
+TransformsCapture read_transforms(const std::filesystem::path& folder) {
+  return read_files(folder, Pictures::kRequired);
+}
+
+TransformsCapture read_transforms_capture(const std::filesystem::path& folder) {
+  TransformsCapture capture = read_files(folder, Pictures::kListed);
+  leave_out_missing(capture);
   return capture;
 }
 

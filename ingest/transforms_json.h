@@ -11,6 +11,7 @@
 
 #include "ingest/intrinsics.h"
 #include "ingest/scene.h"
+#include "ingest/stated_lens.h"
 
 namespace tessera {
 
@@ -23,6 +24,7 @@ struct TransformsFrame {
   Split split = Split::kTrain;
   std::optional<double> time;   // capture's own unit; normalised already in a prepared scene
   StatedIntrinsics intrinsics;  // of the frame, else of the file
+  StatedLens lens;              // likewise; a pinhole where read_transforms read it
   Camera camera;                // pose only
 };
 
@@ -33,12 +35,18 @@ struct TransformsCapture {
   std::optional<TimeAxis> prepared_axis;     // set where a `tessera` object is present
   bool prepared_static = false;
   Similarity prepared_from_source;  // of the poses' world; identity without a `tessera` object
+  std::vector<std::string> missing;  // file_path of frames without a picture, left out
   std::vector<std::string> warnings;
 };
 
-/// Reads `folder`: transforms_train/val/test.json where transforms_train.json is there, else
-/// transforms.json. Errors: InputError naming file, frame and remedy.
+/// Reads what can be trained on as it is from `folder`: transforms_train/val/test.json where
+/// transforms_train.json is there, else transforms.json. Errors: InputError naming file, frame and
+/// remedy; also for a picture that is missing and for lens distortion.
 TransformsCapture read_transforms(const std::filesystem::path& folder);
+
+/// The same of a capture that is to be prepared: lenses are read, and frames whose picture is not
+/// there are listed and left out. Errors: as above, and where no picture is there.
+TransformsCapture read_transforms_capture(const std::filesystem::path& folder);
 
 /// One transforms file as a camera path: the pictures it names need not be there (TransformsFrame::
 /// image is empty), and a frame without file_path is named by its number. Errors: as above.

@@ -47,8 +47,7 @@ StatedIntrinsics intrinsics_of(const json& object, const std::string& where) {
 
 void refuse_distortion(const json& object, const std::string& where) {
   constexpr const char* kRemedy =
-      "undistort the pictures first (for instance `colmap image_undistorter`) and set it to 0, or "
-      "pass `--poses colmap` to `tessera ingest` where a COLMAP model lies beside the file";
+      "run `tessera ingest`, which undistorts the pictures, and open its result";
   for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
     if (const auto value = finite_number(object, key, where); value.value_or(0) != 0)
       throw InputError(

@@ -36,7 +36,7 @@ Image8 size_of(const TransformsFrame& frame, const fs::path& folder) {
   if (frame.intrinsics.w && frame.intrinsics.h)
     return {*frame.intrinsics.w, *frame.intrinsics.h, 3, {}};
   try {
-    return read_png_size(find_image(folder, frame.name, frame.where));
+    return read_png_size(require_image(folder, frame.name, frame.where));
   } catch (const InputError&) {
     throw InputError(fmt::format(
         "{}: states no w and h, and its picture is no PNG beside it; add w and h", frame.where));

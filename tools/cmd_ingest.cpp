@@ -43,10 +43,14 @@ void check_request(IngestRequest& request) {
     request.options.layout = CaptureLayout::kColmap;
     return;
   }
+  if (request.poses == "llff") {
+    request.options.layout = CaptureLayout::kLlff;
+    return;
+  }
   if (request.poses != "n3dv")
     throw InputError(
-        fmt::format("ingest: --poses '{}' is not in this version; there are n3dv "
-                    "(poses_bounds.npy) and colmap (sparse/0)",
+        fmt::format("ingest: --poses '{}' is not in this version; there are n3dv and llff "
+                    "(poses_bounds.npy beside videos, beside photos) and colmap (sparse/0)",
                     request.poses));
   if (request.batch) {
     request.options.layout = CaptureLayout::kN3dv;  // its reader says where it is not
@@ -126,10 +130,14 @@ void add_ingest_command(CLI::App& app, Work& work) {
                     "where the world is arbitrary (all but transforms)");
   command->add_flag("--batch", request->batch,
                     "prepare every subfolder, also where the folder is a capture itself");
-  command->add_option("--poses", request->poses,
-                      "where poses come from: n3dv, or colmap (also beside a transforms.json)");
+  command->add_option(
+      "--poses", request->poses,
+      "where poses come from: n3dv (videos), llff (photos), or colmap, also where there "
+      "are several");
+  command->add_flag("--strict", request->options.strict,
+                    "missing or unreadable pictures, and photos without a pose, are errors");
   command->add_option("--images", request->options.pictures,
-                      "COLMAP photo sets: folder of the photos, e.g. images_4; default: images");
+                      "photo sets: folder of the photos, e.g. images_4; default: images");
   command->add_option("--test-every", request->options.test_every,
                       "COLMAP photo sets: every Nth photo is for the test; 0: none; default: 8");
   command->add_option("--cloud", request->cloud,

@@ -18,6 +18,10 @@ int run_command(const Work& work) {
   } catch (const InputError& error) {
     say(fmt::format("tessera: {}", error.what()));
     return kExitBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    say(fmt::format("tessera: {}: cannot be reached ({}); check this path and its permissions",
+                    error.path1().string(), error.code().message()));
+    return kExitBadInput;
   } catch (const Interrupted&) {
     say("tessera: interrupted; nothing half-written was left");
     return kExitInterrupted;

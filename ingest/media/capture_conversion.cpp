@@ -40,13 +40,14 @@ void check_options(const IngestOptions& options) {
 
 /// Options that one layout alone has.
 void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
-  if (layout == CaptureLayout::kColmap) return;
+  if (layout == CaptureLayout::kColmap || layout == CaptureLayout::kLlff) return;
   for (const auto& [given, name] : {std::pair{!options.pictures.empty(), "--images"},
                                     {options.test_every.has_value(), "--test-every"}})
     if (given)
-      throw InputError(fmt::format(
-          "{} is given, but the capture is not a photo set with a COLMAP model; leave it out",
-          name));
+      throw InputError(
+          fmt::format("{} is given, but the capture is not a photo set with poses (COLMAP or "
+                      "LLFF); leave it out",
+                      name));
 }
 
 /// The training cameras, a camera that stands still once.
@@ -100,6 +101,37 @@ void finish(Converted& converted, const std::filesystem::path& folder, const Ing
   write_prepared_scene(folder, converted.scene);
 }
 
+/// As ingest_capture, but what the file system says comes as its own exception.
+IngestReport convert_staged(const std::filesystem::path& capture, const std::filesystem::path& out,
+                            const IngestOptions& options, const IngestProgress& progress) {
+  check_options(options);
+  const CaptureLayout layout = options.layout ? *options.layout : detect_layout(capture);
+  check_layout_options(layout, options);
+  if (layout == CaptureLayout::kVideos)
+    throw InputError(fmt::format(
+        "{}: videos without poses; add poses_bounds.npy (LLFF order, one row a video) or a "
+        "transforms.json with frames: estimating poses is not in this version",
+        capture.string()));
+  if (layout == CaptureLayout::kPhotos)
+    throw InputError(fmt::format(
+        "{}: photos without poses; run COLMAP on them and put its model into sparse/0, or add "
+        "poses_bounds.npy or a transforms.json with frames",
+        capture.string()));
+  StagedFolder staged(out, is_prepared_scene(out));
+  const IngestProgress report_progress =
+      progress ? progress : [](std::string_view, int64_t, int64_t) {};
+  const auto convert = layout == CaptureLayout::kN3dv     ? convert_n3dv
+                       : layout == CaptureLayout::kColmap ? convert_colmap
+                       : layout == CaptureLayout::kLlff   ? convert_llff
+                                                          : convert_transforms;
+  Converted converted = convert(capture, staged.path(), options, report_progress);
+  finish(converted, staged.path(), options, options.keep_world || !has_arbitrary_world(layout),
+         report_progress);
+  converted.report.layout = layout;
+  staged.commit();
+  return converted.report;
+}
+
 }  // namespace
 
 void convert_pictures(size_t count, const IngestProgress& progress,
@@ -133,26 +165,12 @@ void write_prepared_picture(const std::filesystem::path& path, Image8 image, dou
 
 IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path& out,
                             const IngestOptions& options, const IngestProgress& progress) {
-  check_options(options);
-  const CaptureLayout layout = options.layout ? *options.layout : detect_layout(capture);
-  check_layout_options(layout, options);
-  if (layout == CaptureLayout::kVideos)
-    throw InputError(fmt::format(
-        "{}: videos without poses; add poses_bounds.npy (LLFF order, one row a video) or a "
-        "transforms.json with frames: estimating poses is not in this version",
-        capture.string()));
-  StagedFolder staged(out, is_prepared_scene(out));
-  const IngestProgress report_progress =
-      progress ? progress : [](std::string_view, int64_t, int64_t) {};
-  const auto convert = layout == CaptureLayout::kN3dv     ? convert_n3dv
-                       : layout == CaptureLayout::kColmap ? convert_colmap
-                                                          : convert_transforms;
-  Converted converted = convert(capture, staged.path(), options, report_progress);
-  finish(converted, staged.path(), options, options.keep_world || !has_arbitrary_world(layout),
-         report_progress);
-  converted.report.layout = layout;
-  staged.commit();
-  return converted.report;
+  try {
+    return convert_staged(capture, out, options, progress);
+  } catch (const std::filesystem::filesystem_error& error) {  // link loops, folders without access
+    throw InputError(fmt::format("{}: cannot be reached ({}); check this path and its permissions",
+                                 error.path1().string(), error.code().message()));
+  }
 }
 
 }  // namespace tessera

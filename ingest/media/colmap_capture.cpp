@@ -1,18 +1,20 @@
-// What: a folder of photos with a COLMAP model → prepared scene: one moment, pinhole pictures.
-// Not: the model's files (colmap_model.h) or the estimation of poses.
+// What: a folder of photos with a COLMAP model or LLFF's poses → prepared scene: one moment,
+//       pinhole pictures.
+// Not: the files of poses (colmap_model.h, llff_photos.h) or the estimation of poses.
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <set>
 
 #include "ingest/colmap_model.h"
 #include "ingest/held_out_cameras.h"
 #include "ingest/image_paths.h"
 #include "ingest/intrinsics.h"
+#include "ingest/llff_photos.h"
 #include "ingest/media/conversion.h"
-#include "ingest/media/image_source.h"
+#include "ingest/media/picture_intake.h"
 #include "ingest/media/undistortion.h"
+#include "ingest/point_cloud.h"
 #include "ingest/source_hash.h"
 #include "kernels/base/errors.h"
 
@@ -38,42 +40,45 @@ std::filesystem::path picture_folder(const std::filesystem::path& capture,
     if (entry.is_directory() && entry.path().filename().string().starts_with("images"))
       others.push_back(entry.path().filename().string());
   std::sort(others.begin(), others.end());
+  if (named.empty() && others.empty() && !pictures_in(capture).empty()) return capture;
   if (named.empty() && others.size() == 1) return capture / others.front();
   throw InputError(fmt::format(
       "{}: no such folder; {}", stated.string(),
-      others.empty() ? "put the photos that the COLMAP model was made of there"
+      others.empty() ? "put the photos that the poses were made of there"
                      : fmt::format("pass --images with one of {}", listed_names(others))));
 }
 
 /// The photo's file: under its own name, else with another extension (reduced copies may be PNG).
 std::filesystem::path file_of(const std::filesystem::path& folder, const std::string& name) {
-  if (auto same = folder / name; std::filesystem::is_regular_file(same)) return same;
+  if (auto same = folder / name; is_file(same)) return same;
   for (const char* extension : {".png", ".PNG", ".jpg", ".JPG", ".jpeg", ".JPEG"})
-    if (auto other = (folder / name).replace_extension(extension);
-        std::filesystem::is_regular_file(other))
-      return other;
+    if (auto other = (folder / name).replace_extension(extension); is_file(other)) return other;
   return {};
 }
 
 void count_unregistered(const std::filesystem::path& folder, const std::vector<FoundPhoto>& found,
-                        std::vector<std::string>& warnings) {
+                        bool strict, std::vector<std::string>& warnings) {
   std::set<std::filesystem::path> registered;
   for (const FoundPhoto& photo : found) registered.insert(photo.file.lexically_normal());
-  int64_t count = 0;
+  std::vector<std::string> others;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-    count += entry.is_regular_file() && is_picture_name(entry.path()) &&
-             !registered.contains(entry.path().lexically_normal());
-  if (count > 0)
-    warnings.push_back(
-        fmt::format("{}: {} pictures are not in the COLMAP model (not registered) and were left "
-                    "out",
-                    folder.string(), count));
+    if (is_file(entry.path()) && is_picture_name(entry.path()) &&
+        !registered.contains(entry.path().lexically_normal()))
+      others.push_back(entry.path().lexically_relative(folder).generic_string());
+  if (others.empty()) return;
+  std::sort(others.begin(), others.end());
+  const std::string seen = fmt::format(
+      "{}: {} pictures are not in the COLMAP model (not registered) and were left out: {}",
+      folder.string(), others.size(), listed_names(others));
+  if (strict) throw InputError(seen + "; run COLMAP again, or leave --strict out");
+  warnings.push_back(seen);
 }
 
 /// The photos of the model whose files are there, by name. The split goes by the model's list, so
 /// that a photo that is missing does not change that of the others.
 std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::path& folder,
-                                    int64_t test_every, std::vector<std::string>& warnings) {
+                                    int64_t test_every, bool strict,
+                                    std::vector<std::string>& warnings) {
   std::vector<FoundPhoto> found;
   std::vector<std::string> missing;
   std::set<std::string> names;
@@ -90,14 +95,12 @@ std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::p
     found.push_back({std::move(photo), file, name, is_test ? Split::kTest : Split::kTrain});
   }
   if (found.empty())
-    throw InputError(fmt::format(
-        "{}: none of the {} photos of the COLMAP model is there ({}); put them there, or pass "
-        "--images with the name of their folder",
-        folder.string(), missing.size(), listed_names(missing)));
-  if (!missing.empty())
-    warnings.push_back(fmt::format("{}: {} photos of the COLMAP model are missing: {}",
-                                   folder.string(), missing.size(), listed_names(missing)));
-  count_unregistered(folder, found, warnings);
+    throw InputError(
+        fmt::format("{}: none of the {} photos with a pose is there ({}); put them there, or pass "
+                    "--images with the name of their folder",
+                    folder.string(), missing.size(), listed_names(missing)));
+  note_missing(folder, missing, "the COLMAP model", strict, warnings);
+  count_unregistered(folder, found, strict, warnings);
   return found;
 }
 
@@ -121,14 +124,13 @@ void choose_splits(std::vector<FoundPhoto>& photos, const IngestOptions& options
   warnings.push_back("colmap: there is one photo only, none is held out for testing");
 }
 
-/// Decodes, undistorts, scales and writes one photo. True when it has alpha.
-bool convert_photo(const FoundPhoto& found, const std::filesystem::path& folder, double scale,
-                   PreparedFrame& prepared) {
-  Image8 picture = read_picture(found.file);
+/// Undistorts, scales and writes one photo.
+void convert_photo(const FoundPhoto& found, Image8 picture, const std::filesystem::path& folder,
+                   double scale, PreparedFrame& prepared) {
   const Camera& stated = found.photo.camera;
   if (!same_shape(stated.width, stated.height, picture.width, picture.height))
     throw InputError(fmt::format(
-        "{}: is {}x{}, the COLMAP model has it as {}x{}; use the photos that the model was made of "
+        "{}: is {}x{}, its pose was made for {}x{}; use the photos that the poses were made of "
         "(not turned), or reduced copies of the same shape",
         found.file.string(), picture.width, picture.height, stated.width, stated.height));
   Camera camera = stated.resized(picture.width, picture.height);
@@ -140,17 +142,13 @@ bool convert_photo(const FoundPhoto& found, const std::filesystem::path& folder,
     camera = pinhole;
   }
   prepared.frame.camera = scaled_camera(camera, scale);
-  const bool has_alpha = picture.channels == 4;
   write_prepared_picture(folder / prepared.file_path, std::move(picture), scale);
-  return has_alpha;
 }
 
 PreparedScene describe(const std::vector<FoundPhoto>& photos, double scale) {
   PreparedScene scene;
-  scene.layout = "colmap";
   scene.scale = scale;
   scene.is_static = true;
-  std::set<std::string> lenses;
   for (const FoundPhoto& found : photos) {
     PreparedFrame prepared;
     prepared.frame.name = "images/" + found.name;
@@ -158,48 +156,70 @@ PreparedScene describe(const std::vector<FoundPhoto>& photos, double scale) {
     prepared.frame.camera_name = found.name;
     prepared.frame.split = found.split;
     scene.frames.push_back(std::move(prepared));
-    scene.cameras.push_back({found.name, {}, 0});
-    if (!found.photo.lens.is_pinhole()) lenses.insert(found.photo.lens_model);
+    scene.cameras.push_back({found.name, {}, 0, {}});
+    note_removed_lens(scene.cameras.back(), {found.photo.lens_model, found.photo.lens});
   }
-  if (!lenses.empty()) scene.undistortion = fmt::format("{}", fmt::join(lenses, ", "));
   return scene;
+}
+
+/// Pictures of `pictures` with the poses of `model`, which is consumed.
+Converted convert_photos(const std::filesystem::path& capture,
+                         const std::filesystem::path& pictures, ColmapModel model,
+                         const std::filesystem::path& folder, const IngestOptions& options,
+                         const IngestProgress& progress) {
+  const int64_t test_every = options.test_every.value_or(kTestEvery);
+  if (test_every < 0 || test_every == 1)
+    throw InputError(
+        fmt::format("--test-every is {}, expected 2 or more, or 0 to hold none out", test_every));
+  IngestReport report;
+  report.warnings = std::move(model.warnings);
+  if (options.frames)
+    report.warnings.push_back("photos: --frames has no effect, each is one instant");
+  auto photos = find_photos(model, pictures, options.held_out.empty() ? test_every : 0,
+                            options.strict, report.warnings);
+  choose_splits(photos, options, report.warnings);
+  PreparedScene scene = describe(photos, options.scale);
+  scene.sources.resize(photos.size());
+  PictureIntake intake(photos.size());
+  convert_pictures(photos.size(), progress, [&](size_t i) {
+    const FoundPhoto& found = photos[i];
+    scene.sources[i].name = found.file.lexically_relative(capture).generic_string();
+    auto picture = intake.read(i, found.file, found.photo.camera.width, found.photo.camera.height);
+    if (!picture) return;
+    convert_photo(found, std::move(*picture), folder, options.scale, scene.frames[i]);
+    scene.sources[i].hash = source_hash(found.file);
+  });
+  intake.finish(scene, options.strict, report.warnings);
+  for (const auto& file : model.files)
+    scene.sources.push_back({file.lexically_relative(capture).generic_string(), source_hash(file)});
+  report.frames = report.cameras = int64_t(scene.frames.size());
+  return {std::move(scene), std::move(model.points), std::move(report)};
 }
 
 }  // namespace
 
 Converted convert_colmap(const std::filesystem::path& capture, const std::filesystem::path& folder,
                          const IngestOptions& options, const IngestProgress& progress) {
-  const int64_t test_every = options.test_every.value_or(kTestEvery);
-  if (test_every < 0 || test_every == 1)
-    throw InputError(
-        fmt::format("--test-every is {}, expected 2 or more, or 0 to hold none out", test_every));
   const auto model_folder = find_colmap_model(capture);
   if (model_folder.empty())
     throw InputError(fmt::format(
         "{}: no COLMAP model in it; put cameras, images and points3D (.bin or .txt) into sparse/0",
         capture.string()));
-  ColmapModel model = read_colmap_model(model_folder);
-  IngestReport report;
-  report.warnings = std::move(model.warnings);
-  if (options.frames)
-    report.warnings.push_back("colmap: --frames has no effect on photos, each is one instant");
+  Converted converted = convert_photos(capture, picture_folder(capture, options.pictures),
+                                       read_colmap_model(model_folder), folder, options, progress);
+  converted.scene.layout = "colmap";
+  return converted;
+}
+
+Converted convert_llff(const std::filesystem::path& capture, const std::filesystem::path& folder,
+                       const IngestOptions& options, const IngestProgress& progress) {
   const auto pictures = picture_folder(capture, options.pictures);
-  auto photos =
-      find_photos(model, pictures, options.held_out.empty() ? test_every : 0, report.warnings);
-  choose_splits(photos, options, report.warnings);
-  PreparedScene scene = describe(photos, options.scale);
-  scene.sources.resize(photos.size());
-  std::atomic<bool> had_alpha{false};
-  convert_pictures(photos.size(), progress, [&](size_t i) {
-    if (convert_photo(photos[i], folder, options.scale, scene.frames[i])) had_alpha = true;
-    scene.sources[i] = {photos[i].file.lexically_relative(capture).generic_string(),
-                        source_hash(photos[i].file)};
-  });
-  scene.background = had_alpha ? "alpha kept" : "opaque";
-  for (const auto& file : model.files)
-    scene.sources.push_back({file.lexically_relative(capture).generic_string(), source_hash(file)});
-  report.frames = report.cameras = int64_t(photos.size());
-  return {std::move(scene), std::move(model.points), std::move(report)};
+  Converted converted =
+      convert_photos(capture, pictures, read_llff_photos(capture / "poses_bounds.npy", pictures),
+                     folder, options, progress);
+  converted.scene.layout = "llff";
+  converted.points = find_points(capture, "", converted.report.warnings);
+  return converted;
 }
 
 }  // namespace tessera

@@ -29,6 +29,10 @@ Converted convert_transforms(const std::filesystem::path& capture,
 Converted convert_colmap(const std::filesystem::path& capture, const std::filesystem::path& folder,
                          const IngestOptions& options, const IngestProgress& progress);
 
+/// Photos beside poses_bounds.npy, a row each; a static scene. Errors: as ingest_capture.
+Converted convert_llff(const std::filesystem::path& capture, const std::filesystem::path& folder,
+                       const IngestOptions& options, const IngestProgress& progress);
+
 /// Calls `convert` for each picture, in parallel, chunk by chunk, so that progress comes from the
 /// calling thread and stops what it wants to stop. Errors: the InputError of the first picture.
 void convert_pictures(size_t count, const IngestProgress& progress,

@@ -1,5 +1,5 @@
-// What: a source picture of any format → Image8, values as stored (8-bit sRGB assumed).
-// Not: video (video_decoder.h), and no tone mapping: linear float pictures are refused.
+// What: a source picture of any format → Image8 in sRGB, pixels in the order they are stored.
+// Not: video (video_decoder.h), or turning a picture upright (picture_orientation.h).
 #pragma once
 #include <filesystem>
 
@@ -7,8 +7,23 @@
 
 namespace tessera {
 
-/// Grey, RGB or RGBA with alpha not premultiplied; 16 bit is reduced with rounding. Errors:
-/// InputError naming the file: unreadable, truncated, float pixels, two or more than four channels.
+/// How linear pictures become 8-bit sRGB; recorded in the prepared scene.
+inline constexpr const char* kToneMap = "clamp to [0, 1], sRGB transfer curve";
+
+struct SourcePicture {
+  Image8 image;
+  int orientation = 1;       // EXIF, 1 to 8: how a viewer would turn it; 1 where it says nothing
+  bool tone_mapped = false;  // it was linear: floating-point pixels (EXR, TIFF)
+};
+
+/// Grey, RGB or RGBA with alpha not premultiplied. Integers are sRGB as stored, 16 bit is reduced
+/// with rounding; floating-point pixels are linear and go through kToneMap: c → clamp(c, 0, 1),
+/// then 12.92 c up to 0.0031308 and 1.055 c^(1/2.4) − 0.055 above; alpha has no curve. The format
+/// goes by the file's first bytes where they tell. Errors: InputError naming the file: unreadable,
+/// truncated, damaged, CMYK, two or more than four channels.
+SourcePicture read_source_picture(const std::filesystem::path& path);
+
+/// The pixels alone.
 Image8 read_picture(const std::filesystem::path& path);
 
 }  // namespace tessera

@@ -1,12 +1,14 @@
 // What: D-NeRF, NeRF-synthetic, Nerfstudio or prepared captures → prepared scene.
 // Not: parsing (transforms_json.h); alpha is kept, the background is chosen when a scene is loaded.
-#include <atomic>
+#include <fmt/format.h>
+
 #include <map>
 #include <set>
 
 #include "ingest/capture_times.h"
 #include "ingest/media/conversion.h"
-#include "ingest/media/image_source.h"
+#include "ingest/media/picture_intake.h"
+#include "ingest/media/undistortion.h"
 #include "ingest/point_cloud.h"
 #include "ingest/source_hash.h"
 
@@ -39,27 +41,40 @@ PreparedFrame describe(const TransformsFrame& listed, double time) {
   return prepared;
 }
 
-/// Decodes, scales and writes one picture. True when it has alpha.
-bool convert_frame(const TransformsFrame& listed, const std::filesystem::path& folder, double scale,
-                   PreparedFrame& prepared, SourceFile& source) {
-  Image8 picture = read_picture(listed.image);
+/// Undistorts, scales and writes one picture.
+void convert_frame(const TransformsFrame& listed, Image8 picture,
+                   const std::filesystem::path& folder, double scale, PreparedFrame& prepared) {
   Camera& camera = prepared.frame.camera;
   set_intrinsics(camera, listed.intrinsics, picture.width, picture.height, listed.where);
+  if (!listed.lens.lens.is_pinhole()) {
+    const Camera pinhole = undistorted_camera(
+        camera, listed.lens.lens, fmt::format("{} ({})", listed.where, listed.lens.model));
+    picture = undistorted_picture(picture, camera, listed.lens.lens, pinhole);
+    camera = pinhole;
+  }
   camera = scaled_camera(camera, scale);
-  source = {listed.name + listed.image.extension().string(), source_hash(listed.image)};
-  const bool has_alpha = picture.channels == 4;
   write_prepared_picture(folder / prepared.file_path, std::move(picture), scale);
-  return has_alpha;
 }
 
-bool convert_frames(const TransformsCapture& capture, const std::filesystem::path& folder,
-                    double scale, const IngestProgress& progress, PreparedScene& scene) {
-  std::atomic<bool> had_alpha{false};
-  convert_pictures(capture.frames.size(), progress, [&](size_t i) {
-    if (convert_frame(capture.frames[i], folder, scale, scene.frames[i], scene.sources[i]))
-      had_alpha = true;
-  });
-  return had_alpha;
+/// Frames and cameras, without what the pictures will say.
+PreparedScene describe(const TransformsCapture& capture, const NormalisedTimes& times,
+                       double scale) {
+  PreparedScene scene;
+  scene.layout = "transforms";
+  scene.scale = scale;
+  scene.time_axis = times.axis;
+  scene.prepared_from_source = capture.prepared_from_source;
+  scene.is_static = times.is_static;
+  std::map<std::string, size_t> cameras;  // name → index
+  for (size_t i = 0; i < capture.frames.size(); ++i) {
+    const TransformsFrame& frame = capture.frames[i];
+    scene.frames.push_back(describe(frame, times.time[i]));
+    scene.sources.push_back({frame.name + frame.image.extension().string(), ""});
+    const auto [camera, is_new] = cameras.emplace(frame.camera_name, scene.cameras.size());
+    if (is_new) scene.cameras.push_back({frame.camera_name, {}, 0, {}});
+    note_removed_lens(scene.cameras[camera->second], {frame.lens.model, frame.lens.lens});
+  }
+  return scene;
 }
 
 }  // namespace
@@ -67,33 +82,31 @@ bool convert_frames(const TransformsCapture& capture, const std::filesystem::pat
 Converted convert_transforms(const std::filesystem::path& capture_folder,
                              const std::filesystem::path& folder, const IngestOptions& options,
                              const IngestProgress& progress) {
-  TransformsCapture capture = read_transforms(capture_folder);
+  TransformsCapture capture = read_transforms_capture(capture_folder);
+  IngestReport report;
+  report.warnings = std::move(capture.warnings);
+  note_missing(capture_folder, capture.missing, "the transforms file", options.strict,
+               report.warnings);
   const TimeAxis whole = times_of(capture, true).axis;
   if (options.frames) keep_first_instants(capture, *options.frames);
   const NormalisedTimes times = times_of(capture, options.allow_static);
-  PreparedScene scene;
-  scene.layout = "transforms";
-  scene.scale = options.scale;
-  scene.time_axis = times.axis;
-  scene.prepared_from_source = capture.prepared_from_source;
-  scene.is_static = times.is_static;
-  IngestReport report;
-  report.warnings = std::move(capture.warnings);
-  std::set<std::string> cameras;
-  for (size_t i = 0; i < capture.frames.size(); ++i) {
-    scene.frames.push_back(describe(capture.frames[i], times.time[i]));
-    if (cameras.insert(capture.frames[i].camera_name).second)
-      scene.cameras.push_back({capture.frames[i].camera_name, {}, 0});
-  }
-  scene.sources.resize(capture.frames.size());
-  const bool had_alpha = convert_frames(capture, folder, options.scale, progress, scene);
-  scene.background = had_alpha ? "alpha kept" : "opaque";
+  PreparedScene scene = describe(capture, times, options.scale);
+  PictureIntake intake(capture.frames.size());
+  convert_pictures(capture.frames.size(), progress, [&](size_t i) {
+    const TransformsFrame& frame = capture.frames[i];
+    auto picture =
+        intake.read(i, frame.image, frame.intrinsics.w.value_or(0), frame.intrinsics.h.value_or(0));
+    if (!picture) return;
+    convert_frame(frame, std::move(*picture), folder, options.scale, scene.frames[i]);
+    scene.sources[i].hash = source_hash(frame.image);
+  });
+  intake.finish(scene, options.strict, report.warnings);
   for (const std::filesystem::path& file : capture.files)
     scene.sources.push_back({file.filename().string(), source_hash(file)});
   PointCloud points = find_points(capture_folder, capture.points_file, report.warnings);
   change_time_axis(points, whole, times.axis);
   report.frames = int64_t(scene.frames.size());
-  report.cameras = int64_t(cameras.size());
+  report.cameras = int64_t(scene.cameras.size());
   return {std::move(scene), std::move(points), std::move(report)};
 }
 

@@ -116,7 +116,7 @@ std::optional<std::filesystem::path> real_data(const std::string& name) {
     const auto path = std::filesystem::path(stated) / name;
     return std::filesystem::exists(path) ? std::optional(path) : std::nullopt;
   }
-  for (auto folder = std::filesystem::path(__FILE__).parent_path(); folder.has_relative_path();
+  for (auto folder = std::filesystem::absolute(__FILE__).parent_path(); folder.has_relative_path();
        folder = folder.parent_path())
     if (const auto path = folder / "shared" / "data" / name; std::filesystem::exists(path))
       return path;

@@ -121,7 +121,7 @@ TEST_F(ColmapCapture, ReducedPhotosHaveTheSameRays) {
   EXPECT_EQ(scene().frames[0].camera.fl_y, 42 / 8.0);
   EXPECT_EQ(scene().frames[0].image.width, 4);
   write_png(capture_ / "images_4/b01.png", patterned_picture(6, 8, 3));  // turned
-  expect_input_error([&] { ingest(options); }, {"b01.png: is 6x8", "has it as 32x24"});
+  expect_input_error([&] { ingest(options); }, {"b01.png: is 6x8", "made for 32x24"});
 }
 
 // Bug put back: held-out names looked up and not used; seen to fail.

@@ -154,7 +154,7 @@ TEST(Scene, WithoutPixelsEverythingElseIsThere) {
 }
 
 // Bugs put back, each seen to fail: the error of the last bad frame reported (not the first);
-// find_image() returning the stated path without looking.
+// require_image() returning the stated path without looking.
 TEST(BadScene, PicturesThatAreMissingOrDamagedAreNamed) {
   const TemporaryFolder folder;
   write_dnerf(folder.path(), {});
