@@ -37,6 +37,9 @@ struct IngestOptions {
   std::string pictures;                 // photo sets: the folder of the photos; empty: images
   std::optional<int64_t> test_every;  // photo sets: photos 0, N, 2N … by name are the test split;
                                       // 0: none; by default 8, as the field's protocol has it
+  std::filesystem::path masks;  // folder of masks named as pictures or cameras; it replaces those
+                                // that a capture states; empty: the stated ones
+  bool invert_masks = false;    // black is used, not ignored
 };
 
 struct IngestReport {

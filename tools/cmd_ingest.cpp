@@ -106,6 +106,9 @@ void add_ingest_command(CLI::App& app, Work& work) {
                       "COLMAP photo sets: folder of the photos, e.g. images_4; default: images");
   command->add_option("--test-every", request->options.test_every,
                       "COLMAP photo sets: every Nth photo is for the test; 0: none; default: 8");
+  command->add_option("--masks", request->options.masks,
+                      "folder of masks named as the pictures or cameras; black is ignored");
+  command->add_flag("--invert-masks", request->options.invert_masks, "white is ignored, not black");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return ingest(*request); }; });

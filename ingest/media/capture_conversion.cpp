@@ -10,6 +10,7 @@
 #include "ingest/files/png.h"
 #include "ingest/files/staged_folder.h"
 #include "ingest/media/conversion.h"
+#include "ingest/media/mask_source.h"
 #include "ingest/media/picture_scale.h"
 #include "ingest/point_cloud.h"
 #include "ingest/transforms_json.h"
@@ -98,6 +99,7 @@ IngestReport ingest_capture(const std::filesystem::path& capture, const std::fil
                        : layout == CaptureLayout::kColmap ? convert_colmap
                                                           : convert_transforms;
   Converted converted = convert(capture, staged.path(), options, report_progress);
+  check_masks(converted.scene, options, converted.report);
   finish(converted, staged.path());
   converted.report.layout = layout;
   staged.commit();

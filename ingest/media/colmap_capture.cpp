@@ -12,6 +12,7 @@
 #include "ingest/intrinsics.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/image_source.h"
+#include "ingest/media/mask_source.h"
 #include "ingest/media/undistortion.h"
 #include "ingest/source_hash.h"
 #include "kernels/base/errors.h"
@@ -122,8 +123,8 @@ void choose_splits(std::vector<FoundPhoto>& photos, const IngestOptions& options
 }
 
 /// Decodes, undistorts, scales and writes one photo. True when it has alpha.
-bool convert_photo(const FoundPhoto& found, const std::filesystem::path& folder, double scale,
-                   PreparedFrame& prepared) {
+bool convert_photo(const FoundPhoto& found, const std::filesystem::path& folder,
+                   const IngestOptions& options, PreparedFrame& prepared) {
   Image8 picture = read_picture(found.file);
   const Camera& stated = found.photo.camera;
   if (!same_shape(stated.width, stated.height, picture.width, picture.height))
@@ -132,16 +133,20 @@ bool convert_photo(const FoundPhoto& found, const std::filesystem::path& folder,
         "(not turned), or reduced copies of the same shape",
         found.file.string(), picture.width, picture.height, stated.width, stated.height));
   Camera camera = stated.resized(picture.width, picture.height);
+  Image8 mask =
+      read_mask(find_mask(options, found.photo.name), camera.width, camera.height, options);
   if (!found.photo.lens.is_pinhole()) {
     const Camera pinhole =
         undistorted_camera(camera, found.photo.lens,
                            fmt::format("{} ({})", found.file.string(), found.photo.lens_model));
     picture = undistorted_picture(picture, camera, found.photo.lens, pinhole);
+    mask = undistorted_mask(mask, camera, found.photo.lens, pinhole);
     camera = pinhole;
   }
-  prepared.frame.camera = scaled_camera(camera, scale);
+  prepared.frame.camera = scaled_camera(camera, options.scale);
+  prepared.mask_path = write_prepared_mask(folder, prepared.frame.name, mask, options.scale);
   const bool has_alpha = picture.channels == 4;
-  write_prepared_picture(folder / prepared.file_path, std::move(picture), scale);
+  write_prepared_picture(folder / prepared.file_path, std::move(picture), options.scale);
   return has_alpha;
 }
 
@@ -191,7 +196,7 @@ Converted convert_colmap(const std::filesystem::path& capture, const std::filesy
   scene.sources.resize(photos.size());
   std::atomic<bool> had_alpha{false};
   convert_pictures(photos.size(), progress, [&](size_t i) {
-    if (convert_photo(photos[i], folder, options.scale, scene.frames[i])) had_alpha = true;
+    if (convert_photo(photos[i], folder, options, scene.frames[i])) had_alpha = true;
     scene.sources[i] = {photos[i].file.lexically_relative(capture).generic_string(),
                         source_hash(photos[i].file)};
   });

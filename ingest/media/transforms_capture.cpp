@@ -7,6 +7,7 @@
 #include "ingest/capture_times.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/image_source.h"
+#include "ingest/media/mask_source.h"
 #include "ingest/point_cloud.h"
 #include "ingest/source_hash.h"
 
@@ -40,23 +41,28 @@ PreparedFrame describe(const TransformsFrame& listed, double time) {
 }
 
 /// Decodes, scales and writes one picture. True when it has alpha.
-bool convert_frame(const TransformsFrame& listed, const std::filesystem::path& folder, double scale,
-                   PreparedFrame& prepared, SourceFile& source) {
+bool convert_frame(const TransformsFrame& listed, const std::filesystem::path& folder,
+                   const IngestOptions& options, PreparedFrame& prepared, SourceFile& source) {
+  const double scale = options.scale;
   Image8 picture = read_picture(listed.image);
   Camera& camera = prepared.frame.camera;
   set_intrinsics(camera, listed.intrinsics, picture.width, picture.height, listed.where);
   camera = scaled_camera(camera, scale);
   source = {listed.name + listed.image.extension().string(), source_hash(listed.image)};
+  const auto mask = options.masks.empty() ? listed.mask : find_mask(options, source.name);
+  prepared.mask_path = write_prepared_mask(
+      folder, listed.name, read_mask(mask, picture.width, picture.height, options), scale);
   const bool has_alpha = picture.channels == 4;
   write_prepared_picture(folder / prepared.file_path, std::move(picture), scale);
   return has_alpha;
 }
 
 bool convert_frames(const TransformsCapture& capture, const std::filesystem::path& folder,
-                    double scale, const IngestProgress& progress, PreparedScene& scene) {
+                    const IngestOptions& options, const IngestProgress& progress,
+                    PreparedScene& scene) {
   std::atomic<bool> had_alpha{false};
   convert_pictures(capture.frames.size(), progress, [&](size_t i) {
-    if (convert_frame(capture.frames[i], folder, scale, scene.frames[i], scene.sources[i]))
+    if (convert_frame(capture.frames[i], folder, options, scene.frames[i], scene.sources[i]))
       had_alpha = true;
   });
   return had_alpha;
@@ -84,7 +90,7 @@ Converted convert_transforms(const std::filesystem::path& capture_folder,
       scene.cameras.push_back({capture.frames[i].camera_name, {}, 0});
   }
   scene.sources.resize(capture.frames.size());
-  const bool had_alpha = convert_frames(capture, folder, options.scale, progress, scene);
+  const bool had_alpha = convert_frames(capture, folder, options, progress, scene);
   scene.background = had_alpha ? "alpha kept" : "opaque";
   for (const std::filesystem::path& file : capture.files)
     scene.sources.push_back({file.filename().string(), source_hash(file)});

@@ -93,13 +93,13 @@ TEST(FrameFeed, TheBudgetDecides) {
     memory.free = free;
     return FrameFeed(memory, scene, trained(), budget, 1).ahead() > 0;
   };
-  constexpr int64_t kAll = kTrained * 128 + kMasked * 64;  // 60 to 84 bytes, 20 to 28, aligned
+  constexpr int64_t kPictures = 4 * 64 + 4 * 128, kAll = kPictures + kMasked * 64;  // aligned
   EXPECT_FALSE(ring(int64_t{1} << 40, 0));
   EXPECT_FALSE(ring(2 * kAll, 0)) << "half of a small card is for frames";
   EXPECT_TRUE(ring(kAll + 100, 0)) << "the other half is not";
   EXPECT_TRUE(ring(0, 0));
   EXPECT_FALSE(ring(0, kAll)) << "what was asked for is not second-guessed";
-  EXPECT_TRUE(ring(0, kTrained * 128)) << "masks are counted";
+  EXPECT_TRUE(ring(0, kPictures)) << "masks are counted";
   EXPECT_TRUE(ring(int64_t{1} << 40, 100));
 }
 
