@@ -45,9 +45,9 @@ Image8 mask_of_picture(const Image8& picture, const std::filesystem::path& file)
 
 void check_mask_size(const Image8& mask, int width, int height, const std::filesystem::path& file) {
   if (mask.width == width && mask.height == height) return;
-  throw InputError(fmt::format(
-      "{}: the mask is {}x{}, its picture {}x{}; make the mask from that picture", file.string(),
-      mask.width, mask.height, width, height));
+  throw InputError(
+      fmt::format("{}: the mask is {}x{}, its picture {}x{}; make the mask from that picture",
+                  file.string(), mask.width, mask.height, width, height));
 }
 
 void invert_mask(Image8& mask) {

@@ -50,9 +50,9 @@ struct EvaluateOptions {
 using ScoredCallback = std::function<void(const Frame& frame, const Picture& picture,
                                           const ViewScore& score, int64_t done, int64_t total)>;
 
-/// Pixels that a frame's mask ignores do not count (metrics.h); frames without a used pixel are left
-/// out. Errors: InputError: no frame in the split, or none with a used pixel; frames composited on
-/// another background than the model's.
+/// Pixels that a frame's mask ignores do not count (metrics.h); frames without a used pixel are
+/// left out. Errors: InputError: no frame in the split, or none with a used pixel; frames
+/// composited on another background than the model's.
 EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Scene& scene,
                           Split split, const EvaluateOptions& options,
                           const ScoredCallback& scored = {});

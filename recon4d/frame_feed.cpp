@@ -77,8 +77,7 @@ FrameFeed::~FrameFeed() {
 void FrameFeed::copy_frame(int64_t index, uint8_t* to) {
   const std::vector<uint8_t>&picture = frame(index).image.data, &mask = frame(index).mask.data;
   memory_.copy_async_in(to, picture.data(), picture.size());
-  if (!mask.empty())
-    memory_.copy_async_in(to + aligned(picture.size()), mask.data(), mask.size());
+  if (!mask.empty()) memory_.copy_async_in(to + aligned(picture.size()), mask.data(), mask.size());
 }
 
 void FrameFeed::upload_all() {

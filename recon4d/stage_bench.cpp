@@ -130,8 +130,8 @@ class Load {
     }
     pipeline_.forward(forward);
     const FedTruth fed = feed_.truth(chosen);
-    pipeline_.loss(
-        {fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks}, true);
+    pipeline_.loss({fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks},
+                   true);
     backward();
     ++state_.iteration;
   }

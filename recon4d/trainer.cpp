@@ -161,8 +161,8 @@ void Trainer::step() {
   report.invalid_gaussians = counts.invalid_gaussians;
   report.peak_bytes = backend_.memory().peak_bytes();
   const FedTruth fed = feed_.truth(batch);
-  pipeline_.loss(
-      {fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks}, true);
+  pipeline_.loss({fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks},
+                 true);
   backward();
   prefetch();
   ++state_.iteration;

@@ -67,9 +67,8 @@ std::string write_prepared_mask(const std::filesystem::path& folder, const std::
   if (mask.data.empty()) return {};
   const std::string path = "masks/" + name + ".png";
   std::filesystem::create_directories((folder / path).parent_path());
-  write_png(folder / path,
-            cut_at_half(scale_picture(mask, scaled_side(mask.width, scale),
-                                      scaled_side(mask.height, scale))));
+  write_png(folder / path, cut_at_half(scale_picture(mask, scaled_side(mask.width, scale),
+                                                     scaled_side(mask.height, scale))));
   return path;
 }
 
@@ -93,10 +92,12 @@ void check_masks(const PreparedScene& scene, const IngestOptions& options, Inges
         "for a.jpg) or, for videos, as the cameras",
         options.masks.string(), scene.frames.size()));
   if (options.invert_masks && none)
-    throw InputError("--invert-masks is given, but there are no masks; pass --masks or leave it out");
+    throw InputError(
+        "--invert-masks is given, but there are no masks; pass --masks or leave it out");
   if (!options.masks.empty() && without > 0)
-    report.warnings.push_back(fmt::format("{}: {} of {} frames have no mask, all their pixels count",
-                                          options.masks.string(), without, scene.frames.size()));
+    report.warnings.push_back(
+        fmt::format("{}: {} of {} frames have no mask, all their pixels count",
+                    options.masks.string(), without, scene.frames.size()));
 }
 
 }  // namespace tessera

@@ -111,8 +111,8 @@ int64_t convert_camera(const N3dvWork& work, const VideoCamera& source, Prepared
   const Rational clock = probe_video(source.video).time_base;
   const std::string doing = "decoding " + source.video.filename().string();
   const auto total = work.expected_frames * int64_t(work.camera_count);
-  const std::string mask_path = prepare_camera_mask(work.folder, source.name, source.camera, {},
-                                                    source.camera, work.options);
+  const std::string mask_path =
+      prepare_camera_mask(work.folder, source.name, source.camera, {}, source.camera, work.options);
   PictureQueue queue(work.folder, work.options.scale);
   int64_t number = 0;
   decode_video(source.video, [&](VideoFrame decoded) {

@@ -74,11 +74,10 @@ void CpuBackend<Real>::photometric(const PhotometricArgs<Real>& args, Span<Real>
     const int64_t pixels = int64_t(view.width) * view.height;
     const int64_t start = 3 * view.first_pixel + task % 3 * pixels;
     const Real scale = Real(1.0 / (3.0 * double(pixels) * double(views.size())));
-    planes[size_t(task)] =
-        plane_loss(args.images->colour.data() + start, args.truth[size_t(task / 3)].data + task % 3,
-                   args.mask.empty() ? nullptr : args.mask[size_t(task / 3)].data, view.width,
-                   view.height, args.weights, scale,
-                   d_colour.empty() ? nullptr : d_colour.data + start, scratch);
+    planes[size_t(task)] = plane_loss(
+        args.images->colour.data() + start, args.truth[size_t(task / 3)].data + task % 3,
+        args.mask.empty() ? nullptr : args.mask[size_t(task / 3)].data, view.width, view.height,
+        args.weights, scale, d_colour.empty() ? nullptr : d_colour.data + start, scratch);
   });
   std::vector<ViewLoss>& losses = outcome_.losses;
   losses.assign(views.size(), {});

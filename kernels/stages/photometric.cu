@@ -34,8 +34,8 @@ void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_
       photometric_scratch_bytes(args.batch->pixels, int(count), width, height, !d_colour.empty())));
   launch_photometric(
       {views_of(*args.batch), truth_.data(), masked ? truth_.data() + count : nullptr, int(count),
-       width, height, args.batch->pixels, args.images->colour.data(), d_colour.data, scratch_.data(), loss_sums_.data(),
-       float(args.weights.l1), float(args.weights.dssim)},
+       width, height, args.batch->pixels, args.images->colour.data(), d_colour.data,
+       scratch_.data(), loss_sums_.data(), float(args.weights.l1), float(args.weights.dssim)},
       stream_);
   check_launch("photometric");
   report();

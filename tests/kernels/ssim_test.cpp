@@ -161,7 +161,9 @@ TEST(Photometric, LossWithAMaskEqualsItsDefinition) {
       };
       for (int i = 0; i < pixels; ++i) {
         l1 += std::abs(x[i] - B(i % width, i / width)) / (3 * pixels);
-        const auto w = [&](auto f) { return windowed(i % width, i / width, width, view.height, f); };
+        const auto w = [&](auto f) {
+          return windowed(i % width, i / width, width, view.height, f);
+        };
         const double ma = w(A), mb = w(B);
         const double va = w([&](int u, int v) { return A(u, v) * A(u, v); }) - ma * ma;
         const double vb = w([&](int u, int v) { return B(u, v) * B(u, v); }) - mb * mb;

@@ -67,8 +67,8 @@ struct TestScene {
 
   template <class To>
   TestScene<To> as() const {
-    return {fixed.template as<To>(), moving.template as<To>(), views, truth, options, weights,
-            mask};
+    return {
+        fixed.template as<To>(), moving.template as<To>(), views, truth, options, weights, mask};
   }
 };
 
