@@ -45,6 +45,9 @@ struct IngestOptions {
                                       // 0: none; by default 8, as the field's protocol has it
   std::optional<CloudDensity> cloud;  // by default dense where three cameras share moments
   int64_t cloud_points = 100000;      // at most, found by the sweep
+  std::filesystem::path masks;  // folder of masks named as pictures or cameras; it replaces those
+                                // that a capture states; empty: the stated ones
+  bool invert_masks = false;    // black is used, not ignored
 };
 
 struct IngestReport {

@@ -28,17 +28,19 @@ ordered_json frame_json(const PreparedFrame& prepared) {
   ordered_json tessera{{"camera", frame.camera_name}, {"frame", frame.frame_number}};
   if (prepared.ticks) tessera["ticks"] = *prepared.ticks;
   constexpr const char* kSplitNames[] = {"train", "val", "test"};
-  return {{"file_path", prepared.file_path},
-          {"split", kSplitNames[int(frame.split)]},
-          {"time", frame.time},
-          {"w", camera.width},
-          {"h", camera.height},
-          {"fl_x", camera.fl_x},
-          {"fl_y", camera.fl_y},
-          {"cx", camera.cx},
-          {"cy", camera.cy},
-          {"transform_matrix", std::move(matrix)},
-          {"tessera", std::move(tessera)}};
+  ordered_json file{{"file_path", prepared.file_path},
+                    {"split", kSplitNames[int(frame.split)]},
+                    {"time", frame.time},
+                    {"w", camera.width},
+                    {"h", camera.height},
+                    {"fl_x", camera.fl_x},
+                    {"fl_y", camera.fl_y},
+                    {"cx", camera.cx},
+                    {"cy", camera.cy},
+                    {"transform_matrix", std::move(matrix)},
+                    {"tessera", std::move(tessera)}};
+  if (!prepared.mask_path.empty()) file["mask_path"] = prepared.mask_path;
+  return file;
 }
 
 /// 4×4, prepared world from source's world: scale · rotation | translation.

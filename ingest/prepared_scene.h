@@ -17,6 +17,7 @@ struct PreparedFrame {
   std::string file_path;         // below the scene's folder, with extension
   Frame frame;                   // its pixels are not looked at
   std::optional<int64_t> ticks;  // presentation time in the camera's time base (videos)
+  std::string mask_path;         // below the scene's folder; empty: all pixels are used
 };
 
 /// A lens whose distortion was taken out of the pictures.

@@ -29,6 +29,7 @@ struct Frame {
   Split split = Split::kTrain;
   Camera camera;
   Image8 image;  // RGB, composited once on Scene::background
+  Image8 mask;  // one channel, 0: the pixel is ignored, 255: it is used; without data: all are used
 };
 
 struct PointCloud {

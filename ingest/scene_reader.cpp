@@ -10,6 +10,7 @@
 #include "ingest/alpha_composite.h"
 #include "ingest/capture_times.h"
 #include "ingest/files/png.h"
+#include "ingest/mask.h"
 #include "ingest/moments.h"
 #include "ingest/point_cloud.h"
 #include "ingest/transforms_json.h"
@@ -19,16 +20,24 @@
 namespace tessera {
 namespace {
 
-void require_png(const TransformsFrame& frame) {
-  if (frame.image.extension() == ".png" || frame.image.extension() == ".PNG") return;
+void require_png(const std::filesystem::path& file, const std::string& where) {
+  if (file.extension() == ".png" || file.extension() == ".PNG") return;
   throw InputError(fmt::format(
-      "{}: {} is not a PNG; convert the capture with `tessera ingest` and open its result",
-      frame.where, frame.image.filename().string()));
+      "{}: {} is not a PNG; convert the capture with `tessera ingest` and open its result", where,
+      file.filename().string()));
+}
+
+/// The frame's mask, or without pixels its size, for a picture of width × height.
+Image8 load_mask(const TransformsFrame& listed, int width, int height, bool load_pixels) {
+  require_png(listed.mask, listed.where);
+  const Image8 picture = load_pixels ? read_png(listed.mask) : read_png_size(listed.mask);
+  check_mask_size(picture, width, height, listed.mask);
+  return load_pixels ? mask_of_picture(picture, listed.mask) : Image8{};
 }
 
 /// Decodes and composites one frame, or reads its size only. True when it had alpha.
 bool load_frame(const TransformsFrame& listed, const SceneOptions& options, Frame& frame) {
-  require_png(listed);
+  require_png(listed.image, listed.where);
   frame.name = listed.name;
   frame.camera_name = listed.camera_name;
   frame.frame_number = listed.frame_number;
@@ -36,6 +45,8 @@ bool load_frame(const TransformsFrame& listed, const SceneOptions& options, Fram
   frame.camera = listed.camera;
   Image8 picture = options.load_pixels ? read_png(listed.image) : read_png_size(listed.image);
   set_intrinsics(frame.camera, listed.intrinsics, picture.width, picture.height, listed.where);
+  if (!listed.mask.empty())
+    frame.mask = load_mask(listed, picture.width, picture.height, options.load_pixels);
   const bool had_alpha = picture.channels == 4;
   if (options.load_pixels)
     frame.image =

@@ -49,6 +49,18 @@ Split split_of(const json& frame, const json& file, Split split_of_file, const s
   return split_of_file;
 }
 
+/// The file of `mask_path`, which is relative to the json; empty when none is stated.
+std::filesystem::path mask_of(const json& entry, const std::filesystem::path& folder,
+                              const std::string& where) {
+  const std::string stated = string_at(entry, "mask_path", where);
+  if (stated.empty()) return {};
+  const std::filesystem::path path = folder / stated;
+  if (!std::filesystem::is_regular_file(path))
+    throw InputError(fmt::format("{}: no such mask as {}; restore it or take mask_path out", where,
+                                 path.string()));
+  return path;
+}
+
 TransformsFrame parse_frame(const json& entry, const json& file, const StatedIntrinsics& globals,
                             const std::filesystem::path& json_path, size_t index,
                             Split split_of_file, Pictures pictures) {
@@ -65,6 +77,8 @@ TransformsFrame parse_frame(const json& entry, const json& file, const StatedInt
     frame.image = require_image(json_path.parent_path(), file_path, frame.where);
   else if (pictures == Pictures::kListed)
     frame.image = find_image(json_path.parent_path(), file_path);
+  if (pictures != Pictures::kUnused)
+    frame.mask = mask_of(entry, json_path.parent_path(), frame.where);
   frame.name = name_of_image(file_path);
   frame.time = finite_number(entry, "time", frame.where);
   if (pictures == Pictures::kListed)
@@ -116,15 +130,9 @@ void read_file(const std::filesystem::path& path, Split split_of_file, Pictures 
   const StatedIntrinsics globals = intrinsics_of(file, where);
   if (capture.points_file.empty()) capture.points_file = string_at(file, "ply_file_path", where);
   if (file.contains("tessera")) read_prepared_object(file["tessera"], where, capture);
-  int64_t masks = 0;
-  for (size_t i = 0; i < frames->size(); ++i) {
-    const json& entry = (*frames)[i];
-    capture.frames.push_back(parse_frame(entry, file, globals, path, i, split_of_file, pictures));
-    masks += entry.contains("mask_path");
-  }
-  if (masks > 0)
-    capture.warnings.push_back(
-        fmt::format("{}: {} frames have a mask_path; masks are not used yet", where, masks));
+  for (size_t i = 0; i < frames->size(); ++i)
+    capture.frames.push_back(
+        parse_frame((*frames)[i], file, globals, path, i, split_of_file, pictures));
 }
 
 /// The same picture may be in two splits (val copied from test); its second name says which.

@@ -18,6 +18,7 @@ namespace tessera {
 struct TransformsFrame {
   std::string where;            // "transforms_train.json, frame 3 (./train/r_3)", for messages
   std::filesystem::path image;  // an existing file
+  std::filesystem::path mask;   // mask_path, an existing file; empty: none is stated
   std::string name;             // file_path without "./", ".." and extension; unique
   std::string camera_name;
   int64_t frame_number = 0;

@@ -42,6 +42,9 @@ struct PhotometricArgs {
   const Images<Real>* images = nullptr;
   std::vector<Span<const uint8_t>> truth;  // [B] each [height, width, 3], in the backend's memory
   LossWeights weights;
+  /// [B] each [height, width], 0: the pixel is ignored; an empty span: all pixels of that view
+  /// count. Empty: of every view.
+  std::vector<Span<const uint8_t>> mask;
 };
 
 template <class Real>
@@ -82,7 +85,10 @@ class BackendOf {
   virtual void bin(const BinArgs<Real>& args, TileInstances<Real>& instances) = 0;
   /// Front-to-back blending of every tile.
   virtual void blend(const BlendArgs<Real>& args, Images<Real>& images) = 0;
-  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted).
+  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted). An ignored
+  /// pixel adds nothing: |I − G| = 0, SSIM = 1, d_colour = 0; in the windows of others its truth is
+  /// what was rendered, taken as constant. Means are over all pixels of the view, so that a pixel
+  /// weighs the same with a mask and without.
   virtual void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) = 0;
   /// Gradient of each splat, summed over its pixels.
   virtual void blend_backward(const BlendBackwardArgs<Real>& args,

@@ -29,7 +29,8 @@ template <class Real>
 void Pipeline<Real>::loss(const Target& target, bool for_backward) {
   d_colour_.resize(for_backward ? 3 * batch_.pixels : 0);
   const StageTimer timer(backend_.clock(), kPhotometric);
-  backend_.photometric({&batch_, &images_, target.truth, target.weights}, d_colour_.span());
+  backend_.photometric({&batch_, &images_, target.truth, target.weights, target.mask},
+                       d_colour_.span());
 }
 
 template <class Real>

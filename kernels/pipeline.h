@@ -12,6 +12,7 @@ namespace tessera {
 struct Target {
   std::vector<Span<const uint8_t>> truth;  // [B] each [height, width, 3]
   LossWeights weights;
+  std::vector<Span<const uint8_t>> mask;  // as PhotometricArgs::mask
 };
 
 template <class Real>

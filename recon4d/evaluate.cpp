@@ -54,6 +54,24 @@ std::optional<double> mean_of(const std::vector<ViewScore>& views,
   return count > 0 ? std::optional<double>(sum / double(count)) : std::nullopt;
 }
 
+/// The frames of a split that have a pixel to be compared.
+std::vector<int> scored_frames(const Scene& scene, Split split) {
+  std::vector<int> indices = scene.split_indices(split);
+  if (indices.empty())
+    throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
+                                 scene.path, split_name(split)));
+  std::erase_if(indices, [&](int i) {
+    const std::vector<uint8_t>& mask = scene.frames[size_t(i)].mask.data;
+    return !mask.empty() && std::all_of(mask.begin(), mask.end(), [](uint8_t m) { return m == 0; });
+  });
+  if (indices.empty())
+    throw InputError(fmt::format(
+        "{}: the masks of split '{}' ignore every pixel (0: ignored); turn them with `tessera "
+        "ingest --invert-masks`, or choose another split",
+        scene.path, split_name(split)));
+  return indices;
+}
+
 MeanScore mean_of_those(const std::vector<ViewScore>& views, bool ViewScore::*flag) {
   std::vector<ViewScore> chosen;
   std::copy_if(views.begin(), views.end(), std::back_inserter(chosen),
@@ -80,11 +98,13 @@ ViewScore score_view(const Frame& frame, const Picture& picture, const EvaluateO
   score.name = frame.name, score.camera = frame.camera_name, score.time = frame.time;
   score.width = picture.width, score.height = picture.height;
   const Image8 drawn = quantise(picture.planar(), picture.width, picture.height);
-  score.mse = mean_squared_error(drawn, frame.image);
+  const Span<const uint8_t> mask{frame.mask.data.data(), int64_t(frame.mask.data.size())};
+  score.masked = !mask.empty();
+  score.mse = mean_squared_error(drawn, frame.image, mask);
   score.psnr = psnr_of_mse(score.mse);
-  score.psnr_float = psnr_float(picture.planar(), frame.image);
-  score.ssim_reflect = ssim(drawn, frame.image, SsimPadding::kReflect);
-  if (options.ssim_zero) score.ssim_zero = ssim(drawn, frame.image, SsimPadding::kZero);
+  score.psnr_float = psnr_float(picture.planar(), frame.image, mask);
+  score.ssim_reflect = ssim(drawn, frame.image, SsimPadding::kReflect, mask);
+  if (options.ssim_zero) score.ssim_zero = ssim(drawn, frame.image, SsimPadding::kZero, mask);
   return score;
 }
 
@@ -92,10 +112,7 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
                           Split split, const EvaluateOptions& options,
                           const ScoredCallback& scored) {
   check(options.batch >= 1, "evaluate: a batch of at least one view");
-  const std::vector<int> indices = scene.split_indices(split);
-  if (indices.empty())
-    throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
-                                 scene.path, split_name(split)));
+  const std::vector<int> indices = scored_frames(scene, split);
   check_background(model, scene);
   const TrainingCoverage training(scene);
   EvaluationReport report;

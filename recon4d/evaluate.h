@@ -22,6 +22,7 @@ struct ViewScore {
   /// Of a frame outside training: its moment was trained on, from other cameras / its camera was,
   /// at other moments. A frame can be both (one picture was withheld) or neither (D-NeRF).
   bool held_out_view = false, held_out_time = false;
+  bool masked = false;  // the frame has a mask: the numbers above are of the pixels it uses
 };
 
 /// Means over some views; nothing where there is none. SSIM: over the views that have one.
@@ -49,8 +50,9 @@ struct EvaluateOptions {
 using ScoredCallback = std::function<void(const Frame& frame, const Picture& picture,
                                           const ViewScore& score, int64_t done, int64_t total)>;
 
-/// Errors: InputError: no frame in the split; frames composited on another background than the
-/// model's.
+/// Pixels that a frame's mask ignores do not count (metrics.h); frames without a used pixel are
+/// left out. Errors: InputError: no frame in the split, or none with a used pixel; frames
+/// composited on another background than the model's.
 EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Scene& scene,
                           Split split, const EvaluateOptions& options,
                           const ScoredCallback& scored = {});
@@ -62,7 +64,7 @@ const char* split_name(Split split);  // "train", "val", "test"
 
 /// psnr, psnr_float, ssim (reflect), ssim_zero, psnr_of_mean_mse, num_gaussians, num_static,
 /// num_dynamic, bytes, split, background, width, height (null when views differ), views,
-/// held_out_views, held_out_times, per_view. What is undefined is null.
+/// held_out_views, held_out_times, per_view (with `masked`). What is undefined is null.
 nlohmann::json to_json(const EvaluationReport& report, const GaussianModel& model);
 
 }  // namespace tessera

@@ -34,7 +34,8 @@ json view_json(const ViewScore& view) {
           {"ssim", or_null(view.ssim_reflect)},
           {"ssim_zero", or_null(view.ssim_zero)},
           {"held_out_view", view.held_out_view},
-          {"held_out_time", view.held_out_time}};
+          {"held_out_time", view.held_out_time},
+          {"masked", view.masked}};
 }
 
 /// The size all views share, or null.

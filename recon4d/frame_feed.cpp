@@ -17,8 +17,23 @@ int64_t reserve_of(int64_t free_bytes) {
 }
 constexpr int64_t kAlignment = 64;  // bytes
 
-int64_t aligned(int64_t bytes) {
-  return (bytes + kAlignment - 1) / kAlignment * kAlignment;
+int64_t aligned(size_t bytes) {
+  return (int64_t(bytes) + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+/// What a frame takes: its mask lies behind its picture.
+int64_t bytes_of(const Frame& frame) {
+  return aligned(frame.image.data.size()) + aligned(frame.mask.data.size());
+}
+
+Span<const uint8_t> span_of(const uint8_t* begin, const Image8& image) {
+  return {image.data.empty() ? nullptr : begin, int64_t(image.data.size())};
+}
+
+/// A frame that copy_frame brought to `at`.
+void append_copied(const Frame& frame, const uint8_t* at, FedTruth& fed) {
+  fed.pictures.push_back(span_of(at, frame.image));
+  fed.masks.push_back(span_of(at + aligned(frame.image.data.size()), frame.mask));
 }
 
 }  // namespace
@@ -29,7 +44,7 @@ FrameFeed::FrameFeed(Memory& memory, const Scene& scene, std::vector<int> frames
   if (&memory_ == &host_memory()) return;
   int64_t all = 0, largest = 0;
   for (int64_t i = 0; i < int64_t(frames_.size()); ++i) {
-    const int64_t bytes = aligned(int64_t(image(i).data.size()));
+    const int64_t bytes = bytes_of(frame(i));
     offset_.push_back(all);
     all += bytes, largest = std::max(largest, bytes);
   }
@@ -39,9 +54,10 @@ FrameFeed::FrameFeed(Memory& memory, const Scene& scene, std::vector<int> frames
     return;
   }
   place_ = Place::kRing;
-  for (const int frame : frames_) {  // so that a copy does not hold the host up
-    const std::vector<uint8_t>& data = scene_.frames[size_t(frame)].image.data;
-    memory_.pin(data.data(), data.size());
+  for (const int place : frames_) {  // so that a copy does not hold the host up
+    const Frame& frame = scene_.frames[size_t(place)];
+    memory_.pin(frame.image.data.data(), frame.image.data.size());
+    if (!frame.mask.data.empty()) memory_.pin(frame.mask.data.data(), frame.mask.data.size());
   }
   for (int64_t i = 0; i < kSlots; ++i) {
     slots_.emplace_back(memory_);
@@ -51,35 +67,50 @@ FrameFeed::FrameFeed(Memory& memory, const Scene& scene, std::vector<int> frames
 
 FrameFeed::~FrameFeed() {
   if (place_ != Place::kRing) return;
-  for (const int frame : frames_) memory_.unpin(scene_.frames[size_t(frame)].image.data.data());
+  for (const int place : frames_) {
+    const Frame& frame = scene_.frames[size_t(place)];
+    memory_.unpin(frame.image.data.data());
+    if (!frame.mask.data.empty()) memory_.unpin(frame.mask.data.data());
+  }
+}
+
+void FrameFeed::copy_frame(int64_t index, uint8_t* to) {
+  const std::vector<uint8_t>&picture = frame(index).image.data, &mask = frame(index).mask.data;
+  memory_.copy_async_in(to, picture.data(), picture.size());
+  if (!mask.empty()) memory_.copy_async_in(to + aligned(picture.size()), mask.data(), mask.size());
 }
 
 void FrameFeed::upload_all() {
   place_ = Place::kResident;
-  const int64_t last = int64_t(frames_.size()) - 1;
-  resident_.resize(offset_.back() + int64_t(image(last).data.size()));
-  for (int64_t i = 0; i <= last; ++i)
-    memory_.copy_async_in(resident_.data() + offset_[size_t(i)], image(i).data.data(),
-                          image(i).data.size());
+  const auto count = int64_t(frames_.size());
+  resident_.resize(offset_.back() + bytes_of(frame(count - 1)));
+  for (int64_t i = 0; i < count; ++i) copy_frame(i, resident_.data() + offset_[size_t(i)]);
   memory_.wait_copies();
 }
 
-std::vector<Span<const uint8_t>> FrameFeed::truth(const std::vector<int64_t>& indices) {
+FedTruth FrameFeed::truth(const std::vector<int64_t>& indices) {
+  FedTruth fed;
   if (place_ == Place::kRing) {
     current_ = indices;
     if (find(indices) == nullptr) fill(slots_.front(), indices);
     memory_.wait_copies();
-    return spans_of(*find(indices));
+    const uint8_t* at = std::as_const(find(indices)->bytes).data();
+    for (const int64_t index : indices) {
+      append_copied(frame(index), at, fed);
+      at += bytes_of(frame(index));
+    }
+    return fed;
   }
-  std::vector<Span<const uint8_t>> spans;
   for (const int64_t index : indices) {
-    const std::vector<uint8_t>& data = image(index).data;
-    const uint8_t* begin = place_ == Place::kHost
-                               ? data.data()
-                               : std::as_const(resident_).data() + offset_[size_t(index)];
-    spans.push_back({begin, int64_t(data.size())});
+    const Frame& of_host = frame(index);
+    if (place_ == Place::kResident) {
+      append_copied(of_host, std::as_const(resident_).data() + offset_[size_t(index)], fed);
+      continue;
+    }
+    fed.pictures.push_back(span_of(of_host.image.data.data(), of_host.image));
+    fed.masks.push_back(span_of(of_host.mask.data.data(), of_host.mask));
   }
-  return spans;
+  return fed;
 }
 
 void FrameFeed::prefetch(const std::vector<std::vector<int64_t>>& upcoming) {
@@ -103,24 +134,12 @@ FrameFeed::Slot* FrameFeed::find(const std::vector<int64_t>& indices) {
 }
 
 void FrameFeed::fill(Slot& slot, const std::vector<int64_t>& indices) {
-  int64_t at = 0;
+  uint8_t* at = slot.bytes.data();
   slot.indices = indices;
   for (const int64_t index : indices) {
-    const std::vector<uint8_t>& data = image(index).data;
-    memory_.copy_async_in(slot.bytes.data() + at, data.data(), data.size());
-    at += aligned(int64_t(data.size()));
+    copy_frame(index, at);
+    at += bytes_of(frame(index));
   }
-}
-
-std::vector<Span<const uint8_t>> FrameFeed::spans_of(const Slot& slot) const {
-  std::vector<Span<const uint8_t>> spans;
-  int64_t at = 0;
-  for (const int64_t index : slot.indices) {
-    const int64_t bytes = int64_t(image(index).data.size());
-    spans.push_back({slot.bytes.data() + at, bytes});
-    at += aligned(bytes);
-  }
-  return spans;
 }
 
 }  // namespace tessera

@@ -1,6 +1,6 @@
-// What: the ground truth of a step where the backend can read it: the frames as they are on the
-//       host; on a device all frames at once, or, where they do not fit, a ring that is filled
-//       ahead of the steps.
+// What: the ground truth of a step where the backend can read it, masks included: the frames as
+//       they are on the host; on a device all frames at once, or, where they do not fit, a ring
+//       that is filled ahead of the steps.
 // Not: the choice of frames (batch_sampler.h), nor decoding (ingest).
 #pragma once
 #include <vector>
@@ -9,6 +9,12 @@
 #include "kernels/base/buffer.h"
 
 namespace tessera {
+
+/// Of a batch, as PhotometricArgs takes it.
+struct FedTruth {
+  std::vector<Span<const uint8_t>> pictures;  // [B] each [height, width, 3]
+  std::vector<Span<const uint8_t>> masks;     // [B] each [height, width], or empty: no mask
+};
 
 class FrameFeed {
  public:
@@ -19,8 +25,8 @@ class FrameFeed {
   FrameFeed(const FrameFeed&) = delete;
   ~FrameFeed();
 
-  /// [B] each [height, width, 3]: of training frames `indices`, for what is computed next.
-  std::vector<Span<const uint8_t>> truth(const std::vector<int64_t>& indices);
+  /// Of training frames `indices`, for what is computed next.
+  FedTruth truth(const std::vector<int64_t>& indices);
 
   /// How many batches `prefetch` wants to know.
   int64_t ahead() const { return place_ == Place::kRing ? kSlots - 1 : 0; }
@@ -38,13 +44,12 @@ class FrameFeed {
     Buffer<uint8_t> bytes;
   };
 
-  const Image8& image(int64_t index) const {
-    return scene_.frames[size_t(frames_[size_t(index)])].image;
-  }
+  const Frame& frame(int64_t index) const { return scene_.frames[size_t(frames_[size_t(index)])]; }
   void upload_all();
+  /// Begins to bring a frame over to `to`: its picture, then its mask.
+  void copy_frame(int64_t index, uint8_t* to);
   Slot* find(const std::vector<int64_t>& indices);
   void fill(Slot& slot, const std::vector<int64_t>& indices);
-  std::vector<Span<const uint8_t>> spans_of(const Slot& slot) const;
 
   Memory& memory_;
   const Scene& scene_;

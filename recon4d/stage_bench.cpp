@@ -130,7 +130,9 @@ class Load {
       forward.lazy[k] = lazy(k);
     }
     pipeline_.forward(forward);
-    pipeline_.loss({feed_.truth(chosen), {1 - options_.lambda_dssim, options_.lambda_dssim}}, true);
+    const FedTruth fed = feed_.truth(chosen);
+    pipeline_.loss({fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks},
+                   true);
     backward();
     ++state_.iteration;
   }

@@ -161,7 +161,9 @@ void Trainer::step() {
   report.splats = counts.splats, report.instances = counts.instances;
   report.invalid_gaussians = counts.invalid_gaussians;
   report.peak_bytes = backend_.memory().peak_bytes();
-  pipeline_.loss({feed_.truth(batch), {1 - options_.lambda_dssim, options_.lambda_dssim}}, true);
+  const FedTruth fed = feed_.truth(batch);
+  pipeline_.loss({fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks},
+                 true);
   backward();
   prefetch();
   ++state_.iteration;

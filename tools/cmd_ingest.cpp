@@ -145,6 +145,9 @@ void add_ingest_command(CLI::App& app, Work& work) {
                       "default: dense where three training cameras share moments");
   command->add_option("--cloud-points", request->options.cloud_points,
                       "most points that the plane sweep finds");
+  command->add_option("--masks", request->options.masks,
+                      "folder of masks named as the pictures or cameras; black is ignored");
+  command->add_flag("--invert-masks", request->options.invert_masks, "white is ignored, not black");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json,
                     "print one JSON object; for a folder of captures, an array");

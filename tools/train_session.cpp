@@ -27,12 +27,14 @@ namespace {
 
 using nlohmann::json;
 
-/// Tells scenes apart on resume: names, times and sizes of the frames.
+/// Tells scenes apart on resume: names, times and sizes of the frames, and their masks.
 std::string scene_fingerprint(const Scene& scene) {
   Fnv1a hash;
-  for (const Frame& frame : scene.frames)
+  for (const Frame& frame : scene.frames) {
     hash.add(
         fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width, frame.image.height));
+    hash.add(frame.mask.data.data(), frame.mask.data.size());
+  }
   return hash.hex();
 }
 

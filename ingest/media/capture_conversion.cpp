@@ -12,6 +12,7 @@
 #include "ingest/files/staged_folder.h"
 #include "ingest/initial_cloud.h"
 #include "ingest/media/conversion.h"
+#include "ingest/media/mask_source.h"
 #include "ingest/media/picture_scale.h"
 #include "ingest/point_cloud.h"
 #include "ingest/transforms_json.h"
@@ -125,6 +126,7 @@ IngestReport convert_staged(const std::filesystem::path& capture, const std::fil
                        : layout == CaptureLayout::kLlff   ? convert_llff
                                                           : convert_transforms;
   Converted converted = convert(capture, staged.path(), options, report_progress);
+  check_masks(converted.scene, options, converted.report);
   finish(converted, staged.path(), options, options.keep_world || !has_arbitrary_world(layout),
          report_progress);
   converted.report.layout = layout;

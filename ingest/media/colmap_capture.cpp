@@ -12,6 +12,7 @@
 #include "ingest/intrinsics.h"
 #include "ingest/llff_photos.h"
 #include "ingest/media/conversion.h"
+#include "ingest/media/mask_source.h"
 #include "ingest/media/picture_intake.h"
 #include "ingest/media/undistortion.h"
 #include "ingest/point_cloud.h"
@@ -126,7 +127,7 @@ void choose_splits(std::vector<FoundPhoto>& photos, const IngestOptions& options
 
 /// Undistorts, scales and writes one photo.
 void convert_photo(const FoundPhoto& found, Image8 picture, const std::filesystem::path& folder,
-                   double scale, PreparedFrame& prepared) {
+                   const IngestOptions& options, PreparedFrame& prepared) {
   const Camera& stated = found.photo.camera;
   if (!same_shape(stated.width, stated.height, picture.width, picture.height))
     throw InputError(fmt::format(
@@ -134,15 +135,19 @@ void convert_photo(const FoundPhoto& found, Image8 picture, const std::filesyste
         "(not turned), or reduced copies of the same shape",
         found.file.string(), picture.width, picture.height, stated.width, stated.height));
   Camera camera = stated.resized(picture.width, picture.height);
+  Image8 mask =
+      read_mask(find_mask(options, found.photo.name), camera.width, camera.height, options);
   if (!found.photo.lens.is_pinhole()) {
     const Camera pinhole =
         undistorted_camera(camera, found.photo.lens,
                            fmt::format("{} ({})", found.file.string(), found.photo.lens_model));
     picture = Undistortion(camera, found.photo.lens, pinhole).apply(picture);
+    mask = undistorted_mask(mask, camera, found.photo.lens, pinhole);
     camera = pinhole;
   }
-  prepared.frame.camera = scaled_camera(camera, scale);
-  write_prepared_picture(folder / prepared.file_path, std::move(picture), scale);
+  prepared.frame.camera = scaled_camera(camera, options.scale);
+  prepared.mask_path = write_prepared_mask(folder, prepared.frame.name, mask, options.scale);
+  write_prepared_picture(folder / prepared.file_path, std::move(picture), options.scale);
 }
 
 PreparedScene describe(const std::vector<FoundPhoto>& photos, double scale) {
@@ -186,7 +191,7 @@ Converted convert_photos(const std::filesystem::path& capture,
     scene.sources[i].name = found.file.lexically_relative(capture).generic_string();
     auto picture = intake.read(i, found.file, found.photo.camera.width, found.photo.camera.height);
     if (!picture) return;
-    convert_photo(found, std::move(*picture), folder, options.scale, scene.frames[i]);
+    convert_photo(found, std::move(*picture), folder, options, scene.frames[i]);
     scene.sources[i].hash = source_hash(found.file);
   });
   intake.finish(scene, options.strict, report.warnings);

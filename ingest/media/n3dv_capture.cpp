@@ -9,6 +9,7 @@
 #include "ingest/intrinsics.h"
 #include "ingest/llff_poses.h"
 #include "ingest/media/conversion.h"
+#include "ingest/media/mask_source.h"
 #include "ingest/media/video_decoder.h"
 #include "ingest/point_cloud.h"
 #include "ingest/source_hash.h"
@@ -110,6 +111,8 @@ int64_t convert_camera(const N3dvWork& work, const VideoCamera& source, Prepared
   const Rational clock = probe_video(source.video).time_base;
   const std::string doing = "decoding " + source.video.filename().string();
   const auto total = work.expected_frames * int64_t(work.camera_count);
+  const std::string mask_path =
+      prepare_camera_mask(work.folder, source.name, source.camera, {}, source.camera, work.options);
   PictureQueue queue(work.folder, work.options.scale);
   int64_t number = 0;
   decode_video(source.video, [&](VideoFrame decoded) {
@@ -121,6 +124,7 @@ int64_t convert_camera(const N3dvWork& work, const VideoCamera& source, Prepared
     prepared.frame.split = source.split;
     prepared.frame.camera = prepared_camera;
     prepared.ticks = decoded.ticks;
+    prepared.mask_path = mask_path;
     seconds.push_back(clock.at(decoded.ticks));
     queue.add(prepared.file_path, std::move(decoded.image));
     scene.frames.push_back(std::move(prepared));

@@ -7,6 +7,7 @@
 
 #include "ingest/capture_times.h"
 #include "ingest/media/conversion.h"
+#include "ingest/media/mask_source.h"
 #include "ingest/media/picture_intake.h"
 #include "ingest/media/undistortion.h"
 #include "ingest/point_cloud.h"
@@ -43,17 +44,24 @@ PreparedFrame describe(const TransformsFrame& listed, double time) {
 
 /// Undistorts, scales and writes one picture.
 void convert_frame(const TransformsFrame& listed, Image8 picture,
-                   const std::filesystem::path& folder, double scale, PreparedFrame& prepared) {
+                   const std::filesystem::path& folder, const IngestOptions& options,
+                   PreparedFrame& prepared) {
   Camera& camera = prepared.frame.camera;
   set_intrinsics(camera, listed.intrinsics, picture.width, picture.height, listed.where);
+  const auto file = options.masks.empty()
+                        ? listed.mask
+                        : find_mask(options, listed.name + listed.image.extension().string());
+  Image8 mask = read_mask(file, picture.width, picture.height, options);
   if (!listed.lens.lens.is_pinhole()) {
     const Camera pinhole = undistorted_camera(
         camera, listed.lens.lens, fmt::format("{} ({})", listed.where, listed.lens.model));
-    picture = undistorted_picture(picture, camera, listed.lens.lens, pinhole);
+    picture = Undistortion(camera, listed.lens.lens, pinhole).apply(picture);
+    mask = undistorted_mask(mask, camera, listed.lens.lens, pinhole);
     camera = pinhole;
   }
-  camera = scaled_camera(camera, scale);
-  write_prepared_picture(folder / prepared.file_path, std::move(picture), scale);
+  camera = scaled_camera(camera, options.scale);
+  prepared.mask_path = write_prepared_mask(folder, listed.name, mask, options.scale);
+  write_prepared_picture(folder / prepared.file_path, std::move(picture), options.scale);
 }
 
 /// Frames and cameras, without what the pictures will say.
@@ -97,7 +105,7 @@ Converted convert_transforms(const std::filesystem::path& capture_folder,
     auto picture =
         intake.read(i, frame.image, frame.intrinsics.w.value_or(0), frame.intrinsics.h.value_or(0));
     if (!picture) return;
-    convert_frame(frame, std::move(*picture), folder, options.scale, scene.frames[i]);
+    convert_frame(frame, std::move(*picture), folder, options, scene.frames[i]);
     scene.sources[i].hash = source_hash(frame.image);
   });
   intake.finish(scene, options.strict, report.warnings);

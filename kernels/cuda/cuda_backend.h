@@ -88,7 +88,7 @@ class CudaBackend final : public Backend {
 
   Buffer<ViewArgs<float>> views_{memory_};  // [B] of the batch last projected
   PinnedArray<ViewArgs<float>> views_host_;
-  Buffer<const uint8_t*> truth_{memory_};  // [B]
+  Buffer<const uint8_t*> truth_{memory_};  // [B], with masks [2·B]
   PinnedArray<const uint8_t*> truth_host_;
   Buffer<StepCounters> counters_{memory_};
   PinnedArray<StepCounters> counters_host_;  // [2] after project, after the step

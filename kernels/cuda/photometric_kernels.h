@@ -14,6 +14,7 @@ namespace tessera {
 struct PhotometricLaunch {
   const ViewArgs<float>* views;  // [B] device
   const uint8_t* const* truth;   // [B] device, each [height, width, 3]
+  const uint8_t* const* mask;    // [B] device, each [height, width] or null; null: no view has one
   int view_count;                // B
   int max_width, max_height;     // largest of the batch, pixels
   int64_t pixels;                // of all views

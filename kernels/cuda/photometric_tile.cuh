@@ -49,6 +49,7 @@ struct Block {
   int x0, y0;                // first pixel of the tile
   const float* colour;       // [height, width]
   const uint8_t* truth;      // sample of pixel p at 3·p
+  const uint8_t* mask;       // [height, width], 0: ignored; null: all pixels count
   int64_t plane, map;        // first element in colour and d_colour, in a map
   float scale;               // 1 / (3·H·W·B)
 
@@ -62,6 +63,7 @@ struct Block {
     map = 3 * (round_up_to_4(first) + b * args.view_gap) + channel * int64_t(pitch) * height;
     colour = args.call.colour + plane;
     truth = args.call.truth[b] + channel;
+    mask = args.call.mask == nullptr ? nullptr : args.call.mask[b];
     scale = 1.0f / (3.0f * float(pixels) * float(args.call.view_count));
   }
   __device__ bool outside() const { return x0 >= width || y0 >= height; }
@@ -69,6 +71,14 @@ struct Block {
   __device__ int column() const { return x0 - kSsimRadius + int(threadIdx.x); }
   __device__ bool contains(int row, int column) const {
     return row >= 0 && row < height && column >= 0 && column < width;
+  }
+  /// Whether pixel p adds to the loss; kernels without masks do not ask.
+  template <bool Masked>
+  __device__ bool counts(int p) const {
+    if constexpr (Masked)
+      return mask == nullptr || __ldg(mask + p) != 0;
+    else
+      return true;
   }
   /// The nearest pixel: loads need no branch, what lies outside is set to zero afterwards.
   __device__ int nearest_row(int row) const { return min(max(row, 0), height - 1); }

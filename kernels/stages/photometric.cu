@@ -1,5 +1,7 @@
 // What: the loss stage of the device: pointers in, two passes enqueued, sums on their way back.
 // Not: the kernels (photometric_kernels.cu).
+#include <algorithm>
+
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
@@ -10,15 +12,20 @@ namespace tessera {
 void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_colour) {
   const std::vector<ViewArgs<float>>& views = args.batch->views;
   check(args.truth.size() == views.size(), "photometric: one ground truth per view");
+  check(args.mask.empty() || args.mask.size() == views.size(), "photometric: one mask per view");
   const int64_t count = int64_t(views.size());
-  const uint8_t** staged = truth_host_.reserve(count);
+  const bool masked = std::any_of(args.mask.begin(), args.mask.end(),
+                                  [](const Span<const uint8_t>& mask) { return !mask.empty(); });
+  const int64_t pointers = masked ? 2 * count : count;
+  const uint8_t** staged = truth_host_.reserve(pointers);
   int width = 0, height = 0;
   for (size_t b = 0; b < views.size(); ++b) {
     staged[b] = args.truth[b].data;
+    if (masked) staged[size_t(count) + b] = args.mask[b].data;
     width = max_of(width, views[b].width), height = max_of(height, views[b].height);
   }
-  truth_.resize(count);
-  check_device(cudaMemcpyAsync(truth_.data(), staged, sizeof(uint8_t*) * size_t(count),
+  truth_.resize(pointers);
+  check_device(cudaMemcpyAsync(truth_.data(), staged, sizeof(uint8_t*) * size_t(pointers),
                                cudaMemcpyHostToDevice, stream_),
                "copy of pointers");
   loss_sums_.resize(2 * count);
@@ -26,14 +33,15 @@ void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_
   scratch_.resize(int64_t(
       photometric_scratch_bytes(args.batch->pixels, int(count), width, height, !d_colour.empty())));
   launch_photometric(
-      {views_of(*args.batch), truth_.data(), int(count), width, height, args.batch->pixels,
-       args.images->colour.data(), d_colour.data, scratch_.data(), loss_sums_.data(),
-       float(args.weights.l1), float(args.weights.dssim)},
+      {views_of(*args.batch), truth_.data(), masked ? truth_.data() + count : nullptr, int(count),
+       width, height, args.batch->pixels, args.images->colour.data(), d_colour.data,
+       scratch_.data(), loss_sums_.data(), float(args.weights.l1), float(args.weights.dssim)},
       stream_);
   check_launch("photometric");
   report();
   const double samples = 3.0 * double(args.batch->pixels);
   clock_.add_bytes(kPhotometric, samples * (d_colour.empty() ? 5 : 5 + 12 + 12 + 5 + 4));
+  if (masked) clock_.add_bytes(kPhotometric, samples * (d_colour.empty() ? 1 : 2));
 }
 
 }  // namespace tessera

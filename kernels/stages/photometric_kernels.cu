@@ -39,8 +39,9 @@ __device__ inline int64_t index_of_block() {
   return (int64_t(blockIdx.z) * gridDim.y + blockIdx.y) * gridDim.x + blockIdx.x;
 }
 
-/// Pass 1: sums of |x − y| and SSIM, and with `Backward` the three maps.
-template <bool Backward>
+/// Pass 1: sums of |x − y| and SSIM, and with `Backward` the three maps. Of an ignored pixel the
+/// truth is what was rendered, SSIM 1 and the maps 0.
+template <bool Backward, bool Masked>
 __global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs args) {
   __shared__ __align__(16) Lines<5, kForwardRows> lines;
   const Block block(args);
@@ -57,7 +58,8 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs ar
   for (int y = block.y0; y < min(block.y0 + kTileHeight, block.height); y += kForwardRows) {
     convolve_column<5, kForwardRows>(lines, [&](int r, float(&value)[5]) {
       const int row = y - kSsimRadius + r, p = block.nearest_row(row) * block.width + nearest;
-      const float x = __ldg(block.colour + p), t = truth_value(__ldg(block.truth + 3 * p));
+      const float x = __ldg(block.colour + p);
+      const float t = block.counts<Masked>(p) ? truth_value(__ldg(block.truth + 3 * p)) : x;
       const bool inside = block.contains(row, column);
       const float a = inside ? x : 0.0f, b = inside ? t : 0.0f;
       value[0] = a, value[1] = b, value[2] = a * a, value[3] = b * b, value[4] = a * b;
@@ -74,9 +76,12 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs ar
       for (int j = 0; j < 4; ++j) {
         const SsimPoint<float> point =
             ssim_point<float>({m[0][j], m[1][j], m[2][j], m[3][j], m[4][j]});
-        if (x + j < block.width) ssim += point.value;
-        map[0][j] = lambda * point.d_x, map[1][j] = lambda * point.d_xx;
-        map[2][j] = lambda * point.d_xy;
+        const bool inside = x + j < block.width;
+        const bool counts = !inside || block.counts<Masked>((y + row) * block.width + x + j);
+        if (inside) ssim += counts ? point.value : 1.0f;
+        map[0][j] = counts ? lambda * point.d_x : 0.0f;
+        map[1][j] = counts ? lambda * point.d_xx : 0.0f;
+        map[2][j] = counts ? lambda * point.d_xy : 0.0f;
       }
       if constexpr (Backward) {
         float* const to = args.maps + block.map + int64_t(y + row) * block.pitch + x;
@@ -92,7 +97,9 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs ar
   if (threadIdx.x == 0) args.block_sums[index_of_block()] = sum;
 }
 
-/// Pass 2: dL/dx = l1·sign(x − y) + g∗P + 2x·g∗Q + y·g∗U, for the maps P, Q, U with λ in them.
+/// Pass 2: dL/dx = l1·sign(x − y) + g∗P + 2x·g∗Q + y·g∗U, for the maps P, Q, U with λ in them;
+/// of an ignored pixel 0.
+template <bool Masked>
 __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs args) {
   __shared__ __align__(16) Lines<kMaps, kBackwardRows> lines;
   const Block block(args);
@@ -135,6 +142,7 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs a
         const float b = j < count ? truth_value(__ldg(block.truth + 3 * (p + j))) : 0.0f;
         const float sign = a[j] > b ? 1.0f : (a[j] < b ? -1.0f : 0.0f);
         d[j] = l1 * sign + m[0][j] + 2.0f * a[j] * m[1][j] + b * m[2][j];
+        if (j < count && !block.counts<Masked>(p + j)) d[j] = 0.0f;
       }
       if (aligned) {
         __stcg(reinterpret_cast<float4*>(d_colour + p), make_float4(d[0], d[1], d[2], d[3]));
@@ -160,6 +168,16 @@ __global__ void __launch_bounds__(kThreads) photometric_sums(KernelArgs args, in
   args.call.sums[2 * blockIdx.x + 1] = sum.y;
 }
 
+template <bool Masked>
+void launch_passes(const KernelArgs& args, dim3 grid, cudaStream_t stream) {
+  if (args.call.d_colour == nullptr) {
+    photometric_forward<false, Masked><<<grid, kThreads, 0, stream>>>(args);
+  } else {
+    photometric_forward<true, Masked><<<grid, kThreads, 0, stream>>>(args);
+    photometric_backward<Masked><<<grid, kThreads, 0, stream>>>(args);
+  }
+}
+
 }  // namespace
 
 size_t photometric_scratch_bytes(int64_t pixels, int view_count, int max_width, int max_height,
@@ -175,12 +193,10 @@ void launch_photometric(const PhotometricLaunch& call, cudaStream_t stream) {
   args.maps = reinterpret_cast<float*>(args.block_sums + layout.blocks);
   const dim3 grid(unsigned(3 * layout.tiles_x), unsigned(layout.tiles_y),
                   unsigned(call.view_count));
-  if (call.d_colour == nullptr) {
-    photometric_forward<false><<<grid, kThreads, 0, stream>>>(args);
-  } else {
-    photometric_forward<true><<<grid, kThreads, 0, stream>>>(args);
-    photometric_backward<<<grid, kThreads, 0, stream>>>(args);
-  }
+  if (call.mask == nullptr)
+    launch_passes<false>(args, grid, stream);
+  else
+    launch_passes<true>(args, grid, stream);
   photometric_sums<<<unsigned(call.view_count), kThreads, 0, stream>>>(args, int(grid.x * grid.y));
 }
 

@@ -173,7 +173,8 @@ std::vector<Real> picture_gradient(BackendOf<Real>& backend, const TestScene<dou
   images.colour = stored(std::vector<Real>(colour.begin(), colour.end()), memory);
   Buffer<Real> d_colour(3 * batch.pixels, memory);
   poison(d_colour, memory);
-  backend.photometric({&batch, &images, in.target().truth, weights}, d_colour.span());
+  backend.photometric({&batch, &images, in.target().truth, weights, in.target().mask},
+                      d_colour.span());
   losses = backend.outcome().losses;
   return fetched(d_colour, memory);
 }

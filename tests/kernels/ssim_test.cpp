@@ -39,7 +39,8 @@ TEST(Ssim, WindowIsANormalisedGaussianOfSigmaOneAndAHalf) {
 struct Pictures {
   ViewBatch<double> batch;
   Images<double> images;
-  std::vector<std::vector<uint8_t>> truth;
+  std::vector<std::vector<uint8_t>> truth, mask;  // mask: none, or of every view
+  LossWeights weights;
 
   Pictures(std::initializer_list<std::pair<int, int>> sizes, Random& random) {
     std::vector<View> views;
@@ -56,8 +57,9 @@ struct Pictures {
   }
 
   std::vector<ViewLoss> loss(Span<double> d_colour) {
-    PhotometricArgs<double> args{&batch, &images, {}, {}};
+    PhotometricArgs<double> args{&batch, &images, {}, weights, {}};
     for (const auto& bytes : truth) args.truth.emplace_back(bytes.data(), int64_t(bytes.size()));
+    for (const auto& bytes : mask) args.mask.emplace_back(bytes.data(), int64_t(bytes.size()));
     CpuBackend<double> backend;
     backend.photometric(args, d_colour);
     return backend.outcome().losses;
@@ -128,6 +130,82 @@ TEST(Photometric, GradientIsThatOfTheMeanOverTheBatch) {
     const double difference = (at(x + kStep) - at(x - kStep)) / (2 * kStep);
     p.images.colour[i] = x;
     EXPECT_NEAR(d_colour[size_t(i)], difference, 1e-9) << i;  // gradients are of order 1e-3
+  }
+}
+
+/// A mask of noise: about half of the pixels are ignored.
+std::vector<uint8_t> speckled(int pixels, Random& random) {
+  std::vector<uint8_t> mask(static_cast<size_t>(pixels));
+  for (uint8_t& used : mask) used = random.below(2) == 1 ? 255 : 0;
+  return mask;
+}
+
+// B17. By the definition: the truth at ignored pixels is the picture, SSIM there is 1.
+// Bugs put back, each seen to fail: inverted polarity; the ignored pixels' own windows counted.
+TEST(Photometric, LossWithAMaskEqualsItsDefinition) {
+  Random random(4);
+  Pictures p({{13, 17}, {6, 5}}, random);
+  p.mask = {speckled(13 * 17, random), {}};  // the second view has none
+  const auto losses = p.loss({});
+  for (size_t b = 0; b < 2; ++b) {
+    const ViewArgs<double>& view = p.batch.views[b];
+    const int width = view.width, pixels = width * view.height;
+    double l1 = 0, ssim = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double* x = p.images.colour.data() + 3 * view.first_pixel + c * pixels;
+      const auto used = [&](int i) { return p.mask[b].empty() || p.mask[b][size_t(i)] != 0; };
+      const auto A = [&](int u, int v) { return x[v * width + u]; };
+      const auto B = [&](int u, int v) {
+        const int i = v * width + u;
+        return used(i) ? p.truth[b][size_t(3 * i + c)] / 255.0 : x[i];
+      };
+      for (int i = 0; i < pixels; ++i) {
+        l1 += std::abs(x[i] - B(i % width, i / width)) / (3 * pixels);
+        const auto w = [&](auto f) {
+          return windowed(i % width, i / width, width, view.height, f);
+        };
+        const double ma = w(A), mb = w(B);
+        const double va = w([&](int u, int v) { return A(u, v) * A(u, v); }) - ma * ma;
+        const double vb = w([&](int u, int v) { return B(u, v) * B(u, v); }) - mb * mb;
+        const double cov = w([&](int u, int v) { return A(u, v) * B(u, v); }) - ma * mb;
+        const double value = (2 * ma * mb + 1e-4) * (2 * cov + 9e-4) /
+                             ((ma * ma + mb * mb + 1e-4) * (va + vb + 9e-4));
+        ssim += (used(i) ? value : 1) / (3 * pixels);
+      }
+    }
+    EXPECT_NEAR(losses[b].l1, l1, 1e-12);
+    EXPECT_NEAR(losses[b].ssim, ssim, 1e-12);
+  }
+}
+
+// B17. Bugs put back, each seen to fail: maps of ignored pixels not zeroed; the gradient of ignored
+// pixels left as the windows of their neighbours give it.
+TEST(Photometric, GradientWithAMaskIsThatOfUsedPixelsAndZeroElsewhere) {
+  Random random(5);
+  Pictures p({{13, 17}, {7, 4}}, random);
+  p.mask = {speckled(13 * 17, random), speckled(7 * 4, random)};
+  std::vector<double> d_colour(size_t(3 * p.batch.pixels));
+  p.loss({d_colour.data(), int64_t(d_colour.size())});
+  constexpr double kStep = 1e-5;
+  for (size_t b = 0; b < 2; ++b) {
+    const ViewArgs<double>& view = p.batch.views[b];
+    const int64_t pixels = int64_t(view.width) * view.height;
+    for (int64_t i = 0; i < 3 * pixels; ++i) {
+      double& x = p.images.colour.data()[3 * view.first_pixel + i];
+      const double d = d_colour[size_t(3 * view.first_pixel + i)], kept = x;
+      if (p.mask[b][size_t(i % pixels)] == 0) {
+        EXPECT_EQ(d, 0.0) << i;
+        continue;
+      }
+      const auto at = [&](double value) {
+        x = value;
+        const auto losses = p.loss({});
+        return (losses[0].total + losses[1].total) / 2;
+      };
+      const double difference = (at(kept + kStep) - at(kept - kStep)) / (2 * kStep);
+      x = kept;
+      EXPECT_NEAR(d, difference, 1e-9) << i;  // gradients are of order 1e-3
+    }
   }
 }
 

@@ -127,5 +127,28 @@ TEST(Metrics, TinyPicturesHaveNoReflectedSsimAndNeverNan) {
   }
 }
 
+// B17. Bugs put back, each seen to fail: the mean taken over all pixels; inverted polarity.
+TEST(Metrics, IgnoredPixelsDoNotCount) {
+  const Image8 a = random_picture(20, 16, 10);
+  Image8 b = a, garbage = a;
+  std::vector<uint8_t> mask(320, 255);
+  for (size_t p = 0; p < 320; ++p) {
+    if (p % 20 < 10) mask[p] = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      b.data[3 * p + c] = uint8_t(a.data[3 * p + c] ^ (mask[p] == 0 ? 0 : 1));
+      garbage.data[3 * p + c] = uint8_t(b.data[3 * p + c] ^ (mask[p] == 0 ? 0x55 : 0));
+    }
+  }
+  const Span<const uint8_t> used{mask.data(), 320};
+  EXPECT_NEAR(psnr_of_mse(mean_squared_error(a, b, used)), 20 * std::log10(255.0), 1e-9);
+  EXPECT_EQ(mean_squared_error(a, garbage, used), mean_squared_error(a, b, used));
+  for (const SsimPadding padding : {SsimPadding::kReflect, SsimPadding::kZero}) {
+    EXPECT_EQ(ssim(a, garbage, padding, used), ssim(a, b, padding, used));
+    EXPECT_LT(ssim(a, b, padding, used).value(), 1);
+  }
+  const std::vector<uint8_t> all(320, 255);
+  EXPECT_EQ(ssim(a, b, SsimPadding::kZero, {all.data(), 320}), ssim(a, b, SsimPadding::kZero));
+}
+
 }  // namespace
 }  // namespace tessera::testing

@@ -61,6 +61,9 @@ Target target_of(const TestScene<Real>& scene) {
   Target target;
   for (const auto& bytes : scene.truth)
     target.truth.emplace_back(bytes.data(), int64_t(bytes.size()));
+  for (const auto& bytes : scene.mask)
+    target.mask.emplace_back(bytes.data(), int64_t(bytes.size()));
+  target.weights = scene.weights;
   return target;
 }
 

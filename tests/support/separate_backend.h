@@ -101,6 +101,7 @@ class SeparateBackend final : public Backend {
   }
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
     for (const Span<const uint8_t>& truth : args.truth) check_lies_here(truth);
+    for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
     own.inside([&] { cpu_->photometric(args, d_colour); });
   }
   void blend_backward(const BlendBackwardArgs<float>& args,

@@ -119,7 +119,9 @@ StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend
   poison(images.colour, memory), poison(images.transmittance, memory);
   poison(images.used, memory), poison(d_colour, memory);
   backend.blend(blend, images);
-  backend.photometric({&batch, &images, in.target().truth, {}}, d_colour.span());
+  const Target target = in.target();
+  backend.photometric({&batch, &images, target.truth, target.weights, target.mask},
+                      d_colour.span());
   out.losses = backend.outcome().losses;
   out.d_colour = fetched(d_colour, memory);
   if (edit) {

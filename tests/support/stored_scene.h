@@ -67,15 +67,18 @@ class StoredGaussians {
 template <class Real>
 struct StoredScene {
   StoredGaussians<Real> sets[2];
-  std::vector<Buffer<uint8_t>> truth;
+  std::vector<Buffer<uint8_t>> truth, mask;
   std::vector<View> views;
   RenderOptions options;
+  LossWeights weights;
 
   StoredScene(const TestScene<Real>& scene, Memory& memory)
       : sets{{scene.fixed, memory}, {scene.moving, memory}},
         views(scene.views),
-        options(scene.options) {
+        options(scene.options),
+        weights(scene.weights) {
     for (const auto& bytes : scene.truth) truth.push_back(stored(bytes, memory));
+    for (const auto& bytes : scene.mask) mask.push_back(stored(bytes, memory));
   }
 
   ForwardArgs<Real> forward(bool for_backward) const {
@@ -83,7 +86,9 @@ struct StoredScene {
   }
   Target target() const {
     Target out;
+    out.weights = weights;
     for (const Buffer<uint8_t>& bytes : truth) out.truth.push_back(bytes.span());
+    for (const Buffer<uint8_t>& bytes : mask) out.mask.push_back(bytes.span());
     return out;
   }
 };

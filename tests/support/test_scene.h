@@ -62,10 +62,13 @@ struct TestScene {
   std::vector<View> views;
   std::vector<std::vector<uint8_t>> truth;  // [B] each [height, width, 3]
   RenderOptions options;
+  LossWeights weights;
+  std::vector<std::vector<uint8_t>> mask;  // [B] each [height, width] or empty; none: no masks
 
   template <class To>
   TestScene<To> as() const {
-    return {fixed.template as<To>(), moving.template as<To>(), views, truth, options};
+    return {
+        fixed.template as<To>(), moving.template as<To>(), views, truth, options, weights, mask};
   }
 };
 
