@@ -40,10 +40,12 @@ ordered_json frame_json(const PreparedFrame& prepared) {
 
 ordered_json tessera_json(const PreparedScene& scene) {
   ordered_json cameras = ordered_json::array(), sources = ordered_json::object();
-  for (const PreparedCamera& camera : scene.cameras)
+  for (const PreparedCamera& camera : scene.cameras) {
     cameras.push_back({{"name", camera.name},
                        {"time_base", rational_json(camera.time_base)},
                        {"time_offset", camera.time_offset}});
+    if (camera.exposure_gain) cameras.back()["exposure_gain"] = *camera.exposure_gain;
+  }
   for (const SourceFile& source : scene.sources) sources[source.name] = source.hash;
   const ordered_json identity = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
   return {{"format_version", 1},

@@ -14,7 +14,7 @@ namespace {
 
 struct IngestRequest {
   IngestOptions options;
-  std::string capture, out, poses;
+  std::string capture, out, poses, exposure = "none";
   int64_t frames = 0;  // 0: all
   int threads = 0;
   bool json = false;
@@ -41,6 +41,10 @@ void check_request(IngestRequest& request) {
                                  request.options.scale));
   if (request.frames < 0)
     throw InputError(fmt::format("ingest: --frames is {}, expected 1 or more", request.frames));
+  if (request.exposure != "fit" && request.exposure != "none")
+    throw InputError(
+        fmt::format("ingest: --exposure is '{}', expected fit or none", request.exposure));
+  request.options.fit_exposure = request.exposure == "fit";
   if (request.poses.empty()) return;
   if (request.poses == "colmap") {
     request.options.layout = CaptureLayout::kColmap;
@@ -106,6 +110,8 @@ void add_ingest_command(CLI::App& app, Work& work) {
                       "COLMAP photo sets: folder of the photos, e.g. images_4; default: images");
   command->add_option("--test-every", request->options.test_every,
                       "COLMAP photo sets: every Nth photo is for the test; 0: none; default: 8");
+  command->add_option("--exposure", request->exposure,
+                      "fit: divide each training camera's pictures by its gains; none");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return ingest(*request); }; });

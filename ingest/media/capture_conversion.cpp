@@ -10,6 +10,7 @@
 #include "ingest/files/png.h"
 #include "ingest/files/staged_folder.h"
 #include "ingest/media/conversion.h"
+#include "ingest/media/exposure_conversion.h"
 #include "ingest/media/picture_scale.h"
 #include "ingest/point_cloud.h"
 #include "ingest/transforms_json.h"
@@ -42,11 +43,15 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
 }
 
 /// What is done alike for all layouts, and the two files that describe the scene.
-void finish(Converted& converted, const std::filesystem::path& folder) {
+void finish(Converted& converted, const std::filesystem::path& folder, const IngestOptions& options,
+            const IngestProgress& progress) {
   const PointCloud& points = converted.points;
   converted.report.points = int64_t(points.position.size());
   converted.scene.has_points = !points.position.empty();
   if (converted.scene.has_points) write_points(folder / "points.ply", points);
+  write_prepared_scene(folder, converted.scene);
+  if (!options.fit_exposure) return;
+  even_exposure(folder, converted.scene, progress);
   write_prepared_scene(folder, converted.scene);
 }
 
@@ -98,7 +103,7 @@ IngestReport ingest_capture(const std::filesystem::path& capture, const std::fil
                        : layout == CaptureLayout::kColmap ? convert_colmap
                                                           : convert_transforms;
   Converted converted = convert(capture, staged.path(), options, report_progress);
-  finish(converted, staged.path());
+  finish(converted, staged.path(), options, report_progress);
   converted.report.layout = layout;
   staged.commit();
   return converted.report;
