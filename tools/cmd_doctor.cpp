@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "ingest/colmap_model.h"
 #include "ingest/media/checks/thinned_scene.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/errors.h"
@@ -48,7 +49,7 @@ class TemporaryFolder {
 /// Whether the folder can be opened as it is: prepared, or transforms files with PNGs.
 bool is_scene(const fs::path& folder) {
   if (is_prepared_scene(folder)) return true;
-  if (!has_transforms(folder)) return false;
+  if (!has_transforms(folder) || !find_colmap_model(folder).empty()) return false;
   const fs::path suffix = read_transforms(folder).frames.front().image.extension();
   return suffix == ".png" || suffix == ".PNG";
 }
@@ -57,8 +58,8 @@ void examine_capture(const fs::path& capture, DoctorReport& report) {
   const TemporaryFolder temporary;
   const fs::path folder = temporary.path() / "scene";
   ProgressBar bar("doctor");
-  const IngestReport ingested = ingest_sample(
-      capture, folder, [&](std::string_view what, int64_t done, int64_t total) {
+  const IngestReport ingested =
+      ingest_sample(capture, folder, [&](std::string_view what, int64_t done, int64_t total) {
         stop_if_interrupted();
         bar.update(done, total, what);
       });
@@ -84,8 +85,7 @@ int doctor(const DoctorRequest& request) {
     report.kind = "a sample of the capture";
     examine_capture(request.path, report);
   }
-  report.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   print_result(request.json, doctor_json(report), doctor_text(report));
   return has_errors(report) ? kExitFailed : kExitDone;
 }

@@ -73,9 +73,12 @@ void add_coverage_and_cloud(const Scene& all, const Scene& sample, DoctorReport&
                                {"alone", std::move(alone)}};
   const CloudHealth cloud = check_cloud(sample);
   add(cloud.findings, report);
-  report.tables["cloud"] = {{"points", cloud.points},         {"not_finite", cloud.not_finite},
-                            {"duplicates", cloud.duplicates}, {"far", cloud.far},
-                            {"unseen", cloud.unseen},         {"seen_by_one", cloud.seen_by_one},
+  report.tables["cloud"] = {{"points", cloud.points},
+                            {"not_finite", cloud.not_finite},
+                            {"duplicates", cloud.duplicates},
+                            {"far", cloud.far},
+                            {"unseen", cloud.unseen},
+                            {"seen_by_one", cloud.seen_by_one},
                             {"colour_ratio", cloud.colour_ratio}};
 }
 

@@ -61,14 +61,14 @@ double difference(const std::array<uint8_t, 3>& a, const std::array<double, 3>& 
   return sum;
 }
 
-double median(std::vector<double>& values) {
-  const auto half = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
+double quantile(std::vector<double>& values, size_t numerator, size_t denominator) {
+  const auto at = values.begin() + std::ptrdiff_t(values.size() * numerator / denominator);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
 }
 
-/// Median over points of the median over cameras; against the colour of a point far away in the
-/// list, which has the same distribution of colours.
+/// Median over points of the lower quartile over cameras (some are hidden from it); against the
+/// colour of a point far away in the list, which has the same distribution of colours.
 double colour_ratio(const Scene& scene, const std::vector<Station>& stations) {
   const PointCloud& cloud = scene.points;
   const size_t count = cloud.position.size();
@@ -89,12 +89,12 @@ double colour_ratio(const Scene& scene, const std::vector<Station>& stations) {
       theirs.push_back(difference(another, colour));
     }
     if (mine.empty()) continue;
-    own.push_back(median(mine)), other.push_back(median(theirs));
+    own.push_back(quantile(mine, 1, 4)), other.push_back(quantile(theirs, 1, 4));
   }
   constexpr size_t kLeast = 50;
   if (own.size() < kLeast) return -1;
-  const double chance = median(other);
-  return chance < 6 ? -1 : median(own) / chance;  // one colour everywhere tells nothing
+  const double chance = quantile(other, 1, 2);
+  return chance < 6 ? -1 : quantile(own, 1, 2) / chance;  // one colour everywhere tells nothing
 }
 
 void judge(const Scene& scene, CloudHealth& health) {

@@ -84,7 +84,8 @@ void judge(CoverageCheck& check) {
   size_t named = 0, more = 0;
   for (size_t s = 0; s < cameras; ++s)
     if (check.alone[s] > kMuchAlone) {
-      if (++named > kMostNamed) ++more;
+      if (++named > kMostNamed)
+        ++more;
       else
         check.findings.push_back(
             {Severity::kWarning, "coverage", check.name[s],

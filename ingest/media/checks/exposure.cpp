@@ -11,10 +11,10 @@
 namespace tessera {
 namespace {
 
-constexpr int64_t kLeastPairs = 20;    // below, a gain would be an accident
-constexpr double kVisible = 0.05;      // of a gain: 6 levels at half white
+constexpr int64_t kLeastPairs = 20;  // below, a gain would be an accident
+constexpr double kVisible = 0.05;    // of a gain: 6 levels at half white
 constexpr int kIterations = 30;
-constexpr double kMatchResidual = 6;   // pixels: matches that are farther off are not matches
+constexpr double kMatchResidual = 6;  // pixels: matches that are farther off are not matches
 
 struct LogRatio {
   int a, b;
@@ -96,8 +96,7 @@ std::vector<CameraGain> fit_exposure(const MatchedStations& matched) {
     if (a < 0 || b < 0) continue;
     for (const FeatureMatch& match : pair.matches)
       if (match.residual < kMatchResidual)
-        colours.push_back({a, b,
-                           colour_at(matched.pictures[size_t(pair.a)], match.ax, match.ay),
+        colours.push_back({a, b, colour_at(matched.pictures[size_t(pair.a)], match.ax, match.ay),
                            colour_at(matched.pictures[size_t(pair.b)], match.bx, match.by)});
   }
   return fit_gains(names, colours);
@@ -126,7 +125,7 @@ ExposureCheck check_exposure(const MatchedStations& matched) {
   std::sort(worst.begin(), worst.end());
   for (size_t i = 0; i < std::min(kMostNamed, worst.size()); ++i) {
     const CameraGain& camera = check.gains[worst[i].second];
-    if (-worst[i].first < kVisible) break;
+    if (-worst[i].first < kVisible || matched.moving_camera) break;
     check.findings.push_back({Severity::kWarning, "exposure", camera.camera,
                               fmt::format("records {:.3f} {:.3f} {:.3f} (R G B) of the mean camera",
                                           camera.gain[0], camera.gain[1], camera.gain[2]),

@@ -80,8 +80,8 @@ double sampson_distance(const Camera& a, const Camera& b, const FeatureMatch& ma
       glm::transpose(inverse_intrinsics(b)) * cross * rotation * inverse_intrinsics(a);
   const glm::dvec3 p{match.ax, match.ay, 1}, q{match.bx, match.by, 1};
   const glm::dvec3 line_b = fundamental * p, line_a = glm::transpose(fundamental) * q;
-  const double slope = line_b.x * line_b.x + line_b.y * line_b.y + line_a.x * line_a.x +
-                       line_a.y * line_a.y;
+  const double slope =
+      line_b.x * line_b.x + line_b.y * line_b.y + line_a.x * line_a.x + line_a.y * line_a.y;
   return slope > 0 ? std::abs(glm::dot(q, line_b)) / std::sqrt(slope) : 0;
 }
 
@@ -89,6 +89,9 @@ MatchedStations match_stations(const Scene& scene) {
   MatchedStations matched;
   matched.stations = stations_of(scene);
   const size_t count = matched.stations.size();
+  for (const Station& station : matched.stations)
+    if (station.name != scene.frames[size_t(station.frames.front())].camera_name)
+      matched.moving_camera = !scene.is_static;
   matched.pictures.resize(count), matched.features.resize(count);
   std::vector<Features> features(count);
   parallel_for(int64_t(count), 1, [&](int64_t begin, int64_t end) {

@@ -23,6 +23,7 @@ struct MatchedStations {
   std::vector<Image8> pictures;   // [stations] medians over time
   std::vector<int64_t> features;  // [stations] found, at most kMostFeatures
   std::vector<StationPair> pairs;
+  bool moving_camera = false;  // of a scene that moves: stations have different moments
 };
 
 inline constexpr int kMostFeatures = 1500;

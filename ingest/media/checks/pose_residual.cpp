@@ -44,18 +44,22 @@ void judge_texture(PoseCheck& check) {
             : ""});
 }
 
-void judge_cameras(double picture_diagonal, PoseCheck& check) {
+/// Of a moving camera in a moving scene a picture may disagree because of what moved: no verdict.
+void judge_cameras(double picture_diagonal, bool moving_camera, PoseCheck& check) {
   size_t named = 0;
   for (const PoseResidual& camera : check.cameras) {
     const bool outlier = camera.residual > std::max(3 * check.median, 1e-9);
     if (!outlier || camera.residual < kSuspicious * picture_diagonal || ++named > kMostNamed)
       continue;
-    check.findings.push_back(
-        {camera.residual > kWrong * picture_diagonal ? Severity::kError : Severity::kWarning,
-         "poses", camera.camera,
-         fmt::format("poses disagree by {:.1f} px (median of all {:.2f})", camera.residual,
-                     check.median),
-         "estimate its pose again or leave it out with --cameras"});
+    const Severity severity = moving_camera                                 ? Severity::kInfo
+                              : camera.residual > kWrong * picture_diagonal ? Severity::kError
+                                                                            : Severity::kWarning;
+    check.findings.push_back({severity, "poses", camera.camera,
+                              fmt::format("poses disagree by {:.1f} px (median of all {:.2f})",
+                                          camera.residual, check.median),
+                              moving_camera
+                                  ? "what moves between its moment and the others' may explain it"
+                                  : "estimate its pose again or leave it out with --cameras"});
   }
   if (check.median > kSuspicious * picture_diagonal)
     check.findings.push_back(
@@ -95,7 +99,7 @@ PoseCheck check_poses(const MatchedStations& matched) {
   judge_texture(check);
   if (known.empty()) return check;
   check.median = median(known);
-  judge_cameras(largest, check);
+  judge_cameras(largest, matched.moving_camera, check);
   check.findings.push_back({Severity::kInfo, "poses", check.cameras.front().camera,
                             fmt::format("largest residual {:.2f} px, median of all {:.2f}",
                                         check.cameras.front().residual, check.median),

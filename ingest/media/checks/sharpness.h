@@ -6,8 +6,8 @@
 
 namespace tessera {
 
-/// Energy of the Laplacian at full size by that at half size, as amplitudes. Contrast and amount of
-/// texture cancel; blur takes from the finest scale first. −1 where there is no texture.
+/// Deviation of the Laplacian at full size by that at half size, less 1/4, which is that of a
+/// smooth picture. Contrast and amount of texture cancel. −1 where there is no texture.
 double sharpness(const Image8& picture);
 
 struct CameraSharpness {

@@ -53,8 +53,8 @@ void load_pixels(Frame& frame, const std::filesystem::path& file, const Thinning
   frame.image = std::move(picture);
 }
 
-int width_of(const std::filesystem::path& capture) {
-  switch (detect_layout(capture)) {
+int width_of(const std::filesystem::path& capture, CaptureLayout layout) {
+  switch (layout) {
     case CaptureLayout::kN3dv:
     case CaptureLayout::kVideos:
       return probe_video(videos_in(capture).front()).width;
@@ -92,9 +92,12 @@ IngestReport ingest_sample(const std::filesystem::path& capture,
   constexpr int kWidest = 960;
   IngestOptions options;
   options.allow_static = true;
-  const CaptureLayout layout = detect_layout(capture);
+  CaptureLayout layout = detect_layout(capture);
+  if (layout == CaptureLayout::kTransforms && !find_colmap_model(capture).empty())
+    layout = CaptureLayout::kColmap;  // knows its lenses
+  options.layout = layout;
   if (layout == CaptureLayout::kN3dv) options.frames = 5;
-  options.scale = std::min(1.0, double(kWidest) / std::max(1, width_of(capture)));
+  options.scale = std::min(1.0, double(kWidest) / std::max(1, width_of(capture, layout)));
   return ingest_capture(capture, folder, options, progress);
 }
 

@@ -16,8 +16,8 @@ struct Thinning {
 };
 
 struct ThinnedScene {
-  Scene all;     // every frame, no pixels; the cloud
-  Scene sample;  // the chosen frames with pixels; the cloud
+  Scene all;                                    // every frame, no pixels; the cloud
+  Scene sample;                                 // the chosen frames with pixels; the cloud
   std::vector<std::filesystem::path> pictures;  // of every frame of `all`
 };
 
