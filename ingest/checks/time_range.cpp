@@ -60,11 +60,9 @@ TimeRange check_times(const Scene& scene) {
   TimeRange range;
   std::set<double> moments;
   std::map<std::string, std::set<double>> of_camera;
-  std::set<std::string> trains;
   for (const Frame& frame : scene.frames) {
     moments.insert(frame.time);
     of_camera[frame.camera_name].insert(frame.time);
-    if (frame.split == Split::kTrain) trains.insert(frame.camera_name);
   }
   range.moments = int64_t(moments.size());
   range.duration = scene.time_axis.duration;
@@ -78,8 +76,8 @@ TimeRange check_times(const Scene& scene) {
     range.findings.push_back({Severity::kWarning, "time", "",
                               "all frames have one time though several were stated",
                               "check the times, or train with --static-only true"});
-  // Poses that are shared by no two frames: one moving camera, whose splits may differ in time.
-  const bool rig = stations_of(scene).size() <= of_camera.size() + trains.size();
+  // A camera of several poses moves, and the times of its splits may differ.
+  const bool rig = stations_of(scene).size() == of_camera.size();
   if (!range.is_static && rig) judge_cameras(range);
   range.findings.push_back(
       {Severity::kInfo, "time", "",
