@@ -50,8 +50,8 @@ inline PointCloud coloured_sphere(int count) {
     const double z = 1 - (2.0 * i + 1) / count, r = std::sqrt(1 - z * z), a = 2.39996323 * i;
     const glm::dvec3 p{r * std::cos(a), r * std::sin(a), z};
     cloud.position.push_back(glm::vec3(p));
-    cloud.colour.push_back({uint8_t(128 + 90 * p.x), uint8_t(128 + 90 * p.y),
-                            uint8_t(128 + 90 * p.z)});
+    cloud.colour.push_back(
+        {uint8_t(128 + 90 * p.x), uint8_t(128 + 90 * p.y), uint8_t(128 + 90 * p.z)});
   }
   return cloud;
 }

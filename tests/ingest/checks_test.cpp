@@ -101,8 +101,7 @@ TEST(Checks, FewCamerasAndAloneCamera) {
   EXPECT_FALSE(has(good.findings, Severity::kWarning, "coverage"));
   EXPECT_EQ(good.seen_by_one + good.seen_by_none, 0);  // the whole sphere is in every picture
   // points behind cam0's back, where cam3 alone looks: a tenth of the cloud
-  for (int i = 0; i < 50; ++i)
-    scene.points.position[size_t(i)] = {20.0f, 0.01f * float(i), 0};
+  for (int i = 0; i < 50; ++i) scene.points.position[size_t(i)] = {20.0f, 0.01f * float(i), 0};
   const CoverageCheck part = check_coverage(scene);
   EXPECT_DOUBLE_EQ(part.seen_by_one, 0.1);
   EXPECT_DOUBLE_EQ(part.alone[3], 0.1);

@@ -68,7 +68,8 @@ TEST(FeatureChecks, TurnedCameraOfStudioRanksWorst) {
 // bad.
 TEST(FeatureChecks, NoTextureIsNotBadPoses) {
   Scene scene = textured_rig();
-  for (Frame& frame : scene.frames) std::fill(frame.image.data.begin(), frame.image.data.end(), 128);
+  for (Frame& frame : scene.frames)
+    std::fill(frame.image.data.begin(), frame.image.data.end(), 128);
   turn(scene, "cam4", 1, {1, 0, 0});
   const PoseCheck check = check_poses(match_stations(scene));
   EXPECT_TRUE(has(check.findings, Severity::kWarning, "texture"));
@@ -125,8 +126,7 @@ TEST(FeatureChecks, GainsOfPictures) {
   }
   const MatchedStations matched = match_stations(scene);
   EXPECT_TRUE(has(check_exposure(matched).findings, Severity::kWarning, "exposure"));
-  EXPECT_FALSE(
-      has(check_exposure(match_stations(rig)).findings, Severity::kWarning, "exposure"));
+  EXPECT_FALSE(has(check_exposure(match_stations(rig)).findings, Severity::kWarning, "exposure"));
   const std::vector<CameraGain> gains = fit_exposure(matched);
   ASSERT_EQ(gains.size(), 7u);  // cam0 is held out
   for (const CameraGain& camera : gains)

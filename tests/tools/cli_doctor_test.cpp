@@ -14,8 +14,8 @@ TEST(CliDoctor, ExitCodesAndJson) {
   const CliWorkspace work;
   const json report = work.run_json({"doctor", work.at("capture")});  // exit code 0
   EXPECT_EQ(report["errors"], 0);
-  for (const char* table : {"poses", "exposure", "blur", "coverage", "cloud", "time", "forecast",
-                            "leakage"})
+  for (const char* table :
+       {"poses", "exposure", "blur", "coverage", "cloud", "time", "forecast", "leakage"})
     EXPECT_TRUE(report["tables"].contains(table)) << table;
   for (const json& finding : report["findings"])
     for (const char* key : {"severity", "check", "camera", "measured", "advice"})
