@@ -14,7 +14,7 @@ if(NOT TESSERA_INGEST STREQUAL "OFF")
     # not find_package: Debian's CMake files insist on programs of other packages
     pkg_check_modules(OIIO QUIET IMPORTED_TARGET OpenImageIO)
   endif()
-  find_package(OpenCV QUIET COMPONENTS core imgproc)
+  find_package(OpenCV QUIET COMPONENTS core features2d imgproc)
   if(LIBAV_FOUND AND OIIO_FOUND AND OpenCV_FOUND)
     set(TESSERA_HAS_INGEST TRUE)
   elseif(TESSERA_INGEST STREQUAL "ON")

@@ -35,6 +35,7 @@ struct IngestOptions {
   std::optional<int64_t> frames;        // first N instants of each camera; all by default
   std::vector<std::string> held_out;    // camera names that become the test split (videos, photos);
                                         // empty: the first camera, as N3DV's protocol has it
+  bool fit_exposure = false;            // even out the training cameras' exposure and white balance
   bool allow_static = false;            // accept a capture whose times are all equal
   bool keep_world = false;              // no normalisation of the world (world_normalisation.h)
   std::optional<CaptureLayout> layout;  // read it as this, where a folder can be read as several

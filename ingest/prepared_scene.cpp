@@ -82,6 +82,7 @@ ordered_json tessera_json(const PreparedScene& scene) {
                        {"time_offset", camera.time_offset}});
     if (!camera.removed_lenses.empty())
       cameras.back()["removed_lenses"] = removed_lenses_json(camera);
+    if (camera.exposure_gain) cameras.back()["exposure_gain"] = *camera.exposure_gain;
   }
   const std::string removed = removed_models(scene);
   for (const SourceFile& source : scene.sources) sources[source.name] = source.hash;

@@ -1,6 +1,7 @@
 // What: the description of a prepared scene (ARCHITECTURE.md, "The prepared scene") and its writer.
 // Not: pixels (the captures' converters write those) and not reading (scene_reader.h).
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -28,9 +29,12 @@ struct RemovedLens {
 
 struct PreparedCamera {
   std::string name;
-  Rational time_base;                         // seconds a tick
-  double time_offset = 0;                     // seconds added to the camera's own clock
+  Rational time_base{};          // seconds a tick
+  double time_offset = 0;        // seconds added to the camera's own clock
+  double time_uncertainty = 0;   // its standard error, seconds
+  std::string time_source{};     // where the offset comes from: "motion", "audio", …; empty: none
   std::vector<RemovedLens> removed_lenses{};  // distinct; several where it was zoomed
+  std::optional<std::array<double, 3>> exposure_gain{};  // R G B its pictures were divided by
 };
 
 struct SourceFile {

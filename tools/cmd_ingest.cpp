@@ -17,6 +17,7 @@ namespace {
 struct IngestRequest {
   IngestOptions options;
   std::string capture, out, poses, cloud;
+  std::string capture, out, poses, exposure = "none";
   int64_t frames = 0;  // 0: all
   int threads = 0;
   bool batch = false, json = false;
@@ -38,6 +39,10 @@ void check_request(IngestRequest& request) {
                                  request.options.scale));
   if (request.frames < 0)
     throw InputError(fmt::format("ingest: --frames is {}, expected 1 or more", request.frames));
+  if (request.exposure != "fit" && request.exposure != "none")
+    throw InputError(
+        fmt::format("ingest: --exposure is '{}', expected fit or none", request.exposure));
+  request.options.fit_exposure = request.exposure == "fit";
   if (request.poses.empty()) return;
   if (request.poses == "colmap") {
     request.options.layout = CaptureLayout::kColmap;
@@ -148,6 +153,8 @@ void add_ingest_command(CLI::App& app, Work& work) {
   command->add_option("--masks", request->options.masks,
                       "folder of masks named as the pictures or cameras; black is ignored");
   command->add_flag("--invert-masks", request->options.invert_masks, "white is ignored, not black");
+  command->add_option("--exposure", request->exposure,
+                      "fit: divide each training camera's pictures by its gains; none");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json,
                     "print one JSON object; for a folder of captures, an array");

@@ -42,6 +42,7 @@ int tessera_main(int argc, char** argv) {
   Work work;
   add_run_command(app, work);
   add_ingest_command(app, work);
+  add_doctor_command(app, work);
   add_train_command(app, work);
   add_evaluate_command(app, work);
   add_render_command(app, work);

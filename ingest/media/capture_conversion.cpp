@@ -3,20 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "ingest/alpha_composite.h"
 #include "ingest/files/png.h"
 #include "ingest/files/staged_folder.h"
-#include "ingest/initial_cloud.h"
 #include "ingest/media/conversion.h"
-#include "ingest/media/mask_source.h"
 #include "ingest/media/picture_scale.h"
-#include "ingest/point_cloud.h"
+#include "ingest/media/scene_finish.h"
 #include "ingest/transforms_json.h"
-#include "ingest/world_normalisation.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 
@@ -51,57 +47,6 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
                       name));
 }
 
-/// The training cameras, a camera that stands still once.
-std::vector<Camera> training_poses(const PreparedScene& scene) {
-  std::vector<Camera> poses;
-  std::map<std::string, Camera> last;  // by camera name
-  for (const PreparedFrame& prepared : scene.frames) {
-    const Frame& frame = prepared.frame;
-    if (frame.split != Split::kTrain) continue;
-    const auto [at, is_new] = last.try_emplace(frame.camera_name, frame.camera);
-    if (!is_new && at->second.cam_from_world == frame.camera.cam_from_world &&
-        at->second.translation == frame.camera.translation)
-      continue;
-    at->second = frame.camera;
-    poses.push_back(frame.camera);
-  }
-  return poses;
-}
-
-/// Poses and points to the normalised world, if there is a training camera.
-void normalise_world(Converted& converted) {
-  PreparedScene& scene = converted.scene;
-  const std::vector<Camera> poses = training_poses(scene);
-  if (poses.empty()) return;
-  const Similarity change = normalised_from_source(poses, converted.points);
-  for (PreparedFrame& prepared : scene.frames)
-    prepared.frame.camera = camera_in_world(change, prepared.frame.camera);
-  for (glm::vec3& point : converted.points.position) point = glm::vec3(change(glm::dvec3(point)));
-  scene.prepared_from_source = compose(change, scene.prepared_from_source);
-}
-
-/// A transforms file states a world that protocols and other programs rely on; poses that were
-/// estimated, or given in whatever world their program chose, do not.
-bool has_arbitrary_world(CaptureLayout layout) {
-  return layout != CaptureLayout::kTransforms;
-}
-
-/// What is done alike for all layouts, and the two files that describe the scene.
-void finish(Converted& converted, const std::filesystem::path& folder, const IngestOptions& options,
-            bool keep_world, const IngestProgress& progress) {
-  if (!keep_world) normalise_world(converted);
-  IngestReport& report = converted.report;
-  write_prepared_scene(folder, converted.scene);  // for the cloud, which looks at the pictures
-  converted.points = initial_cloud(folder, converted.scene, std::move(converted.points), options,
-                                   progress, report.warnings);
-  warn_of_few_cameras(converted.scene, report.warnings);
-  report.points = int64_t(converted.points.position.size());
-  converted.scene.has_points = report.points > 0;
-  if (!converted.scene.has_points) return;
-  write_points(folder / "points.ply", converted.points);
-  write_prepared_scene(folder, converted.scene);
-}
-
 /// As ingest_capture, but what the file system says comes as its own exception.
 IngestReport convert_staged(const std::filesystem::path& capture, const std::filesystem::path& out,
                             const IngestOptions& options, const IngestProgress& progress) {
@@ -126,9 +71,7 @@ IngestReport convert_staged(const std::filesystem::path& capture, const std::fil
                        : layout == CaptureLayout::kLlff   ? convert_llff
                                                           : convert_transforms;
   Converted converted = convert(capture, staged.path(), options, report_progress);
-  check_masks(converted.scene, options, converted.report);
-  finish(converted, staged.path(), options, options.keep_world || !has_arbitrary_world(layout),
-         report_progress);
+  finish_scene(converted, layout, staged.path(), options, report_progress);
   converted.report.layout = layout;
   staged.commit();
   return converted.report;

@@ -1,0 +1,23 @@
+// What: one line of a diagnosis: how bad, which check, which camera, what was seen, what to do.
+// Not: the checks, and not the text of a report (tools/doctor_report.h).
+#pragma once
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+enum class Severity { kInfo, kWarning, kError };
+
+struct Finding {
+  Severity severity = Severity::kInfo;
+  std::string check;     // "poses", "exposure", …
+  std::string camera;    // empty: of no single camera
+  std::string measured;  // what was seen, with numbers
+  std::string advice;    // what to do; may be empty for kInfo
+};
+using Findings = std::vector<Finding>;
+
+/// Cameras that are named one by one in a check before the others are only counted.
+inline constexpr size_t kMostNamed = 5;
+
+}  // namespace tessera

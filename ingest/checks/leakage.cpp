@@ -1,0 +1,106 @@
+// What: equal files, equal views and equal cameras across the splits.
+// Not: pictures that are similar.
+#include "ingest/checks/leakage.h"
+
+#include <fmt/format.h>
+
+#include <glm/geometric.hpp>
+#include <map>
+#include <set>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+bool trains(const Frame& frame) {
+  return frame.split == Split::kTrain;
+}
+
+/// Index of a training picture with the same bytes, for each held-out one that has such.
+std::map<size_t, size_t> equal_pictures(const Scene& scene,
+                                        const std::vector<std::filesystem::path>& pictures) {
+  std::map<uintmax_t, std::vector<size_t>> of_size;
+  for (size_t i = 0; i < pictures.size(); ++i)
+    of_size[std::filesystem::file_size(pictures[i])].push_back(i);
+  std::map<size_t, size_t> equal;
+  for (const auto& [size, places] : of_size) {
+    std::map<std::string, size_t> training;
+    bool held_out = false;
+    for (const size_t i : places) held_out = held_out || !trains(scene.frames[i]);
+    if (!held_out || places.size() < 2) continue;
+    for (const size_t i : places)
+      if (trains(scene.frames[i])) training.emplace(read_text_file(pictures[i]), i);
+    for (const size_t i : places) {
+      if (trains(scene.frames[i]) || training.empty()) continue;
+      const auto found = training.find(read_text_file(pictures[i]));
+      if (found != training.end()) equal[i] = found->second;
+    }
+  }
+  return equal;
+}
+
+bool same_pose(const Camera& a, const Camera& b) {
+  double largest = 0;
+  for (int c = 0; c < 3; ++c)
+    largest = std::max(largest, glm::length(a.cam_from_world[c] - b.cam_from_world[c]));
+  const double scale = 1 + glm::length(a.translation);
+  return largest < 1e-6 && glm::length(a.translation - b.translation) < 1e-6 * scale;
+}
+
+/// First training frame of the same moment and pose for each held-out frame that has such.
+std::map<size_t, size_t> equal_views(const Scene& scene) {
+  std::map<double, std::vector<size_t>> training;
+  for (size_t i = 0; i < scene.frames.size(); ++i)
+    if (trains(scene.frames[i])) training[scene.frames[i].time].push_back(i);
+  std::map<size_t, size_t> equal;
+  for (size_t i = 0; i < scene.frames.size(); ++i) {
+    const auto moment = training.find(scene.frames[i].time);
+    if (trains(scene.frames[i]) || moment == training.end()) continue;
+    for (const size_t other : moment->second)
+      if (same_pose(scene.frames[i].camera, scene.frames[other].camera)) {
+        equal[i] = other;
+        break;
+      }
+  }
+  return equal;
+}
+
+void report(const Scene& scene, const std::map<size_t, size_t>& equal, const char* what,
+            Findings& findings) {
+  if (equal.empty()) return;
+  const auto& [held_out, training] = *equal.begin();
+  findings.push_back({Severity::kError, "leakage", scene.frames[held_out].camera_name,
+                      fmt::format("{} held-out frame{} {} of a training frame: {} and {}",
+                                  equal.size(), equal.size() == 1 ? " has" : "s have", what,
+                                  scene.frames[held_out].name, scene.frames[training].name),
+                      "remove one of the two from its split; scores would count what was trained"});
+}
+
+}  // namespace
+
+Leakage check_leakage(const Scene& scene, const std::vector<std::filesystem::path>& pictures) {
+  check(pictures.size() == scene.frames.size(), "check_leakage: a picture a frame");
+  Leakage leakage;
+  Fnv1a manifest;
+  for (const Frame& frame : scene.frames) {
+    ++(trains(frame) ? leakage.training_frames : leakage.held_out_frames);
+    if (trains(frame)) manifest.add(frame.name + "\n");
+  }
+  leakage.training_manifest = manifest.hex();
+  const std::map<size_t, size_t> files = equal_pictures(scene, pictures),
+                                 views = equal_views(scene);
+  leakage.same_pictures = int64_t(files.size()), leakage.same_views = int64_t(views.size());
+  report(scene, files, "the very picture", leakage.findings);
+  report(scene, views, "pose and moment", leakage.findings);
+  leakage.findings.push_back(
+      {Severity::kInfo, "leakage", "",
+       fmt::format("{} training frames (manifest {}), {} held out", leakage.training_frames,
+                   leakage.training_manifest, leakage.held_out_frames),
+       ""});
+  return leakage;
+}
+
+}  // namespace tessera

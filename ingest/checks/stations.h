@@ -1,0 +1,33 @@
+// What: the places that a scene was seen from: frames of one camera with one pose and one lens.
+// Not: the physical camera where that moves; each of its poses is a station of its own.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+struct Station {
+  std::string name;  // the camera's, or the frame's where a camera has several poses
+  Camera camera;
+  Split split = Split::kTrain;
+  std::vector<int> frames;  // into Scene::frames, by time
+};
+
+/// In the order of the files; a station belongs to one split.
+std::vector<Station> stations_of(const Scene& scene);
+/// Those of the training split.
+std::vector<Station> training_stations(const Scene& scene);
+
+/// The median over time of every pixel and channel: what stands still. Needs pixels.
+Image8 median_picture(const Scene& scene, const Station& station);
+
+/// The mean of 3 × 3 pixels around a place as values in 0–255; no place within the picture, or a
+/// value of the channel at or beyond the sensor's ends (<= 5 or >= 250): −1.
+std::array<double, 3> colour_at(const Image8& picture, double x, double y);
+
+/// Where the camera sees the point, in pixels; false behind it or outside of the picture.
+bool project_into(const Camera& camera, const glm::dvec3& point, double& x, double& y);
+
+}  // namespace tessera

@@ -1,0 +1,115 @@
+// What: the times of each camera by its own rhythm, compared over cameras.
+// Not: seconds; the axis gives those.
+#include "ingest/checks/time_range.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "ingest/checks/stations.h"
+
+namespace tessera {
+namespace {
+
+/// Frames that fail in a camera whose usual distance between frames is the median one.
+int64_t missing_moments(const std::vector<double>& times) {
+  if (times.size() < 3) return 0;
+  std::vector<double> steps;
+  for (size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
+  std::vector<double> sorted = steps;
+  const auto half = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
+  std::nth_element(sorted.begin(), half, sorted.end());
+  int64_t missing = 0;
+  if (*half > 0)
+    for (const double step : steps) missing += std::max<int64_t>(0, std::llround(step / *half) - 1);
+  return missing;
+}
+
+void judge_cameras(TimeRange& range) {
+  std::vector<double> firsts, lasts;
+  for (const CameraTimes& camera : range.cameras)
+    firsts.push_back(camera.first), lasts.push_back(camera.last);
+  std::sort(firsts.begin(), firsts.end()), std::sort(lasts.begin(), lasts.end());
+  const double first = firsts[firsts.size() / 2], last = lasts[lasts.size() / 2];
+  size_t named = 0;
+  for (const CameraTimes& camera : range.cameras) {
+    constexpr double kApart = 0.02;  // of the clip
+    if (std::abs(camera.first - first) > kApart || std::abs(camera.last - last) > kApart) {
+      if (++named <= kMostNamed)
+        range.findings.push_back(
+            {Severity::kWarning, "time", camera.camera,
+             fmt::format("covers {:.3f} to {:.3f} of the clip, most cameras {:.3f} to {:.3f}",
+                         camera.first, camera.last, first, last),
+             "cut the clips to the time that they share, or check the clock offsets"});
+    }
+    if (camera.missing > 0 && ++named <= kMostNamed)
+      range.findings.push_back(
+          {Severity::kWarning, "time", camera.camera,
+           fmt::format("{} moments are missing between its {} frames", camera.missing,
+                       camera.frames),
+           "frames were dropped: check the video; training goes on without them"});
+  }
+}
+
+}  // namespace
+
+TimeRange check_times(const Scene& scene) {
+  TimeRange range;
+  std::set<double> moments;
+  std::map<std::string, std::set<double>> of_camera;
+  for (const Frame& frame : scene.frames) {
+    moments.insert(frame.time);
+    of_camera[frame.camera_name].insert(frame.time);
+  }
+  range.moments = int64_t(moments.size());
+  range.duration = scene.time_axis.duration;
+  range.is_static = moments.size() <= 1;
+  for (const auto& [name, times] : of_camera) {
+    const std::vector<double> list(times.begin(), times.end());
+    range.cameras.push_back(
+        {name, int64_t(list.size()), list.front(), list.back(), missing_moments(list)});
+  }
+  if (range.is_static && !scene.is_static)
+    range.findings.push_back({Severity::kWarning, "time", "",
+                              "all frames have one time though several were stated",
+                              "check the times, or train with --static-only true"});
+  // A camera of several poses moves, and the times of its splits may differ.
+  const bool rig = stations_of(scene).size() == of_camera.size();
+  if (!range.is_static && rig) judge_cameras(range);
+  range.findings.push_back(
+      {Severity::kInfo, "time", "",
+       fmt::format("{} moment{} in {} camera{}, duration {:.4g} of the capture's unit",
+                   range.moments, range.moments == 1 ? "" : "s", range.cameras.size(),
+                   range.cameras.size() == 1 ? "" : "s", range.duration),
+       ""});
+  return range;
+}
+
+double dynamic_share(const Scene& scene) {
+  constexpr int kMoved = 26;  // levels of 255
+  double sum = 0;
+  int64_t stations = 0;
+  for (const Station& station : training_stations(scene)) {
+    if (station.frames.size() < 2) continue;
+    std::vector<uint8_t> low = scene.frames[size_t(station.frames.front())].image.data, high = low;
+    for (const int index : station.frames) {
+      const std::vector<uint8_t>& data = scene.frames[size_t(index)].image.data;
+      for (size_t k = 0; k < data.size(); ++k)
+        low[k] = std::min(low[k], data[k]), high[k] = std::max(high[k], data[k]);
+    }
+    int64_t moved = 0;
+    for (size_t p = 0; p + 2 < low.size(); p += 3) {
+      int most = 0;
+      for (size_t k = p; k < p + 3; ++k) most = std::max(most, high[k] - low[k]);
+      moved += most > kMoved;
+    }
+    sum += 3.0 * double(moved) / double(low.size());
+    ++stations;
+  }
+  return stations == 0 ? -1 : sum / double(stations);
+}
+
+}  // namespace tessera

@@ -1,0 +1,104 @@
+// What: the choice of frames, their pixels, and the options of a sample's conversion.
+// Not: the checks.
+#include "ingest/media/checks/thinned_scene.h"
+
+#include <algorithm>
+
+#include "ingest/alpha_composite.h"
+#include "ingest/capture_layout.h"
+#include "ingest/checks/stations.h"
+#include "ingest/colmap_model.h"
+#include "ingest/files/png.h"
+#include "ingest/media/image_source.h"
+#include "ingest/media/picture_scale.h"
+#include "ingest/media/video_decoder.h"
+#include "ingest/scene_reader.h"
+#include "ingest/transforms_json.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+/// `most` of `count` places, the first and the last among them.
+std::vector<size_t> spread(size_t count, int most) {
+  std::vector<size_t> places;
+  const size_t wanted = std::min(count, size_t(std::max(1, most)));
+  for (size_t i = 0; i < wanted; ++i)
+    places.push_back(wanted == 1 ? 0 : i * (count - 1) / (wanted - 1));
+  return places;
+}
+
+std::vector<int> chosen_frames(const Scene& scene, const Thinning& thinning) {
+  const std::vector<Station> stations = stations_of(scene);
+  std::vector<int> chosen;
+  for (const size_t s : spread(stations.size(), thinning.stations))
+    for (const size_t i : spread(stations[s].frames.size(), thinning.instants))
+      chosen.push_back(stations[s].frames[i]);
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+void load_pixels(Frame& frame, const std::filesystem::path& file, const Thinning& thinning,
+                 std::array<uint8_t, 3> background) {
+  Image8 picture = read_png(file);
+  if (picture.channels != 3) picture = composite_on(picture, background);
+  const double scale =
+      std::min(1.0, double(thinning.largest) / std::max(picture.width, picture.height));
+  if (scale < 1) {
+    const int width = scaled_side(picture.width, scale);
+    const int height = scaled_side(picture.height, scale);
+    frame.camera = frame.camera.resized(width, height);
+    picture = scale_picture(picture, width, height);
+  }
+  frame.image = std::move(picture);
+}
+
+int width_of(const std::filesystem::path& capture, CaptureLayout layout) {
+  switch (layout) {
+    case CaptureLayout::kN3dv:
+    case CaptureLayout::kVideos:
+      return probe_video(videos_in(capture).front()).width;
+    case CaptureLayout::kColmap:
+      return read_colmap_model(find_colmap_model(capture)).photos.front().camera.width;
+    case CaptureLayout::kTransforms:
+      return read_picture(read_transforms(capture).frames.front().image).width;
+  }
+  return 0;
+}
+
+}  // namespace
+
+ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& thinning) {
+  SceneOptions options;
+  options.allow_static = true, options.load_pixels = false;
+  ThinnedScene thinned;
+  thinned.all = load_scene(folder, options);
+  for (const TransformsFrame& listed : read_transforms(folder).frames)
+    thinned.pictures.push_back(listed.image);
+  const std::vector<int> chosen = chosen_frames(thinned.all, thinning);
+  thinned.sample = thinned.all;
+  thinned.sample.frames.clear();
+  for (const int i : chosen) thinned.sample.frames.push_back(thinned.all.frames[size_t(i)]);
+  parallel_for(int64_t(chosen.size()), 1, [&](int64_t begin, int64_t end) {
+    for (auto k = size_t(begin); k < size_t(end); ++k)
+      load_pixels(thinned.sample.frames[k], thinned.pictures[size_t(chosen[k])], thinning,
+                  thinned.all.background);
+  });
+  return thinned;
+}
+
+IngestReport ingest_sample(const std::filesystem::path& capture,
+                           const std::filesystem::path& folder, const IngestProgress& progress) {
+  constexpr int kWidest = 960;
+  IngestOptions options;
+  options.allow_static = true;
+  CaptureLayout layout = detect_layout(capture);
+  if (layout == CaptureLayout::kTransforms && !find_colmap_model(capture).empty())
+    layout = CaptureLayout::kColmap;  // knows its lenses
+  options.layout = layout;
+  if (layout == CaptureLayout::kN3dv) options.frames = 5;
+  options.scale = std::min(1.0, double(kWidest) / std::max(1, width_of(capture, layout)));
+  return ingest_capture(capture, folder, options, progress);
+}
+
+}  // namespace tessera

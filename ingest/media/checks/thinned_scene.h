@@ -1,0 +1,31 @@
+// What: enough of a scene to diagnose it: all frames without pixels, and a few with them.
+// Not: training input.
+#pragma once
+#include <filesystem>
+#include <vector>
+
+#include "ingest/ingest.h"
+#include "ingest/scene.h"
+
+namespace tessera {
+
+struct Thinning {
+  int instants = 5;    // of each station, spread over the clip
+  int stations = 40;   // spread over the list; a rig has all of its cameras in general
+  int largest = 1000;  // pixels; wider or higher pictures are reduced
+};
+
+struct ThinnedScene {
+  Scene all;                                    // every frame, no pixels; the cloud
+  Scene sample;                                 // the chosen frames with pixels; the cloud
+  std::vector<std::filesystem::path> pictures;  // of every frame of `all`
+};
+
+/// Errors: as load_scene.
+ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& thinning);
+
+/// Prepares a few frames of a capture, reduced, as the scene `folder`. Errors: as ingest_capture.
+IngestReport ingest_sample(const std::filesystem::path& capture,
+                           const std::filesystem::path& folder, const IngestProgress& progress);
+
+}  // namespace tessera
