@@ -1,5 +1,5 @@
 // What: swscale set up so that rounding is right: accurate, chroma interpolated at full resolution.
-// Not: resizing; that happens in RGB by area (picture_scale.h).
+// Not: the prepared picture's size; that is made in RGB by area (picture_scale.h).
 #include "ingest/media/video_colour.h"
 
 extern "C" {
@@ -8,15 +8,16 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
-#include <memory>
-#include <new>
+#include "ingest/media/libav_handles.h"
 
 namespace tessera {
 namespace {
 
 constexpr int kHighDefinitionLines = 720;  // from here on, unstated colour is BT.709
 
-/// swscale's name of the YCbCr matrix.
+constexpr int kNoMatrix = -1;
+
+/// swscale's name of the YCbCr matrix; kNoMatrix where it has none.
 int matrix_of(const AVFrame& frame) {
   switch (frame.colorspace) {
     case AVCOL_SPC_BT709:
@@ -29,8 +30,13 @@ int matrix_of(const AVFrame& frame) {
     case AVCOL_SPC_SMPTE240M:
       return SWS_CS_SMPTE240M;
     case AVCOL_SPC_BT2020_NCL:
-    case AVCOL_SPC_BT2020_CL:
       return SWS_CS_BT2020;
+    case AVCOL_SPC_BT2020_CL:
+    case AVCOL_SPC_YCGCO:
+    case AVCOL_SPC_SMPTE2085:
+    case AVCOL_SPC_CHROMA_DERIVED_CL:
+    case AVCOL_SPC_ICTCP:
+      return kNoMatrix;
     default:
       return frame.height < kHighDefinitionLines ? SWS_CS_ITU601 : SWS_CS_ITU709;
   }
@@ -54,9 +60,30 @@ bool is_full_range(const AVFrame& frame) {
   return is_rgb_or_grey;
 }
 
-struct FrameRelease {
-  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
-};
+/// Planes G, B, R of any size → RGB, turned clockwise.
+Image8 interleaved(const AVFrame& planes, int quarter_turns) {
+  const int width = planes.width, height = planes.height;
+  const bool lies = quarter_turns % 2 != 0;
+  Image8 image{lies ? height : width, lies ? width : height, 3, {}};
+  image.data.resize(size_t(width) * size_t(height) * 3);
+  // pixel (x, y) of the frame goes to origin + x * step_x + y * step_y
+  const ptrdiff_t row = ptrdiff_t(image.width) * 3;
+  const ptrdiff_t last = row * image.height - 3;
+  const ptrdiff_t origins[] = {0, row - 3, last, last - (row - 3)};
+  const ptrdiff_t steps_x[] = {3, row, -3, -row}, steps_y[] = {row, -3, -row, 3};
+  const ptrdiff_t step = steps_x[quarter_turns];
+  for (int y = 0; y < height; ++y) {
+    const uint8_t* green = planes.data[0] + ptrdiff_t(y) * planes.linesize[0];
+    const uint8_t* blue = planes.data[1] + ptrdiff_t(y) * planes.linesize[1];
+    const uint8_t* red = planes.data[2] + ptrdiff_t(y) * planes.linesize[2];
+    uint8_t* pixel = image.data.data() + origins[quarter_turns] + y * steps_y[quarter_turns];
+    for (int x = 0; x < width; ++x) {
+      uint8_t* to = pixel + x * step;
+      to[0] = red[x], to[1] = green[x], to[2] = blue[x];
+    }
+  }
+  return image;
+}
 
 }  // namespace
 
@@ -65,32 +92,30 @@ FrameToRgb::~FrameToRgb() {
   sws_freeContext(context_);
 }
 
-Image8 FrameToRgb::convert(const AVFrame& frame) {
-  constexpr int kFlags = SWS_BILINEAR | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
+Image8 FrameToRgb::convert(const AVFrame& frame, const PictureShape& shape) {
+  constexpr int kFlags = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
   constexpr int kUnity = 1 << 16;  // contrast and saturation, 16.16 fixed point
-  const auto format = AVPixelFormat(frame.format);
-  context_ =
-      sws_getCachedContext(context_, frame.width, frame.height, format, frame.width, frame.height,
-                           AV_PIX_FMT_RGB24, kFlags, nullptr, nullptr, nullptr);
+  const int matrix = matrix_of(frame);
+  if (matrix == kNoMatrix) return {};
+  const bool lies = shape.quarter_turns % 2 != 0;
+  const LibavOwned<AVFrame> planes = new_frame();
+  planes->width = shape.width == 0 ? frame.width : lies ? shape.height : shape.width;
+  planes->height = shape.width == 0 ? frame.height : lies ? shape.width : shape.height;
+  planes->format = AV_PIX_FMT_GBRP;  // swscale's SIMD writes planes, twice as fast as RGB24
+  if (av_frame_get_buffer(planes.get(), 0) < 0) throw std::bad_alloc();
+  const bool same_size = planes->width == frame.width && planes->height == frame.height;
+  context_ = sws_getCachedContext(context_, frame.width, frame.height, AVPixelFormat(frame.format),
+                                  planes->width, planes->height, AV_PIX_FMT_GBRP,
+                                  kFlags | (same_size ? SWS_BILINEAR : SWS_AREA), nullptr, nullptr,
+                                  nullptr);
   if (context_ == nullptr) return {};
   // The result says whether the format has a matrix at all; RGB has none, which is no failure.
-  sws_setColorspaceDetails(context_, sws_getCoefficients(matrix_of(frame)), is_full_range(frame),
+  sws_setColorspaceDetails(context_, sws_getCoefficients(matrix), is_full_range(frame),
                            sws_getCoefficients(SWS_CS_DEFAULT), 1, 0, kUnity, kUnity);
-  const std::unique_ptr<AVFrame, FrameRelease> rgb(av_frame_alloc());
-  if (rgb == nullptr) throw std::bad_alloc();
-  rgb->width = frame.width, rgb->height = frame.height, rgb->format = AV_PIX_FMT_RGB24;
-  if (av_frame_get_buffer(rgb.get(), 0) < 0) throw std::bad_alloc();
-  const int lines =
-      sws_scale(context_, frame.data, frame.linesize, 0, frame.height, rgb->data, rgb->linesize);
-  if (lines != frame.height) return {};
-  Image8 image{frame.width, frame.height, 3, {}};
-  const auto stride = size_t(frame.width) * 3;
-  image.data.reserve(stride * size_t(frame.height));
-  for (int y = 0; y < frame.height; ++y) {
-    const uint8_t* row = rgb->data[0] + ptrdiff_t(y) * rgb->linesize[0];
-    image.data.insert(image.data.end(), row, row + stride);
-  }
-  return image;
+  const int lines = sws_scale(context_, frame.data, frame.linesize, 0, frame.height, planes->data,
+                              planes->linesize);
+  if (lines != planes->height) return {};
+  return interleaved(*planes, shape.quarter_turns);
 }
 
 }  // namespace tessera
