@@ -4,12 +4,10 @@
 
 extern "C" {
 #include <libavutil/display.h>
-#include <libavutil/parseutils.h>
 }
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -113,17 +111,6 @@ int64_t VideoFile::stated_packets() const {
   return is_mp4 ? avformat_index_get_entries_count(track_) : track_->nb_frames;
 }
 
-/// Matroska counts no frames, but states how long a track is; 0 where it does not.
-double VideoFile::stated_end() const {
-  if (std::string_view(format_->iformat->name).find("matroska") == std::string::npos) return 0;
-  if (const AVDictionaryEntry* tag = av_dict_get(track_->metadata, "DURATION", nullptr, 0)) {
-    int64_t microseconds = 0;
-    if (av_parse_time(&microseconds, tag->value, 1) >= 0) return double(microseconds) * 1e-6;
-  }
-  if (format_->nb_streams > 1 || format_->duration == AV_NOPTS_VALUE) return 0;
-  return double(format_->start_time + format_->duration) * 1e-6;
-}
-
 VideoFile::Read VideoFile::cut(const std::string& reason) {
   cut_reason_ = reason;
   return Read::kCut;
@@ -132,10 +119,6 @@ VideoFile::Read VideoFile::cut(const std::string& reason) {
 VideoFile::Read VideoFile::end_of_file() {
   const int64_t stated = stated_packets();
   if (packets_ < stated) return cut(fmt::format("it states {} frames", stated));
-  const double rate = av_q2d(track_->avg_frame_rate);
-  const double frame = std::max(rate > 0 ? 1 / rate : 0, time_base().at(1));
-  if (packets_ > 0 && last_end_ + 1.5 * frame < stated_end())
-    return cut(fmt::format("it states {:.3f} s", stated_end()));
   return Read::kEnd;
 }
 
@@ -172,13 +155,13 @@ VideoFile::Read VideoFile::read(AVPacket& packet) {
       if (read_track_packet(*ahead_) < 0) return cut("its last frame is incomplete");
       throw InputError(fmt::format(
           "{}: camera {} is damaged at {:.3f} s; copy or encode this video again", name_, camera_,
-          packet.pts == AV_NOPTS_VALUE ? last_end_ : seconds(packet.pts)));
+          packet.pts == AV_NOPTS_VALUE ? last_seconds_ : seconds(packet.pts)));
     }
     ++packets_;
     seen_key_ = seen_key_ || (packet.flags & AV_PKT_FLAG_KEY) != 0;
     if (!seen_key_) continue;
     give_time(packet);
-    last_end_ = std::max(last_end_, seconds(packet.pts + std::max<int64_t>(packet.duration, 0)));
+    last_seconds_ = seconds(packet.pts);
     return Read::kPacket;
   }
 }

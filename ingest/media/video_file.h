@@ -42,7 +42,6 @@ class VideoFile {
   void find_track();
   void read_display_matrix();
   int64_t stated_packets() const;
-  double stated_end() const;
   Read end_of_file();
   Read cut(const std::string& reason);
   int read_track_packet(AVPacket& packet);
@@ -55,7 +54,7 @@ class VideoFile {
   int quarter_turns_ = 0;
   int64_t packets_ = 0;
   bool seen_key_ = false;
-  double last_end_ = 0;  // seconds, of the packets so far
+  double last_seconds_ = 0;  // time of the packet before
 };
 
 }  // namespace tessera

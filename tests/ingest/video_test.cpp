@@ -86,7 +86,8 @@ TEST_F(Video, ColoursAreRightForEachMatrixAndRange) {
   TestVideo video;
   for (const bool full : {false, true})
     for (const bool half_chroma : {false, true}) {
-      video.full_range = full, video.half_chroma = half_chroma;
+      video.full_range = full;
+      video.chroma = half_chroma ? VideoChroma::k420 : VideoChroma::k444;
       const std::string suffix = std::to_string(full) + std::to_string(half_chroma) + ".mp4";
       video.stated = video.used = VideoMatrix::kBt709;
       expect_colours(folder_ / ("bt709_" + suffix), video, 64, 36);
@@ -101,7 +102,7 @@ TEST_F(Video, ColoursAreRightForEachMatrixAndRange) {
 
 TEST_F(Video, OddSizes) {
   TestVideo video;
-  video.half_chroma = false;
+  video.chroma = VideoChroma::k444;
   expect_colours(folder_ / "odd.mp4", video, 35, 21);
 }
 
