@@ -22,7 +22,7 @@ std::string variable_rate(const std::string& camera, const std::vector<int64_t>&
                           size_t gaps, const Rational& time_base) {
   const auto [shortest, longest] = std::minmax_element(distances.begin(), distances.end());
   return fmt::format(
-      "{}: has a variable frame rate, {} of {} distances are over 1.5 medians ({:.4f} to {:.4f} "
+      "{} has a variable frame rate, {} of {} distances are over 1.5 medians ({:.4f} to {:.4f} "
       "s); "
       "its frames keep their own times",
       camera, gaps, distances.size(), time_base.at(*shortest), time_base.at(*longest));
@@ -51,12 +51,12 @@ std::vector<std::string> gap_warnings(const std::string& camera, const std::vect
   for (size_t k = 0; k < std::min(gaps.size(), kMostLines); ++k) {
     const double missing = double(distances[gaps[k]]) / double(median) - 1;
     lines.push_back(fmt::format(
-        "{}: has a gap after {:.3f} s, {:.3f} s long: about {:.0f} frames "
+        "{} has a gap after {:.3f} s, {:.3f} s long: about {:.0f} frames "
         "are missing",
         camera, time_base.at(ticks[gaps[k]]), time_base.at(distances[gaps[k]]), missing));
   }
   if (gaps.size() > kMostLines)
-    lines.push_back(fmt::format("{}: has {} gaps in all, the last after {:.3f} s", camera,
+    lines.push_back(fmt::format("{} has {} gaps in all, the last after {:.3f} s", camera,
                                 gaps.size(), time_base.at(ticks[gaps.back()])));
   return lines;
 }
@@ -65,10 +65,10 @@ std::vector<std::string> duplicate_warnings(const std::string& camera,
                                             const std::vector<int64_t>& repeated,
                                             const Rational& time_base) {
   if (repeated.empty()) return {};
-  return {
-      fmt::format("{}: {} frames repeat the presentation time of another, first at {:.3f} s; "
-                  "the first frame of each time is used",
-                  camera, repeated.size(), time_base.at(repeated.front()))};
+  return {fmt::format(
+      "{} has {} frames that repeat the presentation time of another, first at {:.3f} s; "
+      "the first frame of each time is used",
+      camera, repeated.size(), time_base.at(repeated.front()))};
 }
 
 }  // namespace tessera

@@ -7,6 +7,8 @@ extern "C" {
 #include <libavutil/timecode.h>
 }
 
+#include <cmath>
+
 #include "ingest/media/video_file.h"
 
 namespace tessera {
@@ -21,6 +23,15 @@ std::optional<std::string> find_tag(const VideoFile& file, const char* name) {
     if (const auto* tag = av_dict_get(format.streams[i]->metadata, name, nullptr, 0))
       return tag->value;
   return std::nullopt;
+}
+
+/// The rate that timecodes count at: of the grid of frames, also where some are missing.
+/// libavformat guesses that grid, at times as fine as the clock; the mean rate is the second
+/// choice.
+AVRational frame_rate(const AVStream& track, double median_seconds) {
+  for (const AVRational rate : {track.r_frame_rate, track.avg_frame_rate})
+    if (rate.num > 0 && std::abs(av_q2d(rate) * median_seconds - 1) < 0.25) return rate;
+  return {0, 1};
 }
 
 }  // namespace
@@ -44,9 +55,9 @@ std::optional<double> creation_seconds(const std::string& creation_time) {
   return double(microseconds) * 1e-6;
 }
 
-std::optional<double> container_clock(const VideoFile& file, int64_t first_ticks) {
-  AVRational rate = file.track().r_frame_rate;  // the grid of frames, also where some are missing
-  if (rate.num <= 0) rate = file.track().avg_frame_rate;
+std::optional<double> container_clock(const VideoFile& file, int64_t first_ticks,
+                                      int64_t median_ticks) {
+  const AVRational rate = frame_rate(file.track(), file.seconds(median_ticks));
   if (const auto timecode = find_tag(file, "timecode"))
     if (const auto seconds = timecode_seconds(*timecode, {rate.num, rate.den}))
       return *seconds - file.seconds(first_ticks);

@@ -1,6 +1,7 @@
 // What: the wall-clock time that a container states for its video, where it is fine enough to use.
 // Not: synchronisation (clock_sync.h), and no whole-second creation times: they are off by frames.
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -16,7 +17,8 @@ std::optional<double> timecode_seconds(const std::string& timecode, const Ration
 std::optional<double> creation_seconds(const std::string& creation_time);
 
 /// The time at tick 0. A timecode is that of the first frame shown, at `first_ticks`; a creation
-/// time is that of tick 0.
-std::optional<double> container_clock(const VideoFile& file, int64_t first_ticks);
+/// time is that of tick 0. `median_ticks`: the median distance of frames.
+std::optional<double> container_clock(const VideoFile& file, int64_t first_ticks,
+                                      int64_t median_ticks);
 
 }  // namespace tessera

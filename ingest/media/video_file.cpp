@@ -4,10 +4,12 @@
 
 extern "C" {
 #include <libavutil/display.h>
+#include <libavutil/parseutils.h>
 }
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -111,6 +113,17 @@ int64_t VideoFile::stated_packets() const {
   return is_mp4 ? avformat_index_get_entries_count(track_) : track_->nb_frames;
 }
 
+/// Matroska counts no frames, but states when a track ends, in seconds; 0 where it does not.
+double VideoFile::stated_end() const {
+  if (std::string_view(format_->iformat->name).find("matroska") == std::string::npos) return 0;
+  if (const AVDictionaryEntry* tag = av_dict_get(track_->metadata, "DURATION", nullptr, 0)) {
+    int64_t microseconds = 0;
+    if (av_parse_time(&microseconds, tag->value, 1) >= 0) return double(microseconds) * 1e-6;
+  }
+  if (format_->nb_streams > 1 || format_->duration == AV_NOPTS_VALUE) return 0;
+  return double(format_->start_time + format_->duration) * 1e-6;
+}
+
 VideoFile::Read VideoFile::cut(const std::string& reason) {
   cut_reason_ = reason;
   return Read::kCut;
@@ -119,6 +132,12 @@ VideoFile::Read VideoFile::cut(const std::string& reason) {
 VideoFile::Read VideoFile::end_of_file() {
   const int64_t stated = stated_packets();
   if (packets_ < stated) return cut(fmt::format("it states {} frames", stated));
+  // The last frame lasts as long as it says, or as the longest other one.
+  std::sort(times_.begin(), times_.end());
+  int64_t frame = last_duration_;
+  for (size_t i = 1; i < times_.size(); ++i) frame = std::max(frame, times_[i] - times_[i - 1]);
+  if (!times_.empty() && seconds(times_.back()) + 1.5 * seconds(frame) < stated_end())
+    return cut(fmt::format("it states {:.3f} s", stated_end()));
   return Read::kEnd;
 }
 
@@ -153,15 +172,16 @@ VideoFile::Read VideoFile::read(AVPacket& packet) {
     if (error < 0) return cut(libav_reason(error));
     if ((packet.flags & AV_PKT_FLAG_CORRUPT) != 0) {
       if (read_track_packet(*ahead_) < 0) return cut("its last frame is incomplete");
-      throw InputError(fmt::format(
-          "{}: camera {} is damaged at {:.3f} s; copy or encode this video again", name_, camera_,
-          packet.pts == AV_NOPTS_VALUE ? last_seconds_ : seconds(packet.pts)));
+      throw InputError(
+          fmt::format("{}: camera {} is damaged at {:.3f} s; copy or encode this video again",
+                      name_, camera_, packet.pts == AV_NOPTS_VALUE ? 0 : seconds(packet.pts)));
     }
     ++packets_;
     seen_key_ = seen_key_ || (packet.flags & AV_PKT_FLAG_KEY) != 0;
     if (!seen_key_) continue;
     give_time(packet);
-    last_seconds_ = seconds(packet.pts);
+    times_.push_back(packet.pts);
+    last_duration_ = packet.duration;
     return Read::kPacket;
   }
 }

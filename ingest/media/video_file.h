@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "ingest/media/libav_handles.h"
 #include "ingest/rational.h"
@@ -42,6 +43,7 @@ class VideoFile {
   void find_track();
   void read_display_matrix();
   int64_t stated_packets() const;
+  double stated_end() const;
   Read end_of_file();
   Read cut(const std::string& reason);
   int read_track_packet(AVPacket& packet);
@@ -54,7 +56,8 @@ class VideoFile {
   int quarter_turns_ = 0;
   int64_t packets_ = 0;
   bool seen_key_ = false;
-  double last_seconds_ = 0;  // time of the packet before
+  std::vector<int64_t> times_;  // of the packets so far, ticks
+  int64_t last_duration_ = 0;
 };
 
 }  // namespace tessera

@@ -57,15 +57,16 @@ VideoTimeline read_timeline(const std::filesystem::path& path) {
     throw InputError(fmt::format("{}: camera {} holds no frame{}; copy or encode this video again",
                                  file.name(), file.camera(), cut.empty() ? "" : " (" + cut + ")"));
   const std::vector<int64_t> repeated = take_repeated(timeline.ticks);
-  timeline.frame_seconds = timeline.time_base.at(median_distance(timeline.ticks));
-  timeline.clock = container_clock(file, timeline.ticks.front());
+  const int64_t median = median_distance(timeline.ticks);
+  timeline.frame_seconds = timeline.time_base.at(median);
+  timeline.clock = container_clock(file, timeline.ticks.front(), median);
 
   const std::string camera = fmt::format("{}: camera {}", file.name(), file.camera());
   const auto add = [&](std::vector<std::string> lines) {
     timeline.warnings.insert(timeline.warnings.end(), lines.begin(), lines.end());
   };
   if (!cut.empty())
-    timeline.warnings.push_back(fmt::format("{}: is truncated after {} frames at {:.3f} s ({})",
+    timeline.warnings.push_back(fmt::format("{} is truncated after {} frames at {:.3f} s ({})",
                                             camera, timeline.ticks.size(),
                                             timeline.seconds(timeline.ticks.size() - 1), cut));
   add(gap_warnings(camera, timeline.ticks, timeline.time_base));

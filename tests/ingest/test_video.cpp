@@ -146,6 +146,7 @@ void write_video(const std::filesystem::path& path, const TestVideo& video) {
   AVCodecContext* codec = open_encoder(video);
   AVStream* stream = avformat_new_stream(format, nullptr);
   stream->time_base = codec->time_base;
+  stream->avg_frame_rate = {25, 1};
   format->avoid_negative_ts = AVFMT_AVOID_NEG_TS_DISABLED;
   describe(*stream, video);
   need(avcodec_parameters_from_context(stream->codecpar, codec) >= 0, "parameters");
