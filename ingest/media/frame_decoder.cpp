@@ -25,7 +25,8 @@ void FrameDecoder::fail(const std::string& seen) const {
 }
 
 void FrameDecoder::open_codec() {
-  constexpr int kMostThreads = 16;  // codecs gain nothing from more
+  constexpr int kMostThreads = 16;         // codecs gain nothing from more
+  const int threads = thread_count() + 1;  // one waits while its frame is taken
   const AVCodecParameters& parameters = *file_.track().codecpar;
   const AVCodec* decoder = avcodec_find_decoder(parameters.codec_id);
   if (decoder == nullptr)
@@ -33,7 +34,7 @@ void FrameDecoder::open_codec() {
                                  file_.name(), avcodec_get_name(parameters.codec_id)));
   codec_.reset(avcodec_alloc_context3(decoder));
   if (codec_ == nullptr) throw std::bad_alloc();
-  codec_->thread_count = std::min(thread_count(), kMostThreads);
+  codec_->thread_count = thread_count() == 1 ? 1 : std::min(threads, kMostThreads);
   codec_->thread_type = FF_THREAD_FRAME | FF_THREAD_SLICE;
   codec_->pkt_timebase = file_.track().time_base;
   int error = avcodec_parameters_to_context(codec_.get(), &parameters);

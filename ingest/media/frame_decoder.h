@@ -12,7 +12,8 @@ namespace tessera {
 
 class FrameDecoder {
  public:
-  /// Codecs run on thread_count() threads, by frame and by slice as they can. Errors: InputError.
+  /// Codecs run on thread_count() + 1 threads, at most 16, by frame and by slice as they can.
+  /// Errors: InputError.
   explicit FrameDecoder(const std::filesystem::path& path);
 
   /// The next frame that is shown; its `pts` is the packet's. False at the end of the file; whether

@@ -8,6 +8,8 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include <opencv2/core.hpp>
+
 #include "ingest/media/libav_handles.h"
 
 namespace tessera {
@@ -60,29 +62,36 @@ bool is_full_range(const AVFrame& frame) {
   return is_rgb_or_grey;
 }
 
-/// Planes G, B, R of any size → RGB, turned clockwise.
+cv::Mat plane(const AVFrame& planes, int index) {
+  return {planes.height, planes.width, CV_8UC1, planes.data[index], size_t(planes.linesize[index])};
+}
+
+/// Planes G, B, R → RGB, turned clockwise.
 Image8 interleaved(const AVFrame& planes, int quarter_turns) {
-  const int width = planes.width, height = planes.height;
   const bool lies = quarter_turns % 2 != 0;
-  Image8 image{lies ? height : width, lies ? width : height, 3, {}};
-  image.data.resize(size_t(width) * size_t(height) * 3);
-  // pixel (x, y) of the frame goes to origin + x * step_x + y * step_y
-  const ptrdiff_t row = ptrdiff_t(image.width) * 3;
-  const ptrdiff_t last = row * image.height - 3;
-  const ptrdiff_t origins[] = {0, row - 3, last, last - (row - 3)};
-  const ptrdiff_t steps_x[] = {3, row, -3, -row}, steps_y[] = {row, -3, -row, 3};
-  const ptrdiff_t step = steps_x[quarter_turns];
-  for (int y = 0; y < height; ++y) {
-    const uint8_t* green = planes.data[0] + ptrdiff_t(y) * planes.linesize[0];
-    const uint8_t* blue = planes.data[1] + ptrdiff_t(y) * planes.linesize[1];
-    const uint8_t* red = planes.data[2] + ptrdiff_t(y) * planes.linesize[2];
-    uint8_t* pixel = image.data.data() + origins[quarter_turns] + y * steps_y[quarter_turns];
-    for (int x = 0; x < width; ++x) {
-      uint8_t* to = pixel + x * step;
-      to[0] = red[x], to[1] = green[x], to[2] = blue[x];
-    }
+  Image8 image{lies ? planes.height : planes.width, lies ? planes.width : planes.height, 3, {}};
+  image.data.resize(size_t(image.width) * size_t(image.height) * 3);
+  cv::Mat upright(image.height, image.width, CV_8UC3, image.data.data());
+  const cv::Mat rgb[] = {plane(planes, 2), plane(planes, 0), plane(planes, 1)};
+  if (quarter_turns == 0) {
+    cv::merge(rgb, 3, upright);
+    return image;
   }
+  constexpr cv::RotateFlags kTurns[] = {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180,
+                                        cv::ROTATE_90_COUNTERCLOCKWISE};
+  cv::Mat coded;
+  cv::merge(rgb, 3, coded);
+  cv::rotate(coded, upright, kTurns[quarter_turns - 1]);
   return image;
+}
+
+/// Memory for planes of this size; that of the frame before where it fits.
+void prepare_planes(LibavOwned<AVFrame>& planes, int width, int height) {
+  if (planes != nullptr && planes->width == width && planes->height == height) return;
+  planes = new_frame();
+  planes->width = width, planes->height = height;
+  planes->format = AV_PIX_FMT_GBRP;  // swscale's SIMD writes planes, twice as fast as RGB24
+  if (av_frame_get_buffer(planes.get(), 0) < 0) throw std::bad_alloc();
 }
 
 }  // namespace
@@ -98,24 +107,26 @@ Image8 FrameToRgb::convert(const AVFrame& frame, const PictureShape& shape) {
   const int matrix = matrix_of(frame);
   if (matrix == kNoMatrix) return {};
   const bool lies = shape.quarter_turns % 2 != 0;
-  const LibavOwned<AVFrame> planes = new_frame();
-  planes->width = shape.width == 0 ? frame.width : lies ? shape.height : shape.width;
-  planes->height = shape.width == 0 ? frame.height : lies ? shape.width : shape.height;
-  planes->format = AV_PIX_FMT_GBRP;  // swscale's SIMD writes planes, twice as fast as RGB24
-  if (av_frame_get_buffer(planes.get(), 0) < 0) throw std::bad_alloc();
-  const bool same_size = planes->width == frame.width && planes->height == frame.height;
+  prepare_planes(planes_,
+                 shape.width == 0 ? frame.width
+                 : lies           ? shape.height
+                                  : shape.width,
+                 shape.width == 0 ? frame.height
+                 : lies           ? shape.width
+                                  : shape.height);
+  const bool same_size = planes_->width == frame.width && planes_->height == frame.height;
   context_ = sws_getCachedContext(context_, frame.width, frame.height, AVPixelFormat(frame.format),
-                                  planes->width, planes->height, AV_PIX_FMT_GBRP,
+                                  planes_->width, planes_->height, AV_PIX_FMT_GBRP,
                                   kFlags | (same_size ? SWS_BILINEAR : SWS_AREA), nullptr, nullptr,
                                   nullptr);
   if (context_ == nullptr) return {};
   // The result says whether the format has a matrix at all; RGB has none, which is no failure.
   sws_setColorspaceDetails(context_, sws_getCoefficients(matrix), is_full_range(frame),
                            sws_getCoefficients(SWS_CS_DEFAULT), 1, 0, kUnity, kUnity);
-  const int lines = sws_scale(context_, frame.data, frame.linesize, 0, frame.height, planes->data,
-                              planes->linesize);
-  if (lines != planes->height) return {};
-  return interleaved(*planes, shape.quarter_turns);
+  const int lines = sws_scale(context_, frame.data, frame.linesize, 0, frame.height, planes_->data,
+                              planes_->linesize);
+  if (lines != planes_->height) return {};
+  return interleaved(*planes_, shape.quarter_turns);
 }
 
 }  // namespace tessera

@@ -1,9 +1,9 @@
 // What: a decoded frame of any pixel format → upright 8-bit RGB, with the right matrix and range.
 // Not: a colour space conversion: primaries and transfer stay those of the video.
 #pragma once
+#include "ingest/media/libav_handles.h"
 #include "ingest/scene.h"
 
-struct AVFrame;
 struct SwsContext;
 
 namespace tessera {
@@ -26,6 +26,7 @@ class FrameToRgb {
 
  private:
   SwsContext* context_ = nullptr;  // kept between frames of one format
+  LibavOwned<AVFrame> planes_;     // kept too: fresh pages cost as much as the conversion
 };
 
 }  // namespace tessera

@@ -37,7 +37,7 @@ VideoStream probe_video(const std::filesystem::path& path);
 
 /// Calls `on_frame` in order of presentation until it returns false or the video ends; frames that
 /// repeat a presentation time are left out. Decoding and conversion use thread_count() = T threads.
-/// Memory: at most T decoded pictures, 2 T in RGB, and the codec's own min(T, 16) + 16.
+/// Memory: at most T decoded pictures, 2 T in RGB, and the codec's own min(T + 1, 16) + 16.
 /// Errors: InputError naming file, camera, time and the frames read so far: no video in it,
 /// truncated (unless told to keep what is there), damaged, without times, times that go back, a
 /// picture size that changes, a flag of mirroring or of an angle that is no quarter turn.
