@@ -61,8 +61,8 @@ class VideoSeek : public ::testing::TestWithParam<SeekCase> {
   std::vector<VideoFrame> all_;
 };
 
-// Bugs put back, each seen to fail: a jump to the keyframe after the wanted frame; the decoder not
-// flushed; the times before the keyframe not filtered (open groups).
+// Bug put back: jumps to a keyframe after the wanted frame, and no second try without jumps; seen
+// to fail.
 TEST_P(VideoSeek, EveryFrameAloneEqualsSequentialDecoding) {
   for (size_t i = 0; i < size_t(kFrames); i += 3) expect_frames({i});
   expect_frames({size_t(kFrames) - 1});
@@ -78,7 +78,8 @@ TEST_P(VideoSeek, SparseAndDenseSelections) {
   expect_frames(uneven);
 }
 
-// The frames are those that read_timeline announces without decoding.
+// The frames are those that read_timeline announces without decoding. Bug put back: packets left in
+// order of decoding; seen to fail.
 TEST_P(VideoSeek, TimelineAnnouncesWhatDecodingGives) {
   std::vector<int64_t> decoded;
   for (const VideoFrame& frame : all_) decoded.push_back(frame.ticks);
@@ -105,7 +106,7 @@ class VideoFrames : public ::testing::Test {
   TestVideo video_;
 };
 
-// Packets that no wanted frame needs are not decoded. Bug put back: no jumps; seen to fail.
+// Packets that no wanted frame needs are not decoded: a jump starts with its keyframe.
 TEST_F(VideoFrames, JumpsToTheKeyframeBeforeTheWantedFrame) {
   write_video(folder_ / "a.mp4", video_);
   FrameDecoder decoder(folder_ / "a.mp4");

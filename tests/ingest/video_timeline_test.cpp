@@ -63,7 +63,6 @@ TEST_F(Timeline, RepeatedTimesAreNamedAndShownOnce) {
   EXPECT_EQ(decoded, timeline.ticks);
 }
 
-// Bug put back: packets not compared with what the index states; seen to fail.
 TEST_F(Timeline, TruncationIsNamedAndWhatIsThereCanBeKept) {
   TestVideo video = numbered_video(20);
   for (size_t i = 0; i < video.frames.size(); ++i)
@@ -144,8 +143,7 @@ TEST(FrameTiming, AGapIsMoreThanOneAndAHalfMedians) {
   EXPECT_EQ(median_distance({0, 4, 9, 20}), 5);
 }
 
-// Known answers: 1 h of drop-frame at 30000/1001 is 107892 frames. Bug put back: the separator not
-// looked at; seen to fail.
+// Known answers: 1 h of drop-frame at 30000/1001 is 107892 frames.
 TEST(ContainerClock, Timecodes) {
   const Rational ntsc{30000, 1001}, film{24, 1};
   EXPECT_DOUBLE_EQ(timecode_seconds("01:02:03:12", film).value(), 3723.5);
