@@ -1,5 +1,5 @@
 // What: swscale set up so that rounding is right: accurate, chroma interpolated at full resolution.
-// Not: resizing; that happens in RGB by area (picture_scale.h).
+// Not: the prepared picture's size; that is made in RGB by area (picture_scale.h).
 #include "ingest/media/video_colour.h"
 
 extern "C" {
@@ -8,15 +8,18 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
-#include <memory>
-#include <new>
+#include <opencv2/core.hpp>
+
+#include "ingest/media/libav_handles.h"
 
 namespace tessera {
 namespace {
 
 constexpr int kHighDefinitionLines = 720;  // from here on, unstated colour is BT.709
 
-/// swscale's name of the YCbCr matrix.
+constexpr int kNoMatrix = -1;
+
+/// swscale's name of the YCbCr matrix; kNoMatrix where it has none.
 int matrix_of(const AVFrame& frame) {
   switch (frame.colorspace) {
     case AVCOL_SPC_BT709:
@@ -29,8 +32,13 @@ int matrix_of(const AVFrame& frame) {
     case AVCOL_SPC_SMPTE240M:
       return SWS_CS_SMPTE240M;
     case AVCOL_SPC_BT2020_NCL:
-    case AVCOL_SPC_BT2020_CL:
       return SWS_CS_BT2020;
+    case AVCOL_SPC_BT2020_CL:
+    case AVCOL_SPC_YCGCO:
+    case AVCOL_SPC_SMPTE2085:
+    case AVCOL_SPC_CHROMA_DERIVED_CL:
+    case AVCOL_SPC_ICTCP:
+      return kNoMatrix;
     default:
       return frame.height < kHighDefinitionLines ? SWS_CS_ITU601 : SWS_CS_ITU709;
   }
@@ -54,9 +62,37 @@ bool is_full_range(const AVFrame& frame) {
   return is_rgb_or_grey;
 }
 
-struct FrameRelease {
-  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
-};
+cv::Mat plane(const AVFrame& planes, int index) {
+  return {planes.height, planes.width, CV_8UC1, planes.data[index], size_t(planes.linesize[index])};
+}
+
+/// Planes G, B, R → RGB, turned clockwise.
+Image8 interleaved(const AVFrame& planes, int quarter_turns) {
+  const bool lies = quarter_turns % 2 != 0;
+  Image8 image{lies ? planes.height : planes.width, lies ? planes.width : planes.height, 3, {}};
+  image.data.resize(size_t(image.width) * size_t(image.height) * 3);
+  cv::Mat upright(image.height, image.width, CV_8UC3, image.data.data());
+  const cv::Mat rgb[] = {plane(planes, 2), plane(planes, 0), plane(planes, 1)};
+  if (quarter_turns == 0) {
+    cv::merge(rgb, 3, upright);
+    return image;
+  }
+  constexpr cv::RotateFlags kTurns[] = {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180,
+                                        cv::ROTATE_90_COUNTERCLOCKWISE};
+  cv::Mat coded;
+  cv::merge(rgb, 3, coded);
+  cv::rotate(coded, upright, kTurns[quarter_turns - 1]);
+  return image;
+}
+
+/// Memory for planes of this size; that of the frame before where it fits.
+void prepare_planes(LibavOwned<AVFrame>& planes, int width, int height) {
+  if (planes != nullptr && planes->width == width && planes->height == height) return;
+  planes = new_frame();
+  planes->width = width, planes->height = height;
+  planes->format = AV_PIX_FMT_GBRP;  // swscale's SIMD writes planes, twice as fast as RGB24
+  if (av_frame_get_buffer(planes.get(), 0) < 0) throw std::bad_alloc();
+}
 
 }  // namespace
 
@@ -65,32 +101,32 @@ FrameToRgb::~FrameToRgb() {
   sws_freeContext(context_);
 }
 
-Image8 FrameToRgb::convert(const AVFrame& frame) {
-  constexpr int kFlags = SWS_BILINEAR | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
+Image8 FrameToRgb::convert(const AVFrame& frame, const PictureShape& shape) {
+  constexpr int kFlags = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
   constexpr int kUnity = 1 << 16;  // contrast and saturation, 16.16 fixed point
-  const auto format = AVPixelFormat(frame.format);
-  context_ =
-      sws_getCachedContext(context_, frame.width, frame.height, format, frame.width, frame.height,
-                           AV_PIX_FMT_RGB24, kFlags, nullptr, nullptr, nullptr);
+  const int matrix = matrix_of(frame);
+  if (matrix == kNoMatrix) return {};
+  const bool lies = shape.quarter_turns % 2 != 0;
+  prepare_planes(planes_,
+                 shape.width == 0 ? frame.width
+                 : lies           ? shape.height
+                                  : shape.width,
+                 shape.width == 0 ? frame.height
+                 : lies           ? shape.width
+                                  : shape.height);
+  const bool same_size = planes_->width == frame.width && planes_->height == frame.height;
+  context_ = sws_getCachedContext(context_, frame.width, frame.height, AVPixelFormat(frame.format),
+                                  planes_->width, planes_->height, AV_PIX_FMT_GBRP,
+                                  kFlags | (same_size ? SWS_BILINEAR : SWS_AREA), nullptr, nullptr,
+                                  nullptr);
   if (context_ == nullptr) return {};
   // The result says whether the format has a matrix at all; RGB has none, which is no failure.
-  sws_setColorspaceDetails(context_, sws_getCoefficients(matrix_of(frame)), is_full_range(frame),
+  sws_setColorspaceDetails(context_, sws_getCoefficients(matrix), is_full_range(frame),
                            sws_getCoefficients(SWS_CS_DEFAULT), 1, 0, kUnity, kUnity);
-  const std::unique_ptr<AVFrame, FrameRelease> rgb(av_frame_alloc());
-  if (rgb == nullptr) throw std::bad_alloc();
-  rgb->width = frame.width, rgb->height = frame.height, rgb->format = AV_PIX_FMT_RGB24;
-  if (av_frame_get_buffer(rgb.get(), 0) < 0) throw std::bad_alloc();
-  const int lines =
-      sws_scale(context_, frame.data, frame.linesize, 0, frame.height, rgb->data, rgb->linesize);
-  if (lines != frame.height) return {};
-  Image8 image{frame.width, frame.height, 3, {}};
-  const auto stride = size_t(frame.width) * 3;
-  image.data.reserve(stride * size_t(frame.height));
-  for (int y = 0; y < frame.height; ++y) {
-    const uint8_t* row = rgb->data[0] + ptrdiff_t(y) * rgb->linesize[0];
-    image.data.insert(image.data.end(), row, row + stride);
-  }
-  return image;
+  const int lines = sws_scale(context_, frame.data, frame.linesize, 0, frame.height, planes_->data,
+                              planes_->linesize);
+  if (lines != planes_->height) return {};
+  return interleaved(*planes_, shape.quarter_turns);
 }
 
 }  // namespace tessera

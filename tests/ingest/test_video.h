@@ -1,34 +1,55 @@
 // What: small lossless videos for tests, with colours converted by the textbook formula.
 // Not: an encoder for users, and no use of swscale, which the decoder under test uses.
 #pragma once
+#include <array>
 #include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "ingest/scene.h"
 
 namespace tessera::testing {
 
-enum class VideoMatrix { kUnstated, kBt601, kBt709 };
+enum class VideoMatrix { kUnstated, kBt601, kBt709, kBt2020 };
+enum class VideoChroma { k420, k422, k444 };
 
 struct TestVideo {
   std::vector<Image8> frames;  // RGB, one size
   std::vector<int64_t> ticks;  // presentation times, 1/12800 s; 25 frames/s when empty
+  std::string encoder = "libx264";
   VideoMatrix stated = VideoMatrix::kUnstated;
   VideoMatrix used = VideoMatrix::kBt601;  // what the numbers really are
   bool full_range = false;
-  bool half_chroma = true;  // 4:2:0, else 4:4:4
+  VideoChroma chroma = VideoChroma::k420;
+  int bits = 8;
   int b_frames = 2;
+  int keyframe_distance = 12;
+  bool open_groups = false;
   bool index_first = true;  // mp4: the index before the pictures, so a cut file opens
+  /// The display matrix (a b; c d): a point (x, y) is shown at (a x + c y, b x + d y), y down.
+  std::optional<std::array<int, 4>> display_matrix;
+  std::map<std::string, std::string> tags;  // of the video track
 };
 
 inline constexpr int64_t kTestTicksPerFrame = 512;  // 25 frames/s in 1/12800 s
 
-/// False where this FFmpeg cannot encode H.264.
-bool can_encode_video();
+/// False where this FFmpeg has no such encoder.
+bool can_encode_video(const std::string& encoder = "libx264");
+/// Frames before tick 0 are cut off by an edit list where the container has such (mp4, mov).
 void write_video(const std::filesystem::path& path, const TestVideo& video);
 /// `count` frames of 32×24 whose grey says which frame of which camera it is.
 TestVideo numbered_video(int count, int camera = 0);
 /// The grey that numbered_video gives to a frame.
 int numbered_grey(int frame, int camera = 0);
+
+/// A picture that says which one it is: ten bits as black or white blocks in the upper half, the
+/// first one left, and coded_colours() as patches in the lower half.
+Image8 coded_picture(int width, int height, int number);
+int coded_number(const Image8& image);
+const std::vector<std::vector<uint8_t>>& coded_colours();
+/// The largest difference of a channel from coded_colours(), in the middles of the patches.
+int coded_colour_error(const Image8& image);
 
 }  // namespace tessera::testing

@@ -86,7 +86,8 @@ TEST_F(Video, ColoursAreRightForEachMatrixAndRange) {
   TestVideo video;
   for (const bool full : {false, true})
     for (const bool half_chroma : {false, true}) {
-      video.full_range = full, video.half_chroma = half_chroma;
+      video.full_range = full;
+      video.chroma = half_chroma ? VideoChroma::k420 : VideoChroma::k444;
       const std::string suffix = std::to_string(full) + std::to_string(half_chroma) + ".mp4";
       video.stated = video.used = VideoMatrix::kBt709;
       expect_colours(folder_ / ("bt709_" + suffix), video, 64, 36);
@@ -101,7 +102,7 @@ TEST_F(Video, ColoursAreRightForEachMatrixAndRange) {
 
 TEST_F(Video, OddSizes) {
   TestVideo video;
-  video.half_chroma = false;
+  video.chroma = VideoChroma::k444;
   expect_colours(folder_ / "odd.mp4", video, 35, 21);
 }
 
@@ -138,37 +139,6 @@ TEST_F(Video, AFileCutAnywhereIsNeverTakenForAShorterOne) {
                          {"cut" + kind, "frames could be read"});
     }
   }
-}
-
-TEST_F(Video, FilesThatAreNoVideos) {
-  write_bytes(folder_ / "empty.mp4", "");
-  write_bytes(folder_ / "text.mp4", "no video at all, only words and more words");
-  for (const char* name : {"empty.mp4", "text.mp4", "missing.mp4"})
-    expect_input_error([&] { probe_video(folder_ / name); }, {name, "cannot be opened"});
-}
-
-TEST(RealVideo, OddClipsDecodeWholeWithIncreasingTimes) {
-  TESSERA_NEED_DATA(folder, "video_odd");
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const VideoStream stated = probe_video(entry.path());
-    int64_t last = INT64_MIN;
-    const VideoStream read = decode_video(entry.path(), [&](VideoFrame frame) {
-      EXPECT_GT(frame.ticks, last) << entry.path();
-      EXPECT_EQ(frame.image.data.size(), size_t(stated.width) * size_t(stated.height) * 3);
-      last = frame.ticks;
-      return true;
-    });
-    EXPECT_GT(read.frames, 0) << entry.path();
-    if (stated.frames > 0) {
-      EXPECT_EQ(read.frames, stated.frames) << entry.path();
-    }
-  }
-}
-
-TEST(RealVideo, SynchronisedCamerasHaveAsManyFrames) {
-  TESSERA_NEED_DATA(folder, "video_4cam");
-  for (const char* name : {"cam01.mp4", "cam02.mp4", "cam03.mp4", "cam04.mp4"})
-    EXPECT_EQ(decode_video(folder / name, [](VideoFrame) { return true; }).frames, 100) << name;
 }
 
 }  // namespace

@@ -1,0 +1,34 @@
+// What: which frames of a camera are kept, by their times on the rig's clock.
+// Not: indices as times, and no resampling: a kept frame keeps its own moment.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace tessera {
+
+/// Seconds on the rig's clock; empty where last < first.
+struct TimeInterval {
+  double first = 0, last = 0;
+  bool empty() const { return last < first; }
+};
+
+struct FrameWindow {
+  double start = 0;                // seconds after the first instant that all cameras see
+  std::optional<double> duration;  // seconds; to the last common instant by default
+  std::optional<double> fps;       // keeps the nearest frame of each start + k / fps
+  std::optional<int64_t> frames;   // the first N instants
+};
+
+/// Latest first to earliest last frame. Each clip: its frames' times, increasing, not empty.
+TimeInterval common_interval(const std::vector<std::vector<double>>& clips);
+
+/// Indices of the kept frames of one clip, increasing. `seconds`: its frames' times on the rig's
+/// clock, increasing; h: half their median distance. The window is [start − h, start + duration −
+/// h), so that cameras whose clocks differ by less than half a frame keep equally many frames;
+/// where the common interval ends it, its end is last + h. With `fps` a frame is kept for the
+/// instant it is nearest to, if not farther than 0.5 / fps.
+std::vector<size_t> choose_frames(const std::vector<double>& seconds, const FrameWindow& window,
+                                  const TimeInterval& common);
+
+}  // namespace tessera
