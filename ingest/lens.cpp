@@ -44,7 +44,8 @@ std::optional<double> unbending(const Lens& lens, double rho) {
     case Lens::Projection::kFieldOfView:
       if (std::abs(lens.omega) < 1e-9) return 1;
       return std::abs(rho * lens.omega) < quarter
-                 ? std::optional(std::tan(rho * lens.omega) / (2 * std::tan(0.5 * lens.omega) * rho))
+                 ? std::optional(std::tan(rho * lens.omega) /
+                                 (2 * std::tan(0.5 * lens.omega) * rho))
                  : std::nullopt;
   }
   return 1;

@@ -83,8 +83,10 @@ Table solve_weighted(const std::vector<PairOffset>& pairs, const std::vector<dou
     right[b] += weights[p] * pairs[p].offset, right[a] -= weights[p] * pairs[p].offset;
   }
   Table covariance = inverse(std::move(normal));
+  const double group = double(std::count(inside.begin(), inside.end(), true));
   for (size_t i = 0; i < n; ++i)
     offsets[i] = std::inner_product(right.begin(), right.end(), covariance[i].begin(), 0.0);
+  for (size_t i = 0; i < n; ++i) covariance[i][i] -= 1 / (spring * group * group);  // the mean's own
   return covariance;
 }
 
@@ -116,8 +118,8 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
       relative.push_back(std::abs(misfit[p]) / pairs[p].sigma);
     spread = std::max(1.0, 1.4826 * median_of(relative));
     for (size_t p = 0; p < pairs.size(); ++p)
-      weights[p] = cauchy_weight(misfit[p], spread * pairs[p].sigma) /
-                   (pairs[p].sigma * pairs[p].sigma);
+      weights[p] =
+          cauchy_weight(misfit[p], spread * pairs[p].sigma) / (pairs[p].sigma * pairs[p].sigma);
   }
   std::vector<double> known;
   for (size_t i = 0; i < solved.size(); ++i)
@@ -131,10 +133,10 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
 
 std::optional<PairShift> shift_from_misses(const std::vector<EpipolarMiss>& misses, double reach,
                                            double frame_seconds) {
-  constexpr double kPixels = 1;         // within which a miss agrees while the shift is sought
-  constexpr double kSlowest = 0.2;      // pixels a frame; slower points say nothing of time
-  constexpr size_t kFewest = 24;        // points that agree: 12 a parameter of a line, doubled
-  constexpr double kCorrelation = 3;    // a texture's error lasts about nine frames: √9
+  constexpr double kPixels = 1;       // within which a miss agrees while the shift is sought
+  constexpr double kSlowest = 0.2;    // pixels a frame; slower points say nothing of time
+  constexpr size_t kFewest = 24;      // points that agree: 12 a parameter of a line, doubled
+  constexpr double kCorrelation = 3;  // a texture's error lasts about nine frames: √9
   std::vector<EpipolarMiss> moving;
   for (const EpipolarMiss& m : misses)
     if (std::abs(m.slope) * frame_seconds > kSlowest) moving.push_back(m);
@@ -143,7 +145,8 @@ std::optional<PairShift> shift_from_misses(const std::vector<EpipolarMiss>& miss
   const double step = 0.05 * frame_seconds;
   for (int i = -int(reach / step); i <= int(reach / step); ++i) {
     double votes = 0;
-    for (const EpipolarMiss& m : moving) votes += cauchy_weight(m.miss - m.slope * i * step, kPixels);
+    for (const EpipolarMiss& m : moving)
+      votes += cauchy_weight(m.miss - m.slope * i * step, kPixels);
     if (votes > best || (votes == best && std::abs(i * step) < std::abs(shift)))
       best = votes, shift = i * step;
   }

@@ -61,8 +61,8 @@ void parse_shift(const std::string& text, std::vector<double>& shifts) {
                      parsed.ptr != end && *parsed.ptr == '=';
   if (named) parsed = std::from_chars(parsed.ptr + 1, end, frames);
   if (!named || parsed.ec != std::errc() || parsed.ptr != end)
-    throw InputError(fmt::format(
-        "synth: --shift is '{}'; give a camera and frames like cam03=1.5", text));
+    throw InputError(
+        fmt::format("synth: --shift is '{}'; give a camera and frames like cam03=1.5", text));
   shifts.resize(std::max(shifts.size(), camera + 1));
   shifts[camera] = frames;
 }

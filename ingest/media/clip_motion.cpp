@@ -71,8 +71,8 @@ MovingFeatures features_of(const TimedPicture& before, const TimedPicture& now,
   const auto sift = cv::SIFT::create(kFeatures, 3, 0.03);
   std::vector<cv::KeyPoint> keys;
   cv::Mat descriptor;
-  sift->detectAndCompute(now.picture, moving_mask(before.picture, now.picture, after.picture),
-                         keys, descriptor);
+  sift->detectAndCompute(now.picture, moving_mask(before.picture, now.picture, after.picture), keys,
+                         descriptor);
   if (keys.empty()) return features;
   std::vector<cv::Point2f> points;
   cv::KeyPoint::convert(keys, points);

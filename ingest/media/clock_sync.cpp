@@ -39,8 +39,7 @@ bool overlap(const std::vector<RigClip>& clips, const std::vector<ClipClock>& cl
     const VideoTimeline& timeline = clips[i].timeline;
     if (timeline.ticks.empty()) continue;
     latest = std::max(latest, timeline.seconds(0) + clocks[i].offset);
-    earliest =
-        std::min(earliest, timeline.seconds(timeline.ticks.size() - 1) + clocks[i].offset);
+    earliest = std::min(earliest, timeline.seconds(timeline.ticks.size() - 1) + clocks[i].offset);
   }
   return latest <= earliest;
 }
@@ -66,11 +65,11 @@ std::optional<std::vector<ClipClock>> from_containers(const std::vector<RigClip>
   const double middle = median_offset(offsets);
   std::vector<ClipClock> clocks;
   for (size_t i = 0; i < clips.size(); ++i)  // timecodes count frames: an even spread of one frame
-    clocks.push_back({offsets[i] - middle, clips[i].timeline.frame_seconds / std::sqrt(12.0),
-                      "container"});
+    clocks.push_back(
+        {offsets[i] - middle, clips[i].timeline.frame_seconds / std::sqrt(12.0), "container"});
   if (!overlap(clips, clocks)) {
-    reason = fmt::format("{}: by the containers' times the clips do not overlap",
-                         clips.front().name);
+    reason =
+        fmt::format("{}: by the containers' times the clips do not overlap", clips.front().name);
     return std::nullopt;
   }
   return clocks;
@@ -104,9 +103,8 @@ ClipClocks sound_or_motion(const std::vector<RigClip>& clips, const std::vector<
 ClipClocks automatic(const std::vector<RigClip>& clips, const IngestProgress& progress) {
   std::string reason;
   if (auto clocks = from_containers(clips, reason)) return {*clocks, {}};
-  const bool all_sound = std::all_of(clips.begin(), clips.end(), [](const RigClip& clip) {
-    return clip.timeline.has_audio;
-  });
+  const bool all_sound = std::all_of(clips.begin(), clips.end(),
+                                     [](const RigClip& clip) { return clip.timeline.has_audio; });
   const auto sound = all_sound ? synchronise_by_audio(clips, progress, reason) : std::nullopt;
   ClipClocks motion = synchronise_by_motion(clips, progress);
   if (sound) return sound_or_motion(clips, *sound, std::move(motion));

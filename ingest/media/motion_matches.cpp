@@ -142,8 +142,7 @@ std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFea
   return misses;
 }
 
-std::optional<PairShift> fine_offset(const PosedFeatures& a, const PosedFeatures& b,
-                                     double start) {
+std::optional<PairShift> fine_offset(const PosedFeatures& a, const PosedFeatures& b, double start) {
   struct Round {
     double gate, reach;  // pixels, frames
   };

@@ -99,8 +99,7 @@ Profile profile_of(const MotionEnergy& energy, const std::vector<double>& planes
     const double t = std::min(times.front() + i * step, times.back());
     while (after + 1 < times.size() && times[after] < t) ++after;
     const double part = (t - times[after - 1]) / (times[after] - times[after - 1]);
-    profile.values.row(i) =
-        (1 - part) * summed.row(int(after) - 1) + part * summed.row(int(after));
+    profile.values.row(i) = (1 - part) * summed.row(int(after) - 1) + part * summed.row(int(after));
   }
   cv::sqrt(profile.values, profile.values);  // a near mover is not to drown the others
   return profile;
@@ -120,15 +119,15 @@ double correlation(const cv::Mat& a, const cv::Mat& b, int lag) {
 
 /// The highest point of the curve, as a position in it; nothing where it lies at an end, is low or
 /// is hardly higher than another peak.
-std::optional<double> clear_peak(const std::vector<double>& curve) {
-  constexpr double kLeast = 0.35, kAhead = 0.1;
+std::optional<double> clear_peak(const std::vector<double>& curve, bool posed) {
+  const double least_height = posed ? 0.35 : 0.6, ahead = posed ? 0.1 : 0.2;
   const size_t best = size_t(std::max_element(curve.begin(), curve.end()) - curve.begin());
-  if (best == 0 || best + 1 >= curve.size() || curve[best] < kLeast) return std::nullopt;
+  if (best == 0 || best + 1 >= curve.size() || curve[best] < least_height) return std::nullopt;
   size_t left = best, right = best;
   while (left > 0 && curve[left - 1] <= curve[left]) --left;
   while (right + 1 < curve.size() && curve[right + 1] <= curve[right]) ++right;
   for (size_t i = 0; i < curve.size(); ++i)
-    if ((i < left || i > right) && curve[i] > curve[best] - kAhead) return std::nullopt;
+    if ((i < left || i > right) && curve[i] > curve[best] - ahead) return std::nullopt;
   const double before = curve[best - 1], now = curve[best], after = curve[best + 1];
   const double bend = before - 2 * now + after;
   return double(best) + (bend < 0 ? 0.5 * (before - after) / bend : 0);
@@ -145,6 +144,7 @@ double median_step(const std::vector<double>& times) {
 std::optional<PairOffset> coarse_offset(const MotionEnergy& a, const MotionEnergy& b,
                                         const RigCamera* camera_a, const RigCamera* camera_b) {
   constexpr int kFewest = 12;  // frames that overlap
+  constexpr double kUnposedSeconds = 3;  // views differ: shorter stretches agree by chance
   if (a.cells.size() < size_t(kFewest) || b.cells.size() < size_t(kFewest)) return std::nullopt;
   Pencil pencil;
   if (camera_a != nullptr && camera_b != nullptr) pencil = pencil_of(a, b, *camera_a, *camera_b);
@@ -155,15 +155,16 @@ std::optional<PairOffset> coarse_offset(const MotionEnergy& a, const MotionEnerg
   const Profile x = profile_of(a, pencil.a, pencil.planes, step);
   const Profile y = profile_of(b, pencil.b, pencil.planes, step);
   const int shorter = std::min(x.values.rows, y.values.rows);
-  const int overlap = std::max(kFewest, shorter / 2);
+  const bool posed = pencil.planes > 1;
+  const int fewest = posed ? kFewest : int(kUnposedSeconds / step);
+  const int overlap = std::max(fewest, shorter / 2);
   const int least = overlap - y.values.rows, most = x.values.rows - overlap;
   if (most - least < 2) return std::nullopt;
   std::vector<double> curve;
-  for (int lag = least; lag <= most; ++lag)
-    curve.push_back(correlation(x.values, y.values, lag));
-  const std::optional<double> peak = clear_peak(curve);
+  for (int lag = least; lag <= most; ++lag) curve.push_back(correlation(x.values, y.values, lag));
+  const std::optional<double> peak = clear_peak(curve, posed);
   if (!peak) return std::nullopt;
-  return PairOffset{0, 0, x.begin - y.begin + (*peak + least) * step, 0.5 * step};
+  return PairOffset{0, 0, x.begin - y.begin + (*peak + least) * step, (posed ? 1 : 2) * step};
 }
 
 }  // namespace tessera

@@ -70,8 +70,9 @@ bool SoundTrack::start_resampler(const AVFrame& frame, int rate) {
     av_channel_layout_default(&from, frame.ch_layout.nb_channels);
   else
     from = frame.ch_layout;
-  const int error = swr_alloc_set_opts2(&made, &one, AV_SAMPLE_FMT_FLT, rate, &from,
-                                        AVSampleFormat(frame.format), frame.sample_rate, 0, nullptr);
+  const int error =
+      swr_alloc_set_opts2(&made, &one, AV_SAMPLE_FMT_FLT, rate, &from, AVSampleFormat(frame.format),
+                          frame.sample_rate, 0, nullptr);
   resampler_.reset(made);
   return error >= 0 && swr_init(made) >= 0;
 }
@@ -80,8 +81,8 @@ void SoundTrack::append(const uint8_t** data, int count, Sound& sound) {
   const size_t before = sound.samples.size();
   sound.samples.resize(before + size_t(swr_get_out_samples(resampler_.get(), count)));
   uint8_t* to = reinterpret_cast<uint8_t*>(sound.samples.data() + before);
-  const int written = swr_convert(resampler_.get(), &to, int(sound.samples.size() - before), data,
-                                  count);
+  const int written =
+      swr_convert(resampler_.get(), &to, int(sound.samples.size() - before), data, count);
   sound.samples.resize(before + size_t(std::max(0, written)));
 }
 

@@ -43,14 +43,13 @@ bool read_line(std::string line, const std::string& where, Offsets& offsets) {
     good = parsed.ec == std::errc() && parsed.ptr == line.data() + end && std::isfinite(seconds);
   }
   if (!good)
-    throw InputError(fmt::format("{}: is '{}', expected a camera and its offset in seconds, like "
-                                 "cam02 0.0417; correct this line",
-                                 where, line.substr(begin, end - begin)));
-  const std::string name =
-      line.substr(begin, line.find_last_not_of(kBlank, gap) + 1 - begin);
-  if (!offsets.emplace(name, seconds).second)
     throw InputError(
-        fmt::format("{}: states {} a second time; leave one of the two", where, name));
+        fmt::format("{}: is '{}', expected a camera and its offset in seconds, like "
+                    "cam02 0.0417; correct this line",
+                    where, line.substr(begin, end - begin)));
+  const std::string name = line.substr(begin, line.find_last_not_of(kBlank, gap) + 1 - begin);
+  if (!offsets.emplace(name, seconds).second)
+    throw InputError(fmt::format("{}: states {} a second time; leave one of the two", where, name));
   return true;
 }
 
@@ -76,9 +75,10 @@ std::vector<double> read_stated_offsets(const std::filesystem::path& path,
                               : from_text(text, path.string());
   for (const auto& [name, seconds] : offsets)
     if (std::find(names.begin(), names.end(), name) == names.end())
-      throw InputError(fmt::format("{}: states an offset for '{}', but the cameras are {}; correct "
-                                   "or remove it",
-                                   path.string(), name, fmt::join(names, ", ")));
+      throw InputError(
+          fmt::format("{}: states an offset for '{}', but the cameras are {}; correct "
+                      "or remove it",
+                      path.string(), name, fmt::join(names, ", ")));
   std::vector<double> result;
   for (const std::string& name : names) {
     const auto found = offsets.find(name);

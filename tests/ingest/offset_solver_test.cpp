@@ -10,8 +10,7 @@ namespace tessera {
 namespace {
 
 // The middle of 0.5, 0.7, −0.3 is 0.5, so the clocks are 0, 0.2 and −0.8; pairs that agree exactly
-// leave only rounding. Bugs put back: offset taken as a − b; the mean for the median; each seen to
-// fail.
+// leave only rounding. Catches: offset taken as a − b; the mean for the median.
 TEST(OffsetSolver, PairsThatAgreeGiveExactClocks) {
   const std::vector<PairOffset> pairs{{0, 1, 0.2, 0.01}, {1, 2, -1.0, 0.02}, {0, 2, -0.8, 0.01}};
   const auto clocks = solve_offsets(3, pairs);
@@ -23,8 +22,8 @@ TEST(OffsetSolver, PairsThatAgreeGiveExactClocks) {
   EXPECT_EQ(median_offset({3, 1, 2, 4}), 2) << "of an even count the lower one, a clock that stays";
 }
 
-// Two clocks and one pair of error s: about their mean each has s/2. Bug put back: the variance for
-// the error; seen to fail.
+// Two clocks and one pair of error s: about their mean each has s/2. Catches: the variance for
+// the error.
 TEST(OffsetSolver, ErrorsFollowFromThePairs) {
   const auto clocks = solve_offsets(2, {{0, 1, 0.3, 0.02}});
   EXPECT_NEAR(clocks[0].sigma, 0.01, 1e-12);
@@ -32,7 +31,7 @@ TEST(OffsetSolver, ErrorsFollowFromThePairs) {
 }
 
 // One of ten pairs lies by a second, which plain least squares would share out among the clocks
-// (0.2 s at best). Bug put back: all weights kept; seen to fail.
+// (0.2 s at best). Catches: all weights kept.
 TEST(OffsetSolver, OnePairThatLiesIsOutvoted) {
   const double truth[] = {0, 0.1, -0.2, 0.05, -0.03};
   std::vector<PairOffset> pairs;
@@ -43,7 +42,7 @@ TEST(OffsetSolver, OnePairThatLiesIsOutvoted) {
   for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(clocks[i].offset, truth[i], 2e-3);
 }
 
-// Bug put back: every clock counted as determined; seen to fail.
+// Catches: every clock counted as determined.
 TEST(OffsetSolver, ClocksWithoutPairsAreLeftOpen) {
   const auto clocks = solve_offsets(5, {{1, 2, 0.5, 0.01}, {2, 4, 0.1, 0.01}});
   EXPECT_FALSE(clocks[0].determined);
@@ -65,20 +64,19 @@ std::vector<EpipolarMiss> misses_of(double shift) {
   return misses;
 }
 
-// Exact misses of three in four points: the wrong quarter pulls by less than a hundredth of a frame.
-// Bugs put back: the sign of the shift; weights that do not fall with the miss; each seen to fail.
+// Exact misses of three in four points: the wrong quarter pulls by less than a hundredth of a
+// frame. Catches: the sign of the shift; weights that do not fall with the miss.
 TEST(OffsetSolver, ShiftIsWhatMostMissesAgreeOn) {
   const double frame = 1 / 30.0;
   for (const double frames : {-2.5, -0.3, 0.0, 0.25, 1.7}) {
     const auto found = shift_from_misses(misses_of(frames * frame), 4 * frame, frame);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->shift / frame, frames, 0.01);
-    EXPECT_GE(found->support, 140u);
+    EXPECT_GE(found->support, 135u) << "three in four, less the tenth that hardly moves";
   }
 }
 
-// Points that stand still, and matches of which any shift would be right, say nothing of time. Bugs
-// put back: no least slope; no least share of agreement; each seen to fail.
+// Points that stand still, and matches of which any shift would be right, say nothing of time. Catches: no least slope; no least share of agreement.
 TEST(OffsetSolver, NoShiftWithoutEvidence) {
   std::vector<EpipolarMiss> still(200, {0.1, 0.5}), noise;
   EXPECT_FALSE(shift_from_misses(still, 0.1, 1 / 30.0));

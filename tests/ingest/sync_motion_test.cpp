@@ -1,5 +1,6 @@
 // What: clocks of rigs whose shifts are known, found from motion, end to end.
-// Not: stated offsets and sound alone (sync_sources_test.cpp), or the solver (offset_solver_test.cpp).
+// Not: stated offsets and sound alone (sync_sources_test.cpp), or the solver
+// (offset_solver_test.cpp).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -54,8 +55,8 @@ std::filesystem::path write_noise(const std::filesystem::path& path) {
 }
 
 // The bounds are those of failure mode A12. The one camera that films 1.7 frames late; a clip
-// without motion stays, with a warning. Bugs put back: the sign of the offset; neighbouring frames
-// for paths exchanged (before, after); offsets of pairs not joined; each seen to fail.
+// without motion stays, with a warning. Catches: the sign of the offset; neighbouring frames
+// for paths exchanged (before, after); offsets of pairs not joined.
 TEST(SyncMotion, OneShiftedCameraOfARig) {
   const ScratchFolder folder;
   make_rig(folder / "rig", {0, 0, 0, 1.7});
@@ -77,9 +78,8 @@ TEST(SyncMotion, OneShiftedCameraOfARig) {
 }
 
 // A synchronised rig of which one camera's sound is 0.17 s late: the pictures win, with a warning,
-// and all clocks stay within 0.05 frame (failure mode A12). Bugs put back: sound taken whenever it
-// is confident; the start time of the sound track ignored (no contradiction is seen); each seen to
-// fail.
+// and all clocks stay within 0.05 frame (failure mode A12). Catches: sound taken whenever it
+// is confident; the start time of the sound track ignored (no contradiction is seen).
 TEST(SyncMotion, SoundThatContradictsThePicturesIsNotTaken) {
   const ScratchFolder folder;
   make_rig(folder / "rig", {});

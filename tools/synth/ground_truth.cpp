@@ -17,20 +17,20 @@ using nlohmann::ordered_json;
 
 ordered_json options_json(const SynthOptions& options) {
   ordered_json json{{"scene", name_of(options.scene)},
-          {"layout", name_of(options.layout)},
-          {"cameras", options.cameras},
-          {"frames", options.frames},
-          {"held_out_frames", options.held_out_frames},
-          {"width", options.width},
-          {"height", options.height},
-          {"fps", {options.fps.numerator, options.fps.denominator}},
-          {"seed", options.seed},
-          {"supersampling", options.supersampling},
-          {"specular", options.specular},
-          {"video_quality", options.video_quality},
-          {"noise_sigma", options.noise_sigma},
-          {"exposure_wobble", options.exposure_wobble},
-          {"points", options.points}};
+                    {"layout", name_of(options.layout)},
+                    {"cameras", options.cameras},
+                    {"frames", options.frames},
+                    {"held_out_frames", options.held_out_frames},
+                    {"width", options.width},
+                    {"height", options.height},
+                    {"fps", {options.fps.numerator, options.fps.denominator}},
+                    {"seed", options.seed},
+                    {"supersampling", options.supersampling},
+                    {"specular", options.specular},
+                    {"video_quality", options.video_quality},
+                    {"noise_sigma", options.noise_sigma},
+                    {"exposure_wobble", options.exposure_wobble},
+                    {"points", options.points}};
   if (!options.shifts.empty()) json["shifts"] = options.shifts;
   return json;
 }

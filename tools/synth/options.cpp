@@ -72,13 +72,14 @@ void check_shifts(const SynthOptions& options) {
         "synth: the layout dnerf has one camera, so no clock to shift; leave out --shift or use "
         "the layout n3dv or videos");
   if (options.shifts.size() > size_t(options.cameras))
-    throw InputError(fmt::format("synth: --shift names cam{:02}, but the cameras are cam00 to "
-                                 "cam{:02}; name one of these or raise --cameras",
-                                 options.shifts.size() - 1, options.cameras - 1));
+    throw InputError(
+        fmt::format("synth: --shift names cam{:02}, but the cameras are cam00 to "
+                    "cam{:02}; name one of these or raise --cameras",
+                    options.shifts.size() - 1, options.cameras - 1));
   for (const double shift : options.shifts)
     if (!(std::abs(shift) < std::max(1, options.frames - 1)))
-      throw InputError(fmt::format(
-          "synth: a shift is {} frames; give less than the clip's {}", shift, options.frames - 1));
+      throw InputError(fmt::format("synth: a shift is {} frames; give less than the clip's {}",
+                                   shift, options.frames - 1));
 }
 
 }  // namespace
