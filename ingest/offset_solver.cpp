@@ -86,7 +86,8 @@ Table solve_weighted(const std::vector<PairOffset>& pairs, const std::vector<dou
   const double group = double(std::count(inside.begin(), inside.end(), true));
   for (size_t i = 0; i < n; ++i)
     offsets[i] = std::inner_product(right.begin(), right.end(), covariance[i].begin(), 0.0);
-  for (size_t i = 0; i < n; ++i) covariance[i][i] -= 1 / (spring * group * group);  // the mean's own
+  for (size_t i = 0; i < n; ++i)
+    covariance[i][i] -= 1 / (spring * group * group);  // the mean's own
   return covariance;
 }
 

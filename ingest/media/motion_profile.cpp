@@ -143,7 +143,7 @@ double median_step(const std::vector<double>& times) {
 
 std::optional<PairOffset> coarse_offset(const MotionEnergy& a, const MotionEnergy& b,
                                         const RigCamera* camera_a, const RigCamera* camera_b) {
-  constexpr int kFewest = 12;  // frames that overlap
+  constexpr int kFewest = 12;            // frames that overlap
   constexpr double kUnposedSeconds = 3;  // views differ: shorter stretches agree by chance
   if (a.cells.size() < size_t(kFewest) || b.cells.size() < size_t(kFewest)) return std::nullopt;
   Pencil pencil;

@@ -76,7 +76,8 @@ TEST(OffsetSolver, ShiftIsWhatMostMissesAgreeOn) {
   }
 }
 
-// Points that stand still, and matches of which any shift would be right, say nothing of time. Catches: no least slope; no least share of agreement.
+// Points that stand still, and matches of which any shift would be right, say nothing of time.
+// Catches: no least slope; no least share of agreement.
 TEST(OffsetSolver, NoShiftWithoutEvidence) {
   std::vector<EpipolarMiss> still(200, {0.1, 0.5}), noise;
   EXPECT_FALSE(shift_from_misses(still, 0.1, 1 / 30.0));

@@ -125,8 +125,7 @@ TEST_F(SynthVideo, DecodesToWhatWasRendered) {
 
 // A camera shifted by s shows at frame k what one without shift would at instant k + s; its stamps
 // stay, and instants beyond the clip's ends are rendered too. The other cameras are the same bytes
-// as without it. Bugs put back: the shift's sign; stamps shifted; all cameras shifted; each seen to
-// fail.
+// as without it.
 TEST_F(SynthVideo, ShiftedCameraFilmsLater) {
   options_.shifts = {0, 2.5, -1.3};
   make_capture(options_, folder_ / "shifted", {});
