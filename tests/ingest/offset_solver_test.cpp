@@ -31,7 +31,7 @@ TEST(OffsetSolver, ErrorsFollowFromThePairs) {
 }
 
 // One of ten pairs lies by a second, which plain least squares would share out among the clocks
-// (0.2 s at best). Catches: all weights kept.
+// (0.2 s at best). All weights kept: seen to fail.
 TEST(OffsetSolver, OnePairThatLiesIsOutvoted) {
   const double truth[] = {0, 0.1, -0.2, 0.05, -0.03};
   std::vector<PairOffset> pairs;
@@ -42,7 +42,7 @@ TEST(OffsetSolver, OnePairThatLiesIsOutvoted) {
   for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(clocks[i].offset, truth[i], 2e-3);
 }
 
-// Catches: every clock counted as determined.
+// Every clock counted as determined: seen to fail.
 TEST(OffsetSolver, ClocksWithoutPairsAreLeftOpen) {
   const auto clocks = solve_offsets(5, {{1, 2, 0.5, 0.01}, {2, 4, 0.1, 0.01}});
   EXPECT_FALSE(clocks[0].determined);
