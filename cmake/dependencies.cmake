@@ -10,11 +10,12 @@ find_package(TBB QUIET)  # oneTBB; std::thread is used where it is absent
 if(NOT TESSERA_INGEST STREQUAL "OFF")
   find_package(PkgConfig QUIET)
   if(PkgConfig_FOUND)
-    pkg_check_modules(LIBAV QUIET IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
+    pkg_check_modules(LIBAV QUIET IMPORTED_TARGET libavformat libavcodec libavutil libswscale
+                      libswresample)
     # not find_package: Debian's CMake files insist on programs of other packages
     pkg_check_modules(OIIO QUIET IMPORTED_TARGET OpenImageIO)
   endif()
-  find_package(OpenCV QUIET COMPONENTS core features2d imgproc)
+  find_package(OpenCV QUIET COMPONENTS core imgproc video features2d)
   if(LIBAV_FOUND AND OIIO_FOUND AND OpenCV_FOUND)
     set(TESSERA_HAS_INGEST TRUE)
   elseif(TESSERA_INGEST STREQUAL "ON")

@@ -1,5 +1,5 @@
 // What: the distortion of all lens models, and the shortest focal length without blank pixels.
-// Not: an inverse: resampling needs the way from the ideal ray to the picture only.
+// Not: pixels (media/undistortion.h).
 // Source: Brown 1966; Kannala, Brandt 2006; Devernay, Faugeras 2001 (field of view).
 #include "ingest/lens.h"
 
@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 
 #include "kernels/base/errors.h"
 
@@ -27,6 +28,25 @@ double bending(const Lens& lens, double r) {
       return std::abs(lens.omega) < 1e-9
                  ? 1
                  : std::atan(2 * r * std::tan(0.5 * lens.omega)) / (lens.omega * r);
+  }
+  return 1;
+}
+
+/// r / ρ of the projection; nothing where no ray with z = 1 is bent to ρ.
+std::optional<double> unbending(const Lens& lens, double rho) {
+  if (rho < 1e-9) rho = 1e-9;
+  const double quarter = 0.5 * std::numbers::pi;
+  switch (lens.projection) {
+    case Lens::Projection::kPinhole:
+      return 1;
+    case Lens::Projection::kFisheye:
+      return rho < quarter ? std::optional(std::tan(rho) / rho) : std::nullopt;
+    case Lens::Projection::kFieldOfView:
+      if (std::abs(lens.omega) < 1e-9) return 1;
+      return std::abs(rho * lens.omega) < quarter
+                 ? std::optional(std::tan(rho * lens.omega) /
+                                 (2 * std::tan(0.5 * lens.omega) * rho))
+                 : std::nullopt;
   }
   return 1;
 }
@@ -86,6 +106,41 @@ glm::dvec2 Lens::distorted(const glm::dvec2& ray) const {
       (1 + r2 * (k1 + r2 * (k2 + r2 * (k3 + r2 * k4)))) / (1 + r2 * (d1 + r2 * (d2 + r2 * d3)));
   return {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x) + s1 * r2,
           y * radial + 2 * p2 * x * y + p1 * (r2 + 2 * y * y) + s2 * r2};
+}
+
+std::optional<glm::dvec2> Lens::undistorted(const glm::dvec2& met) const {
+  if (is_pinhole()) return met;
+  constexpr int kSteps = 100;
+  constexpr double kExact = 1e-13;  // of a ray with z = 1; a step that small ends the search
+  glm::dvec2 bent = met;            // Newton's method on the ray after the projection
+  Lens radial = *this;
+  radial.projection = Projection::kPinhole;
+  double error = glm::length(radial.distorted(bent) - met);
+  for (int i = 0; i < kSteps && error > kExact; ++i) {
+    constexpr double kDelta = 1e-6;  // central differences: error of its square
+    const glm::dvec2 dx = (radial.distorted(bent + glm::dvec2(kDelta, 0)) -
+                           radial.distorted(bent - glm::dvec2(kDelta, 0))) /
+                          (2 * kDelta);
+    const glm::dvec2 dy = (radial.distorted(bent + glm::dvec2(0, kDelta)) -
+                           radial.distorted(bent - glm::dvec2(0, kDelta))) /
+                          (2 * kDelta);
+    const double determinant = dx.x * dy.y - dx.y * dy.x;
+    if (!(determinant > 1e-9)) return std::nullopt;  // 1 without distortion, 0 where it turns
+    const glm::dvec2 off = radial.distorted(bent) - met;
+    const glm::dvec2 step(-(dy.y * off.x - dy.x * off.y) / determinant,
+                          -(dx.x * off.y - dx.y * off.x) / determinant);
+    double part = 1, reached = 0;
+    for (; part > 1e-3; part *= 0.5) {
+      reached = glm::length(radial.distorted(bent + part * step) - met);
+      if (reached < error) break;
+    }
+    if (!(reached < error)) break;  // rounding is all that is left
+    bent += part * step;
+    error = reached;
+  }
+  if (!(error < 1e-10)) return std::nullopt;
+  const std::optional<double> factor = unbending(*this, glm::length(bent));
+  return factor ? std::optional(*factor * bent) : std::nullopt;
 }
 
 Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where) {

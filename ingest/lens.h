@@ -3,6 +3,7 @@
 // Not: pixels (media/undistortion.h) or a lens's name in any file format (colmap_camera.h).
 #pragma once
 #include <glm/vec2.hpp>
+#include <optional>
 #include <string>
 
 #include "kernels/base/camera.h"
@@ -26,6 +27,9 @@ struct Lens {
   /// True where `distorted` changes nothing.
   bool is_pinhole() const;
   glm::dvec2 distorted(const glm::dvec2& ray) const;
+  /// The ray that `distorted` takes to `met`; nothing where none was found (beyond the turning
+  /// point of a distortion that turns back, or a fisheye's 90 degrees).
+  std::optional<glm::dvec2> undistorted(const glm::dvec2& met) const;
 };
 
 /// The pinhole camera of the same size, pose and principal point whose every pixel lies in the

@@ -6,7 +6,7 @@ set -euo pipefail
 packages=(
   g++ cmake ninja-build pkg-config git ca-certificates
   libglm-dev libpng-dev libfmt-dev nlohmann-json3-dev libcli11-dev libtbb-dev
-  libavformat-dev libavcodec-dev libavutil-dev libswscale-dev
+  libavformat-dev libavcodec-dev libavutil-dev libswscale-dev libswresample-dev
   libopenimageio-dev libopencv-dev
 )
 if [ "${1:-build}" = test ]; then

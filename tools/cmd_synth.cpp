@@ -2,6 +2,7 @@
 // Not: the generator (tools/synth).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "kernels/base/errors.h"
@@ -18,6 +19,7 @@ namespace {
 struct SynthRequest {
   SynthOptions options;
   std::string scene, layout = "n3dv", fps = "24", out;
+  std::vector<std::string> shifts;
   int threads = 0;
   bool list = false, json = false;
 };
@@ -48,6 +50,23 @@ FrameRate parse_frame_rate(const std::string& text) {
   return rate;
 }
 
+/// "cam03=1.5" → the shift of camera 3.
+void parse_shift(const std::string& text, std::vector<double>& shifts) {
+  constexpr std::string_view kPrefix = "cam";
+  const char* const end = text.data() + text.size();
+  size_t camera = 0;
+  double frames = 0;
+  auto parsed = std::from_chars(text.data() + std::min(kPrefix.size(), text.size()), end, camera);
+  const bool named = text.starts_with(kPrefix) && parsed.ec == std::errc() && camera < 100 &&
+                     parsed.ptr != end && *parsed.ptr == '=';
+  if (named) parsed = std::from_chars(parsed.ptr + 1, end, frames);
+  if (!named || parsed.ec != std::errc() || parsed.ptr != end)
+    throw InputError(
+        fmt::format("synth: --shift is '{}'; give a camera and frames like cam03=1.5", text));
+  shifts.resize(std::max(shifts.size(), camera + 1));
+  shifts[camera] = frames;
+}
+
 int list_scenes(bool as_json) {
   nlohmann::json json;
   std::string text;
@@ -74,6 +93,7 @@ int synth(SynthRequest request) {
   if (!layout) unknown("layout", request.layout, names_of(synth_layouts()));
   request.options.scene = *scene, request.options.layout = *layout;
   request.options.fps = parse_frame_rate(request.fps);
+  for (const std::string& shift : request.shifts) parse_shift(shift, request.options.shifts);
   set_thread_count(request.threads);
 
   SynthReport report;
@@ -116,6 +136,10 @@ void add_synth_command(CLI::App& app, Work& work) {
   command->add_option("--width", options.width, "pixels; 0: the scene's own");
   command->add_option("--height", options.height, "pixels; 0: the scene's own");
   command->add_option("--fps", request->fps, "frames a second, N or N/D");
+  command
+      ->add_option("--shift", request->shifts,
+                   "camNN=X[,...]: that camera films X frames later than its stamps say")
+      ->delimiter(',');
   command->add_option("--seed", options.seed, "of textures, colours and small offsets");
   command->add_option("--supersampling", options.supersampling, "N x N rays a pixel");
   command->add_option("--specular", options.specular, "strength of highlights, 0 to 1");

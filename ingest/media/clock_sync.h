@@ -26,7 +26,8 @@ struct ClipClock {
   std::string source;      // "stated", "container", "audio", "motion", "none"
 };
 
-/// One entry a clip. Their gauge: the median of the offsets is 0, so that most clocks stay.
+/// One entry a clip. Gauge: the median of measured offsets is 0, so that most clocks stay; stated
+/// ones are kept as they are.
 struct ClipClocks {
   std::vector<ClipClock> clocks;
   std::vector<std::string> warnings;  // one line each, with the camera's name

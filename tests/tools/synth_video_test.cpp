@@ -123,6 +123,39 @@ TEST_F(SynthVideo, DecodesToWhatWasRendered) {
   }
 }
 
+// A camera shifted by s shows at frame k what one without shift would at instant k + s; its stamps
+// stay, and instants beyond the clip's ends are rendered too. The other cameras are the same bytes
+// as without it.
+TEST_F(SynthVideo, ShiftedCameraFilmsLater) {
+  options_.shifts = {0, 2.5, -1.3};
+  make_capture(options_, folder_ / "shifted", {});
+  const World world = build_world(options_.scene, options_.seed, 0);
+  const std::vector<Camera> cameras = video_rig(options_, world.target);
+  for (const int number : {1, 2}) {
+    const Decoded video = decode(folder_ / "shifted" / ("cam0" + std::to_string(number) + ".mp4"));
+    const StaticLayer layer = render_static(world, cameras[size_t(number)], 3);
+    for (const int frame : {0, 5, 10}) {
+      const double instant = frame + options_.shifts[size_t(number)];
+      const Picture truth =
+          render(world, cameras[size_t(number)], instant / (options_.frames - 1), layer);
+      EXPECT_LT(mean_error(video.frames[size_t(frame)], expose(truth, options_, 3, number, frame)),
+                3);
+      char name[64];
+      std::snprintf(name, sizeof(name), "mask_cam%02d_%04d.png", number, frame);
+      EXPECT_EQ(read_png(folder_ / "shifted/ground_truth" / name).data, truth.mask);
+      EXPECT_NEAR(video.seconds[size_t(frame)], frame / 24.0, 1e-4);
+    }
+  }
+  const std::string truth = read_text_file(folder_ / "shifted/ground_truth.json");
+  EXPECT_NE(truth.find("\"shift_frames\": 2.5"), std::string::npos);
+  EXPECT_NE(truth.find("\"shift_frames\": -1.3"), std::string::npos);
+  options_.shifts = {};
+  make_capture(options_, folder_ / "plain", {});
+  EXPECT_EQ(read_text_file(folder_ / "shifted/cam00.mp4"),
+            read_text_file(folder_ / "plain/cam00.mp4"));
+  EXPECT_EQ(read_text_file(folder_ / "plain/ground_truth.json").find("shift"), std::string::npos);
+}
+
 // Flat colours have no chroma edges: what is left is the matrix and the range.
 // Seen to fail: the two matrices exchanged (13 levels); full range under a limited tag (13).
 TEST_F(SynthVideo, FlatColoursReturnWithinTwoLevels) {

@@ -16,21 +16,23 @@ namespace {
 using nlohmann::ordered_json;
 
 ordered_json options_json(const SynthOptions& options) {
-  return {{"scene", name_of(options.scene)},
-          {"layout", name_of(options.layout)},
-          {"cameras", options.cameras},
-          {"frames", options.frames},
-          {"held_out_frames", options.held_out_frames},
-          {"width", options.width},
-          {"height", options.height},
-          {"fps", {options.fps.numerator, options.fps.denominator}},
-          {"seed", options.seed},
-          {"supersampling", options.supersampling},
-          {"specular", options.specular},
-          {"video_quality", options.video_quality},
-          {"noise_sigma", options.noise_sigma},
-          {"exposure_wobble", options.exposure_wobble},
-          {"points", options.points}};
+  ordered_json json{{"scene", name_of(options.scene)},
+                    {"layout", name_of(options.layout)},
+                    {"cameras", options.cameras},
+                    {"frames", options.frames},
+                    {"held_out_frames", options.held_out_frames},
+                    {"width", options.width},
+                    {"height", options.height},
+                    {"fps", {options.fps.numerator, options.fps.denominator}},
+                    {"seed", options.seed},
+                    {"supersampling", options.supersampling},
+                    {"specular", options.specular},
+                    {"video_quality", options.video_quality},
+                    {"noise_sigma", options.noise_sigma},
+                    {"exposure_wobble", options.exposure_wobble},
+                    {"points", options.points}};
+  if (!options.shifts.empty()) json["shifts"] = options.shifts;
+  return json;
 }
 
 /// Solids that are there only for a while, with the frames that show them.
@@ -54,11 +56,15 @@ ordered_json appearing_json(const SynthOptions& options, const World& world) {
 
 ordered_json views_json(const SynthOptions& options, const std::vector<TrueView>& views) {
   ordered_json list = ordered_json::array();
-  for (const TrueView& view : views) {
+  for (int number = 0; const TrueView& view : views) {
     ordered_json row{{"name", view.name}, {"transform_matrix", opengl_pose(view.camera)}};
     if (!view.split.empty()) {
       row["split"] = view.split, row["index"] = view.index;
       row["time"] = view.time, row["seconds"] = seconds(options, view.time);
+    }
+    if (const double shift = shift_of(options, number++); shift != 0) {
+      row["shift_frames"] = shift;  // frame k shows instant k + shift
+      row["shift_seconds"] = shift * options.fps.denominator / options.fps.numerator;
     }
     list.push_back(std::move(row));
   }
@@ -67,8 +73,12 @@ ordered_json views_json(const SynthOptions& options, const std::vector<TrueView>
 
 }  // namespace
 
-double normalised_time(const SynthOptions& options, int frame) {
-  return options.frames > 1 ? double(frame) / (options.frames - 1) : 0;
+double normalised_time(const SynthOptions& options, double frame) {
+  return options.frames > 1 ? frame / (options.frames - 1) : 0;
+}
+
+double shift_of(const SynthOptions& options, int camera) {
+  return size_t(camera) < options.shifts.size() ? options.shifts[size_t(camera)] : 0;
 }
 
 double seconds(const SynthOptions& options, double normalised) {

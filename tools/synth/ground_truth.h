@@ -24,7 +24,9 @@ struct TrueView {
 };
 
 /// Instant `frame` of a clip, normalised to [0, 1] (0 for a clip of one frame).
-double normalised_time(const SynthOptions& options, int frame);
+double normalised_time(const SynthOptions& options, double frame);
+/// Frames by which that camera films later than its stamps say.
+double shift_of(const SynthOptions& options, int camera);
 /// Normalised time to seconds from the first frame.
 double seconds(const SynthOptions& options, double normalised);
 

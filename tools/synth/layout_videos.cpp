@@ -20,7 +20,8 @@ namespace {
 constexpr int kFramesAtOnce = 8;  // held in memory while their masks are written side by side
 
 /// Near and far depth (camera z) between which everything seen at any instant lies, with a margin.
-LlffPose bounded_pose(const CaptureJob& job, const Camera& camera, const StaticLayer& layer) {
+LlffPose bounded_pose(const CaptureJob& job, int number, const Camera& camera,
+                      const StaticLayer& layer) {
   LlffPose pose{camera, 1e300, 0};
   for (const float depth : layer.depth) {
     if (std::isinf(depth)) continue;
@@ -29,7 +30,8 @@ LlffPose bounded_pose(const CaptureJob& job, const Camera& camera, const StaticL
   }
   for (int frame = 0; frame < job.options.frames; ++frame)
     for (const PlacedSolid& mover :
-         place(job.world, Part::kMoving, normalised_time(job.options, frame))) {
+         place(job.world, Part::kMoving,
+               normalised_time(job.options, frame + shift_of(job.options, number)))) {
       const double z = (camera.cam_from_world * mover.origin + camera.translation).z;
       pose.near = std::min(pose.near, z - mover.radius);
       pose.far = std::max(pose.far, z + mover.radius);
@@ -49,8 +51,9 @@ void film(const CaptureJob& job, int number, const TrueView& view, const StaticL
                    int64_t(options.cameras) * options.frames);
     std::vector<Image8> masks;
     for (int frame = first; frame < std::min(first + kFramesAtOnce, options.frames); ++frame) {
+      const double instant = frame + shift_of(options, number);
       const Picture picture =
-          render(job.world, view.camera, normalised_time(options, frame), layer);
+          render(job.world, view.camera, normalised_time(options, instant), layer);
       encoder.add(expose(picture, options, 3, number, frame));
       masks.push_back(mask_image(picture));
     }
@@ -74,7 +77,7 @@ std::vector<TrueView> write_videos(const CaptureJob& job) {
     views.push_back({fmt::format("cam{:02}", number), cameras[size_t(number)], "", 0, 0});
     const TrueView& view = views.back();
     const StaticLayer layer = render_static(job.world, view.camera, job.options.supersampling);
-    poses.push_back(bounded_pose(job, view.camera, layer));
+    poses.push_back(bounded_pose(job, number, view.camera, layer));
     film(job, number, view, layer);
   }
   if (job.options.layout == SynthLayout::kN3dv)

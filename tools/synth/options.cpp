@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "kernels/base/errors.h"
 #include "tools/synth/synth.h"
@@ -61,6 +62,28 @@ std::optional<SynthLayout> find_synth_layout(std::string_view name) {
   return std::nullopt;
 }
 
+namespace {
+
+/// A shifted camera's frames lie within a clip's length of the clip, where the motion is defined.
+void check_shifts(const SynthOptions& options) {
+  if (options.shifts.empty()) return;
+  if (options.layout == SynthLayout::kDnerf)
+    throw InputError(
+        "synth: the layout dnerf has one camera, so no clock to shift; leave out --shift or use "
+        "the layout n3dv or videos");
+  if (options.shifts.size() > size_t(options.cameras))
+    throw InputError(
+        fmt::format("synth: --shift names cam{:02}, but the cameras are cam00 to "
+                    "cam{:02}; name one of these or raise --cameras",
+                    options.shifts.size() - 1, options.cameras - 1));
+  for (const double shift : options.shifts)
+    if (!(std::abs(shift) < std::max(1, options.frames - 1)))
+      throw InputError(fmt::format("synth: a shift is {} frames; give less than the clip's {}",
+                                   shift, options.frames - 1));
+}
+
+}  // namespace
+
 SynthOptions resolve_synth_options(const SynthOptions& options) {
   SynthOptions full = options;
   const bool dnerf = options.layout == SynthLayout::kDnerf;
@@ -80,6 +103,7 @@ SynthOptions resolve_synth_options(const SynthOptions& options) {
   check_range("noise_sigma", full.noise_sigma, 0, 64);
   check_range("exposure_wobble", full.exposure_wobble, 0, 0.5);
   check_range("points", full.points, 0, 1e7);
+  check_shifts(full);
   if (full.held_out_frames == 0) full.held_out_frames = std::max(4, full.frames / 5);
   if (!dnerf && (full.width % 2 != 0 || full.height % 2 != 0))
     throw InputError(

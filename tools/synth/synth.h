@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 namespace tessera {
 
@@ -50,6 +51,8 @@ struct SynthOptions {
   double noise_sigma = 0;      // of each channel, in levels of 255
   double exposure_wobble = 0;  // largest relative change of a frame's gain, [0, 0.5]
   int points = 20000;          // size of ground_truth/points.ply
+  std::vector<double> shifts;  // n3dv, videos, frames by camera number, 0 for those not listed:
+                               // frame k of the camera shows instant k + shift
 };
 
 struct SynthReport {

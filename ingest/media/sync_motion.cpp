@@ -1,0 +1,230 @@
+// What: coarse offsets of pairs, then fine ones where poses are known, then all clocks at once.
+// Not: the measurements themselves (motion_profile.h, motion_matches.h).
+#include "ingest/media/sync_motion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "ingest/media/motion_matches.h"
+#include "ingest/media/motion_profile.h"
+#include "ingest/offset_solver.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+using Pairs = std::vector<std::pair<int, int>>;
+
+/// All pairs of a small rig; of a large one each camera's nearest, and what connects them all.
+Pairs pairs_to_compare(const std::vector<RigClip>& clips) {
+  constexpr size_t kSmallRig = 8, kNearest = 4;
+  const size_t n = clips.size();
+  const auto distance = [&](size_t a, size_t b) {
+    if (!clips[a].camera || !clips[b].camera) return std::abs(double(a) - double(b));
+    const Camera &x = clips[a].camera->camera, &y = clips[b].camera->camera;
+    const glm::dmat3 turn = y.cam_from_world * glm::transpose(x.cam_from_world);
+    return glm::length(x.position() - y.position()) * (2 - turn[2][2]);  // and looks elsewhere
+  };
+  std::vector<std::vector<bool>> chosen(n, std::vector<bool>(n, n <= kSmallRig));
+  for (size_t a = 0; a < n; ++a) {
+    std::vector<size_t> others;
+    for (size_t b = 0; b < n; ++b)
+      if (b != a) others.push_back(b);
+    std::sort(others.begin(), others.end(),
+              [&](size_t x, size_t y) { return distance(a, x) < distance(a, y); });
+    for (size_t k = 0; k < std::min(kNearest, others.size()); ++k) chosen[a][others[k]] = true;
+  }
+  std::vector<bool> reached(n, false);  // Prim's spanning tree
+  if (n > 0) reached[0] = true;
+  for (size_t step = 1; step < n; ++step) {
+    double least = std::numeric_limits<double>::infinity();
+    size_t from = 0, to = 0;
+    for (size_t a = 0; a < n; ++a)
+      for (size_t b = 0; b < n; ++b)
+        if (reached[a] && !reached[b] && distance(a, b) < least)
+          least = distance(a, b), from = a, to = b;
+    reached[to] = true, chosen[from][to] = true;
+  }
+  Pairs pairs;
+  for (size_t a = 0; a < n; ++a)
+    for (size_t b = a + 1; b < n; ++b)
+      if (chosen[a][b] || chosen[b][a]) pairs.emplace_back(int(a), int(b));
+  return pairs;
+}
+
+const RigCamera* camera_of(const RigClip& clip) {
+  return clip.camera ? &*clip.camera : nullptr;
+}
+
+/// Measures each pair, side by side; pairs without an answer are left out.
+template <class Measure>
+std::vector<PairOffset> measure(const Pairs& pairs, const Measure& measure_pair) {
+  std::vector<std::optional<PairOffset>> found(pairs.size());
+  parallel_for(int64_t(pairs.size()), 1, [&](int64_t begin, int64_t end) {
+    for (int64_t i = begin; i < end; ++i) {
+      found[size_t(i)] = measure_pair(pairs[size_t(i)].first, pairs[size_t(i)].second);
+      if (found[size_t(i)])
+        found[size_t(i)]->a = pairs[size_t(i)].first, found[size_t(i)]->b = pairs[size_t(i)].second;
+    }
+  });
+  std::vector<PairOffset> all;
+  for (const auto& pair : found)
+    if (pair) all.push_back(*pair);
+  return all;
+}
+
+std::vector<double> offsets_of(const std::vector<SolvedOffset>& solved) {
+  std::vector<double> offsets;
+  for (const SolvedOffset& s : solved) offsets.push_back(s.offset);
+  return offsets;
+}
+
+/// The stretch of the rig's time, `length` seconds, in which most moves.
+double busiest_begin(const std::vector<MotionEnergy>& energies, const std::vector<double>& offsets,
+                     double length) {
+  std::vector<std::pair<double, double>> moves;  // moment, share of its clip's motion
+  for (size_t clip = 0; clip < energies.size(); ++clip) {
+    double total = 1e-9;
+    std::vector<double> sums;
+    for (const cv::Mat& cells : energies[clip].cells) {
+      sums.push_back(cv::sum(cells)[0]);
+      total += sums.back();
+    }
+    for (size_t i = 0; i < sums.size(); ++i)
+      moves.emplace_back(energies[clip].seconds[i] + offsets[clip], sums[i] / total);
+  }
+  std::sort(moves.begin(), moves.end());
+  double inside = 0, most = -1, begin = moves.empty() ? 0 : moves.front().first;
+  for (size_t first = 0, last = 0; last < moves.size(); ++last) {
+    inside += moves[last].second;
+    while (moves[last].first - moves[first].first > length) inside -= moves[first++].second;
+    if (inside > most) most = inside, begin = moves[first].first;
+  }
+  return begin;
+}
+
+class MotionSync {
+ public:
+  MotionSync(const std::vector<RigClip>& clips, const IngestProgress& progress)
+      : clips_(clips), progress_(progress), pairs_(pairs_to_compare(clips)) {
+    for (const RigClip& clip : clips) frame_seconds_ = std::max(frame_seconds_, step_of(clip));
+  }
+
+  ClipClocks run() {
+    for (size_t i = 0; i < clips_.size(); ++i) {
+      report("motion", i);
+      energies_.push_back(motion_energy(clips_[i].video));
+    }
+    const auto coarse = measure(pairs_, [&](int a, int b) {
+      return coarse_offset(energies_[size_t(a)], energies_[size_t(b)], camera_of(clips_[size_t(a)]),
+                           camera_of(clips_[size_t(b)]));
+    });
+    const std::vector<double> none(clips_.size());
+    const std::vector<double> start = offsets_of(solve_offsets(int(clips_.size()), coarse));
+    Fine fine = measure_fine(start);
+    const bool moved = std::any_of(start.begin(), start.end(), [&](double offset) {
+      return std::abs(offset) > frame_seconds_;
+    });
+    if (moved) {  // a mistaken coarse offset must not win over clocks that agree
+      Fine unmoved = measure_fine(none);
+      if (unmoved.support >= fine.support) fine = std::move(unmoved);
+    }
+    return clocks_from(joined(coarse, fine.pairs));
+  }
+
+ private:
+  struct Fine {
+    std::vector<PairOffset> pairs;
+    size_t support = 0;
+  };
+
+  static double step_of(const RigClip& clip) { return clip.timeline.frame_seconds; }
+
+  void report(const char* what, size_t done) const {
+    if (progress_) progress_(what, int64_t(done), int64_t(clips_.size()));
+  }
+
+  Fine measure_fine(const std::vector<double>& start) const {
+    constexpr double kFrames = 72;  // three seconds: hundreds of matches a pair
+    std::vector<PosedFeatures> features;
+    const double length = kFrames * frame_seconds_;
+    const double begin = busiest_begin(energies_, start, length);
+    for (size_t i = 0; i < clips_.size(); ++i) {
+      report("moving features", i);
+      const RigClip& clip = clips_[i];
+      PosedFeatures& posed = features.emplace_back();
+      if (!clip.camera) continue;
+      posed.camera = clip.camera->camera.resized(energies_[i].width, energies_[i].height);
+      posed.frame_seconds = step_of(clip);
+      posed.frames = moving_features(clip.video, begin - start[i], begin + length - start[i]);
+      straighten(posed.frames, *clip.camera, energies_[i].width, energies_[i].height);
+    }
+    std::vector<size_t> support(clips_.size() * clips_.size());
+    Fine fine;
+    fine.pairs = measure(pairs_, [&](int a, int b) -> std::optional<PairOffset> {
+      const size_t i = size_t(a), j = size_t(b);
+      const auto found = fine_offset(features[i], features[j], start[j] - start[i]);
+      if (!found || found->sigma > 0.5 * frame_seconds_) return std::nullopt;
+      support[i * clips_.size() + j] = found->support;
+      return PairOffset{a, b, found->shift, found->sigma};
+    });
+    for (const size_t s : support) fine.support += s;
+    return fine;
+  }
+
+  /// Fine pairs, and coarse ones of clips that these leave open.
+  std::vector<SolvedOffset> joined(const std::vector<PairOffset>& coarse,
+                                   std::vector<PairOffset> pairs) const {
+    const int count = int(clips_.size());
+    const std::vector<SolvedOffset> solved = solve_offsets(count, pairs);
+    for (const PairOffset& pair : coarse)
+      if (!solved[size_t(pair.a)].determined || !solved[size_t(pair.b)].determined)
+        pairs.push_back(pair);
+    return solve_offsets(count, pairs);
+  }
+
+  ClipClocks clocks_from(const std::vector<SolvedOffset>& solved) const {
+    ClipClocks result;
+    for (size_t i = 0; i < solved.size(); ++i) {
+      const SolvedOffset& s = solved[i];
+      if (!s.determined) {
+        const std::vector<int64_t>& ticks = clips_[i].timeline.ticks;
+        const double length =
+            ticks.empty() ? 0 : clips_[i].timeline.time_base.at(ticks.back() - ticks.front());
+        result.clocks.push_back({0, 0.5 * length, "none"});
+        result.warnings.push_back(
+            fmt::format("{}: its pictures do not tell how its clock runs against the others'; it "
+                        "is taken as it is: state it with --offsets FILE",
+                        clips_[i].name));
+        continue;
+      }
+      const bool told = std::abs(s.offset) > 2 * s.sigma;
+      result.clocks.push_back({told ? s.offset : 0, s.sigma, "motion"});
+      if (s.sigma > 0.25 * step_of(clips_[i]))
+        result.warnings.push_back(fmt::format(
+            "{}: its clock's offset from motion, {:+.3f} s, is only known to {:.3f} s; state it "
+            "with --offsets FILE if you know better",
+            clips_[i].name, result.clocks.back().offset, s.sigma));
+    }
+    return result;
+  }
+
+  const std::vector<RigClip>& clips_;
+  const IngestProgress& progress_;
+  const Pairs pairs_;
+  double frame_seconds_ = 0;  // of the slowest clip
+  std::vector<MotionEnergy> energies_;
+};
+
+}  // namespace
+
+ClipClocks synchronise_by_motion(const std::vector<RigClip>& clips,
+                                 const IngestProgress& progress) {
+  return MotionSync(clips, progress).run();
+}
+
+}  // namespace tessera
