@@ -56,7 +56,8 @@ ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& pr
 }
 
 void ColmapProgram::run(const std::string& command, const ColmapOptions& options,
-                        const std::string& doing, const std::string& step, int64_t total) const {
+                        const std::string& doing, const std::string& step, int64_t total,
+                        const std::string& remedy) const {
   ChildCommand child = command_of(program_, log_);
   child.arguments.push_back(command);
   for (const auto& [name, value] : options) child.arguments.push_back(name + "=" + value);
@@ -68,9 +69,8 @@ void ColmapProgram::run(const std::string& command, const ColmapOptions& options
   });
   if (result.exit_code != 0)
     throw InputError(
-        fmt::format("colmap {} failed (exit code {}): {}; its log is {}; put it right, or pass "
-                    "--poses FILE",
-                    command, result.exit_code, result.last_line, log_.string()));
+        fmt::format("colmap {} failed (exit code {}): {} (log: {}); {}", command, result.exit_code,
+                    result.last_line, log_.string(), remedy));
 }
 
 void ColmapProgram::extract_features(ColmapOptions options, int64_t pictures) const {

@@ -27,7 +27,8 @@ class ColmapProgram {
   /// each line that contains `step`. Errors: InputError with its last words and the log's path;
   /// what `progress` throws, after the program and its children are gone.
   void run(const std::string& command, const ColmapOptions& options, const std::string& doing,
-           const std::string& step = "", int64_t total = 0) const;
+           const std::string& step = "", int64_t total = 0,
+           const std::string& remedy = "put that right, or pass --poses FILE") const;
 
   // Commands whose options are named differently in the versions; without a graphics card.
   void extract_features(ColmapOptions options, int64_t pictures) const;

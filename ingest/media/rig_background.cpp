@@ -1,0 +1,90 @@
+// What: medians over time; a pixel moves where its deviation stands out of the picture's noise.
+// Not: optical flow: what moves and looks the same everywhere needs no mask.
+#include "ingest/media/rig_background.h"
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+#include "ingest/media/video_decoder.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kBlur = 5;             // pixels, box: noise averages out, motion does not
+constexpr float kLeastMotion = 3;    // 8-bit values: what rounding and compression do
+constexpr float kNoiseFactor = 3;    // motion deviates by this many times the median deviation
+constexpr double kReach = 1.0 / 60;  // of the picture's width: features look beyond their centre
+
+/// The mean absolute deviation from the median over time, averaged over the channels.
+cv::Mat deviation_of(const std::vector<Image8>& pictures, const Image8& median) {
+  cv::Mat deviation(median.height, median.width, CV_32F, cv::Scalar(0));
+  const float share = 1.0f / float(pictures.size() * size_t(median.channels));
+  parallel_for(median.height, 16, [&](int64_t begin, int64_t end) {
+    for (auto y = int(begin); y < int(end); ++y) {
+      auto* row = deviation.ptr<float>(y);
+      for (const Image8& picture : pictures)
+        for (int i = 0; i < median.width * median.channels; ++i) {
+          const size_t at = size_t(y) * size_t(median.width * median.channels) + size_t(i);
+          row[i / median.channels] +=
+              share * float(std::abs(int(picture.data[at]) - int(median.data[at])));
+        }
+    }
+  });
+  return deviation;
+}
+
+float median_of(const cv::Mat& values) {
+  std::vector<float> sorted(values.begin<float>(), values.end<float>());
+  const auto middle = sorted.begin() + ptrdiff_t(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<size_t> spread_frames(size_t frames, size_t count) {
+  count = std::min(count, frames);
+  std::vector<size_t> chosen;
+  for (size_t i = 0; i < count; ++i)
+    chosen.push_back(count == 1 ? 0 : i * (frames - 1) / (count - 1));
+  return chosen;
+}
+
+std::vector<Image8> sample_pictures(const RigClip& clip, const std::vector<size_t>& chosen) {
+  std::vector<Image8> pictures;
+  size_t frame = 0;
+  decode_video(clip.video, [&](VideoFrame decoded) {
+    if (frame++ == chosen[pictures.size()]) pictures.push_back(std::move(decoded.image));
+    return pictures.size() < chosen.size();
+  });
+  check(pictures.size() == chosen.size(), "the timeline has more frames than the video");
+  return pictures;
+}
+
+StillPicture still_picture(const std::vector<Image8>& pictures) {
+  StillPicture still{pictures.front(), {}};
+  Image8& median = still.picture;
+  parallel_for(int64_t(median.data.size()), 1 << 14, [&](int64_t begin, int64_t end) {
+    std::vector<uint8_t> values(pictures.size());
+    for (auto at = size_t(begin); at < size_t(end); ++at) {
+      for (size_t k = 0; k < pictures.size(); ++k) values[k] = pictures[k].data[at];
+      const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
+      std::nth_element(values.begin(), middle, values.end());
+      median.data[at] = *middle;
+    }
+  });
+  cv::Mat deviation = deviation_of(pictures, median), moving;
+  cv::blur(deviation, deviation, cv::Size(kBlur, kBlur));
+  const float threshold = std::max(kLeastMotion, kNoiseFactor * median_of(deviation));
+  const int reach = std::max(3, int(kReach * median.width));
+  cv::dilate(deviation > threshold, moving,
+             cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * reach + 1, 2 * reach + 1)));
+  still.mask = {median.width, median.height, 1, {}};
+  cv::Mat mask = 255 - moving;
+  still.mask.data.assign(mask.begin<uint8_t>(), mask.end<uint8_t>());
+  return still;
+}
+
+}  // namespace tessera
