@@ -29,8 +29,9 @@ double parameter_of(const RigCamera& rig, const std::string& name) {
   return found->second;
 }
 
-/// "PINHOLE 480 360 400 400 240 180"
-std::string lens_line(const RigCamera& rig) {
+}  // namespace
+
+std::string colmap_lens_line(const RigCamera& rig) {
   std::string line =
       fmt::format("{} {} {}", rig.lens_model, rig.camera.width, rig.camera.height);
   std::istringstream names(colmap_camera_model(rig.lens_model, rig.name).parameters);
@@ -39,15 +40,13 @@ std::string lens_line(const RigCamera& rig) {
   return line;
 }
 
-}  // namespace
-
 void write_posed_model(const std::filesystem::path& folder,
                        const std::vector<PosedPicture>& pictures) {
   std::map<std::string, size_t> ids;  // of lens lines
   std::string cameras, images;
   for (size_t i = 0; i < pictures.size(); ++i) {
     const auto& [name, rig] = pictures[i];
-    const auto [lens, is_new] = ids.insert({lens_line(rig), ids.size() + 1});
+    const auto [lens, is_new] = ids.insert({colmap_lens_line(rig), ids.size() + 1});
     if (is_new) cameras += fmt::format("{} {}\n", lens->second, lens->first);
     const glm::dquat q = glm::quat_cast(rig.camera.cam_from_world);
     const glm::dvec3& t = rig.camera.translation;

@@ -15,8 +15,12 @@ struct PosedPicture {
   RigCamera camera;
 };
 
+/// A camera as cameras.txt has it: "PINHOLE 480 360 400 400 240 180". Errors: InputError: a model's
+/// name that COLMAP does not have.
+std::string colmap_lens_line(const RigCamera& camera);
+
 /// Pictures of equal lenses share one camera, so that what refines them keeps them equal. Errors:
-/// InputError: the folder cannot be written, a model's name that COLMAP does not have.
+/// InputError: the folder cannot be written, an unknown model's name.
 void write_posed_model(const std::filesystem::path& folder,
                        const std::vector<PosedPicture>& pictures);
 

@@ -15,9 +15,10 @@ namespace {
 constexpr int kBlur = 5;             // pixels, box: noise averages out, motion does not
 constexpr float kLeastMotion = 3;    // 8-bit values: what rounding and compression do
 constexpr float kNoiseFactor = 3;    // motion deviates by this many times the median deviation
+constexpr float kMomentFactor = 2;   // one frame's noise is not averaged over time
 constexpr double kReach = 1.0 / 60;  // of the picture's width: features look beyond their centre
 
-/// The mean absolute deviation from the median over time, averaged over the channels.
+/// The mean absolute deviation from the median over time, averaged over channels and neighbours.
 cv::Mat deviation_of(const std::vector<Image8>& pictures, const Image8& median) {
   cv::Mat deviation(median.height, median.width, CV_32F, cv::Scalar(0));
   const float share = 1.0f / float(pictures.size() * size_t(median.channels));
@@ -32,6 +33,7 @@ cv::Mat deviation_of(const std::vector<Image8>& pictures, const Image8& median) 
         }
     }
   });
+  cv::blur(deviation, deviation, cv::Size(kBlur, kBlur));
   return deviation;
 }
 
@@ -40,6 +42,18 @@ float median_of(const cv::Mat& values) {
   const auto middle = sorted.begin() + ptrdiff_t(sorted.size() / 2);
   std::nth_element(sorted.begin(), middle, sorted.end());
   return *middle;
+}
+
+cv::Mat widened(const cv::Mat& moving) {
+  const int reach = std::max(3, int(kReach * moving.cols));
+  cv::Mat wide;
+  cv::dilate(moving, wide,
+             cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * reach + 1, 2 * reach + 1)));
+  return wide;
+}
+
+Image8 picture_of(const cv::Mat& mask) {
+  return {mask.cols, mask.rows, 1, {mask.begin<uint8_t>(), mask.end<uint8_t>()}};
 }
 
 }  // namespace
@@ -75,16 +89,15 @@ StillPicture still_picture(const std::vector<Image8>& pictures) {
       median.data[at] = *middle;
     }
   });
-  cv::Mat deviation = deviation_of(pictures, median), moving;
-  cv::blur(deviation, deviation, cv::Size(kBlur, kBlur));
-  const float threshold = std::max(kLeastMotion, kNoiseFactor * median_of(deviation));
-  const int reach = std::max(3, int(kReach * median.width));
-  cv::dilate(deviation > threshold, moving,
-             cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * reach + 1, 2 * reach + 1)));
-  still.mask = {median.width, median.height, 1, {}};
-  cv::Mat mask = 255 - moving;
-  still.mask.data.assign(mask.begin<uint8_t>(), mask.end<uint8_t>());
+  cv::Mat deviation = deviation_of(pictures, median);
+  still.threshold = std::max(kLeastMotion, kNoiseFactor * median_of(deviation));
+  still.mask = picture_of(255 - widened(deviation > still.threshold));
   return still;
+}
+
+Image8 moving_mask(const Image8& picture, const StillPicture& still) {
+  const cv::Mat deviation = deviation_of({picture}, still.picture);
+  return picture_of(widened(deviation > kMomentFactor * still.threshold));
 }
 
 }  // namespace tessera

@@ -10,8 +10,9 @@
 namespace tessera {
 
 struct StillPicture {
-  Image8 picture;  // RGB, each value the median over time
-  Image8 mask;     // one channel: 255 still, 0 moving
+  Image8 picture;        // RGB, each value the median over time
+  Image8 mask;           // one channel: 255 still, 0 moving
+  float threshold = 0;   // 8-bit values: a pixel that deviates by more moves
 };
 
 /// Up to `count` indices into the clip's frames, spread evenly, first and last among them.
@@ -20,5 +21,7 @@ std::vector<size_t> spread_frames(size_t frames, size_t count);
 std::vector<Image8> sample_pictures(const RigClip& clip, const std::vector<size_t>& chosen);
 /// Of pictures of one size, at least one.
 StillPicture still_picture(const std::vector<Image8>& pictures);
+/// 255 where the picture differs from the still one of its clip, 0 elsewhere.
+Image8 moving_mask(const Image8& picture, const StillPicture& still);
 
 }  // namespace tessera

@@ -25,10 +25,26 @@ struct RigSolver {
   std::vector<std::string> names;  // of the pictures, one a clip
   double max_error = 1;            // pixels, of the last rounds
 
+  /// The poses are in `chosen` afterwards; returns the mapper's model they came of, an empty path
+  /// where there is none. Nothing is run where `key` is that of what is there.
+  std::filesystem::path solve(const std::vector<StillPicture>& stills, const std::string& key,
+                              std::vector<std::string>& warnings) const;
+  /// Points and colours of the training cameras alone, into work.folder/points/model.
+  void triangulate_training(const std::vector<char>& held_out, const std::string& key) const;
+  std::filesystem::path chosen() const { return work.folder / "refined" / "chosen"; }
+  size_t clip_of(const std::string& name) const;
+
+ private:
   void map() const;
   std::filesystem::path refine(const ColmapModel& start, const std::string& lens) const;
   void choose_refined(const ColmapModel& mapped) const;
 };
+
+size_t RigSolver::clip_of(const std::string& name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  check(found != names.end(), "COLMAP names a picture that it was not given");
+  return size_t(found - names.begin());
+}
 
 /// Registers cameras one after the other; models into work.sparse.
 void RigSolver::map() const {
@@ -80,14 +96,32 @@ std::filesystem::path RigSolver::refine(const ColmapModel& start, const std::str
 /// without distortion is taken if it explains as many points: distortion that is not there costs
 /// accuracy. Where a lens fits so badly that half of the points go, the mapper's result stays.
 void RigSolver::choose_refined(const ColmapModel& mapped) const {
-  ColmapModel chosen = read_colmap_model(refine(mapped, ""));
+  ColmapModel best = read_colmap_model(refine(mapped, ""));
   if (options.lens_model.empty()) {
     ColmapModel plain = read_colmap_model(refine(mapped, "SIMPLE_PINHOLE"));
-    if (plain.points.position.size() >= chosen.points.position.size()) chosen = std::move(plain);
+    if (plain.points.position.size() >= best.points.position.size()) best = std::move(plain);
   }
-  const bool fits = 2 * chosen.points.position.size() >= mapped.points.position.size() &&
-                    chosen.photos.size() == mapped.photos.size();
-  write_posed_model(work.folder / "refined" / "chosen", posed_pictures(fits ? chosen : mapped));
+  const bool fits = 2 * best.points.position.size() >= mapped.points.position.size() &&
+                    best.photos.size() == mapped.photos.size();
+  write_posed_model(chosen(), posed_pictures(fits ? best : mapped));
+}
+
+std::filesystem::path RigSolver::solve(const std::vector<StillPicture>& stills,
+                                       const std::string& key,
+                                       std::vector<std::string>& warnings) const {
+  const bool is_known = work.holds(key);
+  if (!is_known) {
+    work.clear();
+    for (size_t i = 0; i < stills.size(); ++i) work.add(i, stills[i]);
+    const std::string lens = options.lens_model.empty() ? "SIMPLE_RADIAL" : options.lens_model;
+    work.find_matches(colmap, {lens, options.intrinsics_per_camera}, stills.size());
+    map();
+  }
+  const auto largest = largest_colmap_model(work.sparse, warnings);
+  if (is_known || largest.empty()) return largest;
+  choose_refined(read_colmap_model(largest));
+  work.store_key(key);
+  return largest;
 }
 
 /// Writes the still pictures and adds them to the key.
@@ -126,18 +160,18 @@ void name_unregistered(const std::vector<RigClip>& clips, const PoseOptions& opt
   estimate.warnings.push_back(seen + "; the scene is made without");
 }
 
-/// Points and colours of the training cameras alone, into work.folder/points.
-void triangulate_training(const RigSolver& solver, const std::vector<char>& held_out) {
+void RigSolver::triangulate_training(const std::vector<char>& held_out,
+                                     const std::string& key) const {
+  const ColmapWorkspace points(work.folder / "points");
+  if (points.holds(key)) return;
+  std::filesystem::remove_all(points.folder);
   std::vector<PosedPicture> training;
-  for (PosedPicture& picture :
-       posed_pictures(read_colmap_model(solver.work.folder / "refined" / "chosen"))) {
-    const auto found = std::find(solver.names.begin(), solver.names.end(), picture.name);
-    check(found != solver.names.end(), "COLMAP names a picture that it was not given");
-    if (!held_out[size_t(found - solver.names.begin())]) training.push_back(std::move(picture));
-  }
-  const auto posed = solver.work.folder / "points" / "posed", out = solver.work.folder / "points";
-  write_posed_model(posed, training);
-  if (training.size() > 1) solver.work.triangulate(solver.colmap, posed, out / "model", 2 * solver.max_error);
+  for (PosedPicture& picture : posed_pictures(read_colmap_model(chosen())))
+    if (!held_out[clip_of(picture.name)]) training.push_back(std::move(picture));
+  write_posed_model(points.folder / "posed", training);
+  if (training.size() > 1)
+    work.triangulate(colmap, points.folder / "posed", points.folder / "model", 2 * max_error);
+  points.store_key(key);
 }
 
 }  // namespace
@@ -151,35 +185,20 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<c
   Fnv1a key;
   key.add(fmt::format("rig 1, colmap {}, {} {}", colmap.version(), options.lens_model,
                       options.intrinsics_per_camera));
-  key.add(held_out.data(), held_out.size());
   const auto stills = still_pictures(clips, key, progress);
   RigSolver solver{work, colmap, options, {}, 1};
-  int width = 0;
   for (size_t i = 0; i < stills.size(); ++i) {
     solver.names.push_back(ColmapWorkspace::picture_name(i, stills[i].picture));
-    width = std::max(width, stills[i].picture.width);
+    solver.max_error = std::max(solver.max_error, tight_error(stills[i].picture.width));
   }
-  solver.max_error = tight_error(width);
   PoseEstimate estimate;
-  const bool is_known = work.holds(key.hex());
-  if (!is_known) {
-    work.clear();
-    for (size_t i = 0; i < stills.size(); ++i) work.add(i, stills[i]);
-    const std::string lens = options.lens_model.empty() ? "SIMPLE_RADIAL" : options.lens_model;
-    work.find_matches(colmap, {lens, options.intrinsics_per_camera}, clips.size());
-    solver.map();
-  }
-  const auto largest = largest_colmap_model(work.sparse, estimate.warnings);
+  const auto largest = solver.solve(stills, key.hex(), estimate.warnings);
   estimate.cameras.resize(clips.size());
   if (!largest.empty()) {
-    if (!is_known) {
-      solver.choose_refined(read_colmap_model(largest));
-      triangulate_training(solver, held_out);
-      work.store_key(key.hex());
-    }
-    for (ColmapPhoto& photo : read_colmap_model(work.folder / "refined" / "chosen").photos) {
-      const auto i = size_t(std::find(solver.names.begin(), solver.names.end(), photo.name) -
-                            solver.names.begin());
+    key.add(held_out.data(), held_out.size());
+    solver.triangulate_training(held_out, key.hex());
+    for (const ColmapPhoto& photo : read_colmap_model(solver.chosen()).photos) {
+      const size_t i = solver.clip_of(photo.name);
       estimate.cameras[i] = {clips[i].name, photo.camera, photo.lens, photo.lens_model};
     }
     if (const auto points = work.folder / "points" / "model"; std::filesystem::exists(points))
