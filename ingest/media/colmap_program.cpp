@@ -14,7 +14,7 @@
 namespace tessera {
 namespace {
 
-constexpr const char* kRemedy = "install it (Debian: apt install colmap), or pass --poses FILE";
+constexpr const char* kRemedy = "install colmap 3.6 or later (Debian: apt install colmap), or pass --poses FILE";
 
 ChildCommand command_of(const std::filesystem::path& program, const std::filesystem::path& log) {
   // its windows need no screen
@@ -47,8 +47,7 @@ ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& pr
     if (line.empty()) progress_("starting colmap", 0, 0);
   });
   if (version_.empty())
-    throw InputError(fmt::format("{}: does not say which version it is, expected COLMAP 3.6 or "
-                                 "later; {}",
+    throw InputError(fmt::format("{}: does not say which version it is, expected COLMAP; {}",
                                  program_.string(), kRemedy));
   if (major_ < 3 || (major_ == 3 && minor_ < 6))
     throw InputError(fmt::format("{}: is COLMAP {}, expected 3.6 or later; {}", program_.string(),

@@ -13,27 +13,24 @@ namespace tessera {
 namespace {
 
 constexpr int kBlur = 5;             // pixels, box: noise averages out, motion does not
-constexpr float kLeastMotion = 3;    // 8-bit values: what rounding and compression do
-constexpr float kNoiseFactor = 3;    // motion deviates by this many times the median deviation
+constexpr float kLeastMotion = 2;    // 8-bit values: what rounding and compression do
+constexpr float kNoiseFactor = 4;    // motion deviates by this many times the median deviation
 constexpr float kMomentFactor = 2;   // one frame's noise is not averaged over time
 constexpr double kReach = 1.0 / 60;  // of the picture's width: features look beyond their centre
 
-/// The mean absolute deviation from the median over time, averaged over channels and neighbours.
+/// |difference from the median over time|, averaged over the pictures; the signed difference is
+/// averaged over channels and neighbours first, which takes noise away and leaves motion.
 cv::Mat deviation_of(const std::vector<Image8>& pictures, const Image8& median) {
   cv::Mat deviation(median.height, median.width, CV_32F, cv::Scalar(0));
-  const float share = 1.0f / float(pictures.size() * size_t(median.channels));
-  parallel_for(median.height, 16, [&](int64_t begin, int64_t end) {
-    for (auto y = int(begin); y < int(end); ++y) {
-      auto* row = deviation.ptr<float>(y);
-      for (const Image8& picture : pictures)
-        for (int i = 0; i < median.width * median.channels; ++i) {
-          const size_t at = size_t(y) * size_t(median.width * median.channels) + size_t(i);
-          row[i / median.channels] +=
-              share * float(std::abs(int(picture.data[at]) - int(median.data[at])));
-        }
-    }
-  });
-  cv::blur(deviation, deviation, cv::Size(kBlur, kBlur));
+  const float share = 1.0f / float(median.channels);
+  for (const Image8& picture : pictures) {
+    cv::Mat difference(median.height, median.width, CV_32F, cv::Scalar(0));
+    for (size_t at = 0; at < median.data.size(); ++at)
+      reinterpret_cast<float*>(difference.data)[at / size_t(median.channels)] +=
+          share * float(int(picture.data[at]) - int(median.data[at]));
+    cv::blur(difference, difference, cv::Size(kBlur, kBlur));
+    deviation += cv::abs(difference) / double(pictures.size());
+  }
   return deviation;
 }
 
