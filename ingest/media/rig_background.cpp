@@ -15,23 +15,38 @@ namespace {
 constexpr int kBlur = 5;             // pixels, box: noise averages out, motion does not
 constexpr float kLeastMotion = 2;    // 8-bit values: what rounding and compression do
 constexpr float kNoiseFactor = 4;    // motion deviates by this many times the median deviation
+constexpr double kSteady = 0.75;     // of the frames must show what the median shows
 constexpr float kMomentFactor = 2;   // one frame's noise is not averaged over time
 constexpr double kReach = 1.0 / 60;  // of the picture's width: features look beyond their centre
 
-/// |difference from the median over time|, averaged over the pictures; the signed difference is
-/// averaged over channels and neighbours first, which takes noise away and leaves motion.
-cv::Mat deviation_of(const std::vector<Image8>& pictures, const Image8& median) {
-  cv::Mat deviation(median.height, median.width, CV_32F, cv::Scalar(0));
+/// max(0, 2|mean d| − mean|d|) of the differences d from the median over time, means over
+/// neighbours: |d| where all differ alike, as where something moves; 0 of noise, however strong.
+cv::Mat deviation_of(const Image8& picture, const Image8& median) {
+  cv::Mat difference(median.height, median.width, CV_32F, cv::Scalar(0)), mean, magnitude;
   const float share = 1.0f / float(median.channels);
-  for (const Image8& picture : pictures) {
-    cv::Mat difference(median.height, median.width, CV_32F, cv::Scalar(0));
-    for (size_t at = 0; at < median.data.size(); ++at)
-      reinterpret_cast<float*>(difference.data)[at / size_t(median.channels)] +=
-          share * float(int(picture.data[at]) - int(median.data[at]));
-    cv::blur(difference, difference, cv::Size(kBlur, kBlur));
-    deviation += cv::abs(difference) / double(pictures.size());
-  }
-  return deviation;
+  for (size_t at = 0; at < median.data.size(); ++at)
+    reinterpret_cast<float*>(difference.data)[at / size_t(median.channels)] +=
+        share * float(int(picture.data[at]) - int(median.data[at]));
+  cv::blur(difference, mean, cv::Size(kBlur, kBlur));
+  cv::blur(cv::abs(difference), magnitude, cv::Size(kBlur, kBlur));
+  return cv::max(2 * cv::abs(mean) - magnitude, 0.0);
+}
+
+/// At each pixel the deviation that a share kSteady of the pictures does not exceed: what passes
+/// by in a few of them leaves the median as it is.
+cv::Mat steady_deviation(const std::vector<Image8>& pictures, const Image8& median) {
+  std::vector<cv::Mat> deviations;
+  for (const Image8& picture : pictures) deviations.push_back(deviation_of(picture, median));
+  const auto rank = size_t(kSteady * double(pictures.size() - 1));
+  cv::Mat steady(median.height, median.width, CV_32F);
+  std::vector<float> values(pictures.size());
+  for (int y = 0; y < steady.rows; ++y)
+    for (int x = 0; x < steady.cols; ++x) {
+      for (size_t k = 0; k < values.size(); ++k) values[k] = deviations[k].at<float>(y, x);
+      std::nth_element(values.begin(), values.begin() + ptrdiff_t(rank), values.end());
+      steady.at<float>(y, x) = values[rank];
+    }
+  return steady;
 }
 
 float median_of(const cv::Mat& values) {
@@ -86,14 +101,14 @@ StillPicture still_picture(const std::vector<Image8>& pictures) {
       median.data[at] = *middle;
     }
   });
-  cv::Mat deviation = deviation_of(pictures, median);
+  const cv::Mat deviation = steady_deviation(pictures, median);
   still.threshold = std::max(kLeastMotion, kNoiseFactor * median_of(deviation));
   still.mask = picture_of(255 - widened(deviation > still.threshold));
   return still;
 }
 
 Image8 moving_mask(const Image8& picture, const StillPicture& still) {
-  const cv::Mat deviation = deviation_of({picture}, still.picture);
+  const cv::Mat deviation = deviation_of(picture, still.picture);
   return picture_of(widened(deviation > kMomentFactor * still.threshold));
 }
 

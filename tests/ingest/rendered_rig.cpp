@@ -29,6 +29,8 @@ const std::array<Box, 5> kBoxes{{{{-3, -9, 0}, {3, 2.5, 3.2}, 1},
                                  {{-0.5, 1.2, 0}, {0.4, 2.0, 2.0}, 4},
                                  {{0.3, -1.4, 0}, {0.9, -0.9, 0.5}, 5}}};
 
+constexpr double kPanelY = 0.8;  // it stands across the room
+
 double lattice(int x, int y, int seed) {
   uint32_t h = uint32_t(x) * 0x8da6b343u ^ uint32_t(y) * 0xd8163841u ^ uint32_t(seed) * 0xcb1ab31fu;
   h = (h ^ (h >> 13)) * 0x5bd1e995u;
@@ -82,7 +84,7 @@ glm::dvec3 trace(const glm::dvec3& from, const glm::dvec3& along, bool has_panel
     colour = colour_at(at[(axis + 1) % 3] + 40 * axis, at[(axis + 2) % 3], box.seed);
   }
   if (!has_panel) return colour;
-  const double t = (0.8 - from.y) / along.y;  // an upright panel with texture that goes along x
+  const double t = (kPanelY - from.y) / along.y;  // an upright panel with texture that goes along x
   const glm::dvec3 at = from + t * along;
   if (t > 0 && t < nearest && std::abs(at.x) < 1.7 && at.z > 0.4 && at.z < 2.2)
     colour = colour_at(at.x - shift, at.z, 9);
@@ -111,10 +113,25 @@ std::vector<Camera> true_cameras(const RenderedRig& rig) {
   return cameras;
 }
 
+double distance_to_surface(const glm::dvec3& point) {
+  double nearest = std::abs(point.y - kPanelY);
+  for (const Box& box : kBoxes) {
+    glm::dvec3 outside(0);
+    double inside = -1e9;
+    for (int i = 0; i < 3; ++i) {
+      const double beyond = std::max(box.low[i] - point[i], point[i] - box.high[i]);
+      outside[i] = std::max(beyond, 0.0);
+      inside = std::max(inside, beyond);
+    }
+    nearest = std::min(nearest, inside > 0 ? glm::length(outside) : -inside);
+  }
+  return nearest;
+}
+
 Image8 rendered_picture(const RenderedRig& rig, int number, int frame) {
   const Camera camera = true_cameras(rig)[size_t(number)];
   const glm::dvec3 centre = camera.position();
-  const double shift = rig.panel_step * (frame + number);
+  const double shift = rig.panel_step * (frame + (rig.clocks_agree ? 0 : number));
   Image8 picture{rig.width, rig.height, 3, {}};
   picture.data.resize(size_t(rig.width * rig.height * 3));
   parallel_for(rig.height, 8, [&](int64_t begin, int64_t end) {
