@@ -24,7 +24,7 @@ extern char** environ;
 namespace tessera {
 namespace {
 
-constexpr int kSilenceMs = 100;  // between two looks at a child that says nothing
+constexpr int kSilenceMs = 100;                   // between two looks at a child that says nothing
 constexpr auto kGrace = std::chrono::seconds(1);  // between SIGTERM and SIGKILL
 
 /// The child and its group; both are gone when this is.
@@ -111,8 +111,8 @@ pid_t spawn(const ChildCommand& command, int output) {
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setsigdefault(&attributes, &all);
   posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK |
-                                            POSIX_SPAWN_SETSIGDEF);
+  posix_spawnattr_setflags(&attributes,
+                           POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   pid_t child = 0;
   const int error = ::posix_spawn(&child, arguments[0].c_str(), &files, &attributes,
                                   pointers_to(arguments).data(), pointers_to(environment).data());

@@ -12,7 +12,7 @@
 namespace tessera {
 
 struct ChildCommand {
-  std::vector<std::string> arguments;  // [0]: the program's path
+  std::vector<std::string> arguments;                            // [0]: the program's path
   std::vector<std::pair<std::string, std::string>> environment;  // beyond our own
   std::filesystem::path log;  // what it says is added here; empty: kept nowhere
 };

@@ -14,7 +14,8 @@
 namespace tessera {
 namespace {
 
-constexpr const char* kRemedy = "install colmap 3.6 or later (Debian: apt install colmap), or pass --poses FILE";
+constexpr const char* kRemedy =
+    "install colmap 3.6 or later (Debian: apt install colmap), or pass --poses FILE";
 
 ChildCommand command_of(const std::filesystem::path& program, const std::filesystem::path& log) {
   // its windows need no screen
@@ -29,11 +30,11 @@ ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& pr
   const std::string name = stated != nullptr && *stated != '\0' ? stated : "colmap";
   program_ = find_program(name);
   if (program_.empty())
-    throw InputError(fmt::format(
-        "{}: no such program{}; {}", name,
-        stated != nullptr && *stated != '\0' ? " (from the environment variable TESSERA_COLMAP)"
-                                             : " in PATH, camera poses need it",
-        kRemedy));
+    throw InputError(fmt::format("{}: no such program{}; {}", name,
+                                 stated != nullptr && *stated != '\0'
+                                     ? " (from the environment variable TESSERA_COLMAP)"
+                                     : " in PATH, camera poses need it",
+                                 kRemedy));
   make_folder(log_.parent_path());
   ChildCommand command = command_of(program_, {});
   command.arguments.emplace_back("help");
@@ -67,9 +68,8 @@ void ColmapProgram::run(const std::string& command, const ColmapOptions& options
     progress_(doing, total > 0 ? std::min(done, total) : done, total);
   });
   if (result.exit_code != 0)
-    throw InputError(
-        fmt::format("colmap {} failed (exit code {}): {} (log: {}); {}", command, result.exit_code,
-                    result.last_line, log_.string(), remedy));
+    throw InputError(fmt::format("colmap {} failed (exit code {}): {} (log: {}); {}", command,
+                                 result.exit_code, result.last_line, log_.string(), remedy));
 }
 
 void ColmapProgram::extract_features(ColmapOptions options, int64_t pictures) const {

@@ -1,5 +1,5 @@
-// What: the program `colmap`: found, its version checked, its commands run with what they said kept.
-// Not: which commands make poses (rig_poses.cpp, moving_camera.cpp).
+// What: the program `colmap`: found, its version checked, its commands run with what they said
+// kept. Not: which commands make poses (rig_poses.cpp, moving_camera.cpp).
 #pragma once
 #include <filesystem>
 #include <string>

@@ -82,7 +82,9 @@ void ColmapWorkspace::store_key(const std::string& key) const {
   write_text_file(folder / "key.txt", key);
 }
 
-double tight_error(int width) { return std::max(1.0, width / 1000.0); }
+double tight_error(int width) {
+  return std::max(1.0, width / 1000.0);
+}
 
 std::filesystem::path largest_colmap_model(const std::filesystem::path& sparse,
                                            std::vector<std::string>& warnings) {

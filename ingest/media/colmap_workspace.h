@@ -32,8 +32,7 @@ class ColmapWorkspace {
   /// Writes picture and mask; returns the name.
   std::string add(size_t index, const StillPicture& still) const;
   /// Features of all pictures, matched with each other.
-  void find_matches(const ColmapProgram& colmap, const FeatureOptions& options,
-                    size_t count) const;
+  void find_matches(const ColmapProgram& colmap, const FeatureOptions& options, size_t count) const;
   /// Points from the pictures of `model` alone, with poses and lenses as stated there, into the
   /// folder `out`. `max_error`: of a feature, pixels.
   void triangulate(const ColmapProgram& colmap, const std::filesystem::path& model,

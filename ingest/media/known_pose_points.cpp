@@ -14,7 +14,7 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kSamples = 9;  // frames of a clip behind its median
+constexpr size_t kSamples = 9;      // frames of a clip behind its median
 constexpr double kErrorFactor = 2;  // known poses are off by their own error
 
 /// One triangulation: pictures with masks of the clips that have one.

@@ -14,7 +14,7 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kExhaustive = 500;  // pictures; beyond, all pairs take hours
+constexpr size_t kExhaustive = 500;        // pictures; beyond, all pairs take hours
 constexpr const char* kNeighbours = "20";  // of a picture in order, that it is matched with
 
 std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder) {
@@ -50,9 +50,8 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, 
                           {"--image_path", source},
                           {"--ImageReader.camera_model", lens}};
     if (!options.intrinsics_per_camera)
-      reading.emplace_back(in_order ? "--ImageReader.single_camera"
-                                    : "--ImageReader.single_camera_per_folder",
-                           "1");
+      reading.emplace_back(
+          in_order ? "--ImageReader.single_camera" : "--ImageReader.single_camera_per_folder", "1");
     colmap.extract_features(reading, int64_t(files.size()));
     if (in_order || files.size() > kExhaustive)
       colmap.match_features("sequential_matcher", {{"--database_path", database},
@@ -71,12 +70,13 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, 
   MovingCameraModel result;
   result.folder = largest_colmap_model(work.sparse, result.warnings);
   if (result.folder.empty())
-    throw InputError(fmt::format("{}: COLMAP made no model of it (log: {}); take more pictures, "
-                                 "each seeing much of what the one before saw",
-                                 pictures.string(), colmap.log().string()));
+    throw InputError(
+        fmt::format("{}: COLMAP made no model of it (log: {}); take more pictures, "
+                    "each seeing much of what the one before saw",
+                    pictures.string(), colmap.log().string()));
   const size_t registered = read_colmap_model(result.folder).photos.size();
-  const std::string seen = fmt::format("{}: COLMAP registered {} of {} pictures",
-                                       pictures.string(), registered, files.size());
+  const std::string seen = fmt::format("{}: COLMAP registered {} of {} pictures", pictures.string(),
+                                       registered, files.size());
   if (registered < files.size() && options.strict)
     throw InputError(fmt::format("{} (log: {}); leave --strict out to go on without the others",
                                  seen, colmap.log().string()));

@@ -19,10 +19,10 @@ double parameter_of(const RigCamera& rig, const std::string& name) {
   const Camera& camera = rig.camera;
   const Lens& lens = rig.lens;
   const std::map<std::string, double> values{
-      {"f", camera.fl_x}, {"fx", camera.fl_x}, {"fy", camera.fl_y}, {"cx", camera.cx},
-      {"cy", camera.cy},  {"k1", lens.k1},     {"k2", lens.k2},     {"k3", lens.k3},
-      {"k4", lens.k4},    {"d1", lens.d1},     {"d2", lens.d2},     {"d3", lens.d3},
-      {"p1", lens.p1},    {"p2", lens.p2},     {"s1", lens.s1},     {"s2", lens.s2},
+      {"f", camera.fl_x},   {"fx", camera.fl_x}, {"fy", camera.fl_y}, {"cx", camera.cx},
+      {"cy", camera.cy},    {"k1", lens.k1},     {"k2", lens.k2},     {"k3", lens.k3},
+      {"k4", lens.k4},      {"d1", lens.d1},     {"d2", lens.d2},     {"d3", lens.d3},
+      {"p1", lens.p1},      {"p2", lens.p2},     {"s1", lens.s1},     {"s2", lens.s2},
       {"omega", lens.omega}};
   const auto found = values.find(name);
   check(found != values.end(), "a parameter of a COLMAP camera without a value");
@@ -32,11 +32,9 @@ double parameter_of(const RigCamera& rig, const std::string& name) {
 }  // namespace
 
 std::string colmap_lens_line(const RigCamera& rig) {
-  std::string line =
-      fmt::format("{} {} {}", rig.lens_model, rig.camera.width, rig.camera.height);
+  std::string line = fmt::format("{} {} {}", rig.lens_model, rig.camera.width, rig.camera.height);
   std::istringstream names(colmap_camera_model(rig.lens_model, rig.name).parameters);
-  for (std::string name; names >> name;)
-    line += fmt::format(" {:.17g}", parameter_of(rig, name));
+  for (std::string name; names >> name;) line += fmt::format(" {:.17g}", parameter_of(rig, name));
   return line;
 }
 

@@ -13,10 +13,9 @@ namespace tessera {
 namespace {
 
 constexpr int kBlur = 5;             // pixels, box: noise averages out, motion does not
-constexpr float kLeastMotion = 2;    // 8-bit values: what rounding and compression do
+constexpr float kLeastMotion = 8;    // 8-bit values: coded noise flickers in blocks of less
 constexpr float kNoiseFactor = 4;    // motion deviates by this many times the median deviation
 constexpr double kSteady = 0.75;     // of the frames must show what the median shows
-constexpr float kMomentFactor = 2;   // one frame's noise is not averaged over time
 constexpr double kReach = 1.0 / 60;  // of the picture's width: features look beyond their centre
 
 /// max(0, 2|mean d| − mean|d|) of the differences d from the median over time, means over
@@ -109,7 +108,7 @@ StillPicture still_picture(const std::vector<Image8>& pictures) {
 
 Image8 moving_mask(const Image8& picture, const StillPicture& still) {
   const cv::Mat deviation = deviation_of(picture, still.picture);
-  return picture_of(widened(deviation > kMomentFactor * still.threshold));
+  return picture_of(widened(deviation > still.threshold));
 }
 
 }  // namespace tessera

@@ -10,9 +10,9 @@
 namespace tessera {
 
 struct StillPicture {
-  Image8 picture;        // RGB, each value the median over time
-  Image8 mask;           // one channel: 255 still, 0 moving
-  float threshold = 0;   // 8-bit values: a pixel that deviates by more moves
+  Image8 picture;       // RGB, each value the median over time
+  Image8 mask;          // one channel: 255 still, 0 moving
+  float threshold = 0;  // 8-bit values: a pixel that deviates by more moves
 };
 
 /// Up to `count` indices into the clip's frames, spread evenly, first and last among them.

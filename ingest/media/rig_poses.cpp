@@ -14,7 +14,7 @@ namespace tessera {
 namespace {
 
 constexpr size_t kSamples = 9;  // frames of a clip behind its median
-constexpr int kRounds = 2;      // of triangulation and adjustment: the third changes < 0.001 degrees
+constexpr int kRounds = 2;  // of triangulation and adjustment: the third changes < 0.001 degrees
 constexpr const char* kOverlapRemedy =
     "let neighbouring cameras see more of the same textured things, or pass --poses FILE";
 
@@ -130,8 +130,8 @@ std::vector<StillPicture> still_pictures(const std::vector<RigClip>& clips, Fnv1
   std::vector<StillPicture> stills;
   for (const RigClip& clip : clips) {
     progress("reading frames for the camera poses", int64_t(stills.size()), int64_t(clips.size()));
-    stills.push_back(still_picture(
-        sample_pictures(clip, spread_frames(clip.timeline.ticks.size(), kSamples))));
+    stills.push_back(
+        still_picture(sample_pictures(clip, spread_frames(clip.timeline.ticks.size(), kSamples))));
     const Image8& picture = stills.back().picture;
     key.add(fmt::format("{} {}x{}", clip.name, picture.width, picture.height));
     key.add(picture.data.data(), picture.data.size());
@@ -146,14 +146,14 @@ void name_unregistered(const std::vector<RigClip>& clips, const PoseOptions& opt
   for (size_t i = 0; i < clips.size(); ++i)
     if (!estimate.cameras[i]) missing.push_back(clips[i].name);
   if (clips.size() - missing.size() < 2)
-    throw InputError(fmt::format("COLMAP registered {} of {} cameras, expected at least 2 (log: "
-                                 "{}); {}",
-                                 clips.size() - missing.size(), clips.size(), log.string(),
-                                 kOverlapRemedy));
+    throw InputError(
+        fmt::format("COLMAP registered {} of {} cameras, expected at least 2 (log: "
+                    "{}); {}",
+                    clips.size() - missing.size(), clips.size(), log.string(), kOverlapRemedy));
   if (missing.empty()) return;
-  const std::string seen = fmt::format("COLMAP registered {} of {} cameras, not {}",
-                                       clips.size() - missing.size(), clips.size(),
-                                       fmt::join(missing, ", "));
+  const std::string seen =
+      fmt::format("COLMAP registered {} of {} cameras, not {}", clips.size() - missing.size(),
+                  clips.size(), fmt::join(missing, ", "));
   if (options.strict)
     throw InputError(fmt::format("{} (log: {}); {}, or leave --strict out to go on without", seen,
                                  log.string(), kOverlapRemedy));

@@ -57,8 +57,7 @@ TEST(ChildProcess, PassesArgumentsAsTheyAreAndKeepsWhatIsSaid) {
 
 // Ctrl-C: progress throws. Catches: only the child killed, not the sleeper that it started.
 TEST(ColmapProgram, LeavesNoProcessBehindWhenProgressThrows) {
-  const StandIn colmap(std::string(kVersion) +
-                       "sleep 60 &\necho $! > \"$2\"\necho busy\nwait\n");
+  const StandIn colmap(std::string(kVersion) + "sleep 60 &\necho $! > \"$2\"\necho busy\nwait\n");
   const TemporaryFolder folder;
   struct Stop {};
   bool stop = false;

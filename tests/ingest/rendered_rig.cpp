@@ -139,8 +139,9 @@ Image8 rendered_picture(const RenderedRig& rig, int number, int frame) {
       for (int x = 0; x < rig.width; ++x) {
         glm::dvec3 sum(0);
         for (int s = 0; s < 4; ++s)
-          sum += trace(centre, ray_through(camera, x + 0.25 + 0.5 * (s % 2), y + 0.25 + s / 2 * 0.5),
-                       rig.panel_step != 0, shift);
+          sum +=
+              trace(centre, ray_through(camera, x + 0.25 + 0.5 * (s % 2), y + 0.25 + s / 2 * 0.5),
+                    rig.panel_step != 0, shift);
         for (int c = 0; c < 3; ++c)
           picture.data[size_t((y * rig.width + x) * 3 + c)] =
               c == 2 && number == rig.blue_camera ? 255 : uint8_t(40 + 170 * sum[c] / 4);

@@ -21,7 +21,9 @@ namespace {
 
 const IngestProgress kQuiet = [](std::string_view, int64_t, int64_t) {};
 
-bool has_colmap() { return !find_program("colmap").empty(); }
+bool has_colmap() {
+  return !find_program("colmap").empty();
+}
 
 std::vector<Camera> cameras_of(const PoseEstimate& estimate) {
   std::vector<Camera> cameras;
@@ -33,7 +35,7 @@ std::vector<Camera> cameras_of(const PoseEstimate& estimate) {
 /// How many points have the colour that only the held-out camera sees.
 int blue_points(const PoseEstimate& estimate) {
   int count = 0;
-  for (const auto& colour : estimate.points.colour) { count += colour[2] > 165; if (colour[2]>165) printf("%d ", colour[2]);}
+  for (const auto& colour : estimate.points.colour) count += colour[2] > 165;
   return count;
 }
 
@@ -43,7 +45,8 @@ int blue_points(const PoseEstimate& estimate) {
 TEST(RigAlignment, UndoesASimilarityAndMeasuresWhatIsLeft) {
   const auto truth = true_cameras({});
   const Similarity world{
-      2.5, glm::dmat3(glm::rotate(glm::dmat4(1), 1.1, glm::normalize(glm::dvec3(1, -2, 0.5)))),
+      2.5,
+      glm::dmat3(glm::rotate(glm::dmat4(1), 1.1, glm::normalize(glm::dvec3(1, -2, 0.5)))),
       {3, -4, 5}};
   std::vector<Camera> moved = truth;
   for (Camera& camera : moved) {
@@ -67,7 +70,8 @@ TEST(RigAlignment, UndoesASimilarityAndMeasuresWhatIsLeft) {
 
 // Failure mode B5, and the product's bound: rotation 0.1 degrees, centres 0.5 % of the extent. The
 // panel fills a third of the pictures, and the cameras' clocks differ, so each sees it elsewhere.
-// The folder's name has what a shell would trip over. Catches: ...
+// The folder's name has what a shell would trip over. Catches: no
+// mask (seen without, on first frames: 23.7 degrees), points of all cameras (B18), a shell.
 TEST(RigPoses, MovingTextureIsMaskedAndAllCamerasComeOutRight) {
   if (!has_colmap()) GTEST_SKIP() << "no colmap in PATH";
   const TemporaryFolder folder;
@@ -79,19 +83,20 @@ TEST(RigPoses, MovingTextureIsMaskedAndAllCamerasComeOutRight) {
   const auto all = estimate_rig(clips, held_out, videos / "-work", {}, kQuiet);
   held_out[0] = 1;
   const auto estimate = estimate_rig(clips, held_out, videos / "-work", {}, kQuiet);
-  printf("blue all %d held %d\n", blue_points(all), blue_points(estimate));
+  EXPECT_GT(blue_points(all), 30);  // seen: 79 and 7, what coding does to colour at edges
+  EXPECT_LT(5 * blue_points(estimate), blue_points(all));
   ASSERT_EQ(cameras_of(estimate).size(), clips.size());
   const RigError error = rig_error(cameras_of(estimate), true_cameras(rig));
   RecordProperty("rotation", std::to_string(error.rotation));
   RecordProperty("centre", std::to_string(error.centre));
-  printf("masked: %.4f deg %.4f %% f %.2f %s\n", error.rotation, 100 * error.centre, estimate.cameras[0]->camera.fl_x, estimate.cameras[0]->lens_model.c_str());
   EXPECT_LE(error.rotation, 0.1);
   EXPECT_LE(error.centre, 0.005);
   EXPECT_GT(estimate.points.position.size(), 300u);
 }
 
-// Known poses. Points lie on the room's true surfaces to 0.08 units (z² / (f b) = 4.5² / (288 · 0.9):
-// a pixel's depth between neighbours). Still ones have the first moment; the panel's their own. The clocks of this rig agree. Catches: poses or times mixed up between cameras.
+// Known poses. Points lie on the room's true surfaces to 0.08 units (z² / (f b) = 4.5² / (288 ·
+// 0.9): a pixel's depth between neighbours). Still ones have the first moment; the panel's their
+// own. The clocks of this rig agree. Catches: poses or times mixed up between cameras.
 TEST(KnownPosePoints, StillAndMovingPointsLieOnTheirSurfaces) {
   if (!has_colmap()) GTEST_SKIP() << "no colmap in PATH";
   const TemporaryFolder folder;
@@ -102,8 +107,8 @@ TEST(KnownPosePoints, StillAndMovingPointsLieOnTheirSurfaces) {
     clips[i].camera = RigCamera{clips[i].name, truth[i], {}, "PINHOLE"};
   const std::vector<RigInstant> instants{{0.25, std::vector<std::optional<size_t>>(5, 1)},
                                          {1.0, std::vector<std::optional<size_t>>(5, 6)}};
-  const PointCloud points = triangulate_instants(clips, std::vector<char>(5, 0), instants,
-                                                 folder / "work", {}, kQuiet);
+  const PointCloud points =
+      triangulate_instants(clips, std::vector<char>(5, 0), instants, folder / "work", {}, kQuiet);
   ASSERT_EQ(points.time.size(), points.position.size());
   ASSERT_EQ(points.still.size(), points.position.size());
   int still = 0, off = 0, moving[2] = {0, 0}, off_panel = 0;

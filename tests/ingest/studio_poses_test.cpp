@@ -33,8 +33,8 @@ TEST(StudioPoses, BareVideosGiveThePoses) {
   }
   std::vector<char> held_out(clips.size(), 0);
   held_out[0] = 1;
-  const auto estimate = estimate_rig(clips, held_out, folder / "work", {},
-                                     [](std::string_view, int64_t, int64_t) {});
+  const auto estimate =
+      estimate_rig(clips, held_out, folder / "work", {}, [](std::string_view, int64_t, int64_t) {});
   for (const auto& camera : estimate.cameras) {
     ASSERT_TRUE(camera.has_value());
     estimated.push_back(camera->camera);
@@ -47,7 +47,6 @@ TEST(StudioPoses, BareVideosGiveThePoses) {
   EXPECT_LE(error.rotation, 0.1);
   EXPECT_LE(error.centre, 0.005);
   EXPECT_TRUE(estimate.warnings.empty());
-  printf("studio: %.4f deg %.4f %% f %.2f %s points %zu\n", error.rotation, 100 * error.centre, estimated[0].fl_x, estimate.cameras[0]->lens_model.c_str(), estimate.points.position.size());
 }
 
 }  // namespace

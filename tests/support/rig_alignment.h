@@ -71,11 +71,11 @@ inline Similarity align_points(const std::vector<glm::dvec3>& from,
       for (int c = 0; c < 3; ++c) s[r][c] += a[r] * b[c];
   }
   const double yz = s[1][2] - s[2][1], zx = s[2][0] - s[0][2], xy = s[0][1] - s[1][0];
-  const auto q = top_eigenvector(
-      {{{s[0][0] + s[1][1] + s[2][2], yz, zx, xy},
-        {yz, s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2]},
-        {zx, s[0][1] + s[1][0], s[1][1] - s[0][0] - s[2][2], s[1][2] + s[2][1]},
-        {xy, s[2][0] + s[0][2], s[1][2] + s[2][1], s[2][2] - s[0][0] - s[1][1]}}});
+  const auto q =
+      top_eigenvector({{{s[0][0] + s[1][1] + s[2][2], yz, zx, xy},
+                        {yz, s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2]},
+                        {zx, s[0][1] + s[1][0], s[1][1] - s[0][0] - s[2][2], s[1][2] + s[2][1]},
+                        {xy, s[2][0] + s[0][2], s[1][2] + s[2][1], s[2][2] - s[0][0] - s[1][1]}}});
   Similarity result;
   result.rotation = glm::mat3_cast(glm::dquat(q[0], q[1], q[2], q[3]));
   double along = 0;
