@@ -41,4 +41,19 @@ PointCloud triangulate_instants(const std::vector<RigClip>& clips,
                                 const std::filesystem::path& work, const PoseOptions& options,
                                 const IngestProgress& progress);
 
+struct MovingCameraModel {
+  std::filesystem::path folder;  // of the COLMAP model; its pictures are named below `pictures`
+  std::vector<std::string> warnings;
+};
+
+/// Poses of the photos in a folder, or of frames of one video written there under names in the
+/// order of their times (`in_order`: each is matched with its neighbours only). Pictures of a
+/// folder share their lens unless `options` says otherwise. `work` as in estimate_rig. Errors:
+/// InputError: fewer than 2 pictures, no `colmap`, its failure, no model, or with `strict` pictures
+/// that were not registered.
+MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, bool in_order,
+                                         const std::filesystem::path& work,
+                                         const PoseOptions& options,
+                                         const IngestProgress& progress);
+
 }  // namespace tessera

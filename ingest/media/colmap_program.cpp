@@ -1,0 +1,88 @@
+// What: command lines of `colmap`, 3.6 and later.
+// Not: the process itself (child_process.h).
+#include "ingest/media/colmap_program.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <regex>
+
+#include "ingest/child_process.h"
+#include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+constexpr const char* kRemedy =
+    "install colmap 3.6 or later (Debian: apt install colmap), or pass --poses FILE";
+
+ChildCommand command_of(const std::filesystem::path& program, const std::filesystem::path& log) {
+  // its windows need no screen
+  return {{program.string()}, {{"QT_QPA_PLATFORM", "offscreen"}}, log};
+}
+
+}  // namespace
+
+ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& progress)
+    : log_(std::move(log)), progress_(progress) {
+  const char* stated = std::getenv("TESSERA_COLMAP");
+  const std::string name = stated != nullptr && *stated != '\0' ? stated : "colmap";
+  program_ = find_program(name);
+  if (program_.empty())
+    throw InputError(fmt::format("{}: no such program{}; {}", name,
+                                 stated != nullptr && *stated != '\0'
+                                     ? " (from the environment variable TESSERA_COLMAP)"
+                                     : " in PATH, camera poses need it",
+                                 kRemedy));
+  make_folder(log_.parent_path());
+  ChildCommand command = command_of(program_, {});
+  command.arguments.emplace_back("help");
+  static const std::regex kVersion(R"(COLMAP (\d{1,4})\.(\d{1,4}))");
+  run_child(command, [&](std::string_view line) {
+    std::match_results<std::string_view::const_iterator> match;
+    if (version_.empty() && std::regex_search(line.begin(), line.end(), match, kVersion)) {
+      major_ = std::stoi(match[1]), minor_ = std::stoi(match[2]);
+      version_ = fmt::format("{}.{}", major_, minor_);
+    }
+    if (line.empty()) progress_("starting colmap", 0, 0);
+  });
+  if (version_.empty())
+    throw InputError(fmt::format("{}: does not say which version it is, expected COLMAP; {}",
+                                 program_.string(), kRemedy));
+  if (major_ < 3 || (major_ == 3 && minor_ < 6))
+    throw InputError(fmt::format("{}: is COLMAP {}, expected 3.6 or later; {}", program_.string(),
+                                 version_, kRemedy));
+}
+
+void ColmapProgram::run(const std::string& command, const ColmapOptions& options,
+                        const std::string& doing, const std::string& step, int64_t total,
+                        const std::string& remedy) const {
+  ChildCommand child = command_of(program_, log_);
+  child.arguments.push_back(command);
+  for (const auto& [name, value] : options) child.arguments.push_back(name + "=" + value);
+  int64_t done = 0;
+  progress_(doing, done, total);
+  const ChildResult result = run_child(child, [&](std::string_view line) {
+    if (!step.empty() && line.find(step) != std::string_view::npos) ++done;
+    progress_(doing, total > 0 ? std::min(done, total) : done, total);
+  });
+  if (result.exit_code != 0)
+    throw InputError(fmt::format("colmap {} failed (exit code {}): {} (log: {}); {}", command,
+                                 result.exit_code, result.last_line, log_.string(), remedy));
+}
+
+void ColmapProgram::extract_features(ColmapOptions options, int64_t pictures) const {
+  options.emplace_back(
+      has_feature_groups() ? "--FeatureExtraction.use_gpu" : "--SiftExtraction.use_gpu", "0");
+  run("feature_extractor", options, "colmap: finding features", "Processed file", pictures);
+}
+
+void ColmapProgram::match_features(const std::string& matcher, ColmapOptions options) const {
+  const std::string group = has_feature_groups() ? "--FeatureMatching" : "--SiftMatching";
+  options.emplace_back(group + ".use_gpu", "0");
+  options.emplace_back(group + ".guided_matching", "1");
+  run(matcher, options, "colmap: matching features", "Matching ");
+}
+
+}  // namespace tessera

@@ -1,0 +1,48 @@
+// What: the program `colmap`: found, its version checked, its commands run with what they said
+// kept. Not: which commands make poses (rig_poses.cpp, moving_camera.cpp).
+#pragma once
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "ingest/ingest.h"
+
+namespace tessera {
+
+/// Options of a command in order: {"--image_path", "…"}.
+using ColmapOptions = std::vector<std::pair<std::string, std::string>>;
+
+class ColmapProgram {
+ public:
+  /// The program that the environment variable TESSERA_COLMAP names, else `colmap` of PATH; what
+  /// its commands say is added to `log`. Errors: InputError: there is none, it states no version,
+  /// or one before 3.6.
+  ColmapProgram(std::filesystem::path log, const IngestProgress& progress);
+
+  const std::string& version() const { return version_; }  // "3.8"
+  const std::filesystem::path& log() const { return log_; }
+
+  /// Runs it to its end. `doing` and `total` (0: not known) are for progress; one step is done with
+  /// each line that contains `step`. Errors: InputError with its last words and the log's path;
+  /// what `progress` throws, after the program and its children are gone.
+  void run(const std::string& command, const ColmapOptions& options, const std::string& doing,
+           const std::string& step = "", int64_t total = 0,
+           const std::string& remedy = "put that right, or pass --poses FILE") const;
+
+  // Commands whose options are named differently in the versions; without a graphics card.
+  void extract_features(ColmapOptions options, int64_t pictures) const;
+  /// `matcher`: "exhaustive_matcher" or "sequential_matcher".
+  void match_features(const std::string& matcher, ColmapOptions options) const;
+
+ private:
+  /// 3.12 renamed what holds for all kinds of features.
+  bool has_feature_groups() const { return major_ > 3 || (major_ == 3 && minor_ >= 12); }
+
+  std::filesystem::path program_, log_;
+  const IngestProgress& progress_;
+  std::string version_;
+  int major_ = 0, minor_ = 0;
+};
+
+}  // namespace tessera
