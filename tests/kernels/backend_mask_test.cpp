@@ -52,7 +52,7 @@ bool right_half(const TestScene<double>& scene, int view, int x) {
   return x >= scene.views[size_t(view)].camera.width / 2;
 }
 
-// Bugs put back, each seen to fail: inverted polarity; the gradient of ignored pixels not zeroed,
+// Bugs to put back: inverted polarity; the gradient of ignored pixels not zeroed,
 // so that what used neighbours' windows give leaks into them.
 TEST_P(BackendMask, HalfThatIsIgnoredHasNoGradientAndTheOtherKeepsIts) {
   TestScene<double> scene = large_scene(51);
@@ -75,7 +75,7 @@ TEST_P(BackendMask, HalfThatIsIgnoredHasNoGradientAndTheOtherKeepsIts) {
   EXPECT_LT(half.losses[0].l1, whole.losses[0].l1);
 }
 
-// Bug put back: the mask of view b read for view b + 1; seen to fail.
+// Bug: the mask of view b read for view b + 1; to be put back.
 TEST_P(BackendMask, UsedPixelsKeepTheirGradientOfL1ToTheBit) {
   TestScene<double> scene = large_scene(54);
   scene.weights = {1, 0};
@@ -88,7 +88,7 @@ TEST_P(BackendMask, UsedPixelsKeepTheirGradientOfL1ToTheBit) {
   });
 }
 
-// Bugs put back, each seen to fail: the truth of ignored pixels read in the windows of others; SSIM
+// Bugs to put back: the truth of ignored pixels read in the windows of others; SSIM
 // of ignored pixels summed.
 TEST_P(BackendMask, WhatIsIgnoredMayBeAnything) {
   TestScene<double> scene = large_scene(57);
@@ -120,7 +120,7 @@ TEST_P(BackendMask, PictureWithoutAUsedPixelHasNoLoss) {
   });
 }
 
-// Bug put back: 1 % of the masked pixels' maps kept; seen to fail.
+// Bug: 1 % of the masked pixels' maps kept; to be put back.
 TEST_P(BackendMask, LossAndGradientsEqualTheOracles) {
   TestScene<double> scene = large_scene(63);
   Random random(64);

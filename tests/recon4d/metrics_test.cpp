@@ -127,7 +127,7 @@ TEST(Metrics, TinyPicturesHaveNoReflectedSsimAndNeverNan) {
   }
 }
 
-// B17. Bugs put back, each seen to fail: the mean taken over all pixels; inverted polarity.
+// B17. Bugs to put back: the mean taken over all pixels; inverted polarity.
 TEST(Metrics, IgnoredPixelsDoNotCount) {
   const Image8 a = random_picture(20, 16, 10);
   Image8 b = a, garbage = a;
