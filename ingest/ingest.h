@@ -33,6 +33,10 @@ struct PoseOptions {
 struct IngestOptions {
   double scale = 1;                     // (0, 1]: size of the prepared frames by the source's
   std::optional<int64_t> frames;        // first N instants of each camera; all by default
+  double start = 0;                     // videos: seconds after the first common moment
+  std::optional<double> duration;       // videos: seconds; to the last common moment by default
+  std::optional<double> fps;            // videos: frames taken per second; all by default
+  std::vector<std::string> cameras;     // videos: those that are taken, by name; all by default
   std::vector<std::string> held_out;    // camera names that become the test split (videos, photos);
                                         // empty: the first camera, as N3DV's protocol has it
   bool fit_exposure = false;            // even out the training cameras' exposure and white balance
@@ -48,6 +52,9 @@ struct IngestOptions {
   int64_t cloud_points = 100000;      // at most, found by the sweep
   std::filesystem::path masks;  // folder of masks named as pictures or cameras; it replaces those
                                 // that a capture states; empty: the stated ones
+  SyncOptions sync;             // videos
+  PoseOptions poses;            // videos and photos
+  std::filesystem::path work;   // where estimates are kept for the next time; empty: out + ".work"
   bool invert_masks = false;    // black is used, not ignored
 };
 

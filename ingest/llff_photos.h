@@ -1,5 +1,5 @@
 // What: photos beside poses_bounds.npy (LLFF), one row a photo in the order of their names.
-// Not: videos (media/n3dv_capture.cpp), and no point cloud: LLFF's file has none.
+// Not: videos (media/video_capture.cpp), and no point cloud: LLFF's file has none.
 #pragma once
 #include <filesystem>
 

@@ -74,7 +74,7 @@ class Runner {
   }
 
   SceneOptions scene_options(bool pixels) const {
-    return {parse_background(options_.background), options_.static_only, pixels};
+    return {parse_background(options_.background), options_.static_only, pixels, {}};
   }
 
   void ingest() {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ingest/alpha_composite.h"
+#include "ingest/capture_layout.h"
 #include "ingest/files/png.h"
 #include "ingest/files/staged_folder.h"
 #include "ingest/media/conversion.h"
@@ -35,42 +36,61 @@ void check_options(const IngestOptions& options) {
                     options.cloud_points));
 }
 
-/// Options that one layout alone has.
-void check_layout_options(CaptureLayout layout, const IngestOptions& options) {
-  if (layout == CaptureLayout::kColmap || layout == CaptureLayout::kLlff) return;
-  for (const auto& [given, name] : {std::pair{!options.pictures.empty(), "--images"},
-                                    {options.test_every.has_value(), "--test-every"}})
-    if (given)
-      throw InputError(
-          fmt::format("{} is given, but the capture is not a photo set with poses (COLMAP or "
-                      "LLFF); leave it out",
-                      name));
+/// Options that some layouts alone have.
+void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
+  const bool videos = layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos;
+  const bool photos = layout == CaptureLayout::kColmap || layout == CaptureLayout::kLlff ||
+                      layout == CaptureLayout::kPhotos;
+  struct Row {
+    bool given, fits;
+    const char *name, *what;
+  };
+  const bool estimated = videos || layout == CaptureLayout::kPhotos;
+  for (const Row& row : {Row{!o.pictures.empty(), photos, "--images", "photos"},
+                         {o.test_every.has_value(), photos || videos, "--test-every", "photos"},
+                         {o.frames.has_value(), !photos, "--frames", "several moments"},
+                         {o.start != 0, videos, "--start", "videos"},
+                         {o.duration.has_value(), videos, "--duration", "videos"},
+                         {o.fps.has_value(), videos, "--fps", "videos"},
+                         {!o.cameras.empty(), videos, "--cameras", "videos"},
+                         {!o.sync.offsets.empty(), videos, "--offsets", "videos"},
+                         {!o.poses.lens_model.empty(), estimated, "--camera-model",
+                          "poses to be estimated"},
+                         {o.poses.intrinsics_per_camera, estimated, "--intrinsics",
+                          "poses to be estimated"}})
+    if (row.given && !row.fits)
+      throw InputError(fmt::format("{} is given, but this capture ({}) has no {}; leave it out",
+                                   row.name, layout_name(layout), row.what));
+}
+
+Converter* converter_of(CaptureLayout layout) {
+  switch (layout) {
+    case CaptureLayout::kTransforms:
+      return convert_transforms;
+    case CaptureLayout::kN3dv:
+    case CaptureLayout::kVideos:
+      return convert_videos;
+    case CaptureLayout::kColmap:
+      return convert_colmap;
+    case CaptureLayout::kLlff:
+      return convert_llff;
+    case CaptureLayout::kPhotos:
+      return convert_bare_photos;
+  }
+  return nullptr;
 }
 
 /// As ingest_capture, but what the file system says comes as its own exception.
 IngestReport convert_staged(const std::filesystem::path& capture, const std::filesystem::path& out,
-                            const IngestOptions& options, const IngestProgress& progress) {
+                            IngestOptions options, const IngestProgress& progress) {
   check_options(options);
   const CaptureLayout layout = options.layout ? *options.layout : detect_layout(capture);
   check_layout_options(layout, options);
-  if (layout == CaptureLayout::kVideos)
-    throw InputError(fmt::format(
-        "{}: videos without poses; add poses_bounds.npy (LLFF order, one row a video) or a "
-        "transforms.json with frames: estimating poses is not in this version",
-        capture.string()));
-  if (layout == CaptureLayout::kPhotos)
-    throw InputError(fmt::format(
-        "{}: photos without poses; run COLMAP on them and put its model into sparse/0, or add "
-        "poses_bounds.npy or a transforms.json with frames",
-        capture.string()));
+  if (options.work.empty()) options.work = std::filesystem::path(out).concat(".work");
   StagedFolder staged(out, is_prepared_scene(out));
   const IngestProgress report_progress =
       progress ? progress : [](std::string_view, int64_t, int64_t) {};
-  const auto convert = layout == CaptureLayout::kN3dv     ? convert_n3dv
-                       : layout == CaptureLayout::kColmap ? convert_colmap
-                       : layout == CaptureLayout::kLlff   ? convert_llff
-                                                          : convert_transforms;
-  Converted converted = convert(capture, staged.path(), options, report_progress);
+  Converted converted = converter_of(layout)(capture, staged.path(), options, report_progress);
   finish_scene(converted, layout, staged.path(), options, report_progress);
   converted.report.layout = layout;
   staged.commit();

@@ -14,6 +14,7 @@
 #include "ingest/media/conversion.h"
 #include "ingest/media/mask_source.h"
 #include "ingest/media/picture_intake.h"
+#include "ingest/media/pose_estimation.h"
 #include "ingest/media/undistortion.h"
 #include "ingest/point_cloud.h"
 #include "ingest/source_hash.h"
@@ -167,7 +168,8 @@ PreparedScene describe(const std::vector<FoundPhoto>& photos, double scale) {
   return scene;
 }
 
-/// Pictures of `pictures` with the poses of `model`, which is consumed.
+}  // namespace
+
 Converted convert_photos(const std::filesystem::path& capture,
                          const std::filesystem::path& pictures, ColmapModel model,
                          const std::filesystem::path& folder, const IngestOptions& options,
@@ -178,8 +180,6 @@ Converted convert_photos(const std::filesystem::path& capture,
         fmt::format("--test-every is {}, expected 2 or more, or 0 to hold none out", test_every));
   IngestReport report;
   report.warnings = std::move(model.warnings);
-  if (options.frames)
-    report.warnings.push_back("photos: --frames has no effect, each is one instant");
   auto photos = find_photos(model, pictures, options.held_out.empty() ? test_every : 0,
                             options.strict, report.warnings);
   choose_splits(photos, options, report.warnings);
@@ -201,8 +201,6 @@ Converted convert_photos(const std::filesystem::path& capture,
   return {std::move(scene), std::move(model.points), std::move(report)};
 }
 
-}  // namespace
-
 Converted convert_colmap(const std::filesystem::path& capture, const std::filesystem::path& folder,
                          const IngestOptions& options, const IngestProgress& progress) {
   const auto model_folder = find_colmap_model(capture);
@@ -213,6 +211,20 @@ Converted convert_colmap(const std::filesystem::path& capture, const std::filesy
   Converted converted = convert_photos(capture, picture_folder(capture, options.pictures),
                                        read_colmap_model(model_folder), folder, options, progress);
   converted.scene.layout = "colmap";
+  return converted;
+}
+
+Converted convert_bare_photos(const std::filesystem::path& capture,
+                              const std::filesystem::path& folder, const IngestOptions& options,
+                              const IngestProgress& progress) {
+  const auto pictures = picture_folder(capture, options.pictures);
+  MovingCameraModel estimate = estimate_moving_camera(pictures, false, options.work / "colmap",
+                                                      options.poses, progress);
+  Converted converted = convert_photos(capture, pictures, read_colmap_model(estimate.folder),
+                                       folder, options, progress);
+  converted.scene.layout = "photos";
+  std::vector<std::string>& warnings = converted.report.warnings;
+  warnings.insert(warnings.begin(), estimate.warnings.begin(), estimate.warnings.end());
   return converted;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 
+#include "ingest/colmap_model.h"
 #include "ingest/ingest.h"
 #include "ingest/prepared_scene.h"
 
@@ -17,21 +18,21 @@ struct Converted {
   IngestReport report;
 };
 
-/// Videos beside poses_bounds.npy. Errors: as ingest_capture.
-Converted convert_n3dv(const std::filesystem::path& capture, const std::filesystem::path& folder,
-                       const IngestOptions& options, const IngestProgress& progress);
-/// Pictures listed in transforms*.json. Errors: as ingest_capture.
-Converted convert_transforms(const std::filesystem::path& capture,
-                             const std::filesystem::path& folder, const IngestOptions& options,
-                             const IngestProgress& progress);
+using Converter = Converted(const std::filesystem::path& capture,
+                            const std::filesystem::path& folder, const IngestOptions& options,
+                            const IngestProgress& progress);
+// Errors of all: as ingest_capture.
+Converter convert_videos;       // one video a camera; poses are stated or estimated
+Converter convert_transforms;   // pictures listed in transforms*.json
+Converter convert_colmap;       // photos posed by a COLMAP model; a static scene
+Converter convert_llff;         // photos beside poses_bounds.npy, a row each; a static scene
+Converter convert_bare_photos;  // photos without poses, which COLMAP estimates; a static scene
 
-/// Photos posed by a COLMAP model; a static scene. Errors: as ingest_capture.
-Converted convert_colmap(const std::filesystem::path& capture, const std::filesystem::path& folder,
-                         const IngestOptions& options, const IngestProgress& progress);
-
-/// Photos beside poses_bounds.npy, a row each; a static scene. Errors: as ingest_capture.
-Converted convert_llff(const std::filesystem::path& capture, const std::filesystem::path& folder,
-                       const IngestOptions& options, const IngestProgress& progress);
+/// The pictures of `model` below `pictures` as a static scene; its `layout` is the caller's to name.
+Converted convert_photos(const std::filesystem::path& capture,
+                         const std::filesystem::path& pictures, ColmapModel model,
+                         const std::filesystem::path& folder, const IngestOptions& options,
+                         const IngestProgress& progress);
 
 /// Calls `convert` for each picture, in parallel, chunk by chunk, so that progress comes from the
 /// calling thread and stops what it wants to stop. Errors: the InputError of the first picture.

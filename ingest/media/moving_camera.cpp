@@ -17,7 +17,7 @@ namespace {
 constexpr size_t kExhaustive = 500;        // pictures; beyond, all pairs take hours
 constexpr const char* kNeighbours = "20";  // of a picture in order, that it is matched with
 
-std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> pictures_below(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
     if (entry.is_regular_file() && is_picture_name(entry.path())) files.push_back(entry.path());
@@ -34,7 +34,7 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, 
                                          const std::filesystem::path& folder,
                                          const PoseOptions& options,
                                          const IngestProgress& progress) {
-  const auto files = pictures_in(pictures);
+  const auto files = pictures_below(pictures);
   const ColmapWorkspace work(folder);
   const ColmapProgram colmap(work.folder / "colmap.log", progress);
   const std::string lens = options.lens_model.empty() ? "SIMPLE_RADIAL" : options.lens_model;

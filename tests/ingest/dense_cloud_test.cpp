@@ -103,7 +103,7 @@ PreparedScene write_scene(const Scene& scene, const std::filesystem::path& folde
   prepared.layout = "n3dv", prepared.background = "opaque";
   for (const Frame& frame : scene.frames) {
     write_png(folder / (frame.name + ".png"), frame.image);
-    prepared.frames.push_back({frame.name + ".png", frame, {}});
+    prepared.frames.push_back({frame.name + ".png", frame, {}, {}});
     prepared.frames.back().frame.image = {};
     if (frame.frame_number == 0) prepared.cameras.push_back({frame.camera_name, {}, 0});
   }

@@ -138,7 +138,7 @@ TEST(PhotoDistortion, TheWrongModelShiftsTheCornerAsPredicted) {
         picture.data[size_t(3 * (y * 200 + x))] = uint8_t(std::lround(
             std::max(0.0, 200 * (1 - glm::distance(glm::dvec2(x + 0.5, y + 0.5), met) / 4))));
     const auto light = [&](const Lens& lens) {
-      const Image8 shown = undistorted_picture(picture, camera.camera, lens, camera.camera);
+      const Image8 shown = Undistortion(camera.camera, lens, camera.camera).apply(picture);
       glm::dvec2 sum(0);
       double weight = 0;
       for (int y = 0; y < 160; ++y)

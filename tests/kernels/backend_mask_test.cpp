@@ -3,6 +3,7 @@
 //       keeps its own; against the oracle on pictures that span many tiles.
 // Not: the loss's definition (ssim_test.cpp), nor where masks come from (tests/ingest).
 // Source: failure mode B17.
+#include "kernels/math/ssim.h"
 #include "tests/kernels/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"
@@ -116,7 +117,9 @@ TEST_P(BackendMask, PictureWithoutAUsedPixelHasNoLoss) {
   EXPECT_EQ(run.losses[2].total, 0.0);
   EXPECT_GT(run.losses[0].total, 0.0);
   each_sample(run, [&](size_t b, int, int, size_t i) {
-    if (b == 2) EXPECT_EQ(run.d_colour[i], 0.0f);
+    if (b == 2) {
+      EXPECT_EQ(run.d_colour[i], 0.0f);
+    }
   });
 }
 

@@ -8,6 +8,7 @@
 #include "ingest/capture_layout.h"
 #include "ingest/checks/stations.h"
 #include "ingest/colmap_model.h"
+#include "ingest/llff_poses.h"
 #include "ingest/files/png.h"
 #include "ingest/media/image_source.h"
 #include "ingest/media/picture_scale.h"
@@ -61,7 +62,11 @@ int width_of(const std::filesystem::path& capture, CaptureLayout layout) {
     case CaptureLayout::kColmap:
       return read_colmap_model(find_colmap_model(capture)).photos.front().camera.width;
     case CaptureLayout::kTransforms:
-      return read_picture(read_transforms(capture).frames.front().image).width;
+      return read_picture(read_transforms_capture(capture).frames.front().image).width;
+    case CaptureLayout::kLlff:
+      return read_llff_poses(capture / "poses_bounds.npy").front().camera.width;
+    case CaptureLayout::kPhotos:
+      return 0;
   }
   return 0;
 }

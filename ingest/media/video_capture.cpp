@@ -1,0 +1,170 @@
+// What: one video a camera → prepared scene: poses, clocks, the choice of frames by their moments,
+//       pictures.
+// Not: each of these steps; this is their order.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ingest/frame_window.h"
+#include "ingest/media/clip_pictures.h"
+#include "ingest/media/conversion.h"
+#include "ingest/media/moving_video.h"
+#include "ingest/media/pose_estimation.h"
+#include "ingest/media/rig_clips.h"
+#include "ingest/point_cloud.h"
+#include "ingest/source_hash.h"
+#include "ingest/time_normalisation.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Work {
+  const fs::path& capture;
+  const fs::path& folder;
+  const IngestOptions& options;
+  const IngestProgress& progress;
+};
+
+/// Poses by COLMAP; cameras that it could not place are left out. Returns its points.
+PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::string>& warnings) {
+  PoseEstimate estimate = estimate_rig(rig.clips, rig.held_out, work.options.work / "colmap",
+                                       work.options.poses, work.progress);
+  warnings.insert(warnings.end(), estimate.warnings.begin(), estimate.warnings.end());
+  std::vector<char> placed;
+  for (size_t i = 0; i < rig.clips.size(); ++i) {
+    rig.clips[i].camera = std::move(estimate.cameras[i]);
+    placed.push_back(rig.clips[i].camera.has_value());
+  }
+  rig.keep_only(placed);
+  if (std::all_of(rig.held_out.begin(), rig.held_out.end(), [](char held) { return held; }))
+    throw InputError(fmt::format(
+        "{}: only held-out cameras could be placed, none is left to train on; name others with "
+        "--held-out",
+        work.capture.string()));
+  return std::move(estimate.points);
+}
+
+/// The moments of each clip's frames on the rig's clock, seconds.
+std::vector<std::vector<double>> rig_moments(const RigClips& rig, const ClipClocks& clocks) {
+  std::vector<std::vector<double>> moments;
+  for (size_t i = 0; i < rig.clips.size(); ++i) {
+    std::vector<double>& of_clip = moments.emplace_back();
+    for (const int64_t ticks : rig.clips[i].timeline.ticks)
+      of_clip.push_back(rig.clips[i].timeline.time_base.at(ticks) + clocks.clocks[i].offset);
+  }
+  return moments;
+}
+
+/// Adds the frames of clip `i` to the scene and their moments to `seconds`.
+void describe_frames(const RigClips& rig, size_t i, const std::vector<size_t>& chosen,
+                     const std::vector<double>& moments, PreparedScene& scene, ClipFrames& frames,
+                     std::vector<double>& seconds) {
+  const RigClip& clip = rig.clips[i];
+  for (size_t k = 0; k < chosen.size(); ++k) {
+    PreparedFrame prepared;
+    prepared.frame.name = fmt::format("{}/{:05}", clip.name, k);
+    prepared.file_path = prepared.frame.name + ".png";
+    prepared.frame.camera_name = clip.name;
+    prepared.frame.frame_number = int64_t(k);
+    prepared.frame.split = rig.held_out[i] ? Split::kTest : Split::kTrain;
+    prepared.ticks = clip.timeline.ticks[chosen[k]];
+    frames.ticks.push_back(*prepared.ticks);
+    frames.files.push_back(prepared.file_path);
+    seconds.push_back(moments[chosen[k]]);
+    scene.frames.push_back(std::move(prepared));
+  }
+}
+
+/// Which frames of each clip are kept: those that lie in the common part of all clips and in what
+/// was asked for.
+std::vector<std::vector<size_t>> frames_of_clips(const Work& work, const RigClips& rig,
+                                                 const std::vector<std::vector<double>>& moments) {
+  const IngestOptions& o = work.options;
+  const FrameWindow window{o.start, o.duration, o.fps, o.frames};
+  const TimeInterval common = common_interval(moments);
+  std::vector<std::vector<size_t>> chosen;
+  for (size_t i = 0; i < rig.clips.size(); ++i) {
+    chosen.push_back(choose_frames(moments[i], window, common));
+    if (chosen.back().empty())
+      throw InputError(fmt::format(
+          "{}: has no frame between {:.3f} s and {:.3f} s, where all cameras have some; change "
+          "--start, --duration or --fps, state the clocks with --offsets, or leave the camera out "
+          "with --cameras",
+          rig.clips[i].video.string(), common.first, common.last));
+  }
+  return chosen;
+}
+
+void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedClip& prepared,
+                   PreparedScene& scene) {
+  PreparedCamera camera;
+  camera.name = clip.name;
+  camera.time_base = clip.timeline.time_base;
+  camera.time_offset = clock.offset;
+  camera.time_uncertainty = clock.uncertainty;
+  camera.time_source = clock.source;
+  if (!clip.camera->lens.is_pinhole())
+    camera.removed_lenses.push_back({clip.camera->lens_model, clip.camera->lens});
+  for (PreparedFrame& frame : scene.frames)
+    if (frame.frame.camera_name == clip.name)
+      frame.frame.camera = prepared.camera, frame.mask_path = prepared.mask_path;
+  scene.cameras.push_back(std::move(camera));
+  scene.sources.push_back({clip.video.filename().string(), source_hash(clip.video)});
+}
+
+}  // namespace
+
+Converted convert_videos(const fs::path& capture, const fs::path& folder,
+                         const IngestOptions& options, const IngestProgress& progress) {
+  const Work work{capture, folder, options, progress};
+  IngestReport report;
+  RigClips rig = open_rig_clips(capture, options, report.warnings);
+  if (!rig.posed && rig.clips.size() == 1) {
+    Converted moving = convert_moving_video(capture, rig.clips.front(), folder, options, progress);
+    moving.report.warnings.insert(moving.report.warnings.begin(), report.warnings.begin(),
+                                  report.warnings.end());
+    return moving;
+  }
+  if (options.test_every)
+    throw InputError(
+        "--test-every is given, but cameras are held out here, not frames; pass --held-out");
+  PointCloud points = rig.posed ? find_points(capture, "", report.warnings)
+                                : place_cameras(work, rig, report.warnings);
+  const ClipClocks clocks = synchronise(rig.clips, options.sync, progress);
+  report.warnings.insert(report.warnings.end(), clocks.warnings.begin(), clocks.warnings.end());
+  const auto moments = rig_moments(rig, clocks);
+  const auto chosen = frames_of_clips(work, rig, moments);
+
+  PreparedScene scene;
+  scene.layout = rig.posed ? "n3dv" : "videos";
+  scene.scale = options.scale;
+  scene.background = "opaque";
+  std::vector<double> seconds;
+  std::vector<ClipFrames> frames(rig.clips.size());
+  for (size_t i = 0; i < rig.clips.size(); ++i)
+    describe_frames(rig, i, chosen[i], moments[i], scene, frames[i], seconds);
+  int64_t done = 0;
+  for (size_t i = 0; i < rig.clips.size(); ++i) {
+    const std::string doing = "decoding " + rig.clips[i].video.filename().string();
+    const PreparedClip prepared =
+        write_clip_pictures(rig.clips[i], frames[i], folder, options,
+                            [&] { progress(doing, ++done, int64_t(scene.frames.size())); });
+    record_camera(rig.clips[i], clocks.clocks[i], prepared, scene);
+  }
+  const bool one_instant = options.allow_static || options.frames == 1;
+  const NormalisedTimes times = normalise_times(seconds, one_instant, capture.string());
+  for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].frame.time = times.time[i];
+  scene.time_axis = times.axis;
+  scene.time_base = scene.cameras.front().time_base;
+  scene.is_static = times.is_static;
+  for (const fs::path& file : rig.pose_files)
+    scene.sources.push_back({file.filename().string(), source_hash(file)});
+  report.frames = int64_t(scene.frames.size());
+  report.cameras = int64_t(rig.clips.size());
+  return {std::move(scene), std::move(points), std::move(report)};
+}
+
+}  // namespace tessera
