@@ -80,6 +80,10 @@ ordered_json tessera_json(const PreparedScene& scene) {
     cameras.push_back({{"name", camera.name},
                        {"time_base", rational_json(camera.time_base)},
                        {"time_offset", camera.time_offset}});
+    if (!camera.time_source.empty()) {
+      cameras.back()["time_offset_source"] = camera.time_source;
+      cameras.back()["time_offset_uncertainty"] = camera.time_uncertainty;
+    }
     if (!camera.removed_lenses.empty())
       cameras.back()["removed_lenses"] = removed_lenses_json(camera);
     if (camera.exposure_gain) cameras.back()["exposure_gain"] = *camera.exposure_gain;

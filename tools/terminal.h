@@ -20,7 +20,7 @@ void print_result(bool as_json, const nlohmann::json& json, const std::string& t
 /// "12:34" or "1:02:03".
 std::string clock_time(double seconds);
 
-/// A bar for one stage. Call `update` as often as you like; it draws ten times a second on a
+/// A bar for the stages of one command: its clock begins anew where counting does. Call `update` as often as you like; it draws ten times a second on a
 /// terminal and every ten seconds elsewhere.
 class ProgressBar {
  public:
@@ -35,6 +35,7 @@ class ProgressBar {
  private:
   std::string label_;
   std::chrono::steady_clock::time_point begin_, drawn_;
+  int64_t done_ = 0, total_ = 0;  // of the last call: fewer, or of another total, is a new stage
   bool on_terminal_, visible_ = false;
 };
 

@@ -15,7 +15,7 @@ void write_wall(const std::filesystem::path& folder) {
   PreparedScene prepared;
   for (const Frame& frame : wall_scene({.cameras = 4, .size = 40}).frames) {
     write_png(folder / (frame.name + ".png"), frame.image);
-    prepared.frames.push_back({frame.name + ".png", frame, {}});
+    prepared.frames.push_back({frame.name + ".png", frame, {}, {}});
   }
   write_prepared_scene(folder, prepared);
 }
