@@ -97,7 +97,8 @@ void hold_out(const std::vector<std::string>& named, RigClips& rig,
   }
 }
 
-void read_timelines(RigClips& rig, std::vector<std::string>& warnings) {
+/// Clips that end early are taken only where the part that is wanted is stated (`bounded`).
+void read_timelines(RigClips& rig, bool bounded, std::vector<std::string>& warnings) {
   std::vector<std::string> errors(rig.clips.size());
   parallel_for(int64_t(rig.clips.size()), 1, [&](int64_t begin, int64_t end) {
     for (auto i = size_t(begin); i < size_t(end); ++i) try {
@@ -108,8 +109,14 @@ void read_timelines(RigClips& rig, std::vector<std::string>& warnings) {
   });
   for (const std::string& error : errors)
     if (!error.empty()) throw InputError(error);
-  for (const RigClip& clip : rig.clips)
+  for (const RigClip& clip : rig.clips) {
+    if (clip.timeline.truncated && !bounded)
+      throw InputError(fmt::format(
+          "{}; copy or encode it again, pass --duration or --frames to use what is there, or leave "
+          "the camera out with --cameras",
+          clip.timeline.warnings.front()));
     warnings.insert(warnings.end(), clip.timeline.warnings.begin(), clip.timeline.warnings.end());
+  }
 }
 
 /// Stated cameras take the size of their video.
@@ -143,7 +150,7 @@ RigClips open_rig_clips(const fs::path& capture, const IngestOptions& options,
   if (!poses.empty() && !by_row) pose_by_name(poses, rig.clips);
   rig.posed = !poses.empty();
   if (rig.posed) rig.pose_files.push_back(poses);
-  read_timelines(rig, warnings);
+  read_timelines(rig, options.duration || options.frames, warnings);
   if (rig.posed) fit_sizes(rig.clips);
   hold_out(options.held_out, rig, warnings);
   return rig;

@@ -78,13 +78,42 @@ void describe_frames(const RigClips& rig, size_t i, const std::vector<size_t>& c
   }
 }
 
+/// Says what is lost where the cameras do not begin or end together.
+void warn_of_cuts(const RigClips& rig, const std::vector<std::vector<double>>& moments,
+                  const TimeInterval& common, std::vector<std::string>& warnings) {
+  size_t begins_last = 0, ends_first = 0;
+  TimeInterval whole{moments[0].front(), moments[0].back()};
+  for (size_t i = 0; i < moments.size(); ++i) {
+    whole.first = std::min(whole.first, moments[i].front());
+    whole.last = std::max(whole.last, moments[i].back());
+    if (moments[i].front() > moments[begins_last].front()) begins_last = i;
+    if (moments[i].back() < moments[ends_first].back()) ends_first = i;
+  }
+  const double enough = 1.5 * rig.clips.front().timeline.frame_seconds;
+  if (common.first - whole.first > enough)
+    warnings.push_back(fmt::format(
+        "{} begins {:.3f} s after the first camera; frames before that are not used",
+        rig.clips[begins_last].video.filename().string(), common.first - whole.first));
+  if (whole.last - common.last > enough)
+    warnings.push_back(fmt::format(
+        "{} ends {:.3f} s before the last camera, at {:.3f} s; frames after that are not used",
+        rig.clips[ends_first].video.filename().string(), whole.last - common.last, common.last));
+}
+
 /// Which frames of each clip are kept: those that lie in the common part of all clips and in what
 /// was asked for.
 std::vector<std::vector<size_t>> frames_of_clips(const Work& work, const RigClips& rig,
-                                                 const std::vector<std::vector<double>>& moments) {
+                                                 const std::vector<std::vector<double>>& moments,
+                                                 std::vector<std::string>& warnings) {
   const IngestOptions& o = work.options;
   const FrameWindow window{o.start, o.duration, o.fps, o.frames};
   const TimeInterval common = common_interval(moments);
+  if (common.empty())
+    throw InputError(fmt::format(
+        "{}: the cameras have no moment in common; state their clocks with --offsets, or leave "
+        "some out with --cameras",
+        work.capture.string()));
+  warn_of_cuts(rig, moments, common, warnings);
   std::vector<std::vector<size_t>> chosen;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
     chosen.push_back(choose_frames(moments[i], window, common));
@@ -136,7 +165,7 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   const ClipClocks clocks = synchronise(rig.clips, options.sync, progress);
   report.warnings.insert(report.warnings.end(), clocks.warnings.begin(), clocks.warnings.end());
   const auto moments = rig_moments(rig, clocks);
-  const auto chosen = frames_of_clips(work, rig, moments);
+  const auto chosen = frames_of_clips(work, rig, moments, report.warnings);
 
   PreparedScene scene;
   scene.layout = rig.posed ? "n3dv" : "videos";

@@ -65,7 +65,8 @@ VideoTimeline read_timeline(const std::filesystem::path& path) {
   const auto add = [&](std::vector<std::string> lines) {
     timeline.warnings.insert(timeline.warnings.end(), lines.begin(), lines.end());
   };
-  if (!cut.empty())
+  timeline.truncated = !cut.empty();
+  if (timeline.truncated)
     timeline.warnings.push_back(fmt::format("{} is truncated after {} frames at {:.3f} s ({})",
                                             camera, timeline.ticks.size(),
                                             timeline.seconds(timeline.ticks.size() - 1), cut));

@@ -19,6 +19,7 @@ struct VideoTimeline {
   std::optional<double> clock;  // container time of tick 0, seconds since any common origin
                                 // (timecode, creation time); absent where it states none
   bool has_audio = false;
+  bool truncated = false;  // the file ends before what it states; `ticks` are what is there
   std::vector<std::string> warnings;  // gaps, duplicates, truncation: each with file and seconds
 
   double seconds(size_t frame) const { return time_base.at(ticks[frame]); }
