@@ -105,6 +105,7 @@ TEST(Lens, UnprojectingEveryModelRoundTrips) {
   }
   // r(1 − 2r²) is at most 0.27
   EXPECT_FALSE(lens_of("SIMPLE_RADIAL", {1, 0, 0, -2}).undistorted({0.3, 0}));
+  EXPECT_FALSE(lens_of("OPENCV_FISHEYE", {1, 1, 0, 0, 0, 0, 0, 0}).undistorted({1.6, 0}));
 }
 
 /// How far the corners' rays fall outside the picture that was taken; 0 or less: inside.

@@ -32,6 +32,7 @@ RigClip still_clip(const RigClip& clip, const std::filesystem::path& path) {
   synth::VideoEncoder encoder(path, {picture.width, picture.height, {30, 1}, 8});
   for (size_t i = 0; i < clip.timeline.ticks.size(); ++i) encoder.add(picture);
   encoder.finish();
+  still.timeline = read_timeline(path);
   return still;
 }
 
@@ -43,7 +44,7 @@ RigClip with_sound(const RigClip& clip, const std::filesystem::path& noise, doub
       fmt::format("ffmpeg -v error -y -i '{}' -itsoffset {} -i '{}' -c copy '{}'",
                   clip.video.string(), late, noise.string(), heard.video.string());
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
-  heard.timeline.has_audio = true;
+  heard.timeline = read_timeline(heard.video);
   return heard;
 }
 
@@ -98,24 +99,18 @@ TEST(SyncMotion, SoundThatContradictsThePicturesIsNotTaken) {
 }
 
 // Clocks of rigs of one's own, in frames: TESSERA_SYNC_RIGS="DIR DIR" sync_test
-// --gtest_filter='*Report*'; POSES=no leaves out the poses.
+// --gtest_filter='*Report*'.
 TEST(SyncMotion, ReportOfGivenRigs) {
   const char* folders = std::getenv("TESSERA_SYNC_RIGS");
   if (folders == nullptr) GTEST_SKIP() << "TESSERA_SYNC_RIGS names no folder of videos";
   std::stringstream list(folders);
   for (std::string folder; list >> folder;) {
     std::vector<RigClip> clips = clips_of(folder);
-    if (std::filesystem::exists(folder + "/cameras_opencv.json"))
-      pose_by_opencv_json(folder + "/cameras_opencv.json", clips);
-    const char* poses = std::getenv("POSES");
-    for (RigClip& clip : clips)
-      if (poses != nullptr && poses == std::string("no")) clip.camera.reset();
     const ClipClocks clocks = by_motion(clips);
-    std::vector<double> errors;
-    for (size_t i = 0; i < clips.size(); ++i)
-      errors.push_back(clocks.clocks[i].uncertainty / clips[i].timeline.frame_seconds);
-    fmt::print("{}\n  offsets {}\n  errors  {}\n", folder, text_of(frames_of(clocks, clips)),
-               text_of(errors));
+    fmt::print("{}\n  measured {}\n  applied  {}\n  errors   {}\n", folder,
+               text_of(frames_of(clocks, clips)),
+               text_of(frames_of(clocks, clips, &ClipClock::offset)),
+               text_of(frames_of(clocks, clips, &ClipClock::uncertainty)));
     for (const std::string& warning : clocks.warnings) fmt::print("  {}\n", warning);
   }
 }
