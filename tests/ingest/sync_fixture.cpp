@@ -43,10 +43,8 @@ std::vector<RigClip> clips_of(const fs::path& folder) {
   return clips;
 }
 
-void make_rig(const fs::path& folder, const std::vector<double>& shifts) {
-  SynthOptions options;
-  options.cameras = 5, options.frames = 36, options.fps = {30, 1}, options.points = 10;
-  options.supersampling = 2, options.shifts = shifts;
+void make_rig(const fs::path& folder, SynthOptions options) {
+  options.cameras = 4, options.points = 10, options.supersampling = 2;
   make_capture(options, folder, {});
 }
 

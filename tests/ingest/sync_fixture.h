@@ -13,8 +13,8 @@ namespace tessera::testing {
 /// All *.mp4 of the folder by name, posed by its poses_bounds.npy or cameras_opencv.json.
 std::vector<RigClip> clips_of(const std::filesystem::path& folder);
 
-/// A `synth room` rig as `folder`: 5 cameras, 36 frames, 30 a second.
-void make_rig(const std::filesystem::path& folder, const std::vector<double>& shifts);
+/// A rig of 4 cameras by `synth` as `folder`; what happens in it is spread over the clip's length.
+void make_rig(const std::filesystem::path& folder, SynthOptions options);
 
 /// Measured offset of each clip, or another value of its clock, in its frames.
 std::vector<double> frames_of(const ClipClocks& clocks, const std::vector<RigClip>& clips,
