@@ -112,7 +112,10 @@ std::optional<glm::dvec2> Lens::undistorted(const glm::dvec2& met) const {
   if (is_pinhole()) return met;
   constexpr int kSteps = 100;
   constexpr double kExact = 1e-13;  // of a ray with z = 1; a step that small ends the search
-  glm::dvec2 bent = met;            // Newton's method on the ray after the projection
+  glm::dvec2 bent = met;            // Newton's method on the ray after the projection,
+  if (const double reach = glm::length(met), quarter = 0.5 * std::numbers::pi;
+      projection == Projection::kFisheye && reach > quarter)
+    bent *= quarter / reach;  // from no more than 90 degrees, beyond which polynomials may turn
   Lens radial = *this;
   radial.projection = Projection::kPinhole;
   double error = glm::length(radial.distorted(bent) - met);

@@ -1,20 +1,13 @@
 // What: what moves in a clip: where and how much between frames, and moving features with their
-//       paths; gathered from small grey pictures that are dropped as soon as they are used.
+//       paths; gathered from small grey pictures.
 // Not: comparisons of clips (motion_profile.h, motion_matches.h).
 #pragma once
-#include <filesystem>
-#include <functional>
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace tessera {
+#include "ingest/media/grey_clip.h"
 
-/// Called with each frame's presentation time, seconds, and its grey picture (CV_8U), in order,
-/// until it returns false.
-using OnGreyPicture = std::function<bool(double seconds, const cv::Mat& picture)>;
-/// Pictures whose longer side is at most `longest` pixels. Holds one picture at a time.
-void read_grey_pictures(const std::filesystem::path& video, int longest,
-                        const OnGreyPicture& on_picture);
+namespace tessera {
 
 /// Change from one frame to the next, on a grid of kMotionCells along the longer side.
 struct MotionEnergy {
@@ -25,7 +18,7 @@ struct MotionEnergy {
 
 /// Of the first kMotionFrames frames. Memory: 48 × 48 × 4 B a frame, 17 MB at most.
 constexpr int kMotionCells = 48, kMotionFrames = 1800;
-MotionEnergy motion_energy(const std::filesystem::path& video);
+MotionEnergy motion_energy(GreyClip& clip);
 
 /// Features of one frame that lie where something moves, with where they are a frame before and
 /// after. Points are in pixels of the video, (0, 0) the picture's corner.
@@ -35,10 +28,9 @@ struct MovingFeatures {
   cv::Mat descriptor;                             // [K, 128] CV_32F, unit length
 };
 
-/// Of the frames from `begin` to `end`, seconds; at most kFeatures a frame. Memory: three pictures
-/// of 480 pixels and 90 kB a frame.
+/// Of the frames from `begin` to `end`, seconds; at most kFeatures a frame. Memory: 90 kB a
+/// frame, and what the clip keeps.
 constexpr int kFeatures = 160;
-std::vector<MovingFeatures> moving_features(const std::filesystem::path& video, double begin,
-                                            double end);
+std::vector<MovingFeatures> moving_features(GreyClip& clip, double begin, double end);
 
 }  // namespace tessera

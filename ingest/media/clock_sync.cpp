@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kOtherMethods = "use another --sync or state the clocks with --offsets FILE";
 
 ClipClocks unchanged(const std::vector<RigClip>& clips) {
-  return {std::vector<ClipClock>(clips.size(), {0, 0, "none"}), {}};
+  return {std::vector<ClipClock>(clips.size(), {0, 0, 0, "none"}), {}};
 }
 
 ClipClocks stated(const std::vector<RigClip>& clips, const std::filesystem::path& path) {
@@ -28,7 +28,7 @@ ClipClocks stated(const std::vector<RigClip>& clips, const std::filesystem::path
   for (const RigClip& clip : clips) names.push_back(clip.name);
   ClipClocks result;
   for (const double offset : read_stated_offsets(path, names))
-    result.clocks.push_back({offset, 0, "stated"});
+    result.clocks.push_back({offset, offset, 0, "stated"});
   return result;
 }
 
@@ -64,9 +64,11 @@ std::optional<std::vector<ClipClock>> from_containers(const std::vector<RigClip>
   }
   const double middle = median_offset(offsets);
   std::vector<ClipClock> clocks;
-  for (size_t i = 0; i < clips.size(); ++i)  // timecodes count frames: an even spread of one frame
+  for (size_t i = 0; i < clips.size(); ++i) {
+    const double offset = offsets[i] - middle;  // timecodes count frames: an even spread of one
     clocks.push_back(
-        {offsets[i] - middle, clips[i].timeline.frame_seconds / std::sqrt(12.0), "container"});
+        {offset, offset, clips[i].timeline.frame_seconds / std::sqrt(12.0), "container"});
+  }
   if (!overlap(clips, clocks)) {
     reason =
         fmt::format("{}: by the containers' times the clips do not overlap", clips.front().name);

@@ -22,6 +22,7 @@ struct RigClip {
 
 struct ClipClock {
   double offset = 0;       // seconds added to the clip's own presentation times
+  double measured = 0;     // what was measured or stated, of which `offset` keeps what is certain
   double uncertainty = 0;  // standard error of it, seconds; 0 where it was stated
   std::string source;      // "stated", "container", "audio", "motion", "none"
 };

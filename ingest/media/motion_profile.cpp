@@ -119,15 +119,15 @@ double correlation(const cv::Mat& a, const cv::Mat& b, int lag) {
 
 /// The highest point of the curve, as a position in it; nothing where it lies at an end, is low or
 /// is hardly higher than another peak.
-std::optional<double> clear_peak(const std::vector<double>& curve, bool posed) {
-  const double least_height = posed ? 0.35 : 0.6, ahead = posed ? 0.1 : 0.2;
+std::optional<double> clear_peak(const std::vector<double>& curve) {
+  constexpr double kLeastHeight = 0.35, kAhead = 0.1;
   const size_t best = size_t(std::max_element(curve.begin(), curve.end()) - curve.begin());
-  if (best == 0 || best + 1 >= curve.size() || curve[best] < least_height) return std::nullopt;
+  if (best == 0 || best + 1 >= curve.size() || curve[best] < kLeastHeight) return std::nullopt;
   size_t left = best, right = best;
   while (left > 0 && curve[left - 1] <= curve[left]) --left;
   while (right + 1 < curve.size() && curve[right + 1] <= curve[right]) ++right;
   for (size_t i = 0; i < curve.size(); ++i)
-    if ((i < left || i > right) && curve[i] > curve[best] - ahead) return std::nullopt;
+    if ((i < left || i > right) && curve[i] > curve[best] - kAhead) return std::nullopt;
   const double before = curve[best - 1], now = curve[best], after = curve[best + 1];
   const double bend = before - 2 * now + after;
   return double(best) + (bend < 0 ? 0.5 * (before - after) / bend : 0);
@@ -142,29 +142,23 @@ double median_step(const std::vector<double>& times) {
 }  // namespace
 
 std::optional<PairOffset> coarse_offset(const MotionEnergy& a, const MotionEnergy& b,
-                                        const RigCamera* camera_a, const RigCamera* camera_b) {
-  constexpr int kFewest = 12;            // frames that overlap
-  constexpr double kUnposedSeconds = 3;  // views differ: shorter stretches agree by chance
+                                        const RigCamera& camera_a, const RigCamera& camera_b) {
+  constexpr int kFewest = 12;  // frames that overlap
   if (a.cells.size() < size_t(kFewest) || b.cells.size() < size_t(kFewest)) return std::nullopt;
-  Pencil pencil;
-  if (camera_a != nullptr && camera_b != nullptr) pencil = pencil_of(a, b, *camera_a, *camera_b);
-  if (pencil.planes == 0)
-    pencil = {std::vector<double>(a.cells.front().total(), 0.5),
-              std::vector<double>(b.cells.front().total(), 0.5), 1};
+  const Pencil pencil = pencil_of(a, b, camera_a, camera_b);
+  if (pencil.planes == 0) return std::nullopt;
   const double step = std::max(median_step(a.seconds), median_step(b.seconds));
   const Profile x = profile_of(a, pencil.a, pencil.planes, step);
   const Profile y = profile_of(b, pencil.b, pencil.planes, step);
   const int shorter = std::min(x.values.rows, y.values.rows);
-  const bool posed = pencil.planes > 1;
-  const int fewest = posed ? kFewest : int(kUnposedSeconds / step);
-  const int overlap = std::max(fewest, shorter / 2);
+  const int overlap = std::max(kFewest, shorter / 2);
   const int least = overlap - y.values.rows, most = x.values.rows - overlap;
   if (most - least < 2) return std::nullopt;
   std::vector<double> curve;
   for (int lag = least; lag <= most; ++lag) curve.push_back(correlation(x.values, y.values, lag));
-  const std::optional<double> peak = clear_peak(curve, posed);
+  const std::optional<double> peak = clear_peak(curve);
   if (!peak) return std::nullopt;
-  return PairOffset{0, 0, x.begin - y.begin + (*peak + least) * step, (posed ? 1 : 2) * step};
+  return PairOffset{0, 0, x.begin - y.begin + (*peak + least) * step, step};
 }
 
 }  // namespace tessera

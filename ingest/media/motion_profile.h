@@ -10,11 +10,10 @@
 
 namespace tessera {
 
-/// Correlates the clips' motion over time; where both poses are known, separately on each plane
-/// through both camera centres, which a point never seems to leave for one of the cameras only.
-/// `sigma` is a frame, two without poses, where three seconds must overlap. Nothing where no shift
-/// stands out.
+/// Correlates the clips' motion over time, separately on each plane through both camera centres,
+/// which a point never seems to leave for one of the cameras only. `sigma` is a frame. Nothing where
+/// no shift stands out.
 std::optional<PairOffset> coarse_offset(const MotionEnergy& a, const MotionEnergy& b,
-                                        const RigCamera* camera_a, const RigCamera* camera_b);
+                                        const RigCamera& camera_a, const RigCamera& camera_b);
 
 }  // namespace tessera

@@ -129,7 +129,7 @@ std::optional<std::vector<ClipClock>> synchronise_by_audio(const std::vector<Rig
   }
   std::vector<ClipClock> clocks;
   for (const SolvedOffset& s : solved)
-    clocks.push_back({s.offset, std::max(s.sigma, kSoundPath), "audio"});
+    clocks.push_back({s.offset, s.offset, std::max(s.sigma, kSoundPath), "audio"});
   return clocks;
 }
 

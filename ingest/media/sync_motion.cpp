@@ -1,4 +1,4 @@
-// What: coarse offsets of pairs, then fine ones where poses are known, then all clocks at once.
+// What: coarse offsets of pairs of posed cameras, then fine ones, then all clocks at once.
 // Not: the measurements themselves (motion_profile.h, motion_matches.h).
 #include "ingest/media/sync_motion.h"
 
@@ -20,12 +20,16 @@ namespace {
 using Pairs = std::vector<std::pair<int, int>>;
 
 /// All pairs of a small rig; of a large one each camera's nearest, and what connects them all.
+/// Clips without a pose are in none: views differ, and motion as a whole agrees by chance.
 Pairs pairs_to_compare(const std::vector<RigClip>& clips) {
   constexpr size_t kSmallRig = 8, kNearest = 4;
-  const size_t n = clips.size();
+  std::vector<int> posed;
+  for (size_t i = 0; i < clips.size(); ++i)
+    if (clips[i].camera) posed.push_back(int(i));
+  const size_t n = posed.size();
   const auto distance = [&](size_t a, size_t b) {
-    if (!clips[a].camera || !clips[b].camera) return std::abs(double(a) - double(b));
-    const Camera &x = clips[a].camera->camera, &y = clips[b].camera->camera;
+    const Camera &x = clips[size_t(posed[a])].camera->camera,
+                 &y = clips[size_t(posed[b])].camera->camera;
     const glm::dmat3 turn = y.cam_from_world * glm::transpose(x.cam_from_world);
     return glm::length(x.position() - y.position()) * (2 - turn[2][2]);  // and looks elsewhere
   };
@@ -52,12 +56,8 @@ Pairs pairs_to_compare(const std::vector<RigClip>& clips) {
   Pairs pairs;
   for (size_t a = 0; a < n; ++a)
     for (size_t b = a + 1; b < n; ++b)
-      if (chosen[a][b] || chosen[b][a]) pairs.emplace_back(int(a), int(b));
+      if (chosen[a][b] || chosen[b][a]) pairs.emplace_back(posed[a], posed[b]);
   return pairs;
-}
-
-const RigCamera* camera_of(const RigClip& clip) {
-  return clip.camera ? &*clip.camera : nullptr;
 }
 
 /// Measures each pair, side by side; pairs without an answer are left out.
@@ -111,17 +111,21 @@ class MotionSync {
  public:
   MotionSync(const std::vector<RigClip>& clips, const IngestProgress& progress)
       : clips_(clips), progress_(progress), pairs_(pairs_to_compare(clips)) {
-    for (const RigClip& clip : clips) frame_seconds_ = std::max(frame_seconds_, step_of(clip));
+    constexpr size_t kBytes = size_t(512) << 20;  // of pictures, for all clips
+    for (const RigClip& clip : clips) {
+      frame_seconds_ = std::max(frame_seconds_, step_of(clip));
+      pictures_.emplace_back(clip.video, clip.timeline, kBytes / clips.size());
+    }
   }
 
   ClipClocks run() {
     for (size_t i = 0; i < clips_.size(); ++i) {
       report("motion", i);
-      energies_.push_back(motion_energy(clips_[i].video));
+      energies_.push_back(clips_[i].camera ? motion_energy(pictures_[i]) : MotionEnergy{});
     }
     const auto coarse = measure(pairs_, [&](int a, int b) {
-      return coarse_offset(energies_[size_t(a)], energies_[size_t(b)], camera_of(clips_[size_t(a)]),
-                           camera_of(clips_[size_t(b)]));
+      return coarse_offset(energies_[size_t(a)], energies_[size_t(b)],
+                           *clips_[size_t(a)].camera, *clips_[size_t(b)].camera);
     });
     const std::vector<double> none(clips_.size());
     const std::vector<double> start = offsets_of(solve_offsets(int(clips_.size()), coarse));
@@ -148,7 +152,7 @@ class MotionSync {
     if (progress_) progress_(what, int64_t(done), int64_t(clips_.size()));
   }
 
-  Fine measure_fine(const std::vector<double>& start) const {
+  Fine measure_fine(const std::vector<double>& start) {
     constexpr double kFrames = 72;  // three seconds: hundreds of matches a pair
     std::vector<PosedFeatures> features;
     const double length = kFrames * frame_seconds_;
@@ -160,7 +164,7 @@ class MotionSync {
       if (!clip.camera) continue;
       posed.camera = clip.camera->camera.resized(energies_[i].width, energies_[i].height);
       posed.frame_seconds = step_of(clip);
-      posed.frames = moving_features(clip.video, begin - start[i], begin + length - start[i]);
+      posed.frames = moving_features(pictures_[i], begin - start[i], begin + length - start[i]);
       straighten(posed.frames, *clip.camera, energies_[i].width, energies_[i].height);
     }
     std::vector<size_t> support(clips_.size() * clips_.size());
@@ -195,20 +199,22 @@ class MotionSync {
         const std::vector<int64_t>& ticks = clips_[i].timeline.ticks;
         const double length =
             ticks.empty() ? 0 : clips_[i].timeline.time_base.at(ticks.back() - ticks.front());
-        result.clocks.push_back({0, 0.5 * length, "none"});
-        result.warnings.push_back(
-            fmt::format("{}: its pictures do not tell how its clock runs against the others'; it "
-                        "is taken as it is: state it with --offsets FILE",
-                        clips_[i].name));
+        result.clocks.push_back({0, 0, 0.5 * length, "none"});
+        result.warnings.push_back(fmt::format(
+            "{}: {} how its clock runs against the others'; it is taken as it is: state it with "
+            "--offsets FILE",
+            clips_[i].name,
+            clips_[i].camera ? "its pictures do not tell"
+                             : "its pose is not known, without which its pictures cannot tell"));
         continue;
       }
       const bool told = std::abs(s.offset) > 2 * s.sigma;
-      result.clocks.push_back({told ? s.offset : 0, s.sigma, "motion"});
+      result.clocks.push_back({told ? s.offset : 0, s.offset, s.sigma, "motion"});
       if (s.sigma > 0.25 * step_of(clips_[i]))
         result.warnings.push_back(fmt::format(
             "{}: its clock's offset from motion, {:+.3f} s, is only known to {:.3f} s; state it "
             "with --offsets FILE if you know better",
-            clips_[i].name, result.clocks.back().offset, s.sigma));
+            clips_[i].name, s.offset, s.sigma));
     }
     return result;
   }
@@ -217,6 +223,7 @@ class MotionSync {
   const IngestProgress& progress_;
   const Pairs pairs_;
   double frame_seconds_ = 0;  // of the slowest clip
+  std::vector<GreyClip> pictures_;
   std::vector<MotionEnergy> energies_;
 };
 

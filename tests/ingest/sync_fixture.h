@@ -1,5 +1,5 @@
 // What: a folder of videos as the clips of a rig, with the poses that lie beside them.
-// Not: the readers of timelines and poses of the product.
+// Not: assertions.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -10,16 +10,15 @@
 
 namespace tessera::testing {
 
-/// All *.mp4 of the folder by name, posed by poses_bounds.npy where it is there.
+/// All *.mp4 of the folder by name, posed by its poses_bounds.npy or cameras_opencv.json.
 std::vector<RigClip> clips_of(const std::filesystem::path& folder);
-/// Poses from video_4cam's cameras_opencv.json, for videos of any width.
-void pose_by_opencv_json(const std::filesystem::path& file, std::vector<RigClip>& clips);
 
-/// A `synth room` rig as `folder`: 5 cameras, 36 frames, 30 a second.
-void make_rig(const std::filesystem::path& folder, const std::vector<double>& shifts);
+/// A rig of 4 cameras by `synth` as `folder`; what happens in it is spread over the clip's length.
+void make_rig(const std::filesystem::path& folder, SynthOptions options);
 
-/// Offset of each clip in its frames.
-std::vector<double> frames_of(const ClipClocks& clocks, const std::vector<RigClip>& clips);
+/// Measured offset of each clip, or another value of its clock, in its frames.
+std::vector<double> frames_of(const ClipClocks& clocks, const std::vector<RigClip>& clips,
+                              double ClipClock::*value = &ClipClock::measured);
 /// "0.01 -0.02 …" for a report.
 std::string text_of(const std::vector<double>& values);
 
