@@ -1,6 +1,5 @@
-// What: masks in the loss of every backend: what is ignored has no gradient and no say, what is
-// used
-//       keeps its own; against the oracle on pictures that span many tiles.
+// What: masks in the loss of every backend: what is ignored has no gradient and no say, what
+//       is used keeps its own; against the oracle on pictures that span many tiles.
 // Not: the loss's definition (ssim_test.cpp), nor where masks come from (tests/ingest).
 // Source: failure mode B17.
 #include "kernels/math/ssim.h"
