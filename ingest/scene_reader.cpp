@@ -20,8 +20,12 @@
 namespace tessera {
 namespace {
 
+bool is_png(const std::filesystem::path& file) {
+  return file.extension() == ".png" || file.extension() == ".PNG";
+}
+
 void require_png(const std::filesystem::path& file, const std::string& where) {
-  if (file.extension() == ".png" || file.extension() == ".PNG") return;
+  if (is_png(file)) return;
   throw InputError(fmt::format(
       "{}: {} is not a PNG; convert the capture with `tessera ingest` and open its result", where,
       file.filename().string()));
@@ -114,6 +118,18 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].time = times.time[i];
   check_splits(scene);
   return scene;
+}
+
+bool opens_as_scene(const std::filesystem::path& folder) {
+  if (!has_transforms(folder)) return false;
+  if (is_prepared_scene(folder)) return true;
+  try {
+    const TransformsCapture capture = read_transforms(folder);
+    return std::all_of(capture.frames.begin(), capture.frames.end(),
+                       [](const TransformsFrame& frame) { return is_png(frame.image); });
+  } catch (const InputError&) {
+    return false;  // converting it says what is wrong, or mends it
+  }
 }
 
 }  // namespace tessera

@@ -23,4 +23,8 @@ struct SceneOptions {
 /// stated, NaN in a pose, singular pose, times all equal (unless allowed), no training frames.
 Scene load_scene(const std::filesystem::path& folder, const SceneOptions& options);
 
+/// True when load_scene can read `folder` as it is: a prepared scene, or transforms files that list
+/// PNGs without lens distortion.
+bool opens_as_scene(const std::filesystem::path& folder);
+
 }  // namespace tessera

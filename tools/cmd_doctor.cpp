@@ -6,11 +6,13 @@
 
 #include "ingest/colmap_model.h"
 #include "ingest/media/checks/thinned_scene.h"
+#include "ingest/scene_reader.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "tools/command.h"
 #include "tools/doctor_checks.h"
+#include "tools/ingest_arguments.h"
 #include "tools/interrupt.h"
 #include "tools/terminal.h"
 
@@ -21,6 +23,7 @@ namespace fs = std::filesystem;
 
 struct DoctorRequest {
   std::string path;
+  IngestArguments ingest;
   int threads = 0;
   bool json = false;
 };
@@ -46,29 +49,30 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-/// Whether the folder can be opened as it is: prepared, or transforms files with PNGs.
+/// Whether the folder is looked at as it is; a COLMAP model beside pictures knows more than a
+/// transforms file.
 bool is_scene(const fs::path& folder) {
-  if (is_prepared_scene(folder)) return true;
-  if (!has_transforms(folder) || !find_colmap_model(folder).empty()) return false;
-  const fs::path suffix = read_transforms(folder).frames.front().image.extension();
-  return suffix == ".png" || suffix == ".PNG";
+  return is_prepared_scene(folder) ||
+         (opens_as_scene(folder) && find_colmap_model(folder).empty());
 }
 
-void examine_capture(const fs::path& capture, DoctorReport& report) {
+void examine_capture(const fs::path& capture, const IngestOptions& options,
+                     DoctorReport& report) {
   const TemporaryFolder temporary;
   const fs::path folder = temporary.path() / "scene";
   ProgressBar bar("doctor");
   const IngestReport ingested =
-      ingest_sample(capture, folder, [&](std::string_view what, int64_t done, int64_t total) {
-        stop_if_interrupted();
-        bar.update(done, total, what);
-      });
+      ingest_sample(capture, folder, options,
+                    [&](std::string_view what, int64_t done, int64_t total) {
+                      stop_if_interrupted();
+                      bar.update(done, total, what);
+                    });
   bar.clear();
   for (const std::string& warning : ingested.warnings)
     report.findings.push_back({Severity::kWarning, "ingest", "", warning, ""});
   report.findings.push_back(
       {Severity::kInfo, "ingest", "",
-       "checked a sample: videos by their first frames, pictures at most 960 wide",
+       "checked a sample: a few moments of videos, pictures at most 960 wide",
        "run doctor on the prepared scene for times and forecast of the whole"});
   examine(thinned_scene(folder, {}), folder, report);
 }
@@ -83,7 +87,7 @@ int doctor(const DoctorRequest& request) {
     examine(thinned_scene(request.path, {}), request.path, report);
   } else {
     report.kind = "a sample of the capture";
-    examine_capture(request.path, report);
+    examine_capture(request.path, resolve_ingest(request.ingest), report);
   }
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   print_result(request.json, doctor_json(report), doctor_text(report));
@@ -95,9 +99,9 @@ int doctor(const DoctorRequest& request) {
 void add_doctor_command(CLI::App& app, Work& work) {
   CLI::App* command =
       app.add_subcommand("doctor", "say what is wrong with a capture or scene, and what to do");
-  command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<DoctorRequest>();
   command->add_option("path", request->path, "capture or prepared scene")->required();
+  add_ingest_options(*command, request->ingest);
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return doctor(*request); }; });

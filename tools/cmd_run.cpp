@@ -17,6 +17,7 @@
 #include "tools/backend_choice.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
+#include "tools/ingest_arguments.h"
 #include "tools/ingest_batch.h"
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
@@ -33,11 +34,17 @@ using nlohmann::json;
 
 struct RunRequest {
   fs::path capture, out;
-  IngestOptions ingest;
+  IngestArguments ingest;
   TrainArguments training;
   int64_t export_frames = 0;  // 0: one per moment of the training split, at most kMostFrames
   bool json_output = false;
 };
+
+IngestOptions defaults_for(const IngestOptions& options) {
+  IngestOptions defaults;
+  defaults.allow_static = options.allow_static;
+  return defaults;
+}
 
 /// Stage by stage; each knows the key of the one before, so a change runs down the chain.
 class Runner {
@@ -84,27 +91,20 @@ class Runner {
       throw InputError(fmt::format(
           "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
           request_.capture.string(), fmt::join(captures_in(request_.capture), ", ")));
-    const bool as_it_is = detect_layout(request_.capture) == CaptureLayout::kTransforms &&
-                          request_.ingest.scale == 1 && !request_.ingest.frames;
+    IngestOptions options = resolve_ingest(request_.ingest);
+    options.allow_static = options_.static_only;
+    options.work = request_.out / "work";
+    const bool as_it_is = to_json(options) == to_json(defaults_for(options)) &&
+                          opens_as_scene(request_.capture);
     scene_ = as_it_is ? request_.capture : request_.out / "scene";
-    const IngestOptions& o = request_.ingest;
-    const std::string key = key_of({file_stamps(request_.capture), o.scale, o.frames.value_or(0),
-                                    o.held_out, options_.static_only, as_it_is});
+    const std::string key = key_of({file_stamps(request_.capture), to_json(options), as_it_is});
     scene_key_ = key;
     if (!must_run("ingest", key, as_it_is ? scene_ : scene_ / "transforms.json")) return;
     ledger_.begin("ingest", key);
     json result = {{"scene", scene_.string()}};
     if (!as_it_is) {
-      ProgressBar bar("ingest");
-      IngestOptions ingest_options = o;
-      ingest_options.allow_static = options_.static_only;
       const IngestReport report =
-          ingest_capture(request_.capture, scene_, ingest_options,
-                         [&](std::string_view what, int64_t done, int64_t total) {
-                           stop_if_interrupted();
-                           bar.update(done, total, what);
-                         });
-      for (const std::string& warning : report.warnings) warn(warning);
+          ingest_with_progress(request_.capture, scene_, options, "ingest");
       result["frames"] = report.frames, result["cameras"] = report.cameras;
     }
     ledger_.finish("ingest", key, result);
@@ -201,12 +201,7 @@ void add_run_command(CLI::App& app, Work& work) {
       "run", "capture -> prepared scene, model, scores, player files; run again to resume");
   command.add_option("capture", request->capture, "folder of videos or images")->required();
   command.add_option("-o,--out", request->out, "output folder")->required();
-  command
-      .add_option("--scale", request->ingest.scale, "size of the frames by the capture's, (0, 1]")
-      ->capture_default_str();
-  command.add_option("--frames", request->ingest.frames, "first N instants of each camera");
-  command.add_option("--held-out", request->ingest.held_out,
-                     "cameras kept for the test (videos); default: the first");
+  add_ingest_options(command, request->ingest);
   command.add_option("--export-frames", request->export_frames,
                      "frames of the .ply sequence; 0: one per moment, at most 60");
   command.add_flag("--json", request->json_output, "print one JSON object");

@@ -3,23 +3,18 @@
 #include "tools/ingest_arguments.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
 #include <map>
 
 #include "ingest/capture_layout.h"
 #include "kernels/base/errors.h"
 #include "tools/interrupt.h"
+#include "tools/stage_ledger.h"
 #include "tools/terminal.h"
 
 namespace tessera {
 namespace {
-
-const std::map<std::string, SyncMethod> kSyncMethods{{"auto", SyncMethod::kAuto},
-                                                     {"none", SyncMethod::kNone},
-                                                     {"container", SyncMethod::kContainer},
-                                                     {"audio", SyncMethod::kAudio},
-                                                     {"motion", SyncMethod::kMotion}};
 
 /// The value that `word` stands for. Errors: InputError that lists the words there are.
 template <class Value>
@@ -37,23 +32,12 @@ void check_positive(const std::optional<double>& value, const char* option) {
     throw InputError(fmt::format("{} is {}, expected more than 0", option, *value));
 }
 
-/// What --poses means depends on what is there: a COLMAP model is read, else poses are estimated.
-void resolve_poses(const std::string& poses, const std::filesystem::path& capture,
-                   IngestOptions& options) {
-  options.poses.source = poses;
-  if (poses.empty() || poses == "colmap" || poses == "n3dv") return;
-  if (!std::filesystem::exists(poses))
-    throw InputError(fmt::format(
-        "--poses {}: no such file; expected colmap, n3dv (poses_bounds.npy), or a file of cameras",
-        poses));
-}
-
-void add_choice_of_frames(CLI::App& command, IngestOptions& options) {
+void add_frame_options(CLI::App& command, IngestOptions& options) {
   command.add_option("--scale", options.scale, "size of the pictures by the source's, (0, 1]")
       ->capture_default_str();
-  command.add_option("--frames", options.frames, "first N instants of each camera");
-  command.add_option("--start", options.start, "videos: seconds from the first common moment");
-  command.add_option("--duration", options.duration, "videos: seconds to take from there");
+  command.add_option("--frames", options.frames, "first N instants of each camera; default: all");
+  command.add_option("--start", options.start, "videos: seconds after the first common moment");
+  command.add_option("--duration", options.duration, "videos: seconds to take; default: all");
   command.add_option("--fps", options.fps, "videos: frames to take per second; default: all");
   command
       .add_option("--cameras", options.cameras, "videos: cameras to take, by name; default: all")
@@ -68,17 +52,17 @@ void add_choice_of_frames(CLI::App& command, IngestOptions& options) {
                      "photo sets: every Nth photo is for the test; 0: none; default: 8");
 }
 
-void add_rig_options(CLI::App& command, IngestArguments& arguments) {
+void add_camera_options(CLI::App& command, IngestArguments& arguments) {
   IngestOptions& options = arguments.options;
-  command.add_option("--poses", arguments.poses,
-                     "where poses come from: n3dv (poses_bounds.npy), colmap (estimated, or the "
-                     "model that is there), or a file of cameras; default: what is there");
+  command.add_option("--poses", options.poses.source,
+                     "where poses come from: n3dv or llff (poses_bounds.npy), colmap (the model "
+                     "that is there, else estimated), or a file of cameras; default: what is there");
+  command.add_option("--camera-model", options.poses.lens_model,
+                     "lens model that colmap estimates, e.g. OPENCV; default: as simple as fits");
   command
-      .add_option("--camera-model", options.poses.lens_model,
-                  "lens model that colmap estimates; default: SIMPLE_RADIAL")
-      ->check(CLI::IsMember(lens_model_names()));
-  command.add_option("--intrinsics", arguments.intrinsics,
-                     "shared (by cameras of one picture size) or per-camera");
+      .add_option("--intrinsics", arguments.intrinsics,
+                  "estimated ones: shared (by cameras of one picture size) or per-camera")
+      ->capture_default_str();
   command
       .add_option("--sync", arguments.sync,
                   "how the cameras' clocks are aligned: auto, none, container, audio, motion")
@@ -86,28 +70,102 @@ void add_rig_options(CLI::App& command, IngestArguments& arguments) {
   command.add_option("--offsets", options.sync.offsets,
                      "file of clock offsets, seconds by camera; wins over --sync");
   command.add_flag("--strict", options.strict,
-                   "stop where a camera or picture cannot be used, instead of leaving it out");
+                   "a missing or unreadable picture, or a camera without a pose, is an error");
+}
+
+void add_picture_options(CLI::App& command, IngestArguments& arguments) {
+  IngestOptions& options = arguments.options;
+  command.add_option("--masks", options.masks,
+                     "folder of masks named as the pictures or cameras; black is ignored");
+  command.add_flag("--invert-masks", options.invert_masks, "white is ignored, not black");
+  command
+      .add_option("--exposure", arguments.exposure,
+                  "fit: divide each training camera's pictures by its gains; none")
+      ->capture_default_str();
+  command.add_flag("--keep-world", options.keep_world,
+                   "leave the poses' world as it is; default: up, centre and scale are normalised "
+                   "where the world is arbitrary (all but transforms)");
+  command.add_option("--cloud", arguments.cloud,
+                     "initial points: none, sparse (the capture's), dense (and a plane sweep); "
+                     "default: dense where three training cameras share moments");
+  command.add_option("--cloud-points", options.cloud_points, "most points of the plane sweep")
+      ->capture_default_str();
+}
+
+/// What tells a version of the file or folder apart; null where none is named.
+nlohmann::json stamps_of(const std::filesystem::path& path) {
+  if (path.empty() || !std::filesystem::exists(path)) return nullptr;
+  return {path.string(), file_stamps(path)};
 }
 
 }  // namespace
 
 void add_ingest_options(CLI::App& command, IngestArguments& arguments) {
-  add_choice_of_frames(command, arguments.options);
-  add_rig_options(command, arguments);
+  add_frame_options(command, arguments.options);
+  add_camera_options(command, arguments);
+  add_picture_options(command, arguments);
 }
 
-IngestOptions resolve_ingest(const IngestArguments& arguments,
-                             const std::filesystem::path& capture) {
+IngestOptions resolve_ingest(const IngestArguments& arguments) {
   IngestOptions options = arguments.options;
   if (options.frames && *options.frames < 1)
     throw InputError(fmt::format("--frames is {}, expected 1 or more", *options.frames));
+  if (!(options.start >= 0))
+    throw InputError(fmt::format("--start is {}, expected 0 or more", options.start));
   check_positive(options.duration, "--duration");
   check_positive(options.fps, "--fps");
-  options.sync.method = value_of(kSyncMethods, arguments.sync, "--sync");
+  options.sync.method = value_of<SyncMethod>({{"auto", SyncMethod::kAuto},
+                                              {"none", SyncMethod::kNone},
+                                              {"container", SyncMethod::kContainer},
+                                              {"audio", SyncMethod::kAudio},
+                                              {"motion", SyncMethod::kMotion}},
+                                             arguments.sync, "--sync");
   options.poses.intrinsics_per_camera = value_of<bool>(
       {{"shared", false}, {"per-camera", true}}, arguments.intrinsics, "--intrinsics");
   options.poses.strict = options.strict;
-  resolve_poses(arguments.poses, capture, options);
+  options.fit_exposure =
+      value_of<bool>({{"fit", true}, {"none", false}}, arguments.exposure, "--exposure");
+  if (!arguments.cloud.empty())
+    options.cloud = value_of<CloudDensity>({{"none", CloudDensity::kNone},
+                                            {"sparse", CloudDensity::kSparse},
+                                            {"dense", CloudDensity::kDense}},
+                                           arguments.cloud, "--cloud");
   return options;
 }
+
+nlohmann::json to_json(const IngestOptions& o) {
+  return {{"scale", o.scale},
+          {"frames", o.frames.value_or(0)},
+          {"window", {o.start, o.duration.value_or(0), o.fps.value_or(0)}},
+          {"cameras", o.cameras},
+          {"held_out", o.held_out},
+          {"static", o.allow_static},
+          {"layout", o.layout ? layout_name(*o.layout) : ""},
+          {"images", o.pictures},
+          {"test_every", o.test_every.value_or(-1)},
+          {"poses", {o.poses.source, stamps_of(o.poses.source)}},
+          {"camera_model", o.poses.lens_model},
+          {"intrinsics_per_camera", o.poses.intrinsics_per_camera},
+          {"sync", {int(o.sync.method), stamps_of(o.sync.offsets)}},
+          {"strict", o.strict},
+          {"masks", {stamps_of(o.masks), o.invert_masks}},
+          {"fit_exposure", o.fit_exposure},
+          {"keep_world", o.keep_world},
+          {"cloud", {o.cloud ? int(*o.cloud) : -1, o.cloud_points}}};
+}
+
+IngestReport ingest_with_progress(const std::filesystem::path& capture,
+                                  const std::filesystem::path& out, const IngestOptions& options,
+                                  const std::string& label) {
+  ProgressBar bar(label);
+  const IngestReport report = ingest_capture(
+      capture, out, options, [&](std::string_view what, int64_t done, int64_t total) {
+        stop_if_interrupted();
+        bar.update(done, total, what);
+      });
+  bar.clear();
+  for (const std::string& warning : report.warnings) warn(warning);
+  return report;
+}
+
 }  // namespace tessera

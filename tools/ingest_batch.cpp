@@ -13,6 +13,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/errors.h"
+#include "tools/ingest_arguments.h"
 #include "tools/interrupt.h"
 #include "tools/stage_ledger.h"
 #include "tools/terminal.h"
@@ -58,12 +59,6 @@ std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
 }
 
 /// Everything that the prepared scene depends on.
-std::string batch_key(const fs::path& capture, const IngestOptions& o) {
-  return key_of({file_stamps(capture), o.scale, o.frames.value_or(0), o.held_out, o.allow_static,
-                 o.keep_world, o.layout ? layout_name(*o.layout) : "", o.pictures,
-                 o.test_every.value_or(-1)});
-}
-
 json report_json(const IngestReport& report) {
   return {{"layout", layout_name(report.layout)},
           {"cameras", report.cameras},
@@ -74,8 +69,9 @@ json report_json(const IngestReport& report) {
 
 IngestReport report_from_json(const json& stored) {
   IngestReport report;
-  for (CaptureLayout layout : {CaptureLayout::kTransforms, CaptureLayout::kN3dv,
-                               CaptureLayout::kColmap, CaptureLayout::kVideos})
+  for (CaptureLayout layout :
+       {CaptureLayout::kTransforms, CaptureLayout::kN3dv, CaptureLayout::kColmap,
+        CaptureLayout::kLlff, CaptureLayout::kVideos, CaptureLayout::kPhotos})
     if (stored.value("layout", "") == layout_name(layout)) report.layout = layout;
   report.cameras = stored.value("cameras", int64_t{0});
   report.frames = stored.value("frames", int64_t{0});
@@ -115,7 +111,7 @@ class Batch {
   void prepare_or_throw(const fs::path& capture, const std::string& place, BatchScene& scene) {
     const fs::path target = out_ / scene.name;
     if (!options_.layout) detect_layout(capture);  // its error before the stamps of what is none
-    const std::string key = batch_key(capture, options_);
+    const std::string key = key_of({file_stamps(capture), to_json(options_)});
     if (ledger_.done(scene.name, key) && is_prepared_scene(target)) {
       say(fmt::format("{} ({}): done before, unchanged", scene.name, place));
       scene.report = report_from_json(ledger_.result(scene.name));
@@ -124,14 +120,8 @@ class Batch {
     }
     ledger_.begin(scene.name, key);
     say(fmt::format("{} ({}): begins", scene.name, place));
-    ProgressBar bar(fmt::format("ingest {} ({})", scene.name, place));
-    scene.report = ingest_capture(capture, target, options_,
-                                  [&](std::string_view what, int64_t done, int64_t total) {
-                                    stop_if_interrupted();
-                                    bar.update(done, total, what);
-                                  });
-    for (const std::string& warning : scene.report.warnings)
-      warn(fmt::format("{}: {}", scene.name, warning));
+    scene.report = ingest_with_progress(capture, target, options_,
+                                        fmt::format("ingest {} ({})", scene.name, place));
     ledger_.finish(scene.name, key, report_json(scene.report));
     scene.outcome = BatchOutcome::kDone;
   }

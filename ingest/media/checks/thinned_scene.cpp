@@ -13,6 +13,7 @@
 #include "ingest/media/image_source.h"
 #include "ingest/media/picture_scale.h"
 #include "ingest/media/video_decoder.h"
+#include "ingest/media/video_timeline.h"
 #include "ingest/scene_reader.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/parallel.h"
@@ -71,6 +72,17 @@ int width_of(const std::filesystem::path& capture, CaptureLayout layout) {
   return 0;
 }
 
+/// A rate that takes a handful of moments of the shortest video.
+double moments_per_second(const std::filesystem::path& capture, const IngestOptions& options) {
+  constexpr double kMoments = 5;
+  double seconds = options.duration.value_or(1e9);
+  for (const auto& video : videos_in(capture)) {
+    const VideoTimeline timeline = read_timeline(video);
+    seconds = std::min(seconds, timeline.time_base.at(timeline.ticks.back() - timeline.ticks.front()));
+  }
+  return (kMoments - 0.5) / std::max(1e-3, seconds);
+}
+
 }  // namespace
 
 ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& thinning) {
@@ -93,16 +105,16 @@ ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& 
 }
 
 IngestReport ingest_sample(const std::filesystem::path& capture,
-                           const std::filesystem::path& folder, const IngestProgress& progress) {
+                           const std::filesystem::path& folder, IngestOptions options,
+                           const IngestProgress& progress) {
   constexpr int kWidest = 960;
-  IngestOptions options;
   options.allow_static = true;
   CaptureLayout layout = detect_layout(capture);
   if (layout == CaptureLayout::kTransforms && !find_colmap_model(capture).empty())
-    layout = CaptureLayout::kColmap;  // knows its lenses
-  options.layout = layout;
-  if (layout == CaptureLayout::kN3dv) options.frames = 5;
-  options.scale = std::min(1.0, double(kWidest) / std::max(1, width_of(capture, layout)));
+    options.layout = layout = CaptureLayout::kColmap;  // knows its lenses
+  if (!options.fps && (layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos))
+    options.fps = moments_per_second(capture, options);
+  options.scale *= std::min(1.0, double(kWidest) / std::max(1, width_of(capture, layout)));
   return ingest_capture(capture, folder, options, progress);
 }
 
