@@ -52,8 +52,8 @@ bool right_half(const TestScene<double>& scene, int view, int x) {
   return x >= scene.views[size_t(view)].camera.width / 2;
 }
 
-// Bugs put back, each seen to fail on the CPU: inverted polarity; the gradient of ignored pixels not
-// zeroed, so that what used neighbours' windows give leaks into them.
+// Bugs put back, each seen to fail on the CPU: inverted polarity; the gradient of ignored pixels
+// not zeroed, so that what used neighbours' windows give leaks into them.
 TEST_P(BackendMask, HalfThatIsIgnoredHasNoGradientAndTheOtherKeepsIts) {
   TestScene<double> scene = large_scene(51);
   const StageRun<float> whole = run_stages(scene.as<float>(), backend());

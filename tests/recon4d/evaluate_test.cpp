@@ -114,7 +114,8 @@ TEST(Evaluate, JsonHasTheContractsKeys) {
     EXPECT_TRUE(object["per_view"][1].contains(key)) << key;
 }
 
-// B17. Bugs to put back: frames without a used pixel scored; `masked` never set.
+// B17. Bugs put back, each seen to fail: frames without a used pixel scored; `masked` never set;
+// ignored pixels counted.
 TEST(Evaluate, PixelsThatMasksIgnoreDoNotCount) {
   const GaussianModel model = random_model(30, 30);
   Scene scene = noise_scene(24, 20);

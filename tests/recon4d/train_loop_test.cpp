@@ -5,8 +5,8 @@
 #include "kernels/base/parallel.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/render.h"
-#include "tests/support/scratch_folder.h"
 #include "tests/support/random.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/support/tiny_capture.h"
 
 namespace tessera {
@@ -168,7 +168,7 @@ Scene masked_capture(uint64_t seed) {
   return scene;
 }
 
-// B17. Bug to put back: masks not passed on to the loss.
+// B17. Bug put back: masks not passed on to the loss; seen to fail.
 TEST(TrainLoop, WhatMasksIgnoreChangesNoByte) {
   const Scene one = masked_capture(1), other = masked_capture(2);
   ASSERT_NE(one.frames[0].image.data, other.frames[0].image.data);
