@@ -55,7 +55,7 @@ TEST(FeatureChecks, TurnedCameraOfStudioRanksWorst) {
   const std::filesystem::path studio = data_folder("studio");
   if (studio.empty()) GTEST_SKIP() << "no studio data";
   const ScratchFolder folder;
-  ingest_sample(studio, folder / "scene", {});
+  ingest_sample(studio, folder / "scene", {}, {});
   Scene scene = thinned_scene(folder / "scene", {}).sample;
   EXPECT_FALSE(has(check_poses(match_stations(scene)).findings, Severity::kError, "poses"));
   turn(scene, "cam05", 1, {1, 0, 0});
