@@ -28,21 +28,25 @@ constexpr double kSamePoint = 1.5;   // pixels between a point and where the oth
 constexpr float kStill = 4;          // change over time of a still pixel, levels
 constexpr size_t kStillMoments = 8;  // moments at which a pixel is looked at
 
+bool is_ignored(const Image8& mask, int x, int y) {
+  return !mask.data.empty() && mask.data[size_t(y) * size_t(mask.width) + size_t(x)] == 0;
+}
+
 /// A camera along another's ray: pixel position at inverse depth w of that ray, (a + w b) / z.
 struct Line {
-  const Image8* image;
+  const Image8 *image, *mask;
   const GreyImage* grey;
   const Camera* camera;
   int frame;
   glm::dvec3 a, b;
 
-  /// False behind the camera or outside its picture.
+  /// False behind the camera, outside its picture, or where its mask ignores the pixel.
   bool at(double w, double& u, double& v) const {
     const glm::dvec3 p = a + w * b;
     if (p.z <= 0) return false;
     u = camera->fl_x * p.x / p.z + camera->cx, v = camera->fl_y * p.y / p.z + camera->cy;
     if (!(u >= 0 && v >= 0 && u < image->width && v < image->height)) return false;
-    return has_patch(*image, int(u), int(v));
+    return has_patch(*image, int(u), int(v)) && !is_ignored(*mask, int(u), int(v));
   }
 };
 
@@ -166,7 +170,7 @@ void PlaneSweep::choose_neighbours(const std::vector<int>& frames) {
 
 std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) const {
   const Frame& frame = scene_.frames[size_t(index)];
-  if (!has_patch(frame.image, x, y)) return std::nullopt;
+  if (!has_patch(frame.image, x, y) || is_ignored(frame.mask, x, y)) return std::nullopt;
   Search search;
   search.patch = patch_at(frame.image, x, y);
   search.grey = grey_patch_at(grey_.at(index), x, y);
@@ -180,7 +184,7 @@ std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) con
   const std::vector<int>& others = neighbours_.at(index);
   for (int i : others) {
     const Frame& other = scene_.frames[size_t(i)];
-    search.lines.push_back({&other.image, &grey_.at(i), &other.camera, i,
+    search.lines.push_back({&other.image, &other.mask, &grey_.at(i), &other.camera, i,
                             other.camera.cam_from_world * ray,
                             other.camera.cam_from_world * eye + other.camera.translation});
   }

@@ -29,7 +29,8 @@ class PlaneSweep {
   explicit PlaneSweep(const Scene& scene);
   /// Frames with at least two others of their moment, indices into Scene::frames.
   const std::vector<int>& frames() const { return usable_; }
-  /// None without texture, agreement, a distinct best depth, or the other camera's consent.
+  /// None where a mask ignores the pixel, or without texture, agreement, a distinct best depth, or
+  /// the other camera's consent.
   std::optional<SweptPoint> find(int frame, int x, int y) const;
 
  private:

@@ -74,6 +74,14 @@ std::string removed_models(const PreparedScene& scene) {
   return joined.empty() ? "none" : joined;
 }
 
+/// Which pixels the source's masks ignored.
+const char* applied_masks(const PreparedScene& scene) {
+  if (std::all_of(scene.frames.begin(), scene.frames.end(),
+                  [](const PreparedFrame& frame) { return frame.mask_path.empty(); }))
+    return "none";
+  return scene.inverted_masks ? "white ignored (inverted)" : "black ignored";
+}
+
 ordered_json tessera_json(const PreparedScene& scene) {
   ordered_json cameras = ordered_json::array(), sources = ordered_json::object();
   for (const PreparedCamera& camera : scene.cameras) {
@@ -98,7 +106,8 @@ ordered_json tessera_json(const PreparedScene& scene) {
             {"crop", removed == "none" ? "none" : "zoomed to valid pixels"},
             {"tone_map", scene.tone_map},
             {"world_transform", world_transform_json(scene.prepared_from_source)},
-            {"background", scene.background}}},
+            {"background", scene.background},
+            {"masks", applied_masks(scene)}}},
           {"time",
            {{"base", rational_json(scene.time_base)},
             {"origin", scene.time_axis.origin},

@@ -45,6 +45,7 @@ struct SourceFile {
 struct PreparedScene {
   std::string layout;             // "transforms", "n3dv", "colmap", "llff"
   std::string background;         // what was done about alpha: "alpha kept", "opaque"
+  bool inverted_masks = false;    // masks had black for used pixels; those written never have
   std::string tone_map = "none";  // of pictures with linear pixels
   double scale = 1;               // prepared size by source size
   TimeAxis time_axis;

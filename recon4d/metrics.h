@@ -1,6 +1,5 @@
-// What: PSNR and SSIM of 8-bit pictures, each under its protocol's name. With a mask [height,
-// width]
-//       (0: ignored; empty: none) means are over the used pixels, of which there must be one.
+// What: PSNR and SSIM of 8-bit pictures, each under its protocol's name. With a mask of
+//       [height, width] (0: ignored; empty: none) means are over the used pixels, at least one.
 // Not: a mean over views (evaluate.h), and no LPIPS in this version.
 // Source: method A.15; failure modes D1–D3, B20.
 #pragma once

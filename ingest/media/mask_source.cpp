@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "ingest/files/png.h"
+#include "ingest/intrinsics.h"
 #include "ingest/mask.h"
 #include "ingest/media/image_source.h"
 #include "ingest/media/picture_scale.h"
@@ -49,6 +50,8 @@ Image8 read_mask(const std::filesystem::path& file, int width, int height,
                  const IngestOptions& options) {
   if (file.empty()) return {};
   Image8 mask = mask_of_picture(read_picture(file), file);
+  if (mask.width > width && same_shape(mask.width, mask.height, width, height))
+    mask = cut_at_half(scale_picture(mask, width, height));
   check_mask_size(mask, width, height, file);
   if (options.invert_masks) invert_mask(mask);
   return mask;

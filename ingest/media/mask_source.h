@@ -15,8 +15,9 @@ namespace tessera {
 /// another extension of pictures; for a camera's videos its name. Empty when there is none.
 std::filesystem::path find_mask(const IngestOptions& options, const std::filesystem::path& picture);
 
-/// Reads the mask of a picture of width × height; turned with options.invert_masks. An empty `file`
-/// gives an empty mask, as do the two functions below for one. Errors: InputError naming the file.
+/// Reads the mask of a picture of width × height, or of one of the same shape that was larger;
+/// turned with options.invert_masks. An empty `file` gives an empty mask, as do the two functions
+/// below for one. Errors: InputError naming the file.
 Image8 read_mask(const std::filesystem::path& file, int width, int height,
                  const IngestOptions& options);
 /// As Undistortion::apply; what lies beyond the picture is ignored.

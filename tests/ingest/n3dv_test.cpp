@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "ingest/files/png.h"
 #include "ingest/ingest.h"
 #include "ingest/llff_poses.h"
 #include "ingest/point_cloud.h"
@@ -106,6 +107,29 @@ TEST_F(N3dv, TheWorldIsNormalisedAndRecorded) {
   keep.keep_world = true;
   ingest_capture(folder_ / "capture", folder_ / "scene", keep, {});
   EXPECT_TRUE(load_scene(folder_ / "scene", {}).prepared_from_source.is_identity());
+}
+
+// B17. Bug to put back: the mask of the first camera that has one for all.
+TEST_F(N3dv, OneMaskACamera) {
+  IngestOptions options;
+  options.masks = folder_ / "masks";
+  std::filesystem::create_directories(options.masks);
+  std::vector<Image8> masks(3);
+  for (size_t c : {1u, 2u}) {
+    masks[c] = {32, 24, 1, std::vector<uint8_t>(32 * 24, 255)};
+    std::fill_n(masks[c].data.begin(), 100 * c, uint8_t{0});
+    write_png(options.masks / fmt::format("cam{:02}.png", c), masks[c]);
+  }
+  const std::vector<std::string> warnings = ingest(options).warnings;
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+    return warning.find("5 of 15 frames have no mask") != std::string::npos;
+  }));
+  const Scene scene = load_scene(folder_ / "scene", {});
+  for (size_t i = 0; i < 15; ++i) EXPECT_EQ(scene.frames[i].mask.data, masks[i / 5].data) << i;
+  const json file = json::parse(read_bytes(folder_ / "scene/transforms.json"));
+  EXPECT_EQ(file["frames"][5]["mask_path"], "masks/cam01.png");
+  EXPECT_EQ(file["frames"][9]["mask_path"], "masks/cam01.png");
+  EXPECT_EQ(file["tessera"]["applied"]["masks"], "black ignored");
 }
 
 TEST_F(N3dv, HeldOutCamerasAreThoseNamed) {

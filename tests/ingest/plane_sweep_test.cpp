@@ -66,6 +66,31 @@ TEST(PlaneSweep, CamerasMayDifferInBrightness) {
   EXPECT_LT(share_off(points, 0.05), 0.03);
 }
 
+void fill_mask(Frame& frame, int used_from_x) {
+  frame.mask = {frame.image.width, frame.image.height, 1, {}};
+  for (int y = 0; y < frame.mask.height; ++y)
+    for (int x = 0; x < frame.mask.width; ++x)
+      frame.mask.data.push_back(x >= used_from_x ? 255 : 0);
+}
+
+// B17. Bugs to put back: ignored pixels searched for; other cameras compared where they are
+// ignored.
+TEST(PlaneSweep, WhatMasksIgnoreGivesNoPointAndHasNoSay) {
+  Scene scene = wall_scene({.moments = 1});
+  fill_mask(scene.frames[2], 48);
+  const PlaneSweep sweep(scene);
+  const auto count = [&](int begin, int end) {
+    int64_t found = 0;
+    for (int y = 4; y < 92; y += 4)
+      for (int x = begin; x < end; x += 4) found += sweep.find(2, x, y).has_value();
+    return found;
+  };
+  EXPECT_EQ(count(0, 48), 0);
+  EXPECT_GT(count(48, 96), 50) << "of 264";
+  for (const size_t other : {0u, 1u, 3u, 4u}) fill_mask(scene.frames[other], 96);
+  EXPECT_EQ(count(48, 96), 0);
+}
+
 /// Repeats every 0.4 units of x. The third camera sees it half a period off.
 std::array<uint8_t, 3> repeating(int camera, double x, double y, double) {
   if (camera == 2) x += 0.2;

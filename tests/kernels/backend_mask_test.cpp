@@ -1,6 +1,5 @@
-// What: masks in the loss of every backend: what is ignored has no gradient and no say, what is
-// used
-//       keeps its own; against the oracle on pictures that span many tiles.
+// What: masks in the loss of every backend: what is ignored has no gradient and no say, what
+//       is used keeps its own; against the oracle on pictures that span many tiles.
 // Not: the loss's definition (ssim_test.cpp), nor where masks come from (tests/ingest).
 // Source: failure mode B17.
 #include "kernels/math/ssim.h"
@@ -53,8 +52,8 @@ bool right_half(const TestScene<double>& scene, int view, int x) {
   return x >= scene.views[size_t(view)].camera.width / 2;
 }
 
-// Bugs to put back: inverted polarity; the gradient of ignored pixels not zeroed,
-// so that what used neighbours' windows give leaks into them.
+// Bugs put back, each seen to fail on the CPU: inverted polarity; the gradient of ignored pixels
+// not zeroed, so that what used neighbours' windows give leaks into them.
 TEST_P(BackendMask, HalfThatIsIgnoredHasNoGradientAndTheOtherKeepsIts) {
   TestScene<double> scene = large_scene(51);
   const StageRun<float> whole = run_stages(scene.as<float>(), backend());
@@ -76,7 +75,7 @@ TEST_P(BackendMask, HalfThatIsIgnoredHasNoGradientAndTheOtherKeepsIts) {
   EXPECT_LT(half.losses[0].l1, whole.losses[0].l1);
 }
 
-// Bug: the mask of view b read for view b + 1; to be put back.
+// Bug put back: the mask of view b + 1 read for view b; seen to fail on the CPU.
 TEST_P(BackendMask, UsedPixelsKeepTheirGradientOfL1ToTheBit) {
   TestScene<double> scene = large_scene(54);
   scene.weights = {1, 0};
@@ -89,8 +88,7 @@ TEST_P(BackendMask, UsedPixelsKeepTheirGradientOfL1ToTheBit) {
   });
 }
 
-// Bugs to put back: the truth of ignored pixels read in the windows of others; SSIM
-// of ignored pixels summed.
+// Bug put back: the truth of ignored pixels read in the windows of others; seen to fail on the CPU.
 TEST_P(BackendMask, WhatIsIgnoredMayBeAnything) {
   TestScene<double> scene = large_scene(57);
   const auto used = [](int b, int x, int y) { return b == 1 || (x / 9 + y / 5 + b) % 2 == 0; };
@@ -108,6 +106,7 @@ TEST_P(BackendMask, WhatIsIgnoredMayBeAnything) {
     EXPECT_EQ(one.losses[b].total, other.losses[b].total) << b;
 }
 
+// Bug put back: SSIM of ignored pixels summed; seen to fail on the CPU.
 TEST_P(BackendMask, PictureWithoutAUsedPixelHasNoLoss) {
   TestScene<double> scene = large_scene(60);
   set_masks(scene, [](int b, int, int) { return b != 2; });
@@ -123,7 +122,7 @@ TEST_P(BackendMask, PictureWithoutAUsedPixelHasNoLoss) {
   });
 }
 
-// Bug: 1 % of the masked pixels' maps kept; to be put back.
+// For a device's kernels; the oracle is the CPU's own code, which ssim_test.cpp holds to account.
 TEST_P(BackendMask, LossAndGradientsEqualTheOracles) {
   TestScene<double> scene = large_scene(63);
   Random random(64);

@@ -141,7 +141,8 @@ std::vector<uint8_t> speckled(int pixels, Random& random) {
 }
 
 // B17. By the definition: the truth at ignored pixels is the picture, SSIM there is 1.
-// Bugs to put back: inverted polarity; the ignored pixels' own windows counted.
+// Bugs put back, each seen to fail: inverted polarity; the ignored pixels' own windows counted;
+// their truth read in the windows of others; the mask of the next view.
 TEST(Photometric, LossWithAMaskEqualsItsDefinition) {
   Random random(4);
   Pictures p({{13, 17}, {6, 5}}, random);
@@ -178,7 +179,7 @@ TEST(Photometric, LossWithAMaskEqualsItsDefinition) {
   }
 }
 
-// B17. Bugs to put back: maps of ignored pixels not zeroed; the gradient of ignored
+// B17. Bugs put back, each seen to fail: maps of ignored pixels not zeroed; the gradient of ignored
 // pixels left as the windows of their neighbours give it.
 TEST(Photometric, GradientWithAMaskIsThatOfUsedPixelsAndZeroElsewhere) {
   Random random(5);

@@ -114,6 +114,35 @@ TEST(Evaluate, JsonHasTheContractsKeys) {
     EXPECT_TRUE(object["per_view"][1].contains(key)) << key;
 }
 
+// B17. Bugs put back, each seen to fail: frames without a used pixel scored; `masked` never set;
+// ignored pixels counted.
+TEST(Evaluate, PixelsThatMasksIgnoreDoNotCount) {
+  const GaussianModel model = random_model(30, 30);
+  Scene scene = noise_scene(24, 20);
+  take_pictures(model, scene);
+  const std::vector<int> frames = scene.split_indices(Split::kTest);
+  Frame &half = scene.frames[size_t(frames[0])], &none = scene.frames[size_t(frames[1])];
+  for (Frame* frame : {&half, &none}) {
+    frame->mask = {24, 20, 1, std::vector<uint8_t>(480, 0)};
+    for (uint8_t& byte : frame->image.data) byte = uint8_t(255 - byte);
+  }
+  const Picture drawn = render_one(model, {half.camera, half.time});
+  const Image8 own = quantise(drawn.planar(), 24, 20);
+  for (size_t p = 0; p < 240; ++p) {
+    half.mask.data[p] = 255;
+    for (size_t c = 0; c < 3; ++c) half.image.data[3 * p + c] = own.data[3 * p + c];
+  }
+  const nlohmann::json report = to_json(evaluated(model, scene), model);
+  ASSERT_EQ(report["per_view"].size(), 2u);
+  EXPECT_EQ(report["views"], 2);
+  EXPECT_EQ(report["psnr"], 100.0);
+  EXPECT_EQ(report["per_view"][0]["masked"], true);
+  EXPECT_EQ(report["per_view"][1]["masked"], false);
+  scene.path = "some/scene";
+  for (const int i : frames) scene.frames[size_t(i)].mask = none.mask;
+  expect_input_error([&] { evaluated(model, scene); }, {"some/scene", "'test'", "--invert-masks"});
+}
+
 TEST(Evaluate, RefusesAnEmptySplitAndAnotherBackground) {
   const GaussianModel model = random_model(3, 2);
   Scene scene = noise_scene(12, 12);

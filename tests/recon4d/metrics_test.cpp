@@ -127,7 +127,8 @@ TEST(Metrics, TinyPicturesHaveNoReflectedSsimAndNeverNan) {
   }
 }
 
-// B17. Bugs to put back: the mean taken over all pixels; inverted polarity.
+// B17. Bugs put back, each seen to fail: the mean taken over all pixels; inverted polarity; ignored
+// pixels counted; their truth read in the windows of others.
 TEST(Metrics, IgnoredPixelsDoNotCount) {
   const Image8 a = random_picture(20, 16, 10);
   Image8 b = a, garbage = a;
@@ -147,7 +148,9 @@ TEST(Metrics, IgnoredPixelsDoNotCount) {
     EXPECT_LT(ssim(a, b, padding, used).value(), 1);
   }
   const std::vector<uint8_t> all(320, 255);
-  EXPECT_EQ(ssim(a, b, SsimPadding::kZero, {all.data(), 320}), ssim(a, b, SsimPadding::kZero));
+  // with and without a mask the compiler may fuse sums in two ways
+  EXPECT_NEAR(ssim(a, b, SsimPadding::kZero, {all.data(), 320}).value(),
+              ssim(a, b, SsimPadding::kZero).value(), 1e-14);
 }
 
 }  // namespace

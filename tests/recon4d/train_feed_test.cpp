@@ -46,8 +46,8 @@ int64_t copies_of(const Scene& scene, const std::vector<int64_t>& indices) {
   return copies;
 }
 
-// Bugs to put back: masks of a slot not copied; masks taken from the batch's
-// first frame; the place of a frame in a slot counted without the masks before it.
+// Bugs put back, each seen to fail: masks of a slot not copied; masks taken from the batch's first
+// frame; the place of a frame in a slot counted without the masks before it.
 void expect_frames(SeparateMemory& memory, const Scene& scene, const FedTruth& fed,
                    const std::vector<int64_t>& indices) {
   ASSERT_EQ(fed.pictures.size(), indices.size());
