@@ -58,7 +58,8 @@ RigClip still_clip(const RigClip& clip, const std::filesystem::path& path) {
 
 /// `clip` with noise as its sound, which starts `late` seconds after the picture does.
 RigClip with_sound(const RigClip& clip, const std::filesystem::path& noise, double late) {
-  return by_ffmpeg(clip, fmt::format("-i '{{}}' -itsoffset {} -i '{}' -c copy", late, noise.string()),
+  return by_ffmpeg(clip,
+                   fmt::format("-i '{{}}' -itsoffset {} -i '{}' -c copy", late, noise.string()),
                    noise.parent_path() / (clip.name + "_sound.mkv"));
 }
 
