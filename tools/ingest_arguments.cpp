@@ -104,8 +104,8 @@ IngestOptions resolve_ingest(const IngestArguments& arguments,
   check_positive(options.duration, "--duration");
   check_positive(options.fps, "--fps");
   options.sync.method = value_of(kSyncMethods, arguments.sync, "--sync");
-  options.poses.intrinsics_per_camera = value_of<bool>({{"shared", false}, {"per-camera", true}},
-                                                       arguments.intrinsics, "--intrinsics");
+  options.poses.intrinsics_per_camera = value_of<bool>(
+      {{"shared", false}, {"per-camera", true}}, arguments.intrinsics, "--intrinsics");
   options.poses.strict = options.strict;
   resolve_poses(arguments.poses, capture, options);
   return options;

@@ -32,8 +32,8 @@ std::string error_of(const std::filesystem::path& path) {
   return "";
 }
 
-// Catches: names looked up in the file's order; a missing camera taken as 0; unknown ones
-// passed over.
+// Bugs put back: names looked up in the file's order; a missing camera taken as 0; unknown ones
+// passed over; what is no number taken; each seen to fail.
 TEST(StatedOffsets, BothNotationsAndOneLineErrors) {
   const ScratchFolder folder;
   const std::vector<double> expected{0.0417, -1.5};
@@ -77,7 +77,7 @@ std::string container_error(const std::vector<std::optional<double>>& clocks) {
   return "";
 }
 
-// Catches: dates of whole seconds taken; clips that do not overlap taken; the sign turned;
+// Bugs put back: dates of whole seconds taken; clips that do not overlap taken; the sign turned;
 // each seen to fail.
 TEST(ContainerTimes, AreTakenWhereTheyTellTheClipsApart) {
   const auto found =
