@@ -109,22 +109,22 @@ MotionEnergy motion_energy(GreyClip& clip) {
   const cv::Size grid(std::max(1, int(std::lround(timeline.width / cell))),
                       std::max(1, int(std::lround(timeline.height / cell))));
   cv::Mat last, now;
-  clip.read(0, std::min(timeline.ticks.size(), size_t(kMotionFrames)),
-            [&](size_t frame, const cv::Mat& picture) {
-              const double scale = double(kEnergySide) / std::max(picture.cols, picture.rows);
-              if (scale < 1)
-                cv::resize(picture, now, {}, scale, scale, cv::INTER_AREA);
-              else
-                now = picture.clone();
-              if (frame > 0) {
-                cv::Mat cells;
-                cv::resize(change(last, now), cells, grid, 0, 0, cv::INTER_AREA);
-                energy.seconds.push_back(
-                    0.5 * (timeline.seconds(frame - 1) + timeline.seconds(frame)));
-                energy.cells.push_back(cells);
-              }
-              cv::swap(last, now);
-            });
+  clip.read(
+      0, std::min(timeline.ticks.size(), size_t(kMotionFrames)),
+      [&](size_t frame, const cv::Mat& picture) {
+        const double scale = double(kEnergySide) / std::max(picture.cols, picture.rows);
+        if (scale < 1)
+          cv::resize(picture, now, {}, scale, scale, cv::INTER_AREA);
+        else
+          now = picture.clone();
+        if (frame > 0) {
+          cv::Mat cells;
+          cv::resize(change(last, now), cells, grid, 0, 0, cv::INTER_AREA);
+          energy.seconds.push_back(0.5 * (timeline.seconds(frame - 1) + timeline.seconds(frame)));
+          energy.cells.push_back(cells);
+        }
+        cv::swap(last, now);
+      });
   return energy;
 }
 

@@ -12,8 +12,7 @@ namespace tessera {
 
 GreyClip::GreyClip(std::filesystem::path video, const VideoTimeline& timeline, size_t bound)
     : video_(std::move(video)), timeline_(timeline), kept_(timeline.ticks.size()) {
-  const double scale =
-      std::min(1.0, double(kGreySide) / std::max(timeline.width, timeline.height));
+  const double scale = std::min(1.0, double(kGreySide) / std::max(timeline.width, timeline.height));
   size_ = {std::max(1, int(std::lround(scale * timeline.width))),
            std::max(1, int(std::lround(scale * timeline.height)))};
   room_ = bound / size_t(size_.area());

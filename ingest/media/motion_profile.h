@@ -11,8 +11,8 @@
 namespace tessera {
 
 /// Correlates the clips' motion over time, separately on each plane through both camera centres,
-/// which a point never seems to leave for one of the cameras only. `sigma` is a frame. Nothing where
-/// no shift stands out.
+/// which a point never seems to leave for one of the cameras only. `sigma` is a frame. Nothing
+/// where no shift stands out.
 std::optional<PairOffset> coarse_offset(const MotionEnergy& a, const MotionEnergy& b,
                                         const RigCamera& camera_a, const RigCamera& camera_b);
 

@@ -124,8 +124,8 @@ class MotionSync {
       energies_.push_back(clips_[i].camera ? motion_energy(pictures_[i]) : MotionEnergy{});
     }
     const auto coarse = measure(pairs_, [&](int a, int b) {
-      return coarse_offset(energies_[size_t(a)], energies_[size_t(b)],
-                           *clips_[size_t(a)].camera, *clips_[size_t(b)].camera);
+      return coarse_offset(energies_[size_t(a)], energies_[size_t(b)], *clips_[size_t(a)].camera,
+                           *clips_[size_t(b)].camera);
     });
     const std::vector<double> none(clips_.size());
     const std::vector<double> start = offsets_of(solve_offsets(int(clips_.size()), coarse));

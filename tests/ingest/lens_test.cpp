@@ -107,10 +107,10 @@ TEST(Lens, UnprojectingEveryModelRoundTrips) {
   EXPECT_FALSE(lens_of("SIMPLE_RADIAL", {1, 0, 0, -2}).undistorted({0.3, 0}));
 }
 
-// Without distortion θ itself is seen; the other polynomial takes 1.5 to 1.896 (θ(1 + k1θ² + …)), and
-// turns back between 90 degrees and the place where that is met. Bugs put back: a tangent beyond 90
-// degrees; the search begun at the place that is met; each seen to fail. (GCC 12.2 makes eight ones
-// of the list {1, 1, 0, 0, 0, 0, 0, 0} with AVX-512: hence no such list here.)
+// Without distortion θ itself is seen; the other polynomial takes 1.5 to 1.896 (θ(1 + k1θ² + …)),
+// and turns back between 90 degrees and the place where that is met. Bugs put back: a tangent
+// beyond 90 degrees; the search begun at the place that is met; each seen to fail. (GCC 12.2 makes
+// eight ones of the list {1, 1, 0, 0, 0, 0, 0, 0} with AVX-512: hence no such list here.)
 TEST(Lens, FisheyesEndAt90Degrees) {
   Lens plain;
   plain.projection = Lens::Projection::kFisheye;

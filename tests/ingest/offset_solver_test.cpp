@@ -10,7 +10,8 @@ namespace tessera {
 namespace {
 
 // The middle of 0.5, 0.7, −0.3 is 0.5, so the clocks are 0, 0.2 and −0.8; pairs that agree exactly
-// leave only rounding. Catches: offset taken as a − b; the mean for the median.
+// leave only rounding. Bugs put back: offset taken as a − b; the mean for the median, the upper
+// middle of an even count; each seen to fail.
 TEST(OffsetSolver, PairsThatAgreeGiveExactClocks) {
   const std::vector<PairOffset> pairs{{0, 1, 0.2, 0.01}, {1, 2, -1.0, 0.02}, {0, 2, -0.8, 0.01}};
   const auto clocks = solve_offsets(3, pairs);
@@ -22,8 +23,8 @@ TEST(OffsetSolver, PairsThatAgreeGiveExactClocks) {
   EXPECT_EQ(median_offset({3, 1, 2, 4}), 2) << "of an even count the lower one, a clock that stays";
 }
 
-// Two clocks and one pair of error s: about their mean each has s/2. Catches: the variance for
-// the error.
+// Two clocks and one pair of error s: about their mean each has s/2. The variance for the
+// error: seen to fail.
 TEST(OffsetSolver, ErrorsFollowFromThePairs) {
   const auto clocks = solve_offsets(2, {{0, 1, 0.3, 0.02}});
   EXPECT_NEAR(clocks[0].sigma, 0.01, 1e-12);
@@ -65,7 +66,8 @@ std::vector<EpipolarMiss> misses_of(double shift) {
 }
 
 // Exact misses of three in four points: the wrong quarter pulls by less than a hundredth of a
-// frame. Catches: the sign of the shift; weights that do not fall with the miss.
+// frame. Bugs put back: the sign of the shift; weights that do not fall with the miss; each seen
+// to fail.
 TEST(OffsetSolver, ShiftIsWhatMostMissesAgreeOn) {
   const double frame = 1 / 30.0;
   for (const double frames : {-2.5, -0.3, 0.0, 0.25, 1.7}) {
@@ -77,11 +79,11 @@ TEST(OffsetSolver, ShiftIsWhatMostMissesAgreeOn) {
 }
 
 // Points that stand still, and matches of which any shift would be right, say nothing of time.
-// Catches: no least slope; no least share of agreement.
+// Bugs put back: no least slope; no least share of agreement; each seen to fail.
 TEST(OffsetSolver, NoShiftWithoutEvidence) {
-  std::vector<EpipolarMiss> still(200, {0.1, 0.5}), noise;
+  std::vector<EpipolarMiss> still(200, {0.02, 0.5}), noise;  // would agree on 0.04 s
   EXPECT_FALSE(shift_from_misses(still, 0.1, 1 / 30.0));
-  for (int i = 0; i < 200; ++i) noise.push_back({12 * std::sin(7.3 * i), 60 * std::cos(3.1 * i)});
+  for (int i = 0; i < 1000; ++i) noise.push_back({12 * std::sin(7.3 * i), 60 * std::cos(3.1 * i)});
   EXPECT_FALSE(shift_from_misses(noise, 0.1, 1 / 30.0));
 }
 

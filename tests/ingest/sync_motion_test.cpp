@@ -58,7 +58,8 @@ RigClip still_clip(const RigClip& clip, const std::filesystem::path& path) {
 
 /// `clip` with noise as its sound, which starts `late` seconds after the picture does.
 RigClip with_sound(const RigClip& clip, const std::filesystem::path& noise, double late) {
-  return by_ffmpeg(clip, fmt::format("-i '{{}}' -itsoffset {} -i '{}' -c copy", late, noise.string()),
+  return by_ffmpeg(clip,
+                   fmt::format("-i '{{}}' -itsoffset {} -i '{}' -c copy", late, noise.string()),
                    noise.parent_path() / (clip.name + "_sound.mkv"));
 }
 
@@ -70,8 +71,8 @@ std::filesystem::path write_noise(const std::filesystem::path& path) {
 }
 
 // The bounds are those of failure mode A12. The one camera that films 1.7 frames late; a clip
-// without motion stays, with a warning. Catches: the sign of the offset; neighbouring frames
-// for paths exchanged (before, after); offsets of pairs not joined.
+// without motion or without a pose stays, with a warning. Bugs put back: the sign of the offset;
+// neighbouring frames for paths exchanged (before, after); no word on poses; each seen to fail.
 TEST(SyncMotion, OneShiftedCameraOfARig) {
   const ScratchFolder folder;
   make_rig(folder / "rig", room({0, 0, 0, 1.7}));
@@ -98,7 +99,8 @@ TEST(SyncMotion, OneShiftedCameraOfARig) {
 
 // One second filmed at 30 and at 25 frames a second; one file's clock starts 0.5 s later, one clip
 // lost two of five frames and is smaller. Bound: 0.1 frame of 1/30 s (Matroska's times are rounded
-// to a millisecond, 0.03 frame).
+// to a millisecond, 0.03 frame). Bugs put back: a frame's index for its time; the file's start left
+// out; the camera at its own size for the smaller clip; each seen to fail.
 TEST(SyncMotion, RatesStartsDroppedFramesAndSizesThatDiffer) {
   const ScratchFolder folder;
   make_rig(folder / "30", room());
@@ -119,11 +121,13 @@ TEST(SyncMotion, RatesStartsDroppedFramesAndSizesThatDiffer) {
   const ClipClocks clocks = by_motion(clips);
   for (size_t i = 0; i < clips.size(); ++i) {
     EXPECT_NEAR(clocks.clocks[i].measured, i == 1 ? -0.5 : 0, 0.1 / 30) << i;
+    EXPECT_LT(clocks.clocks[i].uncertainty, 0.1 / 30) << i;  // no pair was given up
     EXPECT_EQ(clocks.clocks[i].source, "motion");
   }
 }
 
 // A room in which nothing moves: no clock is touched, and each camera's warning says so.
+// Clocks that were not determined passed as measured: seen to fail.
 TEST(SyncMotion, AStaticSceneTellsNothing) {
   const ScratchFolder folder;
   SynthOptions still = room();
@@ -140,8 +144,8 @@ TEST(SyncMotion, AStaticSceneTellsNothing) {
 }
 
 // A synchronised rig of which one camera's sound is 0.17 s late: the pictures win, with a warning,
-// and all clocks stay within 0.05 frame (failure mode A12). Catches: sound taken whenever it
-// is confident; the start time of the sound track ignored (no contradiction is seen).
+// and all clocks stay within 0.05 frame (failure mode A12). Bugs put back: sound taken whenever it
+// is confident; the start time of the sound track ignored; each seen to fail.
 TEST(SyncMotion, SoundThatContradictsThePicturesIsNotTaken) {
   const ScratchFolder folder;
   make_rig(folder / "rig", room());

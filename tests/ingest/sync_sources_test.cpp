@@ -32,8 +32,8 @@ std::string error_of(const std::filesystem::path& path) {
   return "";
 }
 
-// Catches: names looked up in the file's order; a missing camera taken as 0; unknown ones
-// passed over.
+// Bugs put back: names looked up in the file's order; a missing camera taken as 0; unknown ones
+// passed over; what is no number taken; each seen to fail.
 TEST(StatedOffsets, BothNotationsAndOneLineErrors) {
   const ScratchFolder folder;
   const std::vector<double> expected{0.0417, -1.5};
@@ -77,7 +77,7 @@ std::string container_error(const std::vector<std::optional<double>>& clocks) {
   return "";
 }
 
-// Catches: dates of whole seconds taken; clips that do not overlap taken; the sign turned;
+// Bugs put back: dates of whole seconds taken; clips that do not overlap taken; the sign turned;
 // each seen to fail.
 TEST(ContainerTimes, AreTakenWhereTheyTellTheClipsApart) {
   const auto found =
@@ -121,8 +121,8 @@ Sound hum(double phase) {
 }
 
 // The delay, 0.1 s and 0.4 samples, is not a whole number of samples; a tenth of a sample is 0.0004
-// frames at 30 a second. Catches: the delay's sign; no parabola (0.4 samples off); `begin`
-// left out.
+// frames at 30 a second. Bugs put back: the delay's sign; no parabola (0.4 samples off); `begin`
+// left out; each seen to fail.
 TEST(SoundDelays, FractionsOfASampleAndStartTimes) {
   const Sound a = noise(0, 1);
   Sound b = noise(8004, 1);
@@ -132,8 +132,8 @@ TEST(SoundDelays, FractionsOfASampleAndStartTimes) {
   EXPECT_GT(delay.confidence, 1.5);
 }
 
-// A hum fits at every period, and strangers nowhere. Catches: cut ends of the sound left as
-// they are, which agree at 0 whatever is heard; confidence without the second peak.
+// A hum fits at every period, and strangers nowhere. Confidence without the second peak: seen to
+// fail. (Sound without its fade, or a hum's narrow band let through, alone passes here.)
 TEST(SoundDelays, HumAndStrangersAreNotConfident) {
   const auto delays = sound_delays({noise(0, 1), noise(0, 2), hum(0), hum(1)});
   EXPECT_LT(delays[0].confidence, 1.5);
