@@ -109,7 +109,7 @@ TEST_F(N3dv, TheWorldIsNormalisedAndRecorded) {
   EXPECT_TRUE(load_scene(folder_ / "scene", {}).prepared_from_source.is_identity());
 }
 
-// B17. Bug to put back: the mask of the first camera that has one for all.
+// B17. Bug put back: the mask of the first camera that has one for all; seen to fail.
 TEST_F(N3dv, OneMaskACamera) {
   IngestOptions options;
   options.masks = folder_ / "masks";

@@ -73,8 +73,7 @@ void fill_mask(Frame& frame, int used_from_x) {
       frame.mask.data.push_back(x >= used_from_x ? 255 : 0);
 }
 
-// B17. Bugs to put back: ignored pixels searched for; other cameras compared where they are
-// ignored.
+// B17. Bug put back: ignored pixels searched for; seen to fail.
 TEST(PlaneSweep, WhatMasksIgnoreGivesNoPointAndHasNoSay) {
   Scene scene = wall_scene({.moments = 1});
   fill_mask(scene.frames[2], 48);

@@ -111,7 +111,7 @@ TEST(Transforms, NamesWithAndWithoutExtension) {
   EXPECT_EQ(capture.frames[5].name, "test/r_001");
 }
 
-// B17: black is ignored. Bug: the comparison with 127 turned round; to be put back.
+// B17: black is ignored. Bug put back: the comparison with 127 turned round; seen to fail.
 TEST(Transforms, MasksAreReadAtOnePolarity) {
   const TemporaryFolder folder;
   write_dnerf(folder.path(), {});
