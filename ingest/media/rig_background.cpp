@@ -15,7 +15,7 @@ namespace {
 constexpr int kBlur = 5;             // pixels, box: noise averages out, motion does not
 constexpr float kLeastMotion = 8;    // 8-bit values: coded noise flickers in blocks of less
 constexpr float kNoiseFactor = 4;    // motion deviates by this many times the median deviation
-constexpr double kSteady = 0.75;     // of the frames must show what the median shows
+constexpr double kSteady = 0.5;      // of the frames must show what the median shows
 constexpr double kReach = 1.0 / 60;  // of the picture's width: features look beyond their centre
 
 /// max(0, 2|mean d| − mean|d|) of the differences d from the median over time, means over
