@@ -78,11 +78,12 @@ std::vector<size_t> spread_frames(size_t frames, size_t count) {
 }
 
 std::vector<Image8> sample_pictures(const RigClip& clip, const std::vector<size_t>& chosen) {
+  std::vector<int64_t> wanted;
+  for (const size_t frame : chosen) wanted.push_back(clip.timeline.ticks.at(frame));
   std::vector<Image8> pictures;
-  size_t frame = 0;
-  decode_video(clip.video, [&](VideoFrame decoded) {
-    if (frame++ == chosen[pictures.size()]) pictures.push_back(std::move(decoded.image));
-    return pictures.size() < chosen.size();
+  decode_frames(clip.video, wanted, [&](VideoFrame decoded) {
+    pictures.push_back(std::move(decoded.image));
+    return true;
   });
   check(pictures.size() == chosen.size(), "the timeline has more frames than the video");
   return pictures;
