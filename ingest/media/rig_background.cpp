@@ -15,7 +15,7 @@ namespace {
 constexpr int kBlur = 5;             // pixels, box: noise averages out, motion does not
 constexpr float kLeastMotion = 8;    // 8-bit values: coded noise flickers in blocks of less
 constexpr float kNoiseFactor = 4;    // motion deviates by this many times the median deviation
-constexpr double kSteady = 0.75;     // of the frames must show what the median shows
+constexpr double kSteady = 0.5;      // of the frames must show what the median shows
 constexpr double kReach = 1.0 / 60;  // of the picture's width: features look beyond their centre
 
 /// max(0, 2|mean d| − mean|d|) of the differences d from the median over time, means over
@@ -78,11 +78,12 @@ std::vector<size_t> spread_frames(size_t frames, size_t count) {
 }
 
 std::vector<Image8> sample_pictures(const RigClip& clip, const std::vector<size_t>& chosen) {
+  std::vector<int64_t> wanted;
+  for (const size_t frame : chosen) wanted.push_back(clip.timeline.ticks.at(frame));
   std::vector<Image8> pictures;
-  size_t frame = 0;
-  decode_video(clip.video, [&](VideoFrame decoded) {
-    if (frame++ == chosen[pictures.size()]) pictures.push_back(std::move(decoded.image));
-    return pictures.size() < chosen.size();
+  decode_frames(clip.video, wanted, [&](VideoFrame decoded) {
+    pictures.push_back(std::move(decoded.image));
+    return true;
   });
   check(pictures.size() == chosen.size(), "the timeline has more frames than the video");
   return pictures;
