@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ingest/colmap_model.h"
 #include "ingest/image_paths.h"
@@ -92,14 +93,21 @@ std::filesystem::path RigSolver::refine(const ColmapModel& start, const std::str
   return model;
 }
 
-/// The result, as a text model in work.folder/refined/chosen. Where no lens was asked for, one
-/// without distortion is taken if it explains as many points: distortion that is not there costs
-/// accuracy. Where a lens fits so badly that half of the points go, the mapper's result stays.
+/// Whether distortion explains more than chance would let it: √n is what counts of n points scatter
+/// by. Distortion that is not there costs accuracy.
+bool needs_lens(const ColmapModel& with, const ColmapModel& without) {
+  const auto points = double(without.points.position.size());
+  return double(with.points.position.size()) > points + std::sqrt(points);
+}
+
+/// The result, as a text model in work.folder/refined/chosen. Where no lens was asked for, there is
+/// one only if the pictures need it. Where a lens fits so badly that half of the points go, the
+/// mapper's result stays.
 void RigSolver::choose_refined(const ColmapModel& mapped) const {
   ColmapModel best = read_colmap_model(refine(mapped, ""));
   if (options.lens_model.empty()) {
     ColmapModel plain = read_colmap_model(refine(mapped, "SIMPLE_PINHOLE"));
-    if (plain.points.position.size() >= best.points.position.size()) best = std::move(plain);
+    if (!needs_lens(best, plain)) best = std::move(plain);
   }
   const bool fits = 2 * best.points.position.size() >= mapped.points.position.size() &&
                     best.photos.size() == mapped.photos.size();

@@ -15,7 +15,8 @@ namespace tessera::testing {
 namespace {
 
 // The product's bound for a real-looking rig: all 11 cameras, 0.1 degrees, 0.5 % of the extent.
-// Catches: the mapper's own result without the exact rounds (0.127 degrees).
+// COLMAP's matches are drawn at random: figures differ from run to run. Aligned by the centres
+// alone, which lie nearly in a plane, the turn is uncertain by as much again; it is recorded.
 TEST(StudioPoses, BareVideosGiveThePoses) {
   if (find_program("colmap").empty()) GTEST_SKIP() << "no colmap in PATH";
   TESSERA_NEED_DATA(studio, "studio");
@@ -42,6 +43,9 @@ TEST(StudioPoses, BareVideosGiveThePoses) {
   const RigError error = rig_error(estimated, truth);
   RecordProperty("rotation_degrees", std::to_string(error.rotation));
   RecordProperty("centre_percent", std::to_string(100 * error.centre));
+  const RigError by_centres = rig_error(estimated, truth, AlignBy::kCentres);
+  RecordProperty("rotation_degrees_by_centres", std::to_string(by_centres.rotation));
+  RecordProperty("centre_percent_by_centres", std::to_string(100 * by_centres.centre));
   RecordProperty("focal", std::to_string(estimated[0].fl_x));
   RecordProperty("points", int(estimate.points.position.size()));
   EXPECT_LE(error.rotation, 0.1);

@@ -103,19 +103,34 @@ inline double degrees_between(const glm::dmat3& one, const glm::dmat3& other) {
   return std::atan2(glm::length(axis) / 2, cosine) * 180 / M_PI;
 }
 
-/// Cameras in the same order; centres that do not lie on one line.
-inline RigError rig_error(const std::vector<Camera>& estimated, const std::vector<Camera>& truth) {
-  std::vector<glm::dvec3> from, to;
-  for (const Camera& camera : estimated) from.push_back(camera.position());
-  for (const Camera& camera : truth) to.push_back(camera.position());
+/// What an alignment goes by: a rig whose centres lie nearly in a plane or a line leaves the turn of
+/// the world to small errors of the centres; the cameras' axes settle it.
+enum class AlignBy { kPoses, kCentres };
+
+/// The cameras' centres, with kPoses also the ends of their axes, as long as the rig is wide.
+inline std::vector<glm::dvec3> alignment_points(const std::vector<Camera>& cameras, AlignBy by) {
+  std::vector<glm::dvec3> points;
+  for (const Camera& camera : cameras) points.push_back(camera.position());
+  if (by == AlignBy::kCentres) return points;
+  const double length = rig_extent(cameras);
+  for (const Camera& camera : cameras)
+    for (int axis = 0; axis < 3; ++axis)
+      points.push_back(camera.position() +
+                       length * glm::transpose(camera.cam_from_world)[axis]);
+  return points;
+}
+
+inline RigError rig_error(const std::vector<Camera>& estimated, const std::vector<Camera>& truth,
+                          AlignBy by = AlignBy::kPoses) {
   RigError error;
-  error.alignment = align_points(from, to);
+  error.alignment = align_points(alignment_points(estimated, by), alignment_points(truth, by));
   const double extent = rig_extent(truth);
   for (size_t i = 0; i < truth.size(); ++i) {
     const glm::dmat3 aligned =
         estimated[i].cam_from_world * glm::transpose(error.alignment.rotation);
     const double turn = degrees_between(aligned, truth[i].cam_from_world);
-    const double distance = glm::length(error.alignment(from[i]) - to[i]) / extent;
+    const double distance =
+        glm::length(error.alignment(estimated[i].position()) - truth[i].position()) / extent;
     if (turn > error.rotation) error.rotation = turn, error.worst_rotation = i;
     if (distance > error.centre) error.centre = distance, error.worst_centre = i;
   }
