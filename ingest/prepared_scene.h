@@ -29,11 +29,11 @@ struct RemovedLens {
 
 struct PreparedCamera {
   std::string name;
-  Rational time_base{};          // seconds a tick
-  double time_offset = 0;        // seconds added to the camera's own clock
-  double time_uncertainty = 0;   // its standard error, seconds
-  std::string time_source{};     // where the offset comes from: "motion", "audio", …; empty: none
-  std::vector<RemovedLens> removed_lenses{};  // distinct; several where it was zoomed
+  Rational time_base{};         // seconds a tick
+  double time_offset = 0;       // seconds added to the camera's own clock
+  double time_uncertainty = 0;  // its standard error, seconds
+  std::string time_source{};    // where the offset comes from: "motion", "audio", …; empty: none
+  std::vector<RemovedLens> removed_lenses{};             // distinct; several where it was zoomed
   std::optional<std::array<double, 3>> exposure_gain{};  // R G B its pictures were divided by
 };
 

@@ -35,7 +35,7 @@ struct TransformsCapture {
   std::string points_file;                   // ply_file_path, empty when not stated
   std::optional<TimeAxis> prepared_axis;     // set where a `tessera` object is present
   bool prepared_static = false;
-  Similarity prepared_from_source;  // of the poses' world; identity without a `tessera` object
+  Similarity prepared_from_source;   // of the poses' world; identity without a `tessera` object
   std::vector<std::string> missing;  // file_path of frames without a picture, left out
   std::vector<std::string> warnings;
 };

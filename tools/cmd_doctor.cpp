@@ -52,21 +52,18 @@ class TemporaryFolder {
 /// Whether the folder is looked at as it is; a COLMAP model beside pictures knows more than a
 /// transforms file.
 bool is_scene(const fs::path& folder) {
-  return is_prepared_scene(folder) ||
-         (opens_as_scene(folder) && find_colmap_model(folder).empty());
+  return is_prepared_scene(folder) || (opens_as_scene(folder) && find_colmap_model(folder).empty());
 }
 
-void examine_capture(const fs::path& capture, const IngestOptions& options,
-                     DoctorReport& report) {
+void examine_capture(const fs::path& capture, const IngestOptions& options, DoctorReport& report) {
   const TemporaryFolder temporary;
   const fs::path folder = temporary.path() / "scene";
   ProgressBar bar("doctor");
-  const IngestReport ingested =
-      ingest_sample(capture, folder, options,
-                    [&](std::string_view what, int64_t done, int64_t total) {
-                      stop_if_interrupted();
-                      bar.update(done, total, what);
-                    });
+  const IngestReport ingested = ingest_sample(
+      capture, folder, options, [&](std::string_view what, int64_t done, int64_t total) {
+        stop_if_interrupted();
+        bar.update(done, total, what);
+      });
   bar.clear();
   for (const std::string& warning : ingested.warnings)
     report.findings.push_back({Severity::kWarning, "ingest", "", warning, ""});

@@ -31,8 +31,7 @@ int ingest_all(const IngestRequest& request, const IngestOptions& options) {
 }
 
 int ingest_one(const IngestRequest& request, const IngestOptions& options) {
-  const IngestReport report =
-      ingest_with_progress(request.capture, request.out, options, "ingest");
+  const IngestReport report = ingest_with_progress(request.capture, request.out, options, "ingest");
   print_result(request.json,
                {{"out", request.out},
                 {"layout", layout_name(report.layout)},

@@ -94,8 +94,8 @@ class Runner {
     IngestOptions options = resolve_ingest(request_.ingest);
     options.allow_static = options_.static_only;
     options.work = request_.out / "work";
-    const bool as_it_is = to_json(options) == to_json(defaults_for(options)) &&
-                          opens_as_scene(request_.capture);
+    const bool as_it_is =
+        to_json(options) == to_json(defaults_for(options)) && opens_as_scene(request_.capture);
     scene_ = as_it_is ? request_.capture : request_.out / "scene";
     const std::string key = key_of({file_stamps(request_.capture), to_json(options), as_it_is});
     scene_key_ = key;
@@ -103,8 +103,7 @@ class Runner {
     ledger_.begin("ingest", key);
     json result = {{"scene", scene_.string()}};
     if (!as_it_is) {
-      const IngestReport report =
-          ingest_with_progress(request_.capture, scene_, options, "ingest");
+      const IngestReport report = ingest_with_progress(request_.capture, scene_, options, "ingest");
       result["frames"] = report.frames, result["cameras"] = report.cameras;
     }
     ledger_.finish("ingest", key, result);

@@ -54,9 +54,10 @@ void add_frame_options(CLI::App& command, IngestOptions& options) {
 
 void add_camera_options(CLI::App& command, IngestArguments& arguments) {
   IngestOptions& options = arguments.options;
-  command.add_option("--poses", options.poses.source,
-                     "where poses come from: n3dv or llff (poses_bounds.npy), colmap (the model "
-                     "that is there, else estimated), or a file of cameras; default: what is there");
+  command.add_option(
+      "--poses", options.poses.source,
+      "where poses come from: n3dv or llff (poses_bounds.npy), colmap (the model "
+      "that is there, else estimated), or a file of cameras; default: what is there");
   command.add_option("--camera-model", options.poses.lens_model,
                      "lens model that colmap estimates, e.g. OPENCV; default: as simple as fits");
   command
@@ -120,8 +121,8 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
                                               {"audio", SyncMethod::kAudio},
                                               {"motion", SyncMethod::kMotion}},
                                              arguments.sync, "--sync");
-  options.poses.intrinsics_per_camera = value_of<bool>(
-      {{"shared", false}, {"per-camera", true}}, arguments.intrinsics, "--intrinsics");
+  options.poses.intrinsics_per_camera = value_of<bool>({{"shared", false}, {"per-camera", true}},
+                                                       arguments.intrinsics, "--intrinsics");
   options.poses.strict = options.strict;
   options.fit_exposure =
       value_of<bool>({{"fit", true}, {"none", false}}, arguments.exposure, "--exposure");

@@ -46,18 +46,17 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
     const char *name, *what;
   };
   const bool estimated = videos || layout == CaptureLayout::kPhotos;
-  for (const Row& row : {Row{!o.pictures.empty(), photos, "--images", "photos"},
-                         {o.test_every.has_value(), photos || videos, "--test-every", "photos"},
-                         {o.frames.has_value(), !photos, "--frames", "several moments"},
-                         {o.start != 0, videos, "--start", "videos"},
-                         {o.duration.has_value(), videos, "--duration", "videos"},
-                         {o.fps.has_value(), videos, "--fps", "videos"},
-                         {!o.cameras.empty(), videos, "--cameras", "videos"},
-                         {!o.sync.offsets.empty(), videos, "--offsets", "videos"},
-                         {!o.poses.lens_model.empty(), estimated, "--camera-model",
-                          "poses to be estimated"},
-                         {o.poses.intrinsics_per_camera, estimated, "--intrinsics",
-                          "poses to be estimated"}})
+  for (const Row& row :
+       {Row{!o.pictures.empty(), photos, "--images", "photos"},
+        {o.test_every.has_value(), photos || videos, "--test-every", "photos"},
+        {o.frames.has_value(), !photos, "--frames", "several moments"},
+        {o.start != 0, videos, "--start", "videos"},
+        {o.duration.has_value(), videos, "--duration", "videos"},
+        {o.fps.has_value(), videos, "--fps", "videos"},
+        {!o.cameras.empty(), videos, "--cameras", "videos"},
+        {!o.sync.offsets.empty(), videos, "--offsets", "videos"},
+        {!o.poses.lens_model.empty(), estimated, "--camera-model", "poses to be estimated"},
+        {o.poses.intrinsics_per_camera, estimated, "--intrinsics", "poses to be estimated"}})
     if (row.given && !row.fits)
       throw InputError(fmt::format("{} is given, but this capture ({}) has no {}; leave it out",
                                    row.name, layout_name(layout), row.what));

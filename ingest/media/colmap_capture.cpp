@@ -218,8 +218,8 @@ Converted convert_bare_photos(const std::filesystem::path& capture,
                               const std::filesystem::path& folder, const IngestOptions& options,
                               const IngestProgress& progress) {
   const auto pictures = picture_folder(capture, options.pictures);
-  MovingCameraModel estimate = estimate_moving_camera(pictures, false, options.work / "colmap",
-                                                      options.poses, progress);
+  MovingCameraModel estimate =
+      estimate_moving_camera(pictures, false, options.work / "colmap", options.poses, progress);
   Converted converted = convert_photos(capture, pictures, read_colmap_model(estimate.folder),
                                        folder, options, progress);
   converted.scene.layout = "photos";

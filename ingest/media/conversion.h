@@ -28,7 +28,8 @@ Converter convert_colmap;       // photos posed by a COLMAP model; a static scen
 Converter convert_llff;         // photos beside poses_bounds.npy, a row each; a static scene
 Converter convert_bare_photos;  // photos without poses, which COLMAP estimates; a static scene
 
-/// The pictures of `model` below `pictures` as a static scene; its `layout` is the caller's to name.
+/// The pictures of `model` below `pictures` as a static scene; its `layout` is the caller's to
+/// name.
 Converted convert_photos(const std::filesystem::path& capture,
                          const std::filesystem::path& pictures, ColmapModel model,
                          const std::filesystem::path& folder, const IngestOptions& options,

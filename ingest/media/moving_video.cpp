@@ -71,8 +71,7 @@ void set_times(const RigClip& clip, const std::map<std::string, int64_t>& times,
   scene.time_base = camera.time_base;
   if (one_moment) return;
   const NormalisedTimes normalised = normalise_times(seconds, false, where);
-  for (size_t i = 0; i < scene.frames.size(); ++i)
-    scene.frames[i].frame.time = normalised.time[i];
+  for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].frame.time = normalised.time[i];
   scene.time_axis = normalised.axis;
   scene.is_static = normalised.is_static;
 }

@@ -32,8 +32,8 @@ std::vector<RigClip> clips_by_name(const fs::path& capture) {
                       video.filename().string()));
   }
   if (videos.empty())
-    throw InputError(fmt::format("{}: has no videos; put one file per camera there",
-                                 capture.string()));
+    throw InputError(
+        fmt::format("{}: has no videos; put one file per camera there", capture.string()));
   std::vector<RigClip> clips;
   for (const auto& [name, video] : videos) clips.push_back({name, video, {}, {}});
   return clips;

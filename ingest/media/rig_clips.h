@@ -11,9 +11,9 @@
 namespace tessera {
 
 struct RigClips {
-  std::vector<RigClip> clips;  // by name; `camera` is set where poses are stated
-  std::vector<char> held_out;  // one a clip
-  bool posed = false;          // all clips have their camera
+  std::vector<RigClip> clips;                     // by name; `camera` is set where poses are stated
+  std::vector<char> held_out;                     // one a clip
+  bool posed = false;                             // all clips have their camera
   std::vector<std::filesystem::path> pose_files;  // that were read
 
   /// Leaves clips out, all entries alike; `keep` has one entry a clip.
@@ -21,9 +21,9 @@ struct RigClips {
 };
 
 /// The videos directly in `capture`, those of options.cameras where some are named. Poses are those
-/// of options.poses.source: "n3dv", a file, "colmap" (none stated), or empty: poses_bounds.npy where
-/// it is there. Errors: InputError: no video, two of one name, an unknown camera, rows or names that
-/// do not fit, another shape than the poses'.
+/// of options.poses.source: "n3dv", a file, "colmap" (none stated), or empty: poses_bounds.npy
+/// where it is there. Errors: InputError: no video, two of one name, an unknown camera, rows or
+/// names that do not fit, another shape than the poses'.
 RigClips open_rig_clips(const std::filesystem::path& capture, const IngestOptions& options,
                         std::vector<std::string>& warnings);
 

@@ -59,8 +59,8 @@ void finish_scene(Converted& converted, CaptureLayout layout, const std::filesys
   if (!options.keep_world && has_arbitrary_world(layout)) normalise_world(converted);
   write_prepared_scene(folder, scene);  // for the next two, which look at the pictures
   if (options.fit_exposure) even_exposure(folder, scene, progress);
-  converted.points = initial_cloud(folder, scene, std::move(converted.points), options, progress,
-                                   report.warnings);
+  converted.points =
+      initial_cloud(folder, scene, std::move(converted.points), options, progress, report.warnings);
   warn_of_few_cameras(scene, report.warnings);
   report.points = int64_t(converted.points.position.size());
   scene.has_points = report.points > 0;

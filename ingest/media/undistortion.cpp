@@ -10,7 +10,9 @@
 namespace tessera {
 
 Undistortion::Undistortion(const Camera& camera, const Lens& lens, const Camera& pinhole)
-    : width_(camera.width), height_(camera.height), place_(pinhole.height, pinhole.width, CV_32FC2) {
+    : width_(camera.width),
+      height_(camera.height),
+      place_(pinhole.height, pinhole.width, CV_32FC2) {
   for (int y = 0; y < pinhole.height; ++y)
     for (int x = 0; x < pinhole.width; ++x) {
       const glm::dvec2 met = lens.distorted(

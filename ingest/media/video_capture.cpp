@@ -91,9 +91,9 @@ void warn_of_cuts(const RigClips& rig, const std::vector<std::vector<double>>& m
   }
   const double enough = 1.5 * rig.clips.front().timeline.frame_seconds;
   if (common.first - whole.first > enough)
-    warnings.push_back(fmt::format(
-        "{} begins {:.3f} s after the first camera; frames before that are not used",
-        rig.clips[begins_last].video.filename().string(), common.first - whole.first));
+    warnings.push_back(
+        fmt::format("{} begins {:.3f} s after the first camera; frames before that are not used",
+                    rig.clips[begins_last].video.filename().string(), common.first - whole.first));
   if (whole.last - common.last > enough)
     warnings.push_back(fmt::format(
         "{} ends {:.3f} s before the last camera, at {:.3f} s; frames after that are not used",

@@ -103,8 +103,8 @@ inline double degrees_between(const glm::dmat3& one, const glm::dmat3& other) {
   return std::atan2(glm::length(axis) / 2, cosine) * 180 / M_PI;
 }
 
-/// What an alignment goes by: a rig whose centres lie nearly in a plane or a line leaves the turn of
-/// the world to small errors of the centres; the cameras' axes settle it.
+/// What an alignment goes by: a rig whose centres lie nearly in a plane or a line leaves the turn
+/// of the world to small errors of the centres; the cameras' axes settle it.
 enum class AlignBy { kPoses, kCentres };
 
 /// The cameras' centres, with kPoses also the ends of their axes, as long as the rig is wide.
@@ -115,8 +115,7 @@ inline std::vector<glm::dvec3> alignment_points(const std::vector<Camera>& camer
   const double length = rig_extent(cameras);
   for (const Camera& camera : cameras)
     for (int axis = 0; axis < 3; ++axis)
-      points.push_back(camera.position() +
-                       length * glm::transpose(camera.cam_from_world)[axis]);
+      points.push_back(camera.position() + length * glm::transpose(camera.cam_from_world)[axis]);
   return points;
 }
 

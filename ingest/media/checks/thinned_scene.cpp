@@ -8,8 +8,8 @@
 #include "ingest/capture_layout.h"
 #include "ingest/checks/stations.h"
 #include "ingest/colmap_model.h"
-#include "ingest/llff_poses.h"
 #include "ingest/files/png.h"
+#include "ingest/llff_poses.h"
 #include "ingest/media/image_source.h"
 #include "ingest/media/picture_scale.h"
 #include "ingest/media/video_decoder.h"
@@ -78,7 +78,8 @@ double moments_per_second(const std::filesystem::path& capture, const IngestOpti
   double seconds = options.duration.value_or(1e9);
   for (const auto& video : videos_in(capture)) {
     const VideoTimeline timeline = read_timeline(video);
-    seconds = std::min(seconds, timeline.time_base.at(timeline.ticks.back() - timeline.ticks.front()));
+    seconds =
+        std::min(seconds, timeline.time_base.at(timeline.ticks.back() - timeline.ticks.front()));
   }
   return (kMoments - 0.5) / std::max(1e-3, seconds);
 }

@@ -24,8 +24,8 @@ struct ThinnedScene {
 /// Errors: as load_scene.
 ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& thinning);
 
-/// Prepares a few frames of a capture, reduced, as the scene `folder`: of videos some moments spread
-/// over what `options` ask for. Errors: as ingest_capture.
+/// Prepares a few frames of a capture, reduced, as the scene `folder`: of videos some moments
+/// spread over what `options` ask for. Errors: as ingest_capture.
 IngestReport ingest_sample(const std::filesystem::path& capture,
                            const std::filesystem::path& folder, IngestOptions options,
                            const IngestProgress& progress);
