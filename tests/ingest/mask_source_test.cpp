@@ -110,8 +110,9 @@ TEST_F(MaskSource, ScaledAsThePicturesAreAndCutAtOneHalf) {
   for (const size_t i : {0u, 1u}) {
     ASSERT_EQ(scene.frames[i].mask.width, 4);
     for (int p = 0; p < 12; ++p)
-      if (p % 4 != 2)  // two of four: either
+      if (p % 4 != 2) {  // two of four: either
         EXPECT_EQ(scene.frames[i].mask.data[size_t(p)], p % 4 == 3 ? 255 : 0) << i << " " << p;
+      }
   }
 }
 
