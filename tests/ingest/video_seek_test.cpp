@@ -96,7 +96,8 @@ INSTANTIATE_TEST_SUITE_P(Containers, VideoSeek,
                                            SeekCase{"libaom-av1", ".mkv", false, 24},
                                            SeekCase{"libaom-av1", ".mp4", false, 30}),
                          [](const auto& info) {
-                           std::string name = std::string(info.param.encoder) + info.param.extension +
+                           std::string name = std::string(info.param.encoder) +
+                                              info.param.extension +
                                               std::to_string(info.param.keyframe_distance);
                            for (char& c : name)
                              if (c == '-' || c == '.') c = '_';
