@@ -17,8 +17,8 @@ namespace {
 
 /// Estimates the poses of the videos beside a ground_truth.json, the first camera held out. The
 /// product's bound: all cameras, 0.1 degrees, 0.5 % of the rig's extent. COLMAP's matches are drawn
-/// at random, so figures differ from run to run. Aligned by the centres alone, which lie nearly in a
-/// plane, the turn is uncertain by as much again; that is recorded beside.
+/// at random, so figures differ from run to run. Aligned by the centres alone, which lie nearly in
+/// a plane, the turn is uncertain by as much again; that is recorded beside.
 void expect_true_poses(const std::filesystem::path& capture) {
   const TemporaryFolder folder;
   std::vector<RigClip> clips;

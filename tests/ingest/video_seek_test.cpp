@@ -95,10 +95,10 @@ INSTANTIATE_TEST_SUITE_P(Containers, VideoSeek,
                                            SeekCase{"libvpx-vp9", ".webm", false, 20},
                                            SeekCase{"libaom-av1", ".mkv", false, 24},
                                            SeekCase{"libaom-av1", ".mp4", false, 30}),
-                         [](const auto& info) {
-                           std::string name = std::string(info.param.encoder) +
-                                              info.param.extension +
-                                              std::to_string(info.param.keyframe_distance);
+                         [](const auto& named) {
+                           std::string name = std::string(named.param.encoder) +
+                                              named.param.extension +
+                                              std::to_string(named.param.keyframe_distance);
                            for (char& c : name)
                              if (c == '-' || c == '.') c = '_';
                            return name;
