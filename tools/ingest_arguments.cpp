@@ -86,9 +86,11 @@ void add_picture_options(CLI::App& command, IngestArguments& arguments) {
   command.add_flag("--keep-world", options.keep_world,
                    "leave the poses' world as it is; default: up, centre and scale are normalised "
                    "where the world is arbitrary (all but transforms)");
-  command.add_option("--cloud", arguments.cloud,
-                     "initial points: none, sparse (the capture's), dense (and a plane sweep); "
-                     "default: dense where three training cameras share moments");
+  command.add_option(
+      "--cloud", arguments.cloud,
+      "initial points: none, sparse (the capture's, else COLMAP's), dense (and a plane "
+      "sweep); "
+      "default: dense where three training cameras share moments");
   command.add_option("--cloud-points", options.cloud_points, "most points of the plane sweep")
       ->capture_default_str();
 }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "ingest/frame_window.h"
 #include "ingest/media/clip_pictures.h"
@@ -144,6 +145,28 @@ void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedCl
   scene.sources.push_back({clip.video.filename().string(), source_hash(clip.video)});
 }
 
+/// A few moments spread over the kept frames of the first clip, with each clip's nearest frame.
+std::vector<RigInstant> spread_instants(const std::vector<std::vector<size_t>>& chosen,
+                                        const std::vector<std::vector<double>>& moments,
+                                        const TimeAxis& axis) {
+  constexpr size_t kInstants = 4;
+  std::vector<RigInstant> instants;
+  const std::vector<size_t>& first = chosen.front();
+  for (size_t k = 0; k < std::min(kInstants, first.size()); ++k) {
+    const size_t at = first.size() <= kInstants ? k : k * (first.size() - 1) / (kInstants - 1);
+    const double moment = moments[0][first[at]];
+    RigInstant instant{(moment - axis.origin) / axis.duration, {}};
+    for (const std::vector<double>& of_clip : moments) {
+      const auto nearest = std::min_element(
+          of_clip.begin(), of_clip.end(),
+          [&](double a, double b) { return std::abs(a - moment) < std::abs(b - moment); });
+      instant.frame.emplace_back(size_t(nearest - of_clip.begin()));
+    }
+    instants.push_back(std::move(instant));
+  }
+  return instants;
+}
+
 }  // namespace
 
 Converted convert_videos(const fs::path& capture, const fs::path& folder,
@@ -189,6 +212,10 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   scene.time_axis = times.axis;
   scene.time_base = scene.cameras.front().time_base;
   scene.is_static = times.is_static;
+  if (rig.posed && options.cloud == CloudDensity::kSparse && points.position.empty())
+    points =
+        triangulate_instants(rig.clips, rig.held_out, spread_instants(chosen, moments, times.axis),
+                             options.work / "points", options.poses, progress);
   for (const fs::path& file : rig.pose_files)
     scene.sources.push_back({file.filename().string(), source_hash(file)});
   report.frames = int64_t(scene.frames.size());

@@ -170,6 +170,30 @@ TEST_F(N3dv, TheWindowIsOfTimesNotOfIndices) {
   expect_input_error([&] { ingest(options); }, {"--cameras", "cam05", "cam00, cam01, cam02"});
 }
 
+// Failure mode A2: what moves at one speed has one velocity, whatever the frame rate, because times
+// are of seconds; with index times the faster clip's would differ.
+TEST_F(N3dv, TimesDoNotDependOnTheFrameRate) {
+  const auto times = [&] {
+    ingest();
+    const Scene scene = load_scene(folder_ / "scene", {});
+    std::vector<double> seconds;
+    for (const Frame& frame : scene.frames)
+      if (frame.camera_name == "cam01")
+        seconds.push_back(scene.time_axis.origin + frame.time * scene.time_axis.duration);
+    return seconds;
+  };
+  const std::vector<double> slow = times();
+  for (int c = 0; c < 3; ++c) {
+    TestVideo fast = numbered_video(9, c);
+    for (int64_t i = 0; i < 9; ++i) fast.ticks.push_back(i * kTestTicksPerFrame / 2);
+    write_video(video(c), fast);
+  }
+  const std::vector<double> fast = times();
+  ASSERT_EQ(slow.size(), 5u);
+  ASSERT_EQ(fast.size(), 9u);
+  for (size_t i = 0; i < 5; ++i) EXPECT_NEAR(fast[2 * i], slow[i], 1e-12);
+}
+
 TEST_F(N3dv, StatedOffsetsMoveTimesAndTheCommonPart) {
   write_bytes(folder_ / "offsets.json", R"({"cam00": 0, "cam01": 0.05, "cam02": 0})");
   IngestOptions options;

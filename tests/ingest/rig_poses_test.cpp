@@ -14,6 +14,7 @@
 #include "ingest/pose_matrix.h"
 #include "tests/ingest/capture_fixture.h"
 #include "tests/ingest/rendered_rig.h"
+#include "tests/ingest/test_video.h"
 #include "tests/support/rig_alignment.h"
 
 namespace tessera::testing {
@@ -54,7 +55,7 @@ TEST(RigAlignment, UndoesASimilarityAndMeasuresWhatIsLeft) {
     camera.cam_from_world = camera.cam_from_world * glm::transpose(world.rotation);
     camera.translation = -(camera.cam_from_world * centre);
   }
-  RigError error = rig_error(moved, truth);
+  RigError error = rig_error(moved, truth, AlignBy::kCentres);
   EXPECT_LT(error.rotation, 1e-10);
   EXPECT_LT(error.centre, 1e-12);
   EXPECT_NEAR(error.alignment.scale, 1 / 2.5, 1e-12);
@@ -63,7 +64,7 @@ TEST(RigAlignment, UndoesASimilarityAndMeasuresWhatIsLeft) {
   moved[3].cam_from_world =
       glm::dmat3(glm::rotate(glm::dmat4(1), angle, glm::dvec3(0, 1, 0))) * moved[3].cam_from_world;
   moved[3].translation = -(moved[3].cam_from_world * centre);
-  error = rig_error(moved, truth);
+  error = rig_error(moved, truth, AlignBy::kCentres);
   EXPECT_NEAR(error.rotation, 0.3, 1e-9);
   EXPECT_EQ(error.worst_rotation, 3u);
 }
@@ -79,14 +80,25 @@ TEST(RigPoses, MovingTextureIsMaskedAndAllCamerasComeOutRight) {
   const auto videos = folder / "it's \"ü\" & $HOME; --x";
   std::filesystem::create_directories(videos);
   const RenderedRig rig{.frames = 7, .panel_step = 0.31, .blue_camera = 0};
-  const auto clips = write_rig(videos, rig);
+  auto clips = write_rig(videos, rig);
+  TestVideo blank;  // failure mode B2: a camera that sees nothing
+  blank.frames.assign(7, {320, 240, 3, std::vector<uint8_t>(size_t(320 * 240 * 3), 90)});
+  write_video(videos / "blank.mp4", blank);
+  clips.push_back(clip_of(videos / "blank.mp4"));
   std::vector<char> held_out(clips.size(), 0);
   const auto all = estimate_rig(clips, held_out, videos / "-work", {}, kQuiet);
   held_out[0] = 1;
   const auto estimate = estimate_rig(clips, held_out, videos / "-work", {}, kQuiet);
   EXPECT_GT(blue_points(all), 30);  // seen: 79 and 7, what coding does to colour at edges
   EXPECT_LT(5 * blue_points(estimate), blue_points(all));
-  ASSERT_EQ(cameras_of(estimate).size(), clips.size());
+  ASSERT_EQ(cameras_of(estimate).size(), size_t(rig.cameras));
+  EXPECT_FALSE(estimate.cameras.back().has_value());
+  ASSERT_EQ(estimate.warnings.size(), 1u);
+  EXPECT_NE(estimate.warnings[0].find("registered 8 of 9 cameras, not blank"), std::string::npos)
+      << estimate.warnings[0];
+  PoseOptions strict;
+  strict.strict = true;
+  EXPECT_THROW(estimate_rig(clips, held_out, videos / "-work", strict, kQuiet), InputError);
   const RigError error = rig_error(cameras_of(estimate), true_cameras(rig));
   RecordProperty("rotation", std::to_string(error.rotation));
   RecordProperty("centre", std::to_string(error.centre));
