@@ -17,6 +17,9 @@
 namespace tessera {
 namespace {
 
+// frames; less is left at 0, so that clocks that agree stay equal
+constexpr double kLeastOffset = 0.1;
+
 using Pairs = std::vector<std::pair<int, int>>;
 
 /// All pairs of a small rig; of a large one each camera's nearest, and what connects them all.
@@ -208,7 +211,8 @@ class MotionSync {
                              : "its pose is not known, without which its pictures cannot tell"));
         continue;
       }
-      const bool told = std::abs(s.offset) > 2 * s.sigma;
+      const bool told =
+          std::abs(s.offset) > std::max(2 * s.sigma, kLeastOffset * step_of(clips_[i]));
       result.clocks.push_back({told ? s.offset : 0, s.offset, s.sigma, "motion"});
       if (s.sigma > 0.25 * step_of(clips_[i]))
         result.warnings.push_back(fmt::format(

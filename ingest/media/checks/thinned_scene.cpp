@@ -109,7 +109,9 @@ IngestReport ingest_sample(const std::filesystem::path& capture,
                            const std::filesystem::path& folder, IngestOptions options,
                            const IngestProgress& progress) {
   constexpr int kWidest = 960;
+  constexpr int64_t kMostPoints = 5000;  // enough for shares of what is seen
   options.allow_static = true;
+  options.cloud_points = std::min(options.cloud_points, kMostPoints);
   CaptureLayout layout = detect_layout(capture);
   if (layout == CaptureLayout::kTransforms && !find_colmap_model(capture).empty())
     options.layout = layout = CaptureLayout::kColmap;  // knows its lenses
