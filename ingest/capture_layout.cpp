@@ -24,7 +24,8 @@ std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder
     const bool is_video =
         std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
     const bool is_hidden = entry.path().filename().string().front() == '.';
-    if (is_video && !is_hidden && is_file(entry.path())) videos.push_back(entry.path());
+    std::error_code unreachable;  // a link to itself is opened later, and named then
+    if (is_video && !is_hidden && !entry.is_directory(unreachable)) videos.push_back(entry.path());
   }
   std::sort(videos.begin(), videos.end());
   return videos;
@@ -71,6 +72,11 @@ CaptureLayout detect_layout(const std::filesystem::path& capture) {
   if (has_photos && std::filesystem::exists(capture / "poses_bounds.npy"))
     return CaptureLayout::kLlff;
   if (has_videos) return CaptureLayout::kVideos;
+  if (has_photos && std::filesystem::exists(capture / "sparse"))
+    throw InputError(fmt::format(
+        "{}: holds no COLMAP model (cameras.bin or cameras.txt, in it or in sparse/0); restore it, "
+        "or remove the folder to have poses estimated",
+        (capture / "sparse").string()));
   if (has_photos) return CaptureLayout::kPhotos;
   throw InputError(fmt::format(
       "{}: no transforms.json, no transforms_train.json, no COLMAP model (sparse/0 or sparse with "

@@ -83,7 +83,7 @@ CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOption
   }
   if (!std::filesystem::is_regular_file(poses))
     throw InputError(fmt::format(
-        "--poses {}: no such file; expected n3dv, llff, colmap or a file of cameras", poses));
+        "--poses '{}': no such file; expected n3dv, llff, colmap or a file of cameras", poses));
   if (!has_videos)
     throw InputError(fmt::format("{}: has no videos, and --poses {} is for those; leave it out",
                                  capture.string(), poses));

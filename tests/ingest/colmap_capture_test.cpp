@@ -165,7 +165,7 @@ TEST_F(ColmapCapture, LayoutIsFoundOrStated) {
   EXPECT_EQ(detect_layout(capture_), CaptureLayout::kTransforms);
   IngestOptions options;
   options.test_every = 2;
-  expect_refused(options, {"--test-every", "not a photo set"});
+  expect_refused(options, {"--test-every", "(transforms) has no photos"});
   options.layout = CaptureLayout::kColmap;
   EXPECT_EQ(ingest(options).frames, 2);
   std::filesystem::remove_all(capture_ / "sparse");

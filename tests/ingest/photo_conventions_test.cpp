@@ -118,7 +118,9 @@ TEST(Conventions, EveryLoaderPutsTheRedFaceAtPlusX) {
   for (const auto& [name, layout] : {std::pair{"transforms", CaptureLayout::kTransforms},
                                      {"llff", CaptureLayout::kLlff},
                                      {"colmap", CaptureLayout::kColmap}}) {
-    EXPECT_EQ(ingest_capture(folder / name, folder / "scene", {}, {}).layout, layout);
+    IngestOptions options;
+    options.keep_world = true;  // the faces are where the source has them
+    EXPECT_EQ(ingest_capture(folder / name, folder / "scene", options, {}).layout, layout);
     const Scene scene = load_scene(folder / "scene", {});
     ASSERT_EQ(scene.frames.size(), 6u);
     int seen = 0;
@@ -172,8 +174,10 @@ TEST(Layouts, PhotosByWhatLiesBesideThem) {
   write_pictures(folder / "a/images");
   EXPECT_EQ(detect_layout(folder / "a"), CaptureLayout::kPhotos);
   EXPECT_EQ(detect_layout(folder / "a/images"), CaptureLayout::kPhotos);
+  setenv("TESSERA_COLMAP", "/nowhere/colmap", 1);  // poses are estimated, where it is there
   expect_input_error([&] { ingest_capture(folder / "a", folder / "scene", {}, {}); },
-                     {"photos without poses", "sparse/0"});
+                     {"/nowhere/colmap"});
+  unsetenv("TESSERA_COLMAP");
   EXPECT_FALSE(std::filesystem::exists(folder / "scene"));
   write_cube_llff(folder / "a");
   EXPECT_EQ(detect_layout(folder / "a"), CaptureLayout::kLlff);

@@ -28,7 +28,7 @@ TEST(CliDoctor, ExitCodesAndJson) {
   EXPECT_TRUE(leaky.out.starts_with("error    leakage ")) << leaky.out;
   work.expect_refused({"doctor", work.at("nowhere")}, {"nowhere", "no such folder"});
   work.expect_refused({"ingest", work.at("capture"), "-o", work.at("scene"), "--exposure", "auto"},
-                      {"--exposure is 'auto'", "fit or none"});
+                      {"--exposure is 'auto'", "one of fit, none"});
   work.expect_refused({"ingest", work.at("capture"), "-o", work.at("scene"), "--exposure", "fit"},
                       {"--exposure fit", "leave it out"});
   EXPECT_FALSE(std::filesystem::exists(work / "scene"));
