@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <regex>
+
 #include "ingest/files/png.h"
 #include "ingest/prepared_scene.h"
 #include "tests/ingest/wall_scene.h"
