@@ -39,6 +39,14 @@ Image8 patterned_picture(int width, int height, int channels, int seed) {
   return image;
 }
 
+Image8 ramp(int width, int height) {
+  Image8 image{width, height, 3, {}};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      image.data.insert(image.data.end(), {uint8_t(x), uint8_t(y), 7});
+  return image;
+}
+
 Image8 constant_picture(int width, int height, const std::vector<uint8_t>& pixel) {
   Image8 image{width, height, int(pixel.size()), {}};
   for (int i = 0; i < width * height; ++i)

@@ -172,15 +172,6 @@ TEST_F(ColmapCapture, LayoutIsFoundOrStated) {
   expect_input_error([&] { ingest(options); }, {"no COLMAP model", "sparse/0"});
 }
 
-/// A picture whose red and green are its pixels' x and y.
-Image8 ramp(int width, int height) {
-  Image8 image{width, height, 3, {}};
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      image.data.insert(image.data.end(), {uint8_t(x), uint8_t(y), 7});
-  return image;
-}
-
 /// The ramp, undistorted, shows at each pixel where COLMAP's camera has that pixel's ray.
 void expect_ramp(const Frame& frame, const std::function<glm::dvec2(glm::dvec2)>& pixel_of_ray) {
   const Camera& camera = frame.camera;

@@ -48,15 +48,6 @@ TEST(StatedLens, WhatItCannotMean) {
   refused({{"k1", "x"}}, {"k1 is string"});
 }
 
-/// Red and green are the pixel's column and row.
-Image8 ramp(int width, int height) {
-  Image8 image{width, height, 3, {}};
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      image.data.insert(image.data.end(), {uint8_t(x), uint8_t(y), 7});
-  return image;
-}
-
 // The picture is the ramp, so that an undistorted pixel shows where the lens equation, written out
 // here, has its ray. Bugs put back: the lens of the file for that of the frame; removed lenses not
 // recorded; each seen to fail.
