@@ -2,23 +2,46 @@
 // Not: an owner (recon4d/gaussian_set.h), and no schedule or learning rate.
 #pragma once
 #include <cstdint>
+#include <type_traits>
 
 #include "kernels/base/buffer.h"
 #include "kernels/math/adam.h"
 
 namespace tessera {
 
-/// Parameter groups in storage order. Dim 3 sets have the first kStaticGroups only.
+/// How a set stores its Gaussians: the template axis of all that comes before the slice in time.
+/// Both forms of Dim 4 are the same family (recon4d/motion_form.h converts).
+enum class Form : uint8_t {
+  kStatic,    // Dim 3
+  kPair,      // Dim 4: two quaternions and four scales of space-time  [Yang24]
+  kVelocity,  // Dim 4: quaternion and scales of the slice, velocity, temporal scale  [FreeTimeGS]
+};
+
+TESSERA_HD inline constexpr int dim_of(Form form) {
+  return form == Form::kStatic ? 3 : 4;
+}
+
+/// visit(form) with the form as a type: `form()` is a constant inside.
+template <class Visit>
+decltype(auto) with_form(Form form, Visit&& visit) {
+  if (form == Form::kPair) return visit(std::integral_constant<Form, Form::kPair>{});
+  if (form == Form::kVelocity) return visit(std::integral_constant<Form, Form::kVelocity>{});
+  return visit(std::integral_constant<Form, Form::kStatic>{});
+}
+
+/// Parameter groups in storage order. Dim 3 sets have the first kStaticGroups only; the last is
+/// what couples space and time, and differs between the forms of Dim 4.
 enum Group : int {
   kMean,           // [N, 3] world units
   kLogScale,       // [N, 3] ln of world units
-  kRotation,       // [N, 4] quaternion w,x,y,z; Dim 4: the left one
+  kRotation,       // [N, 4] quaternion w,x,y,z; of a pair: the left one
   kOpacityLogit,   // [N]
   kSh,             // [N, K, 3] spherical harmonics, RGB innermost
   kMeanTime,       // [N] normalised time
   kLogScaleTime,   // [N] ln of normalised time
-  kRotationRight,  // [N, 4]
-  kGroupCount
+  kRotationRight,  // [N, 4] of a pair
+  kGroupCount,
+  kVelocity = kRotationRight  // [N, 3] world units per unit of normalised time, in its place
 };
 inline constexpr int kStaticGroups = 5;
 
@@ -26,23 +49,25 @@ inline constexpr int group_count(int dim) {
   return dim == 4 ? kGroupCount : kStaticGroups;
 }
 
-/// The stored name: `rotation` is `rotation_left` in a Dim 4 set.
-inline const char* group_name(Group group, int dim) {
+/// The stored name: `rotation` is `rotation_left` in a pair.
+inline const char* group_name(Group group, Form form) {
   constexpr const char* kNames[kGroupCount] = {
       "mean", "log_scale", "rotation",       "opacity_logit",
       "sh",   "mean_time", "log_scale_time", "rotation_right"};
-  return dim == 4 && group == kRotation ? "rotation_left" : kNames[group];
+  if (form == Form::kVelocity && group == kVelocity) return "velocity";
+  return form == Form::kPair && group == kRotation ? "rotation_left" : kNames[group];
 }
 
 /// Scalars per Gaussian of a group; `coefficients` = K.
-TESSERA_HD inline constexpr int group_width(Group group, int coefficients) {
+TESSERA_HD inline constexpr int group_width(Group group, int coefficients, Form form) {
   switch (group) {
     case kMean:
     case kLogScale:
       return 3;
     case kRotation:
-    case kRotationRight:
       return 4;
+    case kRotationRight:
+      return form == Form::kVelocity ? 3 : 4;
     case kSh:
       return 3 * coefficients;
     default:
@@ -50,16 +75,26 @@ TESSERA_HD inline constexpr int group_width(Group group, int coefficients) {
   }
 }
 
+/// Scalars per Gaussian of all groups but SH: 11, 17 or 16.
+inline constexpr int geometry_scalars(Form form) {
+  int sum = 0;
+  for (int g = 0; g < group_count(dim_of(form)); ++g)
+    if (g != kSh) sum += group_width(Group(g), 0, form);
+  return sum;
+}
+
 template <class T>
 struct GaussianSpans {
-  int dim = 3;            // 3: static, 4: dynamic
+  Form form = Form::kStatic;
   int64_t count = 0;      // N
   int coefficients = 16;  // K
   Span<T> group[kGroupCount];
 
+  TESSERA_HD int dim() const { return dim_of(form); }
+
   /// First scalar of Gaussian n in a group.
   TESSERA_HD T* at(Group g, int64_t n) const {
-    return group[g].data + n * group_width(g, coefficients);
+    return group[g].data + n * group_width(g, coefficients, form);
   }
 };
 

@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 constexpr char kMagic[8] = {'T', 'E', 'S', 'S', 'C', 'K', 'P', 'T'};
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 constexpr size_t kScalar = 4;  // bytes, of float32 and int32
 constexpr size_t kPreamble = sizeof(kMagic) + sizeof(uint32_t) + sizeof(uint64_t);
 
@@ -25,7 +25,7 @@ template <class State, class Visit>
 void for_each_array(State& state, Visit&& visit) {
   const auto visit_set = [&](auto& set, auto& statistics, const std::string& name) {
     for (int g = 0; g < set.groups(); ++g) {
-      const std::string key = name + "." + group_name(Group(g), set.dim());
+      const std::string key = name + "." + group_name(Group(g), set.form());
       const int64_t scalars = set.count() * set.width(Group(g));
       auto& group = set.group(Group(g));
       visit(key, group.value, scalars);
@@ -49,6 +49,7 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"sampler", {{"epoch", state.sampler_epoch}, {"position", state.sampler_position}}},
       {"num_static", model.static_set.count()},
       {"num_dynamic", model.dynamic_set.count()},
+      {"motion_form", model.dynamic_set.form() == Form::kVelocity ? "velocity" : "pair"},
       {"sh_coefficients", model.static_set.coefficients()},
       {"sh_degree", model.sh_degree},
       {"time_axis", {{"origin", model.time_axis.origin}, {"duration", model.time_axis.duration}}},
@@ -87,6 +88,10 @@ Parsed parse_header(const std::filesystem::path& path, const std::string& bytes)
   return {std::move(header), kPreamble + size_t(length)};
 }
 
+Form dynamic_form(const json& header) {
+  return header.at("motion_form") == "velocity" ? Form::kVelocity : Form::kPair;
+}
+
 void restore_header(const json& header, Checkpoint& checkpoint) {
   TrainState& state = checkpoint.state;
   GaussianModel& model = state.model;
@@ -95,8 +100,8 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   state.sampler_epoch = header.at("sampler").at("epoch");
   state.sampler_position = header.at("sampler").at("position");
   const int coefficients = header.at("sh_coefficients");
-  model.static_set = GaussianSet(3, coefficients);
-  model.dynamic_set = GaussianSet(4, coefficients);
+  model.static_set = GaussianSet(Form::kStatic, coefficients);
+  model.dynamic_set = GaussianSet(dynamic_form(header), coefficients);
   model.sh_degree = header.at("sh_degree");
   model.time_axis = {header.at("time_axis").at("origin"), header.at("time_axis").at("duration")};
   if (const auto world = header.find("prepared_from_source"); world != header.end())
@@ -120,10 +125,9 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
                   size_t size) {
   const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
   const int coefficients = header.at("sh_coefficients");
-  const auto scalars = [&](int dim) {
-    int64_t sum = 3;  // statistics and sh_step, four bytes each like all
-    for (int g = 0; g < group_count(dim); ++g) sum += 3 * group_width(Group(g), coefficients);
-    return sum;
+  // values and two moments each; statistics and sh_step, four bytes like all
+  const auto scalars = [&](Form form) {
+    return int64_t{3} * (geometry_scalars(form) + 3 * coefficients) + 3;
   };
   constexpr int64_t kMost = int64_t{1} << 40;
   const auto within = [](int64_t value, int64_t low, int64_t high) {
@@ -137,7 +141,8 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
       !within(sampler.at("position"), 0, kMost))
     refuse(path, "damaged checkpoint: impossible numbers in its header");
   const size_t expected =
-      arrays + sizeof(uint64_t) + kScalar * size_t(statics * scalars(3) + dynamics * scalars(4));
+      arrays + sizeof(uint64_t) +
+      kScalar * size_t(statics * scalars(Form::kStatic) + dynamics * scalars(dynamic_form(header)));
   if (size != expected)
     refuse(path,
            fmt::format("truncated checkpoint: {} bytes, its header promises {}", size, expected));

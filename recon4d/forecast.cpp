@@ -6,6 +6,7 @@
 
 #include "kernels/gaussians.h"
 #include "kernels/math/spherical_harmonics.h"
+#include "recon4d/kernel_options.h"
 
 namespace tessera {
 namespace {
@@ -21,10 +22,8 @@ constexpr double kCpuSplat = 0.58e-6;  //   at 240 × 180 with 30,000 Gaussians,
 constexpr double kGpuStep = 0.7e-3;    // seconds a step, by dnerf_lego, mic and bonsai
 constexpr double kGpuPixel = 0.05e-9, kGpuSplat = 0.45e-9;  //   on an H200
 
-int64_t row_bytes(int dim) {
-  int64_t scalars = 0;
-  for (int g = 0; g < group_count(dim); ++g) scalars += group_width(Group(g), kMaxShCoefficients);
-  return 3 * scalars * int64_t(sizeof(float));
+int64_t row_bytes(Form form) {
+  return int64_t{3} * (geometry_scalars(form) + 3 * kMaxShCoefficients) * int64_t(sizeof(float));
 }
 
 }  // namespace
@@ -34,7 +33,8 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
   forecast.gaussians =
       std::max(options.init_points, options.max_gaussians > 0 ? options.max_gaussians : kUnlimited);
   forecast.frame_bytes = load.all_bytes;
-  forecast.parameter_bytes = forecast.gaussians * row_bytes(options.static_only ? 3 : 4);
+  forecast.parameter_bytes =
+      forecast.gaussians * row_bytes(options.static_only ? Form::kStatic : dynamic_form(options));
   const int64_t batch = std::min(options.batch, std::max<int64_t>(1, load.training_frames));
   const double splats = kVisible * double(forecast.gaussians) * double(batch);
   forecast.step_bytes = batch * load.pixels * kPixelBytes + int64_t(splats) * kSplatBytes;

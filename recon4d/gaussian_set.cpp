@@ -8,8 +8,8 @@
 
 namespace tessera {
 
-GaussianSet::GaussianSet(int dim, int coefficients, Memory& memory)
-    : dim_(dim), coefficients_(coefficients), memory_(&memory) {
+GaussianSet::GaussianSet(Form form, int coefficients, Memory& memory)
+    : form_(form), coefficients_(coefficients), memory_(&memory) {
   for (ParameterGroup& group : groups_) group = ParameterGroup(memory);
 }
 
@@ -52,7 +52,7 @@ GaussianSet GaussianSet::clone_to(Memory& memory) const {
 }
 
 GaussianSet GaussianSet::clone_values(Memory& memory) const {
-  GaussianSet copy(dim_, coefficients_, memory);
+  GaussianSet copy(form_, coefficients_, memory);
   copy.count_ = count_;
   for (int g = 0; g < groups(); ++g)
     copy.groups_[size_t(g)].value.copy_from(groups_[size_t(g)].value);

@@ -23,14 +23,15 @@ struct ParameterGroup {
 class GaussianSet {
  public:
   /// `coefficients`: SH coefficients per channel that are stored, (degree+1)².
-  GaussianSet(int dim, int coefficients, Memory& memory = host_memory());
+  GaussianSet(Form form, int coefficients, Memory& memory = host_memory());
 
-  int dim() const { return dim_; }
+  Form form() const { return form_; }
+  int dim() const { return dim_of(form_); }
   int64_t count() const { return count_; }
   int coefficients() const { return coefficients_; }
   Memory& memory() const { return *memory_; }
-  int groups() const { return group_count(dim_); }
-  int width(Group group) const { return group_width(group, coefficients_); }
+  int groups() const { return group_count(dim()); }
+  int width(Group group) const { return group_width(group, coefficients_, form_); }
   ParameterGroup& group(Group group) { return groups_[group]; }
   const ParameterGroup& group(Group group) const { return groups_[group]; }
 
@@ -50,6 +51,8 @@ class GaussianSet {
   GaussianSpans<float> moments1() { return spans<float>(&ParameterGroup::moment1, *this); }
   GaussianSpans<float> moments2() { return spans<float>(&ParameterGroup::moment2, *this); }
 
+  /// An empty set of the same form.
+  GaussianSet like(Memory& memory) const { return {form_, coefficients_, memory}; }
   /// Deep copy in a memory, with the moments that there are.
   GaussianSet clone_to(Memory& memory) const;
   /// Deep copy of the values alone.
@@ -61,12 +64,12 @@ class GaussianSet {
   template <class T, class Self>
   static GaussianSpans<T> spans(Buffer<float> ParameterGroup::*member, Self& self) {
     GaussianSpans<T> result;
-    result.dim = self.dim_, result.count = self.count_, result.coefficients = self.coefficients_;
+    result.form = self.form_, result.count = self.count_, result.coefficients = self.coefficients_;
     for (int g = 0; g < self.groups(); ++g) result.group[g] = (self.groups_[g].*member).span();
     return result;
   }
 
-  int dim_;
+  Form form_;
   int coefficients_;
   Memory* memory_;
   int64_t count_ = 0;
@@ -75,8 +78,8 @@ class GaussianSet {
 
 /// What a training produces and every other command reads.
 struct GaussianModel {
-  GaussianSet static_set{3, kMaxShCoefficients};
-  GaussianSet dynamic_set{4, kMaxShCoefficients};
+  GaussianSet static_set{Form::kStatic, kMaxShCoefficients};
+  GaussianSet dynamic_set{Form::kPair, kMaxShCoefficients};
   int sh_degree = 3;                           // bands that are active
   TimeAxis time_axis;                          // normalised time → the capture's own
   Similarity prepared_from_source;             // the model's world by the source's

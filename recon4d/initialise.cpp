@@ -13,6 +13,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/math/random.h"
+#include "recon4d/kernel_options.h"
 #include "recon4d/nearest_points.h"
 
 namespace tessera {
@@ -126,7 +127,10 @@ void place(const InitialPoint& point, float squared_distance, const TrainOptions
   std::copy_n(identity, 4, v.at(kRotation, n));
   *v.at(kOpacityLogit, n) = logit(options.init_opacity);
   if (set.dim() != 4) return;
-  std::copy_n(identity, 4, v.at(kRotationRight, n));
+  if (set.form() == Form::kPair)
+    std::copy_n(identity, 4, v.at(kRotationRight, n));
+  else
+    std::fill_n(v.at(kVelocity, n), 3, 0.0f);
   // when it was seen, else uniform over the clip and a tenth beyond either end  [method D.4]
   const RandomBlock random =
       philox(uint64_t(options.seed), RandomStream::kInitialise, uint64_t(n), 1);
@@ -169,8 +173,8 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
 
   GaussianModel& model = result.model;
   const int stored = sh_coefficients(int(options.sh_degree));
-  model.static_set = GaussianSet(3, stored);
-  model.dynamic_set = GaussianSet(4, stored);
+  model.static_set = GaussianSet(Form::kStatic, stored);
+  model.dynamic_set = GaussianSet(dynamic_form(options), stored);
   const int64_t statics = std::count(is_static.begin(), is_static.end(), char(1));
   model.static_set.resize(statics);
   model.dynamic_set.resize(int64_t(points.size()) - statics);

@@ -30,6 +30,12 @@ KernelSwitches kernel_switches(const TrainOptions& options) {
   return switches;
 }
 
+Form dynamic_form(const TrainOptions& options) {
+  if (options.motion_form == "velocity") return Form::kVelocity;
+  check(options.motion_form == "pair", "an unknown form of dynamic Gaussians");
+  return Form::kPair;
+}
+
 IdleUpdate idle_update(const TrainOptions& options) {
   if (options.idle_updates == "lazy") return IdleUpdate::kLazy;
   if (options.idle_updates == "skip") return IdleUpdate::kSkip;

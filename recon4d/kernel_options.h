@@ -1,4 +1,4 @@
-// What: training options in the terms of the kernels: switches, and what idle Gaussians do.
+// What: training options in the terms of the kernels: forms, switches, what idle Gaussians do.
 // Not: what the switches do (kernels/batch.h, kernels/gaussians.h).
 #pragma once
 #include "kernels/batch.h"
@@ -8,6 +8,8 @@
 namespace tessera {
 
 KernelSwitches kernel_switches(const TrainOptions& options);
+/// Of the dynamic set.
+Form dynamic_form(const TrainOptions& options);
 IdleUpdate idle_update(const TrainOptions& options);
 
 }  // namespace tessera

@@ -117,9 +117,9 @@ GaussianModel load_model(const std::filesystem::path& path) {
   if (static_element == nullptr)
     throw InputError(fmt::format("{}: no element '{}', expected a Tessera 4D .ply; export again",
                                  path.string(), kStaticElement));
-  model.static_set = read_splats(path, *static_element, 3);
+  model.static_set = read_splats(path, *static_element, Form::kStatic);
   if (const PlyElement* const dynamic_element = file.find(kDynamicElement))
-    model.dynamic_set = read_splats(path, *dynamic_element, 4);
+    model.dynamic_set = read_splats(path, *dynamic_element, dynamic_form_of(*dynamic_element));
   return model;
 }
 

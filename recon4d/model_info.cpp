@@ -21,18 +21,18 @@ struct Facts {
   int64_t sound = 0;
 };
 
-template <int Dim>
+template <Form form>
 void gather(const GaussianSet& set, Facts& facts) {
   const GaussianSpans<const float> values = set.values();
   for (int64_t n : sound_rows(set)) {
     GaussianState<float> g;
-    if (!load_gaussian<Dim>(values, n, g)) continue;
+    if (!load_gaussian<form>(values, n, g)) continue;
     ++facts.sound;
     facts.low = glm::min(facts.low, g.mean), facts.high = glm::max(facts.high, g.mean);
     facts.opacity.push_back(g.opacity);
     for (int axis = 0; axis < 3; ++axis)
       facts.scale.push_back(std::exp(values.at(kLogScale, n)[axis]));
-    if constexpr (Dim == 4) {
+    if constexpr (form != Form::kStatic) {
       facts.temporal_extent.push_back(1.0f / std::sqrt(g.spacetime.precision_time));
       facts.speed.push_back(std::sqrt(dot(g.spacetime.velocity, g.spacetime.velocity)));
     }
@@ -58,13 +58,14 @@ json point(const Vec3<float>& p) {
 
 json model_info(const GaussianModel& model) {
   Facts facts;
-  gather<3>(model.static_set, facts);
-  gather<4>(model.dynamic_set, facts);
+  for (const GaussianSet* set : {&model.static_set, &model.dynamic_set})
+    with_form(set->form(), [&](auto form) { gather<form()>(*set, facts); });
   json info;
   info["num_gaussians"] = model.count();
   info["num_static"] = model.static_set.count();
   info["num_dynamic"] = model.dynamic_set.count();
   info["num_unsound"] = model.count() - facts.sound;
+  info["motion_form"] = model.dynamic_set.form() == Form::kVelocity ? "velocity" : "pair";
   info["sh_degree"] = model.sh_degree;
   info["sh_coefficients"] = {{"static", model.static_set.coefficients()},
                              {"dynamic", model.dynamic_set.coefficients()}};

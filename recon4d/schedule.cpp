@@ -45,7 +45,12 @@ bool Schedule::reorder(int64_t i) const {
          i % reorder_interval_ == 0;
 }
 
-AdamGroups<float> Schedule::adam(int64_t i, int dim) const {
+double Schedule::time_noise(int64_t i) const {
+  const double end = 2.0 / 3 * double(options_.iterations);
+  return options_.time_noise * std::max(0.0, 1 - double(i) / std::max(1.0, end));
+}
+
+AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   // means decay log-linearly over the whole training; temporal means do not  [method 0.16]
   const double u =
       std::clamp(double(i + 1) / double(std::max<int64_t>(1, options_.iterations)), 0.0, 1.0);
@@ -63,11 +68,13 @@ AdamGroups<float> Schedule::adam(int64_t i, int dim) const {
   set(kOpacityLogit, options_.lr_opacity);
   set(kSh, options_.lr_sh);
   groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
-  if (dim == 4) {
-    set(kMeanTime, options_.lr_mean_time * extent_);
-    set(kLogScaleTime, options_.lr_scale_time);
+  if (form == Form::kStatic) return groups;
+  set(kMeanTime, options_.lr_mean_time * extent_);
+  set(kLogScaleTime, options_.lr_scale_time);
+  if (form == Form::kPair)
     set(kRotationRight, options_.lr_rotation);
-  }
+  else  // a velocity decays as the means do: it moves them
+    set(kVelocity, lr_mean * options_.lr_velocity / first);
   return groups;
 }
 

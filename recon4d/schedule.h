@@ -19,8 +19,10 @@ class Schedule {
   bool prunes_large(int64_t i) const { return i > prune_large_from_; }
   bool reset_opacity(int64_t i) const;
   bool reorder(int64_t i) const;
-  /// Step sizes of step i for a set of that dimension.
-  AdamGroups<float> adam(int64_t i, int dim) const;
+  /// What time_noise is multiplied by: 1 at the start, 0 from two thirds of the training on.
+  double time_noise(int64_t i) const;
+  /// Step sizes of step i for a set of that form.
+  AdamGroups<float> adam(int64_t i, Form form) const;
 
  private:
   int64_t scaled(int64_t steps) const;

@@ -30,7 +30,7 @@ PlyFile layout_of(const std::vector<std::string>& comments,
   layout.comments = comments;
   for (const SplatElement& element : elements) {
     PlyElement header{element.name, element.set->count(), {}};
-    for (const SplatColumn& column : splat_columns(element.set->dim(), element.coefficients))
+    for (const SplatColumn& column : splat_columns(element.set->form(), element.coefficients))
       header.columns.push_back({column.name, PlyType::kFloat32, {}});
     layout.elements.push_back(std::move(header));
   }
@@ -39,7 +39,7 @@ PlyFile layout_of(const std::vector<std::string>& comments,
 
 void write_rows(AtomicFile& output, const SplatElement& element) {
   constexpr int64_t kBlockRows = 4096;
-  const std::vector<SplatColumn> columns = splat_columns(element.set->dim(), element.coefficients);
+  const std::vector<SplatColumn> columns = splat_columns(element.set->form(), element.coefficients);
   const GaussianSpans<const float> values = element.set->values();
   std::vector<float> block;
   for (int64_t begin = 0; begin < values.count; begin += kBlockRows) {
@@ -66,20 +66,27 @@ int stored_coefficients(const std::filesystem::path& path, const PlyElement& ele
 
 }  // namespace
 
-std::vector<SplatColumn> splat_columns(int dim, int coefficients) {
+std::vector<SplatColumn> splat_columns(Form form, int coefficients) {
   std::vector<SplatColumn> columns;
   append(columns, kMean, {"x", "y", "z"});
-  if (dim == 3)
+  if (form == Form::kStatic)
     for (const char* name : {"nx", "ny", "nz"}) columns.push_back({name, std::nullopt, 0});
   append_sh(columns, coefficients);
   append(columns, kOpacityLogit, {"opacity"});
   append(columns, kLogScale, {"scale_0", "scale_1", "scale_2"});
   append(columns, kRotation, {"rot_0", "rot_1", "rot_2", "rot_3"});
-  if (dim == 3) return columns;
+  if (form == Form::kStatic) return columns;
   append(columns, kMeanTime, {"mean_time"});
   append(columns, kLogScaleTime, {"scale_time"});
-  append(columns, kRotationRight, {"rot_right_0", "rot_right_1", "rot_right_2", "rot_right_3"});
+  if (form == Form::kPair)
+    append(columns, kRotationRight, {"rot_right_0", "rot_right_1", "rot_right_2", "rot_right_3"});
+  else
+    append(columns, kVelocity, {"velocity_0", "velocity_1", "velocity_2"});
   return columns;
+}
+
+Form dynamic_form_of(const PlyElement& element) {
+  return element.find("velocity_0") != nullptr ? Form::kVelocity : Form::kPair;
 }
 
 void write_splats(const std::filesystem::path& path, const std::vector<std::string>& comments,
@@ -93,12 +100,12 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
   output.commit();
 }
 
-GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, int dim) {
+GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, Form form) {
   const int coefficients = stored_coefficients(path, element);
-  GaussianSet set(dim, coefficients);
+  GaussianSet set(form, coefficients);
   set.resize(element.rows);
   const GaussianSpans<float> values = set.values();
-  for (const SplatColumn& column : splat_columns(dim, coefficients)) {
+  for (const SplatColumn& column : splat_columns(form, coefficients)) {
     if (!column.group) continue;
     const PlyColumn* const stored = element.find(column.name);
     if (stored == nullptr)

@@ -1,6 +1,6 @@
 // What: a GaussianSet as the columns of a PLY element, in the order of the 3DGS reference code.
 // Not: which elements and comments a file has (model_file.cpp, static3d/ply_3dgs.cpp).
-// Source: [3DGS] layout: normals zero, f_rest channel-major; Dim 4 adds its three groups.
+// Source: [3DGS] layout: normals zero, f_rest channel-major; Dim 4 adds its own groups.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -19,9 +19,12 @@ struct SplatColumn {
   int offset = 0;              // scalar inside a row of the group
 };
 
-/// x y z [nx ny nz] f_dc f_rest opacity scale rot, then for Dim 4 mean_time scale_time rot_right.
-/// Normals belong to Dim 3 only, where viewers expect them.
-std::vector<SplatColumn> splat_columns(int dim, int coefficients);
+/// x y z [nx ny nz] f_dc f_rest opacity scale rot, then for Dim 4 mean_time scale_time and, by
+/// form, rot_right or velocity. Normals belong to Dim 3 only, where viewers expect them.
+std::vector<SplatColumn> splat_columns(Form form, int coefficients);
+
+/// The form that the columns of a dynamic element are of.
+Form dynamic_form_of(const PlyElement& element);
 
 /// A set as an element of a file; the first `coefficients` of its SH are written.
 struct SplatElement {
@@ -37,6 +40,6 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
 /// Rows of `element` as a set with the SH coefficients that its f_rest columns make: 1, 4, 9 or 16.
 /// Every column but the normals is required. Errors: InputError naming `path`, the element and the
 /// property that is missing, or the count of f_rest that fits no degree.
-GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, int dim);
+GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, Form form);
 
 }  // namespace tessera

@@ -36,7 +36,7 @@ void check_options(const StageBenchOptions& bench) {
 
 /// `set` repeated up to `count` rows, copies moved by about their own size; opacity as given.
 GaussianSet enlarged(const GaussianSet& set, int64_t count, double opacity, uint64_t seed) {
-  GaussianSet large(set.dim(), set.coefficients());
+  GaussianSet large(set.form(), set.coefficients());
   large.resize(count);
   const GaussianSpans<const float> from = set.values();
   const GaussianSpans<float> to = large.values();
@@ -99,7 +99,7 @@ class Load {
         frames_(scene.split_indices(Split::kTrain)),
         feed_(backend.memory(), scene, frames_, 0, options.batch),
         pipeline_(backend),
-        gradients_{{3, 1}, {4, 1}},
+        gradients_{{Form::kStatic, 1}, {Form::kPair, 1}},
         table_(backend.memory()) {
     if (frames_.empty()) throw InputError(scene.path + ": no frame belongs to the training split");
     state_.model = bench.model ? bench.model->clone_values() : initial_load(scene, options, bench);
@@ -149,7 +149,7 @@ class Load {
       reorder(backend_, set, state_.statistics[k]);
     else
       shuffle(backend_, set, uint64_t(options_.seed));
-    gradients_[k] = GaussianSet(set.dim(), set.coefficients(), backend_.memory());
+    gradients_[k] = GaussianSet(set.form(), set.coefficients(), backend_.memory());
     if (!options_.fused_optimizer) gradients_[k].resize(set.count());
   }
 

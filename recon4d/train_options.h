@@ -16,6 +16,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   int64_t iterations = 30000, schedule_iterations = 30000, batch = 4, seed = 1;
   // scene
   bool static_only = false;
+  std::string motion_form = "pair";
   std::string background = "black";
   double near_plane = 0.2, far_plane = 100;
   // initial Gaussians
@@ -26,10 +27,10 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   int64_t sh_degree = 3, sh_interval = 1000;
   bool sliced_direction = true;
   // loss
-  double lambda_dssim = 0.2;
+  double lambda_dssim = 0.2, time_noise = 0;
   // learning rates
   double lr_mean = 1.6e-4, lr_mean_final = 1.6e-6, lr_mean_time = 1.6e-4;
-  double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3;
+  double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3, lr_velocity = 5e-4;
   double lr_opacity = 0.05, lr_sh = 2.5e-3, lr_sh_rest = 1.25e-4;
   bool fused_optimizer = true;
   std::string idle_updates = "dense";

@@ -5,10 +5,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "kernels/base/errors.h"
 #include "kernels/lazy_schedule.h"
+#include "kernels/math/random.h"
 #include "recon4d/initialise.h"
 #include "recon4d/kernel_options.h"
 #include "recon4d/render.h"
@@ -23,11 +25,19 @@ std::vector<int> training_frames(const Scene& scene) {
   return frames;
 }
 
-std::string group_names(unsigned bits, int dim) {
+/// Mean distance between two moments of the training frames, in clip lengths; 0 for one moment.
+double distance_of_moments(const Scene& scene, const std::vector<int>& frames) {
+  std::set<double> times;
+  for (const int f : frames) times.insert(scene.frames[size_t(f)].time);
+  if (times.size() < 2) return 0;
+  return (*times.rbegin() - *times.begin()) / double(times.size() - 1);
+}
+
+std::string group_names(unsigned bits, Form form) {
   std::string names;
   for (int g = 0; g < kGroupCount; ++g)
     if (bits >> g & 1)
-      names += (names.empty() ? "" : ", ") + std::string(group_name(Group(g), dim));
+      names += (names.empty() ? "" : ", ") + std::string(group_name(Group(g), form));
   return names;
 }
 
@@ -55,13 +65,14 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       state_(std::move(state)),
       observer_(observer),
       train_frames_(training_frames(scene)),
+      moment_distance_(distance_of_moments(scene, train_frames_)),
       rig_(make_camera_rig(scene.training_cameras())),
       schedule_(options, rig_.extent),
       sampler_(int64_t(train_frames_.size()), uint64_t(options.seed)),
       feed_(backend.memory(), scene, train_frames_, options.feed_bytes, options.batch),
       pipeline_(backend),
-      gradients_{{3, state_.model.static_set.coefficients(), backend.memory()},
-                 {4, state_.model.dynamic_set.coefficients(), backend.memory()}},
+      gradients_{state_.model.static_set.like(backend.memory()),
+                 state_.model.dynamic_set.like(backend.memory())},
       table_(backend.memory()) {
   validate(options_);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
@@ -135,6 +146,14 @@ void Trainer::control() {
   }
 }
 
+double Trainer::training_time(double time, int64_t index) const {
+  const double deviation = schedule_.time_noise(state_.iteration) * moment_distance_;
+  if (deviation == 0) return time;
+  const RandomBlock random = philox(uint64_t(options_.seed), RandomStream::kTime,
+                                    uint64_t(state_.iteration), uint32_t(index));
+  return time + deviation * double(normals(random)[0]);
+}
+
 void Trainer::step() {
   forget_copies();
   control();
@@ -148,7 +167,7 @@ void Trainer::step() {
   args.options.kernels = kernel_switches(options_);
   for (const int64_t index : batch) {
     const Frame& frame = scene_.frames[size_t(train_frames_[size_t(index)])];
-    args.views.push_back({frame.camera, frame.time});
+    args.views.push_back({frame.camera, training_time(frame.time, index)});
   }
   pipeline_.forward(args);
   complete_pending();  // the forward pass has waited for that step
@@ -179,7 +198,7 @@ void Trainer::backward() {
     SinkArgs<float>& sink = args.sinks[k];
     sink.fused = options_.fused_optimizer;
     sink.value = set.values(), sink.moment1 = set.moments1();
-    sink.moment2 = set.moments2(), sink.adam = schedule_.adam(i, set.dim());
+    sink.moment2 = set.moments2(), sink.adam = schedule_.adam(i, set.form());
     sink.idle = idle_update(options_), sink.lazy = lazy(k);
     if (!sink.fused) {
       gradients_[k].resize(set.count());
@@ -216,8 +235,10 @@ void Trainer::complete_pending() {
         "step {}: {} not finite; the last checkpoint is intact; lower the learning rates or look "
         "for broken frames",
         report.iteration,
-        bad == 0 ? "the loss is"
-                 : "the gradient of " + group_names(bad, report.num_dynamic > 0 ? 4 : 3) + " is"));
+        bad == 0
+            ? "the loss is"
+            : "the gradient of " +
+                  group_names(bad, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
   }
   const auto now = std::chrono::steady_clock::now();
   report.seconds = std::chrono::duration<double>(now - std::exchange(reported_, now)).count();

@@ -45,6 +45,8 @@ class Trainer {
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
   void catch_up();
+  /// The frame's moment with the noise of this step.
+  double training_time(double time, int64_t index) const;
   void backward();
   void prefetch();
   /// Reports the last step once the backend knows how it went.
@@ -59,6 +61,7 @@ class Trainer {
   TrainState state_;
   Observer& observer_;
   std::vector<int> train_frames_;  // before the rig, which needs one
+  double moment_distance_;         // mean, of the training frames, in clip lengths
   CameraRig rig_;
   Schedule schedule_;
   BatchSampler sampler_;

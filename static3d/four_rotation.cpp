@@ -59,21 +59,15 @@ void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<do
   left = normalised(left);
 }
 
-bool scale_space(double scale, Shape4& shape) {
+Shape4 shape_of(Mat4<double> A) {
   constexpr int kMaxSweeps = 30;  // quadratic convergence: 4 to 8 suffice
-  // Axes that mix by less than a float's rounding of the quaternions are pure: a lifted static
-  // Gaussian stays one, to the bit.
-  constexpr double kPure = 1e-6;
-  Mat4<double> A = rotation4(shape.left, shape.right);
-  if (scale == 1 || std::abs(A.m[0][0]) > 1 - 0.5 * kPure * kPure) return false;
-  for (int i = 0; i < 4; ++i)
-    for (int k = 0; k < 4; ++k) A.m[i][k] *= (i == 0 ? 1 : scale) * shape.sigma[k];
   bool turned = true;
   for (int sweep = 0; sweep < kMaxSweeps && turned; ++sweep) {
     turned = false;
     for (int p = 0; p < 4; ++p)
       for (int q = p + 1; q < 4; ++q) turned |= orthogonalise(A, p, q);
   }
+  Shape4 shape;
   for (int k = 0; k < 4; ++k) {
     double square = 0;
     for (int i = 0; i < 4; ++i) square += A.m[i][k] * A.m[i][k];
@@ -81,6 +75,18 @@ bool scale_space(double scale, Shape4& shape) {
     for (int i = 0; i < 4; ++i) A.m[i][k] /= shape.sigma[k];
   }
   quaternions_of_rotation4(A, shape.left, shape.right);
+  return shape;
+}
+
+bool scale_space(double scale, Shape4& shape) {
+  // Axes that mix by less than a float's rounding of the quaternions are pure: a lifted static
+  // Gaussian stays one, to the bit.
+  constexpr double kPure = 1e-6;
+  Mat4<double> A = rotation4(shape.left, shape.right);
+  if (scale == 1 || std::abs(A.m[0][0]) > 1 - 0.5 * kPure * kPure) return false;
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 4; ++k) A.m[i][k] *= (i == 0 ? 1 : scale) * shape.sigma[k];
+  shape = shape_of(A);
   return true;
 }
 

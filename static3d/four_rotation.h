@@ -1,6 +1,6 @@
-// What: the axes of a 4D Gaussian under a scale of space alone, and the two quaternions of a
-//       rotation of space-time.
-// Not: on the path of training; changes of world need it once per Gaussian, in double.
+// What: the axes of a 4D Gaussian from any four vectors that span it, or under a scale of space
+//       alone, and the two quaternions of a rotation of space-time.
+// Not: on the path of training; conversions need it once per Gaussian, in double.
 // Source: [GolubVanLoan] one-sided Jacobi (section 8.6.3): small axes keep their relative accuracy.
 #pragma once
 #include "kernels/math/rotation4.h"
@@ -24,6 +24,9 @@ struct Shape4 {
   Vec4<double> left, right;
   Vec4<double> sigma;
 };
+
+/// The axes of the Gaussian A·z, z ~ N(0, I₄), on (t, x, y, z). Needs det A > 0.
+Shape4 shape_of(Mat4<double> A);
 
 /// Stretches the three spatial directions by `scale` > 0. False, and nothing changed, where the
 /// axes stay as they are because none mixes space and time.

@@ -9,9 +9,9 @@
 
 namespace tessera {
 
-GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time) {
+GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time, Form form) {
   constexpr float kMeanTimeOfLifted = 0.5f;
-  GaussianSet lifted(4, static_set.coefficients());
+  GaussianSet lifted(form, static_set.coefficients());
   lifted.resize(static_set.count());
   const GaussianSpans<const float> from = static_set.values();
   const GaussianSpans<float> to = lifted.values();
@@ -20,6 +20,10 @@ GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time) {
   for (int64_t n = 0; n < lifted.count(); ++n) {
     *to.at(kMeanTime, n) = kMeanTimeOfLifted;
     *to.at(kLogScaleTime, n) = log_scale_time;
+    if (form == Form::kVelocity) {
+      std::fill_n(to.at(kVelocity, n), 3, 0.0f);
+      continue;
+    }
     const Vec4<float> right = conjugate(load4(from.at(kRotation, n)));
     for (int k = 0; k < 4; ++k) to.at(kRotationRight, n)[k] = right[k];
   }

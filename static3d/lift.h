@@ -5,9 +5,11 @@
 
 namespace tessera {
 
-/// Each Gaussian with rotation_right = conj(rotation), mean_time 0.5 and the given temporal scale:
-/// it renders as before at every t near [0, 1] when σ_t ≫ 1.
-GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time);
+/// Each Gaussian without a velocity, mean_time 0.5 and the given temporal scale: it renders as
+/// before at every t near [0, 1] when σ_t ≫ 1. `form`: pair (rotation_right = conj(rotation)) or
+/// velocity.
+GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time,
+                       Form form = Form::kPair);
 
 /// The model at normalised time t as one static set: the static Gaussians unchanged, then each
 /// dynamic one that is drawn at t with mean μ + vΔ, covariance Σ_c and opacity o·p. Those the

@@ -11,7 +11,7 @@
 namespace tessera {
 
 struct Ply3dgs {
-  GaussianSet set{3, kMaxShCoefficients};
+  GaussianSet set{Form::kStatic, kMaxShCoefficients};
   int sh_degree = 0;
   std::vector<std::string> warnings;  // unknown properties, quaternions that were normalised, …
 };

@@ -116,7 +116,7 @@ GaussianSet decode_compressed_splat(const std::filesystem::path& path, const Ply
   if (chunks.rows * kChunk < vertex.rows)
     throw InputError(fmt::format("{}: {} chunks for {} splats, expected one per {}; export again",
                                  path.string(), chunks.rows, vertex.rows, kChunk));
-  GaussianSet set(3, coefficients_of(path, file));
+  GaussianSet set(Form::kStatic, coefficients_of(path, file));
   set.resize(vertex.rows);
   const GaussianSpans<float> to = set.values();
   const Range mean = range_of(path, chunks, {"x", "y", "z"});

@@ -63,7 +63,8 @@ Slicer::Slicer(const GaussianModel& model) : model_(model) {
       MovingGaussian& g = all[size_t(n)];
       GaussianState<float> state;
       g.source = -1;
-      if (!load_gaussian<4>(set, n, state)) continue;
+      if (!with_form(set.form, [&](auto form) { return load_gaussian<form()>(set, n, state); }))
+        continue;
       g.source = n, g.spacetime = state.spacetime, g.mean = state.mean, g.opacity = state.opacity;
       set_shape(g.spacetime.covariance, g);
     }
@@ -81,7 +82,7 @@ GaussianSet Slicer::at(double time) const {
 
   const auto stored = [](const GaussianSet& s) { return s.count() > 0 ? s.coefficients() : 1; };
   const int coefficients = std::max(stored(fixed), stored(dynamic));
-  GaussianSet set(3, coefficients);
+  GaussianSet set(Form::kStatic, coefficients);
   set.resize(fixed.count() + int64_t(drawn.size()));
   copy_static(fixed, set);
   const GaussianSpans<const float> source = dynamic.values();

@@ -55,17 +55,26 @@ void change_shape4(const Change& change, const GaussianSpans<float>& v, int64_t 
   store4(shape.right, v.at(kRotationRight, n));
 }
 
+/// A velocity is a difference of places.
+void change_velocity(const Change& change, float* velocity) {
+  const glm::dvec3 turned =
+      change.world.rotation *
+      glm::dvec3(double(velocity[0]), double(velocity[1]), double(velocity[2]));
+  for (int k = 0; k < 3; ++k) velocity[k] = float(change.world.scale * turned[k]);
+}
+
 void change_gaussian(const Change& change, const GaussianSpans<float>& v, int64_t n) {
   float* const mean = v.at(kMean, n);
   const glm::dvec3 moved = change.world({double(mean[0]), double(mean[1]), double(mean[2])});
   for (int k = 0; k < 3; ++k) mean[k] = float(moved[k]);
-  if (v.dim == 4) {
+  if (v.form == Form::kPair) {
     change_shape4(change, v, n);
   } else {
     float* const log_scale = v.at(kLogScale, n);
     for (int k = 0; k < 3; ++k) log_scale[k] = float(double(log_scale[k]) + change.log_scale);
     store4(product(change.quaternion, load4(v.at(kRotation, n))), v.at(kRotation, n));
   }
+  if (v.form == Form::kVelocity) change_velocity(change, v.at(kVelocity, n));
   change.sh.apply(v.coefficients, v.at(kSh, n));
 }
 

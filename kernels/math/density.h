@@ -35,7 +35,7 @@ TESSERA_HD inline bool is_alive(const DensityLimits<Real>& limits, const Gaussia
                                 int64_t n) {
   const Vec4<Real> q = load4<Real>(set.at(kRotation, n));
   if (!(dot(q, q) >= kMinQuaternionNorm2<Real>)) return false;
-  if (set.dim == 4) {
+  if (set.form == Form::kPair) {
     const Vec4<Real> r = load4<Real>(set.at(kRotationRight, n));
     if (!(dot(r, r) >= kMinQuaternionNorm2<Real>)) return false;
   }
@@ -61,12 +61,13 @@ TESSERA_HD inline Fate fate_of(const DensityLimits<Real>& limits, const Gaussian
 }
 
 /// Moves the copy at row n to a sample of the distribution it is a copy of, and shrinks it.
-template <int Dim, class Real>
+template <Form form, class Real>
 TESSERA_HD inline void place_child(const GaussianSpans<Real>& v, int64_t n, uint64_t seed) {
-  const Vec4<float> noise = normals(philox(seed, RandomStream::kSplit, uint64_t(n), uint32_t(Dim)));
+  const Vec4<float> noise =
+      normals(philox(seed, RandomStream::kSplit, uint64_t(n), uint32_t(dim_of(form))));
   Real* s = v.at(kLogScale, n);
   Real* mean = v.at(kMean, n);
-  if constexpr (Dim == 4) {
+  if constexpr (form == Form::kPair) {
     const Mat4<Real> R =
         rotation4(load4<Real>(v.at(kRotation, n)), load4<Real>(v.at(kRotationRight, n)));
     Real* s_t = v.at(kLogScaleTime, n);
@@ -81,6 +82,13 @@ TESSERA_HD inline void place_child(const GaussianSpans<Real>& v, int64_t n, uint
     const Mat3<Real> R = rotation_matrix(load4<Real>(v.at(kRotation, n)));
     for (int k = 0; k < 3; ++k)
       for (int i = 0; i < 3; ++i) mean[i] += R[k][i] * Real(noise[k]) * exp(s[k]);
+  }
+  if constexpr (form == Form::kVelocity) {  // the mean moves along with its moment
+    const Real* velocity = v.at(kVelocity, n);
+    const Real later = Real(noise[3]) * exp(*v.at(kLogScaleTime, n));
+    *v.at(kMeanTime, n) += later;
+    for (int i = 0; i < 3; ++i) mean[i] += velocity[i] * later;
+    *v.at(kLogScaleTime, n) -= Real(kSplitShrink);
   }
   for (int k = 0; k < 3; ++k) s[k] -= Real(kSplitShrink);
 }

@@ -84,6 +84,19 @@ TESSERA_HD inline Spacetime<Real> pair_spacetime(const Vec4<Real>& l, const Vec4
   return s;
 }
 
+/// Dim 4, `velocity` parameterisation: stored as the slice has it. σ_t = e^{log_scale_time}.
+template <class Real>
+TESSERA_HD inline Spacetime<Real> velocity_spacetime(const Vec4<Real>& q,
+                                                     const Vec3<Real>& log_scale,
+                                                     const Vec3<Real>& velocity,
+                                                     Real log_scale_time, Real mean_time) {
+  Spacetime<Real> s = static_spacetime(q, log_scale);
+  s.velocity = velocity;
+  s.precision_time = exp(Real(-2) * log_scale_time);
+  s.mean_time = mean_time;
+  return s;
+}
+
 /// What one Gaussian is at one moment.
 template <class Real>
 struct Slice {

@@ -28,16 +28,19 @@ TESSERA_HD inline Vec4<Real> load4(const Real* p) {
 }
 
 /// False for a Gaussian that is no Gaussian: a quaternion of no length, a value not finite.
-template <int Dim, class Real>
+template <Form form, class Real>
 TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64_t n,
                                      GaussianState<Real>& g) {
   const Vec4<Real> q = load4(set.at(kRotation, n));
   const Vec3<Real> log_scale = load3(set.at(kLogScale, n));
   if (!(dot(q, q) >= kMinQuaternionNorm2<Real>)) return false;
-  if constexpr (Dim == 4) {
+  if constexpr (form == Form::kPair) {
     const Vec4<Real> r = load4(set.at(kRotationRight, n));
     if (!(dot(r, r) >= kMinQuaternionNorm2<Real>)) return false;
     g.spacetime = pair_spacetime(q, r, log_scale, *set.at(kLogScaleTime, n), *set.at(kMeanTime, n));
+  } else if constexpr (form == Form::kVelocity) {
+    g.spacetime = velocity_spacetime(q, log_scale, load3(set.at(kVelocity, n)),
+                                     *set.at(kLogScaleTime, n), *set.at(kMeanTime, n));
   } else {
     g.spacetime = static_spacetime(q, log_scale);
   }
@@ -48,7 +51,11 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
   const Real trace = c.xx + c.yy + c.zz;
   Real stored = g.mean[0] + g.mean[1] + g.mean[2] + *set.at(kOpacityLogit, n) + log_scale[0] +
                 log_scale[1] + log_scale[2];
-  if constexpr (Dim == 4) stored += *set.at(kLogScaleTime, n);
+  if constexpr (form != Form::kStatic) stored += *set.at(kLogScaleTime, n);
+  if constexpr (form == Form::kVelocity) {
+    const Vec3<Real> v = g.spacetime.velocity;
+    stored += v[0] + v[1] + v[2];
+  }
   const Real sum = stored + trace + g.spacetime.mean_time + g.spacetime.precision_time;
   return sum - sum == Real(0);  // finite
 }

@@ -70,7 +70,7 @@ template <class Real>
 void CpuBackend<Real>::place_children(const GaussianSpans<Real>& set, int64_t first,
                                       uint64_t seed) {
   for (int64_t n = first; n < set.count; ++n)
-    set.dim == 4 ? place_child<4>(set, n, seed) : place_child<3>(set, n, seed);
+    with_form(set.form, [&](auto form) { place_child<form()>(set, n, seed); });
 }
 
 template <class Real>
@@ -82,13 +82,13 @@ void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>& set,
     return float(axis < 3 ? set.at(kMean, n)[axis] : *set.at(kMeanTime, n));
   };
   for (int64_t n = 0; n < set.count; ++n)
-    for (int a = 0; a < set.dim; ++a) {
+    for (int a = 0; a < set.dim(); ++a) {
       box.low[a] = std::min(box.low[a], coordinate(n, a));
       box.high[a] = std::max(box.high[a], coordinate(n, a));
     }
   std::vector<std::pair<uint32_t, uint64_t>> keys(size_t(set.count));
   for (int64_t n = 0; n < set.count; ++n)
-    keys[size_t(n)] = {set.dim == 4 ? time_bin(box, coordinate(n, 3)) : 0,
+    keys[size_t(n)] = {set.dim() == 4 ? time_bin(box, coordinate(n, 3)) : 0,
                        morton_code(box, coordinate(n, 0), coordinate(n, 1), coordinate(n, 2))};
   order.resize(set.count);
   std::iota(order.begin(), order.end(), int64_t{0});

@@ -66,10 +66,10 @@ __global__ void list_rows(Places places, int64_t count, int64_t* index) {
   }
 }
 
-template <int Dim>
+template <Form form>
 __global__ void place(GaussianSpans<float> set, int64_t first, uint64_t seed) {
   const int64_t n = first + int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  if (n < set.count) place_child<Dim>(set, n, seed);
+  if (n < set.count) place_child<form>(set, n, seed);
 }
 
 struct WidenBox {
@@ -86,7 +86,7 @@ __global__ void boxes_of(GaussianSpans<const float> set, LocalityBox* boxes) {
   const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   if (n >= set.count) return;
   const float* m = set.at(kMean, n);
-  const float t = set.dim == 4 ? *set.at(kMeanTime, n) : 0.0f;
+  const float t = set.dim() == 4 ? *set.at(kMeanTime, n) : 0.0f;
   boxes[n] = {{m[0], m[1], m[2], t}, {m[0], m[1], m[2], t}};
 }
 
@@ -96,7 +96,7 @@ __global__ void locality_keys(GaussianSpans<const float> set, const LocalityBox*
   if (n >= set.count) return;
   const float* m = set.at(kMean, n);
   morton[n] = morton_code(*box, m[0], m[1], m[2]);
-  bin[n] = set.dim == 4 ? uint16_t(time_bin(*box, *set.at(kMeanTime, n))) : uint16_t(0);
+  bin[n] = set.dim() == 4 ? uint16_t(time_bin(*box, *set.at(kMeanTime, n))) : uint16_t(0);
   number[n] = int32_t(n);
 }
 
@@ -165,8 +165,9 @@ void CudaBackend::select_rows(const GaussianSpans<const float>& set,
 void CudaBackend::place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) {
   const int64_t count = set.count - first;
   if (count <= 0) return;
-  const auto kernel = set.dim == 4 ? place<4> : place<3>;
-  kernel<<<grid_of(count, kThreads), kThreads, 0, stream_>>>(set, first, seed);
+  with_form(set.form, [&](auto form) {
+    place<form()><<<grid_of(count, kThreads), kThreads, 0, stream_>>>(set, first, seed);
+  });
   check_launch("place_children");
 }
 
@@ -201,7 +202,7 @@ void CudaBackend::locality_order(const GaussianSpans<const float>& set, Buffer<i
   locality_keys<<<grid, kThreads, 0, stream_>>>(set, box.data, morton.data, bin.data, number.data);
   sort_pairs(stream_, Span<const uint64_t>(morton), Span<const int32_t>(number), 3 * kMortonBits,
              sorted, by_place, sort_scratch_);
-  const bool timed = set.dim == 4;
+  const bool timed = set.dim() == 4;
   if (timed) {
     bins_in_order<<<grid, kThreads, 0, stream_>>>(bin.data, by_place.data, N, bins.data);
     sort_pairs(stream_, Span<const uint16_t>(bins), Span<const int32_t>(by_place),

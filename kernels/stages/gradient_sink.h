@@ -14,29 +14,31 @@ namespace tessera {
 template <class Real>
 struct GeometryGradient {
   Vec3<Real> mean{}, log_scale{};
-  Vec4<Real> rotation{}, rotation_right{};
+  Vec4<Real> rotation{}, rotation_right{};  // right: of a pair
+  Vec3<Real> velocity{};                    // of a velocity set
   Real opacity_logit{}, mean_time{}, log_scale_time{};
 
   /// Calls visit(group, scalars, width) for the groups of a set. Static, so that it serves constant
   /// and mutable gradients.
-  template <int Dim, class Gradient, class Visit>
+  template <Form form, class Gradient, class Visit>
   TESSERA_HD static void for_each_group(Gradient& self, Visit&& visit) {
     visit(kMean, &self.mean[0], 3);
     visit(kLogScale, &self.log_scale[0], 3);
     visit(kRotation, &self.rotation[0], 4);
     visit(kOpacityLogit, &self.opacity_logit, 1);
-    if constexpr (Dim == 4) {
+    if constexpr (form != Form::kStatic) {
       visit(kMeanTime, &self.mean_time, 1);
       visit(kLogScaleTime, &self.log_scale_time, 1);
-      visit(kRotationRight, &self.rotation_right[0], 4);
     }
+    if constexpr (form == Form::kPair) visit(kRotationRight, &self.rotation_right[0], 4);
+    if constexpr (form == Form::kVelocity) visit(kVelocity, &self.velocity[0], 3);
   }
 
   /// Bit (1 << group) for each group with a value that is not finite.
-  template <int Dim>
+  template <Form form>
   TESSERA_HD unsigned non_finite() const {
     unsigned bits = 0;
-    for_each_group<Dim>(*this, [&](Group group, const Real* g, int width) {
+    for_each_group<form>(*this, [&](Group group, const Real* g, int width) {
       Real sum = Real(0);
       for (int j = 0; j < width; ++j) sum += g[j] - g[j];
       if (!(sum == Real(0))) bits |= 1u << group;
@@ -49,9 +51,9 @@ template <class Real>
 struct StoreGradient {
   GaussianSpans<Real> out;
 
-  template <int Dim>
+  template <Form form>
   TESSERA_HD void accept(int64_t n, const GeometryGradient<Real>& gradient) const {
-    GeometryGradient<Real>::template for_each_group<Dim>(
+    GeometryGradient<Real>::template for_each_group<form>(
         gradient, [&](Group group, const Real* g, int width) {
           for (int j = 0; j < width; ++j) out.at(group, n)[j] = g[j];
         });
@@ -65,9 +67,9 @@ struct ApplyAdam {
   GaussianSpans<Real> value, moment1, moment2;
   AdamGroups<Real> adam;
 
-  template <int Dim>
+  template <Form form>
   TESSERA_HD void accept(int64_t n, const GeometryGradient<Real>& gradient) const {
-    GeometryGradient<Real>::template for_each_group<Dim>(
+    GeometryGradient<Real>::template for_each_group<form>(
         gradient, [&](Group group, const Real* g, int width) {
           Real *x = value.at(group, n), *m = moment1.at(group, n), *v = moment2.at(group, n);
           for (int j = 0; j < width; ++j) adam_step(adam.group[group], g[j], x[j], m[j], v[j]);

@@ -28,7 +28,7 @@ struct Chunk {
   int64_t instances = 0, invalid = 0;
 };
 
-template <int Dim, class Real>
+template <Form form, class Real>
 void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t end,
                  Chunk<Real>& chunk) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
@@ -39,7 +39,7 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t 
   for (int64_t n = begin; n < end; ++n) {
     chunk.starts.push_back(int64_t(chunk.records.size()));
     GaussianState<Real> g;
-    if (!load_gaussian<Dim>(args.sets[set], n, g)) {
+    if (!load_gaussian<form>(args.sets[set], n, g)) {
       ++chunk.invalid;
       continue;
     }
@@ -94,10 +94,8 @@ void CpuBackend<Real>::project(const ProjectArgs<Real>& args, Splats<Real>& spla
     const int64_t begin = (c - set * runs[0]) * kGrain;
     const int64_t end = min_of(begin + kGrain, counts[set]);
     Chunk<Real>& chunk = chunks[size_t(c)];
-    if (args.sets[set].dim == 4)
-      project_run<4>(args, set, begin, end, chunk);
-    else
-      project_run<3>(args, set, begin, end, chunk);
+    with_form(args.sets[set].form,
+              [&](auto form) { project_run<form()>(args, set, begin, end, chunk); });
   });
 
   std::vector<int64_t> offset(chunks.size() + 1, 0), gaussian(chunks.size() + 1, 0);

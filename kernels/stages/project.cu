@@ -31,13 +31,13 @@ struct SetArgs {
 };
 
 /// A bit for each view that draws a Gaussian, in `words` words, and how many there are.
-template <int Dim>
+template <Form form>
 __global__ void __launch_bounds__(kThreads)
     count_views(SetArgs a, int words, uint32_t* seen_by, int32_t* visible, StepCounters* counters) {
   const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   if (n >= a.set.count) return;
   GaussianState<float> g;
-  const bool valid = load_gaussian<Dim>(a.set, n, g);
+  const bool valid = load_gaussian<form>(a.set, n, g);
   if (!valid) atomicAdd(&counters->invalid, 1u);
   int count = 0;
   for (int word = 0; word < words; ++word) {
@@ -80,14 +80,14 @@ struct SplatTargets {
 
 /// Splat s of a set: where it lies, its colour, how far it reaches. False when its colour is not
 /// finite: then it stays in the list, but is not drawn.
-template <int Dim>
+template <Form form>
 __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int64_t s,
                                   Splat<float>& splat, TileRect& rect) {
   const int64_t n = out.gaussian[s] - a.first;
   const int b = out.view[s];
   GaussianState<float> g;
   ViewSplat<float> in_view;
-  load_gaussian<Dim>(a.set, n, g);
+  load_gaussian<form>(a.set, n, g);
   splat_in_view(a.views[b], g, a.near_plane, a.far_plane, a.bounds, in_view);
   splat.mean2d = in_view.projection.mean2d, splat.conic = in_view.projection.conic;
   splat.opacity = in_view.opacity, splat.power = in_view.power, splat.view = b;
@@ -103,7 +103,7 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
 }
 
 /// One thread a splat; the tiles of each, and of all of them in 64 bits.
-template <int Dim>
+template <Form form>
 __global__ void __launch_bounds__(kThreads)
     write_splats_of(SetArgs a, SplatTargets out, bool balanced, StepCounters* counters) {
   const int64_t s = out.first_of[a.first] + int64_t(blockIdx.x) * kThreads + threadIdx.x;
@@ -112,7 +112,7 @@ __global__ void __launch_bounds__(kThreads)
   TileRect rect{};
   int tiles_x = 0, count = 0;
   if (on) {
-    if (!make_splat<Dim>(a, out, s, splat, rect) && s == out.first_of[out.gaussian[s]])
+    if (!make_splat<form>(a, out, s, splat, rect) && s == out.first_of[out.gaussian[s]])
       atomicAdd(&counters->invalid, 1u);
     out.splat[s] = splat, out.rect[s] = rect;
     tiles_x = a.views[splat.view].tiles_x;
@@ -168,9 +168,10 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
     const LazySh<float>& lazy = args.lazy[set];
     if (!lazy.last_step.empty())
       launch_catch_up(lazy, splats.first_of.data() + a.first, gaps.data, stream_);
-    const auto write = spans.dim == 4 ? write_splats_of<4> : write_splats_of<3>;
-    write<<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
-        a, out, args.options.kernels.balanced_instances, counters_.data());
+    with_form(spans.form, [&](auto form) {
+      write_splats_of<form()><<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
+          a, out, args.options.kernels.balanced_instances, counters_.data());
+    });
   }
   check_launch("project: write_splats");
   check_device(cudaMemcpyAsync(counters_host_.data(), counters_.data(), sizeof(StepCounters),
@@ -190,10 +191,11 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;
-    const auto count = spans.dim == 4 ? count_views<4> : count_views<3>;
-    count<<<grid_of(spans.count, kThreads), kThreads, 0, stream_>>>(
-        set_args(args, set, views_of(*args.batch)), words, seen_by_.data(), visible_.data(),
-        counters_.data());
+    with_form(spans.form, [&](auto form) {
+      count_views<form()><<<grid_of(spans.count, kThreads), kThreads, 0, stream_>>>(
+          set_args(args, set, views_of(*args.batch)), words, seen_by_.data(), visible_.data(),
+          counters_.data());
+    });
   }
   check_launch("project: count_views");
   exclusive_sums(stream_, visible_.span(), splats.first_of.span(), sort_scratch_);
@@ -217,7 +219,7 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
   resize(splats.count);
   double bytes = 20.0 * double(gaussians) + double(splats.count) * (8 + 48 + 4 + 8 + 4);
   for (const GaussianSpans<const float>& spans : args.sets)
-    bytes += double(spans.count) * 4 * (spans.dim == 4 ? 17 : 11);
+    bytes += double(spans.count) * 4 * geometry_scalars(spans.form);
   const int degree = args.options.sh_degree;
   clock_.add_bytes(kProject, bytes + double(splats.count) * 12 * sh_coefficients(degree));
 }

@@ -28,7 +28,7 @@ void add_sh(int degree, const ColourGradient<Real>& colour, Real* d_sh) {
     for (int c = 0; c < 3; ++c) d_sh[3 * k + c] += Y[k] * colour.d_colour[c];
 }
 
-template <int Dim, class Real>
+template <Form form, class Real>
 void gaussian_gradient(const ProjectBackwardArgs<Real>& args, int set, int64_t n, int64_t first,
                        int64_t last, GaussianGradient<Real>& out) {
   const GaussianSpans<const Real>& params = args.forward.sets[set];
@@ -36,7 +36,7 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, int set, int64_t n
   const int degree = min_of(args.forward.options.sh_degree, sh_degree_of(params.coefficients));
   const bool sliced = args.forward.options.sliced_direction;
   GaussianState<Real> g;
-  if (!load_gaussian<Dim>(params, n, g)) return;
+  if (!load_gaussian<form>(params, n, g)) return;
   ViewSums<Real> sums;
   for (int64_t s = first; s < last; ++s) {
     const Splat<Real>& splat = args.splats->splat[s];
@@ -44,8 +44,8 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, int set, int64_t n
     add_sh(degree, add_view_gradient(view, g, g.sh, degree, sliced, splat, args.d_splats[s], sums),
            out.sh);
   }
-  out.geometry = geometry_gradient<Dim>(params, n, g, sums);
-  out.bad = out.geometry.template non_finite<Dim>();
+  out.geometry = geometry_gradient<form>(params, n, g, sums);
+  out.bad = out.geometry.template non_finite<form>();
   Real sum = Real(0);
   for (int j = 0; j < 3 * params.coefficients; ++j) sum += out.sh[j] - out.sh[j];
   if (!(sum == Real(0))) out.bad |= 1u << kSh;
@@ -56,7 +56,7 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, int set, int64_t n
   statistics.count[n] += Real(1);
 }
 
-template <int Dim, class Sink, class Real>
+template <Form form, class Sink, class Real>
 unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t first_gaussian,
                       int64_t begin, int64_t end, const Sink& sink) {
   const SinkArgs<Real>& wanted = args.sinks[set];
@@ -68,9 +68,9 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t fi
     const int64_t last = args.splats->first_of[first_gaussian + n + 1];
     if (first == last && idle == IdleUpdate::kSkip) continue;
     GaussianGradient<Real> gradient;
-    if (first < last) gaussian_gradient<Dim>(args, set, n, first, last, gradient);
+    if (first < last) gaussian_gradient<form>(args, set, n, first, last, gradient);
     bad |= gradient.bad;
-    sink.template accept<Dim>(n, gradient.geometry);
+    sink.template accept<form>(n, gradient.geometry);
     if (idle == IdleUpdate::kLazy) {
       if (first == last) continue;
       wanted.lazy.last_step[n] = int32_t(wanted.lazy.step + 1);
@@ -80,13 +80,13 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t fi
   return bad;
 }
 
-template <int Dim, class Real>
+template <Form form, class Real>
 unsigned backward_set(const ProjectBackwardArgs<Real>& args, int set, int64_t first_gaussian) {
   const SinkArgs<Real>& sink = args.sinks[set];
   std::atomic<unsigned> bad{0};
   const auto run = [&](const auto& chosen) {
     parallel_for(args.forward.sets[set].count, kGrain, [&](int64_t begin, int64_t end) {
-      bad |= backward_run<Dim>(args, set, first_gaussian, begin, end, chosen);
+      bad |= backward_run<form>(args, set, first_gaussian, begin, end, chosen);
     });
   };
   if (sink.fused)
@@ -103,9 +103,9 @@ void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
   outcome_.bad_groups = 0;
   int64_t first_gaussian = 0;
   for (int set = 0; set < 2; ++set) {
-    outcome_.bad_groups |= args.forward.sets[set].dim == 4
-                               ? backward_set<4>(args, set, first_gaussian)
-                               : backward_set<3>(args, set, first_gaussian);
+    outcome_.bad_groups |= with_form(args.forward.sets[set].form, [&](auto form) {
+      return backward_set<form()>(args, set, first_gaussian);
+    });
     first_gaussian += args.forward.sets[set].count;
   }
 }

@@ -39,7 +39,7 @@ __device__ inline void keep_colour(const ColourGradient<float>& colour, SplatGra
 }
 
 /// One thread a splat: its share of its Gaussian's sums.
-template <int Dim>
+template <Form form>
 __global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<float>* sums) {
   const int64_t s = a.first_of[a.first] + int64_t(blockIdx.x) * kThreads + threadIdx.x;
   if (s >= a.first_of[a.first + a.set.count]) return;
@@ -47,7 +47,7 @@ __global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<
   ViewSums<float> sum;
   GaussianState<float> g;
   const Splat<float> splat = a.splats[s];
-  if (splat.negative != kNotDrawn && load_gaussian<Dim>(a.set, n, g)) {
+  if (splat.negative != kNotDrawn && load_gaussian<form>(a.set, n, g)) {
     float sh[3 * kMaxShCoefficients] = {};
     load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
     const SplatGradient<float> d = a.d_splats[s];
@@ -59,7 +59,7 @@ __global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<
 }
 
 /// One thread a Gaussian: what its splats found, through its stored parameters, into the sink.
-template <int Dim, class Sink>
+template <Form form, class Sink>
 __global__ void __launch_bounds__(kThreads)
     geometry_backward(Backward a, const ViewSums<float>* view_sums, Sink sink) {
   const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
@@ -68,15 +68,15 @@ __global__ void __launch_bounds__(kThreads)
   if (begin == end && a.idle == IdleUpdate::kSkip) return;
   GeometryGradient<float> gradient;
   GaussianState<float> g;
-  if (begin < end && load_gaussian<Dim>(a.set, n, g)) {
+  if (begin < end && load_gaussian<form>(a.set, n, g)) {
     ViewSums<float> sums;
     int seen = 0;
     for (int64_t s = begin; s < end; ++s) {
       sums += view_sums[s];
       seen += a.tiles[s] > 0;
     }
-    gradient = geometry_gradient<Dim>(a.set, n, g, sums);
-    const unsigned bad = gradient.template non_finite<Dim>();
+    gradient = geometry_gradient<form>(a.set, n, g, sums);
+    const unsigned bad = gradient.template non_finite<form>();
     if (bad != 0) atomicOr(&a.counters->bad_groups, bad);
     if (seen > 0 && !a.statistics.count.empty()) {
       // per-image gradients: the batch loss is their mean, so multiply by B, divide by n_v
@@ -84,7 +84,7 @@ __global__ void __launch_bounds__(kThreads)
       a.statistics.count[n] += 1.0f;
     }
   }
-  sink.template accept<Dim>(n, gradient);
+  sink.template accept<form>(n, gradient);
 }
 
 /// Neighbouring SH scalars into a sink, with one access of 16 bytes to each array where there
@@ -153,12 +153,12 @@ __global__ void __launch_bounds__(kShThreads) sh_backward(Backward a, Sink sink,
   accept_sh<Scalars>(sink, n, first, sum);
 }
 
-template <int Dim, class Sink>
+template <Form form, class Sink>
 void backward_set(const Backward& a, int64_t splats, ViewSums<float>* sums, const Sink& sink,
                   bool stores, cudaStream_t stream) {
-  splat_backward<Dim><<<grid_of(splats, kThreads), kThreads, 0, stream>>>(a, sums);
+  splat_backward<form><<<grid_of(splats, kThreads), kThreads, 0, stream>>>(a, sums);
   check_launch("project_backward: splat_backward");
-  geometry_backward<Dim, Sink>
+  geometry_backward<form, Sink>
       <<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sums, sink);
   check_launch("project_backward: geometry_backward");
   const int row = 3 * a.set.coefficients;
@@ -171,10 +171,8 @@ void backward_set(const Backward& a, int64_t splats, ViewSums<float>* sums, cons
 template <class Sink>
 void backward_set(const Backward& a, int64_t splats, ViewSums<float>* sums, const Sink& sink,
                   bool stores, cudaStream_t stream) {
-  if (a.set.dim == 4)
-    backward_set<4>(a, splats, sums, sink, stores, stream);
-  else
-    backward_set<3>(a, splats, sums, sink, stores, stream);
+  with_form(a.set.form,
+            [&](auto form) { backward_set<form()>(a, splats, sums, sink, stores, stream); });
 }
 
 }  // namespace
@@ -210,7 +208,7 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
     else
       backward_set(a, args.splats->count, sums, StoreGradient<float>{sink.gradient}, true, stream_);
     first += spans.count;
-    const double scalars = (spans.dim == 4 ? 17 : 11) + 3 * spans.coefficients;
+    const double scalars = geometry_scalars(spans.form) + 3 * spans.coefficients;
     bytes += double(spans.count) * (8 + scalars * (sink.fused ? 24 : 8));
   }
   report();

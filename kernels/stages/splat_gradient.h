@@ -59,7 +59,7 @@ TESSERA_HD inline ColourGradient<Real> add_view_gradient(
 }
 
 /// Sums over the views → gradient by the stored parameters of Gaussian n.
-template <int Dim, class Real>
+template <Form form, class Real>
 TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<const Real>& set,
                                                            int64_t n, const GaussianState<Real>& g,
                                                            const ViewSums<Real>& sums) {
@@ -68,7 +68,7 @@ TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<c
   const Vec3<Real> log_scale = load3(set.at(kLogScale, n));
   out.mean = sums.mean;
   out.opacity_logit = sums.opacity * g.opacity * (Real(1) - g.opacity);
-  if constexpr (Dim == 4) {
+  if constexpr (form == Form::kPair) {
     const PairGradient<Real> d = pair_backward(q, load4(set.at(kRotationRight, n)), log_scale,
                                                *set.at(kLogScaleTime, n), sums.spacetime);
     out.rotation = d.rotation_left, out.rotation_right = d.rotation_right;
@@ -76,6 +76,11 @@ TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<c
     out.mean_time = sums.spacetime.mean_time;
   } else {
     covariance3_backward(q, log_scale, sums.spacetime.covariance, out.rotation, out.log_scale);
+  }
+  if constexpr (form == Form::kVelocity) {
+    out.velocity = sums.spacetime.velocity;
+    out.log_scale_time = Real(-2) * sums.spacetime.precision_time * g.spacetime.precision_time;
+    out.mean_time = sums.spacetime.mean_time;
   }
   return out;
 }

@@ -12,17 +12,17 @@ namespace {
 
 constexpr int64_t kGrain = 1024;  // Gaussians or rows per task
 
-template <int Dim, class Real>
+template <Form form, class Real>
 void adam_run(const SinkArgs<Real>& args, int64_t begin, int64_t end) {
   const ApplyAdam<Real> sink{args.value, args.moment1, args.moment2, args.adam};
   const int width = 3 * args.gradient.coefficients;
   for (int64_t n = begin; n < end; ++n) {
     GeometryGradient<Real> gradient;
-    GeometryGradient<Real>::template for_each_group<Dim>(
+    GeometryGradient<Real>::template for_each_group<form>(
         gradient, [&](Group group, Real* g, int scalars) {
           std::copy_n(args.gradient.at(group, n), scalars, g);
         });
-    sink.template accept<Dim>(n, gradient);
+    sink.template accept<form>(n, gradient);
     for (int j = 0; j < width; ++j) sink.accept_sh(n, j, args.gradient.at(kSh, n)[j]);
   }
 }
@@ -32,10 +32,7 @@ void adam_run(const SinkArgs<Real>& args, int64_t begin, int64_t end) {
 template <class Real>
 void CpuBackend<Real>::adam(const SinkArgs<Real>& args) {
   parallel_for(args.value.count, kGrain, [&](int64_t begin, int64_t end) {
-    if (args.value.dim == 4)
-      adam_run<4>(args, begin, end);
-    else
-      adam_run<3>(args, begin, end);
+    with_form(args.value.form, [&](auto form) { adam_run<form()>(args, begin, end); });
   });
 }
 

@@ -39,9 +39,9 @@ __global__ void limit(Span<float> values, float most) {
 
 void CudaBackend::adam(const SinkArgs<float>& args) {
   double scalars = 0;
-  for (int g = 0; g < group_count(args.value.dim); ++g) {
+  for (int g = 0; g < group_count(args.value.dim()); ++g) {
     const Group group = Group(g);
-    const int width = group_width(group, args.value.coefficients);
+    const int width = group_width(group, args.value.coefficients, args.value.form);
     const int64_t count = args.value.count * width;
     if (count == 0) continue;
     adam_group<<<grid_of(count, kThreads), kThreads, 0, stream_>>>(

@@ -23,13 +23,13 @@ TESSERA_ON_EVERY_BACKEND(BackendDensity);
 
 /// Sizes on both sides of `largest_clone` and `largest_kept`, opacities of `prune_opacity`, some
 /// quaternions of no length.
-TestGaussians<float> crowd(int dim, uint64_t seed, int64_t count = kCount) {
+TestGaussians<float> crowd(Form form, uint64_t seed, int64_t count = kCount) {
   Random random(seed);
-  TestGaussians<double> set = random_gaussians(dim, count, 1, 0.1, random);
+  TestGaussians<double> set = random_gaussians(form, count, 1, 0.1, random);
   for (double& x : set.group[kOpacityLogit]) x = random.uniform(-7, 2);
   for (double& x : set.group[kLogScale]) x = random.uniform(std::log(0.003), std::log(0.4));
   for (int64_t n = 0; n < count; n += 97) std::fill_n(set.at(kRotation, n), 4, 0.0);
-  for (int64_t n = 0; dim == 4 && n < count; n += 89)
+  for (int64_t n = 0; form == Form::kPair && n < count; n += 89)
     std::fill_n(set.at(kRotationRight, n), 4, 0.0);
   return set.as<float>();
 }
@@ -67,14 +67,14 @@ Selected select(Backend& on, const TestGaussians<float>& set, const Statistic& s
 
 TEST_P(BackendDensity, RowsAreTheCpus) {
   // Bugs put back, seen to fail: the dead make no room; clones in another order.
-  for (const int dim : {3, 4})
+  for (const Form form : kForms)
     for (const bool ties : {false, true})
       for (const double largest : {0.0, 0.2})
         for (const int64_t room :
              {int64_t{-1}, int64_t{0}, int64_t{1}, int64_t{333}, int64_t{100000}}) {
-          SCOPED_TRACE("dim " + std::to_string(dim) + " ties " + std::to_string(ties) + " room " +
+          SCOPED_TRACE(std::string(form_name(form)) + " ties " + std::to_string(ties) + " room " +
                        std::to_string(room) + " largest " + std::to_string(largest));
-          const TestGaussians<float> set = crowd(dim, 81);
+          const TestGaussians<float> set = crowd(form, 81);
           const Statistic s = statistic(82, ties);
           const DensityRule rule{2e-4, 0.005, 0.05, largest, room};
           const Selected actual = select(backend(), set, s, rule);
@@ -90,7 +90,7 @@ TEST_P(BackendDensity, RowsAreTheCpus) {
 TEST_P(BackendDensity, RowsOfEmptyAndOfDyingSets) {
   const DensityRule rule{2e-4, 0.005, 0.05, 0, 10};
   for (const int64_t count : {0, 1, 70}) {
-    TestGaussians<float> set = crowd(4, 83, count);
+    TestGaussians<float> set = crowd(Form::kPair, 83, count);
     const Statistic s = statistic(84, false, count);
     EXPECT_EQ(select(backend(), set, s, rule), select(cpu(), set, s, rule));
     std::fill(set.group[kOpacityLogit].begin(), set.group[kOpacityLogit].end(), -9.0f);
@@ -102,9 +102,9 @@ TEST_P(BackendDensity, RowsOfEmptyAndOfDyingSets) {
 
 TEST_P(BackendDensity, ChildrenAreTheCpus) {
   // Bugs put back, seen to fail: another seed; the first child left out.
-  for (const int dim : {3, 4}) {
+  for (const Form form : kForms) {
     Random random(85);
-    const TestGaussians<float> before = random_gaussians(dim, kCount, 1, 0.1, random).as<float>();
+    const TestGaussians<float> before = random_gaussians(form, kCount, 1, 0.1, random).as<float>();
     constexpr int64_t kFirst = 1234;
     const auto placed = [&](Backend& on) {
       StoredGaussians<float> set(before, on.memory());
@@ -112,13 +112,13 @@ TEST_P(BackendDensity, ChildrenAreTheCpus) {
       return set.fetch();
     };
     const TestGaussians<float> actual = placed(backend()), expected = placed(cpu());
-    for (int g = 0; g < group_count(dim); ++g) {
-      const size_t first = size_t(kFirst * group_width(Group(g), 16));
+    for (int g = 0; g < group_count(dim_of(form)); ++g) {
+      const size_t first = size_t(kFirst * group_width(Group(g), 16, form));
       for (size_t i = 0; i < first; ++i)
-        ASSERT_EQ(actual.group[g][i], before.group[g][i]) << group_name(Group(g), dim);
+        ASSERT_EQ(actual.group[g][i], before.group[g][i]) << group_name(Group(g), form);
       // offsets of up to 0.8 from logarithms and sines that are good to 1e-6
       for (size_t i = first; i < before.group[g].size(); ++i)
-        ASSERT_NEAR(actual.group[g][i], expected.group[g][i], 3e-6) << group_name(Group(g), dim);
+        ASSERT_NEAR(actual.group[g][i], expected.group[g][i], 3e-6) << group_name(Group(g), form);
     }
     EXPECT_NE(actual.group[kMean], before.group[kMean]);
   }
@@ -126,9 +126,9 @@ TEST_P(BackendDensity, ChildrenAreTheCpus) {
 
 TEST_P(BackendDensity, OrderIsTheCpus) {
   // Bugs put back, seen to fail: time not looked at; not stable.
-  for (const int dim : {3, 4})
+  for (const Form form : kForms)
     for (const int64_t count : {int64_t{0}, int64_t{1}, kCount}) {
-      TestGaussians<float> set = crowd(dim, 86, count);
+      TestGaussians<float> set = crowd(form, 86, count);
       for (int64_t n = 1; n < count; n += 3)  // equal keys: stable
         std::copy_n(set.at(kMean, n - 1), 3, set.at(kMean, n));
       const auto order = [&](Backend& on) {
@@ -138,7 +138,7 @@ TEST_P(BackendDensity, OrderIsTheCpus) {
         return fetched(out, on.memory());
       };
       const std::vector<int64_t> actual = order(backend()), expected = order(cpu());
-      EXPECT_EQ(actual, expected) << "dim " << dim << " of " << count;
+      EXPECT_EQ(actual, expected) << form_name(form) << " of " << count;
     }
 }
 

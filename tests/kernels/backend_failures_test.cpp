@@ -13,8 +13,8 @@ constexpr int kMiddlePixel = kFrontMiddle * kFrontSize + kFrontMiddle;
 
 class BackendFailures : public EveryBackend {
  protected:
-  void expect_culled_and_counted(const TestScene<float>& spoilt, int dim, const char* what) {
-    testing::expect_culled_and_counted(spoilt, dim, what, [&](const TestScene<float>& scene) {
+  void expect_culled_and_counted(const TestScene<float>& spoilt, Form form, const char* what) {
+    testing::expect_culled_and_counted(spoilt, form, what, [&](const TestScene<float>& scene) {
       return backward(scene, backend());
     });
   }
@@ -68,13 +68,13 @@ TEST_P(BackendFailures, OpacityBelowTheCutoffContributesNothing) {  // C4
 TEST_P(BackendFailures, NonFiniteFieldIsCulledAndCounted) {  // C5
   // Bugs put back, seen to fail: the logit not looked at; not counted.
   const TestScene<float> scene = scene_to_spoil(1);
-  for (const int dim : {3, 4})
-    for (int g = 0; g < group_count(dim); ++g)
-      for (int i = 0; i < group_width(Group(g), 16); i += g == kSh ? 11 : 1)
+  for (const Form form : {Form::kStatic, Form::kPair})
+    for (int g = 0; g < group_count(dim_of(form)); ++g)
+      for (int i = 0; i < group_width(Group(g), 16, form); i += g == kSh ? 11 : 1)
         for (const float value : {kNan, kInf, -kInf}) {
           TestScene<float> spoilt = scene;
-          (dim == 3 ? spoilt.fixed : spoilt.moving).at(Group(g), kVictim)[i] = value;
-          expect_culled_and_counted(spoilt, dim, group_name(Group(g), dim));
+          (form == Form::kStatic ? spoilt.fixed : spoilt.moving).at(Group(g), kVictim)[i] = value;
+          expect_culled_and_counted(spoilt, form, group_name(Group(g), form));
         }
 }
 
@@ -85,11 +85,11 @@ TEST_P(BackendFailures, ZeroQuaternionIsCulledAndCounted) {  // C5
     for (const float length : {0.0f, 5e-5f}) {
       TestScene<float> spoilt = scene;
       std::fill_n(spoilt.moving.at(g, kVictim), 4, length / 2);
-      expect_culled_and_counted(spoilt, 4, group_name(g, 4));
+      expect_culled_and_counted(spoilt, Form::kPair, group_name(g, Form::kPair));
       if (g != kRotation) continue;
       spoilt = scene;
       std::fill_n(spoilt.fixed.at(g, kVictim), 4, length / 2);
-      expect_culled_and_counted(spoilt, 3, group_name(g, 3));
+      expect_culled_and_counted(spoilt, Form::kStatic, group_name(g, Form::kStatic));
     }
 }
 
@@ -113,7 +113,7 @@ TEST_P(BackendFailures, HugeFiniteValuesAreFinite) {  // C5
       TestScene<float> spoilt = scene;
       spoilt.moving.at(g, kVictim)[0] = value;
       if (g < kStaticGroups) spoilt.fixed.at(g, kVictim)[0] = value;
-      expect_finite(spoilt, group_name(g, 4));
+      expect_finite(spoilt, group_name(g, Form::kPair));
     }
 }
 
@@ -193,8 +193,8 @@ unsigned groups_reported(const TestScene<float>& scene, Backend& backend,
   args.forward = {&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options, {}};
   backend.project(args.forward, splats);
   std::vector<SplatGradient<float>> d_splats(size_t(splats.count), SplatGradient<float>{});
-  StoredGaussians<float> fixed(TestGaussians<float>(3, scene.fixed.count), memory);
-  StoredGaussians<float> moving(TestGaussians<float>(4, scene.moving.count), memory);
+  StoredGaussians<float> fixed(TestGaussians<float>(Form::kStatic, scene.fixed.count), memory);
+  StoredGaussians<float> moving(TestGaussians<float>(Form::kPair, scene.moving.count), memory);
   args.splats = &splats;
   args.sinks[0].gradient = fixed.spans(), args.sinks[1].gradient = moving.spans();
   Buffer<SplatGradient<float>> healthy = stored(d_splats, memory);

@@ -26,8 +26,8 @@ class BackendGradient : public EveryBackend {
     for (int set = 0; set < 2; ++set) {
       const auto& a = set == 0 ? actual.fixed : actual.moving;
       const auto& e = set == 0 ? expected.fixed : expected.moving;
-      for (int g = 0; g < group_count(e.dim); ++g)
-        expect_group(a.group[g], e.group[g], kGradientBounds, group_name(Group(g), e.dim));
+      for (int g = 0; g < group_count(e.dim()); ++g)
+        expect_group(a.group[g], e.group[g], kGradientBounds, group_name(Group(g), e.form));
       expect_group(actual.statistic[set], expected.statistic[set], kGradientBounds, "statistic");
       // a Gaussian at the edge of a picture may be counted as seen or not
       expect_group(actual.seen[set], expected.seen[set], {0, 1, 0.01, 0.01}, "seen");
@@ -85,7 +85,7 @@ TEST_P(BackendGradient, WhereTheLightStops) {
 TEST_P(BackendGradient, FewerStoredBandsThanDegreeThree) {
   TestScene<double> scene = random_scene(0, 60, 0.2, 30);
   Random random(31);
-  scene.fixed = random_gaussians(3, 60, 0.9, 0.2, random, 4);
+  scene.fixed = random_gaussians(Form::kStatic, 60, 0.9, 0.2, random, 4);
   keep_truth_away(scene, 32);
   expect_gradients(scene);
 }
@@ -222,8 +222,8 @@ TEST_P(BackendGradient, DeterministicRunsAreEqualToTheBit) {  // C18
   const Backward<float> a = backward(scene, backend()), b = backward(scene, backend());
   EXPECT_EQ(a.rendered.colour, b.rendered.colour);
   for (int g = 0; g < kGroupCount; ++g) {
-    EXPECT_EQ(a.fixed.group[g], b.fixed.group[g]) << group_name(Group(g), 3);
-    EXPECT_EQ(a.moving.group[g], b.moving.group[g]) << group_name(Group(g), 4);
+    EXPECT_EQ(a.fixed.group[g], b.fixed.group[g]) << group_name(Group(g), Form::kStatic);
+    EXPECT_EQ(a.moving.group[g], b.moving.group[g]) << group_name(Group(g), Form::kPair);
   }
   for (int set = 0; set < 2; ++set) EXPECT_EQ(a.statistic[set], b.statistic[set]);
   for (size_t v = 0; v < a.losses.size(); ++v) EXPECT_EQ(a.losses[v].total, b.losses[v].total);

@@ -29,8 +29,8 @@ std::vector<double> table_by_its_sum() {
 TestScene<float> wide_scene() {
   Random random(51);
   TestScene<double> scene;
-  scene.fixed = random_gaussians(3, 150, 3, 0.1, random);
-  scene.moving = random_gaussians(4, 150, 3, 0.1, random);
+  scene.fixed = random_gaussians(Form::kStatic, 150, 3, 0.1, random);
+  scene.moving = random_gaussians(Form::kPair, 150, 3, 0.1, random);
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
     for (double& c : set->group[kSh]) c *= 0.1;  // no channel is ever clamped
   for (int k = 0; k < 6; ++k)
@@ -54,9 +54,12 @@ std::vector<SplatGradient<float>> colour_gradients(const std::vector<int64_t>& f
 /// What 50 steps with idle updates of one kind made.
 struct ShRun {
   std::vector<std::vector<float>> colours;  // of each step's splats
-  TestGaussians<float> value[2]{TestGaussians<float>(3), TestGaussians<float>(4)};
-  TestGaussians<float> moment1[2]{TestGaussians<float>(3), TestGaussians<float>(4)};
-  TestGaussians<float> moment2[2]{TestGaussians<float>(3), TestGaussians<float>(4)};
+  TestGaussians<float> value[2]{TestGaussians<float>(Form::kStatic),
+                                TestGaussians<float>(Form::kPair)};
+  TestGaussians<float> moment1[2]{TestGaussians<float>(Form::kStatic),
+                                  TestGaussians<float>(Form::kPair)};
+  TestGaussians<float> moment2[2]{TestGaussians<float>(Form::kStatic),
+                                  TestGaussians<float>(Form::kPair)};
   std::vector<int32_t> last_step[2];
   double idle = 0;  // share of Gaussians that a step did not see
 };

@@ -136,10 +136,10 @@ TEST_P(BackendMask, LossAndGradientsEqualTheOracles) {
   }
   for (int g = 0; g < kStaticGroups; ++g)
     expect_group(actual.fixed.group[g], expected.fixed.group[g], kGradientBounds,
-                 group_name(Group(g), 3));
+                 group_name(Group(g), Form::kStatic));
   for (int g = 0; g < kGroupCount; ++g)
     expect_group(actual.moving.group[g], expected.moving.group[g], kGradientBounds,
-                 group_name(Group(g), 4));
+                 group_name(Group(g), Form::kPair));
 }
 
 }  // namespace

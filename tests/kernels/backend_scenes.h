@@ -12,6 +12,7 @@ struct SceneCase {
   int64_t fixed, moving;
   double size;  // world units; a pixel is about 0.1
   int degree;
+  Form form = Form::kPair;  // of the moving ones
 };
 
 inline constexpr SceneCase kSceneCases[] = {{"static, degree 0", 150, 0, 0.15, 0},
@@ -19,11 +20,12 @@ inline constexpr SceneCase kSceneCases[] = {{"static, degree 0", 150, 0, 0.15, 0
                                             {"dynamic, degree 1", 0, 150, 0.15, 1},
                                             {"dynamic, degree 3", 0, 150, 0.15, 3},
                                             {"mixed, degree 2", 90, 110, 0.15, 2},
+                                            {"velocity, degree 1", 40, 110, 0.15, 1, Form::kVelocity},
                                             {"specks", 120, 120, 0.01, 3},
                                             {"splats larger than the picture", 20, 20, 2.0, 3}};
 
 inline TestScene<double> scene_of(const SceneCase& c, uint64_t seed) {
-  TestScene<double> scene = random_scene(c.fixed, c.moving, c.size, seed);
+  TestScene<double> scene = random_scene(c.fixed, c.moving, c.size, seed, c.form);
   scene.options.sh_degree = c.degree;
   return scene;
 }

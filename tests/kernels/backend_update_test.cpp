@@ -61,8 +61,8 @@ void expect_trained(const Trained& actual, const Trained& expected, const TestSc
   const TestScene<double> rounded = start.as<float>().as<double>();
   for (size_t set = 0; set < 2; ++set) {
     const TestGaussians<double>& before = set == 0 ? rounded.fixed : rounded.moving;
-    for (int g = 0; g < group_count(before.dim); ++g) {
-      const std::string name = group_name(Group(g), before.dim);
+    for (int g = 0; g < group_count(before.dim()); ++g) {
+      const std::string name = group_name(Group(g), before.form);
       expect_group(change(actual.value[set].group[g], before.group[g]),
                    change(expected.value[set].group[g], before.group[g]), bounds, name);
       expect_group(actual.moment1[set].group[g], expected.moment1[set].group[g], bounds,
@@ -103,14 +103,16 @@ TEST_P(BackendUpdate, DenseMovesIdleGaussiansByTheirMoments) {
   const auto moment1 = Optimised<float>::moments(rough.moving, 1);
   const auto moment2 = Optimised<float>::moments(rough.moving, 2);
   for (int g = 0; g < kGroupCount; ++g)
-    for (int64_t i = 0; i < kHidden * group_width(Group(g), 16); ++i) {
+    for (int64_t i = 0; i < kHidden * group_width(Group(g), 16, Form::kPair); ++i) {
       float x = rough.moving.group[g][size_t(i)], m = moment1.group[g][size_t(i)],
             v = moment2.group[g][size_t(i)];
       const double rate = g == kSh && i % 48 >= 3 ? 1e-4 : 1e-3 * (g + 1);
       adam_step(adam_scalars<float>(rate, kFirstStep), 0.0f, x, m, v);
-      EXPECT_NEAR(after.value[1].group[g][size_t(i)], x, 2e-6) << group_name(Group(g), 4);
-      EXPECT_NEAR(after.moment1[1].group[g][size_t(i)], m, 1e-9) << group_name(Group(g), 4);
-      EXPECT_NEAR(after.moment2[1].group[g][size_t(i)], v, 1e-12) << group_name(Group(g), 4);
+      EXPECT_NEAR(after.value[1].group[g][size_t(i)], x, 2e-6) << group_name(Group(g), Form::kPair);
+      EXPECT_NEAR(after.moment1[1].group[g][size_t(i)], m, 1e-9)
+          << group_name(Group(g), Form::kPair);
+      EXPECT_NEAR(after.moment2[1].group[g][size_t(i)], v, 1e-12)
+          << group_name(Group(g), Form::kPair);
     }
 }
 
@@ -125,8 +127,8 @@ TEST_P(BackendUpdate, SkipLeavesIdleGaussiansUntouched) {
     const TestGaussians<float> rough = before.as<float>();
     const auto moment1 = Optimised<float>::moments(rough, 1).as<double>();
     const auto moment2 = Optimised<float>::moments(rough, 2).as<double>();
-    for (int g = 0; g < group_count(before.dim); ++g) {
-      const size_t idle = size_t(kHidden * group_width(Group(g), 16));
+    for (int g = 0; g < group_count(before.dim()); ++g) {
+      const size_t idle = size_t(kHidden * group_width(Group(g), 16, before.form));
       for (size_t i = 0; i < idle; ++i) {
         ASSERT_EQ(skip.value[set].group[g][i], before.group[g][i]);
         ASSERT_EQ(skip.moment1[set].group[g][i], moment1.group[g][i]);
@@ -148,9 +150,10 @@ TEST_P(BackendUpdate, SkipUpdatesTheOthersAsDenseDoes) {
     for (int64_t n = kHidden; n < a.count; ++n) {
       if (seen.seen[set][size_t(n)] == 0) continue;
       ++compared;
-      for (int g = 0; g < group_count(a.dim); ++g)
-        for (int i = 0; i < group_width(Group(g), 16); ++i)
-          ASSERT_NEAR(a.at(Group(g), n)[i], e.at(Group(g), n)[i], 1e-6) << group_name(Group(g), 4);
+      for (int g = 0; g < group_count(a.dim()); ++g)
+        for (int i = 0; i < group_width(Group(g), 16, a.form); ++i)
+          ASSERT_NEAR(a.at(Group(g), n)[i], e.at(Group(g), n)[i], 1e-6)
+              << group_name(Group(g), Form::kPair);
     }
   }
   EXPECT_GT(compared, 60);

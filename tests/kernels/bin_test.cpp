@@ -90,8 +90,9 @@ TEST(Bin, SlotsLeadFromASplatToItsInstances) {
 float depth_of(const TestScene<float>& scene, int64_t n, const ViewArgs<float>& view) {
   GaussianState<float> g{};
   const bool is_static = n < scene.fixed.count;
-  EXPECT_TRUE(is_static ? load_gaussian<3>(scene.fixed.view(), n, g)
-                        : load_gaussian<4>(scene.moving.view(), n - scene.fixed.count, g));
+  EXPECT_TRUE(is_static
+                  ? load_gaussian<Form::kStatic>(scene.fixed.view(), n, g)
+                  : load_gaussian<Form::kPair>(scene.moving.view(), n - scene.fixed.count, g));
   return to_camera(view, slice_at(g.mean, g.spacetime, view.time).mean)[2];
 }
 

@@ -41,12 +41,14 @@ TEST_P(BruteForce, DoubleEqualsTheFormulas) {
     expect_brute<double>(random_scene(30, 30, GetParam(), seed), 1e-9, kDouble);
     expect_brute<double>(random_scene(40, 0, GetParam(), seed), 1e-9, kDouble);
     expect_brute<double>(random_scene(0, 40, GetParam(), seed), 1e-9, kDouble);
+    expect_brute<double>(random_scene(30, 30, GetParam(), seed, Form::kVelocity), 1e-9, kDouble);
   }
 }
 
 TEST_P(BruteForce, FloatIsWithinItsBounds) {
   for (uint64_t seed = 1; seed <= 4; ++seed)
-    expect_brute<float>(random_scene(30, 30, GetParam(), seed), kFloatBand, kFloat);
+    for (const Form form : kDynamicForms)
+      expect_brute<float>(random_scene(30, 30, GetParam(), seed, form), kFloatBand, kFloat);
 }
 
 // a pixel is about 0.1 world units: specks, splats of some pixels, splats larger than the picture
@@ -73,7 +75,7 @@ TEST(BruteForceShape, EveryDegreeAndFewerStoredBands) {
   for (int degree = 0; degree <= 3; ++degree) {
     TestScene<double> scene = random_scene(0, 20, 0.2, 8);
     Random random(9);
-    scene.fixed = random_gaussians(3, 20, 0.9, 0.2, random, 4);  // stores degree 1 only
+    scene.fixed = random_gaussians(Form::kStatic, 20, 0.9, 0.2, random, 4);  // stores degree 1 only
     scene.options.sh_degree = degree;
     expect_brute<double>(scene, 1e-9, kDouble);
   }

@@ -8,21 +8,21 @@
 namespace tessera::testing {
 namespace {
 
-void expect_culled_and_counted(const TestScene<float>& spoilt, int dim, const char* what) {
-  testing::expect_culled_and_counted(spoilt, dim, what,
+void expect_culled_and_counted(const TestScene<float>& spoilt, Form form, const char* what) {
+  testing::expect_culled_and_counted(spoilt, form, what,
                                      [](const TestScene<float>& scene) { return backward(scene); });
 }
 
 TEST(Hygiene, NonFiniteFieldIsCulledAndCounted) {
   // Bugs put back, seen to fail: the logit, or the log scale of time, not looked at.
   const TestScene<float> scene = random_scene(10, 10, 0.3, 1).as<float>();
-  for (const int dim : {3, 4})
-    for (int g = 0; g < group_count(dim); ++g)
-      for (int i = 0; i < group_width(Group(g), 16); i += g == kSh ? 11 : 1)
+  for (const Form form : {Form::kStatic, Form::kPair})
+    for (int g = 0; g < group_count(dim_of(form)); ++g)
+      for (int i = 0; i < group_width(Group(g), 16, form); i += g == kSh ? 11 : 1)
         for (const float value : {kNan, kInf, -kInf}) {
           TestScene<float> spoilt = scene;
-          (dim == 3 ? spoilt.fixed : spoilt.moving).at(Group(g), kVictim)[i] = value;
-          expect_culled_and_counted(spoilt, dim, group_name(Group(g), dim));
+          (form == Form::kStatic ? spoilt.fixed : spoilt.moving).at(Group(g), kVictim)[i] = value;
+          expect_culled_and_counted(spoilt, form, group_name(Group(g), form));
         }
 }
 
@@ -33,11 +33,11 @@ TEST(Hygiene, ZeroQuaternionIsCulledAndCounted) {
     for (const float length : {0.0f, 5e-5f}) {
       TestScene<float> spoilt = scene;
       std::fill_n(spoilt.moving.at(g, kVictim), 4, length / 2);
-      expect_culled_and_counted(spoilt, 4, group_name(g, 4));
+      expect_culled_and_counted(spoilt, Form::kPair, group_name(g, Form::kPair));
       if (g != kRotation) continue;
       spoilt = scene;
       std::fill_n(spoilt.fixed.at(g, kVictim), 4, length / 2);
-      expect_culled_and_counted(spoilt, 3, group_name(g, 3));
+      expect_culled_and_counted(spoilt, Form::kStatic, group_name(g, Form::kStatic));
     }
 }
 
@@ -73,9 +73,9 @@ TEST(Hygiene, HugeFiniteValuesAreFinite) {
         scene.moving.at(g, kVictim)[0] = sign * value;
         if (g < kStaticGroups) scene.fixed.at(g, kVictim)[0] = sign * value;
         const Backward<float> result = backward(scene);
-        EXPECT_EQ(result.bad, 0u) << group_name(g, 4) << " " << sign * value;
+        EXPECT_EQ(result.bad, 0u) << group_name(g, Form::kPair) << " " << sign * value;
         for (const float c : result.rendered.colour)
-          ASSERT_TRUE(std::isfinite(c)) << group_name(g, 4) << " " << sign * value;
+          ASSERT_TRUE(std::isfinite(c)) << group_name(g, Form::kPair) << " " << sign * value;
       }
 }
 
@@ -89,7 +89,8 @@ unsigned groups_reported(const TestScene<float>& scene,
   Splats<float> splats;
   backend.project(args.forward, splats);
   std::vector<SplatGradient<float>> d_splats(size_t(splats.count));
-  TestGaussians<float> fixed(3, scene.fixed.count), moving(4, scene.moving.count);
+  TestGaussians<float> fixed(Form::kStatic, scene.fixed.count),
+      moving(Form::kPair, scene.moving.count);
   args.splats = &splats, args.d_splats = {d_splats.data(), splats.count};
   args.sinks[0].gradient = fixed.spans(), args.sinks[1].gradient = moving.spans();
   backend.project_backward(args);

@@ -12,7 +12,7 @@ template <class Real>
 void expect_batch_law(double tolerance) {  // C16
   const TestScene<Real> scene = random_scene(12, 12, 0.2, 1).template as<Real>();
   const Backward<Real> together = backward(scene);
-  TestGaussians<Real> fixed(3, 12), moving(4, 12);
+  TestGaussians<Real> fixed(Form::kStatic, 12), moving(Form::kPair, 12);
   size_t colour = 0;
   for (size_t b = 0; b < scene.views.size(); ++b) {
     TestScene<Real> single = scene;
@@ -43,13 +43,13 @@ template <class Real>
 void expect_static_law(double sigma_t, double tolerance, double gradient_tolerance) {
   TestScene<double> still = random_scene(20, 0, 0.2, 2), lift = still;
   lift.moving = lifted(still.fixed, std::log(sigma_t));
-  lift.fixed = TestGaussians<double>(3);
+  lift.fixed = TestGaussians<double>(Form::kStatic);
   const Backward<Real> a = backward(still.as<Real>()), b = backward(lift.as<Real>());
   EXPECT_LE(relative(b.rendered.colour, a.rendered.colour), tolerance);
   EXPECT_LE(relative(b.rendered.transmittance, a.rendered.transmittance), tolerance);
   for (const Group g : {kMean, kLogScale, kOpacityLogit, kSh})
     EXPECT_LE(relative(b.moving.group[g], a.fixed.group[g]), gradient_tolerance)
-        << group_name(g, 4);
+        << group_name(g, Form::kPair);
   // chain rule through r = conj(l): dL/dq = dL/dl + conj(dL/dr)
   std::vector<Real> d_q = b.moving.group[kRotation];
   for (size_t i = 0; i < d_q.size(); ++i)
@@ -97,7 +97,7 @@ TestScene<double> moved(const TestScene<double>& scene, const Vec4<double>& turn
       const Vec4<double> left = product(turn, q);
       for (int i = 0; i < 3; ++i) m[i] = mean[i];
       for (int i = 0; i < 4; ++i) q[i] = left[i];
-      if (set->dim == 3) continue;
+      if (set->form == Form::kStatic) continue;
       double* r = set->at(kRotationRight, n);  // r·conj(turn)
       const Vec4<double> right = product(Vec4<double>(r[0], r[1], r[2], r[3]), &conjugate(turn)[0]);
       for (int i = 0; i < 4; ++i) r[i] = right[i];
@@ -132,7 +132,7 @@ TEST(Laws, ScaleOfTimeChangesNothingForGaussiansAtRest) {  // A1
   // with r = conj(l) time is an axis of its own, so that its scale is a parameter
   TestScene<double> scene = random_scene(25, 0, 0.2, 6);
   scene.moving = lifted(scene.fixed, std::log(0.2));
-  scene.fixed = TestGaussians<double>(3);
+  scene.fixed = TestGaussians<double>(Form::kStatic);
   TestScene<double> slower = scene;
   for (View& view : slower.views) view.time = 2 * view.time + 5;
   for (double& t : slower.moving.group[kMeanTime]) t = 2 * t + 5;

@@ -46,7 +46,7 @@ TestScene<double> reference_scene(const Tensors& t) {
     const std::vector<float>& values = t.at(name).values;
     scene.fixed.group[g].assign(values.begin(), values.end());
   };
-  scene.fixed = TestGaussians<double>(3, t.at("means").shape[0]);
+  scene.fixed = TestGaussians<double>(Form::kStatic, t.at("means").shape[0]);
   fill(kMean, "means"), fill(kLogScale, "scales"), fill(kRotation, "quats");
   fill(kSh, "coeffs"), fill(kOpacityLogit, "opacities");
   scene.views = {reference_view(t)};
@@ -128,7 +128,7 @@ TEST(RasterReference, ProjectionAgrees) {
     std::vector<double> xys, conics, depths;
     for (int64_t n = 0; n < scene.fixed.count; ++n) {
       GaussianState<double> g;
-      ASSERT_TRUE(load_gaussian<3>(scene.fixed.view(), n, g));
+      ASSERT_TRUE(load_gaussian<Form::kStatic>(scene.fixed.view(), n, g));
       Projection<double> p;
       ASSERT_TRUE(project_ewa(view, to_camera(view, g.mean), g.spacetime.covariance, 0.3, p));
       xys.insert(xys.end(), {p.mean2d[0], p.mean2d[1]});
@@ -186,7 +186,7 @@ SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector
 TestGaussians<double> parameter_gradients(const TestScene<double>& scene,
                                           const Splats<double>& splats, SplatGradients d_splats) {
   const ViewBatch<double> batch = make_view_batch<double>(scene.views);
-  TestGaussians<double> out(3, scene.fixed.count), none(4);
+  TestGaussians<double> out(Form::kStatic, scene.fixed.count), none(Form::kPair);
   ProjectBackwardArgs<double> args;
   args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options, {}};
   args.splats = &splats, args.d_splats = {d_splats.data(), splats.count};

@@ -8,10 +8,10 @@ namespace {
 TEST(AdamStage, EveryGroupTakesItsOwnStepAndShTwo) {
   // Bug put back: sh_rest applied to coefficient 0 too; seen to fail.
   Random random(1);
-  for (const int dim : {3, 4}) {
-    TestGaussians<double> value = random_gaussians(dim, 3, 1, 0.1, random), before = value;
-    TestGaussians<double> gradient = random_gaussians(dim, 3, 1, 0.1, random);
-    TestGaussians<double> moment1(dim, 3), moment2(dim, 3);
+  for (const Form form : kForms) {
+    TestGaussians<double> value = random_gaussians(form, 3, 1, 0.1, random), before = value;
+    TestGaussians<double> gradient = random_gaussians(form, 3, 1, 0.1, random);
+    TestGaussians<double> moment1(form, 3), moment2(form, 3);
     SinkArgs<double> args;
     args.gradient = gradient.spans(), args.value = value.spans();
     args.moment1 = moment1.spans(), args.moment2 = moment2.spans();
@@ -19,13 +19,13 @@ TEST(AdamStage, EveryGroupTakesItsOwnStepAndShTwo) {
       args.adam.group[g] = adam_scalars<double>(0.01 * (g + 1), 7);
     args.adam.sh_rest = adam_scalars<double>(0.5, 7);
     CpuBackend<double>().adam(args);
-    for (int g = 0; g < group_count(dim); ++g)
+    for (int g = 0; g < group_count(dim_of(form)); ++g)
       for (size_t i = 0; i < value.group[g].size(); ++i) {
         const double d = gradient.group[g][i], m = 0.1 * d, v = 0.001 * d * d;
         const double rate = g == kSh && i % 48 >= 3 ? 0.5 : 0.01 * (g + 1);
         const double root = std::sqrt(v / (1 - std::pow(0.999, 7))) + 1e-15;
         const double expected = before.group[g][i] - rate / (1 - std::pow(0.9, 7)) * m / root;
-        EXPECT_NEAR(value.group[g][i], expected, 1e-12) << group_name(Group(g), dim);
+        EXPECT_NEAR(value.group[g][i], expected, 1e-12) << group_name(Group(g), form);
         EXPECT_NEAR(moment1.group[g][i], m, 1e-15);
         EXPECT_NEAR(moment2.group[g][i], v, 1e-15);
       }

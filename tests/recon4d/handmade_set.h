@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "recon4d/density.h"
+#include "tests/support/forms.h"
 
 namespace tessera::testing {
 
@@ -15,7 +16,7 @@ struct HandmadeSet {
   GaussianSet set;
   SetStatistics statistics;
 
-  HandmadeSet(int dim, int64_t count) : set(dim, 4) {
+  HandmadeSet(Form form, int64_t count) : set(form, 4) {
     set.resize(count);
     set.ensure_moments();
     statistics.reset(count);

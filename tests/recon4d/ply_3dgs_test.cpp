@@ -128,7 +128,7 @@ TEST(Ply3dgs, HasTheLayoutOfTheReferenceCode) {
 // Failure mode C1. Bug put back: write_splats checks that a set has rows; seen to fail.
 TEST(Ply3dgs, AnEmptySetIsAFile) {
   const TemporaryFolder folder;
-  EXPECT_EQ(save_ply_3dgs(folder / "a.ply", GaussianSet(3, 16), 3), 0);
+  EXPECT_EQ(save_ply_3dgs(folder / "a.ply", GaussianSet(Form::kStatic, 16), 3), 0);
   const Ply3dgs read = load_ply_3dgs(folder / "a.ply");
   EXPECT_EQ(read.set.count(), 0);
   EXPECT_EQ(read.sh_degree, 3);

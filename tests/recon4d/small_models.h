@@ -11,7 +11,7 @@
 namespace tessera::testing {
 
 inline GaussianSet set_of(const TestGaussians<double>& from) {
-  GaussianSet set(from.dim, from.coefficients);
+  GaussianSet set(from.form, from.coefficients);
   set.resize(from.count);
   for (int g = 0; g < set.groups(); ++g)
     for (size_t i = 0; i < from.group[g].size(); ++i)
@@ -20,11 +20,13 @@ inline GaussianSet set_of(const TestGaussians<double>& from) {
 }
 
 inline GaussianModel random_model(int64_t fixed, int64_t moving, uint64_t seed = 7,
-                                  int coefficients = 16) {
+                                  int coefficients = 16, Form form = Form::kPair) {
   Random random(seed);
   GaussianModel model;
-  model.static_set = set_of(random_gaussians(3, fixed, 0.9, 0.12, random, coefficients));
-  model.dynamic_set = set_of(random_gaussians(4, moving, 0.9, 0.12, random, coefficients));
+  model.static_set =
+      set_of(random_gaussians(Form::kStatic, fixed, 0.9, 0.12, random, coefficients));
+  model.dynamic_set =
+      set_of(random_gaussians(form, moving, 0.9, 0.12, random, coefficients));
   model.sh_degree = sh_degree_of(coefficients);
   model.time_axis = {12.5, 1.0 / 3};
   model.background = {10, 200, 77};
@@ -48,12 +50,12 @@ inline GaussianModel clone(const GaussianModel& model) {
 inline GaussianModel static_model(const GaussianModel& like, GaussianSet set) {
   GaussianModel model = clone(like);
   model.static_set = std::move(set);
-  model.dynamic_set = GaussianSet(4, like.dynamic_set.coefficients());
+  model.dynamic_set = GaussianSet(Form::kPair, like.dynamic_set.coefficients());
   return model;
 }
 
 inline bool same_bits(const GaussianSet& a, const GaussianSet& b) {
-  if (a.dim() != b.dim() || a.count() != b.count() || a.coefficients() != b.coefficients())
+  if (a.form() != b.form() || a.count() != b.count() || a.coefficients() != b.coefficients())
     return false;
   for (int g = 0; g < a.groups(); ++g) {
     const Span<const float> x = a.group(Group(g)).value.span(), y = b.group(Group(g)).value.span();

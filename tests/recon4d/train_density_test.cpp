@@ -33,7 +33,7 @@ std::vector<Tag> tags(std::initializer_list<int> values) {
   return result;
 }
 
-class Density : public ::testing::TestWithParam<int> {
+class Density : public ::testing::TestWithParam<Form> {
  protected:
   /// Size, opacity and gradient of each Gaussian; its tag is its place.
   HandmadeSet make(const std::vector<std::array<float, 3>>& rows) {
@@ -43,7 +43,8 @@ class Density : public ::testing::TestWithParam<int> {
     return made;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Dim, Density, ::testing::Values(3, 4));
+INSTANTIATE_TEST_SUITE_P(Form, Density, ::testing::ValuesIn(testing::kForms),
+                         [](const auto& form) { return testing::form_name(form.param); });
 
 constexpr float kWeak = 1e-4f, kStrong = 3e-4f;  // mean gradients about the threshold of 2e-4
 
@@ -102,7 +103,7 @@ TEST_P(Density, DegenerateRotationsArePruned) {
   for (int k = 1; k < 4; ++k) made.set.values().at(kRotation, 1)[k] = 0;
   EXPECT_EQ(control(made).pruned, 1);
   EXPECT_EQ(made.tags(), tags({0, 2}));
-  if (GetParam() == 3) return;
+  if (GetParam() != Form::kPair) return;
   for (int k = 0; k < 4; ++k) made.set.values().at(kRotationRight, 0)[k] = 0;
   EXPECT_EQ(control(made).pruned, 1);
   EXPECT_EQ(made.tags(), tags({2}));

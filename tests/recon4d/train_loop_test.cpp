@@ -144,9 +144,9 @@ TEST(TrainLoop, BatchOfEqualViewsIsOneView) {
     const Buffer<float>&mx = x.group(Group(g)).moment1, &my = y.group(Group(g)).moment1;
     float largest = 0;
     for (float m : mx) largest = std::max(largest, std::abs(m));
-    EXPECT_GT(largest, 0) << group_name(Group(g), 3);
+    EXPECT_GT(largest, 0) << group_name(Group(g), Form::kStatic);
     for (int64_t i = 0; i < mx.size(); ++i)
-      EXPECT_NEAR(mx[i], my[i], 1e-5f * largest) << group_name(Group(g), 3) << " " << i;
+      EXPECT_NEAR(mx[i], my[i], 1e-5f * largest) << group_name(Group(g), Form::kStatic) << " " << i;
   }
 }
 

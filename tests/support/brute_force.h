@@ -35,23 +35,25 @@ struct BruteGaussian {
 };
 
 /// Σ₄ on (t, x, y, z) from its axes l·e_k·r, each of deviation e^{scale}; a static Gaussian is the
-/// same with r = conj(l) and no time axis.
+/// same with r = conj(l) and no time axis. With a velocity v, time's axis is σ_t (1, v).
 inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, double time) {
   const Quaternion l = unit_quaternion(set.at(kRotation, n));
-  const Quaternion r = set.dim == 4 ? unit_quaternion(set.at(kRotationRight, n))
-                                    : Quaternion{l[0], -l[1], -l[2], -l[3]};
+  const Quaternion r = set.form == Form::kPair ? unit_quaternion(set.at(kRotationRight, n))
+                                               : Quaternion{l[0], -l[1], -l[2], -l[3]};
   double S[4][4] = {};
-  for (int k = set.dim == 4 ? 0 : 1; k < 4; ++k) {
+  for (int k = set.form != Form::kStatic ? 0 : 1; k < 4; ++k) {
     Quaternion axis{};
     axis[size_t(k)] = std::exp(k == 0 ? *set.at(kLogScaleTime, n) : set.at(kLogScale, n)[k - 1]);
-    const Quaternion image = hamilton(hamilton(l, axis), r);
+    Quaternion image = hamilton(hamilton(l, axis), r);
+    for (size_t i = 0; set.form == Form::kVelocity && k == 0 && i < 3; ++i)
+      image[i + 1] = axis[0] * set.at(kVelocity, n)[i];
     for (size_t i = 0; i < 4; ++i)
       for (size_t j = 0; j < 4; ++j) S[i][j] += image[i] * image[j];
   }
   BruteGaussian g;
   g.opacity = 1 / (1 + std::exp(-*set.at(kOpacityLogit, n)));
-  const double delta = set.dim == 4 ? time - *set.at(kMeanTime, n) : 0;
-  const double w = set.dim == 4 ? S[0][0] : INFINITY;
+  const double delta = set.form != Form::kStatic ? time - *set.at(kMeanTime, n) : 0;
+  const double w = set.form != Form::kStatic ? S[0][0] : INFINITY;
   for (size_t i = 0; i < 3; ++i) {
     g.mean[i] = set.at(kMean, n)[i] + S[i + 1][0] * delta / w;
     for (size_t j = 0; j < 3; ++j)

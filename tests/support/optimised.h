@@ -30,11 +30,11 @@ struct Optimised {
   }
 
   static TestGaussians<Real> empty(const TestGaussians<Real>& set) {
-    return TestGaussians<Real>(set.dim, set.count, set.coefficients);
+    return TestGaussians<Real>(set.form, set.count, set.coefficients);
   }
   static TestGaussians<Real> moments(const TestGaussians<Real>& set, int order) {
     TestGaussians<Real> out = empty(set);
-    Random random(uint64_t(100 * order + set.dim));
+    Random random(uint64_t(100 * order + int(set.form)));
     for (std::vector<Real>& group : out.group)
       for (Real& x : group)
         x = Real(float(order == 1 ? random.uniform(-1e-3, 1e-3) : random.uniform(1e-6, 2e-6)));

@@ -35,14 +35,14 @@ template <class Real>
 class StoredGaussians {
  public:
   StoredGaussians(const TestGaussians<Real>& set, Memory& memory)
-      : memory_(memory), dim_(set.dim), count_(set.count), coefficients_(set.coefficients) {
+      : memory_(memory), form_(set.form), count_(set.count), coefficients_(set.coefficients) {
     for (int g = 0; g < kGroupCount; ++g) group_[g] = stored(set.group[g], memory);
   }
 
   GaussianSpans<Real> spans() { return make<Real>(*this); }
   GaussianSpans<const Real> view() const { return make<const Real>(*this); }
   TestGaussians<Real> fetch() const {
-    TestGaussians<Real> set(dim_, count_, coefficients_);
+    TestGaussians<Real> set(form_, count_, coefficients_);
     for (int g = 0; g < kGroupCount; ++g) set.group[g] = fetched(group_[g], memory_);
     return set;
   }
@@ -51,13 +51,13 @@ class StoredGaussians {
   template <class T, class Self>
   static GaussianSpans<T> make(Self& self) {
     GaussianSpans<T> s;
-    s.dim = self.dim_, s.count = self.count_, s.coefficients = self.coefficients_;
+    s.form = self.form_, s.count = self.count_, s.coefficients = self.coefficients_;
     for (int g = 0; g < kGroupCount; ++g) s.group[g] = self.group_[g].span();
     return s;
   }
 
   Memory& memory_;
-  int dim_;
+  Form form_;
   int64_t count_;
   int coefficients_;
   Buffer<Real> group_[kGroupCount];

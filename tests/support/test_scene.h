@@ -6,6 +6,7 @@
 
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
+#include "tests/support/forms.h"
 #include "tests/support/random.h"
 
 namespace tessera::testing {
@@ -13,34 +14,36 @@ namespace tessera::testing {
 /// Owned parameters (or gradients, or moments) of a set of Gaussians.
 template <class Real>
 struct TestGaussians {
-  int dim;
+  Form form;
   int64_t count;
   int coefficients;
   std::vector<Real> group[kGroupCount];
 
-  explicit TestGaussians(int d = 3, int64_t n = 0, int k = 16) : dim(d), count(n), coefficients(k) {
-    for (int g = 0; g < group_count(d); ++g)
-      group[g].assign(size_t(n * group_width(Group(g), k)), Real(0));
+  explicit TestGaussians(Form f = Form::kStatic, int64_t n = 0, int k = 16)
+      : form(f), count(n), coefficients(k) {
+    for (int g = 0; g < group_count(dim()); ++g)
+      group[g].assign(size_t(n * group_width(Group(g), k, form)), Real(0));
   }
-  Real* at(Group g, int64_t n) { return group[g].data() + n * group_width(g, coefficients); }
+  int dim() const { return dim_of(form); }
+  Real* at(Group g, int64_t n) { return group[g].data() + n * group_width(g, coefficients, form); }
   const Real* at(Group g, int64_t n) const {
-    return group[g].data() + n * group_width(g, coefficients);
+    return group[g].data() + n * group_width(g, coefficients, form);
   }
   GaussianSpans<Real> spans() { return make<Real>(*this); }
   GaussianSpans<const Real> view() const { return make<const Real>(*this); }
 
   template <class To>
   TestGaussians<To> as() const {
-    TestGaussians<To> to(dim, count, coefficients);
+    TestGaussians<To> to(form, count, coefficients);
     for (int g = 0; g < kGroupCount; ++g) to.group[g].assign(group[g].begin(), group[g].end());
     return to;
   }
   /// Gaussians of this set in the order `index`.
   TestGaussians select(const std::vector<int64_t>& index) const {
-    TestGaussians to(dim, int64_t(index.size()), coefficients);
-    for (int g = 0; g < group_count(dim); ++g)
+    TestGaussians to(form, int64_t(index.size()), coefficients);
+    for (int g = 0; g < group_count(dim_of(form)); ++g)
       for (size_t i = 0; i < index.size(); ++i)
-        std::copy_n(at(Group(g), index[i]), group_width(Group(g), coefficients),
+        std::copy_n(at(Group(g), index[i]), group_width(Group(g), coefficients, form),
                     to.at(Group(g), int64_t(i)));
     return to;
   }
@@ -49,7 +52,7 @@ struct TestGaussians {
   template <class T, class Self>
   static GaussianSpans<T> make(Self& self) {
     GaussianSpans<T> s;
-    s.dim = self.dim, s.count = self.count, s.coefficients = self.coefficients;
+    s.form = self.form, s.count = self.count, s.coefficients = self.coefficients;
     for (int g = 0; g < kGroupCount; ++g)
       s.group[g] = {self.group[g].data(), int64_t(self.group[g].size())};
     return s;
@@ -58,7 +61,7 @@ struct TestGaussians {
 
 template <class Real>
 struct TestScene {
-  TestGaussians<Real> fixed{3}, moving{4};
+  TestGaussians<Real> fixed{Form::kStatic}, moving{Form::kPair};
   std::vector<View> views;
   std::vector<std::vector<uint8_t>> truth;  // [B] each [height, width, 3]
   RenderOptions options;
@@ -88,9 +91,9 @@ inline Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, int width
 
 /// Gaussians in a ball of radius `spread` about the origin, sizes around `size`, all parameters
 /// random; dynamic ones around the middle of the clip with a clear velocity.
-inline TestGaussians<double> random_gaussians(int dim, int64_t count, double spread, double size,
+inline TestGaussians<double> random_gaussians(Form form, int64_t count, double spread, double size,
                                               Random& random, int coefficients = 16) {
-  TestGaussians<double> set(dim, count, coefficients);
+  TestGaussians<double> set(form, count, coefficients);
   const auto fill = [&](Group g, double low, double high) {
     for (double& x : set.group[g]) x = random.uniform(low, high);
   };
@@ -99,9 +102,13 @@ inline TestGaussians<double> random_gaussians(int dim, int64_t count, double spr
   fill(kRotation, -1, 1);
   fill(kOpacityLogit, -1.5, 2);
   fill(kSh, -0.3, 0.3);
-  if (dim == 3) return set;
+  if (form == Form::kStatic) return set;
   fill(kMeanTime, 0.2, 0.8);
   fill(kLogScaleTime, std::log(0.3), std::log(0.8));
+  if (form == Form::kVelocity) {
+    fill(kVelocity, -0.4, 0.4);
+    return set;
+  }
   for (int64_t n = 0; n < count; ++n)  // near the conjugate of the left one: moderate velocities
     for (int k = 0; k < 4; ++k)
       set.at(kRotationRight, n)[k] =
@@ -111,7 +118,7 @@ inline TestGaussians<double> random_gaussians(int dim, int64_t count, double spr
 
 /// The dynamic set that shows what a static one does: r = conj(l) and a long life.
 inline TestGaussians<double> lifted(const TestGaussians<double>& fixed, double log_scale_time) {
-  TestGaussians<double> set(4, fixed.count, fixed.coefficients);
+  TestGaussians<double> set(Form::kPair, fixed.count, fixed.coefficients);
   for (int g = 0; g < kStaticGroups; ++g) set.group[g] = fixed.group[g];
   for (int64_t n = 0; n < fixed.count; ++n) {
     for (int k = 0; k < 4; ++k)
@@ -147,11 +154,12 @@ void fill_truth(TestScene<Real>& scene, Random& random) {
   }
 }
 
-inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size, uint64_t seed) {
+inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size, uint64_t seed,
+                                      Form form = Form::kPair) {
   Random random(seed);
   TestScene<double> scene;
-  scene.fixed = random_gaussians(3, fixed, 0.9, size, random);
-  scene.moving = random_gaussians(4, moving, 0.9, size, random);
+  scene.fixed = random_gaussians(Form::kStatic, fixed, 0.9, size, random);
+  scene.moving = random_gaussians(form, moving, 0.9, size, random);
   scene.views = three_views();
   scene.options.background[0] = 0.2, scene.options.background[2] = 0.7;
   fill_truth(scene, random);
