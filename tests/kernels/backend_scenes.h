@@ -15,14 +15,15 @@ struct SceneCase {
   Form form = Form::kPair;  // of the moving ones
 };
 
-inline constexpr SceneCase kSceneCases[] = {{"static, degree 0", 150, 0, 0.15, 0},
-                                            {"static, degree 3", 150, 0, 0.15, 3},
-                                            {"dynamic, degree 1", 0, 150, 0.15, 1},
-                                            {"dynamic, degree 3", 0, 150, 0.15, 3},
-                                            {"mixed, degree 2", 90, 110, 0.15, 2},
-                                            {"velocity, degree 1", 40, 110, 0.15, 1, Form::kVelocity},
-                                            {"specks", 120, 120, 0.01, 3},
-                                            {"splats larger than the picture", 20, 20, 2.0, 3}};
+inline constexpr SceneCase kSceneCases[] = {
+    {"static, degree 0", 150, 0, 0.15, 0},
+    {"static, degree 3", 150, 0, 0.15, 3},
+    {"dynamic, degree 1", 0, 150, 0.15, 1},
+    {"dynamic, degree 3", 0, 150, 0.15, 3},
+    {"mixed, degree 2", 90, 110, 0.15, 2},
+    {"velocity, degree 1", 40, 110, 0.15, 1, Form::kVelocity},
+    {"specks", 120, 120, 0.01, 3},
+    {"splats larger than the picture", 20, 20, 2.0, 3}};
 
 inline TestScene<double> scene_of(const SceneCase& c, uint64_t seed) {
   TestScene<double> scene = random_scene(c.fixed, c.moving, c.size, seed, c.form);

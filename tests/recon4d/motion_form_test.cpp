@@ -33,7 +33,8 @@ void expect_same_pictures(const GaussianModel& a, const GaussianModel& b) {
     }
 }
 
-// Bugs put back, each seen to fail: the velocity by σ_t instead of σ_t²/w; axes taken as rows.
+// Bugs put back, each seen to fail: the time axis without σ_t in its spatial part; axes taken as
+// rows.
 TEST(MotionForm, ConvertedSetsRenderAsBefore) {
   for (const Form form : kDynamicForms) {
     const GaussianModel model = random_model(10, 150, 31, 4, form);

@@ -25,8 +25,7 @@ inline GaussianModel random_model(int64_t fixed, int64_t moving, uint64_t seed =
   GaussianModel model;
   model.static_set =
       set_of(random_gaussians(Form::kStatic, fixed, 0.9, 0.12, random, coefficients));
-  model.dynamic_set =
-      set_of(random_gaussians(form, moving, 0.9, 0.12, random, coefficients));
+  model.dynamic_set = set_of(random_gaussians(form, moving, 0.9, 0.12, random, coefficients));
   model.sh_degree = sh_degree_of(coefficients);
   model.time_axis = {12.5, 1.0 / 3};
   model.background = {10, 200, 77};
