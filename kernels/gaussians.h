@@ -56,6 +56,7 @@ struct GaussianSpans {
   int64_t count = 0;      // N
   int coefficients = 16;  // K
   Span<T> group[kGroupCount];
+  Span<T> filter_size;  // [N] φ of the 3D filter that is applied, world units; empty: none is
 
   /// First scalar of Gaussian n in a group.
   TESSERA_HD T* at(Group g, int64_t n) const {

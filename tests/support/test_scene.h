@@ -17,6 +17,7 @@ struct TestGaussians {
   int64_t count;
   int coefficients;
   std::vector<Real> group[kGroupCount];
+  std::vector<Real> filter_size;  // [N] φ of the 3D filter; empty: none
 
   explicit TestGaussians(int d = 3, int64_t n = 0, int k = 16) : dim(d), count(n), coefficients(k) {
     for (int g = 0; g < group_count(d); ++g)
@@ -33,6 +34,7 @@ struct TestGaussians {
   TestGaussians<To> as() const {
     TestGaussians<To> to(dim, count, coefficients);
     for (int g = 0; g < kGroupCount; ++g) to.group[g].assign(group[g].begin(), group[g].end());
+    to.filter_size.assign(filter_size.begin(), filter_size.end());
     return to;
   }
   /// Gaussians of this set in the order `index`.
@@ -42,6 +44,8 @@ struct TestGaussians {
       for (size_t i = 0; i < index.size(); ++i)
         std::copy_n(at(Group(g), index[i]), group_width(Group(g), coefficients),
                     to.at(Group(g), int64_t(i)));
+    for (const int64_t i : index)
+      if (!filter_size.empty()) to.filter_size.push_back(filter_size[size_t(i)]);
     return to;
   }
 
@@ -52,6 +56,7 @@ struct TestGaussians {
     s.dim = self.dim, s.count = self.count, s.coefficients = self.coefficients;
     for (int g = 0; g < kGroupCount; ++g)
       s.group[g] = {self.group[g].data(), int64_t(self.group[g].size())};
+    s.filter_size = {self.filter_size.data(), int64_t(self.filter_size.size())};
     return s;
   }
 };
@@ -145,6 +150,14 @@ void fill_truth(TestScene<Real>& scene, Random& random) {
     scene.truth.emplace_back(size_t(3 * view.camera.width * view.camera.height));
     for (uint8_t& byte : scene.truth.back()) byte = uint8_t(random.below(256));
   }
+}
+
+/// A 3D filter about as large as Gaussians of that size, of none at every third.
+inline void add_filter_3d(TestScene<double>& scene, double size, uint64_t seed) {
+  Random random(seed);
+  for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
+    for (int64_t n = 0; n < set->count; ++n)
+      set->filter_size.push_back(n % 3 == 2 ? 0 : random.uniform(0.3 * size, 1.5 * size));
 }
 
 inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size, uint64_t seed) {
