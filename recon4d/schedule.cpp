@@ -45,6 +45,13 @@ bool Schedule::reorder(int64_t i) const {
          i % reorder_interval_ == 0;
 }
 
+bool Schedule::measure_filter(int64_t i) const {
+  if (options_.filter_3d == "none") return false;
+  if (i == 0 || densify(i)) return true;
+  const int64_t interval = options_.densify_interval;
+  return i > densify_until_ && i % interval == 0 && i + interval <= options_.iterations;
+}
+
 AdamGroups<float> Schedule::adam(int64_t i, int dim) const {
   // means decay log-linearly over the whole training; temporal means do not  [method 0.16]
   const double u =
