@@ -129,8 +129,8 @@ void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics) {
     gather(backend, index, 1, index.size, statistics.filter_size);
 }
 
-int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics,
-                        int64_t step, double least) {
+int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics, int64_t step,
+                        double least) {
   const StageTimer timer(backend.clock(), kDensity);
   DensityRule rule;
   rule.threshold = std::numeric_limits<double>::infinity();

@@ -47,9 +47,8 @@ std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frame
     const Frame& frame = scene.frames[size_t(i)];
     const glm::dvec3& t = frame.camera.translation;
     std::vector<size_t>& here = at[{t[0], t[1], t[2]}];
-    if (!moving && std::any_of(here.begin(), here.end(), [&](size_t v) {
-          return same(views[v].camera, frame.camera);
-        }))
+    if (!moving && std::any_of(here.begin(), here.end(),
+                               [&](size_t v) { return same(views[v].camera, frame.camera); }))
       continue;
     here.push_back(views.size());
     views.push_back({frame.camera, frame.time});
@@ -162,9 +161,9 @@ void Trainer::control() {
     if (reorders) reorder(backend_, set, state_.statistics[k]);
     if (schedule_.measure_filter(i)) measure_filter(k);
     if (schedule_.reset_opacity(i))
-      reset_opacity(backend_, set,
-                    is_filtered(state_, options_) ? state_.statistics[k].filter_size.span()
-                                                  : Span<float>());
+      reset_opacity(
+          backend_, set,
+          is_filtered(state_, options_) ? state_.statistics[k].filter_size.span() : Span<float>());
   }
 }
 
@@ -172,8 +171,7 @@ void Trainer::measure_filter(int k) {
   const StageTimer timer(backend_.clock(), kDensity);
   const ViewBatch<float>& views = filter_views_[k];
   float focal = 0;
-  for (const ViewArgs<float>& view : views.views)
-    focal = std::max({focal, view.fl_x, view.fl_y});
+  for (const ViewArgs<float>& view : views.views) focal = std::max({focal, view.fl_x, view.fl_y});
   Buffer<float>& sizes = state_.statistics[k].filter_size;
   sizes.resize(state_.set(k).count());
   backend_.filter_sizes(

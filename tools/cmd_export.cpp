@@ -156,9 +156,10 @@ int export_command(const ExportRequest& request) {
   for (const std::string& warning : input.warnings) warn(warning);
   check_places(request, input.file);
   if (&format == kFormats.data() && !drawn_as_players_do(input.model))
-    warn(fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
-                     "have; its frames look different there; --format tessera keeps them",
-                     input.file.string()));
+    warn(
+        fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
+                    "have; its frames look different there; --format tessera keeps them",
+                    input.file.string()));
   if (!request.keep_world) input.model = model_in_source_world(input.model);
   nlohmann::json result = format.write(request, input.model);
   result["out"] = request.out, result["format"] = format.name;
