@@ -71,7 +71,7 @@ const Mode kModes[] = {{"filter_2d", true},
 class BruteForceMode : public ::testing::TestWithParam<Mode> {};
 
 // Bugs put back, each seen to fail: dilation 0.3 with the 2D filter; comp without its root; comp
-// left out of the bounds' opacity; φ on the temporal scale; o not dimmed by the 3D filter; bounds
+// left out; φ on the temporal scale; o not dimmed by the 3D filter; bounds
 // that end at the default cut-off; power of √2·k.
 TEST_P(BruteForceMode, EqualsTheFormulas) {
   const Mode& mode = GetParam();
