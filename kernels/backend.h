@@ -7,6 +7,7 @@
 
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
+#include "kernels/math/filter_3d.h"
 #include "kernels/stage_clock.h"
 
 namespace tessera {
@@ -63,6 +64,15 @@ struct ProjectBackwardArgs {
   DensityStatistics<Real> statistics[2];  // empty spans: not gathered
 };
 
+/// The views that may see a set, and what the size of the 3D filter follows from.
+template <class Real>
+struct FilterArgs {
+  const ViewBatch<Real>* views = nullptr;
+  GaussianSpans<const Real> set;
+  Real near_plane = Real(0);  // world units
+  Real focal = Real(1);       // f, pixels: the largest of all training views
+};
+
 /// What the stages of a step found out.
 struct StepOutcome {
   std::vector<ViewLoss> losses;  // of the last photometric
@@ -115,6 +125,11 @@ class BackendOf {
   virtual void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) = 0;
   /// Rows in Morton order of the means; of a Dim 4 set then stably by 32 bins of temporal means.
   virtual void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) = 0;
+  /// φ[n] = √0.2·d/f, d the least depth of Gaussian n in the views that sample it, each at its own
+  /// moment; of one that none samples: the largest φ of the others; 0 where there are no others.
+  virtual void filter_sizes(const FilterArgs<Real>& args, Span<Real> sizes) = 0;
+  /// Every Gaussian of a set that has its φ with it. `limit`: an opacity, for kLimitOpacity.
+  virtual void edit_by_filter(FilterEdit edit, const GaussianSpans<Real>& set, Real limit) = 0;
   /// values[i] ← min(values[i], limit).
   virtual void limit_values(Span<Real> values, Real limit) = 0;
   virtual void fill_zero(Span<Real> values) = 0;

@@ -1,4 +1,4 @@
-// What: cameras and times of a batch → the form kernels loop over.
+// What: cameras and times of a batch, and how it is drawn → the form kernels loop over.
 // Not: culling or any choice of views.
 #include "kernels/batch.h"
 
@@ -27,6 +27,19 @@ ViewBatch<Real> make_view_batch(const std::vector<View>& views) {
   return batch;
 }
 
+template <class Real>
+SplatRules<Real> make_splat_rules(const RenderOptions& options) {
+  return {Real(options.near_plane),
+          Real(options.far_plane),
+          options.filter_2d ? kFilter2d<Real> : kDilation<Real>,
+          options.filter_2d,
+          options.filter_2d_full_gradient,
+          make_cutoff<Real>(options),
+          options.kernels.bounds};
+}
+
+template SplatRules<float> make_splat_rules<float>(const RenderOptions&);
+template SplatRules<double> make_splat_rules<double>(const RenderOptions&);
 template ViewBatch<float> make_view_batch<float>(const std::vector<View>&);
 template ViewBatch<double> make_view_batch<double>(const std::vector<View>&);
 

@@ -7,6 +7,7 @@
 #include "kernels/base/camera.h"
 #include "kernels/math/blending.h"
 #include "kernels/math/spherical_harmonics.h"
+#include "kernels/math/splat_rules.h"
 
 namespace tessera {
 
@@ -45,8 +46,19 @@ struct RenderOptions {
   double near_plane = 0.2;           // world units along the viewing axis
   double far_plane = 1e4;
   bool sliced_direction = true;  // colours look along eye → mean at the view's moment; else → μ
+  double truncation_sigma = kTruncationSigma;  // where splats end (Cutoff), standard deviations
+  bool truncation_by_falloff = false;          // whatever their opacity
+  bool filter_2d = false;                      // dilation 0.1 with compensation, else 0.3 without
+  bool filter_2d_full_gradient = false;        // through the compensation too
   KernelSwitches kernels;
 };
+
+template <class Real>
+Cutoff<Real> make_cutoff(const RenderOptions& options) {
+  return make_cutoff<Real>(options.truncation_sigma, options.truncation_by_falloff);
+}
+template <class Real>
+SplatRules<Real> make_splat_rules(const RenderOptions& options);
 
 /// `negative` of a splat that is listed but not drawn, because its colour is not finite.
 inline constexpr uint32_t kNotDrawn = ~0u;

@@ -28,6 +28,8 @@ class CpuBackend final : public BackendOf<Real> {
                    DensityRows& rows) override;
   void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) override;
   void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) override;
+  void filter_sizes(const FilterArgs<Real>& args, Span<Real> sizes) override;
+  void edit_by_filter(FilterEdit edit, const GaussianSpans<Real>& set, Real limit) override;
   void limit_values(Span<Real> values, Real limit) override;
   void fill_zero(Span<Real> values) override;
 

@@ -89,6 +89,7 @@ struct GaussianSpans {
   int64_t count = 0;      // N
   int coefficients = 16;  // K
   Span<T> group[kGroupCount];
+  Span<T> filter_size;  // [N] φ of the 3D filter that is applied, world units; empty: none is
 
   TESSERA_HD int dim() const { return dim_of(form); }
 

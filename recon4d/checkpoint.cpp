@@ -22,7 +22,7 @@ constexpr size_t kPreamble = sizeof(kMagic) + sizeof(uint32_t) + sizeof(uint64_t
 
 /// Calls visit(name, buffer, scalars) for every array of a state, in file order.
 template <class State, class Visit>
-void for_each_array(State& state, Visit&& visit) {
+void for_each_array(State& state, bool filter_sizes, Visit&& visit) {
   const auto visit_set = [&](auto& set, auto& statistics, const std::string& name) {
     for (int g = 0; g < set.groups(); ++g) {
       const std::string key = name + "." + group_name(Group(g), set.form());
@@ -35,6 +35,7 @@ void for_each_array(State& state, Visit&& visit) {
     visit(name + ".gradient_sum", statistics.gradient_sum, set.count());
     visit(name + ".gradient_count", statistics.count, set.count());
     visit(name + ".sh_step", statistics.sh_step, set.count());
+    if (filter_sizes) visit(name + ".filter_size", statistics.filter_size, set.count());
   };
   visit_set(state.model.static_set, state.statistics[0], "static");
   visit_set(state.model.dynamic_set, state.statistics[1], "dynamic");
@@ -58,12 +59,21 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"near_plane", model.near_plane},
       {"far_plane", model.far_plane},
       {"sliced_direction", model.sliced_direction},
+      {"truncation_sigma", model.truncation_sigma},
+      {"truncation_by_falloff", model.truncation_by_falloff},
+      {"filter_2d", model.filter_2d},
+      {"train_scale", model.train_scale},
+      {"filter_sizes", state.has_filter_sizes()},
       {"options", to_json(options)},
       {"provenance", provenance}};
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
   throw InputError(fmt::format("{}: {}", path.string(), why));
+}
+
+bool holds_filter_sizes(const json& header) {
+  return header.value("filter_sizes", false);
 }
 
 struct Parsed {
@@ -109,6 +119,10 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   model.background = header.at("background");
   model.near_plane = header.at("near_plane"), model.far_plane = header.at("far_plane");
   model.sliced_direction = header.at("sliced_direction");
+  model.truncation_sigma = header.value("truncation_sigma", kTruncationSigma);  // as above
+  model.truncation_by_falloff = header.value("truncation_by_falloff", false);
+  model.filter_2d = header.value("filter_2d", false);
+  model.train_scale = header.value("train_scale", 1.0);
   checkpoint.provenance = header.at("provenance");
 }
 
@@ -125,9 +139,10 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
                   size_t size) {
   const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
   const int coefficients = header.at("sh_coefficients");
-  // values and two moments each; statistics and sh_step, four bytes like all
+  // values and two moments each; statistics and sh_step, filter size where kept, four bytes like all
   const auto scalars = [&](Form form) {
-    return int64_t{3} * (geometry_scalars(form) + 3 * coefficients) + 3;
+    return int64_t{3} * (geometry_scalars(form) + 3 * coefficients) + 3 +
+           holds_filter_sizes(header);
   };
   constexpr int64_t kMost = int64_t{1} << 40;
   const auto within = [](int64_t value, int64_t low, int64_t high) {
@@ -173,11 +188,12 @@ void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
   write(&kVersion, sizeof(kVersion));
   write(&length, sizeof(length));
   write(header.data(), header.size());
-  for_each_array(state, [&](const std::string&, const auto& buffer, int64_t scalars) {
-    check(buffer.size() == scalars, "checkpoint: array of unexpected length");
-    check(&buffer.memory() == &host_memory(), "checkpoint: of a state on a device");
-    write(buffer.data(), kScalar * size_t(scalars));
-  });
+  for_each_array(state, state.has_filter_sizes(),
+                 [&](const std::string&, const auto& buffer, int64_t scalars) {
+                   check(buffer.size() == scalars, "checkpoint: array of unexpected length");
+                   check(&buffer.memory() == &host_memory(), "checkpoint: of a state on a device");
+                   write(buffer.data(), kScalar * size_t(scalars));
+                 });
   const uint64_t sum = hash.value();
   file.write(&sum, sizeof(sum));
   file.commit();
@@ -199,7 +215,8 @@ Checkpoint load_checkpoint(const std::filesystem::path& path) {
   state.model.static_set.resize(parsed.header.at("num_static"));
   state.model.dynamic_set.resize(parsed.header.at("num_dynamic"));
   const char* from = bytes.data() + parsed.arrays;
-  for_each_array(state, [&](const std::string&, auto& buffer, int64_t scalars) {
+  const bool filter_sizes = holds_filter_sizes(parsed.header);
+  for_each_array(state, filter_sizes, [&](const std::string&, auto& buffer, int64_t scalars) {
     buffer.resize(scalars);
     if (scalars > 0) std::memcpy(buffer.data(), from, kScalar * size_t(scalars));
     from += kScalar * size_t(scalars);

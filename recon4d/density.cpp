@@ -66,6 +66,7 @@ void SetStatistics::reset(int64_t gaussians, int64_t step) {
     std::fill(values->begin(), values->end(), 0.0f);
   }
   set_steps(sh_step, gaussians, step);
+  filter_size.resize(0);
 }
 
 void SetStatistics::reset(Backend& backend, int64_t gaussians, int64_t step) {
@@ -74,6 +75,7 @@ void SetStatistics::reset(Backend& backend, int64_t gaussians, int64_t step) {
     backend.fill_zero(values->span());
   }
   set_steps(sh_step, gaussians, step);
+  filter_size.resize(0);
 }
 
 SetStatistics SetStatistics::clone_to(Memory& memory) const {
@@ -81,6 +83,7 @@ SetStatistics SetStatistics::clone_to(Memory& memory) const {
   copy.gradient_sum.copy_from(gradient_sum);
   copy.count.copy_from(count);
   copy.sh_step.copy_from(sh_step);
+  copy.filter_size.copy_from(filter_size);
   return copy;
 }
 
@@ -98,11 +101,17 @@ DensityReport control_density(Backend& backend, const DensityContext& context, G
   return {rows.clones, rows.parents, rows.pruned, before, set.count()};
 }
 
-void reset_opacity(Backend& backend, GaussianSet& set) {
-  constexpr float kResetLogit = -4.595119953155518f;  // logit 0.01  [3DGS]
+void reset_opacity(Backend& backend, GaussianSet& set, Span<float> filter_size) {
+  constexpr float kResetOpacity = 0.01f, kResetLogit = -4.595119953155518f;  // its logit  [3DGS]
   const StageTimer timer(backend.clock(), kDensity);
   ParameterGroup& group = set.group(kOpacityLogit);
-  backend.limit_values(group.value.span(), kResetLogit);
+  if (filter_size.empty()) {
+    backend.limit_values(group.value.span(), kResetLogit);
+  } else {
+    GaussianSpans<float> filtered = set.values();
+    filtered.filter_size = filter_size;
+    backend.edit_by_filter(FilterEdit::kLimitOpacity, filtered, kResetOpacity);
+  }
   backend.fill_zero(group.moment1.span());
   backend.fill_zero(group.moment2.span());
 }
@@ -116,14 +125,16 @@ void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics) {
   gather(backend, index, index.size, set);
   for (Buffer<float>* values : {&statistics.gradient_sum, &statistics.count})
     gather(backend, index, 1, index.size, *values);  // sh_step is one number throughout
+  if (!statistics.filter_size.empty())
+    gather(backend, index, 1, index.size, statistics.filter_size);
 }
 
-int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics,
-                        int64_t step) {
+int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics, int64_t step,
+                        double least) {
   const StageTimer timer(backend.clock(), kDensity);
   DensityRule rule;
   rule.threshold = std::numeric_limits<double>::infinity();
-  rule.prune_opacity = 1.0 / 255;
+  rule.prune_opacity = least;
   DensityRows rows(backend.memory());
   backend.select_rows(std::as_const(set).values(), std::as_const(statistics).spans(), rule, rows);
   if (rows.pruned > 0) gather(backend, std::as_const(rows.index).span(), rows.survivors, set);

@@ -12,12 +12,14 @@ namespace tessera {
 /// What a set has gathered since the last density control, and how far its colours have come.
 struct SetStatistics {
   explicit SetStatistics(Memory& memory = host_memory())
-      : gradient_sum(memory), count(memory), sh_step(memory) {}
+      : gradient_sum(memory), count(memory), sh_step(memory), filter_size(memory) {}
 
   Buffer<float> gradient_sum, count;  // [N] as DensityStatistics
   Buffer<int32_t> sh_step;            // [N] as LazySh::last_step; used where SH may be behind
+  /// [N] φ of the 3D filter, world units; empty: there is none, or it is to be measured.
+  Buffer<float> filter_size;
 
-  /// Nothing gathered, all colours at `step`. The first is for the host's memory.
+  /// Nothing gathered or measured, all colours at `step`. The first is for the host's memory.
   void reset(int64_t gaussians, int64_t step = 0);
   void reset(Backend& backend, int64_t gaussians, int64_t step);
   SetStatistics clone_to(Memory& memory) const;
@@ -43,15 +45,16 @@ struct DensityContext {
 DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,
                               SetStatistics& statistics);
 
-/// logit ← min(logit, logit 0.01), moments of the opacity zeroed.
-void reset_opacity(Backend& backend, GaussianSet& set);
+/// logit ← min(logit, logit 0.01), moments of the opacity zeroed. `filter_size`: of the 3D filter
+/// where it dims: then what is 0.01 at most is the opacity after it.
+void reset_opacity(Backend& backend, GaussianSet& set, Span<float> filter_size = {});
 
 /// Morton order of the means; a dynamic set then stably by 32 bins of its temporal means.
 void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics);
 
-/// Removes what can never be drawn: opacity below 1/255, a quaternion without length. Returns how
-/// many. For the end of a training, after `step` steps.
-int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics,
-                        int64_t step);
+/// Removes what can never be drawn: opacity below `least` (Cutoff), a quaternion without length.
+/// Returns how many. For the end of a training, after `step` steps.
+int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics, int64_t step,
+                        double least = 1.0 / 255);
 
 }  // namespace tessera

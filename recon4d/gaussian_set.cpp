@@ -75,6 +75,9 @@ GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set,
   model.prepared_from_source = like.prepared_from_source;
   model.background = like.background, model.sliced_direction = like.sliced_direction;
   model.near_plane = like.near_plane, model.far_plane = like.far_plane;
+  model.truncation_sigma = like.truncation_sigma;
+  model.truncation_by_falloff = like.truncation_by_falloff;
+  model.filter_2d = like.filter_2d, model.train_scale = like.train_scale;
   return model;
 }
 

@@ -8,6 +8,7 @@
 #include "ingest/scene.h"
 #include "kernels/base/buffer.h"
 #include "kernels/gaussians.h"
+#include "kernels/math/bounds.h"
 #include "kernels/math/spherical_harmonics.h"
 
 namespace tessera {
@@ -86,7 +87,15 @@ struct GaussianModel {
   std::array<uint8_t, 3> background{0, 0, 0};  // sRGB, what it was trained on
   double near_plane = 0.2, far_plane = 1e4;    // world units
   bool sliced_direction = true;                // RenderOptions::sliced_direction
+  // as RenderOptions: a model looks right only as it was trained
+  double truncation_sigma = kTruncationSigma;
+  bool truncation_by_falloff = false, filter_2d = false;
+  double train_scale = 1;  // size of the pictures it was trained on, by the scene's
 
+  template <class Real>
+  Cutoff<Real> cutoff() const {
+    return make_cutoff<Real>(truncation_sigma, truncation_by_falloff);
+  }
   int64_t count() const { return static_set.count() + dynamic_set.count(); }
   /// Deep copies in a memory: with the moments that there are, or of the values alone.
   GaussianModel clone_to(Memory& memory) const;

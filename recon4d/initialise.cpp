@@ -188,6 +188,9 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
   model.background = scene.background;
   model.near_plane = options.near_plane, model.far_plane = options.far_plane;
   model.sliced_direction = options.sliced_direction;
+  model.truncation_sigma = options.truncation_sigma;
+  model.truncation_by_falloff = options.truncation_by_falloff;
+  model.filter_2d = options.filter_2d, model.train_scale = options.train_scale;
   model.sh_degree = 0;
   return result;
 }

@@ -81,6 +81,17 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
   model.near_plane = planes[0], model.far_plane = planes[1];
   const auto sliced = numbers_if_any(path, comments, "sliced_direction", 1);  // absent: older file
   if (!sliced.empty()) model.sliced_direction = sliced[0] != 0;
+  const auto truncation = numbers_if_any(path, comments, "truncation", 2);
+  if (!truncation.empty()) {
+    if (!(truncation[0] > 0))
+      throw InputError(fmt::format("{}: truncation {}, expected a number above 0; export again",
+                                   path.string(), truncation[0]));
+    model.truncation_sigma = truncation[0], model.truncation_by_falloff = truncation[1] != 0;
+  }
+  const auto filter = numbers_if_any(path, comments, "filter_2d", 1);
+  if (!filter.empty()) model.filter_2d = filter[0] != 0;
+  const auto scale = numbers_if_any(path, comments, "train_scale", 1);
+  if (!scale.empty()) model.train_scale = scale[0];
   const auto world = numbers_if_any(path, comments, "prepared_from_source", kSimilarityNumbers);
   if (world.empty()) return;  // older file: the source's own world
   SimilarityNumbers numbers{};
@@ -99,6 +110,9 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
       fmt::format("background {} {} {}", rgb[0], rgb[1], rgb[2]),
       fmt::format("clip_planes {} {}", model.near_plane, model.far_plane),
       fmt::format("sliced_direction {}", int(model.sliced_direction)),
+      fmt::format("truncation {} {}", model.truncation_sigma, int(model.truncation_by_falloff)),
+      fmt::format("filter_2d {}", int(model.filter_2d)),
+      fmt::format("train_scale {}", model.train_scale),
       fmt::format("prepared_from_source {}",
                   fmt::join(similarity_numbers(model.prepared_from_source), " "))};
   // A model without movement is a file that any viewer of static splats opens.

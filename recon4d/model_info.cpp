@@ -80,6 +80,10 @@ json model_info(const GaussianModel& model) {
   info["world"] = model.prepared_from_source.is_identity() ? "source" : "prepared";
   info["background"] = model.background;
   info["clip_planes"] = {model.near_plane, model.far_plane};
+  info["truncation"] = {{"sigma", model.truncation_sigma},
+                        {"by_falloff", model.truncation_by_falloff}};
+  info["filter_2d"] = model.filter_2d;
+  info["train_scale"] = model.train_scale;
   return info;
 }
 

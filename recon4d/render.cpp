@@ -10,6 +10,9 @@ RenderOptions render_options(const GaussianModel& model) {
   for (size_t c = 0; c < 3; ++c) options.background[c] = model.background[c] / 255.0;
   options.near_plane = model.near_plane, options.far_plane = model.far_plane;
   options.sliced_direction = model.sliced_direction;
+  options.truncation_sigma = model.truncation_sigma;
+  options.truncation_by_falloff = model.truncation_by_falloff;
+  options.filter_2d = model.filter_2d;
   return options;
 }
 

@@ -50,6 +50,13 @@ double Schedule::time_noise(int64_t i) const {
   return options_.time_noise * std::max(0.0, 1 - double(i) / std::max(1.0, end));
 }
 
+bool Schedule::measure_filter(int64_t i) const {
+  if (options_.filter_3d == "none") return false;
+  if (i == 0 || densify(i)) return true;
+  const int64_t interval = options_.densify_interval;
+  return i > densify_until_ && i % interval == 0 && i + interval <= options_.iterations;
+}
+
 AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   // means decay log-linearly over the whole training; temporal means do not  [method 0.16]
   const double u =

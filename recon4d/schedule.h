@@ -1,6 +1,6 @@
 // What: when things happen in a training and how large its steps are: options × scene extent.
 // Not: doing them (trainer.cpp).
-// Source: method A.3, A.4, D.5, D.7.
+// Source: method A.3, A.4, C.1, D.5, D.7.
 #pragma once
 #include "kernels/gaussians.h"
 #include "recon4d/train_options.h"
@@ -19,6 +19,8 @@ class Schedule {
   bool prunes_large(int64_t i) const { return i > prune_large_from_; }
   bool reset_opacity(int64_t i) const;
   bool reorder(int64_t i) const;
+  /// The sizes of the 3D filter: at the start, after density control, and on from its end.
+  bool measure_filter(int64_t i) const;
   /// What time_noise is multiplied by: 1 at the start, 0 from two thirds of the training on.
   double time_noise(int64_t i) const;
   /// Step sizes of step i for a set of that form.

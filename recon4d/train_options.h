@@ -8,6 +8,8 @@
 #include <variant>
 #include <vector>
 
+#include "kernels/math/bounds.h"
+
 namespace tessera {
 
 // Grouped by meaning, not by size.
@@ -18,7 +20,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   bool static_only = false;
   std::string motion_form = "pair";
   std::string background = "black";
-  double near_plane = 0.2, far_plane = 100;
+  double near_plane = 0.2, far_plane = 100, train_scale = 1;
   // initial Gaussians
   int64_t init_points = 100000;
   double init_extent = 0, init_opacity = 0.1, init_time_scale = 0.4472135955, static_fraction = 0;
@@ -26,6 +28,11 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   // colour
   int64_t sh_degree = 3, sh_interval = 1000;
   bool sliced_direction = true;
+  // aliasing, and where splats end
+  bool filter_2d = false;
+  std::string filter_2d_gradient = "detached", filter_3d = "none";
+  double truncation_sigma = kTruncationSigma;
+  bool truncation_by_falloff = false;
   // loss
   double lambda_dssim = 0.2, time_noise = 0;
   // learning rates

@@ -18,6 +18,23 @@ TrainState TrainState::clone_to(Memory& memory) const {
   return copy;
 }
 
+GaussianSpans<float> TrainState::filtered_values(int k) {
+  GaussianSpans<float> values = set(k).values();
+  values.filter_size = statistics[k].filter_size.span();
+  return values;
+}
+
+bool is_filtered(const TrainState& state, const TrainOptions& options) {
+  return options.filter_3d == "mip" && state.has_filter_sizes();
+}
+
+GaussianSpans<const float> drawn_values(const TrainState& state, int k,
+                                        const TrainOptions& options) {
+  GaussianSpans<const float> values = state.set(k).values();
+  if (is_filtered(state, options)) values.filter_size = state.statistics[k].filter_size.span();
+  return values;
+}
+
 LazySh<float> lazy_sh(TrainState& state, int k, const TrainOptions& options,
                       Span<const double> table) {
   if (idle_update(options) != IdleUpdate::kLazy) return {};
@@ -41,13 +58,17 @@ bool is_behind(const TrainState& state, const TrainOptions& options) {
 }
 
 GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options) {
-  GaussianModel model = state.model.clone_values();
-  if (!is_behind(state, options)) return model;
-  const std::vector<double> table = lazy_adam_table(state.iteration);
   const std::unique_ptr<Backend> host = make_cpu_backend();
-  TrainState copy;  // what catching up writes
+  TrainState copy;  // what catching up and baking write
   copy.iteration = state.iteration;
-  copy.model = std::move(model);
+  copy.model = state.model.clone_values();
+  if (is_filtered(state, options))
+    for (int k = 0; k < 2; ++k) {
+      copy.statistics[k].filter_size.copy_from(state.statistics[k].filter_size);
+      host->edit_by_filter(FilterEdit::kBake, copy.filtered_values(k), 0);
+    }
+  if (!is_behind(state, options)) return std::move(copy.model);
+  const std::vector<double> table = lazy_adam_table(state.iteration);
   for (int k = 0; k < 2; ++k) {
     ParameterGroup& sh = copy.set(k).group(kSh);
     sh.moment1.copy_from(state.set(k).group(kSh).moment1);

@@ -19,6 +19,11 @@ struct TrainState {
   GaussianSet& set(int k) { return k == 0 ? model.static_set : model.dynamic_set; }
   const GaussianSet& set(int k) const { return k == 0 ? model.static_set : model.dynamic_set; }
   TrainState clone_to(Memory& memory) const;
+  bool has_filter_sizes() const {
+    return !statistics[0].filter_size.empty() || !statistics[1].filter_size.empty();
+  }
+  /// Values of set k with the sizes of the 3D filter, for Backend::edit_by_filter.
+  GaussianSpans<float> filtered_values(int k);
 };
 
 /// The SH of set k as they may be behind; empty where the options do not let them. `table`:
@@ -29,7 +34,15 @@ LazySh<float> lazy_sh(TrainState& state, int k, const TrainOptions& options,
 /// Whether SH of a state in the host's memory are behind its steps.
 bool is_behind(const TrainState& state, const TrainOptions& options);
 
-/// A copy of the model of a state in the host's memory, with all SH up to date.
+/// Values of set k as they are to be drawn: with the 3D filter where the options say so.
+GaussianSpans<const float> drawn_values(const TrainState& state, int k,
+                                        const TrainOptions& options);
+
+/// Whether the model of a state still has a 3D filter to be baked.
+bool is_filtered(const TrainState& state, const TrainOptions& options);
+
+/// A copy of the model of a state in the host's memory, with all SH up to date and the 3D filter
+/// baked.
 GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options);
 
 }  // namespace tessera

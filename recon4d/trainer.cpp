@@ -4,8 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
+#include <map>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -39,6 +42,28 @@ std::string group_names(unsigned bits, Form form) {
     if (bits >> g & 1)
       names += (names.empty() ? "" : ", ") + std::string(group_name(Group(g), form));
   return names;
+}
+
+/// Those that may see a set: every frame, or every camera once where moments do not matter.
+std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frames, bool moving) {
+  std::vector<View> views;
+  const auto same = [](const Camera& a, const Camera& b) {
+    return a.width == b.width && a.height == b.height && a.fl_x == b.fl_x && a.fl_y == b.fl_y &&
+           a.cx == b.cx && a.cy == b.cy && a.cam_from_world == b.cam_from_world &&
+           a.translation == b.translation;
+  };
+  std::map<std::array<double, 3>, std::vector<size_t>> at;  // views by where their cameras stand
+  for (const int i : frames) {
+    const Frame& frame = scene.frames[size_t(i)];
+    const glm::dvec3& t = frame.camera.translation;
+    std::vector<size_t>& here = at[{t[0], t[1], t[2]}];
+    if (!moving && std::any_of(here.begin(), here.end(),
+                               [&](size_t v) { return same(views[v].camera, frame.camera); }))
+      continue;
+    here.push_back(views.size());
+    views.push_back({frame.camera, frame.time});
+  }
+  return views;
 }
 
 }  // namespace
@@ -77,6 +102,9 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
   validate(options_);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
   for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
+  if (options_.filter_3d != "none")
+    for (int k = 0; k < 2; ++k)
+      filter_views_[k] = make_view_batch<float>(filter_views(scene, train_frames_, k == 1));
   if (idle_update(options_) == IdleUpdate::kLazy) {
     const std::vector<double> table = lazy_adam_table(options_.iterations);
     table_.resize(int64_t(table.size()));
@@ -101,7 +129,7 @@ const TrainState& Trainer::host_state() {
 
 const GaussianModel& Trainer::host_model() {
   const TrainState& state = host_state();
-  if (!is_behind(state, options_)) return state.model;
+  if (!is_behind(state, options_) && !is_filtered(state, options_)) return state.model;
   if (!host_model_) host_model_ = caught_up_model(state, options_);
   return *host_model_;
 }
@@ -142,7 +170,11 @@ void Trainer::control() {
       observer_.on_density(i, k == 0 ? "static" : "dynamic", report);
     }
     if (reorders) reorder(backend_, set, state_.statistics[k]);
-    if (schedule_.reset_opacity(i)) reset_opacity(backend_, set);
+    if (schedule_.measure_filter(i)) measure_filter(k);
+    if (schedule_.reset_opacity(i))
+      reset_opacity(
+          backend_, set,
+          is_filtered(state_, options_) ? state_.statistics[k].filter_size.span() : Span<float>());
   }
 }
 
@@ -154,17 +186,29 @@ double Trainer::training_time(double time, int64_t index) const {
   return time + deviation * double(normals(random)[0]);
 }
 
+void Trainer::measure_filter(int k) {
+  const StageTimer timer(backend_.clock(), kDensity);
+  const ViewBatch<float>& views = filter_views_[k];
+  float focal = 0;
+  for (const ViewArgs<float>& view : views.views) focal = std::max({focal, view.fl_x, view.fl_y});
+  Buffer<float>& sizes = state_.statistics[k].filter_size;
+  sizes.resize(state_.set(k).count());
+  backend_.filter_sizes(
+      {&views, std::as_const(state_).set(k).values(), float(options_.near_plane), focal},
+      sizes.span());
+}
+
 void Trainer::step() {
   forget_copies();
   control();
   const std::vector<int64_t> batch = sampler_.next(options_.batch);
-  ForwardArgs<float> args{{std::as_const(state_.model.static_set).values(),
-                           std::as_const(state_.model.dynamic_set).values()},
+  ForwardArgs<float> args{{drawn_values(state_, 0, options_), drawn_values(state_, 1, options_)},
                           {},
                           render_options(state_.model),
                           {lazy(0), lazy(1)},
                           true};
   args.options.kernels = kernel_switches(options_);
+  args.options.filter_2d_full_gradient = options_.filter_2d_gradient == "full";
   for (const int64_t index : batch) {
     const Frame& frame = scene_.frames[size_t(train_frames_[size_t(index)])];
     args.views.push_back({frame.camera, training_time(frame.time, index)});
@@ -207,9 +251,12 @@ void Trainer::backward() {
     if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();
   }
   pipeline_.backward(args);
-  if (options_.fused_optimizer) return;
   const StageTimer timer(backend_.clock(), kUpdate);
-  for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
+  if (!options_.fused_optimizer)
+    for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
+  if (options_.filter_3d == "clamp")
+    for (int k = 0; k < 2; ++k)
+      backend_.edit_by_filter(FilterEdit::kRaiseScales, state_.filtered_values(k), 0);
 }
 
 void Trainer::prefetch() {
@@ -249,8 +296,11 @@ void Trainer::complete_pending() {
 void Trainer::finish() {
   forget_copies();
   catch_up();
+  const bool filtered = is_filtered(state_, options_);
   for (int k = 0; k < 2; ++k) {
-    prune_invisible(backend_, state_.set(k), state_.statistics[k], state_.iteration);
+    if (filtered) backend_.edit_by_filter(FilterEdit::kBake, state_.filtered_values(k), 0);
+    prune_invisible(backend_, state_.set(k), state_.statistics[k], state_.iteration,
+                    state_.model.cutoff<double>().least_alpha);
     reorder(backend_, state_.set(k), state_.statistics[k]);
   }
   state_.finished = true;

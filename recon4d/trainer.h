@@ -42,6 +42,7 @@ class Trainer {
  private:
   void step();
   void control();
+  void measure_filter(int k);
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
   void catch_up();
@@ -69,6 +70,8 @@ class Trainer {
   Pipeline<float> pipeline_;
   GaussianSet gradients_[2];  // only with a separate optimizer
   Buffer<double> table_;      // only with lazy updates
+  /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
+  ViewBatch<float> filter_views_[2];
   std::optional<StepReport> pending_;
   std::chrono::steady_clock::time_point reported_;  // until when time is accounted for
   std::optional<TrainState> host_state_;

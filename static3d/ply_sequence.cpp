@@ -79,10 +79,11 @@ void SequenceWriter::write_frame(size_t i) {
   frame.non_finite = slicer_.invalid();
   frame.below_cutoff = model_.count() - slicer_.invalid() - slice.count();
   std::vector<int64_t> rows;
+  const Cutoff<float> cutoff = model_.cutoff<float>();
   for (int64_t n = 0; n < slice.count(); ++n) {
     if (!is_sound(values, n)) {
       ++frame.non_finite;
-    } else if (!(sigmoid(*values.at(kOpacityLogit, n)) >= kMinAlpha<float>)) {
+    } else if (!cutoff.keeps(sigmoid(*values.at(kOpacityLogit, n)))) {
       ++frame.below_cutoff;
     } else {
       rows.push_back(n);

@@ -33,9 +33,10 @@ float logit_of_product(double logit, double exponent) {
 }
 
 /// Whether the renderer draws it at t, by its own arithmetic.
-bool is_drawn(const MovingGaussian& g, float time, Slice<float>& slice) {
+bool is_drawn(const MovingGaussian& g, float time, const Cutoff<float>& cutoff,
+              Slice<float>& slice) {
   slice = slice_at(g.mean, g.spacetime, time);
-  return slice.marginal >= kMinMarginal<float> && g.opacity * slice.marginal >= kMinAlpha<float>;
+  return slice.marginal >= kMinMarginal<float> && cutoff.keeps(g.opacity * slice.marginal);
 }
 
 void copy_sh(const float* from, int from_coefficients, float* to, int to_coefficients) {
@@ -77,8 +78,9 @@ GaussianSet Slicer::at(double time) const {
   const GaussianSet &fixed = model_.static_set, &dynamic = model_.dynamic_set;
   std::vector<std::pair<const MovingGaussian*, Slice<float>>> drawn;
   Slice<float> slice;
+  const Cutoff<float> cutoff = model_.cutoff<float>();
   for (const MovingGaussian& g : moving_)
-    if (is_drawn(g, float(time), slice)) drawn.emplace_back(&g, slice);
+    if (is_drawn(g, float(time), cutoff, slice)) drawn.emplace_back(&g, slice);
 
   const auto stored = [](const GaussianSet& s) { return s.count() > 0 ? s.coefficients() : 1; };
   const int coefficients = std::max(stored(fixed), stored(dynamic));

@@ -2,9 +2,12 @@
 // Not: the metrics (recon4d/evaluate.h).
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "recon4d/scene_scale.h"
 #include "recon4d/train_options.h"
 #include "tools/backend_choice.h"
 #include "tools/camera_views.h"
@@ -24,9 +27,15 @@ namespace fs = std::filesystem;
 
 struct EvaluateRequest {
   std::string model, scene, split, background, images, backend = "auto";
+  std::vector<double> scales{1};  // of the size that was trained on
   int threads = 0;
   bool overwrite = false, json = false;
 };
+
+/// Where the pictures of a scale lie: in the folder itself where there is only one.
+std::string picture_folder(const EvaluateRequest& request, double scale) {
+  return request.scales.size() == 1 ? "" : fmt::format("x{}/", scale);
+}
 
 /// --scene, else what the run folder was trained on.
 fs::path scene_path(const EvaluateRequest& request) {
@@ -65,33 +74,67 @@ std::vector<Split> chosen_splits(const EvaluateRequest& request, const Scene& sc
   return splits;
 }
 
-std::vector<std::string> picture_names(const Scene& scene, const std::vector<Split>& splits) {
+std::vector<std::string> picture_names(const EvaluateRequest& request, const Scene& scene,
+                                       const std::vector<Split>& splits) {
   std::vector<std::string> files;
-  for (Split split : splits)
-    for (int i : scene.split_indices(split)) files.push_back(scene.frames[size_t(i)].name + ".png");
+  for (const double scale : request.scales)
+    for (Split split : splits)
+      for (int i : scene.split_indices(split))
+        files.push_back(picture_folder(request, scale) + scene.frames[size_t(i)].name + ".png");
   return files;
 }
 
-nlohmann::json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
-                     Backend& backend) {
-  const std::vector<Split> splits = chosen_splits(request, scene);
-  std::optional<OutputFolder> images;
-  if (!request.images.empty())
-    images.emplace(request.images, "evaluate", picture_names(scene, splits), request.overwrite);
+/// At one scale.
+nlohmann::json score_at(const EvaluateRequest& request, double scale, const ModelInput& input,
+                        const Scene& scene, Backend& backend, std::optional<OutputFolder>& images) {
   ProgressBar bar("evaluate");
-  const nlohmann::json scores = score_splits(
-      backend, input.model, scene, splits, input.bytes,
+  return score_splits(
+      backend, input.model, scene, chosen_splits(request, scene), input.bytes,
       [&](const Frame& frame, const Picture& picture, const ViewScore& view, int64_t done,
           int64_t total) {
         stop_if_interrupted();
-        if (images) write_picture_png(images->path(frame.name + ".png"), picture);
+        if (images)
+          write_picture_png(images->path(picture_folder(request, scale) + frame.name + ".png"),
+                            picture);
         bar.update(done, total, fmt::format("{} {:.2f} dB", split_name(frame.split), view.psnr));
       });
+}
+
+/// The scores at scale 1, or at the first where it is not asked for; those of each under `scales`.
+nlohmann::json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
+                     Backend& backend) {
+  std::optional<OutputFolder> images;
+  if (!request.images.empty())
+    images.emplace(request.images, "evaluate",
+                   picture_names(request, scene, chosen_splits(request, scene)), request.overwrite);
+  nlohmann::json result = nlohmann::json::object(), by_scale = nlohmann::json::object();
+  for (const double scale : request.scales) {
+    const double truth = truth_scale(scale, input.model.train_scale);
+    nlohmann::json scores =
+        truth == 1 ? score_at(request, scale, input, scene, backend, images)
+                   : score_at(request, scale, input, scaled_scene(scene, truth), backend, images);
+    if (result.empty() || scale == 1) result = scores;
+    by_scale[fmt::format("{}", scale)] = std::move(scores);
+  }
+  result["scales"] = std::move(by_scale);
   if (images) images->finish();
-  return scores;
+  return result;
+}
+
+/// A line for each split, headed by the scale where there are several.
+std::string scores_lines(const EvaluateRequest& request, const nlohmann::json& scores) {
+  if (request.scales.size() == 1) return scores_text(scores);
+  std::string text;
+  for (const double scale : request.scales)
+    text += fmt::format("{}scale {}: {}", text.empty() ? "" : "\n", scale,
+                        scores_text(scores["scales"][fmt::format("{}", scale)]));
+  return text;
 }
 
 int evaluate_command(const EvaluateRequest& request) {
+  for (const double scale : request.scales)
+    if (!(scale > 0 && std::isfinite(scale)))
+      throw InputError(fmt::format("--scales has {}; expected numbers above 0, as 0.5,1,2", scale));
   set_thread_count(request.threads);
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
@@ -101,10 +144,11 @@ int evaluate_command(const EvaluateRequest& request) {
   nlohmann::json scores = score(request, input, scene, *backend);
   scores["model"] = input.file.string(), scores["scene"] = scene.path;
   scores["backend"] = backend->name();
-  print_result(request.json, scores,
-               fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {} bytes",
-                           scores_text(scores), input.model.count(), input.model.static_set.count(),
-                           input.model.dynamic_set.count(), input.bytes));
+  print_result(
+      request.json, scores,
+      fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {} bytes",
+                  scores_lines(request, scores), input.model.count(),
+                  input.model.static_set.count(), input.model.dynamic_set.count(), input.bytes));
   return kExitDone;
 }
 
@@ -119,6 +163,11 @@ void add_evaluate_command(CLI::App& app, Work& work) {
   command->add_option("--scene", request->scene,
                       "prepared scene or D-NeRF folder; a run folder knows its own");
   command->add_option("--split", request->split, "test, val or train; default: all held-out ones");
+  command
+      ->add_option("--scales", request->scales,
+                   "sizes to score at, by that of training: 0.5,1,2; larger ones need a model that "
+                   "was trained with --train-scale")
+      ->delimiter(',');
   command->add_option("--background", request->background,
                       "black, white or r,g,b; default: the model's");
   command->add_option("--save-images", request->images, "folder for the rendered pictures");

@@ -134,6 +134,12 @@ const Format& find_format(const std::string& name) {
                                fmt::join(names, ", ")));
 }
 
+/// With the dilation and the cut-off that 3DGS files do not name because all have them.
+bool drawn_as_players_do(const GaussianModel& model) {
+  return !model.filter_2d && !model.truncation_by_falloff &&
+         model.truncation_sigma == kTruncationSigma;
+}
+
 /// The files that an earlier export left in the folder are removed; the model must not be one.
 void check_places(const ExportRequest& request, const std::filesystem::path& model) {
   std::error_code missing;
@@ -149,6 +155,11 @@ int export_command(const ExportRequest& request) {
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
   check_places(request, input.file);
+  if (&format == kFormats.data() && !drawn_as_players_do(input.model))
+    warn(
+        fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
+                    "have; its frames look different there; --format tessera keeps them",
+                    input.file.string()));
   if (!request.keep_world) input.model = model_in_source_world(input.model);
   nlohmann::json result = format.write(request, input.model);
   result["out"] = request.out, result["format"] = format.name;

@@ -12,6 +12,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/model_file.h"
+#include "recon4d/scene_scale.h"
 #include "static3d/ply_sequence.h"
 #include "static3d/world_change.h"
 #include "tools/backend_choice.h"
@@ -132,9 +133,9 @@ class Runner {
     const std::string key = key_of({train_key_, "evaluate"});
     if (!must_run("evaluate", key, run_.metrics())) return true;
     ledger_.begin("evaluate", key);
-    const Scene scene = load_scene(scene_, scene_options(true));
-    const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
     const GaussianModel model = load_model(run_.model());
+    const Scene scene = scaled_scene(load_scene(scene_, scene_options(true)), model.train_scale);
+    const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
     const json scores = score_splits(*backend, model, scene, held_out_splits(scene),
                                      int64_t(fs::file_size(run_.model())));
     write_text_file(run_.metrics(), scores.dump(2));

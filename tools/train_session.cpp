@@ -14,6 +14,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
+#include "recon4d/scene_scale.h"
 #include "recon4d/trainer.h"
 #include "tools/backend_choice.h"
 #include "tools/held_out_scores.h"
@@ -145,7 +146,8 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
   SceneOptions scene_options;
   scene_options.background = parse_background(options.background);
   scene_options.allow_static = options.static_only;
-  return load_scene(path, scene_options);
+  Scene scene = load_scene(path, scene_options);
+  return options.train_scale == 1 ? scene : scaled_scene(scene, options.train_scale);
 }
 
 void complete_cloud(Scene& scene, const TrainOptions& options) {

@@ -17,6 +17,7 @@ struct BlendBackward {
   const int32_t* tile_order;
   int64_t instances;  // I
   const Splat<float>* splats;
+  Cutoff<float> cutoff;
   const float* colour;    // the picture, background included
   const float* d_colour;  // planar as the picture
   const int32_t* used;

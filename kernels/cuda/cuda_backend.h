@@ -57,6 +57,8 @@ class CudaBackend final : public Backend {
                    DensityRows& rows) override;
   void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override;
   void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override;
+  void filter_sizes(const FilterArgs<float>& args, Span<float> sizes) override;
+  void edit_by_filter(FilterEdit edit, const GaussianSpans<float>& set, float limit) override;
   void limit_values(Span<float> values, float limit) override;
   void fill_zero(Span<float> values) override;
 

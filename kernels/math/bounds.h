@@ -1,7 +1,7 @@
 // What: how far a splat reaches: its cut-off ellipse, its tile rectangle, the exact test per tile.
 // Not: the loop that counts or writes instances: `for_each_tile` is the one function both use, so
 // that a count can never differ from a fill.
-// Source: [StopThePop] tile culling, [Faster-GS] opacity-aware bounds; method A.6, A.7.
+// Source: [StopThePop] tile culling, [Faster-GS] opacity-aware bounds; method A.6, A.7, C.3.
 #pragma once
 #include "kernels/math/ewa.h"
 
@@ -9,18 +9,50 @@ namespace tessera {
 
 inline constexpr int kTileSize = 16;  // pixels, both ways
 
-/// α below this is not drawn  [3DGS].
-template <class Real>
-inline constexpr Real kMinAlpha = Real(1) / Real(255);
+/// √(2 ln 255): where an opaque splat falls to 1/255, in standard deviations  [3DGS].
+inline constexpr double kTruncationSigma = 3.3290429691304455;
 
-/// Half of the squared Mahalanobis radius at which o·G falls to 1/255: ln(255·o). Needs o ≥ 1/255.
+/// Half of the squared Mahalanobis radius at which o·G falls to 1/`inverse`. Needs o ≥ 1/inverse.
 template <class Real>
-TESSERA_HD inline Real cutoff_power(Real opacity) {
-  return log(Real(255) * opacity);
+TESSERA_HD inline Real cutoff_power(Real opacity, Real inverse = Real(255)) {
+  return log(inverse * opacity);
 }
 
-/// How tightly a splat's tiles are found. No choice changes a picture: pixels are cut off at
-/// α = 1/255 by themselves. Looser bounds only list splats in tiles where they draw nothing.
+/// Where a splat ends. Either α = o·G below a threshold is not drawn; or G below it is not,
+/// whatever the opacity: then a splat of opacity 0 draws nothing but still has a gradient. Both are
+/// the same two comparisons, so that no loop over pixels has a branch.  [method C.3]
+template <class Real>
+struct Cutoff {
+  Real least_alpha = Real(1) / Real(255);  // exp(−k²/2); 0 by falloff
+  Real least_falloff = Real(0);            // 0; exp(−k²/2) by falloff
+  Real inverse = Real(255);                // exp(k²/2)
+
+  /// Whether a splat of that opacity is drawn anywhere; false for NaN.
+  TESSERA_HD bool keeps(Real opacity) const { return opacity >= least_alpha; }
+  /// Whether it is drawn in a pixel where it has that α and G.
+  TESSERA_HD bool draws(Real alpha, Real falloff) const {
+    return alpha >= least_alpha && falloff >= least_falloff;
+  }
+  /// Half of the squared Mahalanobis radius at which it ends.
+  TESSERA_HD Real power(Real opacity) const {
+    return cutoff_power(least_falloff > Real(0) ? Real(1) : opacity, inverse);
+  }
+};
+
+/// The cut-off at `sigma` standard deviations of an opaque splat (with `by_falloff`: of any). An
+/// inverse that is a whole number to rounding is that number: 255 for kTruncationSigma.
+template <class Real>
+Cutoff<Real> make_cutoff(double sigma, bool by_falloff) {
+  constexpr double kRounding = 1e-12;
+  double inverse = std::exp(0.5 * sigma * sigma);
+  const double whole = std::round(inverse);
+  if (std::abs(inverse - whole) < kRounding * inverse) inverse = whole;
+  const Real threshold = Real(1) / Real(inverse);
+  return {by_falloff ? Real(0) : threshold, by_falloff ? threshold : Real(0), Real(inverse)};
+}
+
+/// How tightly a splat's tiles are found. No choice changes a picture: pixels are cut off by
+/// themselves. Looser bounds only list splats in tiles where they draw nothing.
 struct BoundsOptions {
   bool rectangular = true;     // else a square of the longer half extent  [3DGS]
   bool opacity_aware = true;   // else every splat reaches as far as an opaque one
@@ -58,8 +90,9 @@ TESSERA_HD inline void tile_interval(Real centre, Real half_extent, int tiles, u
 
 /// Power of the cut-off ellipse that bounds are made for.
 template <class Real>
-TESSERA_HD inline Real bounds_power(const BoundsOptions& options, Real opacity) {
-  return cutoff_power(options.opacity_aware ? opacity : Real(1));
+TESSERA_HD inline Real bounds_power(const BoundsOptions& options, Real opacity,
+                                    const Cutoff<Real>& cutoff = {}) {
+  return cutoff.power(options.opacity_aware ? opacity : Real(1));
 }
 
 /// The bounding box of the cut-off ellipse in tiles: half extents √(2·power·Σ2_ii).

@@ -1,11 +1,12 @@
 // What: one Gaussian in one view → one splat: slice, cull, project, colour, bounds. In that order.
 // Not: loops and storage; both passes of every backend call these two functions.
-// Source: method A.5, A.6, D.1.
+// Source: method A.5, A.6, C.1–C.3, D.1.
 #pragma once
 #include "kernels/gaussians.h"
-#include "kernels/math/bounds.h"
+#include "kernels/math/filter_3d.h"
 #include "kernels/math/spacetime.h"
 #include "kernels/math/spherical_harmonics.h"
+#include "kernels/math/splat_rules.h"
 
 namespace tessera {
 
@@ -13,7 +14,9 @@ namespace tessera {
 template <class Real>
 struct GaussianState {
   Vec3<Real> mean;
-  Real opacity;  // σ(logit)
+  Real opacity;          // σ(logit), after the 3D filter
+  Real stored_opacity;   // σ(logit)
+  Vec3<Real> log_scale;  // after the 3D filter
   Spacetime<Real> spacetime;
   const Real* sh;
 };
@@ -32,8 +35,15 @@ template <Form form, class Real>
 TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64_t n,
                                      GaussianState<Real>& g) {
   const Vec4<Real> q = load4(set.at(kRotation, n));
-  const Vec3<Real> log_scale = load3(set.at(kLogScale, n));
+  Vec3<Real> log_scale = load3(set.at(kLogScale, n));
   if (!(dot(q, q) >= kMinQuaternionNorm2<Real>)) return false;
+  g.stored_opacity = g.opacity = sigmoid(*set.at(kOpacityLogit, n));
+  if (!set.filter_size.empty()) {
+    const Smoothed<Real> smoothed = smooth(log_scale, Real(set.filter_size[n]));
+    log_scale = smoothed.log_scale;
+    g.opacity *= smoothed.dimming;
+  }
+  g.log_scale = log_scale;
   if constexpr (form == Form::kPair) {
     const Vec4<Real> r = load4(set.at(kRotationRight, n));
     if (!(dot(r, r) >= kMinQuaternionNorm2<Real>)) return false;
@@ -45,7 +55,6 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
     g.spacetime = static_spacetime(q, log_scale);
   }
   g.mean = load3(set.at(kMean, n));
-  g.opacity = sigmoid(*set.at(kOpacityLogit, n));
   g.sh = set.at(kSh, n);
   const Sym3<Real>& c = g.spacetime.covariance;
   const Real trace = c.xx + c.yy + c.zz;
@@ -60,11 +69,30 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
   return sum - sum == Real(0);  // finite
 }
 
+/// φ of the 3D filter of Gaussian n from what each view that samples it sees; −1 where none does.
+/// In 4D a view sees the mean at its own moment, if the Gaussian is drawn then at all.
+template <Form form, class Real>
+TESSERA_HD inline Real filter_size_in(const GaussianSpans<const Real>& set, int64_t n,
+                                      const ViewArgs<Real>* views, int64_t view_count,
+                                      Real near_plane, Real focal) {
+  GaussianState<Real> g;
+  if (!load_gaussian<form>(set, n, g)) return Real(-1);
+  Real least = Real(-1);
+  for (int64_t b = 0; b < view_count; ++b) {
+    const Slice<Real> slice = slice_at(g.mean, g.spacetime, views[b].time);
+    if (!(slice.marginal >= kMinMarginal<Real>)) continue;
+    const Vec3<Real> in_cam = to_camera(views[b], slice.mean);
+    if (!samples(views[b], in_cam, near_plane)) continue;
+    least = least < Real(0) ? in_cam[2] : min_of(least, in_cam[2]);
+  }
+  return least < Real(0) ? least : sqrt(kFilterVariance<Real>) * least / focal;
+}
+
 template <class Real>
 struct ViewSplat {
   Slice<Real> slice;
   Projection<Real> projection;
-  Real opacity;  // effective
+  Real opacity;  // effective: o·p, with the 2D filter o·p·comp
   Real power;    // of the cut-off ellipse
   TileRect rect;
 
@@ -88,20 +116,23 @@ TESSERA_HD inline Vec3<Real> view_direction(const ViewArgs<Real>& view, const Ve
 /// False when the Gaussian is not drawn in this view.
 template <class Real>
 TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianState<Real>& g,
-                                     Real near_plane, Real far_plane, const BoundsOptions& bounds,
-                                     ViewSplat<Real>& out) {
+                                     const SplatRules<Real>& rules, ViewSplat<Real>& out) {
   out.slice = slice_at(g.mean, g.spacetime, view.time);
   if (!(out.slice.marginal >= kMinMarginal<Real>)) return false;
   out.opacity = g.opacity * out.slice.marginal;
-  if (!(out.opacity >= kMinAlpha<Real>)) return false;
+  if (!rules.cutoff.keeps(out.opacity)) return false;
   const Vec3<Real> in_cam = to_camera(view, out.slice.mean);
-  if (!(in_cam[2] >= near_plane && in_cam[2] <= far_plane)) return false;
-  if (!project_ewa(view, in_cam, g.spacetime.covariance, kDilation<Real>, out.projection))
+  if (!(in_cam[2] >= rules.near_plane && in_cam[2] <= rules.far_plane)) return false;
+  if (!project_ewa(view, in_cam, g.spacetime.covariance, rules.dilation, out.projection))
     return false;
   const Real probe = out.projection.mean2d[0] + out.projection.mean2d[1] + out.projection.det;
   if (!(probe - probe == Real(0))) return false;  // overflowed
-  out.power = bounds_power(bounds, out.opacity);
-  out.rect = tile_rect(bounds, view, out.projection.mean2d, out.projection.cov2d, out.power);
+  if (rules.compensated) {
+    out.opacity *= compensation(out.projection.conic, rules.dilation);
+    if (!rules.cutoff.keeps(out.opacity)) return false;
+  }
+  out.power = bounds_power(rules.bounds, out.opacity, rules.cutoff);
+  out.rect = tile_rect(rules.bounds, view, out.projection.mean2d, out.projection.cov2d, out.power);
   return !out.rect.empty();
 }
 

@@ -1,6 +1,6 @@
 // What: front-to-back blending, one tile at a time, sixteen pixels at once.
 // Not: its gradient (blend_backward.cpp).
-// Source: [3DGS]; method A.10.
+// Source: [3DGS]; method A.10, C.3.
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/tile_loop.h"
 
@@ -17,14 +17,15 @@ struct TileState {
 };
 
 template <class Real>
-void blend_row(const TileSplat<Real>& splat, int y, int32_t index, TileState<Real>& state) {
+void blend_row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int32_t index,
+               TileState<Real>& state) {
   const Real dy = splat.dy0 - Real(y);
   Real* T = state.transmittance[y];
   int32_t* used = state.used[y];
   for (int x = 0; x < kTileSize; ++x) {
     const Real G = splat_falloff(splat.conic, splat.dx0 - Real(x), dy);
     const Real alpha = splat.opacity * G;
-    const bool on = alpha >= kMinAlpha<Real> && T[x] >= kMinTransmittance<Real>;
+    const bool on = cutoff.draws(alpha, G) && T[x] >= kMinTransmittance<Real>;
     const Real drawn = on ? alpha : Real(0);
     const Real weight = T[x] * drawn;
     state.colour[0][y][x] += weight * splat.colour[0];
@@ -66,6 +67,7 @@ void CpuBackend<Real>::blend(const BlendArgs<Real>& args, Images<Real>& images) 
   images.colour.resize(3 * args.batch->pixels);
   images.transmittance.resize(args.batch->pixels);
   images.used.resize(args.batch->pixels);
+  const Cutoff<Real> cutoff = make_cutoff<Real>(args.options);
   for_each_tile_of(*args.batch, *args.instances, [&](const Tile<Real>& tile) {
     TileState<Real> state;
     for (int y = 0; y < tile.height; ++y)
@@ -76,7 +78,7 @@ void CpuBackend<Real>::blend(const BlendArgs<Real>& args, Images<Real>& images) 
       prefetch_splat(*args.splats, *args.instances, tile, i);
       const TileSplat<Real> splat(*args.splats, args.instances->splat[i], tile);
       for (int y = splat.first_row; y < splat.last_row; ++y)
-        blend_row(splat, y, int32_t(index), state);
+        blend_row(splat, cutoff, y, int32_t(index), state);
     }
     store_tile(state, tile, args.options, images);
   });

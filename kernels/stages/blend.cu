@@ -1,6 +1,6 @@
 // What: front-to-back blending on the device: a block a tile, a warp a part of it.
 // Not: its gradient (blend_backward.cu).
-// Source: [3DGS]; warp-level culling [Faster-GS]; method A.10.
+// Source: [3DGS]; warp-level culling [Faster-GS]; method A.10, C.3.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/blend_backward_args.cuh"
 #include "kernels/cuda/cuda_backend.h"
@@ -17,6 +17,7 @@ struct Blend {
   const int32_t* instance;
   const int32_t* tile_order;
   const Splat<float>* splats;
+  Cutoff<float> cutoff;
   float background[3];
   float* colour;
   float* transmittance;
@@ -38,9 +39,9 @@ struct PixelForward {
   __device__ float4 state() const { return {red, green, blue, T}; }
   __device__ bool alive() const { return T >= kMinTransmittance<float>; }
 
-  __device__ void blend(const SharedSplat& s, int32_t number) {
+  __device__ void blend(const SharedSplat& s, const Cutoff<float>& cutoff, int32_t number) {
     const PixelResponse p(s, x, y);
-    const bool on = p.alpha >= kMinAlpha<float> && alive();
+    const bool on = cutoff.draws(p.alpha, p.falloff) && alive();
     const float alpha = on ? p.alpha : 0.0f, weight = T * alpha;
     red += weight * s.b.z, green += weight * s.b.w, blue += weight * s.c.x;
     T *= 1.0f - alpha;
@@ -75,7 +76,7 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) blend_tiles(Blend
     for (; hits != 0; hits &= hits - 1) {
       const int i = __ffs(int(hits)) - 1;
       TESSERA_UNROLL
-      for (int p = 0; p < Pixels; ++p) pixel[p].blend(splats[i], splats.begin() + i + 1);
+      for (int p = 0; p < Pixels; ++p) pixel[p].blend(splats[i], a.cutoff, splats.begin() + i + 1);
     }
   }
   TESSERA_UNROLL
@@ -136,6 +137,7 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
           args.instances->splat.data(),
           args.instances->tile_order.data(),
           args.splats->splat.data(),
+          make_cutoff<float>(args.options),
           {},
           images.colour.data(),
           images.transmittance.data(),

@@ -1,7 +1,7 @@
 // What: gradient of blending, front to back, from the scalar R = ⟨colour still to come, dL/dC⟩.
 // Not: atomics: each instance writes its own sum, a second pass adds those of a splat in order, so
 //      the result does not depend on the number of threads.
-// Source: method A.11.
+// Source: method A.11, C.3.
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/tile_loop.h"
 
@@ -43,8 +43,8 @@ void load_tile(const BlendBackwardArgs<Real>& args, const Tile<Real>& tile,
 }
 
 template <class Real>
-void backward_row(const TileSplat<Real>& splat, int y, int32_t index, PixelState<Real>& state,
-                  Lanes<Real>& sum) {
+void backward_row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int32_t index,
+                  PixelState<Real>& state, Lanes<Real>& sum) {
   const Real dy = splat.dy0 - Real(y);
   const Sym2<Real>& conic = splat.conic;
   const Real *g0 = state.d_colour[0][y], *g1 = state.d_colour[1][y], *g2 = state.d_colour[2][y];
@@ -54,7 +54,7 @@ void backward_row(const TileSplat<Real>& splat, int y, int32_t index, PixelState
     const Real dx = splat.dx0 - Real(x);
     const Real G = splat_falloff(conic, dx, dy);
     const Real alpha = splat.opacity * G;
-    const bool on = alpha >= kMinAlpha<Real> && index < used[x];
+    const bool on = cutoff.draws(alpha, G) && index < used[x];
     const Real drawn = on ? alpha : Real(0);
     const Real weight = T[x] * drawn;
     const Real kappa = splat.colour[0] * g0[x] + splat.colour[1] * g1[x] + splat.colour[2] * g2[x];
@@ -103,6 +103,7 @@ void CpuBackend<Real>::blend_backward(const BlendBackwardArgs<Real>& args,
                                       Span<SplatGradient<Real>> d_splats) {
   const TileInstances<Real>& instances = *args.forward.instances;
   const Splats<Real>& splats = *args.forward.splats;
+  const Cutoff<Real> cutoff = make_cutoff<Real>(args.forward.options);
   instance_gradients_.resize(instances.count);
   for_each_tile_of(*args.forward.batch, instances, [&](const Tile<Real>& tile) {
     PixelState<Real> state;
@@ -117,7 +118,7 @@ void CpuBackend<Real>::blend_backward(const BlendBackwardArgs<Real>& args,
       Lanes<Real> sum = {};
       const TileSplat<Real> splat(splats, instances.splat[i], tile);
       for (int y = splat.first_row; y < splat.last_row; ++y)
-        backward_row(splat, y, index, state, sum);
+        backward_row(splat, cutoff, y, index, state, sum);
       instance_gradients_[i] = reduce(sum);
     }
   });

@@ -2,7 +2,7 @@
 // come, dL/dC⟩. Lanes are pixels; splats that miss a warp's part of the tile are skipped. The other
 // form, lanes as splats, is in blend_backward_per_gaussian.cu.
 // Not: atomics when a fixed order is asked for: every warp then keeps its sum of each instance.
-// Source: method A.11, G.4.
+// Source: method A.11, C.3, G.4.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/blend_backward_args.cuh"
 #include "kernels/cuda/cuda_backend.h"
@@ -48,14 +48,14 @@ __device__ inline int32_t largest_of_warp(int32_t v) {
 
 /// A lane's pixels take their step past a splat; false for the whole warp when none draws it.
 template <int Pixels>
-__device__ inline bool step_lane(const SharedSplat& s, int32_t index,
+__device__ inline bool step_lane(const SharedSplat& s, const Cutoff<float>& cutoff, int32_t index,
                                  PixelBackward (&pixel)[Pixels], float (&v)[kGradientTerms]) {
   bool on[Pixels], any = false;
   PixelResponse response[Pixels];
   TESSERA_UNROLL
   for (int p = 0; p < Pixels; ++p) {
     response[p] = PixelResponse(s, pixel[p].x, pixel[p].y);
-    on[p] = response[p].alpha >= kMinAlpha<float> && index < pixel[p].used;
+    on[p] = cutoff.draws(response[p].alpha, response[p].falloff) && index < pixel[p].used;
     any = any || on[p];
   }
   if (!__any_sync(~0u, any)) return false;
@@ -118,7 +118,7 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) backward_tiles(Bl
       const int i = __ffs(int(hits)) - 1;
       const int32_t number = splats.number(i);
       float v[kGradientTerms];
-      if (!step_lane(splats[i], splats.begin() + i, pixel, v)) continue;
+      if (!step_lane(splats[i], a.cutoff, splats.begin() + i, pixel, v)) continue;
       // lanes 0, 4, … 28 get the first eight terms, lane 1 the ninth
       const float sum = reduce_eight(v), ninth = reduce_one(v[8]);
       const int term = lane == 1 ? 8 : lane / 4;
@@ -168,6 +168,7 @@ void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
                   instances.tile_order.data(),
                   instances.count,
                   args.forward.splats->splat.data(),
+                  make_cutoff<float>(args.forward.options),
                   args.images->colour.data(),
                   args.d_colour.data,
                   args.images->used.data(),

@@ -43,7 +43,7 @@ __global__ void __launch_bounds__(32 * kWarps) backward_buckets(BlendBackward a)
     if (lane != 0) pixel.T = T, pixel.R = R;
     if (from >= 0 && from < kTilePixels && listed && index < pixel.used) {
       const PixelResponse p(s, pixel.x, pixel.y);
-      if (p.alpha >= kMinAlpha<float>) pixel.step(s, p, true, sum);
+      if (a.cutoff.draws(p.alpha, p.falloff)) pixel.step(s, p, true, sum);
     }
     T = pixel.T, R = pixel.R;
   }

@@ -32,10 +32,9 @@ template <Form form, class Real>
 void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t end,
                  Chunk<Real>& chunk) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
-  const Real near_plane = Real(args.options.near_plane), far_plane = Real(args.options.far_plane);
+  const SplatRules<Real> rules = make_splat_rules<Real>(args.options);
   const int degree = min_of(args.options.sh_degree, sh_degree_of(args.sets[set].coefficients));
   const LazySh<Real>& lazy = args.lazy[set];
-  const BoundsOptions& bounds = args.options.kernels.bounds;
   for (int64_t n = begin; n < end; ++n) {
     chunk.starts.push_back(int64_t(chunk.records.size()));
     GaussianState<Real> g;
@@ -45,10 +44,10 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t 
     }
     for (size_t b = 0; b < views.size(); ++b) {
       ViewSplat<Real> splat;
-      if (!splat_in_view(views[b], g, near_plane, far_plane, bounds, splat)) continue;
+      if (!splat_in_view(views[b], g, rules, splat)) continue;
       Record<Real> record;
       record.tiles = 0;
-      for_each_tile(bounds, splat.footprint(), splat.rect, views[b].tiles_x,
+      for_each_tile(rules.bounds, splat.footprint(), splat.rect, views[b].tiles_x,
                     [&](int) { ++record.tiles; });
       if (record.tiles == 0) continue;
       Splat<Real>& out = record.splat;

@@ -25,8 +25,7 @@ struct SetArgs {
   int64_t first;
   const ViewArgs<float>* views;
   int view_count, degree;
-  float near_plane, far_plane;
-  BoundsOptions bounds;
+  SplatRules<float> rules;
   bool sliced_direction;
 };
 
@@ -44,8 +43,7 @@ __global__ void __launch_bounds__(kThreads)
     uint32_t bits = 0;
     for (int b = 32 * word; valid && b < min(a.view_count, 32 * word + 32); ++b) {
       ViewSplat<float> splat;
-      if (splat_in_view(a.views[b], g, a.near_plane, a.far_plane, a.bounds, splat))
-        bits |= 1u << (b - 32 * word);
+      if (splat_in_view(a.views[b], g, a.rules, splat)) bits |= 1u << (b - 32 * word);
     }
     seen_by[(a.first + n) * words + word] = bits;
     count += __popc(bits);
@@ -88,7 +86,7 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
   GaussianState<float> g;
   ViewSplat<float> in_view;
   load_gaussian<form>(a.set, n, g);
-  splat_in_view(a.views[b], g, a.near_plane, a.far_plane, a.bounds, in_view);
+  splat_in_view(a.views[b], g, a.rules, in_view);
   splat.mean2d = in_view.projection.mean2d, splat.conic = in_view.projection.conic;
   splat.opacity = in_view.opacity, splat.power = in_view.power, splat.view = b;
   out.depth[s] = in_view.projection.in_cam[2];
@@ -118,7 +116,7 @@ __global__ void __launch_bounds__(kThreads)
     tiles_x = a.views[splat.view].tiles_x;
   }
   walk_tiles(
-      a.bounds, balanced, splat.footprint(), rect, tiles_x, [&](int) { ++count; },
+      a.rules.bounds, balanced, splat.footprint(), rect, tiles_x, [&](int) { ++count; },
       [&](int more) { count += more; });
   if (on) out.tiles[s] = count;
   unsigned long long sum = (unsigned long long)count;
@@ -137,9 +135,7 @@ SetArgs set_args(const ProjectArgs<float>& args, int set, const ViewArgs<float>*
           views,
           int(args.batch->views.size()),
           min_of(args.options.sh_degree, sh_degree_of(spans.coefficients)),
-          float(args.options.near_plane),
-          float(args.options.far_plane),
-          args.options.kernels.bounds,
+          make_splat_rules<float>(args.options),
           args.options.sliced_direction};
 }
 

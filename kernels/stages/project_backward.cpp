@@ -29,8 +29,9 @@ void add_sh(int degree, const ColourGradient<Real>& colour, Real* d_sh) {
 }
 
 template <Form form, class Real>
-void gaussian_gradient(const ProjectBackwardArgs<Real>& args, int set, int64_t n, int64_t first,
-                       int64_t last, GaussianGradient<Real>& out) {
+void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<Real>& rules,
+                       int set, int64_t n, int64_t first, int64_t last,
+                       GaussianGradient<Real>& out) {
   const GaussianSpans<const Real>& params = args.forward.sets[set];
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
   const int degree = min_of(args.forward.options.sh_degree, sh_degree_of(params.coefficients));
@@ -41,7 +42,8 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, int set, int64_t n
   for (int64_t s = first; s < last; ++s) {
     const Splat<Real>& splat = args.splats->splat[s];
     const ViewArgs<Real>& view = views[size_t(splat.view)];
-    add_sh(degree, add_view_gradient(view, g, g.sh, degree, sliced, splat, args.d_splats[s], sums),
+    add_sh(degree,
+           add_view_gradient(view, g, g.sh, degree, sliced, rules, splat, args.d_splats[s], sums),
            out.sh);
   }
   out.geometry = geometry_gradient<form>(params, n, g, sums);
@@ -62,13 +64,14 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t fi
   const SinkArgs<Real>& wanted = args.sinks[set];
   const IdleUpdate idle = wanted.fused ? wanted.idle : IdleUpdate::kDense;
   const int width = 3 * args.forward.sets[set].coefficients;
+  const SplatRules<Real> rules = make_splat_rules<Real>(args.forward.options);
   unsigned bad = 0;
   for (int64_t n = begin; n < end; ++n) {
     const int64_t first = args.splats->first_of[first_gaussian + n];
     const int64_t last = args.splats->first_of[first_gaussian + n + 1];
     if (first == last && idle == IdleUpdate::kSkip) continue;
     GaussianGradient<Real> gradient;
-    if (first < last) gaussian_gradient<form>(args, set, n, first, last, gradient);
+    if (first < last) gaussian_gradient<form>(args, rules, set, n, first, last, gradient);
     bad |= gradient.bad;
     sink.template accept<form>(n, gradient.geometry);
     if (idle == IdleUpdate::kLazy) {

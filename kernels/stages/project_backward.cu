@@ -22,6 +22,7 @@ struct Backward {
   const ViewArgs<float>* views;
   int view_count, degree;
   bool sliced_direction;
+  SplatRules<float> rules;
   const Splat<float>* splats;
   const int32_t *tiles, *gaussian;
   const int64_t* first_of;
@@ -51,9 +52,9 @@ __global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<
     float sh[3 * kMaxShCoefficients] = {};
     load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
     const SplatGradient<float> d = a.d_splats[s];
-    keep_colour(
-        add_view_gradient(a.views[splat.view], g, sh, a.degree, a.sliced_direction, splat, d, sum),
-        a.d_splats[s]);
+    keep_colour(add_view_gradient(a.views[splat.view], g, sh, a.degree, a.sliced_direction, a.rules,
+                                  splat, d, sum),
+                a.d_splats[s]);
   }
   sums[s] = sum;
 }
@@ -192,6 +193,7 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      int(args.forward.batch->views.size()),
                      min_of(args.forward.options.sh_degree, sh_degree_of(spans.coefficients)),
                      args.forward.options.sliced_direction,
+                     make_splat_rules<float>(args.forward.options),
                      args.splats->splat.data(),
                      args.splats->tiles.data(),
                      args.splats->gaussian.data(),

@@ -1,6 +1,6 @@
 // What: gradient of one splat → sums over the views of its Gaussian → gradient by what is stored.
 // Not: loops over splats, nor the SH coefficients: their gradient is Y_k(direction) ⊗ d_colour.
-// Source: method A.12, D.2, D.6.
+// Source: method A.12, C.1, C.2, D.2, D.6.
 #pragma once
 #include "kernels/batch.h"
 #include "kernels/math/splat.h"
@@ -13,7 +13,7 @@ template <class Real>
 struct ViewSums {
   SpacetimeGradient<Real> spacetime{};
   Vec3<Real> mean{};
-  Real opacity{};    // by σ(logit)
+  Real opacity{};    // by the opacity before p and comp
   Real ndc_norms{};  // Σ_v ‖dL/d mean2D in NDC‖
 
   TESSERA_HD ViewSums& operator+=(const ViewSums& o) {
@@ -36,12 +36,20 @@ struct ColourGradient {
 template <class Real>
 TESSERA_HD inline ColourGradient<Real> add_view_gradient(
     const ViewArgs<Real>& view, const GaussianState<Real>& g, const Real* sh, int degree,
-    bool sliced_direction, const Splat<Real>& splat, const SplatGradient<Real>& d,
-    ViewSums<Real>& sums) {
+    bool sliced_direction, const SplatRules<Real>& rules, const Splat<Real>& splat,
+    const SplatGradient<Real>& d, ViewSums<Real>& sums) {
   const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time);
+  Sym2<Real> d_conic = d.conic;
+  Real comp = Real(1);
+  if (rules.compensated) {
+    comp = compensation(splat.conic, rules.dilation);
+    if (rules.full_gradient)
+      compensation_backward(splat.conic, rules.dilation, comp,
+                            d.opacity * g.opacity * slice.marginal, d_conic);
+  }
   Vec3<Real> d_mean(Real(0));
   project_ewa_backward(view, to_camera(view, slice.mean), g.spacetime.covariance, splat.conic,
-                       d.mean2d, d.conic, d_mean, sums.spacetime.covariance);
+                       d.mean2d, d_conic, d_mean, sums.spacetime.covariance);
   ColourGradient<Real> colour;
   for (int c = 0; c < 3; ++c) colour.d_colour[c] = splat.negative >> c & 1 ? Real(0) : d.colour[c];
   Real distance;
@@ -49,9 +57,9 @@ TESSERA_HD inline ColourGradient<Real> add_view_gradient(
   const Vec3<Real> d_eye =
       sh_direction_backward(degree, colour.direction, distance, sh, colour.d_colour);
   if (sliced_direction) d_mean += d_eye;
-  slice_backward(g.spacetime, slice, d_mean, d.opacity * g.opacity, sums.spacetime);
+  slice_backward(g.spacetime, slice, d_mean, d.opacity * comp * g.opacity, sums.spacetime);
   sums.mean += sliced_direction ? d_mean : d_mean + d_eye;
-  sums.opacity += d.opacity * slice.marginal;
+  sums.opacity += d.opacity * comp * slice.marginal;
   const Real ndc_x = d.mean2d[0] * Real(view.width) * Real(0.5);
   const Real ndc_y = d.mean2d[1] * Real(view.height) * Real(0.5);
   sums.ndc_norms += sqrt(ndc_x * ndc_x + ndc_y * ndc_y);
@@ -65,9 +73,9 @@ TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<c
                                                            const ViewSums<Real>& sums) {
   GeometryGradient<Real> out;
   const Vec4<Real> q = load4(set.at(kRotation, n));
-  const Vec3<Real> log_scale = load3(set.at(kLogScale, n));
+  const Vec3<Real>& log_scale = g.log_scale;
   out.mean = sums.mean;
-  out.opacity_logit = sums.opacity * g.opacity * (Real(1) - g.opacity);
+  out.opacity_logit = sums.opacity * g.opacity * (Real(1) - g.stored_opacity);
   if constexpr (form == Form::kPair) {
     const PairGradient<Real> d = pair_backward(q, load4(set.at(kRotationRight, n)), log_scale,
                                                *set.at(kLogScaleTime, n), sums.spacetime);
@@ -82,6 +90,8 @@ TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<c
     out.log_scale_time = Real(-2) * sums.spacetime.precision_time * g.spacetime.precision_time;
     out.mean_time = sums.spacetime.mean_time;
   }
+  if (!set.filter_size.empty())
+    smooth_backward(log_scale, Real(set.filter_size[n]), sums.opacity * g.opacity, out.log_scale);
   return out;
 }
 

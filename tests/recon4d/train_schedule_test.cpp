@@ -51,6 +51,21 @@ TEST(TrainSchedule, EventsOfTheReference) {
 }
 
 // Bug put back: no extra reset; seen to fail.
+// Bugs put back, each seen to fail: not at the start; on to the last step.
+TEST(TrainSchedule, TheFilterIsMeasuredAfterDensityControlAndOnFromItsEnd) {
+  TrainOptions options;
+  const auto measures = [](const Schedule& s, int64_t i) { return s.measure_filter(i); };
+  EXPECT_TRUE(steps_of(options, measures).empty());
+  for (const char* filter : {"mip", "clamp"}) {
+    options.filter_3d = filter;
+    std::vector<int64_t> expected = every(100, 600, 29900);
+    expected.insert(expected.begin(), 0);
+    EXPECT_EQ(steps_of(options, measures), expected);
+  }
+  options.densify_until = 0;
+  EXPECT_EQ(steps_of(options, measures), every(100, 0, 29900));
+}
+
 TEST(TrainSchedule, ABrightBackgroundIsClearedOnceMore) {
   TrainOptions options;
   options.opacity_reset_interval = 3000;

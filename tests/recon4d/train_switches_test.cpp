@@ -54,6 +54,11 @@ const std::vector<Alternative>& alternatives() {
       {"sh_degree", 2},
       {"sh_interval", 12},
       {"sliced_direction", false},
+      {"filter_2d", true},
+      {"filter_2d_gradient", "full", {{"filter_2d", true}}},
+      {"filter_3d", "mip"},
+      {"truncation_sigma", 2},
+      {"truncation_by_falloff", true},
       {"lambda_dssim", 0.5},
       {"lr_mean", 3e-4},
       {"lr_mean_final", 1.6e-4},
@@ -93,8 +98,9 @@ const std::vector<Alternative>& same_models() {
   return rows;
 }
 
-/// Rows that act on the scene before it is trained on: CliSweep.CompletesAScene.
-const char* const kBeforeTraining[] = {"sweep"};
+/// Rows that act on the scene before it is trained on: CliSweep.CompletesAScene,
+/// CliScales.AreScoredAgainstTruthOfTheirSize.
+const char* const kBeforeTraining[] = {"sweep", "train_scale"};
 
 /// Rows that list splats in more tiles: the instances of a step say so.
 const char* const kBounds[] = {"rectangular_bounds", "opacity_bounds", "tile_culling"};

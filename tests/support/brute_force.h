@@ -1,7 +1,7 @@
 // What: a renderer written as plain loops from the formulas: every pixel meets every Gaussian,
 // sorted by depth, in double. The truth that backends are compared with.
 // Not: fast, and not built from kernels/math: rotations are quaternion products, covariances are
-// arrays, there are no tiles and no bounds. Source: method A.5, A.10, D.1.
+// arrays, there are no tiles and no bounds. Source: method A.5, A.10, C.1–C.3, D.1.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -35,15 +35,22 @@ struct BruteGaussian {
 };
 
 /// Σ₄ on (t, x, y, z) from its axes l·e_k·r, each of deviation e^{scale}; a static Gaussian is the
-/// same with r = conj(l) and no time axis. With a velocity v, time's axis is σ_t (1, v).
+/// same with r = conj(l) and no time axis. With a velocity v, time's axis is σ_t (1, v). The 3D
+/// filter widens the spatial deviations by φ.
 inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, double time) {
   const Quaternion l = unit_quaternion(set.at(kRotation, n));
   const Quaternion r = set.form == Form::kPair ? unit_quaternion(set.at(kRotationRight, n))
                                                : Quaternion{l[0], -l[1], -l[2], -l[3]};
-  double S[4][4] = {};
+  const double size = set.filter_size.empty() ? 0 : set.filter_size[size_t(n)];
+  double S[4][4] = {}, dimming = 1;
   for (int k = set.form != Form::kStatic ? 0 : 1; k < 4; ++k) {
     Quaternion axis{};
     axis[size_t(k)] = std::exp(k == 0 ? *set.at(kLogScaleTime, n) : set.at(kLogScale, n)[k - 1]);
+    if (k > 0 && size > 0) {
+      const double wide = std::hypot(axis[size_t(k)], size);
+      dimming *= axis[size_t(k)] / wide;
+      axis[size_t(k)] = wide;
+    }
     Quaternion image = hamilton(hamilton(l, axis), r);
     for (size_t i = 0; set.form == Form::kVelocity && k == 0 && i < 3; ++i)
       image[i + 1] = axis[0] * set.at(kVelocity, n)[i];
@@ -51,7 +58,7 @@ inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, do
       for (size_t j = 0; j < 4; ++j) S[i][j] += image[i] * image[j];
   }
   BruteGaussian g;
-  g.opacity = 1 / (1 + std::exp(-*set.at(kOpacityLogit, n)));
+  g.opacity = dimming / (1 + std::exp(-*set.at(kOpacityLogit, n)));
   const double delta = set.form != Form::kStatic ? time - *set.at(kMeanTime, n) : 0;
   const double w = set.form != Form::kStatic ? S[0][0] : INFINITY;
   for (size_t i = 0; i < 3; ++i) {
@@ -66,6 +73,7 @@ inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, do
 
 struct BruteSplat {
   double depth = 0, u = 0, v = 0, opacity = 0;
+  double compensation = 1;  // of the 2D filter, in `opacity` already
   double conic_uu = 0, conic_uv = 0, conic_vv = 0;
   std::array<double, 3> colour{};
 };
@@ -86,11 +94,12 @@ inline std::array<double, 3> colour_brute(const TestGaussians<double>& set, int6
   return colour;
 }
 
-/// False when the Gaussian is not drawn in the view.
+/// False when the Gaussian is not drawn in the view. `frozen`: a compensation instead of its own.
 inline bool splat_brute(const TestGaussians<double>& set, int64_t n, const View& view,
-                        const RenderOptions& options, BruteSplat& out) {
+                        const RenderOptions& options, BruteSplat& out,
+                        const double* frozen = nullptr) {
   const BruteGaussian g = slice_brute(set, n, view.time);
-  if (!(g.opacity >= 1.0 / 255)) return false;
+  if (g.opacity == 0 && !options.truncation_by_falloff) return false;
   const Camera& camera = view.camera;
   double W[3][3], p[3];
   for (int i = 0; i < 3; ++i) {
@@ -107,7 +116,8 @@ inline bool splat_brute(const TestGaussians<double>& set, int64_t n, const View&
                               (1.15 * camera.height - camera.cy) / camera.fl_y);
   const double J[2][3] = {{camera.fl_x / p[2], 0, -camera.fl_x * x / p[2]},
                           {0, camera.fl_y / p[2], -camera.fl_y * y / p[2]}};
-  double A[2][3] = {}, cov[2][2] = {{0.3, 0}, {0, 0.3}};
+  const double dilation = options.filter_2d ? 0.1 : 0.3;
+  double A[2][3] = {}, cov[2][2] = {};
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 3; ++j)
       for (int k = 0; k < 3; ++k) A[i][j] += J[i][k] * W[k][j];
@@ -115,9 +125,14 @@ inline bool splat_brute(const TestGaussians<double>& set, int64_t n, const View&
     for (int j = 0; j < 2; ++j)
       for (int k = 0; k < 9; ++k)
         cov[i][j] += A[i][k / 3] * g.covariance[k / 3][k % 3] * A[j][k % 3];
+  const double sharp = cov[0][0] * cov[1][1] - cov[0][1] * cov[1][0];
+  cov[0][0] += dilation, cov[1][1] += dilation;
   const double det = cov[0][0] * cov[1][1] - cov[0][1] * cov[1][0];
   if (!(det >= 1e-6)) return false;
-  out.depth = p[2], out.opacity = g.opacity;
+  out.compensation = !options.filter_2d ? 1
+                     : frozen           ? *frozen
+                                        : std::sqrt(std::max(0.0, sharp / det));
+  out.depth = p[2], out.opacity = g.opacity * out.compensation;
   out.u = camera.fl_x * p[0] / p[2] + camera.cx, out.v = camera.fl_y * p[1] / p[2] + camera.cy;
   out.conic_uu = cov[1][1] / det, out.conic_uv = -cov[0][1] / det, out.conic_vv = cov[0][0] / det;
   out.colour = colour_brute(set, n, g.mean, camera, options.sh_degree);
@@ -131,12 +146,18 @@ struct BruteImage {
   std::vector<bool> critical;
 };
 
-inline BruteImage render_brute(const TestScene<double>& scene, const View& view, double band = 0) {
+/// `frozen`: the compensation of every Gaussian, those of the static set first.
+inline BruteImage render_brute(const TestScene<double>& scene, const View& view, double band = 0,
+                               const std::vector<double>& frozen = {}) {
   std::vector<BruteSplat> splats;
   BruteSplat splat;
+  size_t number = 0;
   for (const TestGaussians<double>* set : {&scene.fixed, &scene.moving})
-    for (int64_t n = 0; n < set->count; ++n)
-      if (splat_brute(*set, n, view, scene.options, splat)) splats.push_back(splat);
+    for (int64_t n = 0; n < set->count; ++n, ++number)
+      if (splat_brute(*set, n, view, scene.options, splat,
+                      frozen.empty() ? nullptr : &frozen[number]))
+        splats.push_back(splat);
+  const double k = scene.options.truncation_sigma, threshold = std::exp(-k * k / 2);
   std::stable_sort(splats.begin(), splats.end(),
                    [](const BruteSplat& a, const BruteSplat& b) { return a.depth < b.depth; });
   const int width = view.camera.width, pixels = width * view.camera.height;
@@ -146,11 +167,12 @@ inline BruteImage render_brute(const TestScene<double>& scene, const View& view,
     double T = 1, colour[3] = {};
     for (const BruteSplat& s : splats) {
       const double dx = s.u - (p % width + 0.5), dy = s.v - (p / width + 0.5);
-      const double alpha =
-          s.opacity *
+      const double falloff =
           std::exp(-0.5 * (s.conic_uu * dx * dx + s.conic_vv * dy * dy) - s.conic_uv * dx * dy);
-      if (std::abs(255 * alpha - 1) < band) image.critical[size_t(p)] = true;
-      if (alpha < 1.0 / 255) continue;
+      const double alpha = s.opacity * falloff;
+      const double cut = scene.options.truncation_by_falloff ? falloff : alpha;
+      if (std::abs(cut / threshold - 1) < band) image.critical[size_t(p)] = true;
+      if (cut < threshold) continue;
       for (size_t c = 0; c < 3; ++c) colour[c] += T * alpha * s.colour[c];
       T *= 1 - alpha;
       if (std::abs(1e4 * T - 1) < band) image.critical[size_t(p)] = true;

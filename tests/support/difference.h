@@ -28,7 +28,7 @@ class LossProbe {
       out.loss += loss.total / double(scene.views.size());
     digest_ = 0xcbf29ce484222325u;
     for (const int32_t used : images.used) add(uint64_t(used));
-    add_splats();
+    add_splats(scene.options);
     add_signs(images);
     out.decisions = digest_;
     return out;
@@ -37,7 +37,8 @@ class LossProbe {
  private:
   void add(uint64_t value) { digest_ = (digest_ ^ value) * 0x100000001b3u; }
 
-  void add_splats() {
+  void add_splats(const RenderOptions& options) {
+    const Cutoff<double> cutoff = make_cutoff<double>(options);
     const Splats<double>& splats = pipeline_.splats();
     for (const int64_t first : splats.first_of) add(uint64_t(first));
     for (const Splat<double>& splat : splats.splat) {
@@ -47,7 +48,7 @@ class LossProbe {
         for (int x = 0; x < view.width; ++x) {
           const double falloff =
               splat_falloff(splat.conic, splat.mean2d[0] - x - 0.5, splat.mean2d[1] - y - 0.5);
-          add(splat.opacity * falloff >= kMinAlpha<double>);
+          add(cutoff.draws(splat.opacity * falloff, falloff));
         }
     }
   }

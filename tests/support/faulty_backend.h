@@ -68,6 +68,12 @@ class FaultyBackend final : public Backend {
   void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override {
     cpu_->locality_order(set, order);
   }
+  void filter_sizes(const FilterArgs<float>& args, Span<float> sizes) override {
+    cpu_->filter_sizes(args, sizes);
+  }
+  void edit_by_filter(FilterEdit edit, const GaussianSpans<float>& set, float limit) override {
+    cpu_->edit_by_filter(edit, set, limit);
+  }
   void limit_values(Span<float> values, float limit) override { cpu_->limit_values(values, limit); }
   void fill_zero(Span<float> values) override { cpu_->fill_zero(values); }
 

@@ -147,6 +147,14 @@ class SeparateBackend final : public Backend {
   void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override {
     own.inside([&] { cpu_->locality_order(set, order); });
   }
+  void filter_sizes(const FilterArgs<float>& args, Span<float> sizes) override {
+    check_lies_here(args.set), check_lies_here(sizes);
+    own.inside([&] { cpu_->filter_sizes(args, sizes); });
+  }
+  void edit_by_filter(FilterEdit edit, const GaussianSpans<float>& set, float limit) override {
+    check_lies_here(set);
+    own.inside([&] { cpu_->edit_by_filter(edit, set, limit); });
+  }
   void limit_values(Span<float> values, float limit) override {
     check_lies_here(values);
     own.inside([&] { cpu_->limit_values(values, limit); });
@@ -164,6 +172,7 @@ class SeparateBackend final : public Backend {
   template <class T>
   void check_lies_here(const GaussianSpans<T>& set) {
     for (const Span<T>& group : set.group) check_lies_here(group);
+    check_lies_here(set.filter_size);
   }
   void check_lies_here(const LazySh<float>& lazy) {
     check_lies_here(lazy.last_step), check_lies_here(lazy.table), check_lies_here(lazy.value);

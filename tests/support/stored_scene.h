@@ -35,7 +35,11 @@ template <class Real>
 class StoredGaussians {
  public:
   StoredGaussians(const TestGaussians<Real>& set, Memory& memory)
-      : memory_(memory), form_(set.form), count_(set.count), coefficients_(set.coefficients) {
+      : memory_(memory),
+        form_(set.form),
+        count_(set.count),
+        coefficients_(set.coefficients),
+        filter_size_(stored(set.filter_size, memory)) {
     for (int g = 0; g < kGroupCount; ++g) group_[g] = stored(set.group[g], memory);
   }
 
@@ -44,6 +48,7 @@ class StoredGaussians {
   TestGaussians<Real> fetch() const {
     TestGaussians<Real> set(form_, count_, coefficients_);
     for (int g = 0; g < kGroupCount; ++g) set.group[g] = fetched(group_[g], memory_);
+    set.filter_size = fetched(filter_size_, memory_);
     return set;
   }
 
@@ -53,6 +58,7 @@ class StoredGaussians {
     GaussianSpans<T> s;
     s.form = self.form_, s.count = self.count_, s.coefficients = self.coefficients_;
     for (int g = 0; g < kGroupCount; ++g) s.group[g] = self.group_[g].span();
+    s.filter_size = self.filter_size_.span();
     return s;
   }
 
@@ -61,6 +67,7 @@ class StoredGaussians {
   int64_t count_;
   int coefficients_;
   Buffer<Real> group_[kGroupCount];
+  Buffer<Real> filter_size_;
 };
 
 /// Parameters and ground truth of a TestScene in a backend's memory.

@@ -18,6 +18,7 @@ struct TestGaussians {
   int64_t count;
   int coefficients;
   std::vector<Real> group[kGroupCount];
+  std::vector<Real> filter_size;  // [N] φ of the 3D filter; empty: none
 
   explicit TestGaussians(Form f = Form::kStatic, int64_t n = 0, int k = 16)
       : form(f), count(n), coefficients(k) {
@@ -36,6 +37,7 @@ struct TestGaussians {
   TestGaussians<To> as() const {
     TestGaussians<To> to(form, count, coefficients);
     for (int g = 0; g < kGroupCount; ++g) to.group[g].assign(group[g].begin(), group[g].end());
+    to.filter_size.assign(filter_size.begin(), filter_size.end());
     return to;
   }
   /// Gaussians of this set in the order `index`.
@@ -45,6 +47,8 @@ struct TestGaussians {
       for (size_t i = 0; i < index.size(); ++i)
         std::copy_n(at(Group(g), index[i]), group_width(Group(g), coefficients, form),
                     to.at(Group(g), int64_t(i)));
+    for (const int64_t i : index)
+      if (!filter_size.empty()) to.filter_size.push_back(filter_size[size_t(i)]);
     return to;
   }
 
@@ -55,6 +59,7 @@ struct TestGaussians {
     s.form = self.form, s.count = self.count, s.coefficients = self.coefficients;
     for (int g = 0; g < kGroupCount; ++g)
       s.group[g] = {self.group[g].data(), int64_t(self.group[g].size())};
+    s.filter_size = {self.filter_size.data(), int64_t(self.filter_size.size())};
     return s;
   }
 };
@@ -152,6 +157,14 @@ void fill_truth(TestScene<Real>& scene, Random& random) {
     scene.truth.emplace_back(size_t(3 * view.camera.width * view.camera.height));
     for (uint8_t& byte : scene.truth.back()) byte = uint8_t(random.below(256));
   }
+}
+
+/// A 3D filter about as large as Gaussians of that size, of none at every third.
+inline void add_filter_3d(TestScene<double>& scene, double size, uint64_t seed) {
+  Random random(seed);
+  for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
+    for (int64_t n = 0; n < set->count; ++n)
+      set->filter_size.push_back(n % 3 == 2 ? 0 : random.uniform(0.3 * size, 1.5 * size));
 }
 
 inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size, uint64_t seed,

@@ -162,6 +162,7 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
   for (const SetStatistics& statistics : state.statistics) {
     append_bits(bits, statistics.gradient_sum);
     append_bits(bits, statistics.count);
+    append_bits(bits, statistics.filter_size);
   }
   for (int64_t value :
        {state.iteration, state.sampler_epoch, state.sampler_position, int64_t(state.finished)})
