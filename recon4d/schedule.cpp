@@ -45,26 +45,29 @@ bool Schedule::reorder(int64_t i) const {
          i % reorder_interval_ == 0;
 }
 
-AdamGroups<float> Schedule::adam(int64_t i, int dim) const {
-  // means decay log-linearly over the whole training; temporal means do not  [method 0.16]
+double Schedule::mean_rate(int64_t i) const {
+  // log-linear over the whole training
   const double u =
       std::clamp(double(i + 1) / double(std::max<int64_t>(1, options_.iterations)), 0.0, 1.0);
   const double first = std::max(options_.lr_mean, 1e-300);
   const double last = std::max(options_.lr_mean_final, 1e-300);
-  const double lr_mean = extent_ * std::exp((1 - u) * std::log(first) + u * std::log(last));
+  return extent_ * std::exp((1 - u) * std::log(first) + u * std::log(last));
+}
+
+AdamGroups<float> Schedule::adam(int64_t i, int dim) const {
   const int64_t step = i + 1;
   AdamGroups<float> groups;
   const auto set = [&](Group group, double rate) {
     groups.group[group] = adam_scalars<float>(rate, step);
   };
-  set(kMean, lr_mean);
+  set(kMean, mean_rate(i));
   set(kLogScale, options_.lr_scale);
   set(kRotation, options_.lr_rotation);
   set(kOpacityLogit, options_.lr_opacity);
   set(kSh, options_.lr_sh);
   groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
   if (dim == 4) {
-    set(kMeanTime, options_.lr_mean_time * extent_);
+    set(kMeanTime, options_.lr_mean_time * extent_);  // does not decay  [method 0.16]
     set(kLogScaleTime, options_.lr_scale_time);
     set(kRotationRight, options_.lr_rotation);
   }

@@ -11,6 +11,7 @@
 #include "kernels/lazy_schedule.h"
 #include "recon4d/initialise.h"
 #include "recon4d/kernel_options.h"
+#include "recon4d/mcmc.h"
 #include "recon4d/render.h"
 
 namespace tessera {
@@ -121,17 +122,28 @@ void Trainer::control() {
   }
   if (densifies || reorders || degree != state_.model.sh_degree) catch_up();
   state_.model.sh_degree = degree;
+  if (densifies) densify();
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);
     if (set.count() == 0) continue;
-    if (densifies) {
-      const DensityReport report = control_density(
-          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k), i}, set,
-          state_.statistics[k]);
-      observer_.on_density(i, k == 0 ? "static" : "dynamic", report);
-    }
     if (reorders) reorder(backend_, set, state_.statistics[k]);
     if (schedule_.reset_opacity(i)) reset_opacity(backend_, set);
+  }
+}
+
+void Trainer::densify() {
+  const int64_t i = state_.iteration;
+  const bool mcmc = options_.densification == "mcmc";
+  std::array<DensityReport, 2> reports;
+  if (mcmc) reports = control_mcmc(backend_, options_, state_);
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state_.set(k);
+    if (set.count() == 0) continue;
+    if (!mcmc)
+      reports[size_t(k)] = control_density(
+          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k), i}, set,
+          state_.statistics[k]);
+    observer_.on_density(i, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
   }
 }
 
@@ -187,10 +199,14 @@ void Trainer::backward() {
     }
     if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();
   }
+  args.regulariser = {options_.opacity_weight, options_.scale_weight};
   pipeline_.backward(args);
-  if (options_.fused_optimizer) return;
   const StageTimer timer(backend_.clock(), kUpdate);
-  for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
+  if (!options_.fused_optimizer)
+    for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
+  const double noise = schedule_.noise_scale(i);
+  for (int k = 0; k < 2 && noise > 0; ++k)
+    backend_.add_position_noise(state_.set(k).values(), {noise, uint64_t(options_.seed), i});
 }
 
 void Trainer::prefetch() {

@@ -42,6 +42,7 @@ class Trainer {
  private:
   void step();
   void control();
+  void densify();
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
   void catch_up();
