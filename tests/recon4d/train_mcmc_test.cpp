@@ -247,14 +247,24 @@ TEST(McmcTraining, GoesOnAsIfItHadNotStopped) {
   set_thread_count(0);
 }
 
+// Until the step after the first relocation: then roundings have not yet drawn others.
+// Bug put back: copies of colours that are behind; seen to fail.
 TEST(McmcTraining, LazyColoursAreTheDenseOnes) {
   const Scene scene = tiny_capture();
-  TrainOptions dense = tiny_mcmc();
+  TrainOptions lazy = tiny_mcmc();
+  lazy.init_extent = 3, lazy.carve = false, lazy.prune_opacity = 0.12;  // some are out of sight
+  TrainOptions dense = lazy;
   dense.idle_updates = "dense";
-  Training lazy(scene, tiny_mcmc()), eager(scene, dense);
-  lazy.run(), eager.run();
-  ASSERT_EQ(lazy.model().count(), eager.model().count());
-  EXPECT_NEAR(lazy.psnr(), eager.psnr(), 1e-3);
+  Training behind(scene, lazy), eager(scene, dense);
+  behind.run(7), eager.run(7);
+  EXPECT_GT(behind.density()[0].relocated, 0);
+  const GaussianModel model = caught_up_model(behind.state(), lazy);
+  for (const auto& [actual, expected] : {std::pair(&model.static_set, &eager.model().static_set),
+                                         {&model.dynamic_set, &eager.model().dynamic_set}}) {
+    ASSERT_EQ(actual->count(), expected->count());
+    const Buffer<float>&a = actual->group(kSh).value, &e = expected->group(kSh).value;
+    for (int64_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], e[i], 1e-5) << i;
+  }
 }
 
 // Bug put back: a span of the host handed to the noise; seen to fail.
