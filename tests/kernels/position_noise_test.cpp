@@ -10,12 +10,12 @@ namespace {
 
 constexpr int64_t kCount = 20000;
 
-/// Equal Gaussians about the origin; dynamic ones are fast: half their extent is motion.
+/// Equal Gaussians about the origin; dynamic ones are as long by their motion as without.
 TestGaussians<double> equal_gaussians(int dim, double opacity, int64_t count = kCount) {
   Random random(21);
   TestGaussians<double> one = random_gaussians(dim, 1, 0, 0.4, random);
   *one.at(kOpacityLogit, 0) = std::log(opacity / (1 - opacity));
-  if (dim == 4) one.at(kRotationRight, 0)[1] += 0.8;
+  if (dim == 4) one.at(kRotationRight, 0)[1] += 0.8, *one.at(kLogScaleTime, 0) = 0.4;
   return one.select(std::vector<int64_t>(size_t(count), 0));
 }
 
