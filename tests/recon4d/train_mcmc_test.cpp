@@ -252,7 +252,8 @@ TEST(McmcTraining, GoesOnAsIfItHadNotStopped) {
 TEST(McmcTraining, LazyColoursAreTheDenseOnes) {
   const Scene scene = tiny_capture();
   TrainOptions lazy = tiny_mcmc();
-  lazy.init_extent = 3, lazy.carve = false;  // some are out of sight
+  lazy.init_extent = 3, lazy.carve = false;  // some are in sight now and then
+  lazy.init_scale_factor = 0.05;
   TrainOptions dense = lazy;
   dense.idle_updates = "dense";
   const auto start = [&] {
