@@ -102,6 +102,7 @@ TEST_P(BackendMcmc, NoiseIsTheCpus) {
 }
 
 TEST_P(BackendMcmc, RegularisedGradientsAreTheOracles) {
+  // Bugs put back, each seen to fail: only Gaussians that are seen; N of one set.
   // Bug put back: only Gaussians that are seen; seen to fail.
   TestScene<double> scene = random_scene(90, 110, 0.15, 97);
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})

@@ -228,8 +228,7 @@ TEST(McmcTraining, ReachesTheLimitExactlyAndKeepsIt) {
     EXPECT_EQ(report.cloned + report.split + report.pruned, 0);
 }
 
-// Bugs put back, each seen to fail: the noise named by the step since the start of `run`;
-// relocation without catching up with SH.
+// Bug put back: the noise named by the steps of this trainer; seen to fail.
 TEST(McmcTraining, GoesOnAsIfItHadNotStopped) {
   const Scene scene = tiny_capture();
   Training whole(scene, tiny_mcmc());
