@@ -2,6 +2,8 @@
 // Not: arithmetic on Gaussians: that is the backend's.
 #include "recon4d/mcmc.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -50,6 +52,11 @@ std::array<DensityReport, 2> control_mcmc(Backend& backend, const TrainOptions& 
     reports[size_t(k)].relocated = rows.moved, weights[size_t(k)] = rows.weight;
   }
   const int64_t count = state.model.count();
+  if (count > 0 && weights[0] + weights[1] == 0)
+    throw NumericalError(
+        fmt::format("step {}: all Gaussians are fainter than prune_opacity {}; start with more "
+                    "opaque ones (--init-opacity 0.5) or lower opacity_weight or mcmc_noise",
+                    state.iteration, options.prune_opacity));
   const std::array<int64_t, 2> shares =
       shares_of(grown_count(count, options.mcmc_growth, options.max_gaussians) - count, weights);
   for (int k = 0; k < 2; ++k) {
