@@ -213,6 +213,19 @@ TEST(McmcOptions, ThePresetIsTheMethods) {
   EXPECT_EQ(Schedule({}, 2.5).noise_scale(10), 0) << "adc has none";
 }
 
+// Bug put back: squared distances by the factor; seen to fail.
+TEST(McmcOptions, TheScaleFactorIsOfDistances) {
+  const Scene scene = tiny_capture();
+  TrainOptions options = tiny_options();
+  const TrainState usual = first_state(scene, options);
+  options.init_scale_factor = 0.1;
+  const TrainState small = first_state(scene, options);
+  for (int k = 0; k < 2; ++k)
+    for (int64_t i = 0; i < 3 * usual.set(k).count(); ++i)
+      EXPECT_NEAR(small.set(k).group(kLogScale).value[i],
+                  usual.set(k).group(kLogScale).value[i] + std::log(0.1), 1e-6);
+}
+
 /// The tiny capture's, with both sets, a limit that is reached, and noise for its short time.
 TrainOptions tiny_mcmc() {
   TrainOptions options = tiny_options();
