@@ -311,21 +311,23 @@ TEST(McmcTraining, StaysInTheBackendsMemory) {
   EXPECT_EQ(model_bits(training.state().clone_to(host_memory()).model), model_bits(plain.model()));
 }
 
+// Seeds 1 to 3: 6.5, 6.7 and 5.9 dB. Bugs put back, each seen to fail: no noise of means; all sizes
+// left as they were.
 TEST(McmcTraining, BeatsASetThatDoesNotGrow) {
   // From 20 points: 40 that were placed by the chain, and 20 that were not.
   const Scene scene = tiny_capture();
   TrainOptions options = tiny_mcmc();
-  options.iterations = options.schedule_iterations = 160;
-  options.densify_until = 130;
+  options.iterations = options.schedule_iterations = 400;
+  options.densify_until = 330;
   options.init_points = 20, options.max_gaussians = 60;
-  options.init_opacity = 0.5, options.prune_opacity = 0.005;
-  options.mcmc_noise = 5e3;  // means move by as much in 160 steps
+  options.init_opacity = 0.5;
+  options.mcmc_noise = 5e3;  // means learn for 400 steps, not 30,000
   Training grown(scene, options);
   options.densify_until = 0;
   Training still(scene, options);
   grown.run(), still.run();
   EXPECT_EQ(grown.steps().back().num_static + grown.steps().back().num_dynamic, 60);
-  EXPECT_GT(grown.psnr(), still.psnr() + 0.5);
+  EXPECT_GT(grown.psnr(), still.psnr() + 3);
 }
 
 }  // namespace
