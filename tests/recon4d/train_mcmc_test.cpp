@@ -311,8 +311,7 @@ TEST(McmcTraining, StaysInTheBackendsMemory) {
   EXPECT_EQ(model_bits(training.state().clone_to(host_memory()).model), model_bits(plain.model()));
 }
 
-// Seeds 1 to 3: 6.5, 6.7 and 5.9 dB. Bugs put back, each seen to fail: no noise of means; all sizes
-// left as they were.
+// Seeds 1 to 3: 6.5, 6.7 and 5.9 dB. Bug put back: means without noise; seen to fail.
 TEST(McmcTraining, BeatsASetThatDoesNotGrow) {
   // From 20 points: 40 that were placed by the chain, and 20 that were not.
   const Scene scene = tiny_capture();
