@@ -62,6 +62,7 @@ struct ProjectBackwardArgs {
   Span<SplatGradient<Real>> d_splats;  // [S] consumed
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];  // empty spans: not gathered
+  RegulariserWeights regulariser;         // into the gradients, with N of both sets
 };
 
 /// The views that may see a set, and what the size of the 3D filter follows from.
@@ -79,8 +80,8 @@ struct StepOutcome {
   unsigned bad_groups = 0;       // a bit (1 << Group) per group with a non-finite gradient
 };
 
-/// A device runs behind the host: only `project`, `outcome`, `select_rows` and memory().copy wait
-/// for it. All spans and buffers of the arguments lie in memory().
+/// A device runs behind the host: only `project`, `outcome`, `select_rows`, `relocate_rows` and
+/// memory().copy wait for it. All spans and buffers of the arguments lie in memory().
 template <class Real>
 class BackendOf {
  public:
@@ -123,6 +124,14 @@ class BackendOf {
                            DensityRows& rows) = 0;
   /// Rows from `first` on become samples of the Gaussian they are copies of, and smaller.
   virtual void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) = 0;
+  /// Draws a living Gaussian for every dead one and for every row that is added, with probability
+  /// in proportion to opacity and with replacement. Those that were drawn n − 1 times become, in
+  /// place, n Gaussians in one spot that together look as the one did; `rows` says who copies whom.
+  /// Where nobody lives nothing is moved, and `added` must be 0.
+  virtual void relocate_rows(const GaussianSpans<Real>& set, const RelocationRule& rule,
+                             RelocationRows& rows) = 0;
+  /// means += Σ·ξ · scale / (1 + exp(100·opacity − ½)), ξ normal.
+  virtual void add_position_noise(const GaussianSpans<Real>& set, const PositionNoise& noise) = 0;
   /// Rows in Morton order of the means; of a Dim 4 set then stably by 32 bins of temporal means.
   virtual void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) = 0;
   /// φ[n] = √0.2·d/f, d the least depth of Gaussian n in the views that sample it, each at its own

@@ -27,6 +27,9 @@ class CpuBackend final : public BackendOf<Real> {
                    const DensityStatistics<const Real>& statistics, const DensityRule& rule,
                    DensityRows& rows) override;
   void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) override;
+  void relocate_rows(const GaussianSpans<Real>& set, const RelocationRule& rule,
+                     RelocationRows& rows) override;
+  void add_position_noise(const GaussianSpans<Real>& set, const PositionNoise& noise) override;
   void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) override;
   void filter_sizes(const FilterArgs<Real>& args, Span<Real> sizes) override;
   void edit_by_filter(FilterEdit edit, const GaussianSpans<Real>& set, Real limit) override;

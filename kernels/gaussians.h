@@ -97,6 +97,13 @@ struct GaussianSpans {
   TESSERA_HD T* at(Group g, int64_t n) const {
     return group[g].data + n * group_width(g, coefficients, form);
   }
+  /// The same, not to be written.
+  TESSERA_HD GaussianSpans<const T> view() const {
+    GaussianSpans<const T> out;
+    out.dim = dim, out.count = count, out.coefficients = coefficients;
+    for (int g = 0; g < kGroupCount; ++g) out.group[g] = group[g];
+    return out;
+  }
 };
 
 /// Step sizes of every group; the first SH coefficient has its own.
@@ -124,6 +131,14 @@ struct LazySh {
   Real rate = Real(0), rate_rest = Real(0);  // learning rates of coefficient 0 and of the others
 };
 
+/// Terms of the loss that each Gaussian adds by its parameters alone, whether a view draws it or
+/// not: means over the Gaussians of both sets. Gaussians that IdleUpdate::kSkip leaves alone are
+/// the exception. The losses that are reported do not contain them  [method B].
+struct RegulariserWeights {
+  double opacity = 0;  // of mean σ(logit)
+  double scale = 0;    // of mean e^{s̃}, world units, over the three axes in space of each
+};
+
 /// Where a set's gradients go. With `fused` they are consumed by Adam where they arise.
 template <class Real>
 struct SinkArgs {
@@ -149,6 +164,31 @@ struct DensityRule {
   double largest_clone = 0;  // world units; larger ones are split
   double largest_kept = 0;   // world units; larger ones are removed; 0: none
   int64_t room = -1;         // Gaussians that may be added to the set; < 0: no limit
+};
+
+/// How far dead Gaussians are taken to living ones, and how many copies are added  [method B].
+struct RelocationRule {
+  double dead_opacity = 0;   // not more opaque ones are dead, as are those that are no Gaussians
+  double least_opacity = 0;  // of a Gaussian that was copied, and of its copies
+  int64_t added = 0;         // rows behind the last one
+  uint64_t seed = 0;
+};
+
+/// What rows of a set are taken from when Gaussians have been relocated.
+struct RelocationRows {
+  explicit RelocationRows(Memory& memory = host_memory()) : values(memory), moments(memory) {}
+
+  Buffer<int64_t> values;   // [N + added] row of the values
+  Buffer<int64_t> moments;  // [N + added] row of the moments; −1: zeros
+  int64_t moved = 0;        // dead ones that became copies
+  int64_t weight = 0;       // Σ draw_weight of those that were alive
+};
+
+/// Noise of the means, one draw for each Gaussian and step  [method B].
+struct PositionNoise {
+  double scale = 0;  // of Σ·ξ, per world unit
+  uint64_t seed = 0;
+  int64_t step = 0;
 };
 
 /// The rows of a set that make up the next one: survivors, clones, first and second children.

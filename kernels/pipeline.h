@@ -19,6 +19,7 @@ template <class Real>
 struct BackwardArgs {
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];
+  RegulariserWeights regulariser;
 };
 
 /// Gaussians, views and how they are drawn.

@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-/// Row i becomes row index[i]; rows from `inherited` on become zero. One copy of one buffer at a
+/// Row i becomes row index[i]; −1 and rows from `inherited` on: zeros. One copy of one buffer at a
 /// time.
 void gather(Backend& backend, Span<const int64_t> index, int width, int64_t inherited,
             Buffer<float>& buffer) {
@@ -24,18 +24,23 @@ void gather(Backend& backend, Span<const int64_t> index, int width, int64_t inhe
   if (buffer.size() > kLarge) backend.memory().trim();
 }
 
-/// Puts row index[i] at place i of every group; moments of places ≥ `inherited` become zero.
-void gather(Backend& backend, Span<const int64_t> index, int64_t inherited, GaussianSet& set) {
-  const bool moments = set.has_moments();
+/// Rows of the values and of the moments; moments of places ≥ `inherited` become zero.
+void gather(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
+            int64_t inherited, GaussianSet& set) {
+  const bool has_moments = set.has_moments();
   for (int g = 0; g < set.groups(); ++g) {
     ParameterGroup& group = set.group(Group(g));
     const int width = set.width(Group(g));
-    gather(backend, index, width, index.size, group.value);
-    if (!moments) continue;
-    gather(backend, index, width, inherited, group.moment1);
-    gather(backend, index, width, inherited, group.moment2);
+    gather(backend, values, width, values.size, group.value);
+    if (!has_moments) continue;
+    gather(backend, moments, width, inherited, group.moment1);
+    gather(backend, moments, width, inherited, group.moment2);
   }
-  set.set_count(index.size);
+  set.set_count(values.size);
+}
+
+void gather(Backend& backend, Span<const int64_t> index, int64_t inherited, GaussianSet& set) {
+  gather(backend, index, index, inherited, set);
 }
 
 DensityRule rule_of(const DensityContext& context) {
@@ -85,6 +90,12 @@ SetStatistics SetStatistics::clone_to(Memory& memory) const {
   copy.sh_step.copy_from(sh_step);
   copy.filter_size.copy_from(filter_size);
   return copy;
+}
+
+void take_rows(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
+               GaussianSet& set) {
+  check(values.size == moments.size, "take_rows: as many rows of moments as of values");
+  gather(backend, values, moments, moments.size, set);
 }
 
 DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,

@@ -29,6 +29,7 @@ struct SetStatistics {
 
 struct DensityReport {
   int64_t cloned = 0, split = 0, pruned = 0, before = 0, after = 0;
+  int64_t relocated = 0, added = 0;  // by mcmc, which does none of the first three
 };
 
 struct DensityContext {
@@ -40,6 +41,10 @@ struct DensityContext {
 };
 
 /// All of these want a set whose SH coefficients are not behind (Backend::catch_up).
+
+/// Row i of every group becomes its row values[i], of the moments row moments[i]; −1: zeros.
+void take_rows(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
+               GaussianSet& set);
 
 /// Clones, splits and prunes; new Gaussians have zero moments; statistics are reset.
 DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,

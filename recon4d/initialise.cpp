@@ -116,7 +116,8 @@ void place(const InitialPoint& point, float squared_distance, const TrainOptions
            GaussianSet& set, int64_t n) {
   constexpr float kMinSquaredDistance = 1e-7f;  // [3DGS]
   const GaussianSpans<float> v = set.values();
-  const float log_scale = 0.5f * std::log(std::max(kMinSquaredDistance, squared_distance));
+  const float log_scale = 0.5f * std::log(std::max(kMinSquaredDistance, squared_distance)) +
+                          float(std::log(options.init_scale_factor));
   for (int k = 0; k < 3; ++k) {
     v.at(kMean, n)[k] = point.position[k];
     v.at(kLogScale, n)[k] = log_scale;

@@ -34,6 +34,20 @@ const std::vector<Preset>& presets() {
         {"lr_opacity", 0.025},
         {"opacity_reset_interval", 3000},
         {"far_plane", 1e4}}},
+      {"mcmc",
+       "static 3DGS as a Markov chain: exactly max_gaussians, no opacity reset",
+       {{"static_only", true},
+        {"idle_updates", "lazy"},
+        {"batch", 1},
+        {"far_plane", 1e4},
+        {"lr_opacity", 0.05},
+        {"densification", "mcmc"},
+        {"densify_until", 24900},
+        {"max_gaussians", 1000000},
+        {"opacity_weight", 0.01},
+        {"scale_weight", 0.01},
+        {"init_opacity", 0.5},
+        {"init_scale_factor", 0.1}}},
   };
   return rows;
 }

@@ -57,19 +57,22 @@ bool Schedule::measure_filter(int64_t i) const {
   return i > densify_until_ && i % interval == 0 && i + interval <= options_.iterations;
 }
 
-AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
-  // means decay log-linearly over the whole training; temporal means do not  [method 0.16]
+double Schedule::mean_rate(int64_t i) const {
+  // log-linear over the whole training
   const double u =
       std::clamp(double(i + 1) / double(std::max<int64_t>(1, options_.iterations)), 0.0, 1.0);
   const double first = std::max(options_.lr_mean, 1e-300);
   const double last = std::max(options_.lr_mean_final, 1e-300);
-  const double lr_mean = extent_ * std::exp((1 - u) * std::log(first) + u * std::log(last));
+  return extent_ * std::exp((1 - u) * std::log(first) + u * std::log(last));
+}
+
+AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   const int64_t step = i + 1;
   AdamGroups<float> groups;
   const auto set = [&](Group group, double rate) {
     groups.group[group] = adam_scalars<float>(rate, step);
   };
-  set(kMean, lr_mean);
+  set(kMean, mean_rate(i));
   set(kLogScale, options_.lr_scale);
   set(kRotation, options_.lr_rotation);
   set(kOpacityLogit, options_.lr_opacity);
@@ -81,7 +84,7 @@ AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   if (form == Form::kPair)
     set(kRotationRight, options_.lr_rotation);
   else  // a velocity decays as the means do: it moves them
-    set(kVelocity, lr_mean * options_.lr_velocity / first);
+    set(kVelocity, mean_rate(i) * options_.lr_velocity / std::max(options_.lr_mean, 1e-300));
   return groups;
 }
 

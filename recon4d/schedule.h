@@ -15,7 +15,7 @@ class Schedule {
   /// Steps are counted from 0; these hold before step i.
   int sh_degree(int64_t i) const;
   bool densify(int64_t i) const;
-  bool gathers_statistics(int64_t i) const { return i < densify_until_; }
+  bool gathers_statistics(int64_t i) const { return !is_mcmc() && i < densify_until_; }
   bool prunes_large(int64_t i) const { return i > prune_large_from_; }
   bool reset_opacity(int64_t i) const;
   bool reorder(int64_t i) const;
@@ -23,11 +23,16 @@ class Schedule {
   bool measure_filter(int64_t i) const;
   /// What time_noise is multiplied by: 1 at the start, 0 from two thirds of the training on.
   double time_noise(int64_t i) const;
+  /// Learning rate of the means at step i, world units.
+  double mean_rate(int64_t i) const;
+  /// Scale of the means' noise after step i; 0: none (PositionNoise::scale).
+  double noise_scale(int64_t i) const { return is_mcmc() ? options_.mcmc_noise * mean_rate(i) : 0; }
   /// Step sizes of step i for a set of that form.
   AdamGroups<float> adam(int64_t i, Form form) const;
 
  private:
   int64_t scaled(int64_t steps) const;
+  bool is_mcmc() const { return options_.densification == "mcmc"; }
 
   const TrainOptions options_;
   double extent_;

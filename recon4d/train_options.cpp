@@ -115,6 +115,12 @@ void validate(const TrainOptions& options) {
         "idle_updates {} needs the fused optimizer; pass --fused-optimizer true or --idle-updates "
         "dense",
         options.idle_updates));
+  if (options.densification != "mcmc") return;
+  if (options.max_gaussians == 0)
+    throw InputError(
+        "densification mcmc needs a number of Gaussians to reach; pass --max-gaussians N");
+  if (options.opacity_reset_interval > 0)
+    throw InputError("densification mcmc has no opacity resets; pass --opacity-reset-interval 0");
 }
 
 nlohmann::json to_json(const TrainOptions& options) {

@@ -23,7 +23,8 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   double near_plane = 0.2, far_plane = 100, train_scale = 1;
   // initial Gaussians
   int64_t init_points = 100000;
-  double init_extent = 0, init_opacity = 0.1, init_time_scale = 0.4472135955, static_fraction = 0;
+  double init_extent = 0, init_opacity = 0.1, init_scale_factor = 1;
+  double init_time_scale = 0.4472135955, static_fraction = 0;
   bool carve = true, sweep = false, split_by_motion = false;
   // colour
   int64_t sh_degree = 3, sh_interval = 1000;
@@ -34,7 +35,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   double truncation_sigma = kTruncationSigma;
   bool truncation_by_falloff = false;
   // loss
-  double lambda_dssim = 0.2, time_noise = 0;
+  double lambda_dssim = 0.2, opacity_weight = 0, scale_weight = 0, time_noise = 0;
   // learning rates
   double lr_mean = 1.6e-4, lr_mean_final = 1.6e-6, lr_mean_time = 1.6e-4;
   double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3, lr_velocity = 5e-4;
@@ -42,11 +43,13 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   bool fused_optimizer = true;
   std::string idle_updates = "dense";
   // density control
+  std::string densification = "adc";
   int64_t densify_from = 600, densify_until = 14900, densify_interval = 100;
   double densify_threshold = 2e-4, dense_fraction = 0.01;
   double prune_opacity = 0.005, prune_extent = 0.1;
   int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
   int64_t reorder_interval = 5000;
+  double mcmc_noise = 5e5, mcmc_growth = 1.05;
   // how kernels work (KernelSwitches); none changes what is drawn
   bool rectangular_bounds = true, opacity_bounds = true, tile_culling = true;
   bool row_intervals = false, balanced_instances = true, separate_sort = true;

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -16,6 +16,7 @@
 #include "kernels/math/random.h"
 #include "recon4d/initialise.h"
 #include "recon4d/kernel_options.h"
+#include "recon4d/mcmc.h"
 #include "recon4d/render.h"
 
 namespace tessera {
@@ -160,15 +161,10 @@ void Trainer::control() {
   }
   if (densifies || reorders || degree != state_.model.sh_degree) catch_up();
   state_.model.sh_degree = degree;
+  if (densifies) densify();
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);
     if (set.count() == 0) continue;
-    if (densifies) {
-      const DensityReport report = control_density(
-          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k), i}, set,
-          state_.statistics[k]);
-      observer_.on_density(i, k == 0 ? "static" : "dynamic", report);
-    }
     if (reorders) reorder(backend_, set, state_.statistics[k]);
     if (schedule_.measure_filter(i)) measure_filter(k);
     if (schedule_.reset_opacity(i))
@@ -196,6 +192,22 @@ void Trainer::measure_filter(int k) {
   backend_.filter_sizes(
       {&views, std::as_const(state_).set(k).values(), float(options_.near_plane), focal},
       sizes.span());
+}
+
+void Trainer::densify() {
+  const int64_t i = state_.iteration;
+  const bool mcmc = options_.densification == "mcmc";
+  std::array<DensityReport, 2> reports;
+  if (mcmc) reports = control_mcmc(backend_, options_, state_);
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state_.set(k);
+    if (set.count() == 0) continue;
+    if (!mcmc)
+      reports[size_t(k)] = control_density(
+          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k), i}, set,
+          state_.statistics[k]);
+    observer_.on_density(i, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
+  }
 }
 
 void Trainer::step() {
@@ -250,6 +262,7 @@ void Trainer::backward() {
     }
     if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();
   }
+  args.regulariser = {options_.opacity_weight, options_.scale_weight};
   pipeline_.backward(args);
   const StageTimer timer(backend_.clock(), kUpdate);
   if (!options_.fused_optimizer)
@@ -257,6 +270,9 @@ void Trainer::backward() {
   if (options_.filter_3d == "clamp")
     for (int k = 0; k < 2; ++k)
       backend_.edit_by_filter(FilterEdit::kRaiseScales, state_.filtered_values(k), 0);
+  const double noise = schedule_.noise_scale(i);
+  for (int k = 0; k < 2 && noise > 0; ++k)
+    backend_.add_position_noise(state_.set(k).values(), {noise, uint64_t(options_.seed), i});
 }
 
 void Trainer::prefetch() {

@@ -43,6 +43,7 @@ class Trainer {
   void step();
   void control();
   void measure_filter(int k);
+  void densify();
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
   void catch_up();

@@ -53,6 +53,8 @@ void TrainingLog::on_density(int64_t iteration, const std::string& set,
                     {"cloned", report.cloned},
                     {"split", report.split},
                     {"pruned", report.pruned},
+                    {"relocated", report.relocated},
+                    {"added", report.added},
                     {"before", report.before},
                     {"after", report.after}});
 }

@@ -56,6 +56,9 @@ class CudaBackend final : public Backend {
                    const DensityStatistics<const float>& statistics, const DensityRule& rule,
                    DensityRows& rows) override;
   void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override;
+  void relocate_rows(const GaussianSpans<float>& set, const RelocationRule& rule,
+                     RelocationRows& rows) override;
+  void add_position_noise(const GaussianSpans<float>& set, const PositionNoise& noise) override;
   void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override;
   void filter_sizes(const FilterArgs<float>& args, Span<float> sizes) override;
   void edit_by_filter(FilterEdit edit, const GaussianSpans<float>& set, float limit) override;

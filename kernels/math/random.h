@@ -10,7 +10,14 @@
 namespace tessera {
 
 /// What the numbers are for: keeps unrelated draws with equal indices apart.
-enum class RandomStream : uint32_t { kInitialise = 1, kSampler = 2, kSplit = 3, kTime = 9 };
+enum class RandomStream : uint32_t {
+  kInitialise = 1,
+  kSampler = 2,
+  kSplit = 3,
+  kRelocation = 4,
+  kPositionNoise = 5,
+  kTime = 6
+};
 
 struct RandomBlock {
   uint32_t word[4];
@@ -36,6 +43,16 @@ TESSERA_HD inline RandomBlock philox(uint64_t seed, RandomStream stream, uint64_
 /// In [0, 1), 24 bits, exact in float.
 TESSERA_HD inline float uniform(uint32_t word) {
   return float(word >> 8) * (1.0f / 16777216.0f);
+}
+
+/// In 0 … count − 1, from 64 bits: the high half of their product with `count`.
+TESSERA_HD inline uint64_t uniform_below(const RandomBlock& block, uint64_t count) {
+  const uint64_t high = uint64_t(block.word[0]) * (count >> 32);
+  const uint64_t low = uint64_t(block.word[1]) * (count & 0xFFFFFFFFu);
+  const uint64_t cross = uint64_t(block.word[0]) * (count & 0xFFFFFFFFu);
+  const uint64_t across = uint64_t(block.word[1]) * (count >> 32);
+  const uint64_t middle = (low >> 32) + (cross & 0xFFFFFFFFu) + (across & 0xFFFFFFFFu);
+  return high + (cross >> 32) + (across >> 32) + (middle >> 32);
 }
 
 /// Four independent standard normals.

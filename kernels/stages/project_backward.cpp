@@ -5,6 +5,7 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
+#include "kernels/stages/regulariser.h"
 #include "kernels/stages/splat_gradient.h"
 
 namespace tessera {
@@ -47,7 +48,6 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<R
            out.sh);
   }
   out.geometry = geometry_gradient<form>(params, n, g, sums);
-  out.bad = out.geometry.template non_finite<form>();
   Real sum = Real(0);
   for (int j = 0; j < 3 * params.coefficients; ++j) sum += out.sh[j] - out.sh[j];
   if (!(sum == Real(0))) out.bad |= 1u << kSh;
@@ -63,8 +63,11 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t fi
                       int64_t begin, int64_t end, const Sink& sink) {
   const SinkArgs<Real>& wanted = args.sinks[set];
   const IdleUpdate idle = wanted.fused ? wanted.idle : IdleUpdate::kDense;
-  const int width = 3 * args.forward.sets[set].coefficients;
+  const GaussianSpans<const Real>& params = args.forward.sets[set];
+  const int width = 3 * params.coefficients;
   const SplatRules<Real> rules = make_splat_rules<Real>(args.forward.options);
+  const RegulariserTerms<Real> terms(args.regulariser,
+                                     args.forward.sets[0].count + args.forward.sets[1].count);
   unsigned bad = 0;
   for (int64_t n = begin; n < end; ++n) {
     const int64_t first = args.splats->first_of[first_gaussian + n];
@@ -72,7 +75,8 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t fi
     if (first == last && idle == IdleUpdate::kSkip) continue;
     GaussianGradient<Real> gradient;
     if (first < last) gaussian_gradient<form>(args, rules, set, n, first, last, gradient);
-    bad |= gradient.bad;
+    add_regulariser<form>(terms, params, n, gradient.geometry);
+    bad |= gradient.bad | gradient.geometry.template non_finite<form>();
     sink.template accept<form>(n, gradient.geometry);
     if (idle == IdleUpdate::kLazy) {
       if (first == last) continue;

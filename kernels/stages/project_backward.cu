@@ -8,6 +8,7 @@
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/sh_registers.cuh"
+#include "kernels/stages/regulariser.h"
 #include "kernels/stages/splat_gradient.h"
 
 namespace tessera {
@@ -30,6 +31,7 @@ struct Backward {
   DensityStatistics<float> statistics;
   IdleUpdate idle;
   LazySh<float> lazy;
+  RegulariserTerms<float> regulariser;
   StepCounters* counters;
 };
 
@@ -77,14 +79,15 @@ __global__ void __launch_bounds__(kThreads)
       seen += a.tiles[s] > 0;
     }
     gradient = geometry_gradient<form>(a.set, n, g, sums);
-    const unsigned bad = gradient.template non_finite<form>();
-    if (bad != 0) atomicOr(&a.counters->bad_groups, bad);
     if (seen > 0 && !a.statistics.count.empty()) {
       // per-image gradients: the batch loss is their mean, so multiply by B, divide by n_v
       a.statistics.gradient_sum[n] += sums.ndc_norms * float(a.view_count) / float(seen);
       a.statistics.count[n] += 1.0f;
     }
   }
+  add_regulariser<form>(a.regulariser, a.set, n, gradient);
+  const unsigned bad = gradient.template non_finite<form>();
+  if (bad != 0) atomicOr(&a.counters->bad_groups, bad);
   sink.template accept<form>(n, gradient);
 }
 
@@ -182,6 +185,8 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
   int64_t first = 0;
   scratch_.resize(args.splats->count * int64_t(sizeof(ViewSums<float>)));
   ViewSums<float>* const sums = reinterpret_cast<ViewSums<float>*>(scratch_.data());
+  const RegulariserTerms<float> terms(args.regulariser,
+                                      args.forward.sets[0].count + args.forward.sets[1].count);
   double bytes = double(args.splats->count) * (48 + 36 * 2 + 24 * 2 + 64 * 2);
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];
@@ -202,6 +207,7 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      args.statistics[set],
                      sink.fused ? sink.idle : IdleUpdate::kDense,
                      sink.lazy,
+                     terms,
                      counters_.data()};
     if (sink.fused)
       backward_set(a, args.splats->count, sums,

@@ -65,6 +65,13 @@ class FaultyBackend final : public Backend {
   void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override {
     cpu_->place_children(set, first, seed);
   }
+  void relocate_rows(const GaussianSpans<float>& set, const RelocationRule& rule,
+                     RelocationRows& rows) override {
+    cpu_->relocate_rows(set, rule, rows);
+  }
+  void add_position_noise(const GaussianSpans<float>& set, const PositionNoise& noise) override {
+    cpu_->add_position_noise(set, noise);
+  }
   void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override {
     cpu_->locality_order(set, order);
   }

@@ -104,6 +104,7 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   }
   const TestGaussians<Real>* sets[2] = {&scene.fixed, &scene.moving};
   BackwardArgs<Real> args;
+  args.regulariser = scene.regulariser;
   std::vector<StoredGaussians<Real>> gradients;
   std::vector<Buffer<Real>> statistics;
   for (const TestGaussians<Real>* set : sets) {

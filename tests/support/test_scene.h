@@ -72,11 +72,18 @@ struct TestScene {
   RenderOptions options;
   LossWeights weights;
   std::vector<std::vector<uint8_t>> mask;  // [B] each [height, width] or empty; none: no masks
+  RegulariserWeights regulariser;          // of `backward` alone
 
   template <class To>
   TestScene<To> as() const {
-    return {
-        fixed.template as<To>(), moving.template as<To>(), views, truth, options, weights, mask};
+    return {fixed.template as<To>(),
+            moving.template as<To>(),
+            views,
+            truth,
+            options,
+            weights,
+            mask,
+            regulariser};
   }
 };
 
