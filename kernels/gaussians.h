@@ -100,8 +100,9 @@ struct GaussianSpans {
   /// The same, not to be written.
   TESSERA_HD GaussianSpans<const T> view() const {
     GaussianSpans<const T> out;
-    out.dim = dim, out.count = count, out.coefficients = coefficients;
+    out.form = form, out.count = count, out.coefficients = coefficients;
     for (int g = 0; g < kGroupCount; ++g) out.group[g] = group[g];
+    out.filter_size = filter_size;
     return out;
   }
 };
