@@ -62,23 +62,39 @@ std::vector<Series> series_of(const json& scene) {
   return all;
 }
 
-std::string marked(const json& scene, const char* mark) {
-  std::vector<std::pair<double, std::string>> rows;  // by seconds, for the line
-  for (const json& point : scene.at("points"))
-    if (point.value(mark, false))
-      rows.emplace_back(
-          point["metrics"]["seconds"]["median"],
-          fmt::format("{} {} \"{}, {} steps\"\n", point["metrics"]["seconds"]["median"].dump(),
-                      point["metrics"]["psnr"]["median"].dump(), point["label"].get<std::string>(),
-                      point["iterations"].dump()));
-  std::sort(rows.begin(), rows.end());
-  std::string text;
-  for (const auto& [seconds, row] : rows) text += row;
-  return text;
+/// A field of a data block.
+std::string datum(std::string text) {
+  std::replace(text.begin(), text.end(), '"', '\'');
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return '"' + text + '"';
 }
 
 std::string block(const std::string& name, const std::string& rows) {
   return fmt::format("${} << END\n{}END\n", name, rows);
+}
+
+/// Seconds and PSNR of the points of the frontier, from the fastest on.
+std::string frontier_rows(const json& scene) {
+  std::vector<std::pair<double, double>> rows;
+  for (const json& point : scene.at("points"))
+    if (point.value("frontier", false))
+      rows.emplace_back(point["metrics"]["seconds"]["median"], point["metrics"]["psnr"]["median"]);
+  std::sort(rows.begin(), rows.end());
+  std::string text;
+  for (const auto& [seconds, psnr] : rows) text += fmt::format("{:.10g} {:.10g}\n", seconds, psnr);
+  return text;
+}
+
+/// The point of the knee: its seconds, PSNR and name; nothing without a knee.
+std::string knee_row(const json& scene) {
+  for (const json& point : scene.at("points"))
+    if (point.value("knee", false))
+      return fmt::format("{:.10g} {:.10g} {}\n",
+                         point["metrics"]["seconds"]["median"].get<double>(),
+                         point["metrics"]["psnr"]["median"].get<double>(),
+                         datum(fmt::format("{}, {} steps", point["label"].get<std::string>(),
+                                           point["iterations"].dump())));
+  return "";
 }
 
 /// Seconds, PSNR, MiB, name (device) of the entries of this scene.
@@ -86,11 +102,12 @@ std::string published_rows(const json& scene, const json& published) {
   std::string rows;
   for (const json& entry : published)
     if (entry.at("scene") == scene.at("scene"))
-      rows += fmt::format("{} {} {} \"{} ({})\"\n", entry["seconds"].dump(), entry["psnr"].dump(),
+      rows += fmt::format("{} {} {} {}\n", entry["seconds"].dump(), entry["psnr"].dump(),
                           entry.contains("bytes")
                               ? fmt::format("{:.10g}", entry["bytes"].get<double>() / kMiB)
                               : "NaN",
-                          entry["name"].get<std::string>(), entry["device"].get<std::string>());
+                          datum(fmt::format("{} ({})", entry["name"].get<std::string>(),
+                                            entry["device"].get<std::string>())));
   return rows;
 }
 
@@ -120,12 +137,11 @@ std::string plot(const Panel& panel, const std::vector<Series>& series,
                       "',9' tc rgb '{}' notitle",
                       i, panel.x, panel.y, colour));
   }
-  if (panel.timed) {
+  if (panel.timed)
     parts.push_back("$frontier using 1:2 with lines lc rgb 'black' lw 2 dt 2 title 'frontier'");
-    if (has_knee)
-      parts.push_back(
-          "$knee using 1:2 with points pt 6 ps 2.4 lw 2 lc rgb 'black' title "
-          "sprintf('knee: %s', knee)");
+  if (panel.timed && has_knee) {
+    parts.push_back("$knee using 1:2 with points pt 6 ps 2.4 lw 2 lc rgb 'black' title 'knee'");
+    parts.push_back("$knee using 1:2:3 with labels right offset -1.5,0.8 tc rgb 'black' notitle");
   }
   if (has_published && panel.published_x > 0) {
     parts.push_back(
@@ -133,7 +149,7 @@ std::string plot(const Panel& panel, const std::vector<Series>& series,
                     "'published, other hardware'",
                     panel.published_x));
     parts.push_back(
-        fmt::format("$published using {}:2:4 with labels noenhanced left offset 1,0 font ',9' tc "
+        fmt::format("$published using {}:2:4 with labels noenhanced right offset -1,0 font ',9' tc "
                     "rgb '#555555' notitle",
                     panel.published_x));
   }
@@ -177,15 +193,11 @@ std::string gnuplot_script(const json& scene, const PictureRequest& request) {
   const std::vector<Series> series = series_of(scene);
   const bool chart = request.kind == BenchPicture::kChart;
   const std::string published = published_rows(scene, request.published);
-  const std::string knee = chart ? marked(scene, "knee") : "";
+  const std::string knee = chart ? knee_row(scene) : "";
   std::string script = "set encoding utf8\nset datafile missing 'NaN'\n";
   for (size_t i = 0; i < series.size(); ++i) script += block(fmt::format("s{}", i), series[i].rows);
-  if (chart) script += block("frontier", marked(scene, "frontier"));
-  if (!knee.empty())
-    script +=
-        block("knee", knee) +
-        fmt::format("knee = {}\n",
-                    quoted(knee.substr(knee.find('"') + 1, knee.rfind('"') - knee.find('"') - 1)));
+  if (chart) script += block("frontier", frontier_rows(scene));
+  if (!knee.empty()) script += block("knee", knee);
   if (!published.empty()) script += block("published", published);
   const Panel left{"training seconds", "PSNR [dB]", 1, 4, chart, 1};
   const Panel right = chart ? Panel{"model [MiB]", "PSNR [dB]", 10, 4, false, 3}
@@ -196,13 +208,15 @@ std::string gnuplot_script(const json& scene, const PictureRequest& request) {
       "'white' }} else {{ set terminal pngcairo size 1400,600 noenhanced font 'sans,11' }}\n"
       "set output {}.kind\n"
       "set multiplot layout 1,2 title {} noenhanced\n"
-      "set grid\nset logscale x\nset key bottom right\nset offsets graph 0.05, 0.1, 0.05, 0.05\n"
+      "set grid\nset logscale x\nset autoscale xfix\nset key bottom right\nset offsets graph 0.05, "
+      "graph 0.1, graph "
+      "0.08, graph 0.05\n"
       "{}{}unset multiplot\nunset output\n}}\n",
       quoted(request.stem + "."),
       quoted(fmt::format("{} ({}): {}", scene.at("scene").get<std::string>(),
                          scene.at("split").get<std::string>(),
                          chart ? "quality against training time and size; median, least and most"
-                               : "quality against training time, one run each")),
+                               : "quality against training time at steps of one run")),
       plot(left, series, request, !knee.empty(), !published.empty()),
       plot(right, series, request, false, !published.empty()));
   return script;

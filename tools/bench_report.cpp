@@ -137,26 +137,25 @@ void mark_frontier(json& scenes) {
 }
 
 std::string csv_of(const json& scenes) {
-  std::string text = "scene,split,label,iterations,n";
+  std::vector<std::string> fields = {"scene", "split", "label", "iterations", "n"};
   for (const std::string& metric : bench_metrics())
-    text += fmt::format(",{0},{0}_least,{0}_most", metric);
-  text += ",frontier,knee,devices\n";
+    for (const char* part : {"", "_least", "_most"}) fields.push_back(metric + part);
+  for (const char* name : {"frontier", "knee", "devices"}) fields.push_back(name);
+  std::string text = fmt::format("{}\n", fmt::join(fields, ","));
   for (const json& scene : scenes)
     for (const json& point : scene["points"]) {
-      text +=
-          fmt::format("{},{},{},{},{}", quoted(scene["scene"]), scene["split"].get<std::string>(),
-                      quoted(point["label"]), point["iterations"].dump(), point["n"].dump());
+      fields = {quoted(scene["scene"]), scene["split"], quoted(point["label"]),
+                point["iterations"].dump(), point["n"].dump()};
       for (const std::string& metric : bench_metrics()) {
         const json spread = point["metrics"].value(metric, json::object());
         for (const char* part : {"median", "least", "most"})
-          text += "," + (spread.contains(part) ? spread[part].dump() : std::string());
+          fields.push_back(spread.contains(part) ? spread[part].dump() : "");
       }
       for (const char* mark : {"frontier", "knee"})
-        text += "," + (point.contains(mark) ? point[mark].dump() : std::string());
-      text += "," +
-              quoted(fmt::format(
-                  "{}", fmt::join(point["devices"].get<std::vector<std::string>>(), "; "))) +
-              "\n";
+        fields.push_back(point.contains(mark) ? point[mark].dump() : "");
+      const std::vector<std::string> devices = point["devices"];
+      fields.push_back(quoted(fmt::format("{}", fmt::join(devices, "; "))));
+      text += fmt::format("{}\n", fmt::join(fields, ","));
     }
   return text;
 }

@@ -93,6 +93,22 @@ json scores_on_the_way(const RunFolder& run, const BenchCell& cell) {
   return curve;
 }
 
+/// The model against pictures of other sizes: those that a training at this scale would have
+/// loaded.
+void score_at_scales(Backend& backend, const GaussianModel& model, const BenchCell& cell,
+                     json& metrics) {
+  for (double scale : cell.scales) {
+    TrainOptions options = cell.options;
+    const double trained = to_json(options).at("train_scale");
+    set_option(options, "train_scale", scale * trained);
+    const Scene scene = load_training_scene(cell.scene.path, options);
+    const json scores =
+        score_splits(backend, model, scene, {split_of(cell.scene.split)}, std::nullopt);
+    for (const char* key : {"psnr", "ssim"})
+      metrics[fmt::format("{}_{}x", key, scale)] = scores.at(key);
+  }
+}
+
 /// Scores and frames per second of the run's model, into `metrics` and the run's metrics.json.
 void score(const BenchRunOptions& options, const BenchCell& cell, const RunFolder& run,
            json& result) {
@@ -116,6 +132,7 @@ void score(const BenchRunOptions& options, const BenchCell& cell, const RunFolde
   for (int i : scene.split_indices(split))
     views.push_back({scene.frames[size_t(i)].camera, scene.frames[size_t(i)].time});
   metrics["fps"] = measure_frame_rate(*backend, model, views).frames_per_second;
+  score_at_scales(*backend, model, cell, metrics);
   write_text_file(run.metrics(), scores.dump(2));
 }
 
@@ -133,7 +150,9 @@ json run_cell(const BenchRunOptions& options, const BenchCell& cell) {
   result["options"] = to_json(cell.options), result["device"] = trained.at("device");
   json& metrics = result["metrics"];
   metrics["seconds"] = trained.at("seconds");
-  metrics["peak_device_bytes"] = trained.at("peak_device_bytes");
+  // the host's peak is that of all cells of this call
+  if (!result["device"].get<std::string>().starts_with("cpu"))
+    metrics["peak_device_bytes"] = trained.at("peak_device_bytes");
   // of a training in one go: what is neither a step nor a score on the way
   if (!request.resume && cell.at.empty())
     metrics["load_seconds"] = wall - trained.at("seconds").get<double>();

@@ -86,12 +86,12 @@ json report_of(const SweepRequest& request, const Sweep& done) {
     add_published(report["scenes"], bench_table(request.table));
     return report;
   }
-  mark_frontier(report["scenes"]);
   report["published"] = done.published;
-  if (request.mode == BenchMode::kChart)
-    report["knee"] =
-        "the frontier's point farthest above the line from its fastest to its best point, with "
-        "log(seconds) and PSNR scaled to [0, 1] between these two";
+  if (request.mode == BenchMode::kCurve) return report;
+  mark_frontier(report["scenes"]);
+  report["knee"] =
+      "the frontier's point farthest above the line from its fastest to its best point, with "
+      "log(seconds) and PSNR scaled to [0, 1] between these two";
   return report;
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 
 namespace tessera {
@@ -13,23 +14,28 @@ namespace {
 using nlohmann::json;
 
 struct Column {
-  const char *metric, *heading;
-  double unit;
-  int digits;
+  std::string heading, phrase;  // above a column; around a number in a sentence
+  double unit = 1;
+  int digits = 4;
 };
 
 Column column_of(const std::string& metric) {
   constexpr double kMiB = 1 << 20;
-  static const Column known[] = {
-      {"psnr", "PSNR dB", 1, 2},       {"ssim", "SSIM", 1, 4},
-      {"seconds", "training s", 1, 1}, {"num_gaussians", "Gaussians", 1, 0},
-      {"num_static", "static", 1, 0},  {"num_dynamic", "dynamic", 1, 0},
-      {"bytes", "model MiB", kMiB, 1}, {"peak_device_bytes", "peak MiB", kMiB, 0},
-      {"fps", "frames/s", 1, 0},       {"psnr_0.5x", "PSNR 0.5x", 1, 2},
-      {"psnr_1x", "PSNR 1x", 1, 2},    {"psnr_2x", "PSNR 2x", 1, 2}};
-  for (const Column& column : known)
-    if (metric == column.metric) return column;
-  return {metric.c_str(), metric.c_str(), 1, 4};
+  static const std::map<std::string, Column> known = {
+      {"psnr", {"PSNR dB", "{} dB", 1, 2}},
+      {"ssim", {"SSIM", "SSIM {}", 1, 4}},
+      {"seconds", {"training s", "{} s", 1, 2}},
+      {"num_gaussians", {"Gaussians", "{} Gaussians", 1, 0}},
+      {"bytes", {"model MiB", "{} MiB", kMiB, 2}},
+      {"peak_device_bytes", {"peak MiB", "{} MiB at the peak", kMiB, 0}},
+      {"fps", {"frames/s", "{} frames/s", 1, 0}},
+      {"psnr_0.5x", {"PSNR 0.5x", "{} dB at 0.5x", 1, 2}},
+      {"psnr_1x", {"PSNR 1x", "{} dB at 1x", 1, 2}},
+      {"psnr_2x", {"PSNR 2x", "{} dB at 2x", 1, 2}},
+      {"ssim_0.5x", {"SSIM 0.5x", "SSIM {} at 0.5x", 1, 4}},
+      {"ssim_1x", {"SSIM 1x", "SSIM {} at 1x", 1, 4}},
+      {"ssim_2x", {"SSIM 2x", "SSIM {} at 2x", 1, 4}}};
+  return known.at(metric);
 }
 
 std::string number(double value, const Column& column) {
@@ -58,14 +64,17 @@ struct Footnotes {
   }
 };
 
-std::string published_text(const json& point, Footnotes& notes) {
+std::string published_text(const json& point, const std::vector<std::string>& columns,
+                           Footnotes& notes) {
   std::vector<std::string> texts;
   for (const json& published : point.value("published", json::array())) {
     std::vector<std::string> figures;
-    for (const auto& [metric, value] : published["figures"].items()) {
-      const Column column = column_of(metric);
-      figures.push_back(fmt::format("{} {}", column.heading, number(value, column)));
-    }
+    for (const std::string& metric : columns)
+      if (published["figures"].contains(metric)) {
+        const Column column = column_of(metric);
+        figures.push_back(
+            fmt::format(fmt::runtime(column.phrase), number(published["figures"][metric], column)));
+      }
     texts.push_back(
         fmt::format("{} [{}]", fmt::join(figures, ", "), notes.cite(published["source"])));
   }
@@ -112,7 +121,7 @@ std::string scene_table(const json& scene, const std::vector<std::string>& colum
                                  fmt::join(devices, "; "));
   const bool remarked = std::any_of(points.begin(), points.end(),
                                     [](const json& point) { return !remarks(point).empty(); });
-  std::vector<std::string> first = {"row", "steps", "n"};
+  std::vector<std::string> first = {points[0].contains("row") ? "row" : "preset", "steps", "n"};
   if (remarked) first.push_back("remarks");
   text += heading(first, columns, with_published);
   for (const json& point : points) {
@@ -121,7 +130,7 @@ std::string scene_table(const json& scene, const std::vector<std::string>& colum
     if (remarked) cells.push_back(remarks(point));
     for (const std::string& metric : columns)
       cells.push_back(spread_text(point["metrics"], metric));
-    if (with_published) cells.push_back(published_text(point, notes));
+    if (with_published) cells.push_back(published_text(point, columns, notes));
     text += line_of(cells);
   }
   return text + "\n";
