@@ -28,7 +28,7 @@ std::string folder_fingerprint(const fs::path& folder) {
   std::vector<std::string> lines;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
-    lines.push_back(fmt::format("{} {}", fs::relative(entry.path(), folder).generic_string(),
+    lines.push_back(fmt::format("{} {}", entry.path().lexically_relative(folder).generic_string(),
                                 entry.file_size()));
     if (entry.path().extension() == ".json") lines.back() += read_text_file(entry.path());
   }

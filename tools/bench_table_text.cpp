@@ -16,7 +16,7 @@ using nlohmann::json;
 struct Column {
   std::string heading, phrase;  // above a column; around a number in a sentence
   double unit = 1;
-  int digits = 4;
+  int digits = 4;  // after the point; −1: three in all, or as many as stand before it
 };
 
 Column column_of(const std::string& metric) {
@@ -24,9 +24,9 @@ Column column_of(const std::string& metric) {
   static const std::map<std::string, Column> known = {
       {"psnr", {"PSNR dB", "{} dB", 1, 2}},
       {"ssim", {"SSIM", "SSIM {}", 1, 4}},
-      {"seconds", {"training s", "{} s", 1, 2}},
+      {"seconds", {"training s", "{} s", 1, -1}},
       {"num_gaussians", {"Gaussians", "{} Gaussians", 1, 0}},
-      {"bytes", {"model MiB", "{} MiB", kMiB, 2}},
+      {"bytes", {"model MiB", "{} MiB", kMiB, -1}},
       {"peak_device_bytes", {"peak MiB", "{} MiB at the peak", kMiB, 0}},
       {"fps", {"frames/s", "{} frames/s", 1, 0}},
       {"psnr_0.5x", {"PSNR 0.5x", "{} dB at 0.5x", 1, 2}},
@@ -39,7 +39,9 @@ Column column_of(const std::string& metric) {
 }
 
 std::string number(double value, const Column& column) {
-  return fmt::format("{:.{}f}", value / column.unit, column.digits);
+  const double shown = value / column.unit;
+  const int digits = column.digits >= 0 ? column.digits : shown < 10 ? 2 : shown < 100 ? 1 : 0;
+  return fmt::format("{:.{}f}", shown, digits);
 }
 
 std::string spread_text(const json& metrics, const std::string& metric) {
