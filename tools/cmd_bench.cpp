@@ -2,6 +2,7 @@
 // Not: any of them (bench_stages.h, bench_sweep.h).
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "kernels/base/errors.h"
@@ -33,11 +34,20 @@ void refuse(const CLI::App& command, const char* option, const std::string& inst
     throw InputError(fmt::format("bench: {} has no meaning here; {}", option, instead));
 }
 
+template <class T>
+void refuse_repeats(std::vector<T> values, const char* option) {
+  std::sort(values.begin(), values.end());
+  const auto twice = std::adjacent_find(values.begin(), values.end());
+  if (twice != values.end())
+    throw InputError(fmt::format("bench: {} has {} twice; name each once", option, *twice));
+}
+
 /// What the other modes have is refused, not ignored.
 void check_options(const CLI::App& command, const BenchRequest& request, BenchMode mode) {
   const SweepRequest& sweep = request.sweep;
   if (mode == BenchMode::kStages) {
-    for (const char* option : {"--out", "--presets", "--seeds", "--shard", "--plot"})
+    for (const char* option :
+         {"--out", "--presets", "--budgets", "--at", "--seeds", "--published", "--shard", "--plot"})
       refuse(command, option, "it goes with --chart, --curve or --table");
     if (sweep.scenes.size() != 1)
       throw InputError("bench: name one scene to time its stages, or pass --chart or --table NAME");
@@ -59,6 +69,9 @@ void check_options(const CLI::App& command, const BenchRequest& request, BenchMo
   if (mode == BenchMode::kCurve) refuse(command, "--iterations", "use --at");
   if (sweep.out.empty()) throw InputError("bench: pass -o DIR for the runs and their results");
   if (sweep.scenes.empty() && !sweep.plot_only) throw InputError("bench: name a scene");
+  refuse_repeats(sweep.axes.presets, "--presets");
+  refuse_repeats(sweep.axes.seeds, "--seeds");
+  refuse_repeats(sweep.budgets, "--budgets");
   for (const std::vector<int64_t>* steps : {&sweep.budgets, &sweep.at})
     for (int64_t step : *steps)
       if (step < 1) throw InputError(fmt::format("bench: {} steps; pass at least 1", step));
