@@ -46,7 +46,7 @@ class CliTrainings : public ::testing::Test {
   CliWorkspace work;
 };
 
-// Bug put back: cells of a chart take the preset's own iterations; seen to fail.
+// Bug put back: the seed of a cell is not set; seen to fail.
 TEST_F(CliTrainings, AChartHasEveryCell) {
   const ChildResult run = work.run(chart());
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -100,9 +100,9 @@ TEST_F(CliTrainings, ACellIsTheTrainingThatItsOptionsMake) {
 // fail.
 TEST_F(CliTrainings, WhatIsDoneIsNotDoneAgain) {
   ASSERT_EQ(work.run(chart()).exit_code, 0);
-  const auto first = results();
   const std::string damaged = (cell("balanced/2/1") / "result.json").string();
   fs::resize_file(damaged, 40);
+  const auto first = results();
   const ChildResult again = work.run(chart());
   ASSERT_EQ(again.exit_code, 0) << again.err;
   for (const auto& [file, time] : results())
@@ -111,7 +111,7 @@ TEST_F(CliTrainings, WhatIsDoneIsNotDoneAgain) {
   for (const auto& [file, time] : results()) EXPECT_NE(time, first.at(file)) << "other options";
 }
 
-// Bug put back: cells are only recorded when all are done; seen to fail.
+// Bug put back: every cell is run anew; seen to fail.
 TEST_F(CliTrainings, AKilledOneGoesOnWithWhatIsLeft) {
   const Words longer =
       bench({"--chart", "--presets", "fast,balanced", "--budgets", "150", "--seeds", "1,2"});
@@ -202,7 +202,7 @@ TEST_F(CliTrainings, ShardsShareTheCells) {
   work.expect_refused(chart({"--shard", "1/3x"}), {"--shard 1/3x", "i/n"});
 }
 
-// Bug put back: evaluation is part of the seconds; seen to fail (a slow evaluation was put in).
+// Bug put back: training does not pause for the scores on the way; seen to fail.
 TEST_F(CliTrainings, ACurveIsOneTraining) {
   const ChildResult run =
       work.run(bench({"--curve", "--presets", "fast,balanced", "--at", "6,2,4"}));
@@ -273,7 +273,7 @@ TEST_F(CliTrainings, MoreGaussiansAreNoAdvantageOfMcmc) {
 
 // Bug put back: a table of still scenes takes moving ones; seen to fail.
 TEST_F(CliTrainings, RefusesWhatMakesNoSense) {
-  work.expect_refused(bench({"--table", "mcmc"}), {"table mcmc is left out", "this one moves"});
+  work.expect_refused(bench({"--table", "mcmc", "--iterations", "2"}), {"table mcmc is left out", "this one moves"});
   work.expect_refused(bench({"--chart", "--curve"}), {"choose one of"});
   work.expect_refused(chart({"--iterations", "5"}), {"--iterations", "--budgets"});
   work.expect_refused(chart({"--seed", "5"}), {"--seed", "--seeds"});
