@@ -59,7 +59,9 @@ void check_options(const CLI::App& command, const BenchRequest& request, BenchMo
   refuse(command, "--seed", "use --seeds");
   refuse(command, "--evaluate-every", "use --curve with --at");
   refuse(command, "--preset", mode == BenchMode::kTable ? "rows have theirs" : "use --presets");
-  if (mode == BenchMode::kTable) refuse(command, "--presets", "rows have theirs");
+  if (mode == BenchMode::kTable)
+    for (const char* option : {"--presets", "--ablation"})
+      refuse(command, option, "rows have theirs");
   if (mode != BenchMode::kChart) {
     refuse(command, "--budgets", "it goes with --chart");
     refuse(command, "--published", "it goes with --chart");
@@ -115,7 +117,8 @@ void add_sweep_options(CLI::App& command, BenchRequest& request) {
                    "scenes x presets x budgets x seeds: quality against training time and size");
   command.add_flag("--curve", request.as_curve,
                    "quality against training time at fixed steps of one training a preset");
-  command.add_option("--table", sweep.table, "a table of the paper:" + tables);
+  command.add_option("--table", sweep.table,
+                     "a table of the paper; rows go over the options that are typed:" + tables);
   command.add_option("-o,--out", sweep.out,
                      "folder of the runs and results; what is done there is not run again");
   command.add_option("--presets", sweep.axes.presets, "of --chart and --curve")

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "ingest/child_process.h"
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
@@ -82,6 +84,17 @@ TEST(BenchPictures, GnuplotDrawsThem) {
     EXPECT_NE(svg.find("</svg>"), std::string::npos);
     EXPECT_EQ(read_text_file(folder / (stem + ".png")).substr(1, 3), "PNG");
   }
+}
+
+// Bug put back: gnuplot is looked for in /usr/bin alone; seen to fail.
+TEST(BenchPictures, WithoutGnuplotItSaysSo) {
+  const testing::ScratchFolder folder;
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", folder.path().c_str(), 1);
+  const std::string problem = draw_picture(folder.path(), "chart", "plot sin(x)\n");
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_NE(problem.find("no gnuplot found"), std::string::npos) << problem;
+  EXPECT_EQ(read_text_file(folder / "chart.gp"), "plot sin(x)\n") << "for another machine";
 }
 
 // Bug put back: what gnuplot said is dropped; seen to fail.

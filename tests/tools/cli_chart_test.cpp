@@ -273,7 +273,8 @@ TEST_F(CliTrainings, MoreGaussiansAreNoAdvantageOfMcmc) {
 
 // Bug put back: a table of still scenes takes moving ones; seen to fail.
 TEST_F(CliTrainings, RefusesWhatMakesNoSense) {
-  work.expect_refused(bench({"--table", "mcmc", "--iterations", "2"}), {"table mcmc is left out", "this one moves"});
+  work.expect_refused(bench({"--table", "mcmc", "--iterations", "2"}),
+                      {"table mcmc is left out", "this one moves"});
   work.expect_refused(bench({"--chart", "--curve"}), {"choose one of"});
   work.expect_refused(chart({"--iterations", "5"}), {"--iterations", "--budgets"});
   work.expect_refused(chart({"--seed", "5"}), {"--seed", "--seeds"});
