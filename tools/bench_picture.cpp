@@ -157,6 +157,14 @@ std::string plot(const Panel& panel, const std::vector<Series>& series,
                      quoted(panel.y_label), fmt::join(parts, ", "));
 }
 
+/// Labels at 1, 2 and 5 of every decade: a scene's points often lie within one.
+std::string logarithmic_tics() {
+  std::vector<std::string> tics;
+  for (int decade = -3; decade < 7; ++decade)
+    for (int digit : {1, 2, 5}) tics.push_back(fmt::format("{}e{}", digit, decade));
+  return fmt::format("set xtics ({})\n", fmt::join(tics, ", "));
+}
+
 /// What an entry of a file of published figures must have.
 void check_published(const json& entry, const std::string& where) {
   if (!entry.is_object()) throw InputError(where + " is no object of name, scene, psnr, …");
@@ -208,7 +216,8 @@ std::string gnuplot_script(const json& scene, const PictureRequest& request) {
       "'white' }} else {{ set terminal pngcairo size 1400,600 noenhanced font 'sans,11' }}\n"
       "set output {}.kind\n"
       "set multiplot layout 1,2 title {} noenhanced\n"
-      "set grid\nset logscale x\nset autoscale xfix\nset key bottom right\nset offsets graph 0.05, "
+      "set grid\nset logscale x\nset autoscale xfix\n{}set key bottom right\nset offsets graph "
+      "0.05, "
       "graph 0.1, graph "
       "0.08, graph 0.05\n"
       "{}{}unset multiplot\nunset output\n}}\n",
@@ -217,7 +226,7 @@ std::string gnuplot_script(const json& scene, const PictureRequest& request) {
                          scene.at("split").get<std::string>(),
                          chart ? "quality against training time and size; median, least and most"
                                : "quality against training time at steps of one run")),
-      plot(left, series, request, !knee.empty(), !published.empty()),
+      logarithmic_tics(), plot(left, series, request, !knee.empty(), !published.empty()),
       plot(right, series, request, false, !published.empty()));
   return script;
 }
