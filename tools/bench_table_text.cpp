@@ -48,7 +48,7 @@ std::string spread_text(const json& metrics, const std::string& metric) {
   if (!metrics.contains(metric)) return "n/a";
   const Column column = column_of(metric);
   const json& spread = metrics[metric];
-  const std::string median = number(spread["median"], column);
+  std::string median = number(spread["median"], column);
   if (spread["count"] == 1) return median;
   return fmt::format("{} ({} to {})", median, number(spread["least"], column),
                      number(spread["most"], column));
