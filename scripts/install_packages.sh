@@ -7,7 +7,7 @@ packages=(
   g++ cmake ninja-build pkg-config git ca-certificates
   libglm-dev libpng-dev libfmt-dev nlohmann-json3-dev libcli11-dev libtbb-dev
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev libswresample-dev
-  libopenimageio-dev libopencv-dev colmap
+  libopenimageio-dev libopencv-dev colmap gnuplot-nox
 )
 if [ "${1:-build}" = test ]; then
   packages+=(libgtest-dev clang-format-14 clang-tidy-14 ccache ffmpeg)

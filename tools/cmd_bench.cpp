@@ -1,148 +1,161 @@
-// What: `tessera bench SCENE`: time and bytes of every stage of a training step on a fixed load.
-// Not: the load or the clock (recon4d/stage_bench.h).
+// What: `tessera bench`: the options of its modes: stages, chart, curve, table.
+// Not: any of them (bench_stages.h, bench_sweep.h).
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 
 #include "kernels/base/errors.h"
-#include "recon4d/ablations.h"
-#include "recon4d/model_file.h"
-#include "recon4d/stage_bench.h"
-#include "tools/backend_choice.h"
+#include "tools/bench_stages.h"
+#include "tools/bench_sweep.h"
 #include "tools/command.h"
-#include "tools/terminal.h"
-#include "tools/train_arguments.h"
 
 namespace tessera {
 namespace {
 
-using nlohmann::json;
-
 struct BenchRequest {
-  std::string scene;
-  TrainArguments training;
-  StageBenchOptions bench;
-  std::string model;
-  bool ablations = false;
-  int64_t runs = 3;
-  bool json = false;
+  StageBenchRequest stages;
+  SweepRequest sweep;
+  bool as_stages = false, as_chart = false, as_curve = false;
 };
 
-json to_json(const StageBenchReport& report, double copy_rate, const std::string& device) {
-  json stages = json::object();
-  for (size_t s = 0; s < kStages; ++s) {
-    const StageTotals& stage = report.stages[s];
-    if (stage.seconds <= 0) continue;
-    stages[kStageNames[s]] = {{"ms", 1e3 * stage.seconds},
-                              {"gbytes", 1e-9 * stage.bytes},
-                              {"gb_per_s", 1e-9 * stage.bytes / stage.seconds},
-                              {"floor_ms", 1e3 * stage.bytes / copy_rate}};
-  }
-  return {{"device", device},
-          {"gaussians", report.gaussians},
-          {"splats", report.splats},
-          {"instances", report.instances},
-          {"pixels", report.pixels},
-          {"step_ms", 1e3 * report.step_seconds},
-          {"copy_gb_per_s", 1e-9 * copy_rate},
-          {"peak_device_bytes", report.peak_bytes},
-          {"stages", stages}};
+BenchMode mode_of(const BenchRequest& request) {
+  const bool stages = request.as_stages || request.stages.ablations;
+  const bool table = !request.sweep.table.empty();
+  if (stages + request.as_chart + request.as_curve + table > 1)
+    throw InputError("bench: choose one of --stages (or --ablations), --chart, --curve, --table");
+  if (request.as_chart) return BenchMode::kChart;
+  if (request.as_curve) return BenchMode::kCurve;
+  return table ? BenchMode::kTable : BenchMode::kStages;
 }
 
-std::string table_text(const json& result) {
-  std::string text = fmt::format(
-      "{}: {} Gaussians, {} splats, {} instances, {} pixels; copy {:.0f} GB/s\n"
-      "{:<17}{:>10}{:>10}{:>10}{:>10}\n",
-      result["device"].get<std::string>(), result["gaussians"].dump(), result["splats"].dump(),
-      result["instances"].dump(), result["pixels"].dump(), result["copy_gb_per_s"].get<double>(),
-      "stage", "ms", "GB", "GB/s", "floor ms");
-  for (const auto& [name, stage] : result["stages"].items())
-    text += fmt::format("{:<17}{:>10.3f}{:>10.3f}{:>10.0f}{:>10.3f}\n", name,
-                        stage["ms"].get<double>(), stage["gbytes"].get<double>(),
-                        stage["gb_per_s"].get<double>(), stage["floor_ms"].get<double>());
-  return text +
-         fmt::format("{:<17}{:>10.3f}\n", "step, wall time", result["step_ms"].get<double>());
+void refuse(const CLI::App& command, const char* option, const std::string& instead) {
+  if (command.count(option) > 0)
+    throw InputError(fmt::format("bench: {} has no meaning here; {}", option, instead));
 }
 
-/// Median step and largest memory of a few runs, each on a backend of its own.
-json bench_row(const BenchRequest& request, const Scene& scene, const TrainOptions& options,
-               const std::string& name) {
-  std::vector<double> steps;
-  int64_t peak = 0;
-  for (int64_t run = 0; run < std::max<int64_t>(1, request.runs); ++run) {
-    const std::unique_ptr<Backend> backend = make_backend(request.training.backend);
-    const StageBenchReport report = bench_stages(*backend, scene, options, request.bench);
-    steps.push_back(1e3 * report.step_seconds);
-    peak = std::max(peak, report.peak_bytes);
-  }
-  std::sort(steps.begin(), steps.end());
-  say(fmt::format("{:<28}{:>9.3f} ms ({:.3f} to {:.3f}), {:>6} MiB", name, steps[steps.size() / 2],
-                  steps.front(), steps.back(), peak >> 20));
-  return {{"name", name},
-          {"step_ms", steps[steps.size() / 2]},
-          {"least_ms", steps.front()},
-          {"most_ms", steps.back()},
-          {"peak_device_bytes", peak}};
+template <class T>
+void refuse_repeats(std::vector<T> values, const char* option) {
+  std::sort(values.begin(), values.end());
+  const auto twice = std::adjacent_find(values.begin(), values.end());
+  if (twice != values.end())
+    throw InputError(fmt::format("bench: {} has {} twice; name each once", option, *twice));
 }
 
-/// Every named ablation on the same load.
-json bench_ablations(const BenchRequest& request, const Scene& scene, const TrainOptions& base) {
-  json rows = json::array();
-  for (const Ablation& ablation : ablations()) {
-    TrainOptions options = base;
-    apply_ablation(options, ablation.name);
-    rows.push_back(bench_row(request, scene, options, ablation.name));
+/// What the other modes have is refused, not ignored.
+void check_options(const CLI::App& command, const BenchRequest& request, BenchMode mode) {
+  const SweepRequest& sweep = request.sweep;
+  if (mode == BenchMode::kStages) {
+    for (const char* option :
+         {"--out", "--presets", "--budgets", "--at", "--seeds", "--published", "--shard", "--plot"})
+      refuse(command, option, "it goes with --chart, --curve or --table");
+    if (sweep.scenes.size() != 1)
+      throw InputError("bench: name one scene to time its stages, or pass --chart or --table NAME");
+    return;
   }
-  return rows;
+  for (const char* option :
+       {"--model", "--runs", "--gaussians", "--opacity", "--steps", "--warm-up"})
+    refuse(command, option, "it goes with --stages");
+  refuse(command, "--seed", "use --seeds");
+  refuse(command, "--evaluate-every", "use --curve with --at");
+  refuse(command, "--preset", mode == BenchMode::kTable ? "rows have theirs" : "use --presets");
+  if (mode == BenchMode::kTable)
+    for (const char* option : {"--presets", "--ablation"})
+      refuse(command, option, "rows have theirs");
+  if (mode != BenchMode::kChart) {
+    refuse(command, "--budgets", "it goes with --chart");
+    refuse(command, "--published", "it goes with --chart");
+  }
+  if (mode != BenchMode::kCurve) refuse(command, "--at", "it goes with --curve");
+  if (mode == BenchMode::kChart) refuse(command, "--iterations", "use --budgets");
+  if (mode == BenchMode::kCurve) refuse(command, "--iterations", "use --at");
+  if (sweep.out.empty()) throw InputError("bench: pass -o DIR for the runs and their results");
+  if (sweep.scenes.empty() && !sweep.plot_only) throw InputError("bench: name a scene");
+  refuse_repeats(sweep.axes.presets, "--presets");
+  refuse_repeats(sweep.axes.seeds, "--seeds");
+  refuse_repeats(sweep.budgets, "--budgets");
+  for (const std::vector<int64_t>* steps : {&sweep.budgets, &sweep.at})
+    for (int64_t step : *steps)
+      if (step < 1) throw InputError(fmt::format("bench: {} steps; pass at least 1", step));
 }
 
-int bench(BenchRequest request) {
-  const TrainOptions options = resolve_options(request.training);
-  Scene scene = load_training_scene(request.scene, options);
-  std::optional<GaussianModel> model;
-  if (!request.model.empty()) {
-    model = load_model(request.model);
-    request.bench.model = &*model;
-  } else {
-    complete_cloud(scene, options);
+int bench(const CLI::App& command, BenchRequest& request) {
+  const BenchMode mode = mode_of(request);
+  check_options(command, request, mode);
+  if (mode == BenchMode::kStages) {
+    request.stages.scene = request.sweep.scenes.front();
+    return bench_stages_command(request.stages);
   }
-  if (request.ablations) {
-    const json rows = bench_ablations(request, scene, options);
-    print_result(request.json, {{"ablations", rows}}, "");
-    return kExitDone;
-  }
-  const std::unique_ptr<Backend> backend = make_backend(request.training.backend);
-  const StageBenchReport report = bench_stages(*backend, scene, options, request.bench);
-  // after it, so that the peak is that of the steps
-  const json result = to_json(report, copy_bytes_per_second(*backend), backend->name());
-  print_result(request.json, result, table_text(result));
-  return kExitDone;
+  request.sweep.mode = mode;
+  request.sweep.axes.training = request.stages.training;
+  request.sweep.json = request.stages.json;
+  return sweep(request.sweep);
+}
+
+void add_stage_options(CLI::App& command, BenchRequest& request) {
+  StageBenchRequest& stages = request.stages;
+  command.add_flag("--stages", request.as_stages,
+                   "time and bytes of every stage of a step on a fixed load (the default)");
+  command.add_option("--model", stages.model,
+                     "trained model (.ply) as the load, instead of the initial Gaussians");
+  command.add_flag("--ablations", stages.ablations,
+                   "a row for each named ablation: median step of --runs, and memory");
+  command.add_option("--runs", stages.runs, "of each ablation")->capture_default_str();
+  command.add_option("--gaussians", stages.bench.gaussians,
+                     "copies of the initial Gaussians up to that many; 0: as they are");
+  command.add_option("--opacity", stages.bench.opacity, "of all Gaussians")->capture_default_str();
+  command.add_option("--steps", stages.bench.steps, "measured")->capture_default_str();
+  command.add_option("--warm-up", stages.bench.warm_up, "steps before")->capture_default_str();
+}
+
+void add_sweep_options(CLI::App& command, BenchRequest& request) {
+  SweepRequest& sweep = request.sweep;
+  std::string tables;
+  for (const BenchTable& table : bench_tables())
+    tables += fmt::format("\n    {:<13} {}", table.name, table.doc);
+  command.add_flag("--chart", request.as_chart,
+                   "scenes x presets x budgets x seeds: quality against training time and size");
+  command.add_flag("--curve", request.as_curve,
+                   "quality against training time at fixed steps of one training a preset");
+  command.add_option("--table", sweep.table,
+                     "a table of the paper; rows go over the options that are typed:" + tables);
+  command.add_option("-o,--out", sweep.out,
+                     "folder of the runs and results; what is done there is not run again");
+  command.add_option("--presets", sweep.axes.presets, "of --chart and --curve")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--budgets", sweep.budgets, "steps of the chart's trainings")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--at", sweep.at, "steps of the curve; the last ends the training")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--seeds", sweep.axes.seeds, "a training each; the median is shown")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--published", sweep.published,
+                     "JSON file of figures for the chart: name, scene, psnr, seconds, device");
+  command.add_option("--shard", sweep.shard,
+                     "i/n: only every n-th cell from the i-th; several calls fill one folder");
+  command.add_flag("--plot", sweep.plot_only,
+                   "tables and pictures of what is done, without running anything");
 }
 
 }  // namespace
 
 void add_bench_command(CLI::App& app, Work& work) {
-  CLI::App* command =
-      app.add_subcommand("bench", "time and bytes of every stage of a training step");
+  CLI::App* command = app.add_subcommand(
+      "bench", "stage times, speed-accuracy charts, the paper's tables, time-to-quality curves");
   auto request = std::make_shared<BenchRequest>();
-  command->add_option("scene", request->scene, "prepared scene: its training cameras are rendered")
-      ->required();
-  command->add_option("--model", request->model,
-                      "trained model (.ply) as the load, instead of the initial Gaussians");
-  command->add_flag("--ablations", request->ablations,
-                    "a row for each named ablation: median step of --runs, and memory");
-  command->add_option("--runs", request->runs, "of each ablation")->capture_default_str();
-  command->add_option("--gaussians", request->bench.gaussians,
-                      "copies of the initial Gaussians up to that many; 0: as they are");
-  command->add_option("--opacity", request->bench.opacity, "of all Gaussians")
-      ->capture_default_str();
-  command->add_option("--steps", request->bench.steps, "measured")->capture_default_str();
-  command->add_option("--warm-up", request->bench.warm_up, "steps before")->capture_default_str();
-  command->add_flag("--json", request->json, "print one JSON object");
-  add_train_options(*command, request->training);
-  command->callback([request, &work] { work = [request] { return bench(*request); }; });
+  command->add_option("scenes", request->sweep.scenes,
+                      "prepared scenes or D-NeRF folders; PATH:val is scored on that split");
+  add_stage_options(*command, *request);
+  add_sweep_options(*command, *request);
+  command->add_flag("--json", request->stages.json, "print one JSON object");
+  add_train_options(*command, request->stages.training);
+  command->callback([request, command, &work] {
+    work = [request, command] { return bench(*command, *request); };
+  });
 }
 
 }  // namespace tessera

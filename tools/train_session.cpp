@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "ingest/dense_cloud.h"
@@ -75,7 +76,17 @@ int64_t next_pause(int64_t iteration, int64_t end, const TrainRequest& request) 
   int64_t next = end;
   for (int64_t every : {request.checkpoint_every, request.evaluate_every})
     if (every > 0) next = std::min(next, (iteration / every + 1) * every);
+  for (int64_t step : request.evaluate_at)
+    if (step > iteration) next = std::min(next, step);
   return next;
+}
+
+/// Whether the model is scored after so many steps.
+bool evaluates_at(const TrainRequest& request, int64_t iteration, bool finished) {
+  const std::vector<int64_t>& at = request.evaluate_at;
+  return (finished && request.evaluate_end) ||
+         (request.evaluate_every > 0 && iteration % request.evaluate_every == 0) ||
+         std::find(at.begin(), at.end(), iteration) != at.end();
 }
 
 json score(Backend& backend, Trainer& trainer, const Scene& scene, TrainingLog& log) {
@@ -194,8 +205,7 @@ json train_session(const TrainRequest& request) {
     const int64_t i = trainer.state().iteration;
     const bool done = i >= end || interrupted();
     if (done || (request.checkpoint_every > 0 && i % request.checkpoint_every == 0)) save();
-    if (!interrupted() && (trainer.state().finished ||
-                           (request.evaluate_every > 0 && i % request.evaluate_every == 0)))
+    if (!interrupted() && evaluates_at(request, i, trainer.state().finished))
       scores = score(*backend, trainer, scene, log);
     if (done) break;
   } while (true);

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "ingest/scene.h"
 #include "recon4d/train_options.h"
@@ -19,6 +20,8 @@ struct TrainRequest {
   bool resume = false;
   bool overwrite = false;             // an existing run folder may be replaced
   int64_t evaluate_every = 0;         // steps; 0: only at the end
+  std::vector<int64_t> evaluate_at;   // steps, besides
+  bool evaluate_end = true;           // false: `scores` stay empty
   int64_t checkpoint_every = 1000;    // steps
   std::optional<int64_t> stop_after;  // steps of this call
 };
