@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 constexpr char kMagic[8] = {'T', 'E', 'S', 'S', 'C', 'K', 'P', 'T'};
-constexpr uint32_t kVersion = 2;
+constexpr uint32_t kVersion = 3;
 constexpr size_t kScalar = 4;  // bytes, of float32 and int32
 constexpr size_t kPreamble = sizeof(kMagic) + sizeof(uint32_t) + sizeof(uint64_t);
 
@@ -40,7 +40,8 @@ void for_each_array(State& state, Visit&& visit) {
   visit_set(state.model.dynamic_set, state.statistics[1], "dynamic");
 }
 
-json make_header(const TrainState& state, const TrainOptions& options, const json& provenance) {
+json make_header(const TrainState& state, const TrainOptions& options, const json& provenance,
+                 const ValidationRecord& validation) {
   const GaussianModel& model = state.model;
   return {
       {"iteration", state.iteration},
@@ -58,7 +59,8 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"far_plane", model.far_plane},
       {"sliced_direction", model.sliced_direction},
       {"options", to_json(options)},
-      {"provenance", provenance}};
+      {"provenance", provenance},
+      {"validation", to_json(validation)}};
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
@@ -105,6 +107,7 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   model.near_plane = header.at("near_plane"), model.far_plane = header.at("far_plane");
   model.sliced_direction = header.at("sliced_direction");
   checkpoint.provenance = header.at("provenance");
+  checkpoint.validation = validation_record_from_json(header.at("validation"));
 }
 
 TrainOptions restore_options(const std::filesystem::path& path, const json& header) {
@@ -155,14 +158,15 @@ void check_sum(const std::filesystem::path& path, const std::string& bytes) {
 }  // namespace
 
 void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
-                     const TrainOptions& options, const json& provenance) {
+                     const TrainOptions& options, const json& provenance,
+                     const ValidationRecord& validation) {
   AtomicFile file(path);
   Fnv1a hash;
   const auto write = [&](const void* bytes, size_t count) {
     hash.add(bytes, count);
     file.write(bytes, count);
   };
-  const std::string header = make_header(state, options, provenance).dump();
+  const std::string header = make_header(state, options, provenance, validation).dump();
   const uint64_t length = header.size();
   write(kMagic, sizeof(kMagic));
   write(&kVersion, sizeof(kVersion));

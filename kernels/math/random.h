@@ -10,7 +10,7 @@
 namespace tessera {
 
 /// What the numbers are for: keeps unrelated draws with equal indices apart.
-enum class RandomStream : uint32_t { kInitialise = 1, kSampler = 2, kSplit = 3 };
+enum class RandomStream : uint32_t { kInitialise = 1, kSampler = 2, kSplit = 3, kSetAside = 9 };
 
 struct RandomBlock {
   uint32_t word[4];

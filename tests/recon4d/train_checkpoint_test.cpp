@@ -157,11 +157,11 @@ TEST_F(CheckpointFile, ForeignFiles) {
   expect_says(refusal(""), "not a Tessera checkpoint");
   expect_says(refusal("ply\nformat ascii 1.0\nelement vertex 0\n"), "not a Tessera checkpoint");
   std::string newer = bytes_;
-  newer[8] = 3;
-  expect_says(refusal(newer), "checkpoint version 3, this program reads version 2");
+  newer[8] = 4;
+  expect_says(refusal(newer), "checkpoint version 4, this program reads version 3");
   std::string older = bytes_;
-  older[8] = 1;  // without sh_step
-  expect_says(refusal(older), "checkpoint version 1, this program reads version 2; resume it");
+  older[8] = 2;  // without the record of validation
+  expect_says(refusal(older), "checkpoint version 2, this program reads version 3; resume it");
   std::string endless = bytes_;
   for (size_t i = 0; i < 8; ++i) endless[kLengthAt + i] = char(0xff);
   expect_says(refusal(endless), "header incomplete");
