@@ -11,6 +11,7 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/math/random.h"
+#include "recon4d/density.h"
 #include "recon4d/evaluate.h"
 #include "recon4d/schedule.h"
 
@@ -135,6 +136,18 @@ void Validation::check(const GaussianModel& model, int64_t iteration, double sec
   options.structure = false;
   const double psnr = evaluate(backend_, model, scene_, Split::kAside, options).all.psnr.value();
   if (record_.add(iteration, seconds, psnr, patience_)) best_ = model.clone_values();
+}
+
+GaussianModel Validation::shipped() const {
+  tessera::check(best_.has_value(), "Validation: no model is known to be the best");
+  GaussianModel model = best_->clone_values();
+  const std::unique_ptr<Backend> host = make_cpu_backend();
+  for (GaussianSet* set : {&model.static_set, &model.dynamic_set}) {
+    SetStatistics statistics;
+    statistics.reset(set->count());
+    prune_invisible(*host, *set, statistics, record_.best_iteration);
+  }
+  return model;
 }
 
 }  // namespace tessera

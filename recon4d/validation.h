@@ -63,6 +63,8 @@ class Validation {
   /// Null before the first check, or when only the record was brought back.
   const GaussianModel* best() const { return best_ ? &*best_ : nullptr; }
   void restore_best(GaussianModel model) { best_ = std::move(model); }
+  /// The best model without what can never be drawn, as a training's end leaves it.
+  GaussianModel shipped() const;
 
  private:
   Backend& backend_;
