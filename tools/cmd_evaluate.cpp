@@ -1,20 +1,25 @@
-// What: `tessera evaluate`: a model against the held-out frames of a scene.
+// What: `tessera evaluate`: a model, or several runs, against the held-out frames of a scene.
 // Not: the metrics (recon4d/evaluate.h).
 #include <fmt/format.h>
+
+#include <set>
 
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "recon4d/frame_rate.h"
 #include "recon4d/train_options.h"
 #include "tools/backend_choice.h"
 #include "tools/camera_views.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
+#include "tools/lpips/lpips.h"
 #include "tools/model_input.h"
 #include "tools/output_folder.h"
 #include "tools/picture_files.h"
 #include "tools/run_folder.h"
+#include "tools/run_statistics.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -22,21 +27,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using nlohmann::json;
+
 struct EvaluateRequest {
-  std::string model, scene, split, background, images, backend = "auto";
+  std::vector<std::string> models;
+  std::string scene, split, background, images, lpips, backend = "auto";
   int threads = 0;
-  bool overwrite = false, json = false;
+  bool overwrite = false, lpips_resize = false, fps = false, as_json = false;
 };
 
 /// --scene, else what the run folder was trained on.
-fs::path scene_path(const EvaluateRequest& request) {
+fs::path scene_path(const EvaluateRequest& request, const fs::path& model) {
   if (!request.scene.empty()) return request.scene;
-  const fs::path model = request.model;
   const RunFolder run{fs::is_directory(model) ? model : model.parent_path()};
   const std::string scene = run.exists() ? run.read_config().value("scene", "") : "";
   if (scene.empty())
     throw InputError(
-        fmt::format("{}: no run folder that names its scene; pass --scene FOLDER", request.model));
+        fmt::format("{}: no run folder that names its scene; pass --scene FOLDER", model.string()));
   if (!fs::exists(scene))
     throw InputError(
         fmt::format("{}: its scene {} is gone; pass --scene FOLDER", run.config().string(), scene));
@@ -44,10 +51,11 @@ fs::path scene_path(const EvaluateRequest& request) {
 }
 
 /// With times on the model's clock.
-Scene open_scene(const EvaluateRequest& request, const GaussianModel& model) {
+Scene open_scene(const EvaluateRequest& request, const std::string& path,
+                 const GaussianModel& model) {
   SceneOptions options;
   options.background = model.background, options.allow_static = true;
-  Scene scene = load_scene(scene_path(request), options);
+  Scene scene = load_scene(scene_path(request, path), options);
   for (const std::string& warning : scene.warnings) warn(warning);
   for (Frame& frame : scene.frames) {
     frame.time = model_time(model, scene.time_axis, frame.time);
@@ -72,39 +80,107 @@ std::vector<std::string> picture_names(const Scene& scene, const std::vector<Spl
   return files;
 }
 
-nlohmann::json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
-                     Backend& backend) {
-  const std::vector<Split> splits = chosen_splits(request, scene);
+json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
+           const std::vector<Split>& splits, Lpips* lpips, Backend& backend) {
   std::optional<OutputFolder> images;
   if (!request.images.empty())
     images.emplace(request.images, "evaluate", picture_names(scene, splits), request.overwrite);
+  EvaluateOptions options;
+  if (lpips != nullptr)
+    options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
+      return lpips->distance(drawn, truth);
+    };
+  std::optional<int64_t> bytes;
+  if (!input.with_optimizer) bytes = input.bytes;
   ProgressBar bar("evaluate");
-  const nlohmann::json scores = score_splits(
-      backend, input.model, scene, splits, input.bytes,
+  json scores = score_splits(
+      backend, input.model, scene, splits, bytes,
       [&](const Frame& frame, const Picture& picture, const ViewScore& view, int64_t done,
           int64_t total) {
         stop_if_interrupted();
         if (images) write_picture_png(images->path(frame.name + ".png"), picture);
         bar.update(done, total, fmt::format("{} {:.2f} dB", split_name(frame.split), view.psnr));
-      });
+      },
+      options);
   if (images) images->finish();
+  return scores;
+}
+
+json frame_rate_json(Backend& backend, const GaussianModel& model, const Scene& scene,
+                     const std::vector<Split>& splits) {
+  std::vector<View> views;
+  for (Split split : splits)
+    for (int i : scene.split_indices(split))
+      views.push_back({scene.frames[size_t(i)].camera, scene.frames[size_t(i)].time});
+  if (views.empty()) throw InputError(fmt::format("{}: no view to time", scene.path));
+  const FrameRate rate = measure_frame_rate(backend, model, views);
+  const bool on_host = &backend.memory() == &host_memory();
+  return {{"fps", rate.fps()},
+          {"ms_per_frame", 1e3 * rate.seconds / double(rate.frames)},
+          {"wall_ms_per_frame", 1e3 * rate.wall_seconds / double(rate.frames)},
+          {"frames", rate.frames},
+          {"clock", on_host ? "host" : "device events"},
+          {"width", rate.width},
+          {"height", rate.height},
+          {"num_gaussians", rate.num_gaussians}};
+}
+
+/// Of one model, with the lines for a person under `text`.
+json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpips* lpips,
+                    Backend& backend, std::string& text) {
+  ModelInput input = load_model_input(path);
+  for (const std::string& warning : input.warnings) warn(warning);
+  if (!request.background.empty()) input.model.background = parse_background(request.background);
+  const Scene scene = open_scene(request, path, input.model);
+  const std::vector<Split> splits = chosen_splits(request, scene);
+  json scores = score(request, input, scene, splits, lpips, backend);
+  scores["model"] = input.file.string(), scores["scene"] = scene.path;
+  scores["backend"] = backend.name();
+  text = fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {}", scores_text(scores),
+                     input.model.count(), input.model.static_set.count(),
+                     input.model.dynamic_set.count(),
+                     input.with_optimizer ? "a checkpoint" : fmt::format("{} bytes", input.bytes));
+  if (!request.fps) return scores;
+  const json rate = frame_rate_json(backend, input.model, scene, splits);
+  scores["frame_rate"] = rate;
+  text +=
+      fmt::format("\n{:.1f} frames/s of {} x {} pixels, {} frames by the clock of {}",
+                  rate["fps"].get<double>(), rate["width"].get<int>(), rate["height"].get<int>(),
+                  rate["frames"].get<int64_t>(), rate["clock"].get<std::string>());
   return scores;
 }
 
 int evaluate_command(const EvaluateRequest& request) {
   set_thread_count(request.threads);
-  ModelInput input = load_model_input(request.model);
-  for (const std::string& warning : input.warnings) warn(warning);
-  if (!request.background.empty()) input.model.background = parse_background(request.background);
-  const Scene scene = open_scene(request, input.model);
+  const bool several = request.models.size() > 1;
+  if (several && !request.images.empty())
+    throw InputError("--save-images takes one model; evaluate the runs one by one");
+  std::set<std::string> paths;
+  for (const std::string& model : request.models)
+    if (several) paths.insert(fs::weakly_canonical(scene_path(request, model)).string());
+  if (paths.size() > 1)
+    throw InputError(fmt::format(
+        "the runs are of different scenes: {}; evaluate each scene's runs together, or pass "
+        "--scene FOLDER",
+        fmt::join(paths, ", ")));
+  std::optional<Lpips> lpips;
+  if (!request.lpips.empty()) lpips.emplace(request.lpips, request.lpips_resize);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
-  nlohmann::json scores = score(request, input, scene, *backend);
-  scores["model"] = input.file.string(), scores["scene"] = scene.path;
-  scores["backend"] = backend->name();
-  print_result(request.json, scores,
-               fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {} bytes",
-                           scores_text(scores), input.model.count(), input.model.static_set.count(),
-                           input.model.dynamic_set.count(), input.bytes));
+  std::vector<json> runs;
+  std::string text;
+  for (const std::string& model : request.models) {
+    std::string lines;
+    runs.push_back(evaluate_model(request, model, lpips ? &*lpips : nullptr, *backend, lines));
+    text += several ? fmt::format("{}\n{}\n", model, lines) : lines;
+  }
+  if (!several) {
+    print_result(request.as_json, runs.front(), text);
+    return kExitDone;
+  }
+  json statistics = over_runs(runs);
+  text += over_runs_text(statistics);
+  statistics["runs"] = runs;
+  print_result(request.as_json, statistics, text);
   return kExitDone;
 }
 
@@ -114,7 +190,10 @@ void add_evaluate_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand("evaluate", "score a model on held-out frames");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<EvaluateRequest>();
-  command->add_option("model", request->model, "run folder, checkpoint, 3DGS or Tessera .ply")
+  command
+      ->add_option("model", request->models,
+                   "run folder, checkpoint, 3DGS or Tessera .ply; several runs of one scene, e.g. "
+                   "of several seeds: mean and sigma, too")
       ->required();
   command->add_option("--scene", request->scene,
                       "prepared scene or D-NeRF folder; a run folder knows its own");
@@ -126,7 +205,14 @@ void add_evaluate_command(CLI::App& app, Work& work) {
   command->add_option("--backend", request->backend,
                       "auto (a CUDA device where there is one), cpu or cuda");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
-  command->add_flag("--json", request->json, "print one JSON object");
+  command->add_option("--lpips", request->lpips,
+                      "ONNX file: LPIPS by its network: two inputs [1, 3, height, width], RGB in "
+                      "[-1, 1], one output");
+  command->add_flag("--lpips-resize", request->lpips_resize,
+                    "bring pictures to the sides that the ONNX file fixes");
+  command->add_flag("--fps", request->fps,
+                    "time the renderer: 300 warm frames, or as many as fit in 20 s");
+  command->add_flag("--json", request->as_json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return evaluate_command(*request); }; });
 }
 

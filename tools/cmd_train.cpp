@@ -24,6 +24,20 @@ std::string dashed(std::string key) {
   return key;
 }
 
+/// "" without validation.
+std::string validation_text(const nlohmann::json& checks) {
+  if (checks.is_null()) return "";
+  return fmt::format(
+      "the model is that of step {} ({}), best of {} checks: PSNR {:.2f} dB on {} frames set "
+      "aside{}",
+      checks["best_iteration"].get<int64_t>(), clock_time(checks["best_seconds"]),
+      checks["checks"].get<int64_t>(), checks["best_psnr"].get<double>(),
+      checks["frames"].get<int64_t>(),
+      checks["stopped"].get<bool>()
+          ? fmt::format("; stopped at step {}", checks["stop_iteration"].get<int64_t>())
+          : "");
+}
+
 }  // namespace
 
 void add_train_options(CLI::App& command, TrainArguments& arguments) {
@@ -76,24 +90,6 @@ TrainOptions resolve_options(const TrainArguments& arguments) {
   validate(options);
   return options;
 }
-
-namespace {
-
-/// "" without validation.
-std::string validation_text(const nlohmann::json& checks) {
-  if (checks.is_null()) return "";
-  return fmt::format(
-      "the model is that of step {} ({}), best of {} checks: PSNR {:.2f} dB on {} frames set "
-      "aside{}",
-      checks["best_iteration"].get<int64_t>(), clock_time(checks["best_seconds"]),
-      checks["checks"].get<int64_t>(), checks["best_psnr"].get<double>(),
-      checks["frames"].get<int64_t>(),
-      checks["stopped"].get<bool>()
-          ? fmt::format("; stopped at step {}", checks["stop_iteration"].get<int64_t>())
-          : "");
-}
-
-}  // namespace
 
 std::string training_text(const nlohmann::json& result) {
   const std::string text =
