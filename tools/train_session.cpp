@@ -119,6 +119,10 @@ class Session {
   }
 
   void start() {
+    validation_.emplace(*backend_, scene_, options_,
+                        previous_ ? previous_->validation : ValidationRecord{});
+    if (const int64_t best = validation_->record().best_iteration; best > 0)
+      restore_best(run_.best(best));
     std::string source = "checkpoint";
     TrainState state =
         previous_ ? std::move(previous_->state) : initial_state(scene_, options_, source);
@@ -130,12 +134,17 @@ class Session {
     end_ = request_.stop_after
                ? std::min(options_.iterations, state.iteration + *request_.stop_after)
                : options_.iterations;
-    validation_.emplace(*backend_, scene_, options_,
-                        previous_ ? previous_->validation : ValidationRecord{});
-    if (const int64_t best = validation_->record().best_iteration; best > 0)
-      validation_->restore_best(load_model(run_.best(best)));
     trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
     stages_.emplace(*backend_);
+  }
+
+  void restore_best(const std::filesystem::path& file) {
+    if (!std::filesystem::exists(file))
+      throw InputError(
+          fmt::format("{}: is gone, the best model so far of this run; train again with "
+                      "--overwrite",
+                      file.string()));
+    validation_->restore_best(load_model(file));
   }
 
   void train() {

@@ -128,7 +128,7 @@ TEST(Evaluate, AsksTheGivenNetwork) {
   EXPECT_FALSE(evaluated(model, scene).all.lpips.has_value());
 }
 
-// D8. Bugs put back, each seen to fail: frames until the time is over; warm frames counted.
+// D8. Bug put back: frames until the time is over; seen to fail.
 TEST(FrameRate, TimesWarmFramesUntilThereAreEnough) {
   const GaussianModel model = random_model(30, 30);
   const std::vector<View> views = {{look_at({0, 0, -4}, {0, 0, 0}, 24, 20, 25), 0.5}};
