@@ -54,8 +54,7 @@ class LpipsFile : public ::testing::Test {
   ScratchFolder folder_;
 };
 
-// Bugs put back, each seen to fail: pictures in [0, 1]; height and width exchanged; the truth given
-// to both inputs.
+// Bugs put back, each seen to fail: pictures in [0, 1]; the truth given to both inputs.
 TEST_F(LpipsFile, GivesTheNetworksNumber) {
   for (const auto& [width, height] : {std::pair{20, 16}, {33, 7}}) {
     const Image8 a = random_picture(width, height, 1), b = random_picture(width, height, 2);
@@ -67,6 +66,24 @@ TEST_F(LpipsFile, GivesTheNetworksNumber) {
     Lpips exact(write(onnx_file(fixed)), false);
     EXPECT_NEAR(exact.distance(a, b), 2 * mean_distance(a, b), 1e-5);
   }
+}
+
+// Bugs put back, each seen to fail: height and width exchanged; blue first; interleaved values.
+TEST_F(LpipsFile, PlacesAndColoursAreTheNetworks) {
+  const int width = 9, height = 5;
+  const Image8 a = random_picture(width, height, 3), b = random_picture(width, height, 4);
+  const auto difference = [&](int x, int y, int c) {
+    const size_t i = size_t((y * width + x) * 3 + c);
+    return (double(a.data[i]) - double(b.data[i])) * 2 / 255;
+  };
+  double sum = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x + 1 < width; ++x) {
+      double edge = 0;
+      for (int c = 0; c < 3; ++c) edge += (c + 1) * (difference(x + 1, y, c) - difference(x, y, c));
+      sum += std::abs(edge) / double(height * (width - 1));
+    }
+  EXPECT_NEAR(Lpips(write(onnx_edges()), false).distance(a, b), sum, 1e-5);
 }
 
 // Bug put back: fixed sides not looked at; seen to fail.

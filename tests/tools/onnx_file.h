@@ -1,5 +1,5 @@
 // What: tiny networks as ONNX files, written field by field: factor · mean |a − b| of two pictures,
-//       and files that differ from it in one thing.
+//       one that looks at places and colours, and files that differ from these in one thing.
 // Not: a writer of any other network.
 // Source: onnx.proto3, protocol buffers' wire format.
 #pragma once
@@ -56,6 +56,22 @@ inline std::string onnx_value(const std::string& name, const std::vector<int64_t
   return bytes_field(1, name) + bytes_field(2, bytes_field(1, tensor));
 }
 
+/// TensorProto of floats, "weights".
+inline std::string onnx_weights(const std::vector<uint64_t>& sizes,
+                                const std::vector<float>& values) {
+  std::string tensor, raw;
+  for (uint64_t size : sizes) tensor += number_field(1, size);
+  for (float value : values)
+    for (int byte = 0; byte < 4; ++byte)
+      raw.push_back(char(std::bit_cast<uint32_t>(value) >> 8 * byte));
+  return tensor + number_field(2, 1) + bytes_field(8, "weights") + bytes_field(9, raw);
+}
+
+inline std::string onnx_model(const std::string& graph) {
+  const std::string opset = number_field(2, 11);
+  return number_field(1, 6) + bytes_field(7, graph) + bytes_field(8, opset);
+}
+
 /// A ModelProto.
 inline std::string onnx_file(const OnnxNetwork& network = {}) {
   const std::string& second = network.inputs.back();
@@ -67,22 +83,31 @@ inline std::string onnx_file(const OnnxNetwork& network = {}) {
     // three channels become one by a 1 × 1 convolution
     graph += bytes_field(
         1, onnx_node({"mean", "weights"}, "result", "Conv", onnx_numbers("kernel_shape", {1, 1})));
+    const float share = network.factor / 3;
+    graph += bytes_field(5, onnx_weights({1, 3, 1, 1}, {share, share, share}));
     last = "result";
   }
   graph += bytes_field(2, "tiny");
-  std::string weights = number_field(1, 1) + number_field(1, 3) + number_field(1, 1) +
-                        number_field(1, 1) + number_field(2, 1) + bytes_field(8, "weights");
-  std::string raw;
-  const auto bits = std::bit_cast<uint32_t>(network.factor / 3);
-  for (int channel = 0; channel < 3; ++channel)
-    for (int byte = 0; byte < 4; ++byte) raw.push_back(char(bits >> 8 * byte));
-  if (network.reduces) graph += bytes_field(5, weights + bytes_field(9, raw));
   for (const std::string& input : network.inputs)
     graph += bytes_field(11, onnx_value(input, {1, 3, network.height, network.width}));
   if (network.reduces) graph += bytes_field(11, onnx_value("weights", {1, 3, 1, 1}));
   graph += bytes_field(12, onnx_value(last, {1, 1, 1, 1}));
-  const std::string opset = number_field(2, 11);
-  return number_field(1, 6) + bytes_field(7, graph) + bytes_field(8, opset);
+  return onnx_model(graph);
+}
+
+/// Mean over pixels of |Σ_c (c + 1)·(d_c(x + 1) − d_c(x))|, d = a − b: another number where sides,
+/// rows or colours are exchanged.
+inline std::string onnx_edges() {
+  std::string graph = bytes_field(1, onnx_node({"a", "b"}, "difference", "Sub"));
+  graph += bytes_field(1, onnx_node({"difference", "weights"}, "edges", "Conv",
+                                    onnx_numbers("kernel_shape", {1, 2})));
+  graph += bytes_field(1, onnx_node({"edges"}, "distance", "Abs"));
+  graph += bytes_field(1, onnx_node({"distance"}, "result", "GlobalAveragePool"));
+  graph += bytes_field(2, "edges");
+  graph += bytes_field(5, onnx_weights({1, 3, 1, 2}, {-1, 1, -2, 2, -3, 3}));
+  for (const char* input : {"a", "b"}) graph += bytes_field(11, onnx_value(input, {1, 3, 0, 0}));
+  graph += bytes_field(12, onnx_value("result", {1, 1, 1, 1}));
+  return onnx_model(graph);
 }
 
 }  // namespace tessera::testing
