@@ -9,6 +9,8 @@
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/evaluate.h"
+#include "recon4d/frame_rate.h"
+#include "tests/support/backends.h"
 #include "tests/support/random.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/tiny_capture.h"
@@ -17,6 +19,7 @@ namespace tessera {
 namespace {
 
 using testing::add_noise;
+using testing::backend_label;
 using testing::model_bits;
 using testing::Random;
 using testing::ScratchFolder;
@@ -260,6 +263,48 @@ TEST(Stopping, ResumeGoesOnBitForBit) {
     EXPECT_TRUE(model_bits(*second.best()) == model_bits(*checks.best()));
   }
 }
+
+class ValidationOn : public testing::EveryBackend {};
+
+// Bug put back: only the first model kept; seen to fail.
+TEST_P(ValidationOn, ChecksDoNotChangeTheTraining) {
+  Scene scene = tiny_capture();
+  TrainOptions options = checked_options();
+  options.deterministic = true, options.idle_updates = "lazy", options.stop_patience = 0;
+  set_aside(scene, options.validation_share, 1);
+  Training unchecked(scene, options, testing::first_state(scene, options), backend());
+  unchecked.run(24);
+  Training checked(scene, options, testing::first_state(scene, options), backend());
+  Validation validation(backend(), scene, options);
+  checked.run(24, validation);
+  EXPECT_TRUE(state_bits(checked.state().clone_to(host_memory())) ==
+              state_bits(unchecked.state().clone_to(host_memory())));
+  const ValidationRecord& record = validation.record();
+  EXPECT_EQ(record.checks, 6);
+  ASSERT_NE(validation.best(), nullptr);
+  EXPECT_EQ(&validation.best()->static_set.memory(), &host_memory());
+  // the model that is kept is the one that was scored; a device rounds otherwise than the host
+  const std::unique_ptr<Backend> host = make_cpu_backend();
+  Validation again(*host, scene, options);
+  again.check(*validation.best(), 1, 0);
+  EXPECT_NEAR(again.record().best_psnr, record.best_psnr, is_cuda() ? 0.02 : 0);
+}
+TESSERA_ON_EVERY_BACKEND(ValidationOn);
+
+class FrameRateOn : public testing::EveryBackend {};
+
+// D8. Bug put back: the time of no stage counted; seen to fail.
+TEST_P(FrameRateOn, IsTheBackendsOwnTime) {
+  const Scene scene = tiny_capture();
+  std::vector<View> views;
+  for (const Frame& frame : scene.frames) views.push_back({frame.camera, frame.time});
+  const FrameRate rate = measure_frame_rate(backend(), testing::tiny_truth({}), views, {40, 20, 4});
+  EXPECT_EQ(rate.frames, 40);
+  EXPECT_EQ(rate.num_gaussians, 5);
+  EXPECT_GT(rate.seconds, 0);
+  EXPECT_LE(rate.seconds, rate.wall_seconds * 1.05) << "stages do not overlap";
+}
+TESSERA_ON_EVERY_BACKEND(FrameRateOn);
 
 // Bug put back: prune_invisible not called; seen to fail.
 TEST(Stopping, ShipsTheBestWithoutWhatCannotBeDrawn) {

@@ -30,7 +30,7 @@ class CliValidation : public ::testing::Test {
         "train", work.at("six"), "-o", work.at(run), "--iterations", "60",
         "--schedule-iterations", "60", "--init-points", "300", "--batch", "2",
         "--densify-until", "0", "--reorder-interval", "0",
-        "--validation-share", "0.34", "--validate-interval", "3",
+        "--validation-share", "0.34", "--validate-interval", "3", "--checkpoint-every", "4",
         "--lr-scale", "0.3", "--lr-mean", "0.05", "--lr-mean-final", "0.05", "--lr-sh", "0.3"};
     // clang-format on
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -49,8 +49,9 @@ class CliValidation : public ::testing::Test {
   CliWorkspace work;
 };
 
-// D5, D7. Bugs put back, each seen to fail: the last model shipped; the last model scored; saving
-// counted as training.
+// D5, D6, D7. Bugs put back, each seen to fail: the last model shipped; the last model scored; best
+// models of earlier steps left behind; the size of a checkpoint given as the model's; evaluation on
+// the clock of training.
 TEST_F(CliValidation, ShipsTheBestModelAndSaysWhenItWas) {
   const json trained = train("run", {"--stop-patience", "4"});
   const json& checks = trained["validation"];
@@ -75,17 +76,14 @@ TEST_F(CliValidation, ShipsTheBestModelAndSaysWhenItWas) {
   EXPECT_EQ(scores["bytes"], trained["bytes"]);
   EXPECT_EQ(scores["num_gaussians"], trained["num_gaussians"]);
 
-  double sum = 0;
-  for (const char* part : {"load", "init", "train", "evaluate", "save"}) {
+  for (const char* part : {"load", "init", "train", "evaluate", "save"})
     EXPECT_GT(trained["wall_seconds"][part], 0) << part;
-    sum += double(trained["wall_seconds"][part]);
-  }
   EXPECT_EQ(trained["wall_seconds"].size(), 5u);
+  // the clock of training runs in its steps alone
   EXPECT_GE(trained["wall_seconds"]["train"], 0.99 * double(trained["seconds"]));
-  EXPECT_LT(sum, 60);
 }
 
-// D4. Bug put back: held_out_splits in place of the frames set aside; seen to fail.
+// D4. Bug put back: the test split checked in place of the frames set aside; seen to fail.
 TEST_F(CliValidation, NeverReadsHeldOutPictures) {
   const json first = train("first", {"--stop-patience", "4"});
   Random random(5);
@@ -102,8 +100,8 @@ TEST_F(CliValidation, NeverReadsHeldOutPictures) {
   EXPECT_EQ(work.read("first/model.ply"), work.read("second/model.ply"));
 }
 
-// E5. Bugs put back, each seen to fail: the best model not brought back; no check after a stop
-// that fell on one.
+// E5. Bugs put back, each seen to fail: the best model not brought back; the record not saved; a
+// best model that is gone not asked for.
 TEST_F(CliValidation, TwoHalvesAreTheWhole) {
   const json whole = train("whole");
   const int64_t best = whole["validation"]["best_iteration"];
