@@ -106,14 +106,12 @@ TEST_F(CliValidation, TwoHalvesAreTheWhole) {
   const json whole = train("whole");
   const int64_t best = whole["validation"]["best_iteration"];
   EXPECT_LT(best, 50);
-  for (const int64_t stop : {best + 1, best + 3}) {
-    const std::string run = "halves" + std::to_string(stop);
-    train(run, {"--stop-after", std::to_string(stop)});
-    const json resumed = work.run_json({"train", work.at("six"), "-o", work.at(run), "--resume"});
-    for (const char* key : {"checks", "best_iteration", "best_psnr", "without_gain"})
-      EXPECT_EQ(resumed["validation"][key], whole["validation"][key]) << key;
-    EXPECT_EQ(work.read(run + "/model.ply"), work.read("whole/model.ply"));
-  }
+  train("halves", {"--stop-after", std::to_string(best + 1)});
+  const json resumed =
+      work.run_json({"train", work.at("six"), "-o", work.at("halves"), "--resume"});
+  for (const char* key : {"checks", "best_iteration", "best_psnr", "without_gain"})
+    EXPECT_EQ(resumed["validation"][key], whole["validation"][key]) << key;
+  EXPECT_EQ(work.read("halves/model.ply"), work.read("whole/model.ply"));
   // an ended run is not trained on
   train("ended", {"--stop-patience", "4"});
   const std::string model = work.read("ended/model.ply");
