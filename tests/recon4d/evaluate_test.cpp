@@ -109,6 +109,23 @@ TEST(Evaluate, MovingPixelsAndFlickerOfAStandingCamera) {
   EXPECT_NEAR(double(object["dssim"]), (1 - double(object["ssim"])) / 2, 1e-12);
 }
 
+// A14. Gaussians without time terms do not flicker; seen to fail with a dynamic set beside them, as
+// the last line keeps on record.
+TEST(Evaluate, AStaticSetDoesNotFlicker) {
+  Scene scene = noise_scene(24, 20);
+  const Frame first = scene.frames.front();
+  scene.frames.clear();
+  for (int m = 0; m < 4; ++m) {
+    scene.frames.push_back(first);
+    scene.frames.back().time = m / 3.0, scene.frames.back().split = Split::kTest;
+  }
+  const EvaluationReport still = evaluated(random_model(30, 0), scene);
+  EXPECT_EQ(still.flicker.at(0).still_share, 1);
+  EXPECT_EQ(still.flicker[0].still_deviation, 0.0);
+  EXPECT_EQ(still.flicker[0].change_error, 0);
+  EXPECT_GT(evaluated(random_model(30, 30), scene).flicker.at(0).still_deviation, 0.5);
+}
+
 // Bug put back: the picture given where the mask ignores; seen to fail.
 TEST(Evaluate, AsksTheGivenNetwork) {
   const GaussianModel model = random_model(30, 30);
