@@ -15,7 +15,8 @@ if(NOT TESSERA_INGEST STREQUAL "OFF")
     # not find_package: Debian's CMake files insist on programs of other packages
     pkg_check_modules(OIIO QUIET IMPORTED_TARGET OpenImageIO)
   endif()
-  find_package(OpenCV QUIET COMPONENTS core imgproc video features2d)
+  find_package(OpenCV QUIET COMPONENTS core imgproc video features2d
+               OPTIONAL_COMPONENTS dnn)  # dnn: LPIPS
   if(LIBAV_FOUND AND OIIO_FOUND AND OpenCV_FOUND)
     set(TESSERA_HAS_INGEST TRUE)
   elseif(TESSERA_INGEST STREQUAL "ON")

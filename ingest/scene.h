@@ -13,7 +13,8 @@
 
 namespace tessera {
 
-enum class Split { kTrain, kVal, kTest };
+/// kAside: training frames that a training set aside to choose its model by; no file says so.
+enum class Split { kTrain, kVal, kTest, kAside };
 
 /// 8-bit interleaved picture, row-major, top row first.
 struct Image8 {

@@ -41,7 +41,8 @@ void for_each_array(State& state, bool filter_sizes, Visit&& visit) {
   visit_set(state.model.dynamic_set, state.statistics[1], "dynamic");
 }
 
-json make_header(const TrainState& state, const TrainOptions& options, const json& provenance) {
+json make_header(const TrainState& state, const TrainOptions& options, const json& provenance,
+                 const ValidationRecord& validation) {
   const GaussianModel& model = state.model;
   return {
       {"iteration", state.iteration},
@@ -65,7 +66,8 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"train_scale", model.train_scale},
       {"filter_sizes", state.has_filter_sizes()},
       {"options", to_json(options)},
-      {"provenance", provenance}};
+      {"provenance", provenance},
+      {"validation", to_json(validation)}};
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
@@ -124,6 +126,7 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   model.filter_2d = header.value("filter_2d", false);
   model.train_scale = header.value("train_scale", 1.0);
   checkpoint.provenance = header.at("provenance");
+  checkpoint.validation = validation_record_from_json(header.at("validation"));
 }
 
 TrainOptions restore_options(const std::filesystem::path& path, const json& header) {
@@ -175,14 +178,15 @@ void check_sum(const std::filesystem::path& path, const std::string& bytes) {
 }  // namespace
 
 void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
-                     const TrainOptions& options, const json& provenance) {
+                     const TrainOptions& options, const json& provenance,
+                     const ValidationRecord& validation) {
   AtomicFile file(path);
   Fnv1a hash;
   const auto write = [&](const void* bytes, size_t count) {
     hash.add(bytes, count);
     file.write(bytes, count);
   };
-  const std::string header = make_header(state, options, provenance).dump();
+  const std::string header = make_header(state, options, provenance, validation).dump();
   const uint64_t length = header.size();
   write(kMagic, sizeof(kMagic));
   write(&kVersion, sizeof(kVersion));

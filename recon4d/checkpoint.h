@@ -1,5 +1,6 @@
 // What: a training stopped between two steps, as one file: resuming goes on bit for bit.
-// Not: a model to ship (model_file.h). Written whole or not at all; the previous one stays.
+// Not: a model to ship (model_file.h), nor the best model so far: the caller keeps it. Written
+//      whole or not at all; the previous one stays.
 // Layout: "TESSCKPT", u32 version, u64 header bytes, JSON header, then the arrays that the header
 // lists in order, float32 (sh_step: int32) little-endian, then u64 FNV-1a of all before it.
 #pragma once
@@ -7,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "recon4d/train_state.h"
+#include "recon4d/validation.h"
 
 namespace tessera {
 
@@ -14,12 +16,14 @@ struct Checkpoint {
   TrainState state;  // as it was between the steps: its SH may be behind (caught_up_model)
   TrainOptions options;
   nlohmann::json provenance;  // versions, device, scene hash: what the writer knew
+  ValidationRecord validation;
 };
 
 /// `state` in the host's memory. Errors: InputError with path and reason (disk full, folder not
 /// writable); nothing is lost then.
 void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
-                     const TrainOptions& options, const nlohmann::json& provenance);
+                     const TrainOptions& options, const nlohmann::json& provenance,
+                     const ValidationRecord& validation = {});
 /// Errors: InputError: not a checkpoint, another version, truncated, damaged.
 Checkpoint load_checkpoint(const std::filesystem::path& path);
 /// The header alone, for `tessera info`.

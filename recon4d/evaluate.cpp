@@ -18,7 +18,7 @@ class TrainingCoverage {
  public:
   explicit TrainingCoverage(const Scene& scene) {
     for (const Frame& frame : scene.frames) {
-      if (frame.split != Split::kTrain) continue;
+      if (frame.split != Split::kTrain && frame.split != Split::kAside) continue;
       times_.insert(frame.time);
       cameras_.insert(frame.camera_name);
     }
@@ -72,11 +72,59 @@ std::vector<int> scored_frames(const Scene& scene, Split split) {
   return indices;
 }
 
-MeanScore mean_of_those(const std::vector<ViewScore>& views, bool ViewScore::*flag) {
+MeanScore mean_of_those(const std::vector<ViewScore>& views,
+                        const std::function<bool(const ViewScore&)>& belongs) {
   std::vector<ViewScore> chosen;
-  std::copy_if(views.begin(), views.end(), std::back_inserter(chosen),
-               [flag](const ViewScore& view) { return view.*flag; });
+  std::copy_if(views.begin(), views.end(), std::back_inserter(chosen), belongs);
   return mean_score(chosen);
+}
+
+void add_means(EvaluationReport& report) {
+  const std::vector<ViewScore>& views = report.views;
+  report.all = mean_score(views);
+  if (report.split == Split::kTrain || report.split == Split::kAside) return;
+  // a held-out view is one whose moment was seen, a held-out time one whose camera was
+  const auto group = [&](bool time_seen, bool camera_seen) {
+    return mean_of_those(views, [=](const ViewScore& view) {
+      return view.held_out_view == time_seen && view.held_out_time == camera_seen;
+    });
+  };
+  report.held_out_views =
+      mean_of_those(views, [](const ViewScore& view) { return view.held_out_view; });
+  report.held_out_times =
+      mean_of_those(views, [](const ViewScore& view) { return view.held_out_time; });
+  report.novel_view = group(true, false), report.novel_time = group(false, true);
+  report.novel_view_and_time = group(false, false), report.withheld = group(true, true);
+}
+
+/// `drawn` where the mask of the frame uses it, the truth elsewhere.
+Image8 only_used(const Image8& drawn, const Frame& frame) {
+  Image8 merged = drawn;
+  for (size_t i = 0; i < merged.data.size() && !frame.mask.data.empty(); ++i)
+    if (frame.mask.data[i / 3] == 0) merged.data[i] = frame.image.data[i];
+  return merged;
+}
+
+/// PSNR over the pixels of a region that the frame's mask uses.
+std::optional<double> psnr_within(const Image8& drawn, const Frame& frame,
+                                  std::vector<uint8_t> region) {
+  for (size_t p = 0; p < frame.mask.data.size(); ++p)
+    if (frame.mask.data[p] == 0) region[p] = 0;
+  if (std::count(region.begin(), region.end(), uint8_t{0}) == int64_t(region.size()))
+    return std::nullopt;
+  return psnr_of_mse(
+      mean_squared_error(drawn, frame.image, {region.data(), int64_t(region.size())}));
+}
+
+/// What a view's score has of the pixels that move and of the others.
+void add_regions(DynamicRegions& regions, const Frame& frame, const Picture& picture,
+                 ViewScore& score) {
+  std::vector<uint8_t> moves = regions.of(frame);
+  if (moves.empty()) return;
+  const Image8 drawn = quantise(picture.planar(), picture.width, picture.height);
+  score.psnr_dynamic = psnr_within(drawn, frame, moves);
+  for (uint8_t& value : moves) value = uint8_t(255 - value);
+  score.psnr_static = psnr_within(drawn, frame, std::move(moves));
 }
 
 }  // namespace
@@ -86,8 +134,15 @@ MeanScore mean_score(const std::vector<ViewScore>& views) {
   mean.views = int64_t(views.size());
   mean.psnr = mean_of(views, [](const ViewScore& v) { return v.psnr; });
   mean.psnr_float = mean_of(views, [](const ViewScore& v) { return v.psnr_float; });
-  mean.ssim_reflect = mean_of(views, [](const ViewScore& v) { return v.ssim_reflect; });
-  mean.ssim_zero = mean_of(views, [](const ViewScore& v) { return v.ssim_zero; });
+  for (auto member : {&StructureScores::reflect, &StructureScores::zero, &StructureScores::inside,
+                      &StructureScores::inside_range2, &StructureScores::multi_scale})
+    mean.structure.*member =
+        mean_of(views, [member](const ViewScore& v) { return v.structure.*member; });
+  mean.lpips = mean_of(views, [](const ViewScore& v) { return v.lpips; });
+  mean.psnr_dynamic = mean_of(views, [](const ViewScore& v) { return v.psnr_dynamic; });
+  mean.psnr_static = mean_of(views, [](const ViewScore& v) { return v.psnr_static; });
+  mean.dynamic_views = std::count_if(views.begin(), views.end(),
+                                     [](const ViewScore& v) { return v.psnr_dynamic.has_value(); });
   if (const auto mse = mean_of(views, [](const ViewScore& v) { return v.mse; }))
     mean.psnr_of_mean_mse = psnr_of_mse(*mse);
   return mean;
@@ -103,8 +158,9 @@ ViewScore score_view(const Frame& frame, const Picture& picture, const EvaluateO
   score.mse = mean_squared_error(drawn, frame.image, mask);
   score.psnr = psnr_of_mse(score.mse);
   score.psnr_float = psnr_float(picture.planar(), frame.image, mask);
-  score.ssim_reflect = ssim(drawn, frame.image, SsimPadding::kReflect, mask);
-  if (options.ssim_zero) score.ssim_zero = ssim(drawn, frame.image, SsimPadding::kZero, mask);
+  if (options.structure)
+    score.structure = structure_scores(drawn, frame.image, mask, options.ssim_zero);
+  if (options.lpips) score.lpips = options.lpips(only_used(drawn, frame), frame.image);
   return score;
 }
 
@@ -118,6 +174,8 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
   EvaluationReport report;
   report.split = split;
   Renderer renderer(backend, model);
+  FlickerMeter flicker;
+  DynamicRegions regions(scene);
   for (size_t begin = 0; begin < indices.size(); begin += size_t(options.batch)) {
     const size_t end = std::min(begin + size_t(options.batch), indices.size());
     std::vector<View> views;
@@ -129,16 +187,20 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
     for (size_t i = begin; i < end; ++i) {
       const Frame& frame = scene.frames[size_t(indices[i])];
       ViewScore score = score_view(frame, pictures[i - begin], options);
-      score.held_out_view = split != Split::kTrain && training.has_time(frame.time);
-      score.held_out_time = split != Split::kTrain && training.has_camera(frame.camera_name);
+      if (options.temporal) {
+        add_regions(regions, frame, pictures[i - begin], score);
+        flicker.add(frame, pictures[i - begin]);
+      }
+      const bool held_out = split == Split::kVal || split == Split::kTest;
+      score.held_out_view = held_out && training.has_time(frame.time);
+      score.held_out_time = held_out && training.has_camera(frame.camera_name);
       report.views.push_back(score);
       if (scored)
         scored(frame, pictures[i - begin], score, int64_t(i + 1), int64_t(indices.size()));
     }
   }
-  report.all = mean_score(report.views);
-  report.held_out_views = mean_of_those(report.views, &ViewScore::held_out_view);
-  report.held_out_times = mean_of_those(report.views, &ViewScore::held_out_time);
+  add_means(report);
+  report.flicker = flicker.scores();
   return report;
 }
 
@@ -150,6 +212,8 @@ const char* split_name(Split split) {
       return "val";
     case Split::kTest:
       return "test";
+    case Split::kAside:
+      return "aside";
   }
   return "";
 }

@@ -1,13 +1,11 @@
 // What: sums over pixels, in double or exact integers.
-// Not: the window and its convolution (kernels/stages/ssim_window.h, which the loss shares).
+// Not: SSIM and its kin (structure_scores.cpp).
 #include "recon4d/metrics.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "kernels/base/errors.h"
-#include "kernels/base/parallel.h"
-#include "kernels/stages/ssim_window.h"
 
 namespace tessera {
 namespace {
@@ -19,17 +17,14 @@ float clamped(float value) {
   return value > 0.0f ? std::min(value, 1.0f) : 0.0f;
 }
 
+}  // namespace
+
 void check_pair(const Image8& a, const Image8& b) {
   check(a.channels == 3 && b.channels == 3 && a.width == b.width && a.height == b.height &&
             a.width > 0 && a.height > 0,
         "metrics: two RGB pictures of one size");
 }
 
-bool used(Span<const uint8_t> mask, size_t pixel) {
-  return mask.empty() || mask[int64_t(pixel)] != 0;
-}
-
-/// Of a picture of `pixels`.
 size_t used_pixels(Span<const uint8_t> mask, size_t pixels) {
   check(mask.empty() || mask.size == int64_t(pixels), "metrics: a mask of the picture's size");
   const size_t count =
@@ -37,29 +32,6 @@ size_t used_pixels(Span<const uint8_t> mask, size_t pixels) {
   check(count > 0, "metrics: at least one pixel that is used");
   return count;
 }
-
-std::vector<double> plane_of(const Image8& image, int channel) {
-  std::vector<double> plane(image.data.size() / 3);
-  for (size_t p = 0; p < plane.size(); ++p) plane[p] = image.data[3 * p + size_t(channel)] / 255.0;
-  return plane;
-}
-
-/// Mean of the SSIM map of one channel.
-double plane_ssim(const Image8& a, const Image8& b, int channel, Padding padding,
-                  Span<const uint8_t> mask) {
-  const std::vector<double> x = plane_of(a, channel);
-  std::vector<double> y = plane_of(b, channel);
-  for (size_t p = 0; p < x.size(); ++p)
-    if (!used(mask, p)) y[p] = x[p];
-  MomentPlanes<double> moments;
-  moments.compute(x.data(), y.data(), a.width, a.height, padding);
-  double sum = 0;
-  for (size_t p = 0; p < x.size(); ++p)
-    if (used(mask, p)) sum += moments.point(p).value;
-  return sum / double(used_pixels(mask, x.size()));
-}
-
-}  // namespace
 
 Image8 quantise(Span<const float> planar_rgb, int width, int height) {
   const size_t pixels = size_t(width) * size_t(height);
@@ -77,7 +49,7 @@ double mean_squared_error(const Image8& a, const Image8& b, Span<const uint8_t> 
   const size_t count = used_pixels(mask, a.data.size() / 3);
   int64_t sum = 0;
   for (size_t i = 0; i < a.data.size(); ++i) {
-    if (!used(mask, i / 3)) continue;
+    if (!is_used(mask, i / 3)) continue;
     const int difference = int(a.data[i]) - int(b.data[i]);
     sum += int64_t(difference) * difference;
   }
@@ -99,24 +71,12 @@ double psnr_float(Span<const float> planar_rgb, const Image8& truth, Span<const 
   double sum = 0;
   for (size_t c = 0; c < 3; ++c)
     for (size_t p = 0; p < pixels; ++p) {
-      if (!used(mask, p)) continue;
+      if (!is_used(mask, p)) continue;
       const double difference =
           double(clamped(planar_rgb.data[c * pixels + p])) - truth.data[3 * p + c] / 255.0;
       sum += difference * difference;
     }
   return psnr_of_mse(sum / (3.0 * double(used_pixels(mask, pixels))));
-}
-
-std::optional<double> ssim(const Image8& a, const Image8& b, SsimPadding padding,
-                           Span<const uint8_t> mask) {
-  check_pair(a, b);
-  const bool reflect = padding == SsimPadding::kReflect;
-  if (reflect && (a.width <= kSsimRadius || a.height <= kSsimRadius)) return std::nullopt;
-  double channel[3];
-  parallel_for(3, 1, [&](int64_t c, int64_t) {
-    channel[c] = plane_ssim(a, b, int(c), reflect ? Padding::kReflect : Padding::kZero, mask);
-  });
-  return (channel[0] + channel[1] + channel[2]) / 3.0;
 }
 
 }  // namespace tessera

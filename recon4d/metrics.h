@@ -1,10 +1,8 @@
-// What: PSNR and SSIM of 8-bit pictures, each under its protocol's name. With a mask of
-//       [height, width] (0: ignored; empty: none) means are over the used pixels, at least one.
-// Not: a mean over views (evaluate.h), and no LPIPS in this version.
+// What: PSNR of 8-bit pictures and of floats. With a mask of [height, width] (0: ignored; empty:
+//       none) means are over the used pixels, at least one.
+// Not: SSIM and its kin (structure_scores.h), nor a mean over views (evaluate.h).
 // Source: method A.15; failure modes D1–D3, B20.
 #pragma once
-#include <optional>
-
 #include "ingest/scene.h"
 #include "kernels/base/span.h"
 
@@ -22,11 +20,12 @@ double psnr(const Image8& a, const Image8& b);
 /// Of floats against 8-bit truth, un-quantised and clamped to [0, 1]; NaN counts as 0.
 double psnr_float(Span<const float> planar_rgb, const Image8& truth, Span<const uint8_t> mask = {});
 
-enum class SsimPadding { kReflect, kZero };
-/// Mean over the full map and channels, 11 taps, σ 1.5, range 1. Nothing where the window does not
-/// fit: reflection needs more than 5 pixels each way. In the windows of used pixels b is a where
-/// the mask ignores, so that nothing is compared there.
-std::optional<double> ssim(const Image8& a, const Image8& b, SsimPadding padding,
-                           Span<const uint8_t> mask = {});
+/// What all metrics demand of two pictures; a broken demand is our bug.
+void check_pair(const Image8& a, const Image8& b);
+inline bool is_used(Span<const uint8_t> mask, size_t pixel) {
+  return mask.empty() || mask[int64_t(pixel)] != 0;
+}
+/// Of a picture of `pixels`, at least one.
+size_t used_pixels(Span<const uint8_t> mask, size_t pixels);
 
 }  // namespace tessera

@@ -33,6 +33,10 @@ const GaussianSet& Renderer::set(int k) const {
   return copies_[k] ? *copies_[k] : k == 0 ? model_.static_set : model_.dynamic_set;
 }
 
+void Renderer::draw(const std::vector<View>& views) {
+  pipeline_.forward(set(0).values(), set(1).values(), views, options_);
+}
+
 std::vector<Picture> Renderer::render(const std::vector<View>& views) {
   std::vector<Picture> pictures;
   if (views.empty()) return pictures;

@@ -7,6 +7,11 @@
 
 namespace tessera {
 
+int64_t scaled_steps(const TrainOptions& options, int64_t steps) {
+  return std::llround(double(steps) * double(options.iterations) /
+                      double(options.schedule_iterations));
+}
+
 Schedule::Schedule(const TrainOptions& options, double extent)
     : options_(options),
       extent_(extent),
@@ -16,11 +21,6 @@ Schedule::Schedule(const TrainOptions& options, double extent)
       sh_interval_(std::max<int64_t>(1, scaled(options.sh_interval))),
       opacity_reset_interval_(scaled(options.opacity_reset_interval)),
       reorder_interval_(scaled(options.reorder_interval)) {}
-
-int64_t Schedule::scaled(int64_t steps) const {
-  return std::llround(double(steps) * double(options_.iterations) /
-                      double(options_.schedule_iterations));
-}
 
 int Schedule::sh_degree(int64_t i) const {
   return int(std::min(options_.sh_degree, i / sh_interval_));

@@ -7,6 +7,9 @@
 
 namespace tessera {
 
+/// A count of steps that refers to schedule_iterations, scaled to the length of the training.
+int64_t scaled_steps(const TrainOptions& options, int64_t steps);
+
 class Schedule {
  public:
   /// `extent`: E, world units (scene_extent).
@@ -31,7 +34,7 @@ class Schedule {
   AdamGroups<float> adam(int64_t i, Form form) const;
 
  private:
-  int64_t scaled(int64_t steps) const;
+  int64_t scaled(int64_t steps) const { return scaled_steps(options_, steps); }
   bool is_mcmc() const { return options_.densification == "mcmc"; }
 
   const TrainOptions options_;

@@ -26,6 +26,9 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   double init_extent = 0, init_opacity = 0.1, init_scale_factor = 1;
   double init_time_scale = 0.4472135955, static_fraction = 0;
   bool carve = true, sweep = false, split_by_motion = false;
+  // frames set aside to choose the model by
+  double validation_share = 0;
+  int64_t validate_interval = 500, stop_patience = 0;
   // colour
   int64_t sh_degree = 3, sh_interval = 1000;
   bool sliced_direction = true;

@@ -32,7 +32,7 @@ inline const std::vector<std::string> kDeviceAndItsTests = {
 
 /// Headers that have one place: by the beginning of their name.
 inline const std::vector<std::pair<std::string, std::vector<std::string>>> kOnlyIn = {
-    {"opencv2/", {"ingest/media/", "tests/"}},
+    {"opencv2/", {"ingest/media/", "tools/lpips/", "tests/"}},
     {"libav", {"ingest/media/", "tools/", "tests/"}},
     {"libsw", {"ingest/media/", "tools/", "tests/"}},
     {"OpenImageIO/", {"ingest/media/", "tests/"}},

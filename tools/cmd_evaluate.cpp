@@ -1,12 +1,14 @@
-// What: `tessera evaluate`: a model against the held-out frames of a scene.
+// What: `tessera evaluate`: a model, or several runs, against the held-out frames of a scene.
 // Not: the metrics (recon4d/evaluate.h).
 #include <fmt/format.h>
 
 #include <cmath>
+#include <set>
 
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "recon4d/frame_rate.h"
 #include "recon4d/scene_scale.h"
 #include "recon4d/train_options.h"
 #include "tools/backend_choice.h"
@@ -14,10 +16,12 @@
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
+#include "tools/lpips/lpips.h"
 #include "tools/model_input.h"
 #include "tools/output_folder.h"
 #include "tools/picture_files.h"
 #include "tools/run_folder.h"
+#include "tools/run_statistics.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -25,11 +29,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using nlohmann::json;
+
 struct EvaluateRequest {
-  std::string model, scene, split, background, images, backend = "auto";
+  std::vector<std::string> models;
+  std::string scene, split, background, images, lpips, backend = "auto";
   std::vector<double> scales{1};  // of the size that was trained on
   int threads = 0;
-  bool overwrite = false, json = false;
+  bool overwrite = false, lpips_resize = false, fps = false, as_json = false;
 };
 
 /// Where the pictures of a scale lie: in the folder itself where there is only one.
@@ -38,14 +45,13 @@ std::string picture_folder(const EvaluateRequest& request, double scale) {
 }
 
 /// --scene, else what the run folder was trained on.
-fs::path scene_path(const EvaluateRequest& request) {
+fs::path scene_path(const EvaluateRequest& request, const fs::path& model) {
   if (!request.scene.empty()) return request.scene;
-  const fs::path model = request.model;
   const RunFolder run{fs::is_directory(model) ? model : model.parent_path()};
   const std::string scene = run.exists() ? run.read_config().value("scene", "") : "";
   if (scene.empty())
     throw InputError(
-        fmt::format("{}: no run folder that names its scene; pass --scene FOLDER", request.model));
+        fmt::format("{}: no run folder that names its scene; pass --scene FOLDER", model.string()));
   if (!fs::exists(scene))
     throw InputError(
         fmt::format("{}: its scene {} is gone; pass --scene FOLDER", run.config().string(), scene));
@@ -53,10 +59,11 @@ fs::path scene_path(const EvaluateRequest& request) {
 }
 
 /// With times on the model's clock.
-Scene open_scene(const EvaluateRequest& request, const GaussianModel& model) {
+Scene open_scene(const EvaluateRequest& request, const std::string& path,
+                 const GaussianModel& model) {
   SceneOptions options;
   options.background = model.background, options.allow_static = true;
-  Scene scene = load_scene(scene_path(request), options);
+  Scene scene = load_scene(scene_path(request, path), options);
   for (const std::string& warning : scene.warnings) warn(warning);
   for (Frame& frame : scene.frames) {
     frame.time = model_time(model, scene.time_axis, frame.time);
@@ -84,45 +91,61 @@ std::vector<std::string> picture_names(const EvaluateRequest& request, const Sce
   return files;
 }
 
-/// At one scale.
-nlohmann::json score_at(const EvaluateRequest& request, double scale, const ModelInput& input,
-                        const Scene& scene, Backend& backend, std::optional<OutputFolder>& images) {
+/// What all scales of one model's evaluation share.
+struct Scoring {
+  const EvaluateRequest& request;
+  const ModelInput& input;
+  const std::vector<Split>& splits;
+  Lpips* lpips;
+  Backend& backend;
+  std::optional<OutputFolder> images;
+};
+
+json score_at(Scoring& scoring, double scale, const Scene& scene) {
+  EvaluateOptions options;
+  if (Lpips* const lpips = scoring.lpips)
+    options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
+      return lpips->distance(drawn, truth);
+    };
+  std::optional<int64_t> bytes;
+  if (!scoring.input.with_optimizer) bytes = scoring.input.bytes;
   ProgressBar bar("evaluate");
   return score_splits(
-      backend, input.model, scene, chosen_splits(request, scene), input.bytes,
+      scoring.backend, scoring.input.model, scene, scoring.splits, bytes,
       [&](const Frame& frame, const Picture& picture, const ViewScore& view, int64_t done,
           int64_t total) {
         stop_if_interrupted();
-        if (images)
-          write_picture_png(images->path(picture_folder(request, scale) + frame.name + ".png"),
-                            picture);
+        if (scoring.images)
+          write_picture_png(
+              scoring.images->path(picture_folder(scoring.request, scale) + frame.name + ".png"),
+              picture);
         bar.update(done, total, fmt::format("{} {:.2f} dB", split_name(frame.split), view.psnr));
-      });
+      },
+      options);
 }
 
 /// The scores at scale 1, or at the first where it is not asked for; those of each under `scales`.
-nlohmann::json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
-                     Backend& backend) {
-  std::optional<OutputFolder> images;
+json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
+           const std::vector<Split>& splits, Lpips* lpips, Backend& backend) {
+  Scoring scoring{request, input, splits, lpips, backend, {}};
   if (!request.images.empty())
-    images.emplace(request.images, "evaluate",
-                   picture_names(request, scene, chosen_splits(request, scene)), request.overwrite);
-  nlohmann::json result = nlohmann::json::object(), by_scale = nlohmann::json::object();
+    scoring.images.emplace(request.images, "evaluate", picture_names(request, scene, splits),
+                           request.overwrite);
+  json result = json::object(), by_scale = json::object();
   for (const double scale : request.scales) {
     const double truth = truth_scale(scale, input.model.train_scale);
-    nlohmann::json scores =
-        truth == 1 ? score_at(request, scale, input, scene, backend, images)
-                   : score_at(request, scale, input, scaled_scene(scene, truth), backend, images);
+    json scores = truth == 1 ? score_at(scoring, scale, scene)
+                             : score_at(scoring, scale, scaled_scene(scene, truth));
     if (result.empty() || scale == 1) result = scores;
     by_scale[fmt::format("{}", scale)] = std::move(scores);
   }
   result["scales"] = std::move(by_scale);
-  if (images) images->finish();
+  if (scoring.images) scoring.images->finish();
   return result;
 }
 
 /// A line for each split, headed by the scale where there are several.
-std::string scores_lines(const EvaluateRequest& request, const nlohmann::json& scores) {
+std::string scores_lines(const EvaluateRequest& request, const json& scores) {
   if (request.scales.size() == 1) return scores_text(scores);
   std::string text;
   for (const double scale : request.scales)
@@ -131,24 +154,84 @@ std::string scores_lines(const EvaluateRequest& request, const nlohmann::json& s
   return text;
 }
 
+json frame_rate_json(Backend& backend, const GaussianModel& model, const Scene& scene,
+                     const std::vector<Split>& splits) {
+  std::vector<View> views;
+  for (Split split : splits)
+    for (int i : scene.split_indices(split))
+      views.push_back({scene.frames[size_t(i)].camera, scene.frames[size_t(i)].time});
+  if (views.empty()) throw InputError(fmt::format("{}: no view to time", scene.path));
+  const FrameRate rate = measure_frame_rate(backend, model, views);
+  const bool on_host = &backend.memory() == &host_memory();
+  return {{"fps", rate.fps()},
+          {"ms_per_frame", 1e3 * rate.seconds / double(rate.frames)},
+          {"wall_ms_per_frame", 1e3 * rate.wall_seconds / double(rate.frames)},
+          {"frames", rate.frames},
+          {"clock", on_host ? "host" : "device events"},
+          {"width", rate.width},
+          {"height", rate.height},
+          {"num_gaussians", rate.num_gaussians}};
+}
+
+/// Of one model, with the lines for a person under `text`.
+json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpips* lpips,
+                    Backend& backend, std::string& text) {
+  ModelInput input = load_model_input(path);
+  for (const std::string& warning : input.warnings) warn(warning);
+  if (!request.background.empty()) input.model.background = parse_background(request.background);
+  const Scene scene = open_scene(request, path, input.model);
+  const std::vector<Split> splits = chosen_splits(request, scene);
+  json scores = score(request, input, scene, splits, lpips, backend);
+  scores["model"] = input.file.string(), scores["scene"] = scene.path;
+  scores["backend"] = backend.name();
+  text = fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {}", scores_lines(request, scores),
+                     input.model.count(), input.model.static_set.count(),
+                     input.model.dynamic_set.count(),
+                     input.with_optimizer ? "a checkpoint" : fmt::format("{} bytes", input.bytes));
+  if (!request.fps) return scores;
+  const json rate = frame_rate_json(backend, input.model, scene, splits);
+  scores["frame_rate"] = rate;
+  text +=
+      fmt::format("\n{:.1f} frames/s of {} x {} pixels, {} frames by the clock of {}",
+                  rate["fps"].get<double>(), rate["width"].get<int>(), rate["height"].get<int>(),
+                  rate["frames"].get<int64_t>(), rate["clock"].get<std::string>());
+  return scores;
+}
+
 int evaluate_command(const EvaluateRequest& request) {
   for (const double scale : request.scales)
     if (!(scale > 0 && std::isfinite(scale)))
       throw InputError(fmt::format("--scales has {}; expected numbers above 0, as 0.5,1,2", scale));
   set_thread_count(request.threads);
-  ModelInput input = load_model_input(request.model);
-  for (const std::string& warning : input.warnings) warn(warning);
-  if (!request.background.empty()) input.model.background = parse_background(request.background);
-  const Scene scene = open_scene(request, input.model);
+  const bool several = request.models.size() > 1;
+  if (several && !request.images.empty())
+    throw InputError("--save-images takes one model; evaluate the runs one by one");
+  std::set<std::string> paths;
+  for (const std::string& model : request.models)
+    if (several) paths.insert(fs::weakly_canonical(scene_path(request, model)).string());
+  if (paths.size() > 1)
+    throw InputError(fmt::format(
+        "the runs are of different scenes: {}; evaluate each scene's runs together, or pass "
+        "--scene FOLDER",
+        fmt::join(paths, ", ")));
+  std::optional<Lpips> lpips;
+  if (!request.lpips.empty()) lpips.emplace(request.lpips, request.lpips_resize);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
-  nlohmann::json scores = score(request, input, scene, *backend);
-  scores["model"] = input.file.string(), scores["scene"] = scene.path;
-  scores["backend"] = backend->name();
-  print_result(
-      request.json, scores,
-      fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {} bytes",
-                  scores_lines(request, scores), input.model.count(),
-                  input.model.static_set.count(), input.model.dynamic_set.count(), input.bytes));
+  std::vector<json> runs;
+  std::string text;
+  for (const std::string& model : request.models) {
+    std::string lines;
+    runs.push_back(evaluate_model(request, model, lpips ? &*lpips : nullptr, *backend, lines));
+    text += several ? fmt::format("{}\n{}\n", model, lines) : lines;
+  }
+  if (!several) {
+    print_result(request.as_json, runs.front(), text);
+    return kExitDone;
+  }
+  json statistics = over_runs(runs);
+  text += over_runs_text(statistics);
+  statistics["runs"] = runs;
+  print_result(request.as_json, statistics, text);
   return kExitDone;
 }
 
@@ -158,7 +241,10 @@ void add_evaluate_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand("evaluate", "score a model on held-out frames");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<EvaluateRequest>();
-  command->add_option("model", request->model, "run folder, checkpoint, 3DGS or Tessera .ply")
+  command
+      ->add_option("model", request->models,
+                   "run folder, checkpoint, 3DGS or Tessera .ply; several runs of one scene, e.g. "
+                   "of several seeds: mean and sigma, too")
       ->required();
   command->add_option("--scene", request->scene,
                       "prepared scene or D-NeRF folder; a run folder knows its own");
@@ -175,7 +261,14 @@ void add_evaluate_command(CLI::App& app, Work& work) {
   command->add_option("--backend", request->backend,
                       "auto (a CUDA device where there is one), cpu or cuda");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
-  command->add_flag("--json", request->json, "print one JSON object");
+  command->add_option("--lpips", request->lpips,
+                      "ONNX file: LPIPS by its network: two inputs [1, 3, height, width], RGB in "
+                      "[-1, 1], one output");
+  command->add_flag("--lpips-resize", request->lpips_resize,
+                    "bring pictures to the sides that the ONNX file fixes");
+  command->add_flag("--fps", request->fps,
+                    "time the renderer: 300 warm frames, or as many as fit in 20 s");
+  command->add_flag("--json", request->as_json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return evaluate_command(*request); }; });
 }
 

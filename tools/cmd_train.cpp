@@ -24,6 +24,20 @@ std::string dashed(std::string key) {
   return key;
 }
 
+/// "" without validation.
+std::string validation_text(const nlohmann::json& checks) {
+  if (checks.is_null()) return "";
+  return fmt::format(
+      "the model is that of step {} ({}), best of {} checks: PSNR {:.2f} dB on {} frames set "
+      "aside{}",
+      checks["best_iteration"].get<int64_t>(), clock_time(checks["best_seconds"]),
+      checks["checks"].get<int64_t>(), checks["best_psnr"].get<double>(),
+      checks["frames"].get<int64_t>(),
+      checks["stopped"].get<bool>()
+          ? fmt::format("; stopped at step {}", checks["stop_iteration"].get<int64_t>())
+          : "");
+}
+
 }  // namespace
 
 void add_train_options(CLI::App& command, TrainArguments& arguments) {
@@ -83,8 +97,9 @@ std::string training_text(const nlohmann::json& result) {
                   result["iterations"].get<int64_t>(), clock_time(result["seconds"]),
                   result["num_static"].get<int64_t>(), result["num_dynamic"].get<int64_t>(),
                   result["model"].get<std::string>());
+  const std::string checks = validation_text(result["validation"]);
   const std::string scores = scores_text(result["scores"]);
-  return scores.empty() ? text : text + "\n" + scores;
+  return text + (checks.empty() ? "" : "\n" + checks) + (scores.empty() ? "" : "\n" + scores);
 }
 
 void add_train_command(CLI::App& app, Work& work) {

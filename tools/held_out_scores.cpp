@@ -15,10 +15,10 @@ std::vector<Split> held_out_splits(const Scene& scene) {
 
 nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const Scene& scene,
                             const std::vector<Split>& splits, std::optional<int64_t> bytes,
-                            const ScoredCallback& scored) {
+                            const ScoredCallback& scored, const EvaluateOptions& options) {
   nlohmann::json result = nlohmann::json::object(), all = nlohmann::json::object();
   for (Split split : splits) {
-    EvaluationReport report = evaluate(backend, model, scene, split, {}, scored);
+    EvaluationReport report = evaluate(backend, model, scene, split, options, scored);
     report.bytes = bytes;
     const nlohmann::json scores = to_json(report, model);
     if (all.empty()) result = scores;
@@ -28,17 +28,54 @@ nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const 
   return result;
 }
 
-std::string scores_text(const nlohmann::json& scores) {
+namespace {
+
+using nlohmann::json;
+
+std::string number(const json& value, const char* format) {
+  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>())
+                           : std::string("n/a");
+}
+
+/// What a split's scores have besides PSNR and SSIM, a line each.
+std::string details_text(const json& score) {
   std::string text;
-  const auto number = [](const nlohmann::json& value, const char* format) {
-    return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>())
-                             : std::string("n/a");
-  };
+  const auto add = [&](const std::string& line) { text += "\n  " + line; };
+  if (score["ms_ssim"].is_number() || score["lpips"].is_number())
+    add(fmt::format("MS-SSIM {}, D-SSIM {}, LPIPS {}", number(score["ms_ssim"], "{:.4f}"),
+                    number(score["dssim"], "{:.4f}"), number(score["lpips"], "{:.4f}")));
+  for (const auto& [key, name] : {std::pair{"novel_view", "new views, known moments"},
+                                  {"novel_time", "known views, new moments"},
+                                  {"novel_view_and_time", "new views at new moments"},
+                                  {"withheld", "known views at known moments"}}) {
+    const json& group = score[key];
+    // a split that is one group says so by its numbers above
+    if (group["views"] > 0 && group["views"] < score["views"])
+      add(fmt::format("{}: PSNR {} dB over {} views", name, number(group["psnr"], "{:.2f}"),
+                      group["views"].get<int64_t>()));
+  }
+  if (score["psnr_dynamic"].is_number())
+    add(fmt::format("pixels that move: PSNR {} dB, the others {} dB",
+                    number(score["psnr_dynamic"], "{:.2f}"),
+                    number(score["psnr_static"], "{:.2f}")));
+  if (score["flicker"].is_object())
+    add(fmt::format("flicker: {}/255 beside the truth's change, {}/255 where the truth is still",
+                    number(score["flicker"]["change_error"], "{:.2f}"),
+                    number(score["flicker"]["still_deviation"], "{:.2f}")));
+  return text;
+}
+
+}  // namespace
+
+std::string scores_text(const json& scores) {
+  std::string text;
   if (!scores.contains("splits")) return text;
-  for (const auto& [split, score] : scores["splits"].items())
+  for (const auto& [split, score] : scores["splits"].items()) {
     text += fmt::format("{}{} PSNR {} dB, SSIM {} (reflect padding) over {} views",
                         text.empty() ? "" : "\n", split, number(score["psnr"], "{:.2f}"),
                         number(score["ssim"], "{:.4f}"), score["per_view"].size());
+    text += details_text(score);
+  }
   return text;
 }
 

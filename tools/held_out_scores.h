@@ -18,9 +18,10 @@ std::vector<Split> held_out_splits(const Scene& scene);
 /// Empty object when `splits` is empty.
 nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const Scene& scene,
                             const std::vector<Split>& splits, std::optional<int64_t> bytes,
-                            const ScoredCallback& scored = {});
+                            const ScoredCallback& scored = {}, const EvaluateOptions& options = {});
 
-/// One line per split: "test PSNR 31.42 dB, SSIM 0.9512 (reflect) over 24 views".
+/// Per split: "test PSNR 31.42 dB, SSIM 0.9512 (reflect padding) over 24 views", and a line each of
+/// what else there is: LPIPS, new views and moments apart, moving pixels, flicker.
 std::string scores_text(const nlohmann::json& scores);
 
 }  // namespace tessera

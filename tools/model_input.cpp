@@ -56,6 +56,7 @@ ModelInput load_model_input(const fs::path& path) {
     case ModelKind::kCheckpoint: {
       const Checkpoint checkpoint = load_checkpoint(input.file);
       input.model = caught_up_model(checkpoint.state, checkpoint.options);
+      input.with_optimizer = true;
       break;
     }
     case ModelKind::kTesseraPly:

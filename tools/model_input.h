@@ -16,6 +16,7 @@ struct ModelInput {
   GaussianModel model;
   std::filesystem::path file;         // what was read
   int64_t bytes = 0;                  // its size
+  bool with_optimizer = false;        // a checkpoint: its size is not the model's
   std::vector<std::string> warnings;  // one line each
 };
 

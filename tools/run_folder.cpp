@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <regex>
+
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 
@@ -17,7 +19,23 @@ nlohmann::json RunFolder::read_config() const {
   return json;
 }
 
+std::filesystem::path RunFolder::best(int64_t iteration) const {
+  return root / fmt::format("best_{:06}.ply", iteration);
+}
+
+void RunFolder::remove_best_but(int64_t iteration) const {
+  static const std::regex kBest("best_[0-9]{6,}\\.ply");
+  const std::string kept = best(iteration).filename().string();
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name != kept && std::regex_match(name, kBest))
+      std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
 void RunFolder::remove_files() const {
+  remove_best_but(-1);
   for (const std::filesystem::path& file : {config(), log(), checkpoint(), model(), metrics()}) {
     std::error_code ignored;  // what cannot be removed fails with its reason when it is written
     std::filesystem::remove(file, ignored);

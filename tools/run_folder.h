@@ -1,6 +1,7 @@
 // What: the files of a run folder and what its config.json says.
 // Not: training.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,8 @@ struct RunFolder {
   std::filesystem::path checkpoint() const { return root / "checkpoint.ckpt"; }
   std::filesystem::path model() const { return root / "model.ply"; }
   std::filesystem::path metrics() const { return root / "metrics.json"; }
+  /// The best model by validation, of that step.
+  std::filesystem::path best(int64_t iteration) const;
 
   /// Whether a training has written here.
   bool exists() const { return std::filesystem::exists(config()); }
@@ -21,6 +24,8 @@ struct RunFolder {
   nlohmann::json read_config() const;
   /// Removes the files above and nothing else.
   void remove_files() const;
+  /// Removes best models of other steps.
+  void remove_best_but(int64_t iteration) const;
 };
 
 }  // namespace tessera

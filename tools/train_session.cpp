@@ -17,10 +17,12 @@
 #include "recon4d/model_file.h"
 #include "recon4d/scene_scale.h"
 #include "recon4d/trainer.h"
+#include "recon4d/validation.h"
 #include "tools/backend_choice.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
+#include "tools/session_times.h"
 #include "tools/training_log.h"
 #include "tools/version.h"
 
@@ -67,89 +69,220 @@ json make_config(const TrainRequest& request, const TrainOptions& options, const
           {"scene", std::filesystem::absolute(request.scene).string()},
           {"scene_fingerprint", scene_fingerprint(scene)},
           {"train_frames", scene.split_indices(Split::kTrain).size()},
+          {"validation_frames", scene.split_indices(Split::kAside).size()},
           {"device", device},
           {"seed", options.seed}};
 }
 
-/// Where training pauses next: the end, a checkpoint, an evaluation, the stop that was asked for.
-int64_t next_pause(int64_t iteration, int64_t end, const TrainRequest& request) {
-  int64_t next = end;
-  for (int64_t every : {request.checkpoint_every, request.evaluate_every})
-    if (every > 0) next = std::min(next, (iteration / every + 1) * every);
-  for (int64_t step : request.evaluate_at)
-    if (step > iteration) next = std::min(next, step);
-  return next;
-}
-
-/// Whether the model is scored after so many steps.
-bool evaluates_at(const TrainRequest& request, int64_t iteration, bool finished) {
-  const std::vector<int64_t>& at = request.evaluate_at;
-  return (finished && request.evaluate_end) ||
-         (request.evaluate_every > 0 && iteration % request.evaluate_every == 0) ||
-         std::find(at.begin(), at.end(), iteration) != at.end();
-}
-
-json score(Backend& backend, Trainer& trainer, const Scene& scene, TrainingLog& log) {
-  const TrainState& state = trainer.state();
-  json scores =
-      score_splits(backend, trainer.host_model(), scene, held_out_splits(scene), std::nullopt);
-  json brief = json::object();
-  if (scores.contains("splits"))
-    for (const auto& [split, of_split] : scores["splits"].items())
-      brief[split] = {{"psnr", of_split["psnr"]}, {"ssim", of_split["ssim"]}};
-  for (const auto& [split, of_split] : brief.items())
-    say(fmt::format("step {}: {} PSNR {} dB, {} Gaussians", state.iteration, split,
-                    of_split["psnr"].dump().substr(0, 5), state.model.count()));
-  log.event("evaluation", {{"iteration", state.iteration},
-                           {"seconds", state.seconds},
-                           {"num_gaussians", state.model.count()},
-                           {"splits", brief}});
-  return scores;
-}
-
-/// Stages and memory of training; evaluations use the same backend and are left out.
-class StageLog {
+/// One training in its run folder, from the first look at the folder to the result.
+class Session {
  public:
-  explicit StageLog(Backend& backend) : memory_(backend.memory()), clock_(backend.clock()) {}
-
-  void run(Trainer& trainer, int64_t iteration) {
-    const std::array<StageTotals, kStages> before = clock_.totals();
-    trainer.run(iteration, interrupted);
-    const std::array<StageTotals, kStages> after = clock_.totals();
-    peak_ = memory_.peak_bytes();
-    for (size_t s = 0; s < kStages; ++s) {
-      sum_[s].seconds += after[s].seconds - before[s].seconds;
-      sum_[s].bytes += after[s].bytes - before[s].bytes;
-    }
+  explicit Session(const TrainRequest& request)
+      : request_(request), run_{request.run}, previous_(wall_.time(WallSplit::kLoad, [&] {
+          return previous_state(request, run_);
+        })) {
+    options_ = previous_ ? previous_->options : request.options;
+    validate(options_);
   }
-  void add_to(json& result) const {
-    result["peak_device_bytes"] = peak_;
-    for (size_t s = 0; s < kStages; ++s) {
-      const StageTotals& t = sum_[s];
-      result["stage_ms"][kStageNames[s]] = 1000 * t.seconds;
-      result["stage_gbytes"][kStageNames[s]] = t.bytes / 1e9;
-      result["stage_gb_per_s"][kStageNames[s]] = t.seconds > 0 ? t.bytes / 1e9 / t.seconds : 0;
-    }
+
+  json run() {
+    prepare();
+    train();
+    return result();
   }
 
  private:
-  Memory& memory_;
-  StageClock& clock_;
-  std::array<StageTotals, kStages> sum_{};
-  int64_t peak_ = 0;  // before the evaluation that follows the last stretch
-};
+  void prepare() {
+    wall_.time(WallSplit::kLoad, [&] {
+      scene_ = load_training_scene(request_.scene, options_);
+      for (const std::string& warning : scene_.warnings) warn(warning);
+    });
+    // before anything looks at the training split
+    const int64_t aside = set_aside(scene_, options_.validation_share, uint64_t(options_.seed));
+    wall_.time(WallSplit::kInit, [&] {
+      if (!previous_) complete_cloud(scene_, options_);
+      backend_ = make_backend(request_.backend);
+      config_ = make_config(request_, options_, scene_, backend_->name());
+      if (previous_) check_frames();
+      make_folder(run_.root);
+      start();
+    });
+    if (aside > 0)
+      say(fmt::format("{} training frames are set aside to choose the model by", aside));
+  }
 
-json summary(const Trainer& trainer, const json& scores, Backend& backend) {
-  const TrainState& state = trainer.state();
-  return {{"seconds", state.seconds},
-          {"iterations", state.iteration},
-          {"finished", state.finished},
-          {"num_gaussians", state.model.count()},
-          {"num_static", state.model.static_set.count()},
-          {"num_dynamic", state.model.dynamic_set.count()},
-          {"device", backend.name()},
-          {"scores", scores}};
-}
+  void check_frames() const {
+    if (previous_->provenance.value("scene_fingerprint", "") !=
+        config_["scene_fingerprint"].get<std::string>())
+      throw InputError(
+          fmt::format("{}: was trained on other frames than {} holds; resume with the "
+                      "scene it was started on",
+                      run_.checkpoint().string(), request_.scene.string()));
+  }
+
+  void start() {
+    validation_.emplace(*backend_, scene_, options_,
+                        previous_ ? previous_->validation : ValidationRecord{});
+    if (const int64_t best = validation_->record().best_iteration; best > 0)
+      restore_best(run_.best(best));
+    std::string source = "checkpoint";
+    TrainState state =
+        previous_ ? std::move(previous_->state) : initial_state(scene_, options_, source);
+    if (!previous_) write_text_file(run_.config(), config_.dump(2));
+    log_.emplace(run_.log(), options_.iterations, state.iteration);
+    log_->event("start", {{"iteration", state.iteration}, {"initialisation", source}});
+    say(fmt::format("{} training frames, initialised from {}, on {}",
+                    config_["train_frames"].dump(), source, backend_->name()));
+    end_ = request_.stop_after
+               ? std::min(options_.iterations, state.iteration + *request_.stop_after)
+               : options_.iterations;
+    trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
+    stages_.emplace(*backend_);
+  }
+
+  void restore_best(const std::filesystem::path& file) {
+    if (!std::filesystem::exists(file))
+      throw InputError(
+          fmt::format("{}: is gone, the best model so far of this run; train again with "
+                      "--overwrite",
+                      file.string()));
+    validation_->restore_best(load_model(file));
+  }
+
+  void train() {
+    check_model();  // a run may have been stopped before it could
+    while (true) {
+      if (!validation_->stops())
+        wall_.time(WallSplit::kTrain, [&] { stages_->run(*trainer_, next_pause()); });
+      if (!interrupted()) check_model();
+      const int64_t i = trainer_->state().iteration;
+      const bool done = i >= end_ || validation_->stops() || interrupted();
+      if (done || (request_.checkpoint_every > 0 && i % request_.checkpoint_every == 0)) save();
+      if (!interrupted() && scores_at(i)) score(trainer_->host_model(), i, "evaluation");
+      if (done) break;
+    }
+    if (ended() && validation_->on() && request_.evaluate_end && !interrupted())
+      score(model(), validation_->record().best_iteration, "shipped");
+    wall_.time(WallSplit::kSave, [&] { save_model(run_.model(), model()); });
+  }
+
+  /// Where training pauses next: the end, a checkpoint, an evaluation, a check, a stop asked for.
+  int64_t next_pause() const {
+    const int64_t i = trainer_->state().iteration;
+    int64_t next = end_;
+    for (int64_t every : {request_.checkpoint_every, request_.evaluate_every})
+      if (every > 0) next = std::min(next, (i / every + 1) * every);
+    for (int64_t step : request_.evaluate_at)
+      if (step > i) next = std::min(next, step);
+    return validation_->on() ? std::min(next, validation_->next_after(i)) : next;
+  }
+
+  /// Whether the model is scored on the held-out splits after so many steps.
+  bool scores_at(int64_t i) const {
+    const std::vector<int64_t>& at = request_.evaluate_at;
+    return (ended() && !validation_->on() && request_.evaluate_end) ||
+           (request_.evaluate_every > 0 && i % request_.evaluate_every == 0) ||
+           std::find(at.begin(), at.end(), i) != at.end();
+  }
+
+  bool ended() const { return trainer_->state().finished || validation_->stops(); }
+
+  /// What leaves the program: the best model by validation, else the last.
+  const GaussianModel& model() {
+    if (validation_->best() == nullptr) return trainer_->host_model();
+    shipped_ = validation_->shipped();
+    return *shipped_;
+  }
+
+  void check_model() {
+    const TrainState& state = trainer_->state();
+    if (!validation_->due(state.iteration)) return;
+    wall_.time(WallSplit::kEvaluate,
+               [&] { validation_->check(trainer_->host_model(), state.iteration, state.seconds); });
+    const ValidationRecord& record = validation_->record();
+    log_->event("validation", {{"iteration", state.iteration},
+                               {"seconds", state.seconds},
+                               {"num_gaussians", state.model.count()},
+                               {"psnr", record.last_psnr},
+                               {"best_psnr", record.best_psnr},
+                               {"best_iteration", record.best_iteration},
+                               {"without_gain", record.without_gain}});
+  }
+
+  /// The best model before the checkpoint that names it; older ones after it.
+  void save() {
+    wall_.time(WallSplit::kSave, [&] {
+      const int64_t best = validation_->record().best_iteration;
+      if (validation_->best() != nullptr && !std::filesystem::exists(run_.best(best)))
+        save_model(run_.best(best), *validation_->best());
+      save_checkpoint(run_.checkpoint(), trainer_->host_state(), options_, config_,
+                      validation_->record());
+      run_.remove_best_but(best);
+    });
+  }
+
+  void score(const GaussianModel& scored, int64_t iteration, const std::string& event) {
+    wall_.time(WallSplit::kEvaluate, [&] {
+      scores_ = score_splits(*backend_, scored, scene_, held_out_splits(scene_), std::nullopt);
+    });
+    json brief = json::object();
+    if (scores_.contains("splits"))
+      for (const auto& [split, of_split] : scores_["splits"].items())
+        brief[split] = {{"psnr", of_split["psnr"]}, {"ssim", of_split["ssim"]}};
+    for (const auto& [split, of_split] : brief.items())
+      say(fmt::format("step {}: {} PSNR {} dB, {} Gaussians", iteration, split,
+                      of_split["psnr"].dump().substr(0, 5), scored.count()));
+    log_->event(event, {{"iteration", iteration},
+                        {"seconds", trainer_->state().seconds},
+                        {"num_gaussians", scored.count()},
+                        {"splits", brief}});
+  }
+
+  /// Null without validation.
+  json validation_result() const {
+    if (!validation_->on()) return nullptr;
+    json result = to_json(validation_->record());
+    const TrainState& state = trainer_->state();
+    result["frames"] = validation_->frames();
+    result["stop_iteration"] = state.iteration, result["stop_seconds"] = state.seconds;
+    return result;
+  }
+
+  json result() {
+    const TrainState& state = trainer_->state();
+    const GaussianModel& shipped = model();
+    json result = {{"seconds", state.seconds},
+                   {"iterations", state.iteration},
+                   {"finished", ended()},
+                   {"num_gaussians", shipped.count()},
+                   {"num_static", shipped.static_set.count()},
+                   {"num_dynamic", shipped.dynamic_set.count()},
+                   {"device", backend_->name()},
+                   {"wall_seconds", wall_.json()},
+                   {"validation", validation_result()},
+                   {"scores", scores_}};
+    stages_->add_to(result);
+    result["model"] = run_.model().string();
+    result["bytes"] = std::filesystem::file_size(run_.model());
+    log_->event("end", result);
+    return result;
+  }
+
+  const TrainRequest& request_;
+  WallSplit wall_;
+  const RunFolder run_;
+  std::optional<Checkpoint> previous_;
+  TrainOptions options_;
+  Scene scene_;
+  std::unique_ptr<Backend> backend_;
+  json config_, scores_ = json::object();
+  int64_t end_ = 0;  // of this call, steps
+  std::optional<TrainingLog> log_;
+  std::optional<Trainer> trainer_;
+  std::optional<StageLog> stages_;
+  std::optional<Validation> validation_;
+  std::optional<GaussianModel> shipped_;
+};
 
 }  // namespace
 
@@ -157,8 +290,7 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
   SceneOptions scene_options;
   scene_options.background = parse_background(options.background);
   scene_options.allow_static = options.static_only;
-  Scene scene = load_scene(path, scene_options);
-  return options.train_scale == 1 ? scene : scaled_scene(scene, options.train_scale);
+  return scaled_scene(load_scene(path, scene_options), options.train_scale);
 }
 
 void complete_cloud(Scene& scene, const TrainOptions& options) {
@@ -167,54 +299,7 @@ void complete_cloud(Scene& scene, const TrainOptions& options) {
 }
 
 json train_session(const TrainRequest& request) {
-  const RunFolder run{request.run};
-  std::optional<Checkpoint> previous = previous_state(request, run);
-  const TrainOptions options = previous ? previous->options : request.options;
-  validate(options);
-  Scene scene = load_training_scene(request.scene, options);
-  if (!previous) complete_cloud(scene, options);
-  for (const std::string& warning : scene.warnings) warn(warning);
-  const std::unique_ptr<Backend> backend = make_backend(request.backend);
-  const json config = make_config(request, options, scene, backend->name());
-  if (previous && previous->provenance.value("scene_fingerprint", "") !=
-                      config["scene_fingerprint"].get<std::string>())
-    throw InputError(
-        fmt::format("{}: was trained on other frames than {} holds; resume with the "
-                    "scene it was started on",
-                    run.checkpoint().string(), request.scene.string()));
-  make_folder(run.root);
-  std::string source = "checkpoint";
-  TrainState start = previous ? std::move(previous->state) : initial_state(scene, options, source);
-  if (!previous) write_text_file(run.config(), config.dump(2));
-
-  TrainingLog log(run.log(), options.iterations, start.iteration);
-  log.event("start", {{"iteration", start.iteration}, {"initialisation", source}});
-  say(fmt::format("{} training frames, initialised from {}, on {}", config["train_frames"].dump(),
-                  source, backend->name()));
-  const int64_t end = request.stop_after
-                          ? std::min(options.iterations, start.iteration + *request.stop_after)
-                          : options.iterations;
-  Trainer trainer(*backend, scene, options, std::move(start), log);
-  StageLog stages(*backend);
-  json scores = json::object();
-  const auto save = [&] {
-    save_checkpoint(run.checkpoint(), trainer.host_state(), options, config);
-  };
-  do {
-    stages.run(trainer, next_pause(trainer.state().iteration, end, request));
-    const int64_t i = trainer.state().iteration;
-    const bool done = i >= end || interrupted();
-    if (done || (request.checkpoint_every > 0 && i % request.checkpoint_every == 0)) save();
-    if (!interrupted() && evaluates_at(request, i, trainer.state().finished))
-      scores = score(*backend, trainer, scene, log);
-    if (done) break;
-  } while (true);
-  save_model(run.model(), trainer.host_model());
-  json result = summary(trainer, scores, *backend);
-  stages.add_to(result);
-  result["model"] = run.model().string();
-  log.event("end", result);
-  return result;
+  return Session(request).run();
 }
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 // What: a training with its run folder: resolved options, log, checkpoints, model, evaluations.
 // Not: the training itself (recon4d/trainer.h) nor option parsing (cmd_train.cpp).
-// Run folder: config.json, log.jsonl, checkpoint.ckpt, model.ply, metrics.json.
+// Run folder: config.json, log.jsonl, checkpoint.ckpt, model.ply, metrics.json; with validation
+// also best_<step>.ply: the best model so far as it was, and model.ply then is that model.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -36,7 +37,8 @@ void complete_cloud(Scene& scene, const TrainOptions& options);
 
 /// Trains until the end, an interrupt or stop_after; writes the run folder. The object has
 /// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `stage_gbytes`,
-/// `stage_gb_per_s`, `finished`, `scores`, …. Errors: InputError, NumericalError.
+/// `stage_gb_per_s`, `finished`, `scores`, `bytes` (of model.ply), `wall_seconds` {load, init,
+/// train, evaluate, save}, `validation` (null without), …. Errors: InputError, NumericalError.
 nlohmann::json train_session(const TrainRequest& request);
 
 }  // namespace tessera

@@ -16,6 +16,8 @@ struct Camera {
   glm::dmat3 cam_from_world{1.0};
   glm::dvec3 translation{0.0};
 
+  bool operator==(const Camera&) const = default;
+
   /// Camera centre in world units.
   glm::dvec3 position() const { return -(glm::transpose(cam_from_world) * translation); }
 

@@ -16,7 +16,8 @@ enum class RandomStream : uint32_t {
   kSplit = 3,
   kRelocation = 4,
   kPositionNoise = 5,
-  kTime = 6
+  kTime = 6,
+  kSetAside = 9
 };
 
 struct RandomBlock {

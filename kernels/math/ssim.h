@@ -27,6 +27,21 @@ struct SsimMoments {
   Real x, y, xx, yy, xy;
 };
 
+/// SSIM is C·D / (A·B): luminance C/A, contrast and structure D/B.
+template <class Real>
+struct SsimTerms {
+  Real A, B, C, D;
+};
+
+template <class Real>
+TESSERA_HD inline SsimTerms<Real> ssim_terms(const SsimMoments<Real>& m, Real c1 = kSsimC1<Real>,
+                                             Real c2 = kSsimC2<Real>) {
+  const Real var_x = max_of(Real(0), m.xx - m.x * m.x);
+  const Real var_y = max_of(Real(0), m.yy - m.y * m.y);
+  return {m.x * m.x + m.y * m.y + c1, var_x + var_y + c2, Real(2) * m.x * m.y + c1,
+          Real(2) * (m.xy - m.x * m.y) + c2};
+}
+
 /// SSIM and its partials by E[x], E[x²], E[x·y] with the other moments fixed.
 template <class Real>
 struct SsimPoint {
@@ -35,11 +50,7 @@ struct SsimPoint {
 
 template <class Real>
 TESSERA_HD inline SsimPoint<Real> ssim_point(const SsimMoments<Real>& m) {
-  const Real var_x = max_of(Real(0), m.xx - m.x * m.x);
-  const Real var_y = max_of(Real(0), m.yy - m.y * m.y);
-  const Real A = m.x * m.x + m.y * m.y + kSsimC1<Real>, B = var_x + var_y + kSsimC2<Real>;
-  const Real C = Real(2) * m.x * m.y + kSsimC1<Real>;
-  const Real D = Real(2) * (m.xy - m.x * m.y) + kSsimC2<Real>;
+  const auto [A, B, C, D] = ssim_terms(m);
   const Real inverse = Real(1) / (A * B);
   const Real S = C * D * inverse;
   SsimPoint<Real> p;

@@ -81,9 +81,8 @@ struct MomentPlanes {
       convolve(plane->data(), width, height, padding, scratch.data(), plane->data());
   }
 
-  SsimPoint<Real> point(size_t p) const {
-    return ssim_point<Real>({x[p], y[p], xx[p], yy[p], xy[p]});
-  }
+  SsimMoments<Real> moments(size_t p) const { return {x[p], y[p], xx[p], yy[p], xy[p]}; }
+  SsimPoint<Real> point(size_t p) const { return ssim_point<Real>(moments(p)); }
 };
 
 }  // namespace tessera

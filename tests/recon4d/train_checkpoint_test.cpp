@@ -161,7 +161,7 @@ TEST_F(CheckpointFile, ForeignFiles) {
   newer[8] = 4;
   expect_says(refusal(newer), "checkpoint version 4, this program reads version 3");
   std::string older = bytes_;
-  older[8] = 2;  // without the form
+  older[8] = 2;  // without the form, and the record of validation
   expect_says(refusal(older), "checkpoint version 2, this program reads version 3; resume it");
   std::string endless = bytes_;
   for (size_t i = 0; i < 8; ++i) endless[kLengthAt + i] = char(0xff);

@@ -111,6 +111,29 @@ const char* const kBeforeTraining[] = {"sweep", "train_scale"};
 /// Rows that list splats in more tiles: the instances of a step say so.
 const char* const kBounds[] = {"rectangular_bounds", "opacity_bounds", "tile_culling"};
 
+/// Rows that decide which model is kept and when training ends; with what makes that seen.
+const std::vector<Alternative>& of_validation() {
+  static const std::vector<Alternative> rows = {
+      {"validation_share", 0.5},
+      {"validate_interval", 5},
+      {"stop_patience", 2, {{"lr_mean", 0.05}, {"lr_scale", 0.2}, {"lr_sh", 0.2}}},
+  };
+  return rows;
+}
+
+/// The model that is kept, and the steps until then and until the end.
+std::vector<uint32_t> kept(const TrainOptions& options) {
+  Scene scene = tiny_capture();
+  set_aside(scene, options.validation_share, uint64_t(options.seed));
+  Training training(scene, options);
+  Validation validation(training.backend(), scene, options);
+  training.run(options.iterations, validation);
+  std::vector<uint32_t> bits = model_bits(*validation.best());
+  for (int64_t steps : {validation.record().checks, training.state().iteration})
+    bits.push_back(uint32_t(steps));
+  return bits;
+}
+
 /// The scene depends on the background as a folder of RGBA frames does.
 std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false) {
   validate(options);
@@ -154,6 +177,15 @@ TEST_P(Switch, ChangesTheModel) {
     }
   for (const char* key : kBeforeTraining)
     if (GetParam() == key) GTEST_SKIP() << "acts before training";
+  for (const Alternative& row : of_validation())
+    if (GetParam() == row.key) {
+      options.validation_share = 0.25, options.validate_interval = 4;
+      for (const auto& [key, value] : row.with.items()) set_option(options, key, value);
+      const std::vector<uint32_t> usual = kept(options);
+      set_option(options, row.key, row.value);
+      EXPECT_TRUE(kept(options) != usual) << row.key << " = " << row.value << " is dead";
+      return;
+    }
   for (const Alternative& row : alternatives())
     if (GetParam() == row.key) {
       const bool narrow = !row.with.empty();

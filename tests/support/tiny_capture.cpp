@@ -90,6 +90,13 @@ Scene tiny_capture(const TinyCapture& capture) {
   return scene;
 }
 
+void add_noise(Scene& scene, double most, uint64_t seed) {
+  Random random(seed);
+  for (Frame& frame : scene.frames)
+    for (uint8_t& value : frame.image.data)
+      value = uint8_t(std::clamp(std::lround(value + random.uniform(-most, most)), 0l, 255l));
+}
+
 TrainOptions tiny_options() {
   TrainOptions options;
   options.iterations = options.schedule_iterations = 40;
@@ -123,6 +130,15 @@ Training::Training(const Scene& scene, const TrainOptions& options, TrainState s
 
 Training& Training::run(int64_t iteration, const std::function<bool()>& stop) {
   trainer_.run(iteration, stop);
+  return *this;
+}
+
+Training& Training::run(int64_t iteration, Validation& validation) {
+  while (state().iteration < iteration && !validation.stops()) {
+    trainer_.run(std::min(iteration, validation.next_after(state().iteration)));
+    const int64_t i = state().iteration;
+    if (validation.due(i)) validation.check(trainer_.host_model(), i, state().seconds);
+  }
   return *this;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "recon4d/trainer.h"
+#include "recon4d/validation.h"
 
 namespace tessera::testing {
 
@@ -23,6 +24,8 @@ GaussianModel tiny_truth(const TinyCapture& capture);
 /// Frames ordered by camera, then time; all of the training split. `had_alpha` is set, so initial
 /// points fill a box.
 Scene tiny_capture(const TinyCapture& capture = {});
+/// Uniform noise on every value of every picture, at most `most` in 8-bit units.
+void add_noise(Scene& scene, double most, uint64_t seed);
 /// Short enough for a test, with every event of the schedule in it.
 TrainOptions tiny_options();
 
@@ -36,10 +39,14 @@ class Training : private Observer {
   Training& run(int64_t iteration, const std::function<bool()>& stop = {});
   Training& run() { return run(trainer_.options().iterations); }
 
+  /// With the checks that fall due, until `iteration` steps or the stop.
+  Training& run(int64_t iteration, Validation& validation);
+
   const TrainState& state() const { return trainer_.state(); }
   const GaussianModel& model() const { return trainer_.state().model; }
   const std::vector<StepReport>& steps() const { return steps_; }
   const std::vector<DensityReport>& density() const { return density_; }
+  Backend& backend() { return backend_; }
   /// PSNR of all training frames, un-quantised.
   double psnr() const;
 

@@ -1,0 +1,26 @@
+// What: the answer of a program without OpenCV's networks.
+// Not: any metric.
+#include <fmt/format.h>
+
+#include "kernels/base/errors.h"
+#include "tools/lpips/lpips.h"
+
+namespace tessera {
+
+struct Lpips::Network {};
+
+Lpips::Lpips(const std::filesystem::path& file, bool) {
+  throw InputError(fmt::format(
+      "--lpips {}: this program was built without OpenCV, which runs the network; build "
+      "it with OpenCV's dnn module (scripts/install_packages.sh, TESSERA_INGEST=ON)",
+      file.string()));
+}
+
+Lpips::~Lpips() = default;
+
+double Lpips::distance(const Image8&, const Image8&) {
+  check(false, "Lpips: none was made");
+  return 0;
+}
+
+}  // namespace tessera
