@@ -146,8 +146,7 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
   SceneOptions scene_options;
   scene_options.background = parse_background(options.background);
   scene_options.allow_static = options.static_only;
-  Scene scene = load_scene(path, scene_options);
-  return options.train_scale == 1 ? scene : scaled_scene(scene, options.train_scale);
+  return scaled_scene(load_scene(path, scene_options), options.train_scale);
 }
 
 void complete_cloud(Scene& scene, const TrainOptions& options) {
