@@ -71,11 +71,10 @@ Image8 averaged_picture(const Image8& picture, int width, int height) {
   return out;
 }
 
-Scene scaled_scene(const Scene& scene, double scale) {
+Scene scaled_scene(Scene scene, double scale) {
   check(scale > 0 && scale <= 1, "scaled_scene: a scale of at most 1");
-  Scene scaled = scene;
-  if (scale == 1) return scaled;
-  for (Frame& frame : scaled.frames) {
+  if (scale == 1) return scene;
+  for (Frame& frame : scene.frames) {
     const int width = scaled_side(frame.image.width, scale);
     const int height = scaled_side(frame.image.height, scale);
     frame.camera = frame.camera.resized(width, height);
@@ -84,7 +83,7 @@ Scene scaled_scene(const Scene& scene, double scale) {
     frame.mask = averaged_picture(frame.mask, width, height);
     for (uint8_t& used : frame.mask.data) used = used == 255 ? 255 : 0;
   }
-  return scaled;
+  return scene;
 }
 
 double truth_scale(double scale, double train_scale) {

@@ -12,7 +12,7 @@ Image8 averaged_picture(const Image8& picture, int width, int height);
 
 /// Pictures, masks and cameras of `scale` times their size, 0 < scale ≤ 1; sides are rounded to
 /// nearest. A new pixel is used where the mask uses all of its area.
-Scene scaled_scene(const Scene& scene, double scale);
+Scene scaled_scene(Scene scene, double scale);
 
 /// A score at `scale` times the size that was trained on needs pictures of this size by the
 /// scene's. Errors: InputError where the scene's pictures are smaller than that.

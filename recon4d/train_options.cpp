@@ -105,11 +105,30 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, c
                                nearest_name(name, names), fmt::join(names, ", ")));
 }
 
+namespace {
+
+/// What is never drawn has no gradient: Gaussians must not start, nor be reset, below the cut-off.
+void check_truncation(const TrainOptions& options) {
+  constexpr double kResetOpacity = 0.01;  // reset_opacity
+  const double least =
+      make_cutoff<double>(options.truncation_sigma, options.truncation_by_falloff).least_alpha;
+  const bool starts = least < options.init_opacity;
+  if (starts && !(options.opacity_reset_interval > 0 && least >= kResetOpacity)) return;
+  throw InputError(
+      fmt::format("truncation_sigma {} draws no opacity below {:.4f}, but Gaussians {} {}; pass "
+                  "--truncation-by-falloff true or a larger --truncation-sigma",
+                  options.truncation_sigma, least, starts ? "are reset to" : "start with",
+                  starts ? kResetOpacity : options.init_opacity));
+}
+
+}  // namespace
+
 void validate(const TrainOptions& options) {
   if (options.near_plane >= options.far_plane)
     throw InputError(fmt::format("near_plane {} must be smaller than far_plane {}",
                                  options.near_plane, options.far_plane));
   parse_background(options.background);
+  check_truncation(options);
   if (!options.fused_optimizer && options.idle_updates != "dense")
     throw InputError(fmt::format(
         "idle_updates {} needs the fused optimizer; pass --fused-optimizer true or --idle-updates "

@@ -33,9 +33,15 @@ struct Cutoff {
   TESSERA_HD bool draws(Real alpha, Real falloff) const {
     return alpha >= least_alpha && falloff >= least_falloff;
   }
+  /// The same where it is known which of the two comparisons decides.
+  template <bool ByFalloff>
+  TESSERA_HD bool draws(Real alpha, Real falloff) const {
+    return ByFalloff ? falloff >= least_falloff : alpha >= least_alpha;
+  }
+  TESSERA_HD bool by_falloff() const { return least_falloff > Real(0); }
   /// Half of the squared Mahalanobis radius at which it ends.
   TESSERA_HD Real power(Real opacity) const {
-    return cutoff_power(least_falloff > Real(0) ? Real(1) : opacity, inverse);
+    return cutoff_power(by_falloff() ? Real(1) : opacity, inverse);
   }
 };
 

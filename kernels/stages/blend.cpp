@@ -16,7 +16,7 @@ struct TileState {
   int32_t used[kTileSize][kTileSize] = {};
 };
 
-template <class Real>
+template <bool ByFalloff, class Real>
 void blend_row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int32_t index,
                TileState<Real>& state) {
   const Real dy = splat.dy0 - Real(y);
@@ -25,7 +25,7 @@ void blend_row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int32_t
   for (int x = 0; x < kTileSize; ++x) {
     const Real G = splat_falloff(splat.conic, splat.dx0 - Real(x), dy);
     const Real alpha = splat.opacity * G;
-    const bool on = cutoff.draws(alpha, G) && T[x] >= kMinTransmittance<Real>;
+    const bool on = cutoff.template draws<ByFalloff>(alpha, G) && T[x] >= kMinTransmittance<Real>;
     const Real drawn = on ? alpha : Real(0);
     const Real weight = T[x] * drawn;
     state.colour[0][y][x] += weight * splat.colour[0];
@@ -78,7 +78,8 @@ void CpuBackend<Real>::blend(const BlendArgs<Real>& args, Images<Real>& images) 
       prefetch_splat(*args.splats, *args.instances, tile, i);
       const TileSplat<Real> splat(*args.splats, args.instances->splat[i], tile);
       for (int y = splat.first_row; y < splat.last_row; ++y)
-        blend_row(splat, cutoff, y, int32_t(index), state);
+        cutoff.by_falloff() ? blend_row<true>(splat, cutoff, y, int32_t(index), state)
+                            : blend_row<false>(splat, cutoff, y, int32_t(index), state);
     }
     store_tile(state, tile, args.options, images);
   });

@@ -42,7 +42,7 @@ void load_tile(const BlendBackwardArgs<Real>& args, const Tile<Real>& tile,
     }
 }
 
-template <class Real>
+template <bool ByFalloff, class Real>
 void backward_row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int32_t index,
                   PixelState<Real>& state, Lanes<Real>& sum) {
   const Real dy = splat.dy0 - Real(y);
@@ -54,7 +54,7 @@ void backward_row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int3
     const Real dx = splat.dx0 - Real(x);
     const Real G = splat_falloff(conic, dx, dy);
     const Real alpha = splat.opacity * G;
-    const bool on = cutoff.draws(alpha, G) && index < used[x];
+    const bool on = cutoff.template draws<ByFalloff>(alpha, G) && index < used[x];
     const Real drawn = on ? alpha : Real(0);
     const Real weight = T[x] * drawn;
     const Real kappa = splat.colour[0] * g0[x] + splat.colour[1] * g1[x] + splat.colour[2] * g2[x];
@@ -118,7 +118,8 @@ void CpuBackend<Real>::blend_backward(const BlendBackwardArgs<Real>& args,
       Lanes<Real> sum = {};
       const TileSplat<Real> splat(splats, instances.splat[i], tile);
       for (int y = splat.first_row; y < splat.last_row; ++y)
-        backward_row(splat, cutoff, y, index, state, sum);
+        cutoff.by_falloff() ? backward_row<true>(splat, cutoff, y, index, state, sum)
+                            : backward_row<false>(splat, cutoff, y, index, state, sum);
       instance_gradients_[i] = reduce(sum);
     }
   });

@@ -121,7 +121,7 @@ TEST_P(BackendFilter, SizesEqualTheOracles) {
     for (double& x : set.group[kLogScaleTime]) x -= 1;
     const auto measured = [&](auto& on, const auto& gaussians) {
       using Real = std::decay_t<decltype(gaussians.group[0][0])>;
-      const ViewBatch<Real> views = make_view_batch<Real>(five_views());
+      const ViewBatch<Real> views = make_view_batch<Real>(three_views());
       const StoredGaussians<Real> in(gaussians, on.memory());
       Buffer<Real> sizes(gaussians.count, on.memory());
       poison(sizes, on.memory());

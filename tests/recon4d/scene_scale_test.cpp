@@ -13,8 +13,7 @@ Image8 grey(int width, int height, std::vector<uint8_t> data) {
   return {width, height, 1, std::move(data)};
 }
 
-// Bugs put back, each seen to fail: nearest pixels; shares of pixels at an edge taken as whole;
-// rows and columns exchanged.
+// Bugs put back, each seen to fail: nearest pixels; shares of pixels at an edge taken as whole.
 TEST(SceneScale, PixelsAreMeansOfTheirAreas) {
   EXPECT_EQ(averaged_picture(grey(4, 2, {0, 10, 20, 30, 4, 14, 24, 34}), 2, 1).data,
             (std::vector<uint8_t>{7, 27}));
@@ -30,7 +29,8 @@ TEST(SceneScale, PixelsAreMeansOfTheirAreas) {
   for (const uint8_t value : averaged_picture(white, 3, 4).data) EXPECT_EQ(value, 255);
 }
 
-// Bug put back: the camera left at its size; seen to fail.
+// Bugs put back, each seen to fail: the camera left at its size; pixels used where any of their
+// area is.
 TEST(SceneScale, CamerasSeeTheSame) {
   Scene scene;
   Frame frame;

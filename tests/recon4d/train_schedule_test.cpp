@@ -64,6 +64,8 @@ TEST(TrainSchedule, TheFilterIsMeasuredAfterDensityControlAndOnFromItsEnd) {
   }
   options.densify_until = 0;
   EXPECT_EQ(steps_of(options, measures), every(100, 0, 29900));
+  options.iterations = options.schedule_iterations = 30050;
+  EXPECT_EQ(steps_of(options, measures), every(100, 0, 29900));
 }
 
 TEST(TrainSchedule, ABrightBackgroundIsClearedOnceMore) {

@@ -58,7 +58,7 @@ const std::vector<Alternative>& alternatives() {
       {"filter_2d", true},
       {"filter_2d_gradient", "full", {{"filter_2d", true}}},
       {"filter_3d", "mip"},
-      {"truncation_sigma", 2},
+      {"truncation_sigma", 2.5},
       {"truncation_by_falloff", true},
       {"lambda_dssim", 0.5},
       {"opacity_weight", 0.01},

@@ -13,7 +13,9 @@ using nlohmann::json;
 // size.
 TEST(CliScales, AreScoredAgainstTruthOfTheirSize) {
   const CliWorkspace work;
-  ASSERT_EQ(work.train("run", {"--train-scale", "0.5", "--filter-2d", "true"}).exit_code, 0);
+  const json trained =
+      work.run_json(work.train_arguments("run", {"--train-scale", "0.5", "--filter-2d", "true"}));
+  EXPECT_EQ(trained["scores"]["width"], 16);
   const json scores = work.run_json(
       {"evaluate", work.at("run"), "--scales", "0.5,1,2", "--save-images", work.at("pictures")});
   EXPECT_EQ(scores["scales"].size(), 3u);
