@@ -142,7 +142,8 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
                   size_t size) {
   const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
   const int coefficients = header.at("sh_coefficients");
-  // values and two moments each; statistics and sh_step, filter size where kept, four bytes like all
+  // values and two moments each; statistics and sh_step, filter size where kept, four bytes like
+  // all
   const auto scalars = [&](Form form) {
     return int64_t{3} * (geometry_scalars(form) + 3 * coefficients) + 3 +
            holds_filter_sizes(header);

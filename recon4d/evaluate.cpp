@@ -8,6 +8,7 @@
 #include <set>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
 #include "recon4d/metrics.h"
 
 namespace tessera {
@@ -158,8 +159,10 @@ ViewScore score_view(const Frame& frame, const Picture& picture, const EvaluateO
   score.mse = mean_squared_error(drawn, frame.image, mask);
   score.psnr = psnr_of_mse(score.mse);
   score.psnr_float = psnr_float(picture.planar(), frame.image, mask);
-  if (options.structure)
-    score.structure = structure_scores(drawn, frame.image, mask, options.ssim_zero);
+  if (options.structure == StructureDetail::kAll)
+    score.structure = structure_scores(drawn, frame.image, mask);
+  else if (options.structure == StructureDetail::kSsim)
+    score.structure.reflect = ssim(drawn, frame.image, SsimPadding::kReflect, mask);
   if (options.lpips) score.lpips = options.lpips(only_used(drawn, frame), frame.image);
   return score;
 }
@@ -184,9 +187,18 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
       views.push_back({frame.camera, frame.time});
     }
     const std::vector<Picture> pictures = renderer.render(views);
+    std::vector<ViewScore> scores(pictures.size());
+    // a network scores one pair at a time
+    parallel_for(int64_t(scores.size()), options.lpips ? int64_t(scores.size()) : 1,
+                 [&](int64_t first, int64_t last) {
+                   for (int64_t k = first; k < last; ++k)
+                     scores[size_t(k)] =
+                         score_view(scene.frames[size_t(indices[begin + size_t(k)])],
+                                    pictures[size_t(k)], options);
+                 });
     for (size_t i = begin; i < end; ++i) {
       const Frame& frame = scene.frames[size_t(indices[i])];
-      ViewScore score = score_view(frame, pictures[i - begin], options);
+      ViewScore& score = scores[i - begin];
       if (options.temporal) {
         add_regions(regions, frame, pictures[i - begin], score);
         flicker.add(frame, pictures[i - begin]);

@@ -53,11 +53,13 @@ struct EvaluationReport {
   std::optional<int64_t> bytes;       // of the model's file; set by the caller
 };
 
+/// How much of the structure is scored: each step costs seconds where the one before costs tenths.
+enum class StructureDetail { kNone, kSsim, kAll };  // kSsim: the reflected mean alone
+
 struct EvaluateOptions {
-  int batch = 4;          // views rendered at once
-  bool structure = true;  // SSIM and its kin
-  bool ssim_zero = true;  // also SSIM with zero padding
-  bool temporal = true;   // flicker, moving and still pixels apart
+  int batch = 4;  // views rendered at once
+  StructureDetail structure = StructureDetail::kAll;
+  bool temporal = true;  // flicker, moving and still pixels apart
   /// LPIPS of two RGB pictures of one size; empty: none. Where a mask ignores, both are alike.
   std::function<double(const Image8& drawn, const Image8& truth)> lpips;
 };

@@ -142,8 +142,7 @@ std::optional<double> ssim(const Image8& a, const Image8& b, SsimPadding padding
   return (channel[0] + channel[1] + channel[2]) / 3.0;
 }
 
-StructureScores structure_scores(const Image8& a, const Image8& b, Span<const uint8_t> mask,
-                                 bool with_zero) {
+StructureScores structure_scores(const Image8& a, const Image8& b, Span<const uint8_t> mask) {
   check_pair(a, b);
   StructureScores scores, channels[3];
   if (reflects(a)) {
@@ -153,7 +152,7 @@ StructureScores structure_scores(const Image8& a, const Image8& b, Span<const ui
                         &StructureScores::inside_range2, &StructureScores::multi_scale})
       scores.*member = mean_of(channels, member);
   }
-  if (with_zero) scores.zero = ssim(a, b, SsimPadding::kZero, mask);
+  scores.zero = ssim(a, b, SsimPadding::kZero, mask);
   return scores;
 }
 

@@ -28,8 +28,6 @@ struct StructureScores {
 };
 inline constexpr int kMultiScaleSide = 161;  // pixels: the window fits at the fifth scale
 
-/// `with_zero`: also the zero-padded mean, which shares nothing with the others.
-StructureScores structure_scores(const Image8& a, const Image8& b, Span<const uint8_t> mask = {},
-                                 bool with_zero = true);
+StructureScores structure_scores(const Image8& a, const Image8& b, Span<const uint8_t> mask = {});
 
 }  // namespace tessera

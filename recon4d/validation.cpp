@@ -133,7 +133,7 @@ bool Validation::due(int64_t iteration) const {
 void Validation::check(const GaussianModel& model, int64_t iteration, double seconds) {
   EvaluateOptions options;
   options.batch = int(batch_);
-  options.structure = false;
+  options.structure = StructureDetail::kNone;
   const double psnr = evaluate(backend_, model, scene_, Split::kAside, options).all.psnr.value();
   if (record_.add(iteration, seconds, psnr, patience_)) best_ = model.clone_values();
 }

@@ -66,25 +66,13 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 const std::vector<std::string>& bench_metrics() {
-  static const std::vector<std::string> names = {"psnr",
-                                                 "ssim",
-                                                 "psnr_float",
-                                                 "ssim_zero",
-                                                 "seconds",
-                                                 "load_seconds",
-                                                 "evaluate_seconds",
-                                                 "bytes",
-                                                 "num_gaussians",
-                                                 "num_static",
-                                                 "num_dynamic",
-                                                 "fps",
-                                                 "peak_device_bytes",
-                                                 "psnr_0.5x",
-                                                 "psnr_1x",
-                                                 "psnr_2x",
-                                                 "ssim_0.5x",
-                                                 "ssim_1x",
-                                                 "ssim_2x"};
+  static const std::vector<std::string> names = {
+      "psnr",        "ssim",          "psnr_float",
+      "seconds",     "load_seconds",  "evaluate_seconds",
+      "bytes",       "num_gaussians", "num_static",
+      "num_dynamic", "fps",           "peak_device_bytes",
+      "psnr_0.5x",   "psnr_1x",       "psnr_2x",
+      "ssim_0.5x",   "ssim_1x",       "ssim_2x"};
   return names;
 }
 

@@ -14,8 +14,8 @@
 #include "kernels/base/errors.h"
 #include "recon4d/evaluate.h"
 #include "recon4d/model_file.h"
+#include "recon4d/render_rate.h"
 #include "tools/backend_choice.h"
-#include "tools/bench_frame_rate.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
@@ -102,8 +102,8 @@ void score_at_scales(Backend& backend, const GaussianModel& model, const BenchCe
     const double trained = to_json(options).at("train_scale");
     set_option(options, "train_scale", scale * trained);
     const Scene scene = load_training_scene(cell.scene.path, options);
-    const json scores =
-        score_splits(backend, model, scene, {split_of(cell.scene.split)}, std::nullopt);
+    const json scores = score_splits(backend, model, scene, {split_of(cell.scene.split)},
+                                     std::nullopt, {}, brief_scores());
     for (const char* key : {"psnr", "ssim"})
       metrics[fmt::format("{}_{}x", key, scale)] = scores.at(key);
   }
@@ -117,21 +117,22 @@ void score(const BenchRunOptions& options, const BenchCell& cell, const RunFolde
   const Split split = split_of(cell.scene.split);
   const std::unique_ptr<Backend> backend = make_backend(options.backend);
   const Clock::time_point begin = Clock::now();
-  const json scores =
-      score_splits(*backend, model, scene, {split}, int64_t(fs::file_size(run.model())),
-                   [](const Frame&, const Picture&, const ViewScore&, int64_t, int64_t) {
-                     stop_if_interrupted();
-                   });
+  const json scores = score_splits(
+      *backend, model, scene, {split}, int64_t(fs::file_size(run.model())),
+      [](const Frame&, const Picture&, const ViewScore&, int64_t, int64_t) {
+        stop_if_interrupted();
+      },
+      brief_scores());
   json& metrics = result["metrics"];
   metrics["evaluate_seconds"] = seconds_since(begin);
-  for (const char* key : {"psnr", "ssim", "psnr_float", "ssim_zero", "bytes", "num_gaussians",
-                          "num_static", "num_dynamic"})
+  for (const char* key :
+       {"psnr", "ssim", "psnr_float", "bytes", "num_gaussians", "num_static", "num_dynamic"})
     metrics[key] = scores.at(key);
   for (const char* key : {"width", "height", "views"}) result[key] = scores.at(key);
   std::vector<View> views;
   for (int i : scene.split_indices(split))
     views.push_back({scene.frames[size_t(i)].camera, scene.frames[size_t(i)].time});
-  metrics["fps"] = measure_frame_rate(*backend, model, views).frames_per_second;
+  metrics["fps"] = measure_render_rate(*backend, model, views, {300, 3, 30}).fps();
   score_at_scales(*backend, model, cell, metrics);
   write_text_file(run.metrics(), scores.dump(2));
 }

@@ -8,7 +8,7 @@
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "recon4d/frame_rate.h"
+#include "recon4d/render_rate.h"
 #include "recon4d/scene_scale.h"
 #include "recon4d/train_options.h"
 #include "tools/backend_choice.h"
@@ -161,7 +161,7 @@ json frame_rate_json(Backend& backend, const GaussianModel& model, const Scene& 
     for (int i : scene.split_indices(split))
       views.push_back({scene.frames[size_t(i)].camera, scene.frames[size_t(i)].time});
   if (views.empty()) throw InputError(fmt::format("{}: no view to time", scene.path));
-  const FrameRate rate = measure_frame_rate(backend, model, views);
+  const RenderRate rate = measure_render_rate(backend, model, views);
   const bool on_host = &backend.memory() == &host_memory();
   return {{"fps", rate.fps()},
           {"ms_per_frame", 1e3 * rate.seconds / double(rate.frames)},

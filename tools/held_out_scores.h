@@ -20,6 +20,13 @@ nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const 
                             const std::vector<Split>& splits, std::optional<int64_t> bytes,
                             const ScoredCallback& scored = {}, const EvaluateOptions& options = {});
 
+/// PSNR and SSIM alone, for scores during a training and in benchmarks.
+inline EvaluateOptions brief_scores() {
+  EvaluateOptions options;
+  options.structure = StructureDetail::kSsim, options.temporal = false;
+  return options;
+}
+
 /// Per split: "test PSNR 31.42 dB, SSIM 0.9512 (reflect padding) over 24 views", and a line each of
 /// what else there is: LPIPS, new views and moments apart, moving pixels, flicker.
 std::string scores_text(const nlohmann::json& scores);

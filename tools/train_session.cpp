@@ -158,11 +158,11 @@ class Session {
       const int64_t i = trainer_->state().iteration;
       const bool done = i >= end_ || validation_->stops() || interrupted();
       if (done || (request_.checkpoint_every > 0 && i % request_.checkpoint_every == 0)) save();
-      if (!interrupted() && scores_at(i)) score(trainer_->host_model(), i, "evaluation");
+      if (!interrupted() && scores_at(i)) score(trainer_->host_model(), i, "evaluation", true);
       if (done) break;
     }
     if (ended() && validation_->on() && request_.evaluate_end && !interrupted())
-      score(model(), validation_->record().best_iteration, "shipped");
+      score(model(), validation_->record().best_iteration, "shipped", false);
     wall_.time(WallSplit::kSave, [&] { save_model(run_.model(), model()); });
   }
 
@@ -221,21 +221,23 @@ class Session {
     });
   }
 
-  void score(const GaussianModel& scored, int64_t iteration, const std::string& event) {
+  /// `brief`: PSNR and SSIM alone.
+  void score(const GaussianModel& scored, int64_t iteration, const std::string& event, bool brief) {
     wall_.time(WallSplit::kEvaluate, [&] {
-      scores_ = score_splits(*backend_, scored, scene_, held_out_splits(scene_), std::nullopt);
+      scores_ = score_splits(*backend_, scored, scene_, held_out_splits(scene_), std::nullopt, {},
+                             brief ? brief_scores() : EvaluateOptions{});
     });
-    json brief = json::object();
+    json summary = json::object();
     if (scores_.contains("splits"))
       for (const auto& [split, of_split] : scores_["splits"].items())
-        brief[split] = {{"psnr", of_split["psnr"]}, {"ssim", of_split["ssim"]}};
-    for (const auto& [split, of_split] : brief.items())
+        summary[split] = {{"psnr", of_split["psnr"]}, {"ssim", of_split["ssim"]}};
+    for (const auto& [split, of_split] : summary.items())
       say(fmt::format("step {}: {} PSNR {} dB, {} Gaussians", iteration, split,
                       of_split["psnr"].dump().substr(0, 5), scored.count()));
     log_->event(event, {{"iteration", iteration},
                         {"seconds", trainer_->state().seconds},
                         {"num_gaussians", scored.count()},
-                        {"splits", brief}});
+                        {"splits", summary}});
   }
 
   /// Null without validation.

@@ -108,16 +108,16 @@ TEST_P(BackendFilter, ByFalloffOpacityZeroHasAFiniteGradient) {
     EXPECT_EQ(result.bad, 0u);
     EXPECT_GT(result.rendered.report.splats, 100);
     for (const TestGaussians<float>* set : {&result.fixed, &result.moving})
-      for (int g = 0; g < group_count(set->dim); ++g)
+      for (int g = 0; g < group_count(set->dim()); ++g)
         for (const float d : set->group[g]) ASSERT_TRUE(std::isfinite(d)) << logit;
   }
 }
 
 TEST_P(BackendFilter, SizesEqualTheOracles) {
   // Bugs put back, each seen to fail: the last view left out; the unseen left at −1.
-  for (const int dim : {3, 4}) {
+  for (const Form form : kForms) {
     Random random(58);
-    TestGaussians<double> set = random_gaussians(dim, 3000, 2.5, 0.1, random);
+    TestGaussians<double> set = random_gaussians(form, 3000, 2.5, 0.1, random);
     for (double& x : set.group[kLogScaleTime]) x -= 1;
     const auto measured = [&](auto& on, const auto& gaussians) {
       using Real = std::decay_t<decltype(gaussians.group[0][0])>;
@@ -143,18 +143,20 @@ TEST_P(BackendFilter, EditsAreTheOracles) {
   // Bugs put back, each seen to fail: the last Gaussian left out; scales before the opacity.
   for (const FilterEdit edit :
        {FilterEdit::kRaiseScales, FilterEdit::kBake, FilterEdit::kLimitOpacity})
-    for (const int dim : {3, 4}) {
-      TestScene<double> scene = random_scene(dim == 3 ? 1000 : 0, dim == 4 ? 1000 : 0, 0.1, 59);
+    for (const Form form : kForms) {
+      TestScene<double> scene =
+          random_scene(form == Form::kStatic ? 1000 : 0, form == Form::kStatic ? 0 : 1000, 0.1, 59,
+                       form == Form::kStatic ? Form::kPair : form);
       add_filter_3d(scene, 0.1, 60);
-      TestGaussians<double>& set = dim == 3 ? scene.fixed : scene.moving;
+      TestGaussians<double>& set = form == Form::kStatic ? scene.fixed : scene.moving;
       StoredGaussians<float> stored(set.as<float>(), memory());
       backend().edit_by_filter(edit, stored.spans(), 0.01f);
       const TestGaussians<float> actual = stored.fetch();
       CpuBackend<double> oracle;
       oracle.edit_by_filter(edit, set.spans(), 0.01);
-      for (int g = 0; g < group_count(dim); ++g)
+      for (int g = 0; g < group_count(dim_of(form)); ++g)
         expect_group(actual.group[g], set.group[g], {2e-6, 2e-6, 0, 1e-5},
-                     group_name(Group(g), dim));
+                     group_name(Group(g), form));
     }
 }
 

@@ -46,7 +46,7 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
   constexpr double kStep = 1e-5;
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
     for (const Group group : {kMean, kLogScale, kRotation, kOpacityLogit, kMeanTime}) {
-      if (group >= group_count(set->dim)) continue;
+      if (group >= group_count(set->dim())) continue;
       std::vector<double> expected;
       for (double& x : set->group[group]) {
         const double at = x;
@@ -57,8 +57,8 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
         x = at;
         expected.push_back((above - below) / (2 * kStep));
       }
-      const auto& actual = (set->dim == 3 ? analytic.fixed : analytic.moving).group[group];
-      EXPECT_LE(relative(actual, expected), 1e-6) << group_name(group, set->dim);
+      const auto& actual = (set->dim() == 3 ? analytic.fixed : analytic.moving).group[group];
+      EXPECT_LE(relative(actual, expected), 1e-6) << group_name(group, set->form);
     }
 }
 
@@ -87,7 +87,7 @@ TEST(Truncation, ByFalloffOpacityZeroIsDrawnAndHasAFiniteGradient) {
     EXPECT_EQ(result.bad, 0u);
     EXPECT_GT(result.rendered.report.splats, 20);
     for (const TestGaussians<float>* set : {&result.fixed, &result.moving})
-      for (int g = 0; g < group_count(set->dim); ++g)
+      for (int g = 0; g < group_count(set->dim()); ++g)
         for (const float d : set->group[g]) ASSERT_TRUE(std::isfinite(d)) << logit;
     // σ(−80) is a float: there is a gradient, by the opacity times σ'
     if (logit > -85) {
@@ -147,9 +147,9 @@ TEST(Filter3d, SizeIsThatOfTheNearestViewThatSamples) {
     }
     for (double& size : expected)
       if (!std::isfinite(size)) size = largest;
-    EXPECT_GT(unseen, 0) << set->dim;
-    EXPECT_LT(unseen, 40) << set->dim;
-    EXPECT_LE(relative(actual, expected), 1e-12) << set->dim;
+    EXPECT_GT(unseen, 0) << form_name(set->form);
+    EXPECT_LT(unseen, 40) << form_name(set->form);
+    EXPECT_LE(relative(actual, expected), 1e-12) << form_name(set->form);
   }
 }
 
@@ -194,7 +194,7 @@ TEST(Filter3d, LimitedOpacityIsThatAfterTheFilter) {
       TestGaussians<double> old = *set;
       old.group[kOpacityLogit] = before;
       // at its own moment in 4D
-      const double t = set->dim == 4 ? *set->at(kMeanTime, n) : 0;
+      const double t = set->dim() == 4 ? *set->at(kMeanTime, n) : 0;
       EXPECT_NEAR(slice_brute(*set, n, t).opacity, std::min(0.01, slice_brute(old, n, t).opacity),
                   1e-12);
     }

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
-#include "recon4d/frame_rate.h"
 #include "recon4d/model_file.h"
+#include "recon4d/render_rate.h"
 #include "tests/ingest/capture_fixture.h"
 #include "tests/recon4d/small_models.h"
 
@@ -150,14 +150,14 @@ TEST(FrameRate, TimesWarmFramesUntilThereAreEnough) {
   const GaussianModel model = random_model(30, 30);
   const std::vector<View> views = {{look_at({0, 0, -4}, {0, 0, 0}, 24, 20, 25), 0.5}};
   const auto backend = make_cpu_backend();
-  const FrameRate rate = measure_frame_rate(*backend, model, views, {25, 20, 4});
+  const RenderRate rate = measure_render_rate(*backend, model, views, {25, 20, 4});
   EXPECT_EQ(rate.frames, 25);
   EXPECT_GT(rate.fps(), 0);
   EXPECT_GE(rate.wall_seconds, rate.seconds);
   EXPECT_EQ(rate.width, 24);
   EXPECT_EQ(rate.height, 20);
   EXPECT_EQ(rate.num_gaussians, 60);
-  EXPECT_EQ(measure_frame_rate(*backend, model, views, {1000000, 0, 0}).frames, 1);
+  EXPECT_EQ(measure_render_rate(*backend, model, views, {1000000, 0, 0}).frames, 1);
 }
 
 TEST(Evaluate, DoesNotDependOnTheBatch) {
@@ -271,13 +271,14 @@ TEST(Evaluate, HandsOutPicturesInOrderAndStopsWhenTold) {
   const auto backend = make_cpu_backend();
   EvaluateOptions options;
   options.batch = 2;
-  options.ssim_zero = false;
+  options.structure = StructureDetail::kSsim;
   std::vector<std::string> names;
   const auto count = [&](const Frame& frame, const Picture& picture, const ViewScore& score,
                          int64_t done, int64_t total) {
     names.push_back(frame.name);
     EXPECT_EQ(picture.rgb.size(), 3u * 12 * 12);
     EXPECT_EQ(score.name, frame.name);
+    EXPECT_TRUE(score.structure.reflect.has_value());
     EXPECT_FALSE(score.structure.zero.has_value());
     EXPECT_EQ(done, int64_t(names.size()));
     EXPECT_EQ(total, 4);

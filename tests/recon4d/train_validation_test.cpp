@@ -9,7 +9,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/evaluate.h"
-#include "recon4d/frame_rate.h"
+#include "recon4d/render_rate.h"
 #include "tests/support/backends.h"
 #include "tests/support/random.h"
 #include "tests/support/scratch_folder.h"
@@ -298,7 +298,8 @@ TEST_P(FrameRateOn, IsTheBackendsOwnTime) {
   const Scene scene = tiny_capture();
   std::vector<View> views;
   for (const Frame& frame : scene.frames) views.push_back({frame.camera, frame.time});
-  const FrameRate rate = measure_frame_rate(backend(), testing::tiny_truth({}), views, {40, 20, 4});
+  const RenderRate rate =
+      measure_render_rate(backend(), testing::tiny_truth({}), views, {40, 20, 4});
   EXPECT_EQ(rate.frames, 40);
   EXPECT_EQ(rate.num_gaussians, 5);
   EXPECT_GT(rate.seconds, 0);

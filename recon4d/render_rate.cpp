@@ -1,6 +1,6 @@
 // What: forward passes between two readings of the backend's clock.
 // Not: the clock (kernels/stage_clock.h).
-#include "recon4d/frame_rate.h"
+#include "recon4d/render_rate.h"
 
 #include <chrono>
 
@@ -17,10 +17,10 @@ double stage_seconds(Backend& backend) {
 
 }  // namespace
 
-FrameRate measure_frame_rate(Backend& backend, const GaussianModel& model,
-                             const std::vector<View>& views, const FrameRateOptions& options) {
+RenderRate measure_render_rate(Backend& backend, const GaussianModel& model,
+                               const std::vector<View>& views, const RenderRateOptions& options) {
   using Clock = std::chrono::steady_clock;
-  check(!views.empty() && options.frames > 0, "measure_frame_rate: views and frames");
+  check(!views.empty() && options.frames > 0, "measure_render_rate: views and frames");
   Renderer renderer(backend, model);
   const auto draw = [&](int64_t i) { renderer.draw({views[size_t(i) % views.size()]}); };
   const auto since = [](Clock::time_point begin) {
@@ -29,7 +29,7 @@ FrameRate measure_frame_rate(Backend& backend, const GaussianModel& model,
   const Clock::time_point start = Clock::now();
   for (int64_t i = 0; i < options.warm_up && (i == 0 || since(start) < options.seconds / 4); ++i)
     draw(i);
-  FrameRate rate;
+  RenderRate rate;
   rate.width = views.front().camera.width, rate.height = views.front().camera.height;
   rate.num_gaussians = model.count();
   const double before = stage_seconds(backend);

@@ -8,13 +8,13 @@
 
 namespace tessera {
 
-struct FrameRateOptions {
+struct RenderRateOptions {
   int64_t frames = 300;  // to be timed
   double seconds = 20;   // fewer where they do not fit in this time; at least one
   int64_t warm_up = 10;  // rendered before
 };
 
-struct FrameRate {
+struct RenderRate {
   int64_t frames = 0;         // that were timed
   double seconds = 0;         // they took: the device's events, or the host's clock
   double wall_seconds = 0;    // the same with launches and waits between them
@@ -25,7 +25,8 @@ struct FrameRate {
 };
 
 /// Views in turn, at least one.
-FrameRate measure_frame_rate(Backend& backend, const GaussianModel& model,
-                             const std::vector<View>& views, const FrameRateOptions& options = {});
+RenderRate measure_render_rate(Backend& backend, const GaussianModel& model,
+                               const std::vector<View>& views,
+                               const RenderRateOptions& options = {});
 
 }  // namespace tessera
