@@ -114,10 +114,11 @@ TEST_P(BackendFilter, ByFalloffOpacityZeroHasAFiniteGradient) {
 }
 
 TEST_P(BackendFilter, SizesEqualTheOracles) {
-  // Bugs put back, each seen to fail: the last view left out; the unseen left at −1.
-  for (const int dim : {3, 4}) {
+  // Bugs put back, each seen to fail: the last view left out; the unseen left at −1; the temporal
+  // filter left out.
+  for (const Form form : kForms) {
     Random random(58);
-    TestGaussians<double> set = random_gaussians(dim, 3000, 2.5, 0.1, random);
+    TestGaussians<double> set = random_gaussians(form, 3000, 2.5, 0.1, random);
     for (double& x : set.group[kLogScaleTime]) x -= 1;
     const auto measured = [&](auto& on, const auto& gaussians) {
       using Real = std::decay_t<decltype(gaussians.group[0][0])>;
@@ -125,7 +126,7 @@ TEST_P(BackendFilter, SizesEqualTheOracles) {
       const StoredGaussians<Real> in(gaussians, on.memory());
       Buffer<Real> sizes(gaussians.count, on.memory());
       poison(sizes, on.memory());
-      on.filter_sizes({&views, in.view(), Real(0.2), Real(50)}, sizes.span());
+      on.filter_sizes({&views, in.view(), Real(0.2), Real(50), Real(0.01)}, sizes.span());
       return fetched(sizes, on.memory());
     };
     CpuBackend<double> oracle;
@@ -143,18 +144,19 @@ TEST_P(BackendFilter, EditsAreTheOracles) {
   // Bugs put back, each seen to fail: the last Gaussian left out; scales before the opacity.
   for (const FilterEdit edit :
        {FilterEdit::kRaiseScales, FilterEdit::kBake, FilterEdit::kLimitOpacity})
-    for (const int dim : {3, 4}) {
-      TestScene<double> scene = random_scene(dim == 3 ? 1000 : 0, dim == 4 ? 1000 : 0, 0.1, 59);
+    for (const Form form : {Form::kStatic, Form::kPair}) {
+      const bool fixed = form == Form::kStatic;
+      TestScene<double> scene = random_scene(fixed ? 1000 : 0, fixed ? 0 : 1000, 0.1, 59);
       add_filter_3d(scene, 0.1, 60);
-      TestGaussians<double>& set = dim == 3 ? scene.fixed : scene.moving;
+      TestGaussians<double>& set = fixed ? scene.fixed : scene.moving;
       StoredGaussians<float> stored(set.as<float>(), memory());
       backend().edit_by_filter(edit, stored.spans(), 0.01f);
       const TestGaussians<float> actual = stored.fetch();
       CpuBackend<double> oracle;
       oracle.edit_by_filter(edit, set.spans(), 0.01);
-      for (int g = 0; g < group_count(dim); ++g)
+      for (int g = 0; g < group_count(set.dim()); ++g)
         expect_group(actual.group[g], set.group[g], {2e-6, 2e-6, 0, 1e-5},
-                     group_name(Group(g), dim));
+                     group_name(Group(g), form));
     }
 }
 

@@ -148,7 +148,7 @@ TEST_P(BackendMcmc, RegularisersReachTheFusedOptimizer) {
     after.push_back(state.value[1].fetch());
   }
   for (const Group group : {kOpacityLogit, kLogScale})
-    EXPECT_EQ(after[0].group[group], after[1].group[group]) << group_name(group, 4);
+    EXPECT_EQ(after[0].group[group], after[1].group[group]) << group_name(group, Form::kPair);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
   constexpr double kStep = 1e-5;
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
     for (const Group group : {kMean, kLogScale, kRotation, kOpacityLogit, kMeanTime}) {
-      if (group >= group_count(set->dim)) continue;
+      if (group >= group_count(set->dim())) continue;
       std::vector<double> expected;
       for (double& x : set->group[group]) {
         const double at = x;
@@ -57,8 +57,8 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
         x = at;
         expected.push_back((above - below) / (2 * kStep));
       }
-      const auto& actual = (set->dim == 3 ? analytic.fixed : analytic.moving).group[group];
-      EXPECT_LE(relative(actual, expected), 1e-6) << group_name(group, set->dim);
+      const auto& actual = (set->form == Form::kStatic ? analytic.fixed : analytic.moving).group[group];
+      EXPECT_LE(relative(actual, expected), 1e-6) << group_name(group, set->form);
     }
 }
 
@@ -87,7 +87,7 @@ TEST(Truncation, ByFalloffOpacityZeroIsDrawnAndHasAFiniteGradient) {
     EXPECT_EQ(result.bad, 0u);
     EXPECT_GT(result.rendered.report.splats, 20);
     for (const TestGaussians<float>* set : {&result.fixed, &result.moving})
-      for (int g = 0; g < group_count(set->dim); ++g)
+      for (int g = 0; g < group_count(set->dim()); ++g)
         for (const float d : set->group[g]) ASSERT_TRUE(std::isfinite(d)) << logit;
     // σ(−80) is a float: there is a gradient, by the opacity times σ'
     if (logit > -85) {
@@ -117,8 +117,10 @@ std::vector<View> many_views() {
 }
 
 // Method C.1. Bugs put back, each seen to fail: the farthest view taken; pictures not enlarged;
-// means at time 0.5; moments at which a Gaussian is not drawn taken too.
+// means at time 0.5; the temporal filter left out; moments at which a Gaussian is not drawn taken
+// too.
 TEST(Filter3d, SizeIsThatOfTheNearestViewThatSamples) {
+  constexpr double kTimeFilter = 0.01;
   TestScene<double> scene = random_scene(60, 60, 0.1, 7);
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving}) {
     for (double& x : set->group[kMean]) x *= 2.2;
@@ -126,13 +128,14 @@ TEST(Filter3d, SizeIsThatOfTheNearestViewThatSamples) {
     const ViewBatch<double> batch = make_view_batch<double>(many_views());
     std::vector<double> actual(size_t(set->count)), expected;
     CpuBackend<double> backend;
-    backend.filter_sizes({&batch, set->view(), 0.7, 66.0}, {actual.data(), set->count});
+    backend.filter_sizes({&batch, set->view(), 0.7, 66.0, kTimeFilter},
+                         {actual.data(), set->count});
     double largest = 0;
     int unseen = 0;
     for (int64_t n = 0; n < set->count; ++n) {
       double depth = INFINITY;
       for (const View& view : many_views()) {
-        const BruteGaussian g = slice_brute(*set, n, view.time);
+        const BruteGaussian g = slice_brute(*set, n, view.time, kTimeFilter);
         const Camera& c = view.camera;
         const glm::dvec3 p =
             c.cam_from_world * glm::dvec3(g.mean[0], g.mean[1], g.mean[2]) + c.translation;
@@ -147,9 +150,9 @@ TEST(Filter3d, SizeIsThatOfTheNearestViewThatSamples) {
     }
     for (double& size : expected)
       if (!std::isfinite(size)) size = largest;
-    EXPECT_GT(unseen, 0) << set->dim;
-    EXPECT_LT(unseen, 40) << set->dim;
-    EXPECT_LE(relative(actual, expected), 1e-12) << set->dim;
+    EXPECT_GT(unseen, 0) << form_name(set->form);
+    EXPECT_LT(unseen, 40) << form_name(set->form);
+    EXPECT_LE(relative(actual, expected), 1e-12) << form_name(set->form);
   }
 }
 
@@ -194,7 +197,7 @@ TEST(Filter3d, LimitedOpacityIsThatAfterTheFilter) {
       TestGaussians<double> old = *set;
       old.group[kOpacityLogit] = before;
       // at its own moment in 4D
-      const double t = set->dim == 4 ? *set->at(kMeanTime, n) : 0;
+      const double t = set->dim() == 4 ? *set->at(kMeanTime, n) : 0;
       EXPECT_NEAR(slice_brute(*set, n, t).opacity, std::min(0.01, slice_brute(old, n, t).opacity),
                   1e-12);
     }

@@ -62,7 +62,7 @@ TEST(PositionNoise, IsShutOffFromOpaqueOnes) {
   EXPECT_NEAR(noise_gate(0.0), 1 / (1 + std::exp(-0.5)), 1e-15);
   EXPECT_NEAR(noise_gate(0.05), 1 / (1 + std::exp(4.5)), 1e-15);
   const auto moves = [](double opacity) {
-    for (const double x : noise_of(equal_gaussians(3, opacity, 4), {1, 5, 17}))
+    for (const double x : noise_of(equal_gaussians(Form::kStatic, opacity, 4), {1, 5, 17}))
       if (x != 0) return true;
     return false;
   };
@@ -74,7 +74,7 @@ TEST(PositionNoise, IsShutOffFromOpaqueOnes) {
 TEST(PositionNoise, IsDrawnAnewForEveryGaussianStepAndSet) {
   // Correlations of 60,000 numbers: five standard errors. Bug put back: the step left out of the
   // counter; seen to fail.
-  const TestGaussians<double> fixed = equal_gaussians(3, 0.004);
+  const TestGaussians<double> fixed = equal_gaussians(Form::kStatic, 0.004);
   const TestGaussians<double> moving = lifted(fixed, 30);  // the same Σ
   const std::vector<double> first = noise_of(fixed, {1, 5, 17});
   EXPECT_EQ(first, noise_of(fixed, {1, 5, 17}));

@@ -35,10 +35,10 @@ TEST(Regulariser, EqualsDifferencesForEveryGaussian) {
   scene.regulariser = kWeights;
   const Backward<double> regularised = backward(scene);
   EXPECT_EQ(regularised.mean_loss(), plain.mean_loss()) << "what is reported is of the pictures";
-  for (const Form form : kForms) {
-    TestGaussians<double>& set = form == 3 ? scene.fixed : scene.moving;
-    const TestGaussians<double>&with = form == 3 ? regularised.fixed : regularised.moving,
-          &without = form == 3 ? plain.fixed : plain.moving;
+  for (const Form form : {Form::kStatic, Form::kPair}) {
+    TestGaussians<double>& set = form == Form::kStatic ? scene.fixed : scene.moving;
+    const TestGaussians<double>&with = form == Form::kStatic ? regularised.fixed : regularised.moving,
+          &without = form == Form::kStatic ? plain.fixed : plain.moving;
     for (int g = 0; g < group_count(dim_of(form)); ++g)
       for (size_t i = 0; i < set.group[g].size(); ++i) {
         double& x = set.group[g][i];
