@@ -108,7 +108,7 @@ TEST_P(BackendFilter, ByFalloffOpacityZeroHasAFiniteGradient) {
     EXPECT_EQ(result.bad, 0u);
     EXPECT_GT(result.rendered.report.splats, 100);
     for (const TestGaussians<float>* set : {&result.fixed, &result.moving})
-      for (int g = 0; g < group_count(set->dim); ++g)
+      for (int g = 0; g < group_count(set->dim()); ++g)
         for (const float d : set->group[g]) ASSERT_TRUE(std::isfinite(d)) << logit;
   }
 }

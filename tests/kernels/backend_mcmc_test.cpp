@@ -69,7 +69,7 @@ TEST_P(BackendMcmc, RelocationIsTheCpus) {
 
 TEST_P(BackendMcmc, RelocationOfEmptyAndOfDyingSets) {
   for (const int64_t count : {0, 1, 70}) {
-    TestGaussians<float> set = crowd(4, 93, count);
+    TestGaussians<float> set = crowd(Form::kPair, 93, count);
     std::fill(set.group[kOpacityLogit].begin(), set.group[kOpacityLogit].end(), -9.0f);
     const Relocated none = relocate(backend(), set, {0.005, 0.005, 0, 94});
     EXPECT_EQ(none.moved + none.weight, 0);
