@@ -15,7 +15,7 @@ TESSERA_ON_EVERY_BACKEND(BackendMotion);
 const RegulariserWeights kWeights{0, 0, 0.4, 0.6, 0.9, 0.05};
 
 TEST_P(BackendMotion, TermsAreTheOracles) {
-  // Bugs put back, each seen to fail: only Gaussians that are seen; velocities of one block alone.
+  // Bug put back: only Gaussians that are seen; seen to fail.
   for (const Form form : kDynamicForms) {
     TestScene<double> scene = motion_scene(form, 90, 300, 71);
     scene.regulariser = kWeights;

@@ -96,7 +96,7 @@ TEST_P(BruteForceMode, EqualsTheFormulas) {
 INSTANTIATE_TEST_SUITE_P(Modes, BruteForceMode, ::testing::ValuesIn(kModes),
                          [](const auto& row) { return row.param.name; });
 
-// D.1. Bugs put back, each seen to fail: f added to 1/w; f in the slice's mean too.
+// D.1. Bug put back: f left out of the marginal; seen to fail.
 TEST(BruteForceTimeFilter, EqualsTheFormulasInBothForms) {
   for (const Form form : kDynamicForms) {
     TestScene<double> scene = random_scene(10, 40, 0.15, 13, form);

@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, GradientMode,
                                            Mode{"together", true, true, 3, true}),
                          [](const auto& row) { return row.param.name; });
 
-// Bugs put back, each seen to fail: the filter left out of slice_backward; (w/(w + f))² once only.
+// Bug put back: the filter left out of the backward pass; seen to fail.
 TEST(Gradient, WithATimeFilterEqualsDifferences) {
   for (const Form form : kDynamicForms) {
     TestScene<double> scene = random_scene(2, 5, 0.2, 19, form);

@@ -59,8 +59,7 @@ const Case kCases[] = {{"motion", {0, 0, 0.4, 0, 0, kSlow}},
                        {"together", {0, 0, 0.4, 0.6, 0.9, kSlow}, true}};
 
 // Bugs put back, each seen to fail: N of both sets; only Gaussians that are seen; the speed without
-// its root; the end of a pair that lists it alone; ∂/∂(1/w) of ln σ_t with the wrong sign; the
-// terms behind geometry_gradient of a pair.
+// its root; one end of a pair alone; ln σ_t with the wrong sign.
 TEST(MotionTerms, EqualDifferencesInBothForms) {
   for (const Form form : kDynamicForms)
     for (const Case& c : kCases) {

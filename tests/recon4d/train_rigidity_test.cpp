@@ -10,6 +10,7 @@
 #include "recon4d/checkpoint.h"
 #include "recon4d/nearest_points.h"
 #include "recon4d/rigidity.h"
+#include "tests/recon4d/handmade_set.h"
 #include "tests/support/random.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/tiny_capture.h"
@@ -78,8 +79,24 @@ TEST(Rigidity, MeansThatAreNotFiniteHaveNoNeighbours) {
   EXPECT_EQ(rigidity_lists({}, host_memory()).other.size(), 0);
 }
 
-// Bugs put back, each seen to fail: anchors not in the checkpoint; kept through a reordering; kept
-// through density control (the lists then have another length: seen to crash).
+// Bugs put back, each seen to fail: anchors kept by `reorder`; kept by `reset`.
+TEST(Rigidity, AnchorsGoWhenRowsDo) {
+  const std::unique_ptr<Backend> backend = make_cpu_backend();
+  HandmadeSet made(Form::kPair, 50);
+  const auto anchor = [&] {
+    made.statistics.anchor.copy_from(made.set.group(kMean).value);
+    EXPECT_FALSE(made.statistics.clone_to(host_memory()).anchor.empty());
+  };
+  anchor();
+  reorder(*backend, made.set, made.statistics);
+  EXPECT_TRUE(made.statistics.anchor.empty());
+  anchor();
+  made.statistics.reset(*backend, 50, 3);
+  EXPECT_TRUE(made.statistics.anchor.empty());
+}
+
+// Bugs put back, each seen to fail: anchors not in the checkpoint; neighbours found anew at every
+// step after a resume.
 TEST(Rigidity, ResumeGoesOnBitForBit) {
   const Scene scene = tiny_capture();
   for (const char* form : {"pair", "velocity"}) {
