@@ -95,8 +95,8 @@ TEST(Rigidity, AnchorsGoWhenRowsDo) {
   EXPECT_TRUE(made.statistics.anchor.empty());
 }
 
-// Bugs put back, each seen to fail: anchors not in the checkpoint; neighbours found anew at every
-// step after a resume.
+// Bugs put back, each seen to fail: anchors not in the checkpoint; neighbours found from the means
+// at a resume.
 TEST(Rigidity, ResumeGoesOnBitForBit) {
   const Scene scene = tiny_capture();
   for (const char* form : {"pair", "velocity"}) {
