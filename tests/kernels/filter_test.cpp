@@ -57,7 +57,8 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
         x = at;
         expected.push_back((above - below) / (2 * kStep));
       }
-      const auto& actual = (set->form == Form::kStatic ? analytic.fixed : analytic.moving).group[group];
+      const auto& actual =
+          (set->form == Form::kStatic ? analytic.fixed : analytic.moving).group[group];
       EXPECT_LE(relative(actual, expected), 1e-6) << group_name(group, set->form);
     }
 }

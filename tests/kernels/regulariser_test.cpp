@@ -37,7 +37,8 @@ TEST(Regulariser, EqualsDifferencesForEveryGaussian) {
   EXPECT_EQ(regularised.mean_loss(), plain.mean_loss()) << "what is reported is of the pictures";
   for (const Form form : {Form::kStatic, Form::kPair}) {
     TestGaussians<double>& set = form == Form::kStatic ? scene.fixed : scene.moving;
-    const TestGaussians<double>&with = form == Form::kStatic ? regularised.fixed : regularised.moving,
+    const TestGaussians<double>&with =
+              form == Form::kStatic ? regularised.fixed : regularised.moving,
           &without = form == Form::kStatic ? plain.fixed : plain.moving;
     for (int g = 0; g < group_count(dim_of(form)); ++g)
       for (size_t i = 0; i < set.group[g].size(); ++i) {
