@@ -8,6 +8,7 @@
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/regulariser.h"
 #include "kernels/stages/splat_gradient.h"
+#include "kernels/stages/velocities.h"
 
 namespace tessera {
 namespace {
@@ -106,14 +107,6 @@ unsigned backward_set(const ProjectBackwardArgs<Real>& args, const RegulariserTe
   else
     run(StoreGradient<Real>{sink.gradient});
   return bad;
-}
-
-template <class Real>
-void find_velocities(const GaussianSpans<const Real>& set, Real* velocities) {
-  parallel_for(set.count, kGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t n = begin; n < end; ++n)
-      with_form(set.form, [&](auto form) { store_velocity<form()>(set, n, velocities); });
-  });
 }
 
 }  // namespace
