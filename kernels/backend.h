@@ -62,7 +62,8 @@ struct ProjectBackwardArgs {
   Span<SplatGradient<Real>> d_splats;  // [S] consumed
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];  // empty spans: not gathered
-  RegulariserWeights regulariser;         // into the gradients, with N of both sets
+  RegulariserWeights regulariser;         // into the gradients
+  MotionPairs<Real> pairs;                // of the dynamic set
 };
 
 /// The views that may see a set, and what the size of the 3D filter follows from.
@@ -70,8 +71,9 @@ template <class Real>
 struct FilterArgs {
   const ViewBatch<Real>* views = nullptr;
   GaussianSpans<const Real> set;
-  Real near_plane = Real(0);  // world units
-  Real focal = Real(1);       // f, pixels: the largest of all training views
+  Real near_plane = Real(0);   // world units
+  Real focal = Real(1);        // f, pixels: the largest of all training views
+  Real time_filter = Real(0);  // RenderOptions::time_filter
 };
 
 /// What the stages of a step found out.

@@ -32,6 +32,7 @@ SplatRules<Real> make_splat_rules(const RenderOptions& options) {
   return {Real(options.near_plane),
           Real(options.far_plane),
           options.filter_2d ? kFilter2d<Real> : kDilation<Real>,
+          Real(options.time_filter),
           options.filter_2d,
           options.filter_2d_full_gradient,
           make_cutoff<Real>(options),

@@ -50,6 +50,7 @@ struct RenderOptions {
   bool truncation_by_falloff = false;          // whatever their opacity
   bool filter_2d = false;                      // dilation 0.1 with compensation, else 0.3 without
   bool filter_2d_full_gradient = false;        // through the compensation too
+  double time_filter = 0;                      // added to σ_t² in the marginal, normalised time²
   KernelSwitches kernels;
 };
 

@@ -39,6 +39,7 @@ class CpuBackend final : public BackendOf<Real> {
  private:
   HostStageClock clock_;
   StepOutcome outcome_;
+  Buffer<Real> velocities_;                         // [N, 3] of the dynamic set, for its pairs
   Buffer<SplatGradient<Real>> instance_gradients_;  // [I] by slot, summed per splat in order
 };
 

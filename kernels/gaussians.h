@@ -133,11 +133,26 @@ struct LazySh {
 };
 
 /// Terms of the loss that each Gaussian adds by its parameters alone, whether a view draws it or
-/// not: means over the Gaussians of both sets. Gaussians that IdleUpdate::kSkip leaves alone are
-/// the exception. The losses that are reported do not contain them  [method B].
+/// not: means over the Gaussians of both sets, or of the dynamic one alone. Gaussians that
+/// IdleUpdate::kSkip leaves alone are the exception. The losses that are reported do not contain
+/// them  [method B, D.8].
 struct RegulariserWeights {
   double opacity = 0;  // of mean σ(logit)
   double scale = 0;    // of mean e^{s̃}, world units, over the three axes in space of each
+  // of the dynamic set
+  double motion = 0;    // of mean √(‖v‖² + slow²), world units per clip
+  double extent = 0;    // of mean max(0, ln 1/σ_t), σ_t in clip lengths
+  double rigidity = 0;  // of MotionPairs
+  double slow = 1e-6;   // world units per clip: the pull of `motion` and `rigidity` fades below it
+};
+
+/// Gaussians of the dynamic set that are to move alike: `rigidity` weighs the sum over pairs of
+/// affinity·√(‖v_i − v_j‖² + slow²). Every pair stands at both of its ends  [method D.8].
+template <class Real>
+struct MotionPairs {
+  Span<const int64_t> first;  // [N + 1] where the pairs of each Gaussian begin; empty: no pairs
+  Span<const int32_t> other;  // [2 · pairs] the Gaussian at the other end
+  Span<const Real> affinity;  // [2 · pairs]
 };
 
 /// Where a set's gradients go. With `fused` they are consumed by Adam where they arise.

@@ -42,7 +42,8 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
     const StageTimer timer(backend_.clock(), kBlendBackward);
     backend_.blend_backward({blend_args(), &images_, d_colour_.span()}, d_splats_.span());
   }
-  ProjectBackwardArgs<Real> project{project_, &splats_, d_splats_.span(), {}, {}, args.regulariser};
+  ProjectBackwardArgs<Real> project{project_, &splats_,         d_splats_.span(), {},
+                                    {},       args.regulariser, args.pairs};
   for (int set = 0; set < 2; ++set) {
     project.sinks[set] = args.sinks[set];
     project.statistics[set] = args.statistics[set];

@@ -20,6 +20,7 @@ struct BackwardArgs {
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];
   RegulariserWeights regulariser;
+  MotionPairs<Real> pairs;
 };
 
 /// Gaussians, views and how they are drawn.

@@ -22,7 +22,7 @@ constexpr size_t kPreamble = sizeof(kMagic) + sizeof(uint32_t) + sizeof(uint64_t
 
 /// Calls visit(name, buffer, scalars) for every array of a state, in file order.
 template <class State, class Visit>
-void for_each_array(State& state, bool filter_sizes, Visit&& visit) {
+void for_each_array(State& state, bool filter_sizes, bool anchor, Visit&& visit) {
   const auto visit_set = [&](auto& set, auto& statistics, const std::string& name) {
     for (int g = 0; g < set.groups(); ++g) {
       const std::string key = name + "." + group_name(Group(g), set.form());
@@ -39,6 +39,8 @@ void for_each_array(State& state, bool filter_sizes, Visit&& visit) {
   };
   visit_set(state.model.static_set, state.statistics[0], "static");
   visit_set(state.model.dynamic_set, state.statistics[1], "dynamic");
+  if (anchor)
+    visit("dynamic.anchor", state.statistics[1].anchor, 3 * state.model.dynamic_set.count());
 }
 
 json make_header(const TrainState& state, const TrainOptions& options, const json& provenance,
@@ -63,8 +65,10 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"truncation_sigma", model.truncation_sigma},
       {"truncation_by_falloff", model.truncation_by_falloff},
       {"filter_2d", model.filter_2d},
+      {"time_filter", model.time_filter},
       {"train_scale", model.train_scale},
       {"filter_sizes", state.has_filter_sizes()},
+      {"anchor", state.has_anchor()},
       {"options", to_json(options)},
       {"provenance", provenance},
       {"validation", to_json(validation)}};
@@ -76,6 +80,10 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
 
 bool holds_filter_sizes(const json& header) {
   return header.value("filter_sizes", false);
+}
+
+bool holds_anchor(const json& header) {
+  return header.value("anchor", false);
 }
 
 struct Parsed {
@@ -124,6 +132,7 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   model.truncation_sigma = header.value("truncation_sigma", kTruncationSigma);  // as above
   model.truncation_by_falloff = header.value("truncation_by_falloff", false);
   model.filter_2d = header.value("filter_2d", false);
+  model.time_filter = header.value("time_filter", 0.0);
   model.train_scale = header.value("train_scale", 1.0);
   checkpoint.provenance = header.at("provenance");
   checkpoint.validation = validation_record_from_json(header.at("validation"));
@@ -161,7 +170,8 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
     refuse(path, "damaged checkpoint: impossible numbers in its header");
   const size_t expected =
       arrays + sizeof(uint64_t) +
-      kScalar * size_t(statics * scalars(Form::kStatic) + dynamics * scalars(dynamic_form(header)));
+      kScalar * size_t(statics * scalars(Form::kStatic) +
+                       dynamics * (scalars(dynamic_form(header)) + 3 * holds_anchor(header)));
   if (size != expected)
     refuse(path,
            fmt::format("truncated checkpoint: {} bytes, its header promises {}", size, expected));
@@ -193,7 +203,7 @@ void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
   write(&kVersion, sizeof(kVersion));
   write(&length, sizeof(length));
   write(header.data(), header.size());
-  for_each_array(state, state.has_filter_sizes(),
+  for_each_array(state, state.has_filter_sizes(), state.has_anchor(),
                  [&](const std::string&, const auto& buffer, int64_t scalars) {
                    check(buffer.size() == scalars, "checkpoint: array of unexpected length");
                    check(&buffer.memory() == &host_memory(), "checkpoint: of a state on a device");
@@ -221,11 +231,12 @@ Checkpoint load_checkpoint(const std::filesystem::path& path) {
   state.model.dynamic_set.resize(parsed.header.at("num_dynamic"));
   const char* from = bytes.data() + parsed.arrays;
   const bool filter_sizes = holds_filter_sizes(parsed.header);
-  for_each_array(state, filter_sizes, [&](const std::string&, auto& buffer, int64_t scalars) {
-    buffer.resize(scalars);
-    if (scalars > 0) std::memcpy(buffer.data(), from, kScalar * size_t(scalars));
-    from += kScalar * size_t(scalars);
-  });
+  for_each_array(state, filter_sizes, holds_anchor(parsed.header),
+                 [&](const std::string&, auto& buffer, int64_t scalars) {
+                   buffer.resize(scalars);
+                   if (scalars > 0) std::memcpy(buffer.data(), from, kScalar * size_t(scalars));
+                   from += kScalar * size_t(scalars);
+                 });
   return checkpoint;
 }
 

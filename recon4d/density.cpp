@@ -71,7 +71,7 @@ void SetStatistics::reset(int64_t gaussians, int64_t step) {
     std::fill(values->begin(), values->end(), 0.0f);
   }
   set_steps(sh_step, gaussians, step);
-  filter_size.resize(0);
+  filter_size.resize(0), anchor.resize(0);
 }
 
 void SetStatistics::reset(Backend& backend, int64_t gaussians, int64_t step) {
@@ -80,7 +80,7 @@ void SetStatistics::reset(Backend& backend, int64_t gaussians, int64_t step) {
     backend.fill_zero(values->span());
   }
   set_steps(sh_step, gaussians, step);
-  filter_size.resize(0);
+  filter_size.resize(0), anchor.resize(0);
 }
 
 SetStatistics SetStatistics::clone_to(Memory& memory) const {
@@ -89,6 +89,7 @@ SetStatistics SetStatistics::clone_to(Memory& memory) const {
   copy.count.copy_from(count);
   copy.sh_step.copy_from(sh_step);
   copy.filter_size.copy_from(filter_size);
+  copy.anchor.copy_from(anchor);
   return copy;
 }
 
@@ -138,6 +139,7 @@ void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics) {
     gather(backend, index, 1, index.size, *values);  // sh_step is one number throughout
   if (!statistics.filter_size.empty())
     gather(backend, index, 1, index.size, statistics.filter_size);
+  statistics.anchor.resize(0);
 }
 
 int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics, int64_t step,

@@ -77,6 +77,7 @@ GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set,
   model.near_plane = like.near_plane, model.far_plane = like.far_plane;
   model.truncation_sigma = like.truncation_sigma;
   model.truncation_by_falloff = like.truncation_by_falloff;
+  model.time_filter = like.time_filter;
   model.filter_2d = like.filter_2d, model.train_scale = like.train_scale;
   return model;
 }

@@ -90,6 +90,7 @@ struct GaussianModel {
   // as RenderOptions: a model looks right only as it was trained
   double truncation_sigma = kTruncationSigma;
   bool truncation_by_falloff = false, filter_2d = false;
+  double time_filter = 0;
   double train_scale = 1;  // size of the pictures it was trained on, by the scene's
 
   template <class Real>

@@ -191,6 +191,7 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
   model.sliced_direction = options.sliced_direction;
   model.truncation_sigma = options.truncation_sigma;
   model.truncation_by_falloff = options.truncation_by_falloff;
+  model.time_filter = options.time_filter;
   model.filter_2d = options.filter_2d, model.train_scale = options.train_scale;
   model.sh_degree = 0;
   return result;

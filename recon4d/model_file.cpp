@@ -90,6 +90,14 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
   }
   const auto filter = numbers_if_any(path, comments, "filter_2d", 1);
   if (!filter.empty()) model.filter_2d = filter[0] != 0;
+  const auto time_filter = numbers_if_any(path, comments, "time_filter", 1);
+  if (!time_filter.empty()) {
+    if (!(time_filter[0] >= 0))
+      throw InputError(
+          fmt::format("{}: time_filter {}, expected a number of at least 0; export again",
+                      path.string(), time_filter[0]));
+    model.time_filter = time_filter[0];
+  }
   const auto scale = numbers_if_any(path, comments, "train_scale", 1);
   if (!scale.empty()) model.train_scale = scale[0];
   const auto world = numbers_if_any(path, comments, "prepared_from_source", kSimilarityNumbers);
@@ -112,6 +120,7 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
       fmt::format("sliced_direction {}", int(model.sliced_direction)),
       fmt::format("truncation {} {}", model.truncation_sigma, int(model.truncation_by_falloff)),
       fmt::format("filter_2d {}", int(model.filter_2d)),
+      fmt::format("time_filter {}", model.time_filter),
       fmt::format("train_scale {}", model.train_scale),
       fmt::format("prepared_from_source {}",
                   fmt::join(similarity_numbers(model.prepared_from_source), " "))};

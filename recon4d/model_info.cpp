@@ -83,6 +83,7 @@ json model_info(const GaussianModel& model) {
   info["truncation"] = {{"sigma", model.truncation_sigma},
                         {"by_falloff", model.truncation_by_falloff}};
   info["filter_2d"] = model.filter_2d;
+  info["time_filter"] = model.time_filter;
   info["train_scale"] = model.train_scale;
   return info;
 }

@@ -1,4 +1,4 @@
-// What: k-d tree by median splits over an index array; exact three nearest neighbours.
+// What: k-d tree by median splits over an index array; exact nearest neighbours.
 // Not: approximate.
 #include "recon4d/nearest_points.h"
 
@@ -13,27 +13,28 @@
 namespace tessera {
 namespace {
 
-constexpr int kNeighbours = 3;
-constexpr int64_t kLeaf = 8;  // points that are scanned rather than split
+constexpr int64_t kLeaf = 8;      // points that are scanned rather than split
+constexpr int64_t kGrain = 1024;  // points per task
 
-/// Smallest squared distances met so far, ascending.
+/// The K nearest met so far and their squared distances, ascending.
+template <int K>
 struct Nearest {
-  std::array<float, kNeighbours> squared;
+  std::array<float, K> squared;
+  std::array<int32_t, K> point;
   int found = 0;
 
-  void offer(float value) {
-    if (found == kNeighbours && value >= squared[kNeighbours - 1]) return;
-    int place = std::min(found, kNeighbours - 1);
+  void offer(float value, int32_t other) {
+    if (found == K && value >= squared[K - 1]) return;
+    int place = std::min(found, K - 1);
     while (place > 0 && squared[size_t(place - 1)] > value) {
       squared[size_t(place)] = squared[size_t(place - 1)];
+      point[size_t(place)] = point[size_t(place - 1)];
       --place;
     }
-    squared[size_t(place)] = value;
-    found = std::min(found + 1, kNeighbours);
+    squared[size_t(place)] = value, point[size_t(place)] = other;
+    found = std::min(found + 1, K);
   }
-  bool reaches(float plane_squared) const {
-    return found < kNeighbours || plane_squared < squared[kNeighbours - 1];
-  }
+  bool reaches(float plane_squared) const { return found < K || plane_squared < squared[K - 1]; }
 };
 
 class Tree {
@@ -44,8 +45,9 @@ class Tree {
     split(0, int64_t(points.size()));
   }
 
-  Nearest query(int32_t i) const {
-    Nearest nearest;
+  template <int K>
+  Nearest<K> query(int32_t i) const {
+    Nearest<K> nearest;
     search(0, int64_t(order_.size()), i, nearest);
     return nearest;
   }
@@ -71,14 +73,16 @@ class Tree {
     split(middle + 1, end);
   }
 
-  void offer(int64_t position, int32_t i, Nearest& nearest) const {
+  template <int K>
+  void offer(int64_t position, int32_t i, Nearest<K>& nearest) const {
     const int32_t other = at(position);
     if (other == i) return;
     const glm::vec3 d = points_[size_t(other)] - points_[size_t(i)];
-    nearest.offer(d.x * d.x + d.y * d.y + d.z * d.z);
+    nearest.offer(d.x * d.x + d.y * d.y + d.z * d.z, other);
   }
 
-  void search(int64_t begin, int64_t end, int32_t i, Nearest& nearest) const {
+  template <int K>
+  void search(int64_t begin, int64_t end, int32_t i, Nearest<K>& nearest) const {
     if (end - begin <= kLeaf) {
       for (int64_t k = begin; k < end; ++k) offer(k, i, nearest);
       return;
@@ -101,15 +105,27 @@ class Tree {
 }  // namespace
 
 std::vector<float> mean_squared_neighbour_distance(const std::vector<glm::vec3>& points) {
-  constexpr int64_t kGrain = 1024;  // points per task
   std::vector<float> result(points.size(), 0.0f);
   const Tree tree(points);
   parallel_for(int64_t(points.size()), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
-      const Nearest nearest = tree.query(tree.at(k));
+      const auto nearest = tree.query<3>(tree.at(k));
       float sum = 0;
       for (int j = 0; j < nearest.found; ++j) sum += nearest.squared[size_t(j)];
       result[size_t(tree.at(k))] = nearest.found > 0 ? sum / float(nearest.found) : 0.0f;
+    }
+  });
+  return result;
+}
+
+std::vector<std::vector<Neighbour>> nearest_neighbours(const std::vector<glm::vec3>& points) {
+  std::vector<std::vector<Neighbour>> result(points.size());
+  const Tree tree(points);
+  parallel_for(int64_t(points.size()), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const auto nearest = tree.query<kNeighbours>(tree.at(k));
+      for (size_t j = 0; j < size_t(nearest.found); ++j)
+        result[size_t(tree.at(k))].push_back({nearest.point[j], nearest.squared[j]});
     }
   });
   return result;

@@ -12,7 +12,7 @@ RenderOptions render_options(const GaussianModel& model) {
   options.sliced_direction = model.sliced_direction;
   options.truncation_sigma = model.truncation_sigma;
   options.truncation_by_falloff = model.truncation_by_falloff;
-  options.filter_2d = model.filter_2d;
+  options.filter_2d = model.filter_2d, options.time_filter = model.time_filter;
   return options;
 }
 

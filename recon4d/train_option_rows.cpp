@@ -90,6 +90,8 @@ const std::vector<OptionRow>& train_option_rows() {
        "k: opacity times falloff below exp(-k^2/2) is not drawn; 3.3290: 1/255", "[3DGS]"},
       {"truncation_by_falloff", &O::truncation_by_falloff, 0, 1,
        "falloff alone below exp(-k^2/2) is not drawn, whatever the opacity", "[Faster-GS]"},
+      {"time_filter", &O::time_filter, 0, 1e6,
+       "clip lengths^2, added to the variance in time by which dynamic Gaussians fade", "[Yang24]"},
       {"lambda_dssim", &O::lambda_dssim, 0, 1, "weight of 1 - SSIM; the rest is L1", "[3DGS]"},
       {"time_noise", &O::time_noise, 0, 1e3,
        "standard deviation of noise on the moments of training views, in mean distances between "
@@ -100,6 +102,18 @@ const std::vector<OptionRow>& train_option_rows() {
       {"scale_weight", &O::scale_weight, 0, 1e6,
        "weight of the mean scale in space in the loss, per world unit",
        "[3DGS-MCMC], which has 0.01"},
+      {"motion_weight", &O::motion_weight, 0, 1e6,
+       "weight of the mean speed of dynamic Gaussians in the loss, per world unit and clip length",
+       "[Yang24]"},
+      {"extent_weight", &O::extent_weight, 0, 1e6,
+       "weight of the mean ln(clip length / temporal sigma) of dynamic Gaussians in the loss, 0 "
+       "for "
+       "those that last longer",
+       "ours"},
+      {"rigidity_weight", &O::rigidity_weight, 0, 1e6,
+       "weight of the mean difference in velocity of dynamic Gaussians and their 20 neighbours in "
+       "the loss, per world unit and clip length",
+       "[Yang24]"},
       {"lr_mean", &O::lr_mean, 0, 1e3, "of means at the start, per scene extent", "[3DGS]"},
       {"lr_mean_final", &O::lr_mean_final, 0, 1e3, "of means at the end, per scene extent",
        "[3DGS]"},

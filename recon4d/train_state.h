@@ -22,6 +22,7 @@ struct TrainState {
   bool has_filter_sizes() const {
     return !statistics[0].filter_size.empty() || !statistics[1].filter_size.empty();
   }
+  bool has_anchor() const { return !statistics[1].anchor.empty(); }
   /// Values of set k with the sizes of the 3D filter, for Backend::edit_by_filter.
   GaussianSpans<float> filtered_values(int k);
 };

@@ -99,7 +99,8 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       pipeline_(backend),
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
-      table_(backend.memory()) {
+      table_(backend.memory()),
+      neighbours_(backend.memory()) {
   validate(options_);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
   for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
@@ -189,9 +190,9 @@ void Trainer::measure_filter(int k) {
   for (const ViewArgs<float>& view : views.views) focal = std::max({focal, view.fl_x, view.fl_y});
   Buffer<float>& sizes = state_.statistics[k].filter_size;
   sizes.resize(state_.set(k).count());
-  backend_.filter_sizes(
-      {&views, std::as_const(state_).set(k).values(), float(options_.near_plane), focal},
-      sizes.span());
+  backend_.filter_sizes({&views, std::as_const(state_).set(k).values(), float(options_.near_plane),
+                         focal, float(state_.model.time_filter)},
+                        sizes.span());
 }
 
 void Trainer::densify() {
@@ -246,6 +247,23 @@ void Trainer::step() {
   pending_ = report;
 }
 
+void Trainer::find_neighbours() {
+  constexpr int64_t kInterval = 500;  // steps, where density control does not ask for it earlier
+  const GaussianSet& set = std::as_const(state_).set(1);
+  if (options_.rigidity_weight == 0 || set.count() == 0) {
+    neighbours_ = RigidityLists(backend_.memory());
+    return;
+  }
+  Buffer<float>& anchor = state_.statistics[1].anchor;
+  const bool due = anchor.empty() || state_.iteration % kInterval == 0;
+  if (!due && !neighbours_.first.empty()) return;
+  const StageTimer timer(backend_.clock(), kDensity);
+  if (due) anchor.copy_from(set.group(kMean).value);
+  std::vector<glm::vec3> means(static_cast<size_t>(set.count()));
+  backend_.memory().copy(means.data(), anchor.data(), means.size() * sizeof(glm::vec3));
+  neighbours_ = rigidity_lists(means, backend_.memory());
+}
+
 void Trainer::backward() {
   const int64_t i = state_.iteration;
   BackwardArgs<float> args;
@@ -262,7 +280,11 @@ void Trainer::backward() {
     }
     if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();
   }
-  args.regulariser = {options_.opacity_weight, options_.scale_weight};
+  find_neighbours();
+  args.pairs = neighbours_.pairs();
+  constexpr double kSlow = 1e-3;  // scene extents per clip
+  args.regulariser = {options_.opacity_weight, options_.scale_weight,    options_.motion_weight,
+                      options_.extent_weight,  options_.rigidity_weight, kSlow * rig_.extent};
   pipeline_.backward(args);
   const StageTimer timer(backend_.clock(), kUpdate);
   if (!options_.fused_optimizer)

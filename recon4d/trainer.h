@@ -11,6 +11,7 @@
 #include "recon4d/batch_sampler.h"
 #include "recon4d/frame_feed.h"
 #include "recon4d/observer.h"
+#include "recon4d/rigidity.h"
 #include "recon4d/schedule.h"
 #include "recon4d/train_state.h"
 
@@ -44,6 +45,8 @@ class Trainer {
   void control();
   void measure_filter(int k);
   void densify();
+  /// Neighbours of the dynamic Gaussians, from their means now or from those kept in the state.
+  void find_neighbours();
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
   void catch_up();
@@ -71,6 +74,7 @@ class Trainer {
   Pipeline<float> pipeline_;
   GaussianSet gradients_[2];  // only with a separate optimizer
   Buffer<double> table_;      // only with lazy updates
+  RigidityLists neighbours_;  // only with rigidity
   /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
   ViewBatch<float> filter_views_[2];
   std::optional<StepReport> pending_;

@@ -33,9 +33,9 @@ float logit_of_product(double logit, double exponent) {
 }
 
 /// Whether the renderer draws it at t, by its own arithmetic.
-bool is_drawn(const MovingGaussian& g, float time, const Cutoff<float>& cutoff,
+bool is_drawn(const MovingGaussian& g, float time, float time_filter, const Cutoff<float>& cutoff,
               Slice<float>& slice) {
-  slice = slice_at(g.mean, g.spacetime, time);
+  slice = slice_at(g.mean, g.spacetime, time, time_filter);
   return slice.marginal >= kMinMarginal<float> && cutoff.keeps(g.opacity * slice.marginal);
 }
 
@@ -80,7 +80,8 @@ GaussianSet Slicer::at(double time) const {
   Slice<float> slice;
   const Cutoff<float> cutoff = model_.cutoff<float>();
   for (const MovingGaussian& g : moving_)
-    if (is_drawn(g, float(time), cutoff, slice)) drawn.emplace_back(&g, slice);
+    if (is_drawn(g, float(time), float(model_.time_filter), cutoff, slice))
+      drawn.emplace_back(&g, slice);
 
   const auto stored = [](const GaussianSet& s) { return s.count() > 0 ? s.coefficients() : 1; };
   const int coefficients = std::max(stored(fixed), stored(dynamic));
@@ -91,8 +92,8 @@ GaussianSet Slicer::at(double time) const {
   const GaussianSpans<float> target = set.values();
   int64_t n = fixed.count();
   for (const auto& [g, at_time] : drawn) {
-    const double exponent =
-        -0.5 * double(at_time.delta) * double(at_time.delta) * double(g->spacetime.precision_time);
+    const double precision = double(g->spacetime.precision_time) * double(at_time.kept);
+    const double exponent = -0.5 * double(at_time.delta) * double(at_time.delta) * precision;
     for (int k = 0; k < 3; ++k) {
       target.at(kMean, n)[k] = at_time.mean[k];
       target.at(kLogScale, n)[k] = g->log_scale[k];

@@ -10,7 +10,7 @@
 namespace tessera {
 
 /// A dynamic Gaussian as motion of a static one: mean + velocity·(t − mean_time), and opacity
-/// σ(logit)·exp(−½ (t − mean_time)²·precision_time).
+/// σ(logit)·exp(−½ (t − mean_time)²·precision_time), without a temporal filter.
 struct MovingGaussian {
   int64_t source;              // index in the dynamic set
   Spacetime<float> spacetime;  // as the renderer computes it

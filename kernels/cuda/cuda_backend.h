@@ -104,6 +104,7 @@ class CudaBackend final : public Backend {
 
   Buffer<int32_t> visible_{memory_};       // [N] how many views draw a Gaussian
   Buffer<uint32_t> seen_by_{memory_};      // [N, words] a bit for each of them
+  Buffer<float> velocities_{memory_};      // [N, 3] of the dynamic set, for its pairs
   Buffer<uint8_t> scratch_{memory_};       // of the stage that runs
   Buffer<uint8_t> sort_scratch_{memory_};  // of the library's sorts and scans
   int checkpoint_interval_ = 0;            // splats between two of the last blend; 0: none

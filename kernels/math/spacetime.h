@@ -101,14 +101,19 @@ TESSERA_HD inline Spacetime<Real> velocity_spacetime(const Vec4<Real>& q,
 template <class Real>
 struct Slice {
   Vec3<Real> mean;  // μ + v·Δ
-  Real marginal;    // p = exp(−½ Δ²/w), un-normalised
+  Real marginal;    // p = exp(−½ Δ²/(w + f)), un-normalised
   Real delta;       // Δ = t − μ_t
+  Real kept;        // w/(w + f): what the temporal filter leaves of 1/w in p
 };
 
+/// `filter`: f, normalised time²: added to the variance w in p alone; v and Σ_c stay  [method D.1].
 template <class Real>
-TESSERA_HD inline Slice<Real> slice_at(const Vec3<Real>& mean, const Spacetime<Real>& s, Real t) {
+TESSERA_HD inline Slice<Real> slice_at(const Vec3<Real>& mean, const Spacetime<Real>& s, Real t,
+                                       Real filter = Real(0)) {
   const Real delta = t - s.mean_time;
-  return {mean + s.velocity * delta, exp(Real(-0.5) * delta * delta * s.precision_time), delta};
+  const Real kept = filter > Real(0) ? Real(1) / (Real(1) + filter * s.precision_time) : Real(1);
+  return {mean + s.velocity * delta, exp(Real(-0.5) * delta * delta * (s.precision_time * kept)),
+          delta, kept};
 }
 
 /// Gradient by the struct's fields, summed over the views of a batch.
@@ -127,8 +132,8 @@ TESSERA_HD inline void slice_backward(const Spacetime<Real>& s, const Slice<Real
                                       SpacetimeGradient<Real>& d) {
   d.velocity += d_mean * slice.delta;
   const Real ep = d_marginal * slice.marginal * slice.delta;
-  d.mean_time += ep * s.precision_time - dot(d_mean, s.velocity);
-  d.precision_time += Real(-0.5) * ep * slice.delta;
+  d.mean_time += ep * (s.precision_time * slice.kept) - dot(d_mean, s.velocity);
+  d.precision_time += Real(-0.5) * ep * slice.delta * (slice.kept * slice.kept);
 }
 
 template <class Real>

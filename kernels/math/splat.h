@@ -74,12 +74,12 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
 template <Form form, class Real>
 TESSERA_HD inline Real filter_size_in(const GaussianSpans<const Real>& set, int64_t n,
                                       const ViewArgs<Real>* views, int64_t view_count,
-                                      Real near_plane, Real focal) {
+                                      Real near_plane, Real focal, Real time_filter) {
   GaussianState<Real> g;
   if (!load_gaussian<form>(set, n, g)) return Real(-1);
   Real least = Real(-1);
   for (int64_t b = 0; b < view_count; ++b) {
-    const Slice<Real> slice = slice_at(g.mean, g.spacetime, views[b].time);
+    const Slice<Real> slice = slice_at(g.mean, g.spacetime, views[b].time, time_filter);
     if (!(slice.marginal >= kMinMarginal<Real>)) continue;
     const Vec3<Real> in_cam = to_camera(views[b], slice.mean);
     if (!samples(views[b], in_cam, near_plane)) continue;
@@ -117,7 +117,7 @@ TESSERA_HD inline Vec3<Real> view_direction(const ViewArgs<Real>& view, const Ve
 template <class Real>
 TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianState<Real>& g,
                                      const SplatRules<Real>& rules, ViewSplat<Real>& out) {
-  out.slice = slice_at(g.mean, g.spacetime, view.time);
+  out.slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
   if (!(out.slice.marginal >= kMinMarginal<Real>)) return false;
   out.opacity = g.opacity * out.slice.marginal;
   if (!rules.cutoff.keeps(out.opacity)) return false;

@@ -23,7 +23,7 @@ void CpuBackend<Real>::filter_sizes(const FilterArgs<Real>& args, Span<Real> siz
     for (int64_t n = begin; n < end; ++n) {
       sizes[n] = with_form(args.set.form, [&](auto form) {
         return filter_size_in<form()>(args.set, n, views.data(), int64_t(views.size()),
-                                      args.near_plane, args.focal);
+                                      args.near_plane, args.focal, args.time_filter);
       });
     }
   });

@@ -15,12 +15,12 @@ constexpr int kThreads = 256;
 /// `largest`: its bits; those of floats ≥ 0 order as they do.
 template <Form form>
 __global__ void measure(GaussianSpans<const float> set, const ViewArgs<float>* views,
-                        int64_t view_count, float near_plane, float focal, float* sizes,
-                        unsigned* largest) {
+                        int64_t view_count, float near_plane, float focal, float time_filter,
+                        float* sizes, unsigned* largest) {
   const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   float size = -1.0f;
   if (n < set.count) {
-    size = filter_size_in<form>(set, n, views, view_count, near_plane, focal);
+    size = filter_size_in<form>(set, n, views, view_count, near_plane, focal, time_filter);
     sizes[n] = size;
   }
   unsigned most = size > 0.0f ? __float_as_uint(size) : 0u;
@@ -48,10 +48,9 @@ void CudaBackend::filter_sizes(const FilterArgs<float>& args, Span<float> sizes)
   check_device(cudaMemsetAsync(largest, 0, sizeof(unsigned), stream_), "memset");
   const unsigned grid = grid_of(sizes.size, kThreads);
   with_form(args.set.form, [&](auto form) {
-    measure<form()><<<grid, kThreads, 0, stream_>>>(args.set, views_of(*args.views),
-                                                    int64_t(args.views->views.size()),
-                                                    args.near_plane, args.focal, sizes.data,
-                                                    largest);
+    measure<form()><<<grid, kThreads, 0, stream_>>>(
+        args.set, views_of(*args.views), int64_t(args.views->views.size()), args.near_plane,
+        args.focal, args.time_filter, sizes.data, largest);
   });
   fill_unseen<<<grid, kThreads, 0, stream_>>>(sizes.data, sizes.size, largest);
   check_launch("filter_sizes");

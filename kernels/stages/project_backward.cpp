@@ -2,18 +2,20 @@
 // Not: equations (math/). One task owns a run of Gaussians; parameters are read once.
 // Source: method A.12, A.16, D.6.
 #include <atomic>
+#include <utility>
 
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/regulariser.h"
 #include "kernels/stages/splat_gradient.h"
+#include "kernels/stages/velocities.h"
 
 namespace tessera {
 namespace {
 
 constexpr int64_t kGrain = 512;  // Gaussians per task
 
-/// Gradient by the parameters of one Gaussian that some view drew.
+/// Gradient by the parameters of one Gaussian.
 template <class Real>
 struct GaussianGradient {
   GeometryGradient<Real> geometry;
@@ -31,8 +33,8 @@ void add_sh(int degree, const ColourGradient<Real>& colour, Real* d_sh) {
 
 template <Form form, class Real>
 void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<Real>& rules,
-                       int set, int64_t n, int64_t first, int64_t last,
-                       GaussianGradient<Real>& out) {
+                       const RegulariserTerms<Real>& terms, int set, int64_t n, int64_t first,
+                       int64_t last, GaussianGradient<Real>& out) {
   const GaussianSpans<const Real>& params = args.forward.sets[set];
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
   const int degree = min_of(args.forward.options.sh_degree, sh_degree_of(params.coefficients));
@@ -47,7 +49,10 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<R
            add_view_gradient(view, g, g.sh, degree, sliced, rules, splat, args.d_splats[s], sums),
            out.sh);
   }
+  if (terms.template in_spacetime<form>())
+    add_spacetime_regulariser(terms, n, g.spacetime, sums.spacetime);
   out.geometry = geometry_gradient<form>(params, n, g, sums);
+  if (first == last) return;
   Real sum = Real(0);
   for (int j = 0; j < 3 * params.coefficients; ++j) sum += out.sh[j] - out.sh[j];
   if (!(sum == Real(0))) out.bad |= 1u << kSh;
@@ -59,22 +64,22 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<R
 }
 
 template <Form form, class Sink, class Real>
-unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t first_gaussian,
-                      int64_t begin, int64_t end, const Sink& sink) {
+unsigned backward_run(const ProjectBackwardArgs<Real>& args, const RegulariserTerms<Real>& terms,
+                      int set, int64_t first_gaussian, int64_t begin, int64_t end,
+                      const Sink& sink) {
   const SinkArgs<Real>& wanted = args.sinks[set];
   const IdleUpdate idle = wanted.fused ? wanted.idle : IdleUpdate::kDense;
   const GaussianSpans<const Real>& params = args.forward.sets[set];
   const int width = 3 * params.coefficients;
   const SplatRules<Real> rules = make_splat_rules<Real>(args.forward.options);
-  const RegulariserTerms<Real> terms(args.regulariser,
-                                     args.forward.sets[0].count + args.forward.sets[1].count);
   unsigned bad = 0;
   for (int64_t n = begin; n < end; ++n) {
     const int64_t first = args.splats->first_of[first_gaussian + n];
     const int64_t last = args.splats->first_of[first_gaussian + n + 1];
     if (first == last && idle == IdleUpdate::kSkip) continue;
     GaussianGradient<Real> gradient;
-    if (first < last) gaussian_gradient<form>(args, rules, set, n, first, last, gradient);
+    if (first < last || terms.template in_spacetime<form>())
+      gaussian_gradient<form>(args, rules, terms, set, n, first, last, gradient);
     add_regulariser<form>(terms, params, n, gradient.geometry);
     bad |= gradient.bad | gradient.geometry.template non_finite<form>();
     sink.template accept<form>(n, gradient.geometry);
@@ -88,12 +93,13 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, int set, int64_t fi
 }
 
 template <Form form, class Real>
-unsigned backward_set(const ProjectBackwardArgs<Real>& args, int set, int64_t first_gaussian) {
+unsigned backward_set(const ProjectBackwardArgs<Real>& args, const RegulariserTerms<Real>& terms,
+                      int set, int64_t first_gaussian) {
   const SinkArgs<Real>& sink = args.sinks[set];
   std::atomic<unsigned> bad{0};
   const auto run = [&](const auto& chosen) {
     parallel_for(args.forward.sets[set].count, kGrain, [&](int64_t begin, int64_t end) {
-      bad |= backward_run<form>(args, set, first_gaussian, begin, end, chosen);
+      bad |= backward_run<form>(args, terms, set, first_gaussian, begin, end, chosen);
     });
   };
   if (sink.fused)
@@ -108,10 +114,15 @@ unsigned backward_set(const ProjectBackwardArgs<Real>& args, int set, int64_t fi
 template <class Real>
 void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
   outcome_.bad_groups = 0;
+  const GaussianSpans<const Real>&fixed = args.forward.sets[0], &moving = args.forward.sets[1];
+  velocities_.resize(args.pairs.first.empty() ? 0 : 3 * moving.count);
+  if (!args.pairs.first.empty()) find_velocities(moving, velocities_.data());
+  const RegulariserTerms<Real> terms(args.regulariser, args.pairs,
+                                     std::as_const(velocities_).span(), fixed.count, moving.count);
   int64_t first_gaussian = 0;
   for (int set = 0; set < 2; ++set) {
     outcome_.bad_groups |= with_form(args.forward.sets[set].form, [&](auto form) {
-      return backward_set<form()>(args, set, first_gaussian);
+      return backward_set<form()>(args, terms, set, first_gaussian);
     });
     first_gaussian += args.forward.sets[set].count;
   }

@@ -4,6 +4,8 @@
 // Not: equations (stages/splat_gradient.h). Compiled without contraction to fused multiply-adds, so
 // that fused and separate Adam agree to the bit.
 // Source: method A.12, A.16, D.6, G.4.
+#include <utility>
+
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
@@ -41,6 +43,14 @@ __device__ inline void keep_colour(const ColourGradient<float>& colour, SplatGra
   d.conic = {colour.direction[0], colour.direction[1], colour.direction[2]};
 }
 
+/// One thread a Gaussian: v of all, before any is changed.
+template <Form form>
+__global__ void __launch_bounds__(kThreads)
+    find_velocities(GaussianSpans<const float> set, float* velocities) {
+  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  if (n < set.count) store_velocity<form>(set, n, velocities);
+}
+
 /// One thread a splat: its share of its Gaussian's sums.
 template <Form form>
 __global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<float>* sums) {
@@ -71,13 +81,15 @@ __global__ void __launch_bounds__(kThreads)
   if (begin == end && a.idle == IdleUpdate::kSkip) return;
   GeometryGradient<float> gradient;
   GaussianState<float> g;
-  if (begin < end && load_gaussian<form>(a.set, n, g)) {
+  const bool regularised = a.regulariser.in_spacetime<form>();
+  if ((begin < end || regularised) && load_gaussian<form>(a.set, n, g)) {
     ViewSums<float> sums;
     int seen = 0;
     for (int64_t s = begin; s < end; ++s) {
       sums += view_sums[s];
       seen += a.tiles[s] > 0;
     }
+    if (regularised) add_spacetime_regulariser(a.regulariser, n, g.spacetime, sums.spacetime);
     gradient = geometry_gradient<form>(a.set, n, g, sums);
     if (seen > 0 && !a.statistics.count.empty()) {
       // per-image gradients: the batch loss is their mean, so multiply by B, divide by n_v
@@ -185,8 +197,18 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
   int64_t first = 0;
   scratch_.resize(args.splats->count * int64_t(sizeof(ViewSums<float>)));
   ViewSums<float>* const sums = reinterpret_cast<ViewSums<float>*>(scratch_.data());
-  const RegulariserTerms<float> terms(args.regulariser,
-                                      args.forward.sets[0].count + args.forward.sets[1].count);
+  const GaussianSpans<const float>& moving = args.forward.sets[1];
+  velocities_.resize(args.pairs.first.empty() ? 0 : 3 * moving.count);
+  if (!velocities_.empty()) {
+    with_form(moving.form, [&](auto form) {
+      find_velocities<form()>
+          <<<grid_of(moving.count, kThreads), kThreads, 0, stream_>>>(moving, velocities_.data());
+    });
+    check_launch("project_backward: find_velocities");
+  }
+  const RegulariserTerms<float> terms(args.regulariser, args.pairs,
+                                      std::as_const(velocities_).span(), args.forward.sets[0].count,
+                                      moving.count);
   double bytes = double(args.splats->count) * (48 + 36 * 2 + 24 * 2 + 64 * 2);
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];

@@ -38,7 +38,7 @@ TESSERA_HD inline ColourGradient<Real> add_view_gradient(
     const ViewArgs<Real>& view, const GaussianState<Real>& g, const Real* sh, int degree,
     bool sliced_direction, const SplatRules<Real>& rules, const Splat<Real>& splat,
     const SplatGradient<Real>& d, ViewSums<Real>& sums) {
-  const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time);
+  const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
   Sym2<Real> d_conic = d.conic;
   Real comp = Real(1);
   if (rules.compensated) {

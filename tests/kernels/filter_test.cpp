@@ -57,7 +57,8 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
         x = at;
         expected.push_back((above - below) / (2 * kStep));
       }
-      const auto& actual = (set->dim() == 3 ? analytic.fixed : analytic.moving).group[group];
+      const auto& actual =
+          (set->form == Form::kStatic ? analytic.fixed : analytic.moving).group[group];
       EXPECT_LE(relative(actual, expected), 1e-6) << group_name(group, set->form);
     }
 }
@@ -117,8 +118,10 @@ std::vector<View> many_views() {
 }
 
 // Method C.1. Bugs put back, each seen to fail: the farthest view taken; pictures not enlarged;
-// means at time 0.5; moments at which a Gaussian is not drawn taken too.
+// means at time 0.5; the temporal filter left out; moments at which a Gaussian is not drawn taken
+// too.
 TEST(Filter3d, SizeIsThatOfTheNearestViewThatSamples) {
+  constexpr double kTimeFilter = 0.01;
   TestScene<double> scene = random_scene(60, 60, 0.1, 7);
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving}) {
     for (double& x : set->group[kMean]) x *= 2.2;
@@ -126,13 +129,14 @@ TEST(Filter3d, SizeIsThatOfTheNearestViewThatSamples) {
     const ViewBatch<double> batch = make_view_batch<double>(many_views());
     std::vector<double> actual(size_t(set->count)), expected;
     CpuBackend<double> backend;
-    backend.filter_sizes({&batch, set->view(), 0.7, 66.0}, {actual.data(), set->count});
+    backend.filter_sizes({&batch, set->view(), 0.7, 66.0, kTimeFilter},
+                         {actual.data(), set->count});
     double largest = 0;
     int unseen = 0;
     for (int64_t n = 0; n < set->count; ++n) {
       double depth = INFINITY;
       for (const View& view : many_views()) {
-        const BruteGaussian g = slice_brute(*set, n, view.time);
+        const BruteGaussian g = slice_brute(*set, n, view.time, kTimeFilter);
         const Camera& c = view.camera;
         const glm::dvec3 p =
             c.cam_from_world * glm::dvec3(g.mean[0], g.mean[1], g.mean[2]) + c.translation;

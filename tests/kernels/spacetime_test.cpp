@@ -62,7 +62,7 @@ TEST(Spacetime, SliceBackwardEqualsDuals) {
     auto x = random.array<8>(-1, 1);  // mean 3, velocity 3, μ_t, 1/w
     x[7] = random.uniform(0.5, 4);
     const auto g = random.array<4>(-1, 1);
-    const double t = random.uniform(0, 1);
+    const double t = random.uniform(0, 1), filter = round % 2 == 0 ? 0 : random.uniform(0, 0.5);
     const auto state = [](const auto& p) {
       Spacetime<std::decay_t<decltype(p[0])>> s{};
       s.velocity = {p[3], p[4], p[5]};
@@ -70,14 +70,14 @@ TEST(Spacetime, SliceBackwardEqualsDuals) {
       return s;
     };
     const auto expected = dual_gradient(x, [&](const auto& p) {
-      const auto slice = slice_at(Vec3<Dual>(p[0], p[1], p[2]), state(p), Dual(t));
+      const auto slice = slice_at(Vec3<Dual>(p[0], p[1], p[2]), state(p), Dual(t), Dual(filter));
       return slice.mean[0] * g[0] + slice.mean[1] * g[1] + slice.mean[2] * g[2] +
              slice.marginal * g[3];
     });
     SpacetimeGradient<double> d;
     const Spacetime<double> s = state(x);
     const Vec3<double> d_mean(g[0], g[1], g[2]);
-    slice_backward(s, slice_at(Vec3<double>(x[0], x[1], x[2]), s, t), d_mean, g[3], d);
+    slice_backward(s, slice_at(Vec3<double>(x[0], x[1], x[2]), s, t, filter), d_mean, g[3], d);
     expect_near_all(std::array{g[0], g[1], g[2], d.velocity[0], d.velocity[1], d.velocity[2],
                                d.mean_time, d.precision_time},
                     expected, 1e-12, "mean, velocity, mean time, precision");

@@ -1,4 +1,5 @@
-// What: models remember how they are to be drawn: 2D filter, truncation, the scale of training.
+// What: models remember how they are to be drawn: 2D filter, truncation, temporal filter, the
+//       scale of training.
 // Not: what these do to a picture (tests/kernels), nor checkpoints (train_checkpoint_test.cpp).
 #include "recon4d/model_file.h"
 #include "tests/ingest/capture_fixture.h"
@@ -10,7 +11,7 @@ namespace {
 GaussianModel unusual(const GaussianModel& model) {
   GaussianModel other = clone(model);
   other.filter_2d = true, other.truncation_sigma = 2.25, other.truncation_by_falloff = true;
-  other.train_scale = 0.5;
+  other.train_scale = 0.5, other.time_filter = 0.0375;
   return other;
 }
 
@@ -25,6 +26,7 @@ TEST(DrawnAsTrained, IsKeptInTheModelFileAndInCopies) {
     EXPECT_EQ(model->truncation_sigma, 2.25);
     EXPECT_TRUE(model->truncation_by_falloff);
     EXPECT_EQ(model->train_scale, 0.5);
+    EXPECT_EQ(model->time_filter, 0.0375);
   }
 }
 
@@ -42,13 +44,16 @@ TEST(DrawnAsTrained, EachChangesThePicture) {
   other = clone(model);
   other.truncation_by_falloff = true;
   EXPECT_FALSE(same_bits(render_one(other, view), usual));
+  other = clone(model);
+  other.time_filter = 0.1;
+  EXPECT_FALSE(same_bits(render_one(other, view), usual));
 }
 
 TEST(DrawnAsTrained, IsUsualInFilesThatDoNotSay) {
   const TemporaryFolder folder;
   save_model(folder / "model.ply", random_model(3, 5));
   std::string bytes = read_bytes(folder / "model.ply");
-  for (const std::string key : {"truncation", "filter_2d", "train_scale"}) {
+  for (const std::string key : {"truncation", "filter_2d", "train_scale", "time_filter"}) {
     const size_t at = bytes.find("comment " + key + " ");
     ASSERT_NE(at, std::string::npos) << key;
     bytes.erase(at, bytes.find('\n', at) + 1 - at);
@@ -58,6 +63,7 @@ TEST(DrawnAsTrained, IsUsualInFilesThatDoNotSay) {
   EXPECT_FALSE(earlier.filter_2d || earlier.truncation_by_falloff);
   EXPECT_EQ(earlier.truncation_sigma, kTruncationSigma);
   EXPECT_EQ(earlier.train_scale, 1);
+  EXPECT_EQ(earlier.time_filter, 0);
 }
 
 }  // namespace

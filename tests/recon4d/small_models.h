@@ -43,6 +43,7 @@ inline GaussianModel clone(const GaussianModel& model) {
   copy.sliced_direction = model.sliced_direction;
   copy.truncation_sigma = model.truncation_sigma;
   copy.truncation_by_falloff = model.truncation_by_falloff;
+  copy.time_filter = model.time_filter;
   copy.filter_2d = model.filter_2d, copy.train_scale = model.train_scale;
   copy.prepared_from_source = model.prepared_from_source;
   return copy;

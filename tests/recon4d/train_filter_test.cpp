@@ -48,8 +48,8 @@ TEST(TrainFilter, ResumeGoesOnBitForBit) {
 TEST(TrainFilter, SizesAreReorderedWithTheSet) {
   // Bug put back: sizes left in their places; seen to fail.
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  for (const int dim : {3, 4}) {
-    HandmadeSet made(dim, 50);
+  for (const Form form : {Form::kStatic, Form::kPair}) {
+    HandmadeSet made(form, 50);
     made.statistics.filter_size.resize(50);
     for (int64_t n = 0; n < 50; ++n) made.statistics.filter_size[n] = float(n) + 0.5f;
     reorder(*backend, made.set, made.statistics);

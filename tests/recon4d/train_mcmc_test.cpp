@@ -31,7 +31,7 @@ using testing::Training;
 TrainState handmade_state(int64_t fixed, int64_t moving, int64_t dead_every = 1000) {
   TrainState state;
   for (int k = 0; k < 2; ++k) {
-    HandmadeSet made(k == 0 ? 3 : 4, k == 0 ? fixed : moving);
+    HandmadeSet made(k == 0 ? Form::kStatic : Form::kPair, k == 0 ? fixed : moving);
     for (int64_t n = 0; n < made.set.count(); ++n)
       made.describe(n, 0.1f, n % dead_every == dead_every - 1 ? 0.004f : 0.2f + 0.1f * float(n % 5),
                     0);
@@ -129,7 +129,7 @@ TEST(Mcmc, TheDeadBecomeCopiesAndKeepTheirMoments) {
             expected = std::log(r.opacity / (1 - r.opacity));
           else if (count > 1 && (g == kLogScale || g == kLogScaleTime))
             expected += std::log(r.scale);
-          EXPECT_NEAR(now.value[n * width + j], expected, 1e-6) << group_name(Group(g), set.dim());
+          EXPECT_NEAR(now.value[n * width + j], expected, 1e-6) << group_name(Group(g), set.form());
           const bool zeroed = s == n && count > 1;
           EXPECT_EQ(now.moment1[n * width + j], zeroed ? 0 : then.moment1[n * width + j]);
           EXPECT_EQ(now.moment2[n * width + j], zeroed ? 0 : then.moment2[n * width + j]);

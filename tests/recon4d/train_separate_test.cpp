@@ -43,6 +43,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Way{"fused", {}}, Way{"stored_gradients", {{"fused_optimizer", false}}},
                       Way{"lazy", {{"idle_updates", "lazy"}}},
                       Way{"filtered", {{"filter_3d", "mip"}, {"idle_updates", "lazy"}}},
+                      Way{"rigidity", {{"rigidity_weight", 0.1}}},
                       Way{"clamped", {{"filter_3d", "clamp"}}},
                       Way{"fed_ahead", {{"feed_bytes", 1}, {"batch", 3}}}),
     [](const auto& way) { return way.param.name; });

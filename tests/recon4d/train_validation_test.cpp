@@ -149,7 +149,7 @@ TrainOptions long_options() {
 
 double test_psnr(Backend& backend, const GaussianModel& model, const Scene& scene) {
   EvaluateOptions options;
-  options.structure = options.temporal = false;
+  options.structure = StructureDetail::kNone, options.temporal = false;
   return evaluate(backend, model, scene, Split::kTest, options).all.psnr.value();
 }
 

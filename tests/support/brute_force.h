@@ -36,8 +36,9 @@ struct BruteGaussian {
 
 /// Σ₄ on (t, x, y, z) from its axes l·e_k·r, each of deviation e^{scale}; a static Gaussian is the
 /// same with r = conj(l) and no time axis. With a velocity v, time's axis is σ_t (1, v). The 3D
-/// filter widens the spatial deviations by φ.
-inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, double time) {
+/// filter widens the spatial deviations by φ, the temporal one σ_t² by f where a Gaussian fades.
+inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, double time,
+                                 double time_filter = 0) {
   const Quaternion l = unit_quaternion(set.at(kRotation, n));
   const Quaternion r = set.form == Form::kPair ? unit_quaternion(set.at(kRotationRight, n))
                                                : Quaternion{l[0], -l[1], -l[2], -l[3]};
@@ -66,7 +67,7 @@ inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, do
     for (size_t j = 0; j < 3; ++j)
       g.covariance[i][j] = S[i + 1][j + 1] - S[i + 1][0] * S[0][j + 1] / w;
   }
-  const double marginal = std::exp(-delta * delta / (2 * w));
+  const double marginal = std::exp(-delta * delta / (2 * (w + time_filter)));
   g.opacity *= marginal < 0.05 ? 0 : marginal;
   return g;
 }
@@ -98,7 +99,7 @@ inline std::array<double, 3> colour_brute(const TestGaussians<double>& set, int6
 inline bool splat_brute(const TestGaussians<double>& set, int64_t n, const View& view,
                         const RenderOptions& options, BruteSplat& out,
                         const double* frozen = nullptr) {
-  const BruteGaussian g = slice_brute(set, n, view.time);
+  const BruteGaussian g = slice_brute(set, n, view.time, options.time_filter);
   if (g.opacity == 0 && !options.truncation_by_falloff) return false;
   const Camera& camera = view.camera;
   double W[3][3], p[3];

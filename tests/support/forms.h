@@ -1,4 +1,5 @@
 // What: the forms of a set of Gaussians, to run a test over, and their names.
+// Not: sets of Gaussians (test_scene.h).
 #pragma once
 #include "kernels/gaussians.h"
 

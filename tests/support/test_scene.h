@@ -64,6 +64,13 @@ struct TestGaussians {
   }
 };
 
+/// MotionPairs of a test.
+struct TestPairs {
+  std::vector<int64_t> first;
+  std::vector<int32_t> other;
+  std::vector<double> affinity;
+};
+
 template <class Real>
 struct TestScene {
   TestGaussians<Real> fixed{Form::kStatic}, moving{Form::kPair};
@@ -73,6 +80,7 @@ struct TestScene {
   LossWeights weights;
   std::vector<std::vector<uint8_t>> mask;  // [B] each [height, width] or empty; none: no masks
   RegulariserWeights regulariser;          // of `backward` alone
+  TestPairs pairs;                         // as well
 
   template <class To>
   TestScene<To> as() const {
@@ -83,7 +91,8 @@ struct TestScene {
             options,
             weights,
             mask,
-            regulariser};
+            regulariser,
+            pairs};
   }
 };
 

@@ -179,6 +179,7 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
     append_bits(bits, statistics.gradient_sum);
     append_bits(bits, statistics.count);
     append_bits(bits, statistics.filter_size);
+    append_bits(bits, statistics.anchor);
   }
   for (int64_t value :
        {state.iteration, state.sampler_epoch, state.sampler_position, int64_t(state.finished)})
