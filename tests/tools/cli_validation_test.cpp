@@ -27,7 +27,7 @@ class CliValidation : public ::testing::Test {
   json train(const std::string& run, const std::vector<std::string>& more = {}) const {
     // clang-format off
     std::vector<std::string> arguments{
-        "train", work.at("six"), "-o", work.at(run), "--iterations", "60",
+        "train", work.at("six"), "-o", work.at(run), "--preset", "fast", "--iterations", "60",
         "--schedule-iterations", "60", "--init-points", "300", "--batch", "2",
         "--densify-until", "0", "--reorder-interval", "0",
         "--validation-share", "0.34", "--validate-interval", "3", "--checkpoint-every", "4",
