@@ -4,6 +4,31 @@
 
 namespace tessera {
 
+namespace {
+
+using Overrides = decltype(Preset::overrides);
+
+/// `more` after `base`: of a key in both the later holds.
+Overrides with(Overrides base, const Overrides& more) {
+  base.insert(base.end(), more.begin(), more.end());
+  return base;
+}
+
+/// Half of what is not known to move starts static, moments are free to move.
+const Overrides kBalanced = {{"iterations", 7000},      {"motion_form", "velocity"},
+                             {"static_fraction", 0.5},  {"lr_mean_time", 2e-3},
+                             {"idle_updates", "lazy"},  {"init_points", 50000},
+                             {"max_gaussians", 400000}, {"sweep", true},
+                             {"split_by_motion", true}};
+/// The chain's own settings  [3DGS-MCMC].
+const Overrides kMcmc = {{"densification", "mcmc"},
+                         {"densify_until", 24900},
+                         {"opacity_weight", 0.01},
+                         {"scale_weight", 0.01},
+                         {"init_opacity", 0.5}};
+
+}  // namespace
+
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> rows = {
       {"fast",
@@ -16,31 +41,9 @@ const std::vector<Preset>& presets() {
         {"split_by_motion", true}}},
       {"balanced",
        "the default: half of what is not known to move starts static, velocities, 7,000 steps",
-       {{"iterations", 7000},
-        {"motion_form", "velocity"},
-        {"static_fraction", 0.5},
-        {"lr_mean_time", 2e-3},
-        {"idle_updates", "lazy"},
-        {"init_points", 50000},
-        {"max_gaussians", 400000},
-        {"sweep", true},
-        {"split_by_motion", true}}},
-      {"best",
-       "balanced as a Markov chain of 200,000 Gaussians",
-       {{"iterations", 7000},
-        {"motion_form", "velocity"},
-        {"static_fraction", 0.5},
-        {"lr_mean_time", 2e-3},
-        {"idle_updates", "lazy"},
-        {"init_points", 50000},
-        {"max_gaussians", 200000},
-        {"sweep", true},
-        {"split_by_motion", true},
-        {"densification", "mcmc"},
-        {"densify_until", 24900},
-        {"opacity_weight", 0.01},
-        {"scale_weight", 0.01},
-        {"init_opacity", 0.5}}},
+       kBalanced},
+      {"best", "balanced as a Markov chain of 200,000 Gaussians",
+       with(with(kBalanced, kMcmc), {{"max_gaussians", 200000}})},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "lazy"}}},
@@ -55,20 +58,14 @@ const std::vector<Preset>& presets() {
         {"lr_opacity", 0.025},
         {"opacity_reset_interval", 3000},
         {"far_plane", 1e4}}},
-      {"mcmc",
-       "static 3DGS as a Markov chain: exactly max_gaussians, no opacity reset",
-       {{"static_only", true},
-        {"idle_updates", "lazy"},
-        {"batch", 1},
-        {"far_plane", 1e4},
-        {"lr_opacity", 0.05},
-        {"densification", "mcmc"},
-        {"densify_until", 24900},
-        {"max_gaussians", 1000000},
-        {"opacity_weight", 0.01},
-        {"scale_weight", 0.01},
-        {"init_opacity", 0.5},
-        {"init_scale_factor", 0.1}}},
+      {"mcmc", "static 3DGS as a Markov chain: exactly max_gaussians, no opacity reset",
+       with(kMcmc, {{"static_only", true},
+                    {"idle_updates", "lazy"},
+                    {"batch", 1},
+                    {"far_plane", 1e4},
+                    {"lr_opacity", 0.05},
+                    {"max_gaussians", 1000000},
+                    {"init_scale_factor", 0.1}})},
   };
   return rows;
 }

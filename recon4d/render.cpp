@@ -33,15 +33,14 @@ const GaussianSet& Renderer::set(int k) const {
   return copies_[k] ? *copies_[k] : k == 0 ? model_.static_set : model_.dynamic_set;
 }
 
-void Renderer::draw(const std::vector<View>& views) {
-  pipeline_.forward(set(0).values(), set(1).values(), views, options_);
+const Images<float>& Renderer::draw(const std::vector<View>& views) {
+  return pipeline_.forward(set(0).values(), set(1).values(), views, options_);
 }
 
 std::vector<Picture> Renderer::render(const std::vector<View>& views) {
   std::vector<Picture> pictures;
   if (views.empty()) return pictures;
-  const Images<float>& images =
-      pipeline_.forward(set(0).values(), set(1).values(), views, options_);
+  const Images<float>& images = draw(views);
   const float *colour = images.colour.data(), *transmittance = images.transmittance.data();
   if (&backend_.memory() != &host_memory()) {
     colour_.copy_from(images.colour), transmittance_.copy_from(images.transmittance);

@@ -30,7 +30,7 @@ class Renderer {
   /// One picture per view, all through the kernels as one batch.
   std::vector<Picture> render(const std::vector<View>& views);
   /// The same without taking the pictures out: for timing.
-  void draw(const std::vector<View>& views);
+  const Images<float>& draw(const std::vector<View>& views);
   /// To be called when the model's values have changed.
   void refresh();
   /// Of the last call: splats, instances, Gaussians that are none.

@@ -48,18 +48,13 @@ std::string group_names(unsigned bits, Form form) {
 /// Those that may see a set: every frame, or every camera once where moments do not matter.
 std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frames, bool moving) {
   std::vector<View> views;
-  const auto same = [](const Camera& a, const Camera& b) {
-    return a.width == b.width && a.height == b.height && a.fl_x == b.fl_x && a.fl_y == b.fl_y &&
-           a.cx == b.cx && a.cy == b.cy && a.cam_from_world == b.cam_from_world &&
-           a.translation == b.translation;
-  };
   std::map<std::array<double, 3>, std::vector<size_t>> at;  // views by where their cameras stand
   for (const int i : frames) {
     const Frame& frame = scene.frames[size_t(i)];
     const glm::dvec3& t = frame.camera.translation;
     std::vector<size_t>& here = at[{t[0], t[1], t[2]}];
     if (!moving && std::any_of(here.begin(), here.end(),
-                               [&](size_t v) { return same(views[v].camera, frame.camera); }))
+                               [&](size_t v) { return views[v].camera == frame.camera; }))
       continue;
     here.push_back(views.size());
     views.push_back({frame.camera, frame.time});

@@ -1,5 +1,6 @@
 // What: pair → velocity by the slice's own axes, velocity → pair by the axes of space-time.
-// Not: an equation of its own: the slice is load_gaussian's, axes are eigen3.h's and shape_of's.
+// Not: an equation of its own: the slice is load_gaussian's, axes are those of shape3.h and
+// four_rotation.h.
 #include "static3d/motion_form.h"
 
 #include <algorithm>
@@ -7,10 +8,10 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "kernels/math/eigen3.h"
 #include "kernels/math/splat.h"
 #include "recon4d/hygiene.h"
 #include "static3d/four_rotation.h"
+#include "static3d/shape3.h"
 
 namespace tessera {
 namespace {
@@ -35,15 +36,11 @@ void store(const Vec4<double>& rotation, const Vec3<double>& log_scale, double l
 /// Σ_c = V diag(σ²) Vᵀ, v = b/w, σ_t = √w  [Yang24, Eq. 8].
 void to_velocity(const GaussianSpans<const float>& from, const GaussianSpans<float>& to,
                  int64_t n) {
-  constexpr double kMinVariance = 1e-24;  // world units²: e^{2·log_scale} is a normal float
   const Spacetime<double> s = pair_spacetime(
       wide4(from.at(kRotation, n)), wide4(from.at(kRotationRight, n)), wide3(from.at(kLogScale, n)),
       double(*from.at(kLogScaleTime, n)), double(*from.at(kMeanTime, n)));
-  const Eigen3 axes = symmetric_eigen(s.covariance);
-  Vec3<double> log_scale;
-  for (int k = 0; k < 3; ++k) log_scale[k] = 0.5 * std::log(std::max(axes.values[k], kMinVariance));
-  store(quaternion_from_rotation(axes.vectors), log_scale, -0.5 * std::log(s.precision_time), to,
-        n);
+  const Shape3 shape = shape_of(s.covariance);
+  store(shape.rotation, shape.log_scale, -0.5 * std::log(s.precision_time), to, n);
   for (int k = 0; k < 3; ++k) to.at(kVelocity, n)[k] = float(s.velocity[k]);
 }
 

@@ -5,23 +5,18 @@
 #include <algorithm>
 
 #include "kernels/base/parallel.h"
-#include "kernels/math/eigen3.h"
 #include "kernels/math/splat.h"
+#include "static3d/shape3.h"
 
 namespace tessera {
 namespace {
 
 constexpr float kMaxLogit = 88;  // σ is 1 in float long before; e⁸⁸ is still finite there
 
-/// ln σ of the axes and their rotation. Rounding may leave an eigenvalue at or below 0.
 void set_shape(const Sym3<float>& covariance, MovingGaussian& g) {
-  constexpr double kMinVariance = 1e-24;  // world units²: e^{2·log_scale} is a normal float
-  const Sym3<double> c{covariance.xx, covariance.xy, covariance.xz,
-                       covariance.yy, covariance.yz, covariance.zz};
-  const Eigen3 eigen = symmetric_eigen(c);
-  for (int k = 0; k < 3; ++k)
-    g.log_scale[k] = float(0.5 * std::log(std::max(eigen.values[k], kMinVariance)));
-  g.rotation = Vec4<float>(quaternion_from_rotation(eigen.vectors));
+  const Shape3 shape = shape_of(Sym3<double>{covariance.xx, covariance.xy, covariance.xz,
+                                             covariance.yy, covariance.yz, covariance.zz});
+  g.log_scale = Vec3<float>(shape.log_scale), g.rotation = Vec4<float>(shape.rotation);
 }
 
 /// logit(o·p) = ln(o·p) − ln(1 − o·p); 1 − o·p = (1 − o) + o·(1 − p) keeps its digits as o·p → 1.

@@ -7,11 +7,9 @@
 #include <cmath>
 
 #include "kernels/pipeline.h"
-#include "recon4d/checkpoint.h"
 #include "recon4d/render.h"
 #include "tests/recon4d/handmade_set.h"
-#include "tests/support/scratch_folder.h"
-#include "tests/support/tiny_capture.h"
+#include "tests/support/resume.h"
 
 namespace tessera::testing {
 namespace {
@@ -31,16 +29,10 @@ TEST(TrainFilter, ResumeGoesOnBitForBit) {
     Training whole(scene, options);
     whole.run();
     for (const int64_t half : {10, 21}) {  // before a reordering; between two measurements
-      Training first(scene, options);
-      first.run(half);
-      EXPECT_TRUE(first.state().has_filter_sizes());
-      const ScratchFolder folder;
-      save_checkpoint(folder / "half.ckpt", first.state(), options, {});
-      Checkpoint loaded = load_checkpoint(folder / "half.ckpt");
-      ASSERT_TRUE(state_bits(loaded.state) == state_bits(first.state()));
-      Training second(scene, loaded.options, std::move(loaded.state));
-      second.run();
-      EXPECT_TRUE(state_bits(second.state()) == state_bits(whole.state())) << filter << half;
+      SCOPED_TRACE(std::string(filter) + std::to_string(half));
+      testing::expect_resumes(scene, options, half, whole, [](const TrainState& state) {
+        EXPECT_TRUE(state.has_filter_sizes());
+      });
     }
   }
 }

@@ -7,13 +7,11 @@
 #include <cmath>
 #include <map>
 
-#include "recon4d/checkpoint.h"
 #include "recon4d/nearest_points.h"
 #include "recon4d/rigidity.h"
 #include "tests/recon4d/handmade_set.h"
 #include "tests/support/random.h"
-#include "tests/support/scratch_folder.h"
-#include "tests/support/tiny_capture.h"
+#include "tests/support/resume.h"
 
 namespace tessera::testing {
 namespace {
@@ -105,16 +103,9 @@ TEST(Rigidity, ResumeGoesOnBitForBit) {
     Training whole(scene, options);
     whole.run();
     for (const int64_t half : {5, 21}) {
-      Training first(scene, options);
-      first.run(half);
-      EXPECT_TRUE(first.state().has_anchor());
-      const ScratchFolder folder;
-      save_checkpoint(folder / "half.ckpt", first.state(), options, {});
-      Checkpoint loaded = load_checkpoint(folder / "half.ckpt");
-      ASSERT_TRUE(state_bits(loaded.state) == state_bits(first.state()));
-      Training second(scene, loaded.options, std::move(loaded.state));
-      second.run();
-      EXPECT_TRUE(state_bits(second.state()) == state_bits(whole.state())) << form << half;
+      SCOPED_TRACE(std::string(form) + std::to_string(half));
+      testing::expect_resumes(scene, options, half, whole,
+                              [](const TrainState& state) { EXPECT_TRUE(state.has_anchor()); });
     }
   }
 }
