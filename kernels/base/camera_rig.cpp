@@ -10,12 +10,6 @@
 namespace tessera {
 namespace {
 
-bool same_camera(const Camera& a, const Camera& b) {
-  return a.cam_from_world == b.cam_from_world && a.translation == b.translation &&
-         a.fl_x == b.fl_x && a.fl_y == b.fl_y && a.cx == b.cx && a.cy == b.cy &&
-         a.width == b.width && a.height == b.height;
-}
-
 glm::dvec3 viewing_axis(const Camera& camera) {
   return glm::transpose(camera.cam_from_world)[2];
 }
@@ -42,8 +36,7 @@ CameraRig make_camera_rig(const std::vector<Camera>& cameras) {
   constexpr double kExtentMargin = 1.1;  // [3DGS]
   CameraRig rig;
   for (const Camera& camera : cameras)
-    if (std::none_of(rig.cameras.begin(), rig.cameras.end(),
-                     [&](const Camera& other) { return same_camera(camera, other); }))
+    if (std::find(rig.cameras.begin(), rig.cameras.end(), camera) == rig.cameras.end())
       rig.cameras.push_back(camera);
   glm::dvec3 mean(0.0);
   for (const Camera& camera : rig.cameras) mean += camera.position() / double(rig.cameras.size());

@@ -105,6 +105,7 @@ TEST(RealData, StudioPreparedScene) {
   const TemporaryFolder out;
   IngestOptions options;
   options.scale = 0.25;
+  options.cloud = CloudDensity::kNone;  // dense_cloud_test.cpp has clouds
   IngestReport report;
   try {
     report = ingest_capture(folder, out / "scene", options, {});

@@ -64,6 +64,10 @@ GaussianModel tiny_truth(const TinyCapture& capture) {
 }
 
 Scene tiny_capture(const TinyCapture& capture) {
+  return tiny_capture(capture, tiny_truth(capture));
+}
+
+Scene tiny_capture(const TinyCapture& capture, const GaussianModel& truth) {
   Scene scene;
   scene.path = "tiny";
   scene.background = capture.background;
@@ -84,7 +88,7 @@ Scene tiny_capture(const TinyCapture& capture) {
       scene.frames.push_back(std::move(frame));
     }
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  const std::vector<Picture> pictures = render_views(*backend, tiny_truth(capture), views);
+  const std::vector<Picture> pictures = render_views(*backend, truth, views);
   for (size_t i = 0; i < pictures.size(); ++i)
     scene.frames[i].image = quantise(pictures[i].planar(), pictures[i].width, pictures[i].height);
   return scene;

@@ -24,6 +24,8 @@ GaussianModel tiny_truth(const TinyCapture& capture);
 /// Frames ordered by camera, then time; all of the training split. `had_alpha` is set, so initial
 /// points fill a box.
 Scene tiny_capture(const TinyCapture& capture = {});
+/// The same ring around Gaussians of one's own.
+Scene tiny_capture(const TinyCapture& capture, const GaussianModel& truth);
 /// Uniform noise on every value of every picture, at most `most` in 8-bit units.
 void add_noise(Scene& scene, double most, uint64_t seed);
 /// Short enough for a test, with every event of the schedule in it.
