@@ -19,13 +19,6 @@ namespace {
 constexpr int64_t kGrain = 1024;
 constexpr Group kShared[] = {kMean, kOpacityLogit, kSh, kMeanTime};
 
-Vec4<double> wide4(const float* from) {
-  return {double(from[0]), double(from[1]), double(from[2]), double(from[3])};
-}
-Vec3<double> wide3(const float* from) {
-  return {double(from[0]), double(from[1]), double(from[2])};
-}
-
 void store(const Vec4<double>& rotation, const Vec3<double>& log_scale, double log_scale_time,
            const GaussianSpans<float>& to, int64_t n) {
   for (int k = 0; k < 4; ++k) to.at(kRotation, n)[k] = float(rotation[k]);
@@ -37,8 +30,9 @@ void store(const Vec4<double>& rotation, const Vec3<double>& log_scale, double l
 void to_velocity(const GaussianSpans<const float>& from, const GaussianSpans<float>& to,
                  int64_t n) {
   const Spacetime<double> s = pair_spacetime(
-      wide4(from.at(kRotation, n)), wide4(from.at(kRotationRight, n)), wide3(from.at(kLogScale, n)),
-      double(*from.at(kLogScaleTime, n)), double(*from.at(kMeanTime, n)));
+      Vec4<double>(load4(from.at(kRotation, n))), Vec4<double>(load4(from.at(kRotationRight, n))),
+      Vec3<double>(load3(from.at(kLogScale, n))), double(*from.at(kLogScaleTime, n)),
+      double(*from.at(kMeanTime, n)));
   const Shape3 shape = shape_of(s.covariance);
   store(shape.rotation, shape.log_scale, -0.5 * std::log(s.precision_time), to, n);
   for (int k = 0; k < 3; ++k) to.at(kVelocity, n)[k] = float(s.velocity[k]);
@@ -46,8 +40,8 @@ void to_velocity(const GaussianSpans<const float>& from, const GaussianSpans<flo
 
 /// x = μ + v·σ_t·z_0 + R diag(σ) z, t = μ_t + σ_t·z_0: the columns span the Gaussian of space-time.
 void to_pair(const GaussianSpans<const float>& from, const GaussianSpans<float>& to, int64_t n) {
-  const Mat3<double> R = rotation_matrix(wide4(from.at(kRotation, n)));
-  const Vec3<double> log_scale = wide3(from.at(kLogScale, n));
+  const Mat3<double> R = rotation_matrix(Vec4<double>(load4(from.at(kRotation, n))));
+  const Vec3<double> log_scale(load3(from.at(kLogScale, n)));
   const double life = std::exp(double(*from.at(kLogScaleTime, n)));
   Mat4<double> A{};
   A.m[0][0] = life;

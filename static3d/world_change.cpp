@@ -6,6 +6,7 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/math/eigen3.h"
+#include "kernels/math/splat.h"
 #include "static3d/four_rotation.h"
 #include "static3d/sh_rotation.h"
 
@@ -13,10 +14,6 @@ namespace tessera {
 namespace {
 
 constexpr int64_t kGrain = 4096;
-
-Vec4<double> load4(const float* from) {
-  return {double(from[0]), double(from[1]), double(from[2]), double(from[3])};
-}
 
 void store4(const Vec4<double>& from, float* to) {
   for (int k = 0; k < 4; ++k) to[k] = float(from[k]);
@@ -38,8 +35,9 @@ struct Change {
 
 /// Quaternions and scales of one dynamic Gaussian.
 void change_shape4(const Change& change, const GaussianSpans<float>& v, int64_t n) {
-  const Vec4<double> left = product(change.quaternion, load4(v.at(kRotation, n)));
-  const Vec4<double> right = product(load4(v.at(kRotationRight, n)), conjugate(change.quaternion));
+  const Vec4<double> left = product(change.quaternion, Vec4<double>(load4(v.at(kRotation, n))));
+  const Vec4<double> right =
+      product(Vec4<double>(load4(v.at(kRotationRight, n))), conjugate(change.quaternion));
   float* const log_scale = v.at(kLogScale, n);
   float* const log_scale_time = v.at(kLogScaleTime, n);
   const double sigma[4] = {std::exp(double(*log_scale_time)), std::exp(double(log_scale[0])),
@@ -72,7 +70,7 @@ void change_gaussian(const Change& change, const GaussianSpans<float>& v, int64_
   } else {
     float* const log_scale = v.at(kLogScale, n);
     for (int k = 0; k < 3; ++k) log_scale[k] = float(double(log_scale[k]) + change.log_scale);
-    store4(product(change.quaternion, load4(v.at(kRotation, n))), v.at(kRotation, n));
+    store4(product(change.quaternion, Vec4<double>(load4(v.at(kRotation, n)))), v.at(kRotation, n));
   }
   if (v.form == Form::kVelocity) change_velocity(change, v.at(kVelocity, n));
   change.sh.apply(v.coefficients, v.at(kSh, n));

@@ -3,42 +3,21 @@
 #include <numeric>
 
 #include "kernels/cpu_backend.h"
-#include "tests/support/backends.h"
 #include "tests/support/compare.h"
+#include "tests/support/crowd.h"
 #include "tests/support/stored_scene.h"
 
 namespace tessera::testing {
 namespace {
 
-constexpr int64_t kCount = 5000;  // more than a block of any kernel
-
-class BackendDensity : public EveryBackend {
- protected:
-  Backend& cpu() { return cpu_; }
-
- private:
-  CpuBackend<float> cpu_;
-};
+class BackendDensity : public BesideCpu {};
 TESSERA_ON_EVERY_BACKEND(BackendDensity);
-
-/// Sizes on both sides of `largest_clone` and `largest_kept`, opacities of `prune_opacity`, some
-/// quaternions of no length.
-TestGaussians<float> crowd(Form form, uint64_t seed, int64_t count = kCount) {
-  Random random(seed);
-  TestGaussians<double> set = random_gaussians(form, count, 1, 0.1, random);
-  for (double& x : set.group[kOpacityLogit]) x = random.uniform(-7, 2);
-  for (double& x : set.group[kLogScale]) x = random.uniform(std::log(0.003), std::log(0.4));
-  for (int64_t n = 0; n < count; n += 97) std::fill_n(set.at(kRotation, n), 4, 0.0);
-  for (int64_t n = 0; form == Form::kPair && n < count; n += 89)
-    std::fill_n(set.at(kRotationRight, n), 4, 0.0);
-  return set.as<float>();
-}
 
 struct Statistic {
   std::vector<float> sum, count;
 };
 
-Statistic statistic(uint64_t seed, bool ties, int64_t gaussians = kCount) {
+Statistic statistic(uint64_t seed, bool ties, int64_t gaussians = kCrowd) {
   Random random(seed);
   Statistic out;
   for (int64_t n = 0; n < gaussians; ++n) {
@@ -104,7 +83,7 @@ TEST_P(BackendDensity, ChildrenAreTheCpus) {
   // Bugs put back, seen to fail: another seed; the first child left out.
   for (const Form form : kForms) {
     Random random(85);
-    const TestGaussians<float> before = random_gaussians(form, kCount, 1, 0.1, random).as<float>();
+    const TestGaussians<float> before = random_gaussians(form, kCrowd, 1, 0.1, random).as<float>();
     constexpr int64_t kFirst = 1234;
     const auto placed = [&](Backend& on) {
       StoredGaussians<float> set(before, on.memory());
@@ -127,7 +106,7 @@ TEST_P(BackendDensity, ChildrenAreTheCpus) {
 TEST_P(BackendDensity, OrderIsTheCpus) {
   // Bugs put back, seen to fail: time not looked at; not stable.
   for (const Form form : kForms)
-    for (const int64_t count : {int64_t{0}, int64_t{1}, kCount}) {
+    for (const int64_t count : {int64_t{0}, int64_t{1}, kCrowd}) {
       TestGaussians<float> set = crowd(form, 86, count);
       for (int64_t n = 1; n < count; n += 3)  // equal keys: stable
         std::copy_n(set.at(kMean, n - 1), 3, set.at(kMean, n));
@@ -146,12 +125,12 @@ TEST_P(BackendDensity, GatheredRowsAreThoseOfTheIndex) {
   // Bug put back: one row too many inherited; seen to fail.
   Random random(87);
   for (const int width : {1, 3, 4, 48}) {
-    std::vector<float> from(size_t(kCount * width));
+    std::vector<float> from(size_t(kCrowd * width));
     for (float& x : from) x = float(random.uniform(-1, 1));
     std::vector<int64_t> index;
-    for (int64_t i = 0; i < 2 * kCount; ++i) index.push_back(random.below(int(kCount)));
+    for (int64_t i = 0; i < 2 * kCrowd; ++i) index.push_back(random.below(int(kCrowd)));
     for (size_t i = 0; i < index.size(); i += 11) index[i] = -1;
-    for (const int64_t inherited : {int64_t{0}, kCount + 3, 2 * kCount}) {
+    for (const int64_t inherited : {int64_t{0}, kCrowd + 3, 2 * kCrowd}) {
       const Buffer<float> source = stored(from, memory());
       const Buffer<int64_t> rows = stored(index, memory());
       Buffer<float> to = stored(std::vector<float>(index.size() * size_t(width), -7), memory());
@@ -169,15 +148,15 @@ TEST_P(BackendDensity, GatheredRowsAreThoseOfTheIndex) {
 TEST_P(BackendDensity, LimitsAndZeros) {
   // Bugs put back, seen to fail: the larger of both; the last one not zeroed.
   Random random(88);
-  std::vector<float> values(kCount);
+  std::vector<float> values(kCrowd);
   for (float& x : values) x = float(random.uniform(-8, 8));
   Buffer<float> buffer = stored(values, memory());
   // the last ones are beyond the span
-  backend().limit_values({buffer.data(), kCount - 3}, -4.6f);
+  backend().limit_values({buffer.data(), kCrowd - 3}, -4.6f);
   std::vector<float> actual = fetched(buffer, memory());
   for (size_t i = 0; i < values.size(); ++i)
     ASSERT_EQ(actual[i], i + 3 < values.size() ? std::min(values[i], -4.6f) : values[i]);
-  backend().fill_zero({buffer.data() + 5, kCount - 9});
+  backend().fill_zero({buffer.data() + 5, kCrowd - 9});
   const std::vector<float> zeroed = fetched(buffer, memory());
   for (size_t i = 0; i < values.size(); ++i)
     ASSERT_EQ(zeroed[i], i >= 5 && i + 4 < values.size() ? 0.0f : actual[i]) << i;

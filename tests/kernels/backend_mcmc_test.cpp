@@ -2,33 +2,14 @@
 // Not: that the CPU's are right: relocation_test.cpp, position_noise_test.cpp,
 // regulariser_test.cpp.
 #include "tests/kernels/backend_scenes.h"
-#include "tests/support/backends.h"
+#include "tests/support/crowd.h"
 #include "tests/support/optimised.h"
 
 namespace tessera::testing {
 namespace {
 
-constexpr int64_t kCount = 5000;  // more than a block of any kernel
-
-class BackendMcmc : public EveryBackend {
- protected:
-  Backend& cpu() { return cpu_; }
-
- private:
-  CpuBackend<float> cpu_;
-};
+class BackendMcmc : public BesideCpu {};
 TESSERA_ON_EVERY_BACKEND(BackendMcmc);
-
-/// A third of it dead, some no Gaussians.
-TestGaussians<float> crowd(Form form, uint64_t seed, int64_t count = kCount) {
-  Random random(seed);
-  TestGaussians<double> set = random_gaussians(form, count, 1, 0.1, random);
-  for (double& x : set.group[kOpacityLogit]) x = random.uniform(-8, 2);
-  for (int64_t n = 0; n < count; n += 97) std::fill_n(set.at(kRotation, n), 4, 0.0);
-  for (int64_t n = 0; form == Form::kPair && n < count; n += 89)
-    std::fill_n(set.at(kRotationRight, n), 4, 0.0);
-  return set.as<float>();
-}
 
 struct Relocated {
   std::vector<int64_t> values, moments;
@@ -48,7 +29,7 @@ TEST_P(BackendMcmc, RelocationIsTheCpus) {
   // Weights are whole numbers of opacities in double: draws are equal, not alike.
   for (const Form form : kForms)
     for (const double dead : {-1.0, 0.005, 0.5})
-      for (const int64_t added : {int64_t{0}, int64_t{777}, 3 * kCount}) {
+      for (const int64_t added : {int64_t{0}, int64_t{777}, 3 * kCrowd}) {
         SCOPED_TRACE(std::string(form_name(form)) + " dead " + std::to_string(dead) + " added " +
                      std::to_string(added));
         const TestGaussians<float> set = crowd(form, 91);
@@ -94,8 +75,8 @@ TEST_P(BackendMcmc, NoiseIsTheCpus) {
       ASSERT_NEAR(actual.group[kMean][i], expected.group[kMean][i], 1e-5);
       still += actual.group[kMean][i] == before.group[kMean][i];
     }
-    EXPECT_GT(still, kCount);  // the opaque ones
-    EXPECT_LT(still, 2 * 3 * kCount / 3);
+    EXPECT_GT(still, kCrowd);  // the opaque ones
+    EXPECT_LT(still, 2 * 3 * kCrowd / 3);
     for (int g = 1; g < group_count(dim_of(form)); ++g) EXPECT_EQ(actual.group[g], before.group[g]);
   }
   backend().add_position_noise(GaussianSpans<float>{}, {1, 1, 1});

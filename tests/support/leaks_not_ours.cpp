@@ -1,5 +1,7 @@
-// What: leaks that LeakSanitizer finds in libraries and does not report. Linked into sanitized tests.
+// What: leaks of libraries that LeakSanitizer does not report; linked into sanitized tests.
 // Not: anything of ours.
-// Source: the encoder of test videos: libx265's frame threads end with buffers of theirs in hand.
+// Source: libx265, which encodes test videos: its frame threads end with buffers in hand.
 
-extern "C" const char* __lsan_default_suppressions() { return "leak:libx265\n"; }
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libx265\n";
+}
