@@ -163,6 +163,10 @@ class Session {
     }
     if (ended() && validation_->on() && request_.evaluate_end && !interrupted())
       score(model(), validation_->record().best_iteration, "shipped", false);
+    if (model().count() == 0)
+      warn(
+          "no Gaussians are left, density control has removed them all: pictures are the "
+          "background; look at the poses (tessera doctor) and at --init-extent");
     wall_.time(WallSplit::kSave, [&] { save_model(run_.model(), model()); });
   }
 

@@ -70,5 +70,16 @@ TEST_F(CliRun, GoesOnWithABegunTraining) {
   EXPECT_EQ(work.read("out/run/model.ply"), whole);
 }
 
+// Bug put back: an empty model is written without a word; seen to fail.
+TEST(CliTrain, AModelWithoutGaussiansIsSaidToBeOne) {
+  const CliWorkspace work;
+  const std::string warning = "no Gaussians are left";
+  EXPECT_EQ(work.train("some").err.find(warning), std::string::npos);
+  const ChildResult none = work.train(
+      "none", {"--prune-opacity", "1", "--densify-from", "0", "--densify-interval", "1"});
+  EXPECT_EQ(none.exit_code, 0);
+  EXPECT_NE(none.err.find(warning), std::string::npos) << none.err;
+}
+
 }  // namespace
 }  // namespace tessera::testing
