@@ -17,7 +17,7 @@ namespace tessera {
 namespace {
 
 constexpr int64_t kGrain = 1024;
-constexpr Group kShared[] = {kMean, kOpacityLogit, kSh, kMeanTime};
+constexpr Group kShared[] = {kMean, kOpacityLogit, kSh, kMeanTime, kShTime};
 
 Vec4<double> wide4(const float* from) {
   return {double(from[0]), double(from[1]), double(from[2]), double(from[3])};
@@ -68,7 +68,7 @@ GaussianSet in_form(const GaussianSet& dynamic_set, Form form) {
         "in_form: forms of a dynamic set");
   const GaussianSet sound = select_rows(dynamic_set, sound_rows(dynamic_set));
   if (sound.form() == form) return sound.clone_values();
-  GaussianSet result(form, sound.coefficients());
+  GaussianSet result(form, sound.coefficients(), host_memory(), sound.time_levels());
   result.resize(sound.count());
   const GaussianSpans<const float> from = sound.values();
   const GaussianSpans<float> to = result.values();
