@@ -87,9 +87,9 @@ bool holds_filter_sizes(const json& header) {
 }
 
 /// Levels of time of the dynamic set; earlier files have none.
-int time_levels(const json& header) {
+json sh_time_of(const json& header) {
   const auto stored = header.find("sh_time");
-  return stored == header.end() ? 0 : int(stored->at("levels"));
+  return stored != header.end() ? *stored : json{{"degree", 0}, {"levels", 0}, {"period", 1.0}};
 }
 
 bool holds_anchor(const json& header) {
@@ -131,10 +131,10 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   state.sampler_position = header.at("sampler").at("position");
   const int coefficients = header.at("sh_coefficients");
   model.static_set = GaussianSet(Form::kStatic, coefficients);
+  const json sh_time = sh_time_of(header);
   model.dynamic_set =
-      GaussianSet(dynamic_form(header), coefficients, host_memory(), time_levels(header));
-  if (const auto stored = header.find("sh_time"); stored != header.end())
-    model.sh_time_degree = stored->at("degree"), model.sh_time_period = stored->at("period");
+      GaussianSet(dynamic_form(header), coefficients, host_memory(), sh_time.at("levels"));
+  model.sh_time_degree = sh_time.at("degree"), model.sh_time_period = sh_time.at("period");
   model.sh_degree = header.at("sh_degree");
   model.time_axis = {header.at("time_axis").at("origin"), header.at("time_axis").at("duration")};
   if (const auto world = header.find("prepared_from_source"); world != header.end())
@@ -163,7 +163,8 @@ TrainOptions restore_options(const std::filesystem::path& path, const json& head
 void check_header(const std::filesystem::path& path, const json& header, size_t arrays,
                   size_t size) {
   const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
-  const int coefficients = header.at("sh_coefficients"), levels = time_levels(header);
+  const json sh_time = sh_time_of(header);
+  const int coefficients = header.at("sh_coefficients"), levels = sh_time.at("levels");
   // values and two moments each; statistics and sh_step, filter size where kept, four bytes like
   // all
   const auto scalars = [&](Form form) {
@@ -179,7 +180,7 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
   if (!within(statics, 0, kMost) || !within(dynamics, 0, kMost) ||
       !within(coefficients, 1, kMaxShCoefficients) ||
       !within(header.at("sh_degree"), 0, kMaxShDegree) || !within(levels, 0, kMaxTimeLevels) ||
-      (levels > 0 && !(header.at("sh_time").at("period") > 0.0)) ||
+      !within(sh_time.at("degree"), 0, kMaxTimeLevels) || !(sh_time.at("period") > 0.0) ||
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse(path, "damaged checkpoint: impossible numbers in its header");
