@@ -50,12 +50,11 @@ bool all_finite(const Real* scalars, int count) {
 
 template <Form form, class Real>
 void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<Real>& rules,
-                       const RegulariserTerms<Real>& terms, int set, int64_t n, int64_t first,
-                       int64_t last, GaussianGradient<Real>& out) {
+                       const ColourRules<Real>& colours, const RegulariserTerms<Real>& terms,
+                       int set, int64_t n, int64_t first, int64_t last,
+                       GaussianGradient<Real>& out) {
   const GaussianSpans<const Real>& params = args.forward.sets[set];
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
-  const ColourRules<Real> colours =
-      make_colour_rules<Real>(args.forward.options, params.coefficients, params.time_levels);
   GaussianState<Real> g;
   if (!load_gaussian<form>(params, n, g)) return;
   ViewSums<Real> sums;
@@ -88,6 +87,8 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const RegulariserTe
   const IdleUpdate idle = wanted.fused ? wanted.idle : IdleUpdate::kDense;
   const GaussianSpans<const Real>& params = args.forward.sets[set];
   const SplatRules<Real> rules = make_splat_rules<Real>(args.forward.options);
+  const ColourRules<Real> colours =
+      make_colour_rules<Real>(args.forward.options, params.coefficients, params.time_levels);
   unsigned bad = 0;
   for (int64_t n = begin; n < end; ++n) {
     const int64_t first = args.splats->first_of[first_gaussian + n];
@@ -96,7 +97,7 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const RegulariserTe
     GaussianGradient<Real> gradient;
     std::fill_n(gradient.sh_time, params.width(kShTime), Real(0));
     if (first < last || terms.template in_spacetime<form>())
-      gaussian_gradient<form>(args, rules, terms, set, n, first, last, gradient);
+      gaussian_gradient<form>(args, rules, colours, terms, set, n, first, last, gradient);
     add_regulariser<form>(terms, params, n, gradient.geometry);
     bad |= gradient.bad | gradient.geometry.template non_finite<form>();
     sink.template accept<form>(n, gradient.geometry);
