@@ -39,6 +39,16 @@ SplatRules<Real> make_splat_rules(const RenderOptions& options) {
           options.kernels.bounds};
 }
 
+template <class Real>
+ColourRules<Real> make_colour_rules(const RenderOptions& options, int coefficients,
+                                    int time_levels) {
+  return {min_of(options.sh_degree, sh_degree_of(coefficients)),
+          min_of(options.sh_time_degree, time_levels), 3 * coefficients,
+          Real(options.sh_time_period), options.sliced_direction};
+}
+
+template ColourRules<float> make_colour_rules<float>(const RenderOptions&, int, int);
+template ColourRules<double> make_colour_rules<double>(const RenderOptions&, int, int);
 template SplatRules<float> make_splat_rules<float>(const RenderOptions&);
 template SplatRules<double> make_splat_rules<double>(const RenderOptions&);
 template ViewBatch<float> make_view_batch<float>(const std::vector<View>&);

@@ -6,7 +6,7 @@
 #include "kernels/base/buffer.h"
 #include "kernels/base/camera.h"
 #include "kernels/math/blending.h"
-#include "kernels/math/spherical_harmonics.h"
+#include "kernels/math/spherindrical.h"
 #include "kernels/math/splat_rules.h"
 
 namespace tessera {
@@ -41,9 +41,11 @@ struct KernelSwitches {
 };
 
 struct RenderOptions {
-  int sh_degree = kMaxShDegree;      // bands evaluated, of those that are stored
-  double background[3] = {0, 0, 0};  // linear blend target, [0, 1] RGB
-  double near_plane = 0.2;           // world units along the viewing axis
+  int sh_degree = kMaxShDegree;         // bands evaluated, of those that are stored
+  int sh_time_degree = kMaxTimeLevels;  // levels of time evaluated, of those that are stored
+  double sh_time_period = 1;            // T of the levels, normalised time
+  double background[3] = {0, 0, 0};     // linear blend target, [0, 1] RGB
+  double near_plane = 0.2;              // world units along the viewing axis
   double far_plane = 1e4;
   bool sliced_direction = true;  // colours look along eye → mean at the view's moment; else → μ
   double truncation_sigma = kTruncationSigma;  // where splats end (Cutoff), standard deviations
@@ -60,6 +62,10 @@ Cutoff<Real> make_cutoff(const RenderOptions& options) {
 }
 template <class Real>
 SplatRules<Real> make_splat_rules(const RenderOptions& options);
+/// Of a set that stores `coefficients` in each of `time_levels` beside the first.
+template <class Real>
+ColourRules<Real> make_colour_rules(const RenderOptions& options, int coefficients,
+                                    int time_levels);
 
 /// `negative` of a splat that is listed but not drawn, because its colour is not finite.
 inline constexpr uint32_t kNotDrawn = ~0u;

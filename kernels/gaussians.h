@@ -29,8 +29,9 @@ decltype(auto) with_form(Form form, Visit&& visit) {
   return visit(std::integral_constant<Form, Form::kStatic>{});
 }
 
-/// Parameter groups in storage order. Dim 3 sets have the first kStaticGroups only; the last is
-/// what couples space and time, and differs between the forms of Dim 4.
+/// Parameter groups in storage order. Dim 3 sets have the first kStaticGroups only; kRotationRight
+/// is what couples space and time, and differs between the forms of Dim 4. kShTime has no scalars
+/// where a set has no levels of time.
 enum Group : int {
   kMean,           // [N, 3] world units
   kLogScale,       // [N, 3] ln of world units
@@ -40,6 +41,7 @@ enum Group : int {
   kMeanTime,       // [N] normalised time
   kLogScaleTime,   // [N] ln of normalised time
   kRotationRight,  // [N, 4] of a pair
+  kShTime,         // [N, L, K, 3] levels of time of the colour (math/spherindrical.h)
   kGroupCount,
   kVelocity = kRotationRight  // [N, 3] world units per unit of normalised time, in its place
 };
@@ -52,14 +54,15 @@ inline constexpr int group_count(int dim) {
 /// The stored name: `rotation` is `rotation_left` in a pair.
 inline const char* group_name(Group group, Form form) {
   constexpr const char* kNames[kGroupCount] = {
-      "mean", "log_scale", "rotation",       "opacity_logit",
-      "sh",   "mean_time", "log_scale_time", "rotation_right"};
+      "mean",      "log_scale",      "rotation",       "opacity_logit", "sh",
+      "mean_time", "log_scale_time", "rotation_right", "sh_time"};
   if (form == Form::kVelocity && group == kVelocity) return "velocity";
   return form == Form::kPair && group == kRotation ? "rotation_left" : kNames[group];
 }
 
-/// Scalars per Gaussian of a group; `coefficients` = K.
-TESSERA_HD inline constexpr int group_width(Group group, int coefficients, Form form) {
+/// Scalars per Gaussian of a group; `coefficients` = K, `time_levels` = L.
+TESSERA_HD inline constexpr int group_width(Group group, int coefficients, Form form,
+                                            int time_levels = 0) {
   switch (group) {
     case kMean:
     case kLogScale:
@@ -70,12 +73,14 @@ TESSERA_HD inline constexpr int group_width(Group group, int coefficients, Form 
       return form == Form::kVelocity ? 3 : 4;
     case kSh:
       return 3 * coefficients;
+    case kShTime:
+      return 3 * coefficients * time_levels;
     default:
       return 1;
   }
 }
 
-/// Scalars per Gaussian of all groups but SH: 11, 17 or 16.
+/// Scalars per Gaussian of all groups but the two of SH: 11, 17 or 16.
 inline constexpr int geometry_scalars(Form form) {
   int sum = 0;
   for (int g = 0; g < group_count(dim_of(form)); ++g)
@@ -88,29 +93,30 @@ struct GaussianSpans {
   Form form = Form::kStatic;
   int64_t count = 0;      // N
   int coefficients = 16;  // K
+  int time_levels = 0;    // L; 0 in Dim 3
   Span<T> group[kGroupCount];
   Span<T> filter_size;  // [N] φ of the 3D filter that is applied, world units; empty: none is
 
   TESSERA_HD int dim() const { return dim_of(form); }
+  TESSERA_HD int width(Group g) const { return group_width(g, coefficients, form, time_levels); }
 
   /// First scalar of Gaussian n in a group.
-  TESSERA_HD T* at(Group g, int64_t n) const {
-    return group[g].data + n * group_width(g, coefficients, form);
-  }
+  TESSERA_HD T* at(Group g, int64_t n) const { return group[g].data + n * width(g); }
   /// The same, not to be written.
   TESSERA_HD GaussianSpans<const T> view() const {
     GaussianSpans<const T> out;
     out.form = form, out.count = count, out.coefficients = coefficients;
+    out.time_levels = time_levels;
     for (int g = 0; g < kGroupCount; ++g) out.group[g] = group[g];
     out.filter_size = filter_size;
     return out;
   }
 };
 
-/// Step sizes of every group; the first SH coefficient has its own.
+/// Step sizes of every group; the first SH coefficient has its own. Levels of time have sh_rest.
 template <class Real>
 struct AdamGroups {
-  AdamScalars<Real> group[kGroupCount];  // kSh: coefficient 0
+  AdamScalars<Real> group[kGroupCount];  // kSh: coefficient 0; kShTime: not used
   AdamScalars<Real> sh_rest;             // coefficients 1 … K−1
 };
 
@@ -130,6 +136,7 @@ struct LazySh {
   Span<Real> value, moment1, moment2;        // [N, K, 3]
   int64_t step = 0;                          // steps that are done
   Real rate = Real(0), rate_rest = Real(0);  // learning rates of coefficient 0 and of the others
+  Span<Real> time_value, time_moment1, time_moment2;  // [N, L, K, 3] of kShTime, at rate_rest
 };
 
 /// Terms of the loss that each Gaussian adds by its parameters alone, whether a view draws it or

@@ -56,6 +56,10 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"motion_form", model.dynamic_set.form() == Form::kVelocity ? "velocity" : "pair"},
       {"sh_coefficients", model.static_set.coefficients()},
       {"sh_degree", model.sh_degree},
+      {"sh_time",
+       {{"degree", model.sh_time_degree},
+        {"levels", model.dynamic_set.time_levels()},
+        {"period", model.sh_time_period}}},
       {"time_axis", {{"origin", model.time_axis.origin}, {"duration", model.time_axis.duration}}},
       {"prepared_from_source", similarity_numbers(model.prepared_from_source)},
       {"background", model.background},
@@ -80,6 +84,12 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
 
 bool holds_filter_sizes(const json& header) {
   return header.value("filter_sizes", false);
+}
+
+/// Levels of time of the dynamic set; earlier files have none.
+json sh_time_of(const json& header) {
+  const auto stored = header.find("sh_time");
+  return stored != header.end() ? *stored : json{{"degree", 0}, {"levels", 0}, {"period", 1.0}};
 }
 
 bool holds_anchor(const json& header) {
@@ -121,7 +131,10 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   state.sampler_position = header.at("sampler").at("position");
   const int coefficients = header.at("sh_coefficients");
   model.static_set = GaussianSet(Form::kStatic, coefficients);
-  model.dynamic_set = GaussianSet(dynamic_form(header), coefficients);
+  const json sh_time = sh_time_of(header);
+  model.dynamic_set =
+      GaussianSet(dynamic_form(header), coefficients, host_memory(), sh_time.at("levels"));
+  model.sh_time_degree = sh_time.at("degree"), model.sh_time_period = sh_time.at("period");
   model.sh_degree = header.at("sh_degree");
   model.time_axis = {header.at("time_axis").at("origin"), header.at("time_axis").at("duration")};
   if (const auto world = header.find("prepared_from_source"); world != header.end())
@@ -150,11 +163,13 @@ TrainOptions restore_options(const std::filesystem::path& path, const json& head
 void check_header(const std::filesystem::path& path, const json& header, size_t arrays,
                   size_t size) {
   const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
-  const int coefficients = header.at("sh_coefficients");
+  const json sh_time = sh_time_of(header);
+  const int coefficients = header.at("sh_coefficients"), levels = sh_time.at("levels");
   // values and two moments each; statistics and sh_step, filter size where kept, four bytes like
   // all
   const auto scalars = [&](Form form) {
-    return int64_t{3} * (geometry_scalars(form) + 3 * coefficients) + 3 +
+    const int sets = form == Form::kStatic ? 1 : 1 + levels;
+    return int64_t{3} * (geometry_scalars(form) + 3 * coefficients * sets) + 3 +
            holds_filter_sizes(header);
   };
   constexpr int64_t kMost = int64_t{1} << 40;
@@ -164,7 +179,8 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
   const json& sampler = header.at("sampler");
   if (!within(statics, 0, kMost) || !within(dynamics, 0, kMost) ||
       !within(coefficients, 1, kMaxShCoefficients) ||
-      !within(header.at("sh_degree"), 0, kMaxShDegree) ||
+      !within(header.at("sh_degree"), 0, kMaxShDegree) || !within(levels, 0, kMaxTimeLevels) ||
+      !within(sh_time.at("degree"), 0, kMaxTimeLevels) || !(sh_time.at("period") > 0.0) ||
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse(path, "damaged checkpoint: impossible numbers in its header");

@@ -22,8 +22,9 @@ constexpr double kCpuSplat = 0.58e-6;  //   at 240 × 180 with 30,000 Gaussians,
 constexpr double kGpuStep = 0.7e-3;    // seconds a step, by dnerf_lego, mic and bonsai
 constexpr double kGpuPixel = 0.05e-9, kGpuSplat = 0.45e-9;  //   on an H200
 
-int64_t row_bytes(Form form) {
-  return int64_t{3} * (geometry_scalars(form) + 3 * kMaxShCoefficients) * int64_t(sizeof(float));
+int64_t row_bytes(Form form, int64_t time_levels) {
+  return int64_t{3} * (geometry_scalars(form) + 3 * kMaxShCoefficients * (1 + time_levels)) *
+         int64_t(sizeof(float));
 }
 
 }  // namespace
@@ -34,7 +35,9 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
       std::max(options.init_points, options.max_gaussians > 0 ? options.max_gaussians : kUnlimited);
   forecast.frame_bytes = load.all_bytes;
   forecast.parameter_bytes =
-      forecast.gaussians * row_bytes(options.static_only ? Form::kStatic : dynamic_form(options));
+      forecast.gaussians * (options.static_only
+                                ? row_bytes(Form::kStatic, 0)
+                                : row_bytes(dynamic_form(options), options.sh_time_degree));
   const int64_t batch = std::min(options.batch, std::max<int64_t>(1, load.training_frames));
   const double splats = kVisible * double(forecast.gaussians) * double(batch);
   forecast.step_bytes = batch * load.pixels * kPixelBytes + int64_t(splats) * kSplatBytes;

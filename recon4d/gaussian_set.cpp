@@ -8,8 +8,9 @@
 
 namespace tessera {
 
-GaussianSet::GaussianSet(Form form, int coefficients, Memory& memory)
-    : form_(form), coefficients_(coefficients), memory_(&memory) {
+GaussianSet::GaussianSet(Form form, int coefficients, Memory& memory, int time_levels)
+    : form_(form), coefficients_(coefficients), time_levels_(time_levels), memory_(&memory) {
+  check(time_levels == 0 || form != Form::kStatic, "GaussianSet: a static set with levels of time");
   for (ParameterGroup& group : groups_) group = ParameterGroup(memory);
 }
 
@@ -52,7 +53,7 @@ GaussianSet GaussianSet::clone_to(Memory& memory) const {
 }
 
 GaussianSet GaussianSet::clone_values(Memory& memory) const {
-  GaussianSet copy(form_, coefficients_, memory);
+  GaussianSet copy = like(memory);
   copy.count_ = count_;
   for (int g = 0; g < groups(); ++g)
     copy.groups_[size_t(g)].value.copy_from(groups_[size_t(g)].value);
@@ -72,6 +73,7 @@ GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set,
   GaussianModel model;
   model.static_set = std::move(static_set), model.dynamic_set = std::move(dynamic_set);
   model.sh_degree = like.sh_degree, model.time_axis = like.time_axis;
+  model.sh_time_degree = like.sh_time_degree, model.sh_time_period = like.sh_time_period;
   model.prepared_from_source = like.prepared_from_source;
   model.background = like.background, model.sliced_direction = like.sliced_direction;
   model.near_plane = like.near_plane, model.far_plane = like.far_plane;

@@ -9,7 +9,7 @@
 #include "kernels/base/buffer.h"
 #include "kernels/gaussians.h"
 #include "kernels/math/bounds.h"
-#include "kernels/math/spherical_harmonics.h"
+#include "kernels/math/spherindrical.h"
 
 namespace tessera {
 
@@ -23,16 +23,18 @@ struct ParameterGroup {
 
 class GaussianSet {
  public:
-  /// `coefficients`: SH coefficients per channel that are stored, (degree+1)².
-  GaussianSet(Form form, int coefficients, Memory& memory = host_memory());
+  /// `coefficients`: SH coefficients per channel that are stored, (degree+1)²; `time_levels`: of a
+  /// dynamic set, how often again, for the levels of time.
+  GaussianSet(Form form, int coefficients, Memory& memory = host_memory(), int time_levels = 0);
 
   Form form() const { return form_; }
   int dim() const { return dim_of(form_); }
   int64_t count() const { return count_; }
   int coefficients() const { return coefficients_; }
+  int time_levels() const { return time_levels_; }
   Memory& memory() const { return *memory_; }
   int groups() const { return group_count(dim()); }
-  int width(Group group) const { return group_width(group, coefficients_, form_); }
+  int width(Group group) const { return group_width(group, coefficients_, form_, time_levels_); }
   ParameterGroup& group(Group group) { return groups_[group]; }
   const ParameterGroup& group(Group group) const { return groups_[group]; }
 
@@ -52,8 +54,10 @@ class GaussianSet {
   GaussianSpans<float> moments1() { return spans<float>(&ParameterGroup::moment1, *this); }
   GaussianSpans<float> moments2() { return spans<float>(&ParameterGroup::moment2, *this); }
 
-  /// An empty set of the same form.
-  GaussianSet like(Memory& memory) const { return {form_, coefficients_, memory}; }
+  /// An empty set of the same layout.
+  GaussianSet like(Memory& memory = host_memory()) const {
+    return {form_, coefficients_, memory, time_levels_};
+  }
   /// Deep copy in a memory, with the moments that there are.
   GaussianSet clone_to(Memory& memory) const;
   /// Deep copy of the values alone.
@@ -66,12 +70,13 @@ class GaussianSet {
   static GaussianSpans<T> spans(Buffer<float> ParameterGroup::*member, Self& self) {
     GaussianSpans<T> result;
     result.form = self.form_, result.count = self.count_, result.coefficients = self.coefficients_;
+    result.time_levels = self.time_levels_;
     for (int g = 0; g < self.groups(); ++g) result.group[g] = (self.groups_[g].*member).span();
     return result;
   }
 
   Form form_;
-  int coefficients_;
+  int coefficients_, time_levels_;
   Memory* memory_;
   int64_t count_ = 0;
   std::array<ParameterGroup, kGroupCount> groups_;
@@ -82,6 +87,8 @@ struct GaussianModel {
   GaussianSet static_set{Form::kStatic, kMaxShCoefficients};
   GaussianSet dynamic_set{Form::kPair, kMaxShCoefficients};
   int sh_degree = 3;                           // bands that are active
+  int sh_time_degree = 0;                      // levels of time that are active
+  double sh_time_period = 1;                   // T of the levels, normalised time
   TimeAxis time_axis;                          // normalised time → the capture's own
   Similarity prepared_from_source;             // the model's world by the source's
   std::array<uint8_t, 3> background{0, 0, 0};  // sRGB, what it was trained on

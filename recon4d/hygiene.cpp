@@ -11,7 +11,7 @@ namespace tessera {
 bool is_sound(const GaussianSpans<const float>& set, int64_t n) {
   for (int g = 0; g < group_count(set.dim()); ++g) {
     const float* const values = set.at(Group(g), n);
-    for (int i = 0; i < group_width(Group(g), set.coefficients, set.form); ++i)
+    for (int i = 0; i < set.width(Group(g)); ++i)
       if (!std::isfinite(values[i])) return false;
   }
   const auto has_length = [&](Group group) {
@@ -31,7 +31,7 @@ std::vector<int64_t> sound_rows(const GaussianSet& set) {
 }
 
 GaussianSet select_rows(const GaussianSet& set, const std::vector<int64_t>& rows) {
-  GaussianSet selected(set.form(), set.coefficients());
+  GaussianSet selected = set.like();
   selected.resize(int64_t(rows.size()));
   const GaussianSpans<const float> from = set.values();
   const GaussianSpans<float> to = selected.values();

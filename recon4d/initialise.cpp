@@ -128,6 +128,7 @@ void place(const InitialPoint& point, float squared_distance, const TrainOptions
   std::copy_n(identity, 4, v.at(kRotation, n));
   *v.at(kOpacityLogit, n) = logit(options.init_opacity);
   if (set.dim() != 4) return;
+  std::fill_n(v.at(kShTime, n), set.width(kShTime), 0.0f);
   if (set.form() == Form::kPair)
     std::copy_n(identity, 4, v.at(kRotationRight, n));
   else
@@ -175,7 +176,8 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
   GaussianModel& model = result.model;
   const int stored = sh_coefficients(int(options.sh_degree));
   model.static_set = GaussianSet(Form::kStatic, stored);
-  model.dynamic_set = GaussianSet(dynamic_form(options), stored);
+  model.dynamic_set =
+      GaussianSet(dynamic_form(options), stored, host_memory(), int(options.sh_time_degree));
   const int64_t statics = std::count(is_static.begin(), is_static.end(), char(1));
   model.static_set.resize(statics);
   model.dynamic_set.resize(int64_t(points.size()) - statics);

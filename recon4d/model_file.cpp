@@ -55,6 +55,39 @@ std::vector<double> numbers_of(const std::filesystem::path& path,
       path.string(), key));
 }
 
+/// How it is to be drawn beyond what every file says.
+void read_rules(const std::filesystem::path& path, const std::vector<std::string>& comments,
+                GaussianModel& model) {
+  const auto truncation = numbers_if_any(path, comments, "truncation", 2);
+  if (!truncation.empty()) {
+    if (!(truncation[0] > 0))
+      throw InputError(fmt::format("{}: truncation {}, expected a number above 0; export again",
+                                   path.string(), truncation[0]));
+    model.truncation_sigma = truncation[0], model.truncation_by_falloff = truncation[1] != 0;
+  }
+  const auto filter = numbers_if_any(path, comments, "filter_2d", 1);
+  if (!filter.empty()) model.filter_2d = filter[0] != 0;
+  const auto time_filter = numbers_if_any(path, comments, "time_filter", 1);
+  if (!time_filter.empty()) {
+    if (!(time_filter[0] >= 0))
+      throw InputError(
+          fmt::format("{}: time_filter {}, expected a number of at least 0; export again",
+                      path.string(), time_filter[0]));
+    model.time_filter = time_filter[0];
+  }
+  const auto sh_time = numbers_if_any(path, comments, "sh_time", 2);
+  if (!sh_time.empty()) {
+    if (!(sh_time[0] >= 0 && sh_time[0] <= kMaxTimeLevels && sh_time[1] > 0))
+      throw InputError(
+          fmt::format("{}: sh_time {} {}, expected 0 to {} levels and a period above 0; export "
+                      "again",
+                      path.string(), sh_time[0], sh_time[1], kMaxTimeLevels));
+    model.sh_time_degree = int(sh_time[0]), model.sh_time_period = sh_time[1];
+  }
+  const auto scale = numbers_if_any(path, comments, "train_scale", 1);
+  if (!scale.empty()) model.train_scale = scale[0];
+}
+
 void read_comments(const std::filesystem::path& path, const std::vector<std::string>& comments,
                    GaussianModel& model) {
   const double version = numbers_of(path, comments, kVersionKey, 1)[0];
@@ -81,25 +114,7 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
   model.near_plane = planes[0], model.far_plane = planes[1];
   const auto sliced = numbers_if_any(path, comments, "sliced_direction", 1);  // absent: older file
   if (!sliced.empty()) model.sliced_direction = sliced[0] != 0;
-  const auto truncation = numbers_if_any(path, comments, "truncation", 2);
-  if (!truncation.empty()) {
-    if (!(truncation[0] > 0))
-      throw InputError(fmt::format("{}: truncation {}, expected a number above 0; export again",
-                                   path.string(), truncation[0]));
-    model.truncation_sigma = truncation[0], model.truncation_by_falloff = truncation[1] != 0;
-  }
-  const auto filter = numbers_if_any(path, comments, "filter_2d", 1);
-  if (!filter.empty()) model.filter_2d = filter[0] != 0;
-  const auto time_filter = numbers_if_any(path, comments, "time_filter", 1);
-  if (!time_filter.empty()) {
-    if (!(time_filter[0] >= 0))
-      throw InputError(
-          fmt::format("{}: time_filter {}, expected a number of at least 0; export again",
-                      path.string(), time_filter[0]));
-    model.time_filter = time_filter[0];
-  }
-  const auto scale = numbers_if_any(path, comments, "train_scale", 1);
-  if (!scale.empty()) model.train_scale = scale[0];
+  read_rules(path, comments, model);
   const auto world = numbers_if_any(path, comments, "prepared_from_source", kSimilarityNumbers);
   if (world.empty()) return;  // older file: the source's own world
   SimilarityNumbers numbers{};
@@ -111,7 +126,7 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
 
 void save_model(const std::filesystem::path& path, const GaussianModel& model) {
   const auto& rgb = model.background;
-  const std::vector<std::string> comments = {
+  std::vector<std::string> comments = {
       fmt::format("{} {}", kVersionKey, kFormatVersion),
       fmt::format("time_axis {} {}", model.time_axis.origin, model.time_axis.duration),
       fmt::format("sh_degree {}", model.sh_degree),
@@ -124,6 +139,8 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
       fmt::format("train_scale {}", model.train_scale),
       fmt::format("prepared_from_source {}",
                   fmt::join(similarity_numbers(model.prepared_from_source), " "))};
+  if (model.dynamic_set.time_levels() > 0)
+    comments.push_back(fmt::format("sh_time {} {}", model.sh_time_degree, model.sh_time_period));
   // A model without movement is a file that any viewer of static splats opens.
   std::vector<SplatElement> elements = {
       {kStaticElement, &model.static_set, model.static_set.coefficients()}};

@@ -69,6 +69,9 @@ json model_info(const GaussianModel& model) {
   info["sh_degree"] = model.sh_degree;
   info["sh_coefficients"] = {{"static", model.static_set.coefficients()},
                              {"dynamic", model.dynamic_set.coefficients()}};
+  info["sh_time"] = {{"degree", model.sh_time_degree},
+                     {"levels", model.dynamic_set.time_levels()},
+                     {"period", model.sh_time_period}};
   info["value_bytes"] = model.static_set.value_bytes() + model.dynamic_set.value_bytes();
   info["bounds"] = facts.sound == 0 ? json(nullptr)
                                     : json{{"min", point(facts.low)}, {"max", point(facts.high)}};

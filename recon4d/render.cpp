@@ -7,6 +7,7 @@ namespace tessera {
 RenderOptions render_options(const GaussianModel& model) {
   RenderOptions options;
   options.sh_degree = model.sh_degree;
+  options.sh_time_degree = model.sh_time_degree, options.sh_time_period = model.sh_time_period;
   for (size_t c = 0; c < 3; ++c) options.background[c] = model.background[c] / 255.0;
   options.near_plane = model.near_plane, options.far_plane = model.far_plane;
   options.sliced_direction = model.sliced_direction;

@@ -26,6 +26,11 @@ int Schedule::sh_degree(int64_t i) const {
   return int(std::min(options_.sh_degree, i / sh_interval_));
 }
 
+int Schedule::sh_time_degree(int64_t i) const {
+  return int(
+      std::clamp<int64_t>(i / sh_interval_ - options_.sh_degree, 0, options_.sh_time_degree));
+}
+
 bool Schedule::densify(int64_t i) const {
   return i > 0 && i >= densify_from_ && i <= densify_until_ && i % options_.densify_interval == 0;
 }

@@ -17,6 +17,8 @@ class Schedule {
 
   /// Steps are counted from 0; these hold before step i.
   int sh_degree(int64_t i) const;
+  /// Levels of time: one by one, when all degrees are there.
+  int sh_time_degree(int64_t i) const;
   bool densify(int64_t i) const;
   bool gathers_statistics(int64_t i) const { return !is_mcmc() && i < densify_until_; }
   bool prunes_large(int64_t i) const { return i > prune_large_from_; }

@@ -23,6 +23,18 @@ void append_sh(std::vector<SplatColumn>& columns, int coefficients) {
       columns.push_back({fmt::format("f_rest_{}", channel * rest + k), kSh, 3 * (k + 1) + channel});
 }
 
+/// Level n ≥ 1 of the colour, all K coefficients of each channel.
+void append_level(std::vector<SplatColumn>& columns, int coefficients, int n) {
+  for (int channel = 0; channel < 3; ++channel)
+    for (int k = 0; k < coefficients; ++k)
+      columns.push_back({fmt::format("f_cos{}_{}", n, channel * coefficients + k), kShTime,
+                         3 * ((n - 1) * coefficients + k) + channel});
+}
+
+std::vector<SplatColumn> columns_of(const SplatElement& element) {
+  return splat_columns(element.set->form(), element.coefficients, element.set->time_levels());
+}
+
 /// A file without rows: what ply_header_text needs.
 PlyFile layout_of(const std::vector<std::string>& comments,
                   const std::vector<SplatElement>& elements) {
@@ -30,7 +42,7 @@ PlyFile layout_of(const std::vector<std::string>& comments,
   layout.comments = comments;
   for (const SplatElement& element : elements) {
     PlyElement header{element.name, element.set->count(), {}};
-    for (const SplatColumn& column : splat_columns(element.set->form(), element.coefficients))
+    for (const SplatColumn& column : columns_of(element))
       header.columns.push_back({column.name, PlyType::kFloat32, {}});
     layout.elements.push_back(std::move(header));
   }
@@ -39,7 +51,7 @@ PlyFile layout_of(const std::vector<std::string>& comments,
 
 void write_rows(AtomicFile& output, const SplatElement& element) {
   constexpr int64_t kBlockRows = 4096;
-  const std::vector<SplatColumn> columns = splat_columns(element.set->form(), element.coefficients);
+  const std::vector<SplatColumn> columns = columns_of(element);
   const GaussianSpans<const float> values = element.set->values();
   std::vector<float> block;
   for (int64_t begin = 0; begin < values.count; begin += kBlockRows) {
@@ -64,9 +76,16 @@ int stored_coefficients(const std::filesystem::path& path, const PlyElement& ele
       path.string(), element.name, rest));
 }
 
+/// Levels of which there is a first property.
+int stored_levels(const PlyElement& element) {
+  int levels = 0;
+  while (levels < kMaxTimeLevels && element.find(fmt::format("f_cos{}_0", levels + 1))) ++levels;
+  return levels;
+}
+
 }  // namespace
 
-std::vector<SplatColumn> splat_columns(Form form, int coefficients) {
+std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_levels) {
   std::vector<SplatColumn> columns;
   append(columns, kMean, {"x", "y", "z"});
   if (form == Form::kStatic)
@@ -82,6 +101,7 @@ std::vector<SplatColumn> splat_columns(Form form, int coefficients) {
     append(columns, kRotationRight, {"rot_right_0", "rot_right_1", "rot_right_2", "rot_right_3"});
   else
     append(columns, kVelocity, {"velocity_0", "velocity_1", "velocity_2"});
+  for (int n = 1; n <= time_levels; ++n) append_level(columns, coefficients, n);
   return columns;
 }
 
@@ -91,9 +111,13 @@ Form dynamic_form_of(const PlyElement& element) {
 
 void write_splats(const std::filesystem::path& path, const std::vector<std::string>& comments,
                   const std::vector<SplatElement>& elements) {
-  for (const SplatElement& element : elements)
-    check(element.coefficients >= 1 && element.coefficients <= element.set->coefficients(),
+  for (const SplatElement& element : elements) {
+    const int stored = element.set->coefficients();
+    check(element.coefficients >= 1 && element.coefficients <= stored,
           "write_splats: more SH coefficients than the set stores");
+    check(element.set->time_levels() == 0 || element.coefficients == stored,
+          "write_splats: a part of the coefficients of a level of time");
+  }
   AtomicFile output(path);
   output.write(ply_header_text(layout_of(comments, elements)));
   for (const SplatElement& element : elements) write_rows(output, element);
@@ -102,10 +126,11 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
 
 GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, Form form) {
   const int coefficients = stored_coefficients(path, element);
-  GaussianSet set(form, coefficients);
+  const int levels = form == Form::kStatic ? 0 : stored_levels(element);
+  GaussianSet set(form, coefficients, host_memory(), levels);
   set.resize(element.rows);
   const GaussianSpans<float> values = set.values();
-  for (const SplatColumn& column : splat_columns(form, coefficients)) {
+  for (const SplatColumn& column : splat_columns(form, coefficients, levels)) {
     if (!column.group) continue;
     const PlyColumn* const stored = element.find(column.name);
     if (stored == nullptr)

@@ -19,14 +19,16 @@ struct SplatColumn {
   int offset = 0;              // scalar inside a row of the group
 };
 
-/// x y z [nx ny nz] f_dc f_rest opacity scale rot, then for Dim 4 mean_time scale_time and, by
-/// form, rot_right or velocity. Normals belong to Dim 3 only, where viewers expect them.
-std::vector<SplatColumn> splat_columns(Form form, int coefficients);
+/// x y z [nx ny nz] f_dc f_rest opacity scale rot, then for Dim 4 mean_time scale_time, by form
+/// rot_right or velocity, and f_cos1_0 … f_cos<L>_<3K−1>, the levels of time, each channel-major.
+/// Normals belong to Dim 3 only, where viewers expect them.
+std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_levels = 0);
 
 /// The form that the columns of a dynamic element are of.
 Form dynamic_form_of(const PlyElement& element);
 
-/// A set as an element of a file; the first `coefficients` of its SH are written.
+/// A set as an element of a file; the first `coefficients` of its SH are written. All, where the
+/// set has levels of time.
 struct SplatElement {
   std::string name;
   const GaussianSet* set = nullptr;
@@ -38,8 +40,9 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
                   const std::vector<SplatElement>& elements);
 
 /// Rows of `element` as a set with the SH coefficients that its f_rest columns make: 1, 4, 9 or 16.
-/// Every column but the normals is required. Errors: InputError naming `path`, the element and the
-/// property that is missing, or the count of f_rest that fits no degree.
+/// Every column but the normals is required, and f_cos of whole levels where there are any. Errors:
+/// InputError naming `path`, the element and the property that is missing, or the count of f_rest
+/// that fits no degree.
 GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, Form form);
 
 }  // namespace tessera

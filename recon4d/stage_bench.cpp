@@ -36,7 +36,7 @@ void check_options(const StageBenchOptions& bench) {
 
 /// `set` repeated up to `count` rows, copies moved by about their own size; opacity as given.
 GaussianSet enlarged(const GaussianSet& set, int64_t count, double opacity, uint64_t seed) {
-  GaussianSet large(set.form(), set.coefficients());
+  GaussianSet large = set.like();
   large.resize(count);
   const GaussianSpans<const float> from = set.values();
   const GaussianSpans<float> to = large.values();
@@ -65,7 +65,7 @@ GaussianModel initial_load(const Scene& scene, const TrainOptions& options,
   };
   enlarge(model.static_set, statics);
   enlarge(model.dynamic_set, wanted - statics);
-  model.sh_degree = int(options.sh_degree);
+  model.sh_degree = int(options.sh_degree), model.sh_time_degree = int(options.sh_time_degree);
   return model;
 }
 
@@ -149,7 +149,7 @@ class Load {
       reorder(backend_, set, state_.statistics[k]);
     else
       shuffle(backend_, set, uint64_t(options_.seed));
-    gradients_[k] = GaussianSet(set.form(), set.coefficients(), backend_.memory());
+    gradients_[k] = set.like(backend_.memory());
     if (!options_.fused_optimizer) gradients_[k].resize(set.count());
   }
 

@@ -1,5 +1,6 @@
 // What: the option table: name, member, range, meaning and source of every knob.
 // Not: setting them (train_options.cpp), nor any use of the values.
+#include "kernels/math/spherindrical.h"
 #include "recon4d/train_options.h"
 
 namespace tessera {
@@ -64,6 +65,10 @@ const std::vector<OptionRow>& train_option_rows() {
        "checks in a row without a gain of 0.02 dB that end the training; 0: none do", "ours"},
       {"sh_degree", &O::sh_degree, 0, 3, "highest spherical-harmonics degree", "[3DGS]"},
       {"sh_interval", &O::sh_interval, 1, 1e9, "steps between two degrees", "[3DGS]"},
+      {"sh_time_degree", &O::sh_time_degree, 0, kMaxTimeLevels,
+       "highest n of cos(2 pi n t / clip length) by which colours of dynamic Gaussians change; 0: "
+       "they do not. One more every sh_interval after the last degree",
+       "[Yang24], which has 2"},
       {"sliced_direction", &O::sliced_direction, 0, 1,
        "colours depend on the direction to a Gaussian where it is at the view's moment; false: to "
        "its mean over time",

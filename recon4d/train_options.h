@@ -30,7 +30,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   double validation_share = 0;
   int64_t validate_interval = 500, stop_patience = 0;
   // colour
-  int64_t sh_degree = 3, sh_interval = 1000;
+  int64_t sh_degree = 3, sh_interval = 1000, sh_time_degree = 0;
   bool sliced_direction = true;
   // aliasing, and where splats end
   bool filter_2d = false;

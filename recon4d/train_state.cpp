@@ -38,7 +38,7 @@ GaussianSpans<const float> drawn_values(const TrainState& state, int k,
 LazySh<float> lazy_sh(TrainState& state, int k, const TrainOptions& options,
                       Span<const double> table) {
   if (idle_update(options) != IdleUpdate::kLazy) return {};
-  ParameterGroup& sh = state.set(k).group(kSh);
+  ParameterGroup &sh = state.set(k).group(kSh), &sh_time = state.set(k).group(kShTime);
   return {state.statistics[k].sh_step.span(),
           table,
           sh.value.span(),
@@ -46,7 +46,10 @@ LazySh<float> lazy_sh(TrainState& state, int k, const TrainOptions& options,
           sh.moment2.span(),
           state.iteration,
           float(options.lr_sh),
-          float(options.lr_sh_rest)};
+          float(options.lr_sh_rest),
+          sh_time.value.span(),
+          sh_time.moment1.span(),
+          sh_time.moment2.span()};
 }
 
 bool is_behind(const TrainState& state, const TrainOptions& options) {
@@ -70,12 +73,15 @@ GaussianModel caught_up_model(const TrainState& state, const TrainOptions& optio
   if (!is_behind(state, options)) return std::move(copy.model);
   const std::vector<double> table = lazy_adam_table(state.iteration);
   for (int k = 0; k < 2; ++k) {
-    ParameterGroup& sh = copy.set(k).group(kSh);
-    sh.moment1.copy_from(state.set(k).group(kSh).moment1);
-    sh.moment2.copy_from(state.set(k).group(kSh).moment2);
+    for (const Group g : {kSh, kShTime}) {
+      copy.set(k).group(g).moment1.copy_from(state.set(k).group(g).moment1);
+      copy.set(k).group(g).moment2.copy_from(state.set(k).group(g).moment2);
+    }
     copy.statistics[k].sh_step.copy_from(state.statistics[k].sh_step);
     host->catch_up(lazy_sh(copy, k, options, {table.data(), int64_t(table.size())}));
-    sh.moment1 = Buffer<float>(), sh.moment2 = Buffer<float>();
+    for (const Group g : {kSh, kShTime})
+      for (auto moment : {&ParameterGroup::moment1, &ParameterGroup::moment2})
+        copy.set(k).group(g).*moment = Buffer<float>();
   }
   return std::move(copy.model);
 }

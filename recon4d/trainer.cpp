@@ -147,7 +147,9 @@ void Trainer::catch_up() {
 
 void Trainer::control() {
   const int64_t i = state_.iteration;
-  const int degree = schedule_.sh_degree(i);
+  GaussianModel& model = state_.model;
+  const int degree = schedule_.sh_degree(i), time_degree = schedule_.sh_time_degree(i);
+  const bool ramps = degree != model.sh_degree || time_degree != model.sh_time_degree;
   const bool densifies = schedule_.densify(i), reorders = schedule_.reorder(i);
   if (densifies) {
     complete_pending();  // it waits for the backend anyway
@@ -155,8 +157,8 @@ void Trainer::control() {
     if (&backend_.memory() != &host_memory()) pipeline_.release();
     backend_.memory().trim();
   }
-  if (densifies || reorders || degree != state_.model.sh_degree) catch_up();
-  state_.model.sh_degree = degree;
+  if (densifies || reorders || ramps) catch_up();
+  model.sh_degree = degree, model.sh_time_degree = time_degree;
   if (densifies) densify();
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);

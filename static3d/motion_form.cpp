@@ -17,7 +17,7 @@ namespace tessera {
 namespace {
 
 constexpr int64_t kGrain = 1024;
-constexpr Group kShared[] = {kMean, kOpacityLogit, kSh, kMeanTime};
+constexpr Group kShared[] = {kMean, kOpacityLogit, kSh, kMeanTime, kShTime};
 
 void store(const Vec4<double>& rotation, const Vec3<double>& log_scale, double log_scale_time,
            const GaussianSpans<float>& to, int64_t n) {
@@ -62,7 +62,7 @@ GaussianSet in_form(const GaussianSet& dynamic_set, Form form) {
         "in_form: forms of a dynamic set");
   const GaussianSet sound = select_rows(dynamic_set, sound_rows(dynamic_set));
   if (sound.form() == form) return sound.clone_values();
-  GaussianSet result(form, sound.coefficients());
+  GaussianSet result(form, sound.coefficients(), host_memory(), sound.time_levels());
   result.resize(sound.count());
   const GaussianSpans<const float> from = sound.values();
   const GaussianSpans<float> to = result.values();

@@ -1,4 +1,5 @@
-// What: shapes by eigen-decomposition, and the copy of what is drawn at a moment.
+// What: shapes by eigen-decomposition, and the copy of what is drawn at a moment; colours that
+// follow time become those of the moment, exactly.
 // Not: other cut-offs than the renderer's: both call load_gaussian and slice_at.
 #include "static3d/slicer.h"
 
@@ -6,6 +7,7 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/math/splat.h"
+#include "recon4d/render.h"
 #include "static3d/shape3.h"
 
 namespace tessera {
@@ -85,6 +87,8 @@ GaussianSet Slicer::at(double time) const {
   copy_static(fixed, set);
   const GaussianSpans<const float> source = dynamic.values();
   const GaussianSpans<float> target = set.values();
+  const ColourRules<float> colours =
+      make_colour_rules<float>(render_options(model_), source.coefficients, source.time_levels);
   int64_t n = fixed.count();
   for (const auto& [g, at_time] : drawn) {
     const double precision = double(g->spacetime.precision_time) * double(at_time.kept);
@@ -97,6 +101,7 @@ GaussianSet Slicer::at(double time) const {
     *target.at(kOpacityLogit, n) =
         logit_of_product(double(*source.at(kOpacityLogit, g->source)), exponent);
     copy_sh(source.at(kSh, g->source), dynamic.coefficients(), target.at(kSh, n), coefficients);
+    add_levels(colours, at_time.delta, source.at(kShTime, g->source), target.at(kSh, n));
     ++n;
   }
   return set;

@@ -74,6 +74,8 @@ void change_gaussian(const Change& change, const GaussianSpans<float>& v, int64_
   }
   if (v.form == Form::kVelocity) change_velocity(change, v.at(kVelocity, n));
   change.sh.apply(v.coefficients, v.at(kSh, n));
+  for (int level = 0; level < v.time_levels; ++level)
+    change.sh.apply(v.coefficients, v.at(kShTime, n) + level * v.width(kSh));
 }
 
 void change_set(const Change& change, GaussianSet& set) {

@@ -66,6 +66,25 @@ TESSERA_HD inline Real fast_divide(Real a, Real b) {
   return a / b;
 }
 
+inline constexpr double kTurn = 6.283185307179586;  // 2π
+
+/// cos(2πx). Whole turns are taken off first, which is exact; the device's function does so itself.
+template <class Real>
+TESSERA_HD inline Real cos_turns(Real x) {
+#if defined(__CUDA_ARCH__)
+  if constexpr (sizeof(Real) == sizeof(float)) return ::cospif(2 * x);
+#endif
+  return std::cos(Real(kTurn) * (x - std::round(x)));
+}
+/// sin(2πx).
+template <class Real>
+TESSERA_HD inline Real sin_turns(Real x) {
+#if defined(__CUDA_ARCH__)
+  if constexpr (sizeof(Real) == sizeof(float)) return ::sinpif(2 * x);
+#endif
+  return std::sin(Real(kTurn) * (x - std::round(x)));
+}
+
 template <class Real>
 TESSERA_HD inline Real sigmoid(Real x) {
   return Real(1) / (Real(1) + exp(-x));

@@ -5,7 +5,7 @@
 #include "kernels/gaussians.h"
 #include "kernels/math/filter_3d.h"
 #include "kernels/math/spacetime.h"
-#include "kernels/math/spherical_harmonics.h"
+#include "kernels/math/spherindrical.h"
 #include "kernels/math/splat_rules.h"
 
 namespace tessera {
@@ -19,6 +19,7 @@ struct GaussianState {
   Vec3<Real> log_scale;  // after the 3D filter
   Spacetime<Real> spacetime;
   const Real* sh;
+  const Real* sh_time;  // of the levels of time
 };
 
 template <class Real>
@@ -55,7 +56,7 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
     g.spacetime = static_spacetime(q, log_scale);
   }
   g.mean = load3(set.at(kMean, n));
-  g.sh = set.at(kSh, n);
+  g.sh = set.at(kSh, n), g.sh_time = set.at(kShTime, n);
   const Sym3<Real>& c = g.spacetime.covariance;
   const Real trace = c.xx + c.yy + c.zz;
   Real stored = g.mean[0] + g.mean[1] + g.mean[2] + *set.at(kOpacityLogit, n) + log_scale[0] +
@@ -134,6 +135,17 @@ TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianS
   out.power = bounds_power(rules.bounds, out.opacity, rules.cutoff);
   out.rect = tile_rect(rules.bounds, view, out.projection.mean2d, out.projection.cov2d, out.power);
   return !out.rect.empty();
+}
+
+/// The SH coefficients of g at a moment: those that are stored, or, where levels of time are added
+/// to them, what they make in `room`, [3·kMaxShCoefficients].
+template <class Real>
+TESSERA_HD inline const Real* sh_at(const ColourRules<Real>& rules, const GaussianState<Real>& g,
+                                    Real delta, Real* room) {
+  if (rules.levels == 0) return g.sh;
+  for (int j = 0; j < rules.scalars(); ++j) room[j] = g.sh[j];
+  add_levels(rules, delta, g.sh_time, room);
+  return room;
 }
 
 /// Drawn colour in a viewing direction, clamped at 0; bit c of `negative`: channel c was. False

@@ -58,8 +58,10 @@ struct StoreGradient {
           for (int j = 0; j < width; ++j) out.at(group, n)[j] = g[j];
         });
   }
-  /// Scalar j of the SH coefficients.
-  TESSERA_HD void accept_sh(int64_t n, int j, Real gradient) const { out.at(kSh, n)[j] = gradient; }
+  /// Scalar j of the SH coefficients: kSh or kShTime.
+  TESSERA_HD void accept_sh(Group group, int64_t n, int j, Real gradient) const {
+    out.at(group, n)[j] = gradient;
+  }
 };
 
 template <class Real>
@@ -75,9 +77,13 @@ struct ApplyAdam {
           for (int j = 0; j < width; ++j) adam_step(adam.group[group], g[j], x[j], m[j], v[j]);
         });
   }
-  TESSERA_HD void accept_sh(int64_t n, int j, Real gradient) const {
-    Real *x = value.at(kSh, n), *m = moment1.at(kSh, n), *v = moment2.at(kSh, n);
-    adam_step(j < 3 ? adam.group[kSh] : adam.sh_rest, gradient, x[j], m[j], v[j]);
+  TESSERA_HD void accept_sh(Group group, int64_t n, int j, Real gradient) const {
+    Real *x = value.at(group, n), *m = moment1.at(group, n), *v = moment2.at(group, n);
+    adam_step(sh_scalars(group, j), gradient, x[j], m[j], v[j]);
+  }
+  /// Step sizes of scalar j.
+  TESSERA_HD const AdamScalars<Real>& sh_scalars(Group group, int j) const {
+    return group == kSh && j < 3 ? adam.group[kSh] : adam.sh_rest;
   }
 };
 
@@ -89,13 +95,17 @@ TESSERA_HD inline void catch_up_sh(const LazySh<Real>& lazy, const LazyGap<Real>
                 lazy.moment2[at + j]);
 }
 
-/// All coefficients of one Gaussian, `width` scalars.
+/// All coefficients of one Gaussian, `width` scalars and the levels of time.
 template <class Real>
 TESSERA_HD inline void catch_up_gaussian(const LazySh<Real>& lazy, int64_t n, int width) {
   const int64_t last = lazy.last_step[n];
   if (last >= lazy.step) return;
   const LazyGap<Real> gap = lazy_gap<Real>(lazy.table.data, last, lazy.step);
   for (int j = 0; j < width; ++j) catch_up_sh(lazy, gap, n * width, j);
+  const int64_t levels = lazy.time_value.size / lazy.last_step.size;
+  for (int64_t i = n * levels; i < (n + 1) * levels; ++i)
+    lazy_catch_up(gap, lazy.rate_rest, lazy.time_value[i], lazy.time_moment1[i],
+                  lazy.time_moment2[i]);
   lazy.last_step[n] = int32_t(lazy.step);
 }
 

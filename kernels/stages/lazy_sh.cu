@@ -29,24 +29,41 @@ struct alignas(4 * Scalars) Lane {
   float at[Scalars];
 };
 
+/// Scalars of a group, the first three of a row with a rate of their own.
+struct LazyGroup {
+  Span<float> value, moment1, moment2;  // [N, width]
+  float rate, rate_rest;
+};
+
 template <int Scalars>
 __global__ void __launch_bounds__(kThreads)
-    catch_up(LazySh<float> lazy, int width, const LazyGap<float>* gaps) {
+    catch_up(LazyGroup group, int64_t gaussians, int width, const LazyGap<float>* gaps) {
   const int64_t at = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   const int per_gaussian = width / Scalars;
   const int64_t n = at / per_gaussian;
-  if (n >= lazy.last_step.size) return;
+  if (n >= gaussians) return;
   const LazyGap<float> gap = gaps[n];
   if (gap.decay1 < 0) return;
   const int first = int(at - n * per_gaussian) * Scalars;
-  auto* const values = reinterpret_cast<Lane<Scalars>*>(lazy.value.data) + at;
-  auto* const moments1 = reinterpret_cast<Lane<Scalars>*>(lazy.moment1.data) + at;
-  auto* const moments2 = reinterpret_cast<Lane<Scalars>*>(lazy.moment2.data) + at;
+  auto* const values = reinterpret_cast<Lane<Scalars>*>(group.value.data) + at;
+  auto* const moments1 = reinterpret_cast<Lane<Scalars>*>(group.moment1.data) + at;
+  auto* const moments2 = reinterpret_cast<Lane<Scalars>*>(group.moment2.data) + at;
   Lane<Scalars> x = *values, m = *moments1, v = *moments2;
   TESSERA_UNROLL
   for (int j = 0; j < Scalars; ++j)
-    lazy_catch_up(gap, first + j < 3 ? lazy.rate : lazy.rate_rest, x.at[j], m.at[j], v.at[j]);
+    lazy_catch_up(gap, first + j < 3 ? group.rate : group.rate_rest, x.at[j], m.at[j], v.at[j]);
   *values = x, *moments1 = m, *moments2 = v;
+}
+
+void launch_group(const LazyGroup& group, int64_t N, const LazyGap<float>* gaps,
+                  cudaStream_t stream) {
+  const int width = int(group.value.size / N);
+  if (width == 0) return;
+  if (width % 4 == 0)
+    catch_up<4><<<grid_of(N * width / 4, kThreads), kThreads, 0, stream>>>(group, N, width, gaps);
+  else
+    catch_up<1><<<grid_of(N * width, kThreads), kThreads, 0, stream>>>(group, N, width, gaps);
+  check_launch("catch_up");
 }
 
 }  // namespace
@@ -54,13 +71,12 @@ __global__ void __launch_bounds__(kThreads)
 void launch_catch_up(const LazySh<float>& lazy, const int64_t* first_of, LazyGap<float>* gaps,
                      cudaStream_t stream) {
   const int64_t N = lazy.last_step.size;
-  const int width = int(lazy.value.size / N);
   find_gaps<<<grid_of(N, 128), 128, 0, stream>>>(lazy, first_of, gaps);
-  if (width % 4 == 0)
-    catch_up<4><<<grid_of(N * width / 4, kThreads), kThreads, 0, stream>>>(lazy, width, gaps);
-  else
-    catch_up<1><<<grid_of(N * width, kThreads), kThreads, 0, stream>>>(lazy, width, gaps);
-  check_launch("catch_up");
+  launch_group({lazy.value, lazy.moment1, lazy.moment2, lazy.rate, lazy.rate_rest}, N, gaps,
+               stream);
+  launch_group(
+      {lazy.time_value, lazy.time_moment1, lazy.time_moment2, lazy.rate_rest, lazy.rate_rest}, N,
+      gaps, stream);
 }
 
 }  // namespace tessera

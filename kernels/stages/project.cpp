@@ -33,7 +33,8 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t 
                  Chunk<Real>& chunk) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
   const SplatRules<Real> rules = make_splat_rules<Real>(args.options);
-  const int degree = min_of(args.options.sh_degree, sh_degree_of(args.sets[set].coefficients));
+  const ColourRules<Real> colours = make_colour_rules<Real>(
+      args.options, args.sets[set].coefficients, args.sets[set].time_levels);
   const LazySh<Real>& lazy = args.lazy[set];
   for (int64_t n = begin; n < end; ++n) {
     chunk.starts.push_back(int64_t(chunk.records.size()));
@@ -52,10 +53,11 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t 
       if (record.tiles == 0) continue;
       Splat<Real>& out = record.splat;
       if (!lazy.last_step.empty()) catch_up_gaussian(lazy, n, 3 * args.sets[set].coefficients);
-      Real distance;
-      const Vec3<Real> direction = view_direction(
-          views[b], args.options.sliced_direction ? splat.slice.mean : g.mean, distance);
-      if (!drawn_colour(degree, direction, g.sh, out.colour, out.negative)) {
+      Real distance, room[3 * kMaxShCoefficients];
+      const Vec3<Real> direction =
+          view_direction(views[b], colours.sliced_direction ? splat.slice.mean : g.mean, distance);
+      const Real* const sh = sh_at(colours, g, splat.slice.delta, room);
+      if (!drawn_colour(colours.degree, direction, sh, out.colour, out.negative)) {
         ++chunk.invalid;
         break;
       }

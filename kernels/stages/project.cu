@@ -24,9 +24,9 @@ struct SetArgs {
   GaussianSpans<const float> set;
   int64_t first;
   const ViewArgs<float>* views;
-  int view_count, degree;
+  int view_count;
   SplatRules<float> rules;
-  bool sliced_direction;
+  ColourRules<float> colours;
 };
 
 /// A bit for each view that draws a Gaussian, in `words` words, and how many there are.
@@ -83,6 +83,7 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
                                   Splat<float>& splat, TileRect& rect) {
   const int64_t n = out.gaussian[s] - a.first;
   const int b = out.view[s];
+  const ColourRules<float> colours = rules_of<form>(a.colours);
   GaussianState<float> g;
   ViewSplat<float> in_view;
   load_gaussian<form>(a.set, n, g);
@@ -92,10 +93,10 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
   out.depth[s] = in_view.projection.in_cam[2];
   rect = in_view.rect;
   float sh[3 * kMaxShCoefficients] = {}, distance;
-  load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
+  load_sh(colours, g, in_view.slice.delta, sh);
   const Vec3<float> direction =
-      view_direction(a.views[b], a.sliced_direction ? in_view.slice.mean : g.mean, distance);
-  const bool finite = drawn_colour(a.degree, direction, sh, splat.colour, splat.negative);
+      view_direction(a.views[b], colours.sliced_direction ? in_view.slice.mean : g.mean, distance);
+  const bool finite = drawn_colour(colours.degree, direction, sh, splat.colour, splat.negative);
   if (!finite) splat.negative = kNotDrawn, rect = {};
   return finite;
 }
@@ -134,9 +135,8 @@ SetArgs set_args(const ProjectArgs<float>& args, int set, const ViewArgs<float>*
           set == 0 ? 0 : args.sets[0].count,
           views,
           int(args.batch->views.size()),
-          min_of(args.options.sh_degree, sh_degree_of(spans.coefficients)),
           make_splat_rules<float>(args.options),
-          args.options.sliced_direction};
+          make_colour_rules<float>(args.options, spans.coefficients, spans.time_levels)};
 }
 
 }  // namespace
@@ -216,8 +216,9 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
   double bytes = 20.0 * double(gaussians) + double(splats.count) * (8 + 48 + 4 + 8 + 4);
   for (const GaussianSpans<const float>& spans : args.sets)
     bytes += double(spans.count) * 4 * geometry_scalars(spans.form);
+  const double levels = 1 + min_of(args.options.sh_time_degree, args.sets[1].time_levels);
   const int degree = args.options.sh_degree;
-  clock_.add_bytes(kProject, bytes + double(splats.count) * 12 * sh_coefficients(degree));
+  clock_.add_bytes(kProject, bytes + levels * double(splats.count) * 12 * sh_coefficients(degree));
 }
 
 }  // namespace tessera

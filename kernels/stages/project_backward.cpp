@@ -1,6 +1,7 @@
 // What: splat gradients → parameter gradients of each Gaussian, summed over its views, into a sink.
 // Not: equations (math/). One task owns a run of Gaussians; parameters are read once.
 // Source: method A.12, A.16, D.6.
+#include <algorithm>
 #include <atomic>
 #include <utility>
 
@@ -20,42 +21,57 @@ template <class Real>
 struct GaussianGradient {
   GeometryGradient<Real> geometry;
   Real sh[3 * kMaxShCoefficients] = {};
+  Real sh_time[3 * kMaxShCoefficients * kMaxTimeLevels];  // of the levels that are stored
   unsigned bad = 0;
 };
 
 template <class Real>
-void add_sh(int degree, const ColourGradient<Real>& colour, Real* d_sh) {
+void add_sh(const ColourRules<Real>& rules, const ColourGradient<Real>& colour,
+            GaussianGradient<Real>& out) {
   Real Y[kMaxShCoefficients];
-  sh_basis(degree, colour.direction, Y);
-  for (int k = 0; k < sh_coefficients(degree); ++k)
-    for (int c = 0; c < 3; ++c) d_sh[3 * k + c] += Y[k] * colour.d_colour[c];
+  sh_basis(rules.degree, colour.direction, Y);
+  for (int k = 0; k < sh_coefficients(rules.degree); ++k)
+    for (int c = 0; c < 3; ++c) out.sh[3 * k + c] += Y[k] * colour.d_colour[c];
+  for (int n = 1; n <= rules.levels; ++n) {
+    const Real weight = level_weight(rules, n, colour.delta);
+    Real* const d_level = out.sh_time + (n - 1) * rules.row;
+    for (int k = 0; k < sh_coefficients(rules.degree); ++k)
+      for (int c = 0; c < 3; ++c) d_level[3 * k + c] += weight * Y[k] * colour.d_colour[c];
+  }
+}
+
+/// Whether all of `count` scalars are finite.
+template <class Real>
+bool all_finite(const Real* scalars, int count) {
+  Real sum = Real(0);
+  for (int j = 0; j < count; ++j) sum += scalars[j] - scalars[j];
+  return sum == Real(0);
 }
 
 template <Form form, class Real>
 void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<Real>& rules,
-                       const RegulariserTerms<Real>& terms, int set, int64_t n, int64_t first,
-                       int64_t last, GaussianGradient<Real>& out) {
+                       const ColourRules<Real>& colours, const RegulariserTerms<Real>& terms,
+                       int set, int64_t n, int64_t first, int64_t last,
+                       GaussianGradient<Real>& out) {
   const GaussianSpans<const Real>& params = args.forward.sets[set];
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
-  const int degree = min_of(args.forward.options.sh_degree, sh_degree_of(params.coefficients));
-  const bool sliced = args.forward.options.sliced_direction;
   GaussianState<Real> g;
   if (!load_gaussian<form>(params, n, g)) return;
   ViewSums<Real> sums;
   for (int64_t s = first; s < last; ++s) {
     const Splat<Real>& splat = args.splats->splat[s];
     const ViewArgs<Real>& view = views[size_t(splat.view)];
-    add_sh(degree,
-           add_view_gradient(view, g, g.sh, degree, sliced, rules, splat, args.d_splats[s], sums),
-           out.sh);
+    Real room[3 * kMaxShCoefficients];
+    const Real* const sh = sh_at(colours, g, view.time - g.spacetime.mean_time, room);
+    add_sh(colours, add_view_gradient(view, g, sh, colours, rules, splat, args.d_splats[s], sums),
+           out);
   }
   if (terms.template in_spacetime<form>())
     add_spacetime_regulariser(terms, n, g.spacetime, sums.spacetime);
   out.geometry = geometry_gradient<form>(params, n, g, sums);
   if (first == last) return;
-  Real sum = Real(0);
-  for (int j = 0; j < 3 * params.coefficients; ++j) sum += out.sh[j] - out.sh[j];
-  if (!(sum == Real(0))) out.bad |= 1u << kSh;
+  if (!all_finite(out.sh, params.width(kSh))) out.bad |= 1u << kSh;
+  if (!all_finite(out.sh_time, params.width(kShTime))) out.bad |= 1u << kShTime;
   const DensityStatistics<Real>& statistics = args.statistics[set];
   if (statistics.count.empty()) return;
   // per-image gradients: the batch loss is their mean, so multiply by B, divide by n_v
@@ -70,16 +86,18 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const RegulariserTe
   const SinkArgs<Real>& wanted = args.sinks[set];
   const IdleUpdate idle = wanted.fused ? wanted.idle : IdleUpdate::kDense;
   const GaussianSpans<const Real>& params = args.forward.sets[set];
-  const int width = 3 * params.coefficients;
   const SplatRules<Real> rules = make_splat_rules<Real>(args.forward.options);
+  const ColourRules<Real> colours =
+      make_colour_rules<Real>(args.forward.options, params.coefficients, params.time_levels);
   unsigned bad = 0;
   for (int64_t n = begin; n < end; ++n) {
     const int64_t first = args.splats->first_of[first_gaussian + n];
     const int64_t last = args.splats->first_of[first_gaussian + n + 1];
     if (first == last && idle == IdleUpdate::kSkip) continue;
     GaussianGradient<Real> gradient;
+    std::fill_n(gradient.sh_time, params.width(kShTime), Real(0));
     if (first < last || terms.template in_spacetime<form>())
-      gaussian_gradient<form>(args, rules, terms, set, n, first, last, gradient);
+      gaussian_gradient<form>(args, rules, colours, terms, set, n, first, last, gradient);
     add_regulariser<form>(terms, params, n, gradient.geometry);
     bad |= gradient.bad | gradient.geometry.template non_finite<form>();
     sink.template accept<form>(n, gradient.geometry);
@@ -87,7 +105,9 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const RegulariserTe
       if (first == last) continue;
       wanted.lazy.last_step[n] = int32_t(wanted.lazy.step + 1);
     }
-    for (int j = 0; j < width; ++j) sink.accept_sh(n, j, gradient.sh[j]);
+    for (int j = 0; j < params.width(kSh); ++j) sink.accept_sh(kSh, n, j, gradient.sh[j]);
+    for (int j = 0; j < params.width(kShTime); ++j)
+      sink.accept_sh(kShTime, n, j, gradient.sh_time[j]);
   }
   return bad;
 }

@@ -23,8 +23,8 @@ struct Backward {
   GaussianSpans<const float> set;
   int64_t first;  // Gaussians before this set
   const ViewArgs<float>* views;
-  int view_count, degree;
-  bool sliced_direction;
+  int view_count;
+  ColourRules<float> colours;
   SplatRules<float> rules;
   const Splat<float>* splats;
   const int32_t *tiles, *gaussian;
@@ -37,9 +37,10 @@ struct Backward {
   StepCounters* counters;
 };
 
-/// The gradient by colour and the direction take the place of a splat's gradient once it is used.
+/// What the SH need takes the place of a splat's gradient once it is used: the gradient by colour,
+/// the direction, Δ.
 __device__ inline void keep_colour(const ColourGradient<float>& colour, SplatGradient<float>& d) {
-  d.colour = colour.d_colour;
+  d.colour = colour.d_colour, d.opacity = colour.delta;
   d.conic = {colour.direction[0], colour.direction[1], colour.direction[2]};
 }
 
@@ -61,12 +62,12 @@ __global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<
   GaussianState<float> g;
   const Splat<float> splat = a.splats[s];
   if (splat.negative != kNotDrawn && load_gaussian<form>(a.set, n, g)) {
+    const ColourRules<float> colours = rules_of<form>(a.colours);
+    const ViewArgs<float>& view = a.views[splat.view];
     float sh[3 * kMaxShCoefficients] = {};
-    load_sh(g.sh, 3 * a.set.coefficients, 3 * sh_coefficients(a.degree), sh);
+    load_sh(colours, g, view.time - g.spacetime.mean_time, sh);
     const SplatGradient<float> d = a.d_splats[s];
-    keep_colour(add_view_gradient(a.views[splat.view], g, sh, a.degree, a.sliced_direction, a.rules,
-                                  splat, d, sum),
-                a.d_splats[s]);
+    keep_colour(add_view_gradient(view, g, sh, colours, a.rules, splat, d, sum), a.d_splats[s]);
   }
   sums[s] = sum;
 }
@@ -105,25 +106,24 @@ __global__ void __launch_bounds__(kThreads)
 
 /// Neighbouring SH scalars into a sink, with one access of 16 bytes to each array where there
 /// are 4.
-template <int Scalars>
+template <Group group, int Scalars>
 __device__ inline void accept_sh(const StoreGradient<float>& sink, int64_t n, int first,
                                  const float (&g)[Scalars]) {
-  for (int j = 0; j < Scalars; ++j) sink.accept_sh(n, first + j, g[j]);
+  for (int j = 0; j < Scalars; ++j) sink.accept_sh(group, n, first + j, g[j]);
 }
-template <int Scalars>
+template <Group group, int Scalars>
 __device__ inline void accept_sh(const ApplyAdam<float>& sink, int64_t n, int first,
                                  const float (&g)[Scalars]) {
   struct alignas(4 * Scalars) Lane {
     float at[Scalars];
   };
-  Lane& value = reinterpret_cast<Lane&>(sink.value.at(kSh, n)[first]);
-  Lane& moment1 = reinterpret_cast<Lane&>(sink.moment1.at(kSh, n)[first]);
-  Lane& moment2 = reinterpret_cast<Lane&>(sink.moment2.at(kSh, n)[first]);
+  Lane& value = reinterpret_cast<Lane&>(sink.value.at(group, n)[first]);
+  Lane& moment1 = reinterpret_cast<Lane&>(sink.moment1.at(group, n)[first]);
+  Lane& moment2 = reinterpret_cast<Lane&>(sink.moment2.at(group, n)[first]);
   Lane x = value, m = moment1, v = moment2;
   TESSERA_UNROLL
   for (int j = 0; j < Scalars; ++j)
-    adam_step(first + j < 3 ? sink.adam.group[kSh] : sink.adam.sh_rest, g[j], x.at[j], m.at[j],
-              v.at[j]);
+    adam_step(sink.sh_scalars(group, first + j), g[j], x.at[j], m.at[j], v.at[j]);
   value = x, moment1 = m, moment2 = v;
 }
 
@@ -138,35 +138,55 @@ __device__ inline float2 two_of_basis(int degree, const Vec3<float>& direction, 
   return two;
 }
 
-/// A thread has `Scalars` neighbouring ones of a Gaussian's coefficients: 4 where rows allow it.
-template <int Scalars, class Sink>
+/// A thread has `Scalars` neighbouring ones of a Gaussian's coefficients, all of one level of time:
+/// 4 where rows allow it.
+template <Group group, int Scalars, class Sink>
 __global__ void __launch_bounds__(kShThreads) sh_backward(Backward a, Sink sink, bool stores) {
   const int64_t at = int64_t(blockIdx.x) * kShThreads + threadIdx.x;
-  const int per_gaussian = 3 * a.set.coefficients / Scalars;
+  const int per_gaussian = a.set.width(group) / Scalars;
   const int64_t n = at / per_gaussian;
   if (n >= a.set.count) return;
-  const int first = int(at - n * per_gaussian) * Scalars, k = first / 3;
+  const int first = int(at - n * per_gaussian) * Scalars;
+  const int level = group == kShTime ? 1 + first / a.colours.row : 0;
+  const int in_level = group == kShTime ? first - (level - 1) * a.colours.row : first;
+  const int k = in_level / 3;
   const int64_t begin = a.first_of[a.first + n], end = a.first_of[a.first + n + 1];
   if (begin == end && a.idle != IdleUpdate::kDense) return;
-  if (a.idle == IdleUpdate::kLazy && first == 0) a.lazy.last_step[n] = int32_t(a.lazy.step + 1);
-  // coefficients of bands that are not active yet have neither gradient nor moments
-  if (k >= sh_coefficients(a.degree) && !stores) return;
+  if (group == kSh && a.idle == IdleUpdate::kLazy && first == 0)
+    a.lazy.last_step[n] = int32_t(a.lazy.step + 1);
+  // coefficients of bands and levels that are not active yet have neither gradient nor moments
+  const bool active = k < sh_coefficients(a.colours.degree) && level <= a.colours.levels;
+  if (!active && !stores) return;
   float sum[Scalars] = {};
-  for (int64_t s = begin; s < end; ++s) {
+  for (int64_t s = active ? begin : end; s < end; ++s) {
     const SplatGradient<float>& d = a.d_splats[s];
     const Vec3<float> direction(d.conic.xx, d.conic.xy, d.conic.yy);
-    const float2 Y = two_of_basis(a.degree, direction, k);
+    float2 Y = two_of_basis(a.colours.degree, direction, k);
+    if (group == kShTime) {
+      const float weight = level_weight(a.colours, level, d.opacity);
+      Y.x *= weight, Y.y *= weight;
+    }
     const float red = d.colour[0], green = d.colour[1], blue = d.colour[2];
     TESSERA_UNROLL
     for (int j = 0; j < Scalars; ++j) {
-      const int c = (first + j) % 3;
-      sum[j] += ((first + j) / 3 == k ? Y.x : Y.y) * (c == 0 ? red : c == 1 ? green : blue);
+      const int c = (in_level + j) % 3;
+      sum[j] += ((in_level + j) / 3 == k ? Y.x : Y.y) * (c == 0 ? red : c == 1 ? green : blue);
     }
   }
   float check = 0;
   for (int j = 0; j < Scalars; ++j) check += sum[j] - sum[j];
-  if (!(check == 0.0f)) atomicOr(&a.counters->bad_groups, 1u << kSh);
-  accept_sh<Scalars>(sink, n, first, sum);
+  if (!(check == 0.0f)) atomicOr(&a.counters->bad_groups, 1u << group);
+  accept_sh<group>(sink, n, first, sum);
+}
+
+template <Group group, class Sink>
+void backward_sh(const Backward& a, const Sink& sink, bool stores, cudaStream_t stream) {
+  if (a.set.width(group) == 0) return;
+  const bool fours = a.colours.row % 4 == 0;
+  const auto kernel = fours ? sh_backward<group, 4, Sink> : sh_backward<group, 1, Sink>;
+  const int64_t threads = a.set.count * a.set.width(group) / (fours ? 4 : 1);
+  kernel<<<grid_of(threads, kShThreads), kShThreads, 0, stream>>>(a, sink, stores);
+  check_launch("project_backward: sh_backward");
 }
 
 template <Form form, class Sink>
@@ -177,11 +197,8 @@ void backward_set(const Backward& a, int64_t splats, ViewSums<float>* sums, cons
   geometry_backward<form, Sink>
       <<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sums, sink);
   check_launch("project_backward: geometry_backward");
-  const int row = 3 * a.set.coefficients;
-  const auto sh = row % 4 == 0 ? sh_backward<4, Sink> : sh_backward<1, Sink>;
-  const int64_t threads = a.set.count * (row % 4 == 0 ? row / 4 : row);
-  sh<<<grid_of(threads, kShThreads), kShThreads, 0, stream>>>(a, sink, stores);
-  check_launch("project_backward: sh_backward");
+  backward_sh<kSh>(a, sink, stores, stream);
+  if constexpr (form != Form::kStatic) backward_sh<kShTime>(a, sink, stores, stream);
 }
 
 template <class Sink>
@@ -214,23 +231,23 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];
     if (spans.count == 0) continue;
     const SinkArgs<float>& sink = args.sinks[set];
-    const Backward a{spans,
-                     first,
-                     views_of(*args.forward.batch),
-                     int(args.forward.batch->views.size()),
-                     min_of(args.forward.options.sh_degree, sh_degree_of(spans.coefficients)),
-                     args.forward.options.sliced_direction,
-                     make_splat_rules<float>(args.forward.options),
-                     args.splats->splat.data(),
-                     args.splats->tiles.data(),
-                     args.splats->gaussian.data(),
-                     args.splats->first_of.data(),
-                     args.d_splats.data,
-                     args.statistics[set],
-                     sink.fused ? sink.idle : IdleUpdate::kDense,
-                     sink.lazy,
-                     terms,
-                     counters_.data()};
+    const Backward a{
+        spans,
+        first,
+        views_of(*args.forward.batch),
+        int(args.forward.batch->views.size()),
+        make_colour_rules<float>(args.forward.options, spans.coefficients, spans.time_levels),
+        make_splat_rules<float>(args.forward.options),
+        args.splats->splat.data(),
+        args.splats->tiles.data(),
+        args.splats->gaussian.data(),
+        args.splats->first_of.data(),
+        args.d_splats.data,
+        args.statistics[set],
+        sink.fused ? sink.idle : IdleUpdate::kDense,
+        sink.lazy,
+        terms,
+        counters_.data()};
     if (sink.fused)
       backward_set(a, args.splats->count, sums,
                    ApplyAdam<float>{sink.value, sink.moment1, sink.moment2, sink.adam}, false,
@@ -238,7 +255,7 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
     else
       backward_set(a, args.splats->count, sums, StoreGradient<float>{sink.gradient}, true, stream_);
     first += spans.count;
-    const double scalars = geometry_scalars(spans.form) + 3 * spans.coefficients;
+    const double scalars = geometry_scalars(spans.form) + spans.width(kSh) + spans.width(kShTime);
     bytes += double(spans.count) * (8 + scalars * (sink.fused ? 24 : 8));
   }
   report();

@@ -1,6 +1,7 @@
 // What: gradient of one splat → sums over the views of its Gaussian → gradient by what is stored.
-// Not: loops over splats, nor the SH coefficients: their gradient is Y_k(direction) ⊗ d_colour.
-// Source: method A.12, C.1, C.2, D.2, D.6.
+// Not: loops over splats, nor the SH coefficients: their gradient is Y_k(direction) ⊗ d_colour, and
+// at a level of time level_weight times that.
+// Source: method A.12, C.1, C.2, D.2, D.3, D.6.
 #pragma once
 #include "kernels/batch.h"
 #include "kernels/math/splat.h"
@@ -30,13 +31,14 @@ template <class Real>
 struct ColourGradient {
   Vec3<Real> direction;  // unit, from the camera
   Vec3<Real> d_colour;   // 0 where the channel was clamped
+  Real delta;            // Δ = t − μ_t, for the levels of time
 };
 
-/// Adds one view of Gaussian g, whose coefficients are `sh`; `d`: of this splat.
+/// Adds one view of Gaussian g, whose coefficients at this moment are `sh`; `d`: of this splat.
 template <class Real>
 TESSERA_HD inline ColourGradient<Real> add_view_gradient(
-    const ViewArgs<Real>& view, const GaussianState<Real>& g, const Real* sh, int degree,
-    bool sliced_direction, const SplatRules<Real>& rules, const Splat<Real>& splat,
+    const ViewArgs<Real>& view, const GaussianState<Real>& g, const Real* sh,
+    const ColourRules<Real>& colours, const SplatRules<Real>& rules, const Splat<Real>& splat,
     const SplatGradient<Real>& d, ViewSums<Real>& sums) {
   const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
   Sym2<Real> d_conic = d.conic;
@@ -52,13 +54,17 @@ TESSERA_HD inline ColourGradient<Real> add_view_gradient(
                        d.mean2d, d_conic, d_mean, sums.spacetime.covariance);
   ColourGradient<Real> colour;
   for (int c = 0; c < 3; ++c) colour.d_colour[c] = splat.negative >> c & 1 ? Real(0) : d.colour[c];
+  colour.delta = slice.delta;
   Real distance;
-  colour.direction = view_direction(view, sliced_direction ? slice.mean : g.mean, distance);
+  colour.direction = view_direction(view, colours.sliced_direction ? slice.mean : g.mean, distance);
   const Vec3<Real> d_eye =
-      sh_direction_backward(degree, colour.direction, distance, sh, colour.d_colour);
-  if (sliced_direction) d_mean += d_eye;
+      sh_direction_backward(colours.degree, colour.direction, distance, sh, colour.d_colour);
+  if (colours.sliced_direction) d_mean += d_eye;
   slice_backward(g.spacetime, slice, d_mean, d.opacity * comp * g.opacity, sums.spacetime);
-  sums.mean += sliced_direction ? d_mean : d_mean + d_eye;
+  if (colours.levels > 0)
+    sums.spacetime.mean_time +=
+        levels_backward(colours, slice.delta, g.sh_time, colour.direction, colour.d_colour);
+  sums.mean += colours.sliced_direction ? d_mean : d_mean + d_eye;
   sums.opacity += d.opacity * comp * slice.marginal;
   const Real ndc_x = d.mean2d[0] * Real(view.width) * Real(0.5);
   const Real ndc_y = d.mean2d[1] * Real(view.height) * Real(0.5);

@@ -15,7 +15,6 @@ constexpr int64_t kGrain = 1024;  // Gaussians or rows per task
 template <Form form, class Real>
 void adam_run(const SinkArgs<Real>& args, int64_t begin, int64_t end) {
   const ApplyAdam<Real> sink{args.value, args.moment1, args.moment2, args.adam};
-  const int width = 3 * args.gradient.coefficients;
   for (int64_t n = begin; n < end; ++n) {
     GeometryGradient<Real> gradient;
     GeometryGradient<Real>::template for_each_group<form>(
@@ -23,7 +22,9 @@ void adam_run(const SinkArgs<Real>& args, int64_t begin, int64_t end) {
           std::copy_n(args.gradient.at(group, n), scalars, g);
         });
     sink.template accept<form>(n, gradient);
-    for (int j = 0; j < width; ++j) sink.accept_sh(n, j, args.gradient.at(kSh, n)[j]);
+    for (const Group group : {kSh, kShTime})
+      for (int j = 0; j < args.gradient.width(group); ++j)
+        sink.accept_sh(group, n, j, args.gradient.at(group, n)[j]);
   }
 }
 

@@ -41,13 +41,13 @@ void CudaBackend::adam(const SinkArgs<float>& args) {
   double scalars = 0;
   for (int g = 0; g < group_count(args.value.dim()); ++g) {
     const Group group = Group(g);
-    const int width = group_width(group, args.value.coefficients, args.value.form);
+    const int width = args.value.width(group);
+    const int head = group == kSh ? 3 : group == kShTime ? 0 : width;  // the rest has sh_rest
     const int64_t count = args.value.count * width;
     if (count == 0) continue;
     adam_group<<<grid_of(count, kThreads), kThreads, 0, stream_>>>(
         args.gradient.group[g].data, args.value.group[g].data, args.moment1.group[g].data,
-        args.moment2.group[g].data, count, width, group == kSh ? 3 : width, args.adam.group[g],
-        args.adam.sh_rest);
+        args.moment2.group[g].data, count, width, head, args.adam.group[g], args.adam.sh_rest);
     scalars += double(count);
   }
   check_launch("adam");
@@ -60,7 +60,7 @@ void CudaBackend::catch_up(const LazySh<float>& lazy) {
   scratch.plan<LazyGap<float>>(lazy.last_step.size);
   scratch.allocate();
   launch_catch_up(lazy, nullptr, scratch.take<LazyGap<float>>(lazy.last_step.size).data, stream_);
-  clock_.add_bytes(kUpdate, 24.0 * double(lazy.value.size));
+  clock_.add_bytes(kUpdate, 24.0 * double(lazy.value.size + lazy.time_value.size));
 }
 
 void CudaBackend::gather_rows(Span<const float> from, Span<const int64_t> index, int width,

@@ -233,7 +233,7 @@ TEST_P(BackendFailures, NonFinitePictureGradientIsReportedOnceOnly) {  // C20
   const auto result = backward<float>(scene, backend(), [](std::vector<float>& d) {
     for (float& x : d) x = kNan;
   });
-  EXPECT_EQ(result.bad, (1u << kGroupCount) - 1);
+  EXPECT_EQ(result.bad, (1u << kShTime) - 1) << "all that there are";
   EXPECT_EQ(backward(scene, backend()).bad, 0u);  // the next step starts anew
 }
 

@@ -109,6 +109,29 @@ TEST(BruteForceTimeFilter, EqualsTheFormulasInBothForms) {
   }
 }
 
+// D.3. Bugs put back, each seen to fail: cos of nΔ/T, not of 2πnΔ/T; the period ignored; the second
+// level read where the first is stored; levels left out.
+TEST(BruteForceLevels, OfTimeEqualTheFormulasInBothForms) {
+  for (const Form form : kDynamicForms)
+    for (const int levels : {1, 2}) {
+      TestScene<double> scene = random_scene(10, 40, 0.15, 14, form);
+      add_time_levels(scene.moving, levels, 15);
+      scene.options.sh_time_period = levels == 1 ? 1 : 0.8;
+      expect_brute<double>(scene, 1e-9, kDouble);
+      expect_brute<float>(scene, kFloatBand, kFloat);
+      scene.options.sh_degree = 1, scene.options.sh_time_degree = 1;
+      expect_brute<double>(scene, 1e-9, kDouble);
+    }
+}
+
+TEST(BruteForceLevels, WithFewerStoredBands) {
+  TestScene<double> scene = random_scene(10, 0, 0.15, 16);
+  Random random(17);
+  scene.moving = random_gaussians(Form::kVelocity, 30, 0.9, 0.15, random, 9);
+  add_time_levels(scene.moving, 2, 18);
+  expect_brute<double>(scene, 1e-9, kDouble);
+}
+
 TEST(BruteForceOpaque, ManyOpaqueLayersStopAtTheSameSplat) {
   // Bug put back: the stop tested before blending, as 3DGS does; seen to fail.
   TestScene<double> scene = random_scene(200, 100, 0.4, 5);

@@ -61,8 +61,9 @@ TEST(Determinism, ReusedBuffersLeaveNoTrace) {
 template <class Real>
 TestGaussians<Real> trained(TestScene<Real> scene, bool fused) {
   TestGaussians<Real>* sets[2] = {&scene.fixed, &scene.moving};
-  TestGaussians<Real> moment1[2] = {TestGaussians<Real>(Form::kStatic, scene.fixed.count),
-                                    TestGaussians<Real>(Form::kPair, scene.moving.count)};
+  TestGaussians<Real> moment1[2] = {
+      TestGaussians<Real>(Form::kStatic, scene.fixed.count),
+      TestGaussians<Real>(Form::kPair, scene.moving.count, 16, scene.moving.time_levels)};
   TestGaussians<Real> moment2[2] = {moment1[0], moment1[1]}, gradient[2] = {moment1[0], moment1[1]};
   CpuBackend<Real> backend;
   Pipeline<Real> pipeline(backend);
@@ -87,7 +88,9 @@ TestGaussians<Real> trained(TestScene<Real> scene, bool fused) {
 
 template <class Real>
 void expect_fused_equals_separate() {
-  const TestScene<Real> scene = random_scene(20, 20, 0.2, 5).template as<Real>();
+  TestScene<double> start = random_scene(20, 20, 0.2, 5);
+  add_time_levels(start.moving, 2, 6);
+  const TestScene<Real> scene = start.template as<Real>();
   const TestGaussians<Real> a = trained(scene, true), b = trained(scene, false);
   for (int g = 0; g < kGroupCount; ++g) {
     EXPECT_EQ(a.group[g], b.group[g]) << group_name(Group(g), Form::kPair);

@@ -51,7 +51,7 @@ void expect_differences(TestScene<double> scene, const std::vector<Group>& group
     TestGaussians<double>& set = *each;
     const Form form = set.form;
     for (const Group group : groups) {
-      if (group >= group_count(dim_of(form))) continue;
+      if (group >= group_count(dim_of(form)) || set.count == 0) continue;
       const GroupError error =
           group_error(scene, set, form == Form::kStatic ? analytic.fixed : analytic.moving, group);
       EXPECT_GT(error.scale, 1e-7) << group_name(group, form);  // the group matters at all
@@ -133,6 +133,22 @@ TEST(Gradient, WithATimeFilterEqualsDifferences) {
     keep_truth_away(scene, 10);
     expect_differences(scene, kGeometry);
   }
+}
+
+// Bugs put back, each seen to fail: the slope left out of the mean time's gradient, or its sign
+// turned, or its n left out; weights left out of the levels' gradient; the direction's gradient by
+// the first level alone.
+TEST(Gradient, WithLevelsOfTimeEqualsDifferences) {
+  for (const Form form : kDynamicForms)
+    for (const bool sliced : {true, false}) {
+      TestScene<double> scene = random_scene(0, 0, 0.25, 23);
+      Random random(sliced ? 24 : 25);
+      scene.moving = random_gaussians(form, 4, 0.9, 0.25, random, sliced ? 9 : 4);
+      add_time_levels(scene.moving, sliced ? 2 : 1, 26);
+      scene.options.sh_time_period = 0.9, scene.options.sliced_direction = sliced;
+      keep_truth_away(scene, 27);
+      expect_differences(scene, {kMean, kMeanTime, kSh, kShTime});
+    }
 }
 
 class GradientSh : public ::testing::TestWithParam<int> {};

@@ -128,7 +128,7 @@ TEST(Hygiene, NonFinitePictureGradientIsReported) {  // C20
   const auto result = backward<float>(scene, [](std::vector<float>& d) {
     for (float& x : d) x = kNan;
   });
-  EXPECT_EQ(result.bad, (1u << kGroupCount) - 1);
+  EXPECT_EQ(result.bad, (1u << kShTime) - 1) << "all that there are";
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace tessera::testing {
 
 inline GaussianSet set_of(const TestGaussians<double>& from) {
-  GaussianSet set(from.form, from.coefficients);
+  GaussianSet set(from.form, from.coefficients, host_memory(), from.time_levels);
   set.resize(from.count);
   for (int g = 0; g < set.groups(); ++g)
     for (size_t i = 0; i < from.group[g].size(); ++i)
@@ -33,11 +33,25 @@ inline GaussianModel random_model(int64_t fixed, int64_t moving, uint64_t seed =
   return model;
 }
 
+/// The same with levels of time in the dynamic set.
+inline GaussianModel random_model_in_time(int64_t fixed, int64_t moving, int levels,
+                                          uint64_t seed = 7, int coefficients = 16,
+                                          Form form = Form::kPair) {
+  GaussianModel model = random_model(fixed, moving, seed, coefficients, form);
+  Random random(seed + 1);
+  TestGaussians<double> set = random_gaussians(form, moving, 0.9, 0.12, random, coefficients);
+  add_time_levels(set, levels, seed + 2);
+  model.dynamic_set = set_of(set);
+  model.sh_time_degree = levels;
+  return model;
+}
+
 inline GaussianModel clone(const GaussianModel& model) {
   GaussianModel copy;
   copy.static_set = model.static_set.clone_values();
   copy.dynamic_set = model.dynamic_set.clone_values();
   copy.sh_degree = model.sh_degree, copy.time_axis = model.time_axis;
+  copy.sh_time_degree = model.sh_time_degree, copy.sh_time_period = model.sh_time_period;
   copy.background = model.background;
   copy.near_plane = model.near_plane, copy.far_plane = model.far_plane;
   copy.sliced_direction = model.sliced_direction;
@@ -58,7 +72,8 @@ inline GaussianModel static_model(const GaussianModel& like, GaussianSet set) {
 }
 
 inline bool same_bits(const GaussianSet& a, const GaussianSet& b) {
-  if (a.form() != b.form() || a.count() != b.count() || a.coefficients() != b.coefficients())
+  if (a.form() != b.form() || a.count() != b.count() || a.coefficients() != b.coefficients() ||
+      a.time_levels() != b.time_levels())
     return false;
   for (int g = 0; g < a.groups(); ++g) {
     const Span<const float> x = a.group(Group(g)).value.span(), y = b.group(Group(g)).value.span();

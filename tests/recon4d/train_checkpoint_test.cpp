@@ -187,7 +187,7 @@ TEST_F(CheckpointFile, ImpossibleHeaders) {
     constexpr const char* kLater[] = {
         "prepared_from_source",  // earlier versions do not have these
         "truncation_sigma",     "truncation_by_falloff", "filter_2d", "filter_sizes",
-        "train_scale",          "time_filter",           "anchor"};
+        "train_scale",          "time_filter",           "anchor",    "sh_time"};
     if (std::find(std::begin(kLater), std::end(kLater), key) != std::end(kLater)) {
       EXPECT_EQ(refusal(with_header(without)), "");
       continue;
@@ -199,11 +199,17 @@ TEST_F(CheckpointFile, ImpossibleHeaders) {
   expect_says(refusal(with_header(other)), "unknown option 'batches'");
   for (const json& strange : {json::array(), json(5), json("text"), json(nullptr)})
     EXPECT_NE(refusal(with_header(strange)), "") << strange;
-  const std::pair<const char*, json> pairs[] = {{"iteration", -1},
-                                                {"sampler", {{"epoch", -1}, {"position", 0}}},
-                                                {"sampler", {{"epoch", 0}, {"position", -1}}},
-                                                {"sh_degree", -1},
-                                                {"sh_degree", 4}};
+  const std::pair<const char*, json> pairs[] = {
+      {"iteration", -1},
+      {"sampler", {{"epoch", -1}, {"position", 0}}},
+      {"sampler", {{"epoch", 0}, {"position", -1}}},
+      {"sh_degree", -1},
+      {"sh_degree", 4},
+      {"sh_time", {{"degree", 0}, {"levels", 3}, {"period", 1}}},
+      {"sh_time", {{"degree", 3}, {"levels", 0}, {"period", 1}}},
+      {"sh_time", {{"degree", 0}, {"levels", 1}, {"period", 1}}},
+      {"sh_time", {{"degree", 0}, {"levels", 0}}},
+      {"sh_time", {{"degree", 0}, {"levels", 0}, {"period", 0}}}};
   for (const auto& [key, value] : pairs) {
     json changed = header();
     changed[key] = value;

@@ -54,6 +54,7 @@ const std::vector<Alternative>& alternatives() {
       {"split_by_motion", true, {{"init_points", 400}, {"max_gaussians", 400}}},
       {"sh_degree", 2},
       {"sh_interval", 12},
+      {"sh_time_degree", 1},
       {"sliced_direction", false},
       {"filter_2d", true},
       {"filter_2d_gradient", "full", {{"filter_2d", true}}},

@@ -80,17 +80,26 @@ struct BruteSplat {
 };
 
 inline std::array<double, 3> colour_brute(const TestGaussians<double>& set, int64_t n,
-                                          const std::array<double, 3>& mean, const Camera& camera,
-                                          int degree) {
-  const glm::dvec3 eye = camera.position();
+                                          const std::array<double, 3>& mean, const View& view,
+                                          const RenderOptions& options) {
+  const glm::dvec3 eye = view.camera.position();
   double d[3], length = 0;
   for (int i = 0; i < 3; ++i) d[i] = mean[size_t(i)] - eye[i], length += d[i] * d[i];
   length = std::sqrt(length);
   const auto Y = published_sh_basis(d[0] / length, d[1] / length, d[2] / length);
   std::array<double, 3> colour{0.5, 0.5, 0.5};
+  const int degree = options.sh_degree;
   const int bands = std::min((degree + 1) * (degree + 1), set.coefficients);
-  for (int k = 0; k < bands; ++k)
-    for (size_t c = 0; c < 3; ++c) colour[c] += Y[size_t(k)] * set.at(kSh, n)[3 * k + int(c)];
+  for (int level = 0; level <= std::min(options.sh_time_degree, set.time_levels); ++level) {
+    const double* const sh =
+        level == 0 ? set.at(kSh, n) : set.at(kShTime, n) + (level - 1) * 3 * set.coefficients;
+    double wave = 1;
+    if (level > 0)
+      wave =
+          std::cos(2 * M_PI * level * (view.time - *set.at(kMeanTime, n)) / options.sh_time_period);
+    for (int k = 0; k < bands; ++k)
+      for (size_t c = 0; c < 3; ++c) colour[c] += wave * Y[size_t(k)] * sh[3 * k + int(c)];
+  }
   for (double& c : colour) c = std::max(c, 0.0);
   return colour;
 }
@@ -136,7 +145,7 @@ inline bool splat_brute(const TestGaussians<double>& set, int64_t n, const View&
   out.depth = p[2], out.opacity = g.opacity * out.compensation;
   out.u = camera.fl_x * p[0] / p[2] + camera.cx, out.v = camera.fl_y * p[1] / p[2] + camera.cy;
   out.conic_uu = cov[1][1] / det, out.conic_uv = -cov[0][1] / det, out.conic_vv = cov[0][0] / det;
-  out.colour = colour_brute(set, n, g.mean, camera, options.sh_degree);
+  out.colour = colour_brute(set, n, g.mean, view, options);
   return true;
 }
 

@@ -187,6 +187,8 @@ class SeparateBackend final : public Backend {
   void check_lies_here(const LazySh<float>& lazy) {
     check_lies_here(lazy.last_step), check_lies_here(lazy.table), check_lies_here(lazy.value);
     check_lies_here(lazy.moment1), check_lies_here(lazy.moment2);
+    for (const Span<float>& s : {lazy.time_value, lazy.time_moment1, lazy.time_moment2})
+      check_lies_here(s);
   }
   void check_lies_here(const SinkArgs<float>& sink) {
     check_lies_here(sink.value), check_lies_here(sink.gradient), check_lies_here(sink.lazy);

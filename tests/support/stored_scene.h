@@ -39,6 +39,7 @@ class StoredGaussians {
         form_(set.form),
         count_(set.count),
         coefficients_(set.coefficients),
+        time_levels_(set.time_levels),
         filter_size_(stored(set.filter_size, memory)) {
     for (int g = 0; g < kGroupCount; ++g) group_[g] = stored(set.group[g], memory);
   }
@@ -46,7 +47,7 @@ class StoredGaussians {
   GaussianSpans<Real> spans() { return make<Real>(*this); }
   GaussianSpans<const Real> view() const { return make<const Real>(*this); }
   TestGaussians<Real> fetch() const {
-    TestGaussians<Real> set(form_, count_, coefficients_);
+    TestGaussians<Real> set(form_, count_, coefficients_, time_levels_);
     for (int g = 0; g < kGroupCount; ++g) set.group[g] = fetched(group_[g], memory_);
     set.filter_size = fetched(filter_size_, memory_);
     return set;
@@ -57,6 +58,7 @@ class StoredGaussians {
   static GaussianSpans<T> make(Self& self) {
     GaussianSpans<T> s;
     s.form = self.form_, s.count = self.count_, s.coefficients = self.coefficients_;
+    s.time_levels = self.time_levels_;
     for (int g = 0; g < kGroupCount; ++g) s.group[g] = self.group_[g].span();
     s.filter_size = self.filter_size_.span();
     return s;
@@ -65,7 +67,7 @@ class StoredGaussians {
   Memory& memory_;
   Form form_;
   int64_t count_;
-  int coefficients_;
+  int coefficients_, time_levels_;
   Buffer<Real> group_[kGroupCount];
   Buffer<Real> filter_size_;
 };

@@ -16,37 +16,35 @@ template <class Real>
 struct TestGaussians {
   Form form;
   int64_t count;
-  int coefficients;
+  int coefficients, time_levels;
   std::vector<Real> group[kGroupCount];
   std::vector<Real> filter_size;  // [N] φ of the 3D filter; empty: none
 
-  explicit TestGaussians(Form f = Form::kStatic, int64_t n = 0, int k = 16)
-      : form(f), count(n), coefficients(k) {
+  explicit TestGaussians(Form f = Form::kStatic, int64_t n = 0, int k = 16, int levels = 0)
+      : form(f), count(n), coefficients(k), time_levels(levels) {
     for (int g = 0; g < group_count(dim()); ++g)
-      group[g].assign(size_t(n * group_width(Group(g), k, form)), Real(0));
+      group[g].assign(size_t(n * width(Group(g))), Real(0));
   }
   int dim() const { return dim_of(form); }
-  Real* at(Group g, int64_t n) { return group[g].data() + n * group_width(g, coefficients, form); }
-  const Real* at(Group g, int64_t n) const {
-    return group[g].data() + n * group_width(g, coefficients, form);
-  }
+  int width(Group g) const { return group_width(g, coefficients, form, time_levels); }
+  Real* at(Group g, int64_t n) { return group[g].data() + n * width(g); }
+  const Real* at(Group g, int64_t n) const { return group[g].data() + n * width(g); }
   GaussianSpans<Real> spans() { return make<Real>(*this); }
   GaussianSpans<const Real> view() const { return make<const Real>(*this); }
 
   template <class To>
   TestGaussians<To> as() const {
-    TestGaussians<To> to(form, count, coefficients);
+    TestGaussians<To> to(form, count, coefficients, time_levels);
     for (int g = 0; g < kGroupCount; ++g) to.group[g].assign(group[g].begin(), group[g].end());
     to.filter_size.assign(filter_size.begin(), filter_size.end());
     return to;
   }
   /// Gaussians of this set in the order `index`.
   TestGaussians select(const std::vector<int64_t>& index) const {
-    TestGaussians to(form, int64_t(index.size()), coefficients);
+    TestGaussians to(form, int64_t(index.size()), coefficients, time_levels);
     for (int g = 0; g < group_count(dim_of(form)); ++g)
       for (size_t i = 0; i < index.size(); ++i)
-        std::copy_n(at(Group(g), index[i]), group_width(Group(g), coefficients, form),
-                    to.at(Group(g), int64_t(i)));
+        std::copy_n(at(Group(g), index[i]), width(Group(g)), to.at(Group(g), int64_t(i)));
     for (const int64_t i : index)
       if (!filter_size.empty()) to.filter_size.push_back(filter_size[size_t(i)]);
     return to;
@@ -57,6 +55,7 @@ struct TestGaussians {
   static GaussianSpans<T> make(Self& self) {
     GaussianSpans<T> s;
     s.form = self.form, s.count = self.count, s.coefficients = self.coefficients;
+    s.time_levels = self.time_levels;
     for (int g = 0; g < kGroupCount; ++g)
       s.group[g] = {self.group[g].data(), int64_t(self.group[g].size())};
     s.filter_size = {self.filter_size.data(), int64_t(self.filter_size.size())};
@@ -135,6 +134,14 @@ inline TestGaussians<double> random_gaussians(Form form, int64_t count, double s
       set.at(kRotationRight, n)[k] =
           (k == 0 ? 1 : -1) * set.at(kRotation, n)[k] + random.uniform(-0.15, 0.15);
   return set;
+}
+
+/// Gives a dynamic set levels of time, so strong that they show.
+inline void add_time_levels(TestGaussians<double>& set, int levels, uint64_t seed) {
+  Random random(seed);
+  set.time_levels = levels;
+  set.group[kShTime].resize(size_t(set.count * set.width(kShTime)));
+  for (double& x : set.group[kShTime]) x = random.uniform(-0.2, 0.2);
 }
 
 /// The dynamic set that shows what a static one does: r = conj(l) and a long life.

@@ -1,0 +1,69 @@
+// What: colours that follow time: each coefficient of the spherical harmonics is a cosine series
+// around the Gaussian's own moment, Σ_n cos(2πnΔ/T)·c_n, Δ = t − μ_t. The level n = 0 is the SH
+// that every set has, levels n ≥ 1 are those of a dynamic set that stores them.
+// Not: the harmonics themselves (spherical_harmonics.h), nor how a backend reads coefficients.
+// Source: 4D spherindrical harmonics  [Yang24]; method D.3.
+#pragma once
+#include "kernels/math/spherical_harmonics.h"
+
+namespace tessera {
+
+inline constexpr int kMaxTimeLevels = 2;
+
+/// How colours follow from the coefficients of a set, the same for all views of a batch.
+template <class Real>
+struct ColourRules {
+  int degree;             // bands that are evaluated
+  int levels;             // n = 1 … levels are evaluated
+  int row;                // 3K: scalars of a level as stored
+  Real period;            // T, normalised time
+  bool sliced_direction;  // RenderOptions::sliced_direction
+
+  TESSERA_HD int scalars() const { return 3 * sh_coefficients(degree); }
+};
+
+/// cos(2πnΔ/T).
+template <class Real>
+TESSERA_HD inline Real level_weight(const ColourRules<Real>& rules, int n, Real delta) {
+  return cos_turns(Real(n) * delta / rules.period);
+}
+
+/// d cos(2πnΔ/T)/dμ_t = 2πn/T·sin(2πnΔ/T), because dΔ/dμ_t = −1.
+template <class Real>
+TESSERA_HD inline Real level_slope(const ColourRules<Real>& rules, int n, Real delta) {
+  return Real(n) * Real(kTurn) / rules.period * sin_turns(Real(n) * delta / rules.period);
+}
+
+/// Adds the levels to the coefficients that are evaluated; `time`: [L, K, 3].
+template <class Real>
+TESSERA_HD inline void add_levels(const ColourRules<Real>& rules, Real delta, const Real* time,
+                                  Real* sh) {
+  for (int n = 1; n <= rules.levels; ++n) {
+    const Real weight = level_weight(rules, n, delta);
+    const Real* const level = time + int64_t(n - 1) * rules.row;
+    for (int j = 0; j < rules.scalars(); ++j) sh[j] += weight * level[j];
+  }
+}
+
+/// dL/dμ_t through the weights of the levels: Σ_n slope_n Σ_k Y_k ⟨d_colour, c_nk⟩.
+template <class Real>
+TESSERA_HD inline Real levels_backward(const ColourRules<Real>& rules, Real delta, const Real* time,
+                                       const Vec3<Real>& direction, const Vec3<Real>& d_colour) {
+  Real Y[kMaxShCoefficients] = {};
+  sh_basis(rules.degree, direction, Y);
+  Real d_mean_time = Real(0);
+  for (int n = 1; n <= rules.levels; ++n) {
+    const Real* const level = time + int64_t(n - 1) * rules.row;
+    Real along = Real(0);
+    TESSERA_UNROLL
+    for (int k = 0; k < kMaxShCoefficients; ++k) {
+      if (k >= sh_coefficients(rules.degree)) break;
+      const Real* const c = level + 3 * k;
+      along += Y[k] * (c[0] * d_colour[0] + c[1] * d_colour[1] + c[2] * d_colour[2]);
+    }
+    d_mean_time += level_slope(rules, n, delta) * along;
+  }
+  return d_mean_time;
+}
+
+}  // namespace tessera
