@@ -136,7 +136,8 @@ struct LazySh {
   Span<Real> value, moment1, moment2;        // [N, K, 3]
   int64_t step = 0;                          // steps that are done
   Real rate = Real(0), rate_rest = Real(0);  // learning rates of coefficient 0 and of the others
-  Span<Real> time_value, time_moment1, time_moment2;  // [N, L, K, 3] of kShTime, at rate_rest
+  // [N, L, K, 3] of kShTime, at rate_rest
+  Span<Real> time_value = {}, time_moment1 = {}, time_moment2 = {};
 };
 
 /// Terms of the loss that each Gaussian adds by its parameters alone, whether a view draws it or

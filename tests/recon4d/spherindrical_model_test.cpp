@@ -105,7 +105,7 @@ TEST(SpherindricalModel, FilesOfOtherModelsAreAsTheyWere) {
   EXPECT_EQ(plain.sh_time_period, 1);
 }
 
-// Bug put back: the comment not read; seen to fail.
+// Bug put back: the comment not written; seen to fail.
 TEST(SpherindricalModel, FilesThatLackAPartAreRefused) {
   const TemporaryFolder folder;
   save_model(folder / "model.ply", random_model_in_time(3, 2, 2));
