@@ -62,13 +62,16 @@ bool Schedule::measure_filter(int64_t i) const {
   return i > densify_until_ && i % interval == 0 && i + interval <= options_.iterations;
 }
 
-double Schedule::mean_rate(int64_t i) const {
-  // log-linear over the whole training
+double Schedule::decayed(double first, double last, int64_t i) const {
+  if (first == last) return first;
   const double u =
       std::clamp(double(i + 1) / double(std::max<int64_t>(1, options_.iterations)), 0.0, 1.0);
-  const double first = std::max(options_.lr_mean, 1e-300);
-  const double last = std::max(options_.lr_mean_final, 1e-300);
-  return extent_ * std::exp((1 - u) * std::log(first) + u * std::log(last));
+  return std::exp((1 - u) * std::log(std::max(first, 1e-300)) +
+                  u * std::log(std::max(last, 1e-300)));
+}
+
+double Schedule::mean_rate(int64_t i) const {
+  return extent_ * decayed(options_.lr_mean, options_.lr_mean_final, i);
 }
 
 AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
@@ -84,7 +87,7 @@ AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   set(kSh, options_.lr_sh);
   groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
   if (form == Form::kStatic) return groups;
-  set(kMeanTime, options_.lr_mean_time * extent_);
+  set(kMeanTime, extent_ * decayed(options_.lr_mean_time, options_.lr_mean_time_final, i));
   set(kLogScaleTime, options_.lr_scale_time);
   if (form == Form::kPair)
     set(kRotationRight, options_.lr_rotation);

@@ -36,6 +36,8 @@ class Schedule {
   AdamGroups<float> adam(int64_t i, Form form) const;
 
  private:
+  /// Log-linear from first to last over the whole training.
+  double decayed(double first, double last, int64_t i) const;
   int64_t scaled(int64_t steps) const { return scaled_steps(options_, steps); }
   bool is_mcmc() const { return options_.densification == "mcmc"; }
 

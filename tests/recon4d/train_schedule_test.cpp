@@ -169,6 +169,22 @@ TEST(TrainSchedule, NoiseOnTimesFallsToZeroOverTwoThirds) {
   EXPECT_EQ(schedule.time_noise(2500), 0);
 }
 
+// Bug put back: the rate at the start kept; seen to fail.
+TEST(TrainSchedule, TemporalMeansKeepTheirRateOrDecay) {
+  TrainOptions options;
+  const auto rate = [&](int64_t i) {  // the bias of the moments is gone at the end
+    const AdamScalars<float> kept = adam_scalars<float>(1, i + 1);
+    const AdamGroups<float> groups = Schedule(options, kExtent).adam(i, Form::kVelocity);
+    return groups.group[kMeanTime].step_size / kept.step_size;
+  };
+  EXPECT_FLOAT_EQ(rate(0), 1.6e-4 * kExtent);
+  EXPECT_FLOAT_EQ(rate(29999), 1.6e-4 * kExtent);
+  options.lr_mean_time = 2e-3, options.lr_mean_time_final = 2e-5;
+  EXPECT_NEAR(rate(0), 2e-3 * kExtent, 1e-6 * kExtent);
+  EXPECT_NEAR(rate(14999), 2e-4 * kExtent, 1e-7 * kExtent);
+  EXPECT_FLOAT_EQ(rate(29999), 2e-5 * kExtent);
+}
+
 TEST(TrainSchedule, ARateOfZeroIsZero) {
   TrainOptions options;
   options.lr_mean = options.lr_mean_final = 0;
