@@ -46,6 +46,8 @@ std::vector<double> borders(const std::vector<Picture>& pictures) {
   return steps;
 }
 
+/// The row's bound is 1.1 × the median; that of a background of static Gaussians is 0, so that
+/// anything would be a border: what is far below a step of 8 bits is none.
 void expect_no_border(const std::vector<Picture>& pictures) {
   constexpr double kUnseen = 0.1;  // 8-bit steps, mean of a picture
   const std::vector<double> steps = borders(pictures);
@@ -56,6 +58,7 @@ void expect_no_border(const std::vector<Picture>& pictures) {
     EXPECT_LE(steps[m], std::max(1.1 * median, kUnseen)) << "after frame " << m;
 }
 
+// Bug put back: still points start as dynamic ones; seen to fail by 0.4 steps.
 TEST(Borders, OfAStillBackgroundAreNotSeen) {
   const Film film = wall_film();
   Scene scene = shoot(film);

@@ -26,7 +26,8 @@ Film curve_film(int moments, double cycles) {
   return film;
 }
 
-// Of all frames of the held-out camera, whether their moment was trained on or not.
+// Of all frames of the held-out camera, whether their moment was trained on or not; the same steps.
+// Bug put back: only the first 54 frames are ever drawn; seen to fail.
 TEST(FrameRate, FewerFramesAreNeverBetter) {
   constexpr int kMoments = 33;
   constexpr double kBand = 0.5;  // dB between two seeds
@@ -44,16 +45,20 @@ TEST(FrameRate, FewerFramesAreNeverBetter) {
   }
 }
 
+// The same motion in ten times the frames, trained for the same steps, scored at the moments that
+// both were trained on.
+// Bug put back: only the first 54 frames are ever drawn; seen to fail by 7 dB.
 TEST(LongClip, TenTimesTheFramesAreAsGood) {
-  const Scene few = shoot(curve_film(9, 0.5));
+  constexpr double kCycles = 0.25;
+  const Scene few = shoot(curve_film(9, kCycles));
   double psnr[2];
   for (const int moments : {9, 81}) {
-    const Film film = curve_film(moments, 0.5);
+    const Film film = curve_film(moments, kCycles);
     Scene scene = moments == 9 ? few : shoot(film);
     scene.points = surface_cloud(film, 200, 400);
     psnr[moments > 9] = middle_psnr(trained(scene, short_training("balanced", 500)), few);
   }
-  EXPECT_GT(psnr[1], psnr[0] - 0.5);
+  EXPECT_GT(psnr[1], psnr[0] - 0.3);
 }
 
 /// Bytes of a device that a training of some steps holds at most, frames brought over by a ring.
@@ -66,6 +71,7 @@ int64_t peak_of_training(const Scene& scene, int64_t feed_bytes) {
   return backend.own.peak_bytes();
 }
 
+// Bug put back: the budget not read, all frames brought over; seen to fail.
 TEST(LongClip, TenTimesTheFramesTakeNoMoreOfADevice) {
   int64_t peak[2], whole = 0;
   for (const int moments : {9, 81}) {

@@ -41,11 +41,14 @@ double mean(const std::vector<double>& values, int first, int last) {
   return sum / (last - first + 1);
 }
 
+// Falls short of the row in the frame right before and the one right after the cube, which show 36
+// and 11 steps of it (11 and 26 after 4,000 steps): all others are the same to 2 steps.
+// Bug put back: lives do not learn; seen to fail, the cube is never drawn.
 TEST(Presence, WhatAppearsIsGoneBeforeAndAfter) {
   Scene scene = shoot(cube_film());
   scene.points = surface_cloud(cube_film(), 200, 200);
   TrainOptions options = short_training("balanced", 500);
-  options.init_time_scale = 0.06;
+  options.lr_scale_time = 0.02;  // lives come as far as in the preset's own steps
   const GaussianModel model = trained(scene, options);
   const std::vector<Picture> pictures = middle_pictures(model, scene);
   EXPECT_GT(mean(psnr_by_moment(pictures, scene), kFirst, kLast), 30);
@@ -69,6 +72,7 @@ Film wall_film() {
   return film;
 }
 
+// Bug put back: all start at the first moment; seen to fail by 6 dB.
 TEST(Presence, WhatComesBackIsAsItWas) {
   Scene scene = shoot(wall_film());
   scene.points = surface_cloud(wall_film(), 200, 400);

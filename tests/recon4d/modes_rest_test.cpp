@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ingest/dense_cloud.h"
 #include "static3d/slicer.h"
 #include "tests/recon4d/modes_film.h"
 
@@ -59,6 +60,9 @@ double unrest(const std::vector<Picture>& pictures) {
   return total / double(pictures[0].rgb.size());
 }
 
+// Falls short of the row, which demands no variance in the rest: its mean deviation is 0.18 steps,
+// and 12 at the worst value, because nothing that once moved becomes static.
+// Bug put back: lives start at a hundredth of the clip; seen to fail by short lives in the rest.
 TEST(LongRest, IsHeldByLongLives) {
   const Film film = resting_film();
   Scene scene = shoot(film);
@@ -68,6 +72,28 @@ TEST(LongRest, IsHeldByLongLives) {
   EXPECT_EQ(short_lives_in_the_rest(model), 0);
   EXPECT_LT(unrest(middle_pictures(model, scene)), 0.5);
   EXPECT_GT(middle_psnr(model, scene), 28);
+}
+
+// Bug put back: the last eighth of the clip not looked at; seen to fail: all of the ball was still.
+TEST(LongRest, WhatLeavesAtTheEndIsNotStill) {
+  Film film;
+  film.moments = kMoments;
+  film.world = [unit = film.pixels_a_unit()](double time) {
+    const double going = std::max(0.0, (time - (1 - kMoves)) / kMoves);
+    synth::World world = even_world();
+    add_solid(world, synth::ShapeKind::kSphere, glm::dvec3(0.3), {16 * going / unit, 0, 0.25},
+              warm(0.12));
+    add_solid(world, synth::ShapeKind::kBox, {1, 0.3, 0.15}, {0, 0, -0.5}, cold(0.15), false);
+    return world;
+  };
+  CloudOptions options;
+  options.points = 400;
+  const PointCloud cloud = dense_cloud(shoot(film), options);
+  int ball = 0, still = 0;
+  for (size_t i = 0; i < cloud.position.size(); ++i)
+    if (cloud.position[i].z > 0) ++ball, still += cloud.still[i] == 1;
+  EXPECT_GT(ball, 30);
+  EXPECT_LT(still, ball / 10) << "where the ball looks alike";
 }
 
 }  // namespace
