@@ -50,8 +50,8 @@ TEST(ColourChange, IsNotStill) {
 
 // Falls short of the row at single moments: of three seeds the worst was 0.9, 1.0 and 2.1 steps
 // off, and 1.5, 2.6 and 3.3 at the last moment, beyond which nothing is seen. Learning rates of
-// colours do not fall, so the last batches weigh more. Bug put back: all points static; seen to
-// fail by 58 steps.
+// colours do not fall, so the last batches weigh more.
+// Bug put back: all points static; seen to fail by 58 steps.
 TEST(ColourChange, IsRecovered) {
   const Film film = lamp_film(0.25, 1);
   Scene scene = shoot(film);
