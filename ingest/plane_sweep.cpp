@@ -223,9 +223,10 @@ bool PlaneSweep::still(int index, int x, int y) const {
   const Frame& frame = scene_.frames[size_t(index)];
   const Patch patch = patch_at(frame.image, x, y);
   const std::vector<int>& frames = cameras_.at(frame.camera_name);
-  const size_t count = std::min(frames.size(), kStillMoments);
-  for (size_t i = 0; i < count; ++i) {
-    const Frame& other = scene_.frames[size_t(frames[i * frames.size() / count])];
+  const size_t count = std::min(frames.size(), kStillMoments), last = frames.size() - 1;
+  for (size_t i = 0; i < count; ++i) {  // the first and the last are among them
+    const size_t moment = count > 1 ? i * last / (count - 1) : 0;
+    const Frame& other = scene_.frames[size_t(frames[moment])];
     if (other.camera.cam_from_world != frame.camera.cam_from_world ||
         other.camera.translation != frame.camera.translation)
       return true;  // the camera moves: the pixel tells nothing

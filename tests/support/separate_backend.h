@@ -25,9 +25,11 @@ class SeparateMemory final : public Memory {
     void* pages = mmap(nullptr, length, rights(), MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (pages == MAP_FAILED) throw std::bad_alloc();
     lengths_[pages] = length;
+    held_ += int64_t(length), peak_ = std::max(peak_, held_);
     return pages;
   }
   void release(void* pointer, size_t) noexcept override {
+    held_ -= int64_t(lengths_.at(pointer));
     munmap(pointer, lengths_.at(pointer));
     lengths_.erase(pointer);
   }
@@ -48,7 +50,7 @@ class SeparateMemory final : public Memory {
     late_.clear();
   }
   int64_t free_bytes() const override { return free; }
-  int64_t peak_bytes() const override { return 12345; }
+  int64_t peak_bytes() const override { return peak_; }
 
   /// Opens the pages while `work` runs.
   template <class Work>
@@ -77,6 +79,7 @@ class SeparateMemory final : public Memory {
   std::map<void*, size_t> lengths_;
   std::vector<std::function<void()>> late_;
   int depth_ = 0;
+  int64_t held_ = 0, peak_ = 0;  // bytes
 };
 
 class SeparateBackend final : public Backend {
