@@ -46,6 +46,8 @@ struct PhotometricArgs {
   /// [B] each [height, width], 0: the pixel is ignored; an empty span: all pixels of that view
   /// count. Empty: of every view.
   std::vector<Span<const uint8_t>> mask;
+  /// [B] RGB: the picture times this is what is compared with the truth. Empty: as rendered.
+  std::vector<Vec3<double>> gain = {};
 };
 
 template <class Real>
@@ -78,8 +80,9 @@ struct FilterArgs {
 
 /// What the stages of a step found out.
 struct StepOutcome {
-  std::vector<ViewLoss> losses;  // of the last photometric
-  unsigned bad_groups = 0;       // a bit (1 << Group) per group with a non-finite gradient
+  std::vector<ViewLoss> losses;      // of the last photometric
+  unsigned bad_groups = 0;           // a bit (1 << Group) per group with a non-finite gradient
+  std::vector<Vec3<double>> d_gain;  // [B] of the mean loss by each gain; empty: there were none
 };
 
 /// A device runs behind the host: only `project`, `outcome`, `select_rows`, `relocate_rows` and
@@ -98,7 +101,8 @@ class BackendOf {
   virtual void bin(const BinArgs<Real>& args, TileInstances<Real>& instances) = 0;
   /// Front-to-back blending of every tile.
   virtual void blend(const BlendArgs<Real>& args, Images<Real>& images) = 0;
-  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted). An ignored
+  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted), by the picture
+  /// before its gain; `outcome` then has the gradient by the gains. An ignored
   /// pixel adds nothing: |I − G| = 0, SSIM = 1, d_colour = 0; in the windows of others its truth is
   /// what was rendered, taken as constant. Means are over all pixels of the view, so that a pixel
   /// weighs the same with a mask and without.

@@ -29,7 +29,7 @@ template <class Real>
 void Pipeline<Real>::loss(const Target& target, bool for_backward) {
   d_colour_.resize(for_backward ? 3 * batch_.pixels : 0);
   const StageTimer timer(backend_.clock(), kPhotometric);
-  backend_.photometric({&batch_, &images_, target.truth, target.weights, target.mask},
+  backend_.photometric({&batch_, &images_, target.truth, target.weights, target.mask, target.gain},
                        d_colour_.span());
 }
 

@@ -13,6 +13,7 @@ struct Target {
   std::vector<Span<const uint8_t>> truth;  // [B] each [height, width, 3]
   LossWeights weights;
   std::vector<Span<const uint8_t>> mask;  // as PhotometricArgs::mask
+  std::vector<Vec3<double>> gain = {};    // as PhotometricArgs::gain
 };
 
 template <class Real>

@@ -80,6 +80,8 @@ class CudaBackend final : public Backend {
   void write_splats(const ProjectArgs<float>& args, Splats<float>& splats);
   void reserve_checkpoints(const BlendArgs<float>& args);
   bool is_small(const ViewBatch<float>& batch) const;
+  /// Gains on their way to the device; null without any.
+  const float* gains_of(const PhotometricArgs<float>& args);
   /// Enqueues the copy of losses and bad groups to the host.
   void report();
 
@@ -97,7 +99,9 @@ class CudaBackend final : public Backend {
   PinnedArray<const uint8_t*> truth_host_;
   Buffer<StepCounters> counters_{memory_};
   PinnedArray<StepCounters> counters_host_;  // [2] after project, after the step
-  Buffer<double> loss_sums_{memory_};        // [B, 2] Σ|I−G|, Σ SSIM
+  Buffer<float> gain_{memory_};              // [B, 3]
+  PinnedArray<float> gain_host_;
+  Buffer<double> loss_sums_{memory_};  // [B, 2] Σ|I−G|, Σ SSIM, then, with gains, [B, 3] dL/d gain
   PinnedArray<double> loss_sums_host_;
   std::vector<ViewArgs<float>> loss_views_;  // whose loss is in loss_sums_
   LossWeights loss_weights_;

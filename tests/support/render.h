@@ -64,6 +64,7 @@ Target target_of(const TestScene<Real>& scene) {
   for (const auto& bytes : scene.mask)
     target.mask.emplace_back(bytes.data(), int64_t(bytes.size()));
   target.weights = scene.weights;
+  target.gain = scene.gain;
   return target;
 }
 
@@ -74,6 +75,7 @@ struct Backward {
   std::vector<ViewLoss> losses;
   Rendered<Real> rendered;
   unsigned bad = 0;
+  std::vector<Vec3<double>> d_gain;
 
   double mean_loss() const {
     double sum = 0;
@@ -123,7 +125,7 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   }
   pipeline.backward(args);
   const StepOutcome outcome = pipeline.outcome();
-  out.losses = outcome.losses, out.bad = outcome.bad_groups;
+  out.losses = outcome.losses, out.bad = outcome.bad_groups, out.d_gain = outcome.d_gain;
   out.fixed = gradients[0].fetch(), out.moving = gradients[1].fetch();
   for (size_t set = 0; set < 2; ++set) {
     out.statistic[set] = fetched(statistics[2 * set], memory);

@@ -92,12 +92,14 @@ struct StoredScene {
   std::vector<View> views;
   RenderOptions options;
   LossWeights weights;
+  std::vector<Vec3<double>> gain;
 
   StoredScene(const TestScene<Real>& scene, Memory& memory)
       : sets{{scene.fixed, memory}, {scene.moving, memory}},
         views(scene.views),
         options(scene.options),
-        weights(scene.weights) {
+        weights(scene.weights),
+        gain(scene.gain) {
     for (const auto& bytes : scene.truth) truth.push_back(stored(bytes, memory));
     for (const auto& bytes : scene.mask) mask.push_back(stored(bytes, memory));
   }
@@ -107,7 +109,7 @@ struct StoredScene {
   }
   Target target() const {
     Target out;
-    out.weights = weights;
+    out.weights = weights, out.gain = gain;
     for (const Buffer<uint8_t>& bytes : truth) out.truth.push_back(bytes.span());
     for (const Buffer<uint8_t>& bytes : mask) out.mask.push_back(bytes.span());
     return out;

@@ -81,6 +81,7 @@ struct TestScene {
   std::vector<std::vector<uint8_t>> mask;  // [B] each [height, width] or empty; none: no masks
   RegulariserWeights regulariser;          // of `backward` alone
   TestPairs pairs;                         // as well
+  std::vector<Vec3<double>> gain;          // [B] RGB, of the loss; none: the pictures as rendered
 
   template <class To>
   TestScene<To> as() const {
@@ -92,7 +93,8 @@ struct TestScene {
             weights,
             mask,
             regulariser,
-            pairs};
+            pairs,
+            gain};
   }
 };
 
