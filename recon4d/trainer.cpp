@@ -95,8 +95,13 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
       table_(backend.memory()),
-      neighbours_(backend.memory()) {
+      neighbours_(backend.memory()),
+      exposed_(exposure_rows(scene, train_frames_, options_)) {
   validate(options_);
+  const auto exposures = int64_t(exposed_.names.size());
+  if (state_.exposure.rows() == 0) state_.exposure.reset(exposures);
+  check(state_.exposure.rows() == exposures, "Trainer: gains of other frames");
+  gains_ = gains_of(state_.exposure);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
   for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
   if (options_.filter_3d != "none")
@@ -233,13 +238,25 @@ void Trainer::step() {
   report.invalid_gaussians = counts.invalid_gaussians;
   report.peak_bytes = backend_.memory().peak_bytes();
   const FedTruth fed = feed_.truth(batch);
-  pipeline_.loss({fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks},
-                 true);
+  pipeline_.loss(
+      {fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks, gains(batch)},
+      true);
   backward();
   prefetch();
   ++state_.iteration;
   state_.sampler_epoch = sampler_.epoch(), state_.sampler_position = sampler_.position();
   pending_ = report;
+}
+
+std::vector<Vec3<double>> Trainer::gains(const std::vector<int64_t>& batch) {
+  std::vector<Vec3<double>> gains;
+  if (gains_.empty()) return gains;
+  pending_rows_.clear();
+  for (const int64_t index : batch) {
+    pending_rows_.push_back(exposed_.of_frame[size_t(index)]);
+    gains.push_back(gains_[size_t(pending_rows_.back())]);
+  }
+  return gains;
 }
 
 void Trainer::find_neighbours() {
@@ -319,6 +336,11 @@ void Trainer::complete_pending() {
             ? "the loss is"
             : "the gradient of " +
                   group_names(bad, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
+  }
+  if (!gains_.empty()) {
+    step_exposure(pending_rows_, outcome.d_gain, schedule_.exposure_rate(report.iteration - 1),
+                  state_.exposure);
+    gains_ = gains_of(state_.exposure);
   }
   const auto now = std::chrono::steady_clock::now();
   report.seconds = std::chrono::duration<double>(now - std::exchange(reported_, now)).count();

@@ -67,6 +67,8 @@ const std::vector<Alternative>& alternatives() {
       {"motion_weight", 0.01},
       {"extent_weight", 0.01},
       {"rigidity_weight", 0.01},
+      {"exposure", "camera"},
+      {"lr_exposure", 0.05, {{"exposure", "frame"}}},
       {"lr_mean", 3e-4},
       {"lr_mean_final", 1.6e-4},
       {"lr_mean_time", 3e-4},
