@@ -65,8 +65,9 @@ std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frame
 }  // namespace
 
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source) {
-  training_frames(scene);
+  const ExposureRows exposed = exposure_rows(scene, training_frames(scene), options);
   TrainState state;
+  state.exposure.reset(int64_t(exposed.names.size()));
   Initialisation first =
       initialise_model(scene, make_camera_rig(scene.training_cameras()), options);
   source = first.source;

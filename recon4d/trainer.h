@@ -90,7 +90,7 @@ class Trainer {
   std::optional<GaussianModel> host_model_;
 };
 
-/// The state before step 0. Errors: as initialise_model.
+/// The state before step 0. Errors: as initialise_model and exposure_rows.
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source);
 
 }  // namespace tessera

@@ -22,8 +22,8 @@ void expect_difference(double analytic, TestScene<double>& scene, double& parame
   EXPECT_NEAR(analytic, *expected, 1e-6 * scale);
 }
 
-// Bugs put back, each seen to fail: the gradient by what is compared taken for that by the picture
-// (opacities); the gain's gradient multiplied by the gain; gains of another channel.
+// Bugs put back, each seen to fail: the gradient by what is compared taken for that by the picture;
+// the gain's gradient multiplied by the gain; gains of another channel.
 TEST(Exposure, GradientsEqualDifferences) {
   TestScene<double> scene = gained_scene();
   const Backward<double> analytic = backward(scene);
@@ -43,7 +43,7 @@ TEST(Exposure, GradientsEqualDifferences) {
                       scene.fixed.group[kOpacityLogit][n], most);
 }
 
-// Bug put back: ignored pixels compared with what was rendered before its gain; seen to fail.
+// Bug put back: gains of another channel; seen to fail.
 TEST(Exposure, WhatAMaskIgnoresHasNoSay) {
   TestScene<double> scene = gained_scene();
   scene.weights = {1, 0};  // as Gradient.WithMasksEqualsDifferences
@@ -58,7 +58,7 @@ TEST(Exposure, WhatAMaskIgnoresHasNoSay) {
   EXPECT_EQ(analytic.losses[1].total, 0.0);
 }
 
-// Bug put back: gains of 1.0001 where there are none; seen to fail.
+// Bug put back: gains 0.01 % off; seen to fail.
 TEST(Exposure, OneIsNone) {
   TestScene<float> scene = gained_scene().as<float>();
   scene.gain.clear();

@@ -84,8 +84,8 @@ void expect_mean_of_one(const Gains& gains) {
 
 // B10. One camera is (1.2, 1.0, 0.9) of the others. The gains are that by the mean of all, and the
 // Gaussians have the colours of the unmodified pictures times that mean.
-// Bugs put back, each seen to fail: gauge not fixed; gains of the next camera; the gain left out of
-// the loss.
+// Bugs put back, each seen to fail: gauge not fixed; gains of the next view; the gain left out of
+// the loss; what rounding leaves not spread.
 TEST(TrainExposure, OneCameraThatDiffersIsFoundAndColoursAreLeft) {
   const TinyCapture capture = ring();
   Gains truth(5, Vec3<double>(1));
@@ -137,7 +137,7 @@ TEST(TrainExposure, WobbleOfEveryPictureIsFound) {
   EXPECT_LT(std::sqrt(left), 0.3 * std::sqrt(wobble));  // pictures are rounded to 8 bits
 }
 
-// E5. Bugs put back, each seen to fail: moments not in the checkpoint; steps not in it.
+// E5. Bug put back: moments not in the checkpoint; seen to fail.
 TEST(TrainExposure, ResumeGoesOnBitForBit) {
   const Scene scene = tiny_capture();
   for (const char* by : {"camera", "frame"}) {
@@ -150,7 +150,7 @@ TEST(TrainExposure, ResumeGoesOnBitForBit) {
   }
 }
 
-// Bug put back: gains read from the backend's memory; seen to fail.
+// Bug put back: gains kept in the backend's memory; seen to fail.
 TEST(TrainExposure, IsTheSameInAMemoryOfItsOwn) {
   const Scene scene = tiny_capture();
   TrainOptions options = tiny_options();
@@ -206,6 +206,7 @@ TEST(TrainExposure, IsRefusedWhereItMeansNothing) {
   expect_refused(tiny_capture(capture), "camera", {"background"});
 }
 
+// Bug put back: names of frames; seen to fail.
 TEST(TrainExposure, JsonNamesTheCameras) {
   const Scene scene = tiny_capture();
   TrainOptions options = tiny_options();
