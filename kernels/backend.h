@@ -68,6 +68,15 @@ struct ProjectBackwardArgs {
   MotionPairs<Real> pairs;                // of the dynamic set
 };
 
+/// Light from beyond the scene, behind all Gaussians (math/environment.h).
+template <class Real>
+struct EnvironmentArgs {
+  const ViewBatch<Real>* batch = nullptr;
+  Span<const Real> map;  // [H, 2H, 3] RGB; empty: there is none
+  int height = 0;        // H
+  Mat3<Real> map_from_world{1};
+};
+
 /// The views that may see a set, and what the size of the 3D filter follows from.
 template <class Real>
 struct FilterArgs {
@@ -101,6 +110,12 @@ class BackendOf {
   virtual void bin(const BinArgs<Real>& args, TileInstances<Real>& instances) = 0;
   /// Front-to-back blending of every tile.
   virtual void blend(const BlendArgs<Real>& args, Images<Real>& images) = 0;
+  /// colour += transmittance · environment along the pixel. After `blend`, whose background then is
+  /// black; before `photometric` and `blend_backward`, which so see what shows through Gaussians.
+  virtual void environment(const EnvironmentArgs<Real>& args, Images<Real>& images) = 0;
+  /// d_map [H, 2H, 3] is written; equal inputs give equal bits.
+  virtual void environment_backward(const EnvironmentArgs<Real>& args, const Images<Real>& images,
+                                    Span<const Real> d_colour, Span<Real> d_map) = 0;
   /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted), by the picture
   /// before its gain; `outcome` then has the gradient by the gains. An ignored
   /// pixel adds nothing: |I − G| = 0, SSIM = 1, d_colour = 0; in the windows of others its truth is
@@ -117,6 +132,9 @@ class BackendOf {
 
   /// Adam over stored gradients: what the fused sink does, as a stage of its own.
   virtual void adam(const SinkArgs<Real>& args) = 0;
+  /// A step of Adam of values that belong to no Gaussian.
+  virtual void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam,
+                           Span<Real> value, Span<Real> moment1, Span<Real> moment2) = 0;
   /// Every Gaussian's SH coefficients and moments take the steps they are behind.
   virtual void catch_up(const LazySh<Real>& lazy) = 0;
 

@@ -10,6 +10,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
+#include "kernels/math/environment.h"
 
 namespace tessera {
 namespace {
@@ -43,6 +44,11 @@ void for_each_array(State& state, bool filter_sizes, bool anchor, int64_t exposu
   visit_set(state.model.dynamic_set, state.statistics[1], "dynamic");
   if (anchor)
     visit("dynamic.anchor", state.statistics[1].anchor, 3 * state.model.dynamic_set.count());
+  auto& map = state.model.environment.map;
+  const int64_t texels = environment_scalars(state.model.environment.height);
+  visit("environment.map", map.value, texels);
+  visit("environment.map.moment1", map.moment1, texels);
+  visit("environment.map.moment2", map.moment2, texels);
   visit("exposure.log_gain", state.exposure.log_gain, 3 * exposures);
   visit("exposure.moment1", state.exposure.moment1, 3 * exposures);
   visit("exposure.moment2", state.exposure.moment2, 3 * exposures);
@@ -76,6 +82,7 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"filter_sizes", state.has_filter_sizes()},
       {"anchor", state.has_anchor()},
       {"exposures", state.exposure.rows()},
+      {"environment_height", model.environment.height},
       {"options", to_json(options)},
       {"provenance", provenance},
       {"validation", to_json(validation)}};
@@ -95,6 +102,10 @@ bool holds_anchor(const json& header) {
 
 int64_t exposures_in(const json& header) {
   return header.value("exposures", int64_t{0});
+}
+
+int64_t environment_in(const json& header) {
+  return header.value("environment_height", int64_t{0});
 }
 
 struct Parsed {
@@ -133,6 +144,7 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   const int coefficients = header.at("sh_coefficients");
   model.static_set = GaussianSet(Form::kStatic, coefficients);
   model.dynamic_set = GaussianSet(dynamic_form(header), coefficients);
+  model.environment.height = int(environment_in(header));
   model.sh_degree = header.at("sh_degree");
   model.time_axis = {header.at("time_axis").at("origin"), header.at("time_axis").at("duration")};
   if (const auto world = header.find("prepared_from_source"); world != header.end())
@@ -174,7 +186,9 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
   };
   const json& sampler = header.at("sampler");
   if (!within(statics, 0, kMost) || !within(dynamics, 0, kMost) ||
-      !within(exposures_in(header), 0, kMost) || !within(coefficients, 1, kMaxShCoefficients) ||
+      !within(exposures_in(header), 0, kMost) ||
+      !within(environment_in(header), 0, int64_t{1} << 16) ||
+      !within(coefficients, 1, kMaxShCoefficients) ||
       !within(header.at("sh_degree"), 0, kMaxShDegree) ||
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
@@ -183,7 +197,8 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
       arrays + sizeof(uint64_t) +
       kScalar * size_t(statics * scalars(Form::kStatic) +
                        dynamics * (scalars(dynamic_form(header)) + 3 * holds_anchor(header)) +
-                       kExposureScalars * exposures_in(header));
+                       kExposureScalars * exposures_in(header) +
+                       3 * environment_scalars(environment_in(header)));
   if (size != expected)
     refuse(path,
            fmt::format("truncated checkpoint: {} bytes, its header promises {}", size, expected));

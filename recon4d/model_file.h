@@ -10,7 +10,8 @@ namespace tessera {
 
 /// Elements `vertex` (static set, standard 3DGS columns) and `vertex_dynamic` (the same plus
 /// mean_time, scale_time, rot_right_0..3); stored parameters unchanged; comments carry the version,
-/// time axis, SH degree, background and clip planes. Written atomically.
+/// time axis, SH degree, background and clip planes; with an environment also an element of that
+/// name, one row a texel. Written atomically.
 void save_model(const std::filesystem::path& path, const GaussianModel& model);
 /// Errors: InputError naming the file and what is missing. `is_tessera_model` tells beforehand.
 GaussianModel load_model(const std::filesystem::path& path);

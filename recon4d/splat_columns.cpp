@@ -25,13 +25,20 @@ void append_sh(std::vector<SplatColumn>& columns, int coefficients) {
 
 /// A file without rows: what ply_header_text needs.
 PlyFile layout_of(const std::vector<std::string>& comments,
-                  const std::vector<SplatElement>& elements) {
+                  const std::vector<SplatElement>& elements,
+                  const std::vector<FloatElement>& others) {
   PlyFile layout;
   layout.comments = comments;
   for (const SplatElement& element : elements) {
     PlyElement header{element.name, element.set->count(), {}};
     for (const SplatColumn& column : splat_columns(element.set->form(), element.coefficients))
       header.columns.push_back({column.name, PlyType::kFloat32, {}});
+    layout.elements.push_back(std::move(header));
+  }
+  for (const FloatElement& other : others) {
+    PlyElement header{other.name, other.values.size / int64_t(other.columns.size()), {}};
+    for (const std::string& column : other.columns)
+      header.columns.push_back({column, PlyType::kFloat32, {}});
     layout.elements.push_back(std::move(header));
   }
   return layout;
@@ -90,13 +97,16 @@ Form dynamic_form_of(const PlyElement& element) {
 }
 
 void write_splats(const std::filesystem::path& path, const std::vector<std::string>& comments,
-                  const std::vector<SplatElement>& elements) {
+                  const std::vector<SplatElement>& elements,
+                  const std::vector<FloatElement>& others) {
   for (const SplatElement& element : elements)
     check(element.coefficients >= 1 && element.coefficients <= element.set->coefficients(),
           "write_splats: more SH coefficients than the set stores");
   AtomicFile output(path);
-  output.write(ply_header_text(layout_of(comments, elements)));
+  output.write(ply_header_text(layout_of(comments, elements, others)));
   for (const SplatElement& element : elements) write_rows(output, element);
+  for (const FloatElement& other : others)
+    output.write(other.values.data, size_t(other.values.size) * sizeof(float));
   output.commit();
 }
 

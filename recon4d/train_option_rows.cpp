@@ -114,6 +114,13 @@ const std::vector<OptionRow>& train_option_rows() {
        "weight of the mean difference in velocity of dynamic Gaussians and their 20 neighbours in "
        "the loss, per world unit and clip length",
        "[Yang24]"},
+      {"environment", &O::environment, 0, 1,
+       "a map of light from beyond the scene, learnt behind the Gaussians; for captures without an "
+       "alpha channel",
+       "[Yang24]"},
+      {"environment_size", &O::environment_size, 2, 4096,
+       "rows of the environment's map, which has twice as many columns", "ours"},
+      {"lr_environment", &O::lr_environment, 0, 1e3, "of the environment's map", "[Yang24]"},
       {"exposure",
        &O::exposure,
        0,

@@ -41,6 +41,10 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   // loss
   double lambda_dssim = 0.2, opacity_weight = 0, scale_weight = 0, time_noise = 0;
   double motion_weight = 0, extent_weight = 0, rigidity_weight = 0;
+  // light from beyond the scene
+  bool environment = false;
+  int64_t environment_size = 256;
+  double lr_environment = 2.5e-3;
   // exposure of the training pictures
   std::string exposure = "none";
   double lr_exposure = 0.01;

@@ -14,6 +14,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/lazy_schedule.h"
 #include "kernels/math/random.h"
+#include "recon4d/environment.h"
 #include "recon4d/initialise.h"
 #include "recon4d/kernel_options.h"
 #include "recon4d/mcmc.h"
@@ -72,6 +73,7 @@ TrainState initial_state(const Scene& scene, const TrainOptions& options, std::s
       initialise_model(scene, make_camera_rig(scene.training_cameras()), options);
   source = first.source;
   state.model = std::move(first.model);
+  if (options.environment) state.model.environment = first_environment(scene, options);
   state.model.static_set.ensure_moments();
   state.model.dynamic_set.ensure_moments();
   state.statistics[0].reset(state.model.static_set.count());
@@ -97,6 +99,7 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
                  state_.model.dynamic_set.like(backend.memory())},
       table_(backend.memory()),
       neighbours_(backend.memory()),
+      d_environment_(backend.memory()),
       exposed_(exposure_rows(scene, train_frames_, options_)) {
   validate(options_);
   const auto exposures = int64_t(exposed_.names.size());
@@ -221,6 +224,7 @@ void Trainer::step() {
                           render_options(state_.model),
                           {lazy(0), lazy(1)},
                           true};
+  args.environment = environment_of(std::as_const(state_).model);
   args.options.kernels = kernel_switches(options_);
   args.options.filter_2d_full_gradient = options_.filter_2d_gradient == "full";
   for (const int64_t index : batch) {
@@ -298,8 +302,15 @@ void Trainer::backward() {
   constexpr double kSlow = 1e-3;  // scene extents per clip
   args.regulariser = {options_.opacity_weight, options_.scale_weight,    options_.motion_weight,
                       options_.extent_weight,  options_.rigidity_weight, kSlow * rig_.extent};
+  ParameterGroup& environment = state_.model.environment.map;
+  d_environment_.resize(environment.value.size());
+  args.d_environment = d_environment_.span();
   pipeline_.backward(args);
   const StageTimer timer(backend_.clock(), kUpdate);
+  if (!environment.value.empty())
+    backend_.adam_values(
+        std::as_const(d_environment_).span(), adam_scalars<float>(options_.lr_environment, i + 1),
+        environment.value.span(), environment.moment1.span(), environment.moment2.span());
   if (!options_.fused_optimizer)
     for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
   if (options_.filter_3d == "clamp")

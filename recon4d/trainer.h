@@ -81,6 +81,7 @@ class Trainer {
   RigidityLists neighbours_;  // only with rigidity
   /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
   ViewBatch<float> filter_views_[2];
+  Buffer<float> d_environment_;
   ExposureRows exposed_;
   std::vector<Vec3<double>> gains_;    // [R] of the next step
   std::vector<int32_t> pending_rows_;  // [B] of gains, of the last step

@@ -162,13 +162,15 @@ class Runner {
     const fs::path folder = request_.out / "frames";
     if (!must_run("export", key, folder / "manifest.json")) return true;
     ledger_.begin("export", key);
+    const GaussianModel model = model_in_source_world(load_model(run_.model()));
+    if (model.environment.height > 0)
+      warn("the environment is not in the frames, which are 3DGS files; the model keeps it");
     ProgressBar bar("export");
     const SequenceReport report =
-        export_ply_sequence(model_in_source_world(load_model(run_.model())), folder, export_times(),
-                            [&](int64_t done, int64_t total) {
-                              stop_if_interrupted();
-                              bar.update(done, total);
-                            });
+        export_ply_sequence(model, folder, export_times(), [&](int64_t done, int64_t total) {
+          stop_if_interrupted();
+          bar.update(done, total);
+        });
     ledger_.finish(
         "export", key,
         {{"folder", folder.string()}, {"frames", report.frames.size()}, {"bytes", report.bytes}});

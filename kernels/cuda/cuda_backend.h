@@ -43,12 +43,17 @@ class CudaBackend final : public Backend {
   void project(const ProjectArgs<float>& args, Splats<float>& splats) override;
   void bin(const BinArgs<float>& args, TileInstances<float>& instances) override;
   void blend(const BlendArgs<float>& args, Images<float>& images) override;
+  void environment(const EnvironmentArgs<float>& args, Images<float>& images) override;
+  void environment_backward(const EnvironmentArgs<float>& args, const Images<float>& images,
+                            Span<const float> d_colour, Span<float> d_map) override;
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override;
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatGradient<float>> d_splats) override;
   void project_backward(const ProjectBackwardArgs<float>& args) override;
   StepOutcome outcome() override;
   void adam(const SinkArgs<float>& args) override;
+  void adam_values(Span<const float> gradient, const AdamScalars<float>& adam, Span<float> value,
+                   Span<float> moment1, Span<float> moment2) override;
   void catch_up(const LazySh<float>& lazy) override;
   void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<float> to) override;

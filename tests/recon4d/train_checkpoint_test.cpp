@@ -187,7 +187,8 @@ TEST_F(CheckpointFile, ImpossibleHeaders) {
     constexpr const char* kLater[] = {
         "prepared_from_source",  // earlier versions do not have these
         "truncation_sigma",     "truncation_by_falloff", "filter_2d", "filter_sizes",
-        "train_scale",          "time_filter",           "anchor",    "exposures"};
+        "train_scale",          "time_filter",           "anchor",    "exposures",
+        "environment_height"};
     if (std::find(std::begin(kLater), std::end(kLater), key) != std::end(kLater)) {
       EXPECT_EQ(refusal(with_header(without)), "");
       continue;

@@ -20,8 +20,8 @@ class LossProbe {
   explicit LossProbe(const TestScene<double>& scene) : target_(target_of(scene)) {}
 
   ProbedLoss at(const TestScene<double>& scene) {
-    const Images<double>& images =
-        pipeline_.forward(scene.fixed.view(), scene.moving.view(), scene.views, scene.options);
+    const StoredScene<double> in(scene, backend_.memory());
+    const Images<double>& images = pipeline_.forward(in.forward(false));
     ProbedLoss out;
     target_.gain = scene.gain;
     pipeline_.loss(target_);

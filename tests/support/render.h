@@ -76,6 +76,7 @@ struct Backward {
   Rendered<Real> rendered;
   unsigned bad = 0;
   std::vector<Vec3<double>> d_gain;
+  std::vector<Real> d_environment;
 
   double mean_loss() const {
     double sum = 0;
@@ -123,7 +124,10 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
     args.sinks[set].gradient = gradients[set].spans();
     args.statistics[set] = {statistics[2 * set].span(), statistics[2 * set + 1].span()};
   }
+  Buffer<Real> d_environment(int64_t(scene.environment.size()), memory);
+  args.d_environment = d_environment.span();
   pipeline.backward(args);
+  out.d_environment = fetched(d_environment, memory);
   const StepOutcome outcome = pipeline.outcome();
   out.losses = outcome.losses, out.bad = outcome.bad_groups, out.d_gain = outcome.d_gain;
   out.fixed = gradients[0].fetch(), out.moving = gradients[1].fetch();

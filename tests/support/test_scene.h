@@ -82,6 +82,8 @@ struct TestScene {
   RegulariserWeights regulariser;          // of `backward` alone
   TestPairs pairs;                         // as well
   std::vector<Vec3<double>> gain;          // [B] RGB, of the loss; none: the pictures as rendered
+  int environment_height = 0;              // H; 0: there is none
+  std::vector<Real> environment = {};      // [H, 2H, 3]
 
   template <class To>
   TestScene<To> as() const {
@@ -94,7 +96,9 @@ struct TestScene {
             mask,
             regulariser,
             pairs,
-            gain};
+            gain,
+            environment_height,
+            std::vector<To>(environment.begin(), environment.end())};
   }
 };
 
