@@ -46,6 +46,8 @@ struct PhotometricArgs {
   /// [B] each [height, width], 0: the pixel is ignored; an empty span: all pixels of that view
   /// count. Empty: of every view.
   std::vector<Span<const uint8_t>> mask;
+  /// [B] RGB: the picture times this is what is compared with the truth. Empty: as rendered.
+  std::vector<Vec3<double>> gain = {};
 };
 
 template <class Real>
@@ -66,6 +68,15 @@ struct ProjectBackwardArgs {
   MotionPairs<Real> pairs;                // of the dynamic set
 };
 
+/// Light from beyond the scene, behind all Gaussians (math/environment.h).
+template <class Real>
+struct EnvironmentArgs {
+  const ViewBatch<Real>* batch = nullptr;
+  Span<const Real> map;  // [H, 2H, 3] RGB; empty: there is none
+  int height = 0;        // H
+  Mat3<Real> map_from_world{1};
+};
+
 /// The views that may see a set, and what the size of the 3D filter follows from.
 template <class Real>
 struct FilterArgs {
@@ -78,8 +89,9 @@ struct FilterArgs {
 
 /// What the stages of a step found out.
 struct StepOutcome {
-  std::vector<ViewLoss> losses;  // of the last photometric
-  unsigned bad_groups = 0;       // a bit (1 << Group) per group with a non-finite gradient
+  std::vector<ViewLoss> losses;      // of the last photometric
+  unsigned bad_groups = 0;           // a bit (1 << Group) per group with a non-finite gradient
+  std::vector<Vec3<double>> d_gain;  // [B] of the mean loss by each gain; empty: there were none
 };
 
 /// A device runs behind the host: only `project`, `outcome`, `select_rows`, `relocate_rows` and
@@ -98,7 +110,14 @@ class BackendOf {
   virtual void bin(const BinArgs<Real>& args, TileInstances<Real>& instances) = 0;
   /// Front-to-back blending of every tile.
   virtual void blend(const BlendArgs<Real>& args, Images<Real>& images) = 0;
-  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted). An ignored
+  /// colour += transmittance · environment along the pixel. After `blend`, whose background then is
+  /// black; before `photometric` and `blend_backward`, which so see what shows through Gaussians.
+  virtual void environment(const EnvironmentArgs<Real>& args, Images<Real>& images) = 0;
+  /// d_map [H, 2H, 3] is written; equal inputs give equal bits.
+  virtual void environment_backward(const EnvironmentArgs<Real>& args, const Images<Real>& images,
+                                    Span<const Real> d_colour, Span<Real> d_map) = 0;
+  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted), by the picture
+  /// before its gain; `outcome` then has the gradient by the gains. An ignored
   /// pixel adds nothing: |I − G| = 0, SSIM = 1, d_colour = 0; in the windows of others its truth is
   /// what was rendered, taken as constant. Means are over all pixels of the view, so that a pixel
   /// weighs the same with a mask and without.
@@ -113,6 +132,9 @@ class BackendOf {
 
   /// Adam over stored gradients: what the fused sink does, as a stage of its own.
   virtual void adam(const SinkArgs<Real>& args) = 0;
+  /// A step of Adam of values that belong to no Gaussian.
+  virtual void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam,
+                           Span<Real> value, Span<Real> moment1, Span<Real> moment2) = 0;
   /// Every Gaussian's SH coefficients and moments take the steps they are behind.
   virtual void catch_up(const LazySh<Real>& lazy) = 0;
 

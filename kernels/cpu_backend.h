@@ -14,12 +14,17 @@ class CpuBackend final : public BackendOf<Real> {
   void project(const ProjectArgs<Real>& args, Splats<Real>& splats) override;
   void bin(const BinArgs<Real>& args, TileInstances<Real>& instances) override;
   void blend(const BlendArgs<Real>& args, Images<Real>& images) override;
+  void environment(const EnvironmentArgs<Real>& args, Images<Real>& images) override;
+  void environment_backward(const EnvironmentArgs<Real>& args, const Images<Real>& images,
+                            Span<const Real> d_colour, Span<Real> d_map) override;
   void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) override;
   void blend_backward(const BlendBackwardArgs<Real>& args,
                       Span<SplatGradient<Real>> d_splats) override;
   void project_backward(const ProjectBackwardArgs<Real>& args) override;
   StepOutcome outcome() override { return outcome_; }
   void adam(const SinkArgs<Real>& args) override;
+  void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam, Span<Real> value,
+                   Span<Real> moment1, Span<Real> moment2) override;
   void catch_up(const LazySh<Real>& lazy) override;
   void gather_rows(Span<const Real> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<Real> to) override;
@@ -40,6 +45,7 @@ class CpuBackend final : public BackendOf<Real> {
   HostStageClock clock_;
   StepOutcome outcome_;
   Buffer<Real> velocities_;                         // [N, 3] of the dynamic set, for its pairs
+  Buffer<Real> environment_parts_;                  // [parts] gradients of a map each
   Buffer<SplatGradient<Real>> instance_gradients_;  // [I] by slot, summed per splat in order
 };
 

@@ -11,6 +11,7 @@ const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
   batch_ = make_view_batch<Real>(args.views);
   project_ = {&batch_, {args.sets[0], args.sets[1]}, args.options, {args.lazy[0], args.lazy[1]}};
   for_backward_ = args.for_backward;
+  environment_ = args.environment, environment_.batch = &batch_;
   StageClock& clock = backend_.clock();
   {
     const StageTimer timer(clock, kProject);
@@ -22,6 +23,7 @@ const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
   }
   const StageTimer timer(clock, kBlend);
   backend_.blend(blend_args(), images_);
+  if (!environment_.map.empty()) backend_.environment(environment_, images_);
   return images_;
 }
 
@@ -29,7 +31,7 @@ template <class Real>
 void Pipeline<Real>::loss(const Target& target, bool for_backward) {
   d_colour_.resize(for_backward ? 3 * batch_.pixels : 0);
   const StageTimer timer(backend_.clock(), kPhotometric);
-  backend_.photometric({&batch_, &images_, target.truth, target.weights, target.mask},
+  backend_.photometric({&batch_, &images_, target.truth, target.weights, target.mask, target.gain},
                        d_colour_.span());
 }
 
@@ -40,6 +42,8 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
   d_splats_.resize(splats_.count);
   {
     const StageTimer timer(backend_.clock(), kBlendBackward);
+    if (!environment_.map.empty())
+      backend_.environment_backward(environment_, images_, d_colour_.span(), args.d_environment);
     backend_.blend_backward({blend_args(), &images_, d_colour_.span()}, d_splats_.span());
   }
   ProjectBackwardArgs<Real> project{project_, &splats_,         d_splats_.span(), {},

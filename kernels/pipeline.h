@@ -13,6 +13,7 @@ struct Target {
   std::vector<Span<const uint8_t>> truth;  // [B] each [height, width, 3]
   LossWeights weights;
   std::vector<Span<const uint8_t>> mask;  // as PhotometricArgs::mask
+  std::vector<Vec3<double>> gain = {};    // as PhotometricArgs::gain
 };
 
 template <class Real>
@@ -21,6 +22,7 @@ struct BackwardArgs {
   DensityStatistics<Real> statistics[2];
   RegulariserWeights regulariser;
   MotionPairs<Real> pairs;
+  Span<Real> d_environment = {};  // [H, 2H, 3] written where the forward pass had an environment
 };
 
 /// Gaussians, views and how they are drawn.
@@ -31,6 +33,7 @@ struct ForwardArgs {
   RenderOptions options;
   LazySh<Real> lazy[2];
   bool for_backward = false;
+  EnvironmentArgs<Real> environment = {};  // its batch is the pipeline's
 };
 
 /// What a step found, besides the pictures.
@@ -49,7 +52,7 @@ class Pipeline {
         d_colour_(backend.memory()),
         d_splats_(backend.memory()) {}
 
-  /// project → bin → blend. The pictures stay valid until the next call.
+  /// project → bin → blend → environment. The pictures stay valid until the next call.
   const Images<Real>& forward(const ForwardArgs<Real>& args);
   const Images<Real>& forward(const GaussianSpans<const Real>& static_set,
                               const GaussianSpans<const Real>& dynamic_set,
@@ -84,6 +87,7 @@ class Pipeline {
   bool for_backward_ = false;
   ViewBatch<Real> batch_;
   ProjectArgs<Real> project_;
+  EnvironmentArgs<Real> environment_;
   Splats<Real> splats_;
   TileInstances<Real> instances_;
   Images<Real> images_;

@@ -10,6 +10,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
+#include "kernels/math/environment.h"
 
 namespace tessera {
 namespace {
@@ -17,12 +18,14 @@ namespace {
 using nlohmann::json;
 constexpr char kMagic[8] = {'T', 'E', 'S', 'S', 'C', 'K', 'P', 'T'};
 constexpr uint32_t kVersion = 3;
-constexpr size_t kScalar = 4;  // bytes, of float32 and int32
+constexpr size_t kScalar = 4;             // bytes, of float32 and int32
+constexpr int64_t kExposureScalars = 10;  // of a row
 constexpr size_t kPreamble = sizeof(kMagic) + sizeof(uint32_t) + sizeof(uint64_t);
 
 /// Calls visit(name, buffer, scalars) for every array of a state, in file order.
 template <class State, class Visit>
-void for_each_array(State& state, bool filter_sizes, bool anchor, Visit&& visit) {
+void for_each_array(State& state, bool filter_sizes, bool anchor, int64_t exposures,
+                    Visit&& visit) {
   const auto visit_set = [&](auto& set, auto& statistics, const std::string& name) {
     for (int g = 0; g < set.groups(); ++g) {
       const std::string key = name + "." + group_name(Group(g), set.form());
@@ -41,6 +44,15 @@ void for_each_array(State& state, bool filter_sizes, bool anchor, Visit&& visit)
   visit_set(state.model.dynamic_set, state.statistics[1], "dynamic");
   if (anchor)
     visit("dynamic.anchor", state.statistics[1].anchor, 3 * state.model.dynamic_set.count());
+  auto& map = state.model.environment.map;
+  const int64_t texels = environment_scalars(state.model.environment.height);
+  visit("environment.map", map.value, texels);
+  visit("environment.map.moment1", map.moment1, texels);
+  visit("environment.map.moment2", map.moment2, texels);
+  visit("exposure.log_gain", state.exposure.log_gain, 3 * exposures);
+  visit("exposure.moment1", state.exposure.moment1, 3 * exposures);
+  visit("exposure.moment2", state.exposure.moment2, 3 * exposures);
+  visit("exposure.steps", state.exposure.steps, exposures);
 }
 
 json make_header(const TrainState& state, const TrainOptions& options, const json& provenance,
@@ -73,6 +85,8 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"train_scale", model.train_scale},
       {"filter_sizes", state.has_filter_sizes()},
       {"anchor", state.has_anchor()},
+      {"exposures", state.exposure.rows()},
+      {"environment_height", model.environment.height},
       {"options", to_json(options)},
       {"provenance", provenance},
       {"validation", to_json(validation)}};
@@ -94,6 +108,14 @@ json sh_time_of(const json& header) {
 
 bool holds_anchor(const json& header) {
   return header.value("anchor", false);
+}
+
+int64_t exposures_in(const json& header) {
+  return header.value("exposures", int64_t{0});
+}
+
+int64_t environment_in(const json& header) {
+  return header.value("environment_height", int64_t{0});
 }
 
 struct Parsed {
@@ -135,6 +157,7 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   model.dynamic_set =
       GaussianSet(dynamic_form(header), coefficients, host_memory(), sh_time.at("levels"));
   model.sh_time_degree = sh_time.at("degree"), model.sh_time_period = sh_time.at("period");
+  model.environment.height = int(environment_in(header));
   model.sh_degree = header.at("sh_degree");
   model.time_axis = {header.at("time_axis").at("origin"), header.at("time_axis").at("duration")};
   if (const auto world = header.find("prepared_from_source"); world != header.end())
@@ -178,6 +201,8 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
   };
   const json& sampler = header.at("sampler");
   if (!within(statics, 0, kMost) || !within(dynamics, 0, kMost) ||
+      !within(exposures_in(header), 0, kMost) ||
+      !within(environment_in(header), 0, int64_t{1} << 16) ||
       !within(coefficients, 1, kMaxShCoefficients) ||
       !within(header.at("sh_degree"), 0, kMaxShDegree) || !within(levels, 0, kMaxTimeLevels) ||
       !within(sh_time.at("degree"), 0, kMaxTimeLevels) || !(sh_time.at("period") > 0.0) ||
@@ -187,7 +212,9 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
   const size_t expected =
       arrays + sizeof(uint64_t) +
       kScalar * size_t(statics * scalars(Form::kStatic) +
-                       dynamics * (scalars(dynamic_form(header)) + 3 * holds_anchor(header)));
+                       dynamics * (scalars(dynamic_form(header)) + 3 * holds_anchor(header)) +
+                       kExposureScalars * exposures_in(header) +
+                       3 * environment_scalars(environment_in(header)));
   if (size != expected)
     refuse(path,
            fmt::format("truncated checkpoint: {} bytes, its header promises {}", size, expected));
@@ -219,7 +246,7 @@ void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
   write(&kVersion, sizeof(kVersion));
   write(&length, sizeof(length));
   write(header.data(), header.size());
-  for_each_array(state, state.has_filter_sizes(), state.has_anchor(),
+  for_each_array(state, state.has_filter_sizes(), state.has_anchor(), state.exposure.rows(),
                  [&](const std::string&, const auto& buffer, int64_t scalars) {
                    check(buffer.size() == scalars, "checkpoint: array of unexpected length");
                    check(&buffer.memory() == &host_memory(), "checkpoint: of a state on a device");
@@ -247,7 +274,7 @@ Checkpoint load_checkpoint(const std::filesystem::path& path) {
   state.model.dynamic_set.resize(parsed.header.at("num_dynamic"));
   const char* from = bytes.data() + parsed.arrays;
   const bool filter_sizes = holds_filter_sizes(parsed.header);
-  for_each_array(state, filter_sizes, holds_anchor(parsed.header),
+  for_each_array(state, filter_sizes, holds_anchor(parsed.header), exposures_in(parsed.header),
                  [&](const std::string&, auto& buffer, int64_t scalars) {
                    buffer.resize(scalars);
                    if (scalars > 0) std::memcpy(buffer.data(), from, kScalar * size_t(scalars));

@@ -2,7 +2,7 @@
 // Not: a model to ship (model_file.h), nor the best model so far: the caller keeps it. Written
 //      whole or not at all; the previous one stays.
 // Layout: "TESSCKPT", u32 version, u64 header bytes, JSON header, then the arrays that the header
-// lists in order, float32 (sh_step: int32) little-endian, then u64 FNV-1a of all before it.
+// lists in order, float32 (steps: int32) little-endian, then u64 FNV-1a of all before it.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>

@@ -66,11 +66,21 @@ int64_t GaussianSet::value_bytes() const {
   return count_ * scalars * int64_t(sizeof(float));
 }
 
+EnvironmentLight EnvironmentLight::clone_to(Memory& memory, bool moments) const {
+  EnvironmentLight copy(memory);
+  copy.height = height, copy.map_from_world = map_from_world;
+  copy.map.value.copy_from(map.value);
+  if (!moments) return copy;
+  copy.map.moment1.copy_from(map.moment1), copy.map.moment2.copy_from(map.moment2);
+  return copy;
+}
+
 namespace {
 
-GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set,
-                        GaussianSet dynamic_set) {
+GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set, GaussianSet dynamic_set,
+                        EnvironmentLight environment) {
   GaussianModel model;
+  model.environment = std::move(environment);
   model.static_set = std::move(static_set), model.dynamic_set = std::move(dynamic_set);
   model.sh_degree = like.sh_degree, model.time_axis = like.time_axis;
   model.sh_time_degree = like.sh_time_degree, model.sh_time_period = like.sh_time_period;
@@ -87,11 +97,13 @@ GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set,
 }  // namespace
 
 GaussianModel GaussianModel::clone_to(Memory& memory) const {
-  return with_sets(*this, static_set.clone_to(memory), dynamic_set.clone_to(memory));
+  return with_sets(*this, static_set.clone_to(memory), dynamic_set.clone_to(memory),
+                   environment.clone_to(memory, true));
 }
 
 GaussianModel GaussianModel::clone_values(Memory& memory) const {
-  return with_sets(*this, static_set.clone_values(memory), dynamic_set.clone_values(memory));
+  return with_sets(*this, static_set.clone_values(memory), dynamic_set.clone_values(memory),
+                   environment.clone_to(memory, false));
 }
 
 }  // namespace tessera

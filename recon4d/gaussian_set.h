@@ -82,10 +82,24 @@ class GaussianSet {
   std::array<ParameterGroup, kGroupCount> groups_;
 };
 
+/// Light from beyond the scene: a map of directions (kernels/math/environment.h).
+struct EnvironmentLight {
+  EnvironmentLight() = default;
+  explicit EnvironmentLight(Memory& memory) : map(memory) {}
+
+  int height = 0;                  // H; 0: there is none
+  ParameterGroup map;              // [H, 2H, 3] RGB
+  glm::dmat3 map_from_world{1.0};  // a model that is turned looks it up turned
+
+  /// Deep copy in a memory, with the moments that there are or without.
+  EnvironmentLight clone_to(Memory& memory, bool moments) const;
+};
+
 /// What a training produces and every other command reads.
 struct GaussianModel {
   GaussianSet static_set{Form::kStatic, kMaxShCoefficients};
   GaussianSet dynamic_set{Form::kPair, kMaxShCoefficients};
+  EnvironmentLight environment;                // behind both
   int sh_degree = 3;                           // bands that are active
   int sh_time_degree = 0;                      // levels of time that are active
   double sh_time_period = 1;                   // T of the levels, normalised time

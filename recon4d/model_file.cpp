@@ -10,6 +10,7 @@
 
 #include "ingest/files/ply_header.h"
 #include "kernels/base/errors.h"
+#include "kernels/math/environment.h"
 #include "recon4d/splat_columns.h"
 
 namespace tessera {
@@ -19,6 +20,7 @@ constexpr int kFormatVersion = 1;
 constexpr const char* kVersionKey = "tessera_4d_version";
 constexpr const char* kStaticElement = "vertex";
 constexpr const char* kDynamicElement = "vertex_dynamic";
+constexpr const char* kEnvironmentElement = "environment";
 
 /// Numbers behind `key` in the comments; none when it is not there. fmt writes the shortest text
 /// that reads back bit-equal.
@@ -146,13 +148,57 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
       {kStaticElement, &model.static_set, model.static_set.coefficients()}};
   if (model.dynamic_set.count() > 0)
     elements.push_back({kDynamicElement, &model.dynamic_set, model.dynamic_set.coefficients()});
-  write_splats(path, comments, elements);
+  std::vector<FloatElement> others;
+  const EnvironmentLight& environment = model.environment;
+  if (environment.height > 0) {
+    const Similarity turn{1, environment.map_from_world, {}};
+    comments.push_back(fmt::format("environment {} {}", environment.height,
+                                   fmt::join(similarity_numbers(turn), " ")));
+    others.push_back({kEnvironmentElement, {"red", "green", "blue"}, environment.map.value.span()});
+  }
+  write_splats(path, comments, elements, others);
 }
+
+namespace {
+
+EnvironmentLight read_environment(const std::filesystem::path& path, const PlyFile& file) {
+  EnvironmentLight environment;
+  const auto numbers =
+      numbers_if_any(path, file.comments, kEnvironmentElement, 1 + kSimilarityNumbers);
+  if (numbers.empty()) return environment;
+  const PlyElement* const element = file.find(kEnvironmentElement);
+  const bool plausible = numbers[0] >= 1 && numbers[0] <= 1 << 16;
+  environment.height = plausible ? int(numbers[0]) : 0;
+  const int64_t scalars = environment_scalars(environment.height);
+  if (!plausible || element == nullptr || 3 * element->rows != scalars)
+    throw InputError(
+        fmt::format("{}: element '{}' does not have the {} rows of its comment's map; "
+                    "export again",
+                    path.string(), kEnvironmentElement, scalars / 3));
+  SimilarityNumbers turn{};
+  std::copy(numbers.begin() + 1, numbers.end(), turn.begin());
+  environment.map_from_world = similarity_from_numbers(turn).rotation;
+  environment.map.value.resize(scalars);
+  int64_t c = 0;
+  for (const char* name : {"red", "green", "blue"}) {
+    const PlyColumn* const column = element->find(name);
+    if (column == nullptr)
+      throw InputError(fmt::format("{}: element '{}' has no scalar property '{}'; export again",
+                                   path.string(), kEnvironmentElement, name));
+    for (int64_t i = 0; i < element->rows; ++i)
+      environment.map.value[3 * i + c] = float(column->values[size_t(i)]);
+    ++c;
+  }
+  return environment;
+}
+
+}  // namespace
 
 GaussianModel load_model(const std::filesystem::path& path) {
   const PlyFile file = read_ply(path);
   GaussianModel model;
   read_comments(path, file.comments, model);
+  model.environment = read_environment(path, file);
   const PlyElement* const static_element = file.find(kStaticElement);
   if (static_element == nullptr)
     throw InputError(fmt::format("{}: no element '{}', expected a Tessera 4D .ply; export again",

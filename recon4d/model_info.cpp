@@ -82,6 +82,9 @@ json model_info(const GaussianModel& model) {
   info["time_axis"] = {{"origin", model.time_axis.origin}, {"duration", model.time_axis.duration}};
   info["world"] = model.prepared_from_source.is_identity() ? "source" : "prepared";
   info["background"] = model.background;
+  info["environment"] = model.environment.height > 0 ? json{{"height", model.environment.height},
+                                                            {"width", 2 * model.environment.height}}
+                                                     : json(nullptr);
   info["clip_planes"] = {model.near_plane, model.far_plane};
   info["truncation"] = {{"sigma", model.truncation_sigma},
                         {"by_falloff", model.truncation_by_falloff}};

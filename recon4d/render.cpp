@@ -2,6 +2,9 @@
 // Not: any pixel arithmetic but alpha = 1 − transmittance.
 #include "recon4d/render.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace tessera {
 
 RenderOptions render_options(const GaussianModel& model) {
@@ -9,6 +12,7 @@ RenderOptions render_options(const GaussianModel& model) {
   options.sh_degree = model.sh_degree;
   options.sh_time_degree = model.sh_time_degree, options.sh_time_period = model.sh_time_period;
   for (size_t c = 0; c < 3; ++c) options.background[c] = model.background[c] / 255.0;
+  if (model.environment.height > 0) std::fill_n(options.background, 3, 0.0);  // it is behind all
   options.near_plane = model.near_plane, options.far_plane = model.far_plane;
   options.sliced_direction = model.sliced_direction;
   options.truncation_sigma = model.truncation_sigma;
@@ -17,9 +21,23 @@ RenderOptions render_options(const GaussianModel& model) {
   return options;
 }
 
+EnvironmentArgs<float> environment_of(const GaussianModel& model, Span<const float> map) {
+  if (map.empty()) map = model.environment.map.value.span();
+  return {nullptr, map, model.environment.height, Mat3<float>(model.environment.map_from_world)};
+}
+
 Renderer::Renderer(Backend& backend, const GaussianModel& model)
-    : backend_(backend), model_(model), options_(render_options(model)), pipeline_(backend) {
+    : backend_(backend),
+      model_(model),
+      options_(render_options(model)),
+      pipeline_(backend),
+      environment_(backend.memory()) {
   refresh();
+}
+
+void Renderer::draw_no_background() {
+  background_ = false;
+  std::fill_n(options_.background, 3, 0.0);
 }
 
 void Renderer::refresh() {
@@ -28,6 +46,8 @@ void Renderer::refresh() {
     copies_[k].reset();
     if (&own.memory() != &backend_.memory()) copies_[k] = own.clone_values(backend_.memory());
   }
+  const Buffer<float>& map = model_.environment.map.value;
+  if (!map.empty() && &map.memory() != &backend_.memory()) environment_.copy_from(map);
 }
 
 const GaussianSet& Renderer::set(int k) const {
@@ -35,7 +55,9 @@ const GaussianSet& Renderer::set(int k) const {
 }
 
 const Images<float>& Renderer::draw(const std::vector<View>& views) {
-  return pipeline_.forward(set(0).values(), set(1).values(), views, options_);
+  ForwardArgs<float> args{{set(0).values(), set(1).values()}, views, options_, {}};
+  if (background_) args.environment = environment_of(model_, std::as_const(environment_).span());
+  return pipeline_.forward(args);
 }
 
 std::vector<Picture> Renderer::render(const std::vector<View>& views) {

@@ -20,6 +20,8 @@ struct Picture {
 
 /// How a model says it wants to be drawn.
 RenderOptions render_options(const GaussianModel& model);
+/// Its environment for a forward pass; the map lies where the model's does, or at `map`.
+EnvironmentArgs<float> environment_of(const GaussianModel& model, Span<const float> map = {});
 
 /// Keeps the buffers of a pipeline between calls. Backend and model must outlive it. A set that is
 /// not in the backend's memory is brought there once.
@@ -35,8 +37,10 @@ class Renderer {
   void refresh();
   /// Of the last call: splats, instances, Gaussians that are none.
   PipelineReport report() const { return pipeline_.report(); }
-  /// To be changed between calls, e.g. another background.
+  /// To be changed between calls.
   RenderOptions& options() { return options_; }
+  /// From the next call on the Gaussians alone, without background or environment.
+  void draw_no_background();
 
  private:
   /// Set k where the backend can read it.
@@ -47,6 +51,8 @@ class Renderer {
   RenderOptions options_;
   Pipeline<float> pipeline_;
   std::optional<GaussianSet> copies_[2];
+  Buffer<float> environment_;  // where the model's is in another memory
+  bool background_ = true;
   Buffer<float> colour_, transmittance_;  // of a batch, on the host
 };
 

@@ -74,6 +74,12 @@ double Schedule::mean_rate(int64_t i) const {
   return extent_ * decayed(options_.lr_mean, options_.lr_mean_final, i);
 }
 
+double Schedule::exposure_rate(int64_t i) const {
+  constexpr double kFinal = 0.01;  // of the rate at the start: gains come to rest
+  return options_.lr_exposure *
+         std::pow(kFinal, double(i + 1) / double(std::max<int64_t>(1, options_.iterations)));
+}
+
 AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   const int64_t step = i + 1;
   AdamGroups<float> groups;

@@ -30,6 +30,8 @@ class Schedule {
   double time_noise(int64_t i) const;
   /// Learning rate of the means at step i, world units.
   double mean_rate(int64_t i) const;
+  /// Learning rate of log gains at step i.
+  double exposure_rate(int64_t i) const;
   /// Scale of the means' noise after step i; 0: none (PositionNoise::scale).
   double noise_scale(int64_t i) const { return is_mcmc() ? options_.mcmc_noise * mean_rate(i) : 0; }
   /// Step sizes of step i for a set of that form.

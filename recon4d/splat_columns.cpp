@@ -37,13 +37,20 @@ std::vector<SplatColumn> columns_of(const SplatElement& element) {
 
 /// A file without rows: what ply_header_text needs.
 PlyFile layout_of(const std::vector<std::string>& comments,
-                  const std::vector<SplatElement>& elements) {
+                  const std::vector<SplatElement>& elements,
+                  const std::vector<FloatElement>& others) {
   PlyFile layout;
   layout.comments = comments;
   for (const SplatElement& element : elements) {
     PlyElement header{element.name, element.set->count(), {}};
     for (const SplatColumn& column : columns_of(element))
       header.columns.push_back({column.name, PlyType::kFloat32, {}});
+    layout.elements.push_back(std::move(header));
+  }
+  for (const FloatElement& other : others) {
+    PlyElement header{other.name, other.values.size / int64_t(other.columns.size()), {}};
+    for (const std::string& column : other.columns)
+      header.columns.push_back({column, PlyType::kFloat32, {}});
     layout.elements.push_back(std::move(header));
   }
   return layout;
@@ -110,7 +117,8 @@ Form dynamic_form_of(const PlyElement& element) {
 }
 
 void write_splats(const std::filesystem::path& path, const std::vector<std::string>& comments,
-                  const std::vector<SplatElement>& elements) {
+                  const std::vector<SplatElement>& elements,
+                  const std::vector<FloatElement>& others) {
   for (const SplatElement& element : elements) {
     const int stored = element.set->coefficients();
     check(element.coefficients >= 1 && element.coefficients <= stored,
@@ -119,8 +127,10 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
           "write_splats: a part of the coefficients of a level of time");
   }
   AtomicFile output(path);
-  output.write(ply_header_text(layout_of(comments, elements)));
+  output.write(ply_header_text(layout_of(comments, elements, others)));
   for (const SplatElement& element : elements) write_rows(output, element);
+  for (const FloatElement& other : others)
+    output.write(other.values.data, size_t(other.values.size) * sizeof(float));
   output.commit();
 }
 

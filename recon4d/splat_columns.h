@@ -35,9 +35,17 @@ struct SplatElement {
   int coefficients = 0;
 };
 
+/// Rows of floats that are no Gaussians, after the sets in the file.
+struct FloatElement {
+  std::string name;
+  std::vector<std::string> columns;
+  Span<const float> values;  // [rows, columns]
+};
+
 /// Values as stored, `float` columns, binary little-endian, atomically; needs no copy of the sets.
 void write_splats(const std::filesystem::path& path, const std::vector<std::string>& comments,
-                  const std::vector<SplatElement>& elements);
+                  const std::vector<SplatElement>& elements,
+                  const std::vector<FloatElement>& others = {});
 
 /// Rows of `element` as a set with the SH coefficients that its f_rest columns make: 1, 4, 9 or 16.
 /// Every column but the normals is required, and f_cos of whole levels where there are any. Errors:

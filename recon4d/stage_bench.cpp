@@ -100,7 +100,8 @@ class Load {
         feed_(backend.memory(), scene, frames_, 0, options.batch),
         pipeline_(backend),
         gradients_{{Form::kStatic, 1}, {Form::kPair, 1}},
-        table_(backend.memory()) {
+        table_(backend.memory()),
+        d_environment_(backend.memory()) {
     if (frames_.empty()) throw InputError(scene.path + ": no frame belongs to the training split");
     state_.model = bench.model ? bench.model->clone_values() : initial_load(scene, options, bench);
     for (int k = 0; k < 2; ++k) {
@@ -125,6 +126,7 @@ class Load {
     forward.options = render_options(state_.model);
     forward.options.kernels = kernel_switches(options_);
     forward.for_backward = true;
+    forward.environment = environment_of(std::as_const(state_).model);
     for (int k = 0; k < 2; ++k) {
       forward.sets[k] = std::as_const(state_).set(k).values();
       forward.lazy[k] = lazy(k);
@@ -168,6 +170,8 @@ class Load {
       sink.adam.sh_rest = adam_scalars<float>(0, 1);
       args.statistics[k] = state_.statistics[k].spans();
     }
+    d_environment_.resize(state_.model.environment.map.value.size());
+    args.d_environment = d_environment_.span();
     pipeline_.backward(args);
     if (options_.fused_optimizer) return;
     const StageTimer timer(backend_.clock(), kUpdate);
@@ -183,6 +187,7 @@ class Load {
   Pipeline<float> pipeline_;
   GaussianSet gradients_[2];  // only with a separate optimizer
   Buffer<double> table_;
+  Buffer<float> d_environment_;
 };
 
 }  // namespace

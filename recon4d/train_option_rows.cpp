@@ -119,6 +119,23 @@ const std::vector<OptionRow>& train_option_rows() {
        "weight of the mean difference in velocity of dynamic Gaussians and their 20 neighbours in "
        "the loss, per world unit and clip length",
        "[Yang24]"},
+      {"environment", &O::environment, 0, 1,
+       "a map of light from beyond the scene, learnt behind the Gaussians; for captures without an "
+       "alpha channel",
+       "[Yang24]"},
+      {"environment_size", &O::environment_size, 2, 4096,
+       "rows of the environment's map, which has twice as many columns", "ours"},
+      {"lr_environment", &O::lr_environment, 0, 1e3, "of the environment's map", "[Yang24]"},
+      {"exposure",
+       &O::exposure,
+       0,
+       0,
+       "RGB gains learnt for the training pictures: none, one for each camera, or one for each "
+       "frame of each camera; their mean is 1, and nothing else is drawn with them",
+       "ours",
+       {"none", "camera", "frame"}},
+      {"lr_exposure", &O::lr_exposure, 0, 1e3,
+       "of log gains at the start; falls to a hundredth over the training", "ours"},
       {"lr_mean", &O::lr_mean, 0, 1e3, "of means at the start, per scene extent", "[3DGS]"},
       {"lr_mean_final", &O::lr_mean_final, 0, 1e3, "of means at the end, per scene extent",
        "[3DGS]"},

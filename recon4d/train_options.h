@@ -41,6 +41,13 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   // loss
   double lambda_dssim = 0.2, opacity_weight = 0, scale_weight = 0, time_noise = 0;
   double motion_weight = 0, extent_weight = 0, rigidity_weight = 0;
+  // light from beyond the scene
+  bool environment = false;
+  int64_t environment_size = 256;
+  double lr_environment = 2.5e-3;
+  // exposure of the training pictures
+  std::string exposure = "none";
+  double lr_exposure = 0.01;
   // learning rates
   double lr_mean = 1.6e-4, lr_mean_final = 1.6e-6;
   double lr_mean_time = 1.6e-4, lr_mean_time_final = 1.6e-4;

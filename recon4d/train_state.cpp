@@ -11,7 +11,8 @@ namespace tessera {
 
 TrainState TrainState::clone_to(Memory& memory) const {
   TrainState copy{model.clone_to(memory),
-                  {statistics[0].clone_to(memory), statistics[1].clone_to(memory)}};
+                  {statistics[0].clone_to(memory), statistics[1].clone_to(memory)},
+                  exposure.clone()};
   copy.iteration = iteration;
   copy.sampler_epoch = sampler_epoch, copy.sampler_position = sampler_position;
   copy.seconds = seconds, copy.finished = finished;

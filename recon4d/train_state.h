@@ -3,6 +3,7 @@
 #pragma once
 #include "kernels/backend.h"
 #include "recon4d/density.h"
+#include "recon4d/exposure.h"
 #include "recon4d/gaussian_set.h"
 #include "recon4d/train_options.h"
 
@@ -11,6 +12,7 @@ namespace tessera {
 struct TrainState {
   GaussianModel model;          // in any memory; its SH may be behind, see LazySh
   SetStatistics statistics[2];  // static, dynamic
+  ExposureState exposure;       // on the host
   int64_t iteration = 0;        // steps done
   int64_t sampler_epoch = 0, sampler_position = 0;
   double seconds = 0;     // spent in steps

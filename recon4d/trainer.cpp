@@ -14,6 +14,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/lazy_schedule.h"
 #include "kernels/math/random.h"
+#include "recon4d/environment.h"
 #include "recon4d/initialise.h"
 #include "recon4d/kernel_options.h"
 #include "recon4d/mcmc.h"
@@ -65,12 +66,14 @@ std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frame
 }  // namespace
 
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source) {
-  training_frames(scene);
+  const ExposureRows exposed = exposure_rows(scene, training_frames(scene), options);
   TrainState state;
+  state.exposure.reset(int64_t(exposed.names.size()));
   Initialisation first =
       initialise_model(scene, make_camera_rig(scene.training_cameras()), options);
   source = first.source;
   state.model = std::move(first.model);
+  if (options.environment) state.model.environment = first_environment(scene, options);
   state.model.static_set.ensure_moments();
   state.model.dynamic_set.ensure_moments();
   state.statistics[0].reset(state.model.static_set.count());
@@ -95,8 +98,14 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
       table_(backend.memory()),
-      neighbours_(backend.memory()) {
+      neighbours_(backend.memory()),
+      d_environment_(backend.memory()),
+      exposed_(exposure_rows(scene, train_frames_, options_)) {
   validate(options_);
+  const auto exposures = int64_t(exposed_.names.size());
+  if (state_.exposure.rows() == 0) state_.exposure.reset(exposures);
+  check(state_.exposure.rows() == exposures, "Trainer: gains of other frames");
+  gains_ = gains_of(state_.exposure);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
   for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
   if (options_.filter_3d != "none")
@@ -217,6 +226,7 @@ void Trainer::step() {
                           render_options(state_.model),
                           {lazy(0), lazy(1)},
                           true};
+  args.environment = environment_of(std::as_const(state_).model);
   args.options.kernels = kernel_switches(options_);
   args.options.filter_2d_full_gradient = options_.filter_2d_gradient == "full";
   for (const int64_t index : batch) {
@@ -235,13 +245,25 @@ void Trainer::step() {
   report.invalid_gaussians = counts.invalid_gaussians;
   report.peak_bytes = backend_.memory().peak_bytes();
   const FedTruth fed = feed_.truth(batch);
-  pipeline_.loss({fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks},
-                 true);
+  pipeline_.loss(
+      {fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks, gains(batch)},
+      true);
   backward();
   prefetch();
   ++state_.iteration;
   state_.sampler_epoch = sampler_.epoch(), state_.sampler_position = sampler_.position();
   pending_ = report;
+}
+
+std::vector<Vec3<double>> Trainer::gains(const std::vector<int64_t>& batch) {
+  std::vector<Vec3<double>> gains;
+  if (gains_.empty()) return gains;
+  pending_rows_.clear();
+  for (const int64_t index : batch) {
+    pending_rows_.push_back(exposed_.of_frame[size_t(index)]);
+    gains.push_back(gains_[size_t(pending_rows_.back())]);
+  }
+  return gains;
 }
 
 void Trainer::find_neighbours() {
@@ -282,8 +304,15 @@ void Trainer::backward() {
   constexpr double kSlow = 1e-3;  // scene extents per clip
   args.regulariser = {options_.opacity_weight, options_.scale_weight,    options_.motion_weight,
                       options_.extent_weight,  options_.rigidity_weight, kSlow * rig_.extent};
+  ParameterGroup& environment = state_.model.environment.map;
+  d_environment_.resize(environment.value.size());
+  args.d_environment = d_environment_.span();
   pipeline_.backward(args);
   const StageTimer timer(backend_.clock(), kUpdate);
+  if (!environment.value.empty())
+    backend_.adam_values(
+        std::as_const(d_environment_).span(), adam_scalars<float>(options_.lr_environment, i + 1),
+        environment.value.span(), environment.moment1.span(), environment.moment2.span());
   if (!options_.fused_optimizer)
     for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
   if (options_.filter_3d == "clamp")
@@ -321,6 +350,11 @@ void Trainer::complete_pending() {
             ? "the loss is"
             : "the gradient of " +
                   group_names(bad, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
+  }
+  if (!gains_.empty()) {
+    step_exposure(pending_rows_, outcome.d_gain, schedule_.exposure_rate(report.iteration - 1),
+                  state_.exposure);
+    gains_ = gains_of(state_.exposure);
   }
   const auto now = std::chrono::steady_clock::now();
   report.seconds = std::chrono::duration<double>(now - std::exchange(reported_, now)).count();

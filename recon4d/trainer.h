@@ -39,6 +39,8 @@ class Trainer {
   /// next step.
   const GaussianModel& host_model();
   const TrainOptions& options() const { return options_; }
+  /// What state().exposure has a gain for.
+  const ExposureRows& exposed() const { return exposed_; }
 
  private:
   void step();
@@ -53,6 +55,8 @@ class Trainer {
   /// The frame's moment with the noise of this step.
   double training_time(double time, int64_t index) const;
   void backward();
+  /// Gains of the views of a batch, which are noted for the step of the gains; empty: none.
+  std::vector<Vec3<double>> gains(const std::vector<int64_t>& batch);
   void prefetch();
   /// Reports the last step once the backend knows how it went.
   void complete_pending();
@@ -77,13 +81,17 @@ class Trainer {
   RigidityLists neighbours_;  // only with rigidity
   /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
   ViewBatch<float> filter_views_[2];
+  Buffer<float> d_environment_;
+  ExposureRows exposed_;
+  std::vector<Vec3<double>> gains_;    // [R] of the next step
+  std::vector<int32_t> pending_rows_;  // [B] of gains, of the last step
   std::optional<StepReport> pending_;
   std::chrono::steady_clock::time_point reported_;  // until when time is accounted for
   std::optional<TrainState> host_state_;
   std::optional<GaussianModel> host_model_;
 };
 
-/// The state before step 0. Errors: as initialise_model.
+/// The state before step 0. Errors: as initialise_model and exposure_rows.
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source);
 
 }  // namespace tessera

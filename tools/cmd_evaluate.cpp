@@ -178,7 +178,10 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
                     Backend& backend, std::string& text) {
   ModelInput input = load_model_input(path);
   for (const std::string& warning : input.warnings) warn(warning);
-  if (!request.background.empty()) input.model.background = parse_background(request.background);
+  if (!request.background.empty()) {
+    input.model.background = parse_background(request.background);
+    input.model.environment = {};
+  }
   const Scene scene = open_scene(request, path, input.model);
   const std::vector<Split> splits = chosen_splits(request, scene);
   json scores = score(request, input, scene, splits, lpips, backend);

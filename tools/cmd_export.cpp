@@ -160,6 +160,10 @@ int export_command(const ExportRequest& request) {
         fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
                     "have; its frames look different there; --format tessera keeps them",
                     input.file.string()));
+  if (&format == kFormats.data() && input.model.environment.height > 0)
+    warn(
+        fmt::format("{}: its environment is not in frames of 3DGS files; --format tessera keeps it",
+                    input.file.string()));
   if (!request.keep_world) input.model = model_in_source_world(input.model);
   nlohmann::json result = format.write(request, input.model);
   result["out"] = request.out, result["format"] = format.name;

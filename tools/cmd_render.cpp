@@ -84,12 +84,15 @@ int render(const RenderRequest& request) {
   set_thread_count(request.threads);
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
-  if (!request.background.empty()) input.model.background = parse_background(request.background);
+  if (!request.background.empty()) {
+    input.model.background = parse_background(request.background);
+    input.model.environment = {};
+  }
   const std::vector<NamedView> views = read_views(request.choice, input.model);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   OutputFolder folder(request.out, "render", file_names(views, request.floats), request.overwrite);
   Renderer renderer(*backend, input.model);
-  if (request.alpha) std::fill_n(renderer.options().background, 3, 0.0);
+  if (request.alpha) renderer.draw_no_background();
   render_all(renderer, views, request, folder);
   folder.finish();
   print_result(request.json, result_json(request, input, views, backend->name()),

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/ingest.h"
@@ -161,13 +162,15 @@ class Runner {
     const fs::path folder = request_.out / "frames";
     if (!must_run("export", key, folder / "manifest.json")) return true;
     ledger_.begin("export", key);
+    const GaussianModel model = model_in_source_world(load_model(run_.model()));
+    if (model.environment.height > 0)
+      warn("the environment is not in the frames, which are 3DGS files; the model keeps it");
     ProgressBar bar("export");
     const SequenceReport report =
-        export_ply_sequence(model_in_source_world(load_model(run_.model())), folder, export_times(),
-                            [&](int64_t done, int64_t total) {
-                              stop_if_interrupted();
-                              bar.update(done, total);
-                            });
+        export_ply_sequence(model, folder, export_times(), [&](int64_t done, int64_t total) {
+          stop_if_interrupted();
+          bar.update(done, total);
+        });
     ledger_.finish(
         "export", key,
         {{"folder", folder.string()}, {"frames", report.frames.size()}, {"bytes", report.bytes}});
@@ -193,6 +196,13 @@ std::string run_text(const json& result) {
       exported["folder"].get<std::string>(), exported["bytes"].get<double>() / 1e6);
 }
 
+/// --exposure of a run: fit is ingest's, camera and frame are the training's.
+void share_exposure(RunRequest& request) {
+  std::string& word = request.ingest.exposure;
+  if (word != "camera" && word != "frame") return;
+  request.training.given["exposure"] = std::exchange(word, "none");
+}
+
 }  // namespace
 
 void add_run_command(CLI::App& app, Work& work) {
@@ -202,6 +212,10 @@ void add_run_command(CLI::App& app, Work& work) {
   command.add_option("capture", request->capture, "folder of videos or images")->required();
   command.add_option("-o,--out", request->out, "output folder")->required();
   add_ingest_options(command, request->ingest);
+  command.get_option("--exposure")
+      ->description(
+          "fit: ingest divides each training camera's pictures by its gains; camera or frame: "
+          "training learns gains, of cameras or of all pictures; none");
   command.add_option("--export-frames", request->export_frames,
                      "frames of the .ply sequence; 0: one per moment, at most 60");
   command.add_flag("--json", request->json_output, "print one JSON object");
@@ -209,6 +223,7 @@ void add_run_command(CLI::App& app, Work& work) {
   command.callback([request, &work] {
     work = [request] {
       set_thread_count(request->training.threads);
+      share_exposure(*request);
       Runner runner(*request);
       if (!runner.run()) {
         say("interrupted; run the same command again to go on");

@@ -63,6 +63,8 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
       ->capture_default_str();
   for (const OptionRow& row : train_option_rows()) {
     const std::string key = row.key;
+    // of `run`, where the word is shared with ingest's (cmd_run.cpp)
+    if (command.get_option_no_throw("--" + dashed(key)) != nullptr) continue;
     command
         .add_option_function<std::string>(
             "--" + dashed(key),

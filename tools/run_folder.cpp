@@ -36,7 +36,8 @@ void RunFolder::remove_best_but(int64_t iteration) const {
 
 void RunFolder::remove_files() const {
   remove_best_but(-1);
-  for (const std::filesystem::path& file : {config(), log(), checkpoint(), model(), metrics()}) {
+  for (const std::filesystem::path& file :
+       {config(), log(), checkpoint(), model(), exposure(), metrics()}) {
     std::error_code ignored;  // what cannot be removed fails with its reason when it is written
     std::filesystem::remove(file, ignored);
   }

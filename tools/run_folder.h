@@ -14,6 +14,8 @@ struct RunFolder {
   std::filesystem::path log() const { return root / "log.jsonl"; }
   std::filesystem::path checkpoint() const { return root / "checkpoint.ckpt"; }
   std::filesystem::path model() const { return root / "model.ply"; }
+  /// Gains of the training pictures, where they were learnt.
+  std::filesystem::path exposure() const { return root / "exposure.json"; }
   std::filesystem::path metrics() const { return root / "metrics.json"; }
   /// The best model by validation, of that step.
   std::filesystem::path best(int64_t iteration) const;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <utility>
 
 #include "ingest/dense_cloud.h"
@@ -168,6 +169,10 @@ class Session {
           "no Gaussians are left, density control has removed them all: pictures are the "
           "background; look at the poses (tessera doctor) and at --init-extent");
     wall_.time(WallSplit::kSave, [&] { save_model(run_.model(), model()); });
+    if (trainer_->state().exposure.rows() > 0)
+      write_text_file(
+          run_.exposure(),
+          exposure_json(trainer_->exposed(), trainer_->state().exposure, options_).dump(2));
   }
 
   /// Where training pauses next: the end, a checkpoint, an evaluation, a check, a stop asked for.
@@ -254,6 +259,20 @@ class Session {
     return result;
   }
 
+  /// Null without gains.
+  json exposure_result() const {
+    const std::vector<Vec3<double>> gains = gains_of(trainer_->state().exposure);
+    if (gains.empty()) return nullptr;
+    Vec3<double> least = gains.front(), most = least;
+    for (const Vec3<double>& gain : gains)
+      least = glm::min(least, gain), most = glm::max(most, gain);
+    return {{"by", options_.exposure},
+            {"count", gains.size()},
+            {"smallest", {least[0], least[1], least[2]}},
+            {"largest", {most[0], most[1], most[2]}},
+            {"file", run_.exposure().string()}};
+  }
+
   json result() {
     const TrainState& state = trainer_->state();
     const GaussianModel& shipped = model();
@@ -266,6 +285,7 @@ class Session {
                    {"device", backend_->name()},
                    {"wall_seconds", wall_.json()},
                    {"validation", validation_result()},
+                   {"exposure", exposure_result()},
                    {"scores", scores_}};
     stages_->add_to(result);
     result["model"] = run_.model().string();

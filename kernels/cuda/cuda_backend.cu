@@ -22,6 +22,7 @@ T* PinnedArray<T>::reserve(int64_t count) {
 template class PinnedArray<ViewArgs<float>>;
 template class PinnedArray<const uint8_t*>;
 template class PinnedArray<StepCounters>;
+template class PinnedArray<float>;
 template class PinnedArray<double>;
 
 CudaBackend::Stream::Stream() {
@@ -68,7 +69,7 @@ const ViewArgs<float>* CudaBackend::views_of(const ViewBatch<float>& batch) {
 }
 
 void CudaBackend::report() {
-  const size_t losses = 2 * loss_views_.size();
+  const size_t losses = size_t(loss_sums_.size());
   loss_sums_host_.reserve(int64_t(losses));
   if (losses > 0)
     check_device(cudaMemcpyAsync(loss_sums_host_.data(), loss_sums_.data(), sizeof(double) * losses,
@@ -90,6 +91,9 @@ StepOutcome CudaBackend::outcome() {
     const double ssim = loss_sums_host_.data()[2 * b + 1] / samples;
     outcome.losses.push_back({l1, ssim, loss_weights_.l1 * l1 + loss_weights_.dssim * (1 - ssim)});
   }
+  const double* const d_gain = loss_sums_host_.data() + 2 * loss_views_.size();
+  for (int64_t i = 0; i < loss_sums_.size() - 2 * int64_t(loss_views_.size()); i += 3)
+    outcome.d_gain.emplace_back(d_gain[i], d_gain[i + 1], d_gain[i + 2]);
   return outcome;
 }
 

@@ -43,12 +43,17 @@ class CudaBackend final : public Backend {
   void project(const ProjectArgs<float>& args, Splats<float>& splats) override;
   void bin(const BinArgs<float>& args, TileInstances<float>& instances) override;
   void blend(const BlendArgs<float>& args, Images<float>& images) override;
+  void environment(const EnvironmentArgs<float>& args, Images<float>& images) override;
+  void environment_backward(const EnvironmentArgs<float>& args, const Images<float>& images,
+                            Span<const float> d_colour, Span<float> d_map) override;
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override;
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatGradient<float>> d_splats) override;
   void project_backward(const ProjectBackwardArgs<float>& args) override;
   StepOutcome outcome() override;
   void adam(const SinkArgs<float>& args) override;
+  void adam_values(Span<const float> gradient, const AdamScalars<float>& adam, Span<float> value,
+                   Span<float> moment1, Span<float> moment2) override;
   void catch_up(const LazySh<float>& lazy) override;
   void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<float> to) override;
@@ -80,6 +85,8 @@ class CudaBackend final : public Backend {
   void write_splats(const ProjectArgs<float>& args, Splats<float>& splats);
   void reserve_checkpoints(const BlendArgs<float>& args);
   bool is_small(const ViewBatch<float>& batch) const;
+  /// Gains on their way to the device; null without any.
+  const float* gains_of(const PhotometricArgs<float>& args);
   /// Enqueues the copy of losses and bad groups to the host.
   void report();
 
@@ -97,7 +104,9 @@ class CudaBackend final : public Backend {
   PinnedArray<const uint8_t*> truth_host_;
   Buffer<StepCounters> counters_{memory_};
   PinnedArray<StepCounters> counters_host_;  // [2] after project, after the step
-  Buffer<double> loss_sums_{memory_};        // [B, 2] Σ|I−G|, Σ SSIM
+  Buffer<float> gain_{memory_};              // [B, 3]
+  PinnedArray<float> gain_host_;
+  Buffer<double> loss_sums_{memory_};  // [B, 2] Σ|I−G|, Σ SSIM, then, with gains, [B, 3] dL/d gain
   PinnedArray<double> loss_sums_host_;
   std::vector<ViewArgs<float>> loss_views_;  // whose loss is in loss_sums_
   LossWeights loss_weights_;

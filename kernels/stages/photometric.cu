@@ -9,10 +9,23 @@
 
 namespace tessera {
 
+const float* CudaBackend::gains_of(const PhotometricArgs<float>& args) {
+  if (args.gain.empty()) return nullptr;
+  const int64_t count = 3 * int64_t(args.gain.size());
+  float* const staged = gain_host_.reserve(count);
+  for (int64_t i = 0; i < count; ++i) staged[i] = float(args.gain[size_t(i / 3)][int(i % 3)]);
+  gain_.resize(count);
+  check_device(cudaMemcpyAsync(gain_.data(), staged, sizeof(float) * size_t(count),
+                               cudaMemcpyHostToDevice, stream_),
+               "copy of gains");
+  return gain_.data();
+}
+
 void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_colour) {
   const std::vector<ViewArgs<float>>& views = args.batch->views;
   check(args.truth.size() == views.size(), "photometric: one ground truth per view");
   check(args.mask.empty() || args.mask.size() == views.size(), "photometric: one mask per view");
+  check(args.gain.empty() || args.gain.size() == views.size(), "photometric: one gain per view");
   const int64_t count = int64_t(views.size());
   const bool masked = std::any_of(args.mask.begin(), args.mask.end(),
                                   [](const Span<const uint8_t>& mask) { return !mask.empty(); });
@@ -28,14 +41,16 @@ void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_
   check_device(cudaMemcpyAsync(truth_.data(), staged, sizeof(uint8_t*) * size_t(pointers),
                                cudaMemcpyHostToDevice, stream_),
                "copy of pointers");
-  loss_sums_.resize(2 * count);
+  const bool d_gain = !args.gain.empty() && !d_colour.empty();
+  loss_sums_.resize(d_gain ? 5 * count : 2 * count);
   loss_views_ = views, loss_weights_ = args.weights;
   scratch_.resize(int64_t(
       photometric_scratch_bytes(args.batch->pixels, int(count), width, height, !d_colour.empty())));
   launch_photometric(
       {views_of(*args.batch), truth_.data(), masked ? truth_.data() + count : nullptr, int(count),
        width, height, args.batch->pixels, args.images->colour.data(), d_colour.data,
-       scratch_.data(), loss_sums_.data(), float(args.weights.l1), float(args.weights.dssim)},
+       scratch_.data(), loss_sums_.data(), float(args.weights.l1), float(args.weights.dssim),
+       gains_of(args), loss_sums_.data() + 2 * count},
       stream_);
   check_launch("photometric");
   report();

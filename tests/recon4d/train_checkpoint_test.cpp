@@ -175,7 +175,7 @@ TEST_F(CheckpointFile, ImpossibleHeaders) {
   ASSERT_EQ(refusal(with_header(header())), "") << "the helper itself makes a good file";
   const json numbers[] = {-1, int64_t{1} << 50, int64_t{1} << 39, INT64_MAX, 1e30, "12", nullptr};
   for (const json& number : numbers)
-    for (const char* key : {"num_static", "num_dynamic", "sh_coefficients"}) {
+    for (const char* key : {"num_static", "num_dynamic", "sh_coefficients", "exposures"}) {
       json changed = header();
       changed[key] = number;
       EXPECT_NE(refusal(with_header(changed)), "") << key << " = " << number;
@@ -184,10 +184,17 @@ TEST_F(CheckpointFile, ImpossibleHeaders) {
   for (const auto& [key, value] : whole.items()) {
     json without = whole;
     without.erase(key);
-    constexpr const char* kLater[] = {
-        "prepared_from_source",  // earlier versions do not have these
-        "truncation_sigma",     "truncation_by_falloff", "filter_2d", "filter_sizes",
-        "train_scale",          "time_filter",           "anchor",    "sh_time"};
+    constexpr const char* kLater[] = {"prepared_from_source",  // earlier versions do not have these
+                                      "truncation_sigma",
+                                      "truncation_by_falloff",
+                                      "filter_2d",
+                                      "filter_sizes",
+                                      "train_scale",
+                                      "time_filter",
+                                      "anchor",
+                                      "sh_time",
+                                      "exposures",
+                                      "environment_height"};
     if (std::find(std::begin(kLater), std::end(kLater), key) != std::end(kLater)) {
       EXPECT_EQ(refusal(with_header(without)), "");
       continue;

@@ -30,6 +30,7 @@ struct Alternative {
   const char* key;
   json value;
   json with = json::object();  // set in both; then by a narrow rig, with a cloud swept from it
+  bool behind = false;         // by pictures without alpha, and for all but itself before a map
 };
 
 const std::vector<Alternative>& alternatives() {
@@ -68,6 +69,11 @@ const std::vector<Alternative>& alternatives() {
       {"motion_weight", 0.01},
       {"extent_weight", 0.01},
       {"rigidity_weight", 0.01},
+      {"environment", true, json::object(), true},
+      {"environment_size", 8, json::object(), true},
+      {"lr_environment", 0.02, json::object(), true},
+      {"exposure", "camera"},
+      {"lr_exposure", 0.05, {{"exposure", "frame"}}},
       {"lr_mean", 3e-4},
       {"lr_mean_final", 1.6e-4},
       {"lr_mean_time", 3e-4},
@@ -141,12 +147,14 @@ std::vector<uint32_t> kept(const TrainOptions& options) {
 }
 
 /// The scene depends on the background as a folder of RGBA frames does.
-std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false) {
+std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false,
+                              bool behind = false) {
   validate(options);
   TinyCapture capture;
   capture.background = parse_background(options.background);
   if (narrow) capture.arc = 0.5;  // cameras near enough for patches to be compared
   Scene scene = tiny_capture(capture);
+  scene.had_alpha = !behind;
   if (narrow) scene.points = dense_cloud(scene, {options.init_points, 1, {}});
   Training training(scene, options);
   return model_bits(training.run().model());
@@ -196,11 +204,13 @@ TEST_P(Switch, ChangesTheModel) {
     if (GetParam() == row.key) {
       const bool narrow = !row.with.empty();
       for (const auto& [key, value] : row.with.items()) set_option(options, key, value);
-      const std::vector<uint32_t> usual = trained(options, narrow);
+      options.environment = row.behind && GetParam() != "environment";
+      const std::vector<uint32_t> usual = trained(options, narrow, row.behind);
       const json before = to_json(options)[row.key];
       set_option(options, row.key, row.value);
       EXPECT_NE(to_json(options)[row.key], before);
-      EXPECT_TRUE(trained(options, narrow) != usual) << row.key << " = " << row.value << " is dead";
+      EXPECT_TRUE(trained(options, narrow, row.behind) != usual)
+          << row.key << " = " << row.value << " is dead";
       return;
     }
   FAIL() << GetParam() << " has no alternative value in this test";

@@ -20,9 +20,10 @@ class LossProbe {
   explicit LossProbe(const TestScene<double>& scene) : target_(target_of(scene)) {}
 
   ProbedLoss at(const TestScene<double>& scene) {
-    const Images<double>& images =
-        pipeline_.forward(scene.fixed.view(), scene.moving.view(), scene.views, scene.options);
+    const StoredScene<double> in(scene, backend_.memory());
+    const Images<double>& images = pipeline_.forward(in.forward(false));
     ProbedLoss out;
+    target_.gain = scene.gain;
     pipeline_.loss(target_);
     for (const ViewLoss& loss : pipeline_.outcome().losses)
       out.loss += loss.total / double(scene.views.size());
@@ -58,7 +59,8 @@ class LossProbe {
       const ViewArgs<double>& view = pipeline_.batch().views[b];
       const int64_t pixels = int64_t(view.width) * view.height;
       for (int64_t i = 0; i < 3 * pixels; ++i)
-        add(images.colour[3 * view.first_pixel + i] >
+        add(images.colour[3 * view.first_pixel + i] *
+                (target_.gain.empty() ? 1.0 : target_.gain[b][int(i / pixels)]) >
             target_.truth[b][i % pixels * 3 + i / pixels] / 255.0);
     }
   }

@@ -29,6 +29,13 @@ class FaultyBackend final : public Backend {
   void blend(const BlendArgs<float>& args, Images<float>& images) override {
     cpu_->blend(args, images);
   }
+  void environment(const EnvironmentArgs<float>& args, Images<float>& images) override {
+    cpu_->environment(args, images);
+  }
+  void environment_backward(const EnvironmentArgs<float>& args, const Images<float>& images,
+                            Span<const float> d_colour, Span<float> d_map) override {
+    cpu_->environment_backward(args, images, d_colour, d_map);
+  }
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
     cpu_->photometric(args, d_colour);
     loss_is_spoilt_ = strikes(Fault::kLoss);
@@ -52,6 +59,10 @@ class FaultyBackend final : public Backend {
     return outcome;
   }
   void adam(const SinkArgs<float>& args) override { cpu_->adam(args); }
+  void adam_values(Span<const float> gradient, const AdamScalars<float>& adam, Span<float> value,
+                   Span<float> moment1, Span<float> moment2) override {
+    cpu_->adam_values(gradient, adam, value, moment1, moment2);
+  }
   void catch_up(const LazySh<float>& lazy) override { cpu_->catch_up(lazy); }
   void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<float> to) override {

@@ -64,6 +64,7 @@ Target target_of(const TestScene<Real>& scene) {
   for (const auto& bytes : scene.mask)
     target.mask.emplace_back(bytes.data(), int64_t(bytes.size()));
   target.weights = scene.weights;
+  target.gain = scene.gain;
   return target;
 }
 
@@ -74,6 +75,8 @@ struct Backward {
   std::vector<ViewLoss> losses;
   Rendered<Real> rendered;
   unsigned bad = 0;
+  std::vector<Vec3<double>> d_gain;
+  std::vector<Real> d_environment;
 
   double mean_loss() const {
     double sum = 0;
@@ -121,9 +124,12 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
     args.sinks[set].gradient = gradients[set].spans();
     args.statistics[set] = {statistics[2 * set].span(), statistics[2 * set + 1].span()};
   }
+  Buffer<Real> d_environment(int64_t(scene.environment.size()), memory);
+  args.d_environment = d_environment.span();
   pipeline.backward(args);
+  out.d_environment = fetched(d_environment, memory);
   const StepOutcome outcome = pipeline.outcome();
-  out.losses = outcome.losses, out.bad = outcome.bad_groups;
+  out.losses = outcome.losses, out.bad = outcome.bad_groups, out.d_gain = outcome.d_gain;
   out.fixed = gradients[0].fetch(), out.moving = gradients[1].fetch();
   for (size_t set = 0; set < 2; ++set) {
     out.statistic[set] = fetched(statistics[2 * set], memory);

@@ -102,6 +102,15 @@ class SeparateBackend final : public Backend {
   void blend(const BlendArgs<float>& args, Images<float>& images) override {
     own.inside([&] { cpu_->blend(args, images); });
   }
+  void environment(const EnvironmentArgs<float>& args, Images<float>& images) override {
+    check_lies_here(args.map);
+    own.inside([&] { cpu_->environment(args, images); });
+  }
+  void environment_backward(const EnvironmentArgs<float>& args, const Images<float>& images,
+                            Span<const float> d_colour, Span<float> d_map) override {
+    check_lies_here(args.map), check_lies_here(d_map);
+    own.inside([&] { cpu_->environment_backward(args, images, d_colour, d_map); });
+  }
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
     for (const Span<const uint8_t>& truth : args.truth) check_lies_here(truth);
     for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
@@ -127,6 +136,11 @@ class SeparateBackend final : public Backend {
   void adam(const SinkArgs<float>& args) override {
     check_lies_here(args);
     own.inside([&] { cpu_->adam(args); });
+  }
+  void adam_values(Span<const float> gradient, const AdamScalars<float>& adam, Span<float> value,
+                   Span<float> moment1, Span<float> moment2) override {
+    check_lies_here(gradient), check_lies_here(value);
+    own.inside([&] { cpu_->adam_values(gradient, adam, value, moment1, moment2); });
   }
   void catch_up(const LazySh<float>& lazy) override {
     check_lies_here(lazy);

@@ -22,6 +22,7 @@ struct StageRun {
   std::vector<Real> colour, transmittance, d_colour;
   std::vector<int32_t> used;
   std::vector<ViewLoss> losses;
+  std::vector<Vec3<double>> d_gain;
   std::vector<SplatGradient<Real>> d_splats;
 
   /// Gaussian · views + view of each splat.
@@ -120,9 +121,10 @@ StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend
   poison(images.used, memory), poison(d_colour, memory);
   backend.blend(blend, images);
   const Target target = in.target();
-  backend.photometric({&batch, &images, target.truth, target.weights, target.mask},
+  backend.photometric({&batch, &images, target.truth, target.weights, target.mask, target.gain},
                       d_colour.span());
-  out.losses = backend.outcome().losses;
+  const StepOutcome outcome = backend.outcome();
+  out.losses = outcome.losses, out.d_gain = outcome.d_gain;
   out.d_colour = fetched(d_colour, memory);
   if (edit) {
     edit(out.d_colour);

@@ -94,22 +94,38 @@ struct StoredScene {
   std::vector<View> views;
   RenderOptions options;
   LossWeights weights;
+  std::vector<Vec3<double>> gain;
+  Buffer<Real> environment;
+  int environment_height;
 
   StoredScene(const TestScene<Real>& scene, Memory& memory)
       : sets{{scene.fixed, memory}, {scene.moving, memory}},
         views(scene.views),
         options(scene.options),
-        weights(scene.weights) {
+        weights(scene.weights),
+        gain(scene.gain),
+        environment(stored(scene.environment, memory)),
+        environment_height(scene.environment_height) {
     for (const auto& bytes : scene.truth) truth.push_back(stored(bytes, memory));
     for (const auto& bytes : scene.mask) mask.push_back(stored(bytes, memory));
   }
 
+  /// What the map of a test is turned by.
+  static Mat3<Real> turned() {
+    const Real c = Real(0.8), s = Real(0.6);
+    return Mat3<Real>(1, 0, 0, 0, c, s, 0, -s, c);
+  }
   ForwardArgs<Real> forward(bool for_backward) const {
-    return {{sets[0].view(), sets[1].view()}, views, options, {}, for_backward};
+    return {{sets[0].view(), sets[1].view()},
+            views,
+            options,
+            {},
+            for_backward,
+            {nullptr, environment.span(), environment_height, turned()}};
   }
   Target target() const {
     Target out;
-    out.weights = weights;
+    out.weights = weights, out.gain = gain;
     for (const Buffer<uint8_t>& bytes : truth) out.truth.push_back(bytes.span());
     for (const Buffer<uint8_t>& bytes : mask) out.mask.push_back(bytes.span());
     return out;

@@ -80,6 +80,9 @@ struct TestScene {
   std::vector<std::vector<uint8_t>> mask;  // [B] each [height, width] or empty; none: no masks
   RegulariserWeights regulariser;          // of `backward` alone
   TestPairs pairs;                         // as well
+  std::vector<Vec3<double>> gain;          // [B] RGB, of the loss; none: the pictures as rendered
+  int environment_height = 0;              // H; 0: there is none
+  std::vector<Real> environment = {};      // [H, 2H, 3]
 
   template <class To>
   TestScene<To> as() const {
@@ -91,7 +94,10 @@ struct TestScene {
             weights,
             mask,
             regulariser,
-            pairs};
+            pairs,
+            gain,
+            environment_height,
+            std::vector<To>(environment.begin(), environment.end())};
   }
 };
 

@@ -162,6 +162,7 @@ std::vector<uint32_t> model_bits(const GaussianModel& model) {
     bits.push_back(uint32_t(set->count()));
     for (int g = 0; g < set->groups(); ++g) append_bits(bits, set->group(Group(g)).value);
   }
+  append_bits(bits, model.environment.map.value);
   for (int value : {model.sh_degree, int(model.background[0]), int(model.background[1]),
                     int(model.background[2])})
     bits.push_back(uint32_t(value));
@@ -179,12 +180,18 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
       append_bits(bits, set->group(Group(g)).moment1);
       append_bits(bits, set->group(Group(g)).moment2);
     }
+  append_bits(bits, state.model.environment.map.moment1);
+  append_bits(bits, state.model.environment.map.moment2);
   for (const SetStatistics& statistics : state.statistics) {
     append_bits(bits, statistics.gradient_sum);
     append_bits(bits, statistics.count);
     append_bits(bits, statistics.filter_size);
     append_bits(bits, statistics.anchor);
   }
+  for (const Buffer<float>* values :
+       {&state.exposure.log_gain, &state.exposure.moment1, &state.exposure.moment2})
+    append_bits(bits, *values);
+  for (const int32_t steps : state.exposure.steps) bits.push_back(uint32_t(steps));
   for (int64_t value :
        {state.iteration, state.sampler_epoch, state.sampler_position, int64_t(state.finished)})
     bits.push_back(uint32_t(value));

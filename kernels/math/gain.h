@@ -1,0 +1,20 @@
+// What: the exposure of a picture: its gain on one colour channel, before the loss, and backward.
+// Not: whose gain it is, nor what the gains of all pictures must satisfy (recon4d/exposure.h).
+// Source: x = e·c, failure mode B10.
+#pragma once
+#include "kernels/math/scalar.h"
+
+namespace tessera {
+
+/// dL/dc and what one pixel adds to dL/de, for x = e·c.
+template <class Real>
+struct GainGradient {
+  Real colour, gain;
+};
+
+template <class Real>
+TESSERA_HD inline GainGradient<Real> gain_backward(Real gain, Real colour, Real d_x) {
+  return {gain * d_x, colour * d_x};
+}
+
+}  // namespace tessera
