@@ -93,7 +93,8 @@ AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   set(kSh, options_.lr_sh);
   groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
   if (form == Form::kStatic) return groups;
-  set(kMeanTime, extent_ * decayed(options_.lr_mean_time, options_.lr_mean_time_final, i));
+  set(kMeanTime, extent_ * decayed(options_.lr_mean_time,
+                                   options_.mean_time_decay * options_.lr_mean_time, i));
   set(kLogScaleTime, options_.lr_scale_time);
   if (form == Form::kPair)
     set(kRotationRight, options_.lr_rotation);

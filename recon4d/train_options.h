@@ -50,7 +50,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   double lr_exposure = 0.01;
   // learning rates
   double lr_mean = 1.6e-4, lr_mean_final = 1.6e-6;
-  double lr_mean_time = 1.6e-4, lr_mean_time_final = 1.6e-4;
+  double lr_mean_time = 1.6e-4, mean_time_decay = 1;
   double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3, lr_velocity = 5e-4;
   double lr_opacity = 0.05, lr_sh = 2.5e-3, lr_sh_rest = 1.25e-4;
   bool fused_optimizer = true;

@@ -179,7 +179,7 @@ TEST(TrainSchedule, TemporalMeansKeepTheirRateOrDecay) {
   };
   EXPECT_FLOAT_EQ(rate(0), 1.6e-4 * kExtent);
   EXPECT_FLOAT_EQ(rate(29999), 1.6e-4 * kExtent);
-  options.lr_mean_time = 2e-3, options.lr_mean_time_final = 2e-5;
+  options.lr_mean_time = 2e-3, options.mean_time_decay = 0.01;
   EXPECT_NEAR(rate(0), 2e-3 * kExtent, 1e-6 * kExtent);
   EXPECT_NEAR(rate(14999), 2e-4 * kExtent, 1e-7 * kExtent);
   EXPECT_FLOAT_EQ(rate(29999), 2e-5 * kExtent);

@@ -77,7 +77,7 @@ const std::vector<Alternative>& alternatives() {
       {"lr_mean", 3e-4},
       {"lr_mean_final", 1.6e-4},
       {"lr_mean_time", 3e-4},
-      {"lr_mean_time_final", 3e-4},
+      {"mean_time_decay", 0.1},
       {"lr_scale", 1e-2},
       {"lr_scale_time", 1e-2},
       {"lr_rotation", 1e-2},

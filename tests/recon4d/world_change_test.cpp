@@ -3,6 +3,7 @@
 // Not: how the world is chosen (tests/ingest/world_normalisation_test.cpp).
 #include <nlohmann/json.hpp>
 
+#include "kernels/math/environment.h"
 #include "kernels/math/rotation3.h"
 #include "kernels/math/spacetime.h"
 #include "recon4d/checkpoint.h"
@@ -197,6 +198,23 @@ TEST(WorldChange, ALiftedStaticGaussianStaysOne) {
       EXPECT_EQ(moved.dynamic_set.values().at(kLogScale, n)[k],
                 moved.static_set.values().at(kLogScale, n)[k]);
     }
+  }
+}
+
+// Bug put back: the map not turned; seen to fail.
+TEST(WorldChange, EnvironmentIsSeenAsBefore) {
+  GaussianModel model = random_model(3, 2);
+  model.environment.height = 4;
+  model.environment.map.value.resize(environment_scalars(4));
+  Random random(71);
+  for (float& value : model.environment.map.value) value = float(random.uniform(0, 1));
+  const Similarity world = random_similarity(72, 1.7);
+  const GaussianModel moved = model_in_world(world, model);
+  const std::unique_ptr<Backend> backend = make_cpu_backend();
+  for (const View& view : three_views()) {
+    const Picture before = render_views(*backend, model, {view}).front();
+    const Picture after = render_views(*backend, moved, {view_in_world(world, view)}).front();
+    EXPECT_LT(largest_difference(before, after), 1e-4);
   }
 }
 
