@@ -11,14 +11,8 @@ namespace {
 class BackendExposure : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendExposure);
 
-/// Two tiles of the loss in each direction and a remainder, odd sizes, and one pixel alone.
 TestScene<double> gained_scene(uint64_t seed, bool masked) {
-  TestScene<double> scene = random_scene(60, 60, 0.3, seed);
-  std::vector<View> views = five_views();
-  views[0].camera = views[0].camera.resized(251, 67);
-  views[1].camera = views[1].camera.resized(120, 36);
-  set_views(scene, views, seed + 1);
-  keep_truth_away(scene, seed + 2);
+  TestScene<double> scene = large_scene(seed);
   Random random(seed + 3);
   for (size_t b = 0; b < scene.views.size(); ++b) {
     scene.gain.emplace_back(random.uniform(0.7, 1.3), random.uniform(0.7, 1.3),

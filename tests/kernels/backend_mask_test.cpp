@@ -13,17 +13,6 @@ namespace {
 class BackendMask : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendMask);
 
-/// Two tiles of the loss in each direction and a remainder, odd sizes, and one pixel alone.
-TestScene<double> large_scene(uint64_t seed) {
-  TestScene<double> scene = random_scene(60, 60, 0.3, seed);
-  std::vector<View> views = five_views();
-  views[0].camera = views[0].camera.resized(251, 67);
-  views[1].camera = views[1].camera.resized(120, 36);
-  set_views(scene, views, seed + 1);
-  keep_truth_away(scene, seed + 2);
-  return scene;
-}
-
 /// `used(view, x, y)` of every pixel.
 template <class Used>
 void set_masks(TestScene<double>& scene, Used&& used) {

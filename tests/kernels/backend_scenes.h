@@ -81,4 +81,15 @@ inline void expect_batch(const std::vector<float>& colour, const std::vector<flo
   EXPECT_EQ(first, transmittance.size());
 }
 
+/// Two tiles of the loss in each direction and a remainder, odd sizes, and one pixel alone.
+inline TestScene<double> large_scene(uint64_t seed) {
+  TestScene<double> scene = random_scene(60, 60, 0.3, seed);
+  std::vector<View> views = five_views();
+  views[0].camera = views[0].camera.resized(251, 67);
+  views[1].camera = views[1].camera.resized(120, 36);
+  set_views(scene, views, seed + 1);
+  keep_truth_away(scene, seed + 2);
+  return scene;
+}
+
 }  // namespace tessera::testing

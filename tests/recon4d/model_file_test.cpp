@@ -12,6 +12,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/model_info.h"
 #include "tests/ingest/capture_fixture.h"
+#include "tests/recon4d/model_to_spoil.h"
 #include "tests/recon4d/small_models.h"
 
 namespace tessera::testing {
@@ -78,24 +79,16 @@ TEST(ModelFile, TellsItselfFromOtherFiles) {
 }
 
 TEST(ModelFile, RefusesWhatItCannotRead) {
-  const TemporaryFolder folder;
-  save_model(folder / "model.ply", random_model(3, 2));
-  const std::string bytes = read_bytes(folder / "model.ply");
-  const auto replaced = [&](const std::string& from, const std::string& to) {
-    std::string changed = bytes;
-    changed.replace(changed.find(from), from.size(), to);
-    write_bytes(folder / "changed.ply", changed);
-    return folder / "changed.ply";
-  };
-  const auto path = replaced("tessera_4d_version 1", "tessera_4d_version 2");
+  const ModelToSpoil model(random_model(3, 2));
+  const auto path = model.with("tessera_4d_version 1", "tessera_4d_version 2");
   expect_input_error([&] { load_model(path); }, {"changed.ply", "version 2", "reads 1"});
-  replaced("property float mean_time", "property float mean_tide");
+  model.with("property float mean_time", "property float mean_tide");
   expect_input_error([&] { load_model(path); }, {"changed.ply", "vertex_dynamic", "mean_time"});
-  replaced("time_axis 12.5 ", "time_axis oops ");
+  model.with("time_axis 12.5 ", "time_axis oops ");
   expect_input_error([&] { load_model(path); }, {"changed.ply", "time_axis", "2 numbers"});
-  replaced("sh_degree 3", "sh_degree 7");
+  model.with("sh_degree 3", "sh_degree 7");
   expect_input_error([&] { load_model(path); }, {"changed.ply", "sh_degree 7"});
-  write_bytes(folder / "changed.ply", bytes.substr(0, bytes.size() - 1));
+  model.written(model.bytes().substr(0, model.bytes().size() - 1));
   expect_input_error([&] { load_model(path); }, {"changed.ply", "missing"});
 }
 

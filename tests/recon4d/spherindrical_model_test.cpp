@@ -13,6 +13,7 @@
 #include "static3d/slicer.h"
 #include "static3d/world_change.h"
 #include "tests/ingest/capture_fixture.h"
+#include "tests/recon4d/model_to_spoil.h"
 #include "tests/recon4d/small_models.h"
 
 namespace tessera::testing {
@@ -107,20 +108,12 @@ TEST(SpherindricalModel, FilesOfOtherModelsAreAsTheyWere) {
 
 // Bug put back: the comment not written; seen to fail.
 TEST(SpherindricalModel, FilesThatLackAPartAreRefused) {
-  const TemporaryFolder folder;
-  save_model(folder / "model.ply", random_model_in_time(3, 2, 2));
-  const std::string bytes = read_bytes(folder / "model.ply");
-  const auto replaced = [&](const std::string& from, const std::string& to) {
-    std::string changed = bytes;
-    changed.replace(changed.find(from), from.size(), to);
-    write_bytes(folder / "changed.ply", changed);
-    return folder / "changed.ply";
-  };
-  const auto path = replaced("property float f_cos2_7\n", "property float f_cot2_7\n");
+  const ModelToSpoil model(random_model_in_time(3, 2, 2));
+  const auto path = model.with("property float f_cos2_7\n", "property float f_cot2_7\n");
   expect_input_error([&] { load_model(path); }, {"changed.ply", "vertex_dynamic", "f_cos2_7"});
-  replaced("sh_time 2 1\n", "sh_time 3 1\n");
+  model.with("sh_time 2 1\n", "sh_time 3 1\n");
   expect_input_error([&] { load_model(path); }, {"changed.ply", "sh_time 3", "0 to 2"});
-  replaced("sh_time 2 1\n", "sh_time 2 0\n");
+  model.with("sh_time 2 1\n", "sh_time 2 0\n");
   expect_input_error([&] { load_model(path); }, {"changed.ply", "sh_time 2 0"});
 }
 

@@ -12,13 +12,7 @@ using nlohmann::json;
 
 class CliExposure : public ::testing::Test {
  protected:
-  CliExposure() {
-    EXPECT_EQ(work.run({"synth", "object", "-o", work.at("six"), "--layout", "dnerf", "--frames",
-                        "6", "--held-out-frames", "1", "--width", "24", "--height", "24",
-                        "--supersampling", "1", "--points", "50"})
-                  .exit_code,
-              0);
-  }
+  CliExposure() { work.film_object("six", 6, 24); }
   std::vector<std::string> short_training(std::vector<std::string> arguments) const {
     for (const char* word : {"--preset", "fast", "--iterations", "8", "--init-points", "100",
                              "--sweep", "false", "--exposure", "frame"})

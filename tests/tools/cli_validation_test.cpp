@@ -16,13 +16,7 @@ using nlohmann::json;
 
 class CliValidation : public ::testing::Test {
  protected:
-  CliValidation() {
-    EXPECT_EQ(work.run({"synth", "object", "-o", work.at("six"), "--layout", "dnerf", "--frames",
-                        "6", "--held-out-frames", "1", "--width", "32", "--height", "32",
-                        "--supersampling", "1", "--points", "50"})
-                  .exit_code,
-              0);
-  }
+  CliValidation() { work.film_object("six", 6, 32); }
   /// Steps so large that the score soon falls; two frames of six are set aside.
   json train(const std::string& run, const std::vector<std::string>& more = {}) const {
     // clang-format off

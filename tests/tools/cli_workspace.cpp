@@ -49,6 +49,15 @@ ChildResult CliWorkspace::train(const std::string& run_name,
   return run(train_arguments(run_name, more));
 }
 
+void CliWorkspace::film_object(const std::string& name, int frames, int size) const {
+  const std::string side = std::to_string(size);
+  const ChildResult result =
+      run({"synth", "object", "-o", at(name), "--layout", "dnerf", "--frames",
+           std::to_string(frames), "--held-out-frames", "1", "--width", side, "--height", side,
+           "--supersampling", "1", "--points", "50"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
 void CliWorkspace::expect_refused(const std::vector<std::string>& arguments,
                                   const std::vector<std::string>& parts) const {
   const ChildResult result = run(arguments);

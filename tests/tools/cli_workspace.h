@@ -28,6 +28,9 @@ class CliWorkspace {
                                            const std::vector<std::string>& more = {}) const;
   ChildResult train(const std::string& run, const std::vector<std::string>& more = {}) const;
 
+  /// `tessera synth object -o name`: a capture of `frames` training views and one held out.
+  void film_object(const std::string& name, int frames, int size) const;
+
   /// Exit code 2, nothing on stdout, one line on stderr that contains every part.
   void expect_refused(const std::vector<std::string>& arguments,
                       const std::vector<std::string>& parts) const;
