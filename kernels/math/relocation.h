@@ -44,7 +44,7 @@ TESSERA_HD inline double living_opacity(const GaussianSpans<const Real>& set, in
 /// Opacity as a whole number, so that sums do not depend on their order. Far from zero for what is
 /// not dead.
 TESSERA_HD inline int32_t draw_weight(double opacity) {
-  return opacity > 0 ? int32_t(opacity * 16777216.0 + 0.5) : 0;
+  return opacity > 0 ? int32_t(floor(opacity * 16777216.0 + 0.5)) : 0;
 }
 
 /// The Gaussian that row i copies: sums[n] = Σ_{m<n} weight_m, and the total at [count], which is
