@@ -178,10 +178,7 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
                     Backend& backend, std::string& text) {
   ModelInput input = load_model_input(path);
   for (const std::string& warning : input.warnings) warn(warning);
-  if (!request.background.empty()) {
-    input.model.background = parse_background(request.background);
-    input.model.environment = {};
-  }
+  replace_background(request.background, input.model);
   const Scene scene = open_scene(request, path, input.model);
   const std::vector<Split> splits = chosen_splits(request, scene);
   json scores = score(request, input, scene, splits, lpips, backend);

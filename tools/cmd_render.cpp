@@ -84,10 +84,7 @@ int render(const RenderRequest& request) {
   set_thread_count(request.threads);
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
-  if (!request.background.empty()) {
-    input.model.background = parse_background(request.background);
-    input.model.environment = {};
-  }
+  replace_background(request.background, input.model);
   const std::vector<NamedView> views = read_views(request.choice, input.model);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   OutputFolder folder(request.out, "render", file_names(views, request.floats), request.overwrite);

@@ -9,6 +9,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
+#include "recon4d/train_options.h"
 #include "static3d/ply_3dgs.h"
 
 namespace tessera {
@@ -70,6 +71,12 @@ ModelInput load_model_input(const fs::path& path) {
   }
   input.bytes = int64_t(fs::file_size(input.file));
   return input;
+}
+
+void replace_background(const std::string& background, GaussianModel& model) {
+  if (background.empty()) return;
+  model.background = parse_background(background);
+  model.environment = {};
 }
 
 }  // namespace tessera

@@ -1,6 +1,5 @@
 // What: MODEL on the command line → GaussianModel: a run folder, a checkpoint, a 3DGS .ply, a
-// Tessera
-//       4D .ply.
+//       Tessera 4D .ply; its background by another.
 // Not: scenes.
 #pragma once
 #include <cstdint>
@@ -27,5 +26,9 @@ ModelKind model_kind(const std::filesystem::path& file);
 /// A run folder gives its model.ply, or checkpoint.ckpt when training has not ended.
 /// Errors: InputError naming the path and what is accepted.
 ModelInput load_model_input(const std::filesystem::path& path);
+
+/// Another background, of --background's words, in place of the model's and of its environment; ""
+/// leaves both. Errors: as parse_background.
+void replace_background(const std::string& background, GaussianModel& model);
 
 }  // namespace tessera
