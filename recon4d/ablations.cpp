@@ -8,11 +8,9 @@
 namespace tessera {
 namespace {
 
-using Overrides = std::vector<std::pair<const char*, nlohmann::json>>;
-
 /// Options of the full method and of the basis, which has none of the techniques.
-const Overrides kFull = {{"idle_updates", "lazy"}};
-const Overrides kBasis = {
+const OptionOverrides kFull = {{"idle_updates", "lazy"}};
+const OptionOverrides kBasis = {
     {"idle_updates", "dense"},  {"rectangular_bounds", false}, {"opacity_bounds", false},
     {"tile_culling", false},    {"row_intervals", false},      {"balanced_instances", false},
     {"separate_sort", false},   {"warp_culling", false},       {"backward", "pixel"},
@@ -21,9 +19,9 @@ const Overrides kBasis = {
 /// `without`: on top of full; `with`: on top of basis; empty where there is no such row.
 struct Technique {
   const char* without_name;
-  Overrides without;
+  OptionOverrides without;
   const char* with_name;
-  Overrides with;
+  OptionOverrides with;
   const char* doc;
 };
 
@@ -98,7 +96,7 @@ const std::vector<Technique>& techniques() {
   return rows;
 }
 
-Overrides joined(Overrides first, const Overrides& second) {
+OptionOverrides joined(OptionOverrides first, const OptionOverrides& second) {
   first.insert(first.end(), second.begin(), second.end());
   return first;
 }

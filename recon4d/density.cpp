@@ -44,14 +44,12 @@ void gather(Backend& backend, Span<const int64_t> index, int64_t inherited, Gaus
 }
 
 DensityRule rule_of(const DensityContext& context) {
-  constexpr double kNoSize = 1e-30;  // 0 would mean that any size is kept
   const TrainOptions& options = context.options;
   DensityRule rule;
   rule.threshold = options.densify_threshold;
   rule.prune_opacity = options.prune_opacity;
   rule.largest_clone = options.dense_fraction * context.extent;
-  if (context.prune_large)
-    rule.largest_kept = std::max(options.prune_extent * context.extent, kNoSize);
+  if (context.prune_large) rule.largest_kept = options.prune_extent * context.extent;
   rule.room = context.room;
   return rule;
 }

@@ -184,7 +184,7 @@ const std::vector<OptionRow>& train_option_rows() {
       {"prune_opacity", &O::prune_opacity, 0, 1, "Gaussians below are removed, by mcmc moved",
        "[3DGS]"},
       {"prune_extent", &O::prune_extent, 0, 1e6,
-       "Gaussians with a larger scale, per scene extent, are removed", "[3DGS]"},
+       "Gaussians with a larger scale, per scene extent, are removed; 0: none", "[3DGS]"},
       {"prune_large_from", &O::prune_large_from, 0, 1e9, "first step at which prune_extent holds",
        "[3DGS]"},
       {"opacity_reset_interval", &O::opacity_reset_interval, 0, 1e9,

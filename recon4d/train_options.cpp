@@ -92,13 +92,28 @@ void set_option_from_text(TrainOptions& options, const std::string& key, const s
   set_option(options, key, value);
 }
 
+namespace {
+
+/// Few cameras say little of where things are: more Gaussians than that fit their noise.
+void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t pixels) {
+  constexpr int64_t kLeastLimit = 10000;
+  if (pixels_per_gaussian == 0 || pixels == 0) return;
+  const int64_t limit = std::max(kLeastLimit, pixels / pixels_per_gaussian);
+  if (options.max_gaussians == 0 || options.max_gaussians > limit) options.max_gaussians = limit;
+}
+
+}  // namespace
+
 void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, const char* kind,
-                 const std::string& name) {
+                 const std::string& name, const SceneFacts& facts) {
   std::vector<std::string> names;
   for (const NamedOptions& row : rows) {
     names.push_back(row.name);
     if (name != row.name) continue;
     for (const auto& [key, value] : row.overrides) set_option(options, key, value);
+    if (facts.still)
+      for (const auto& [key, value] : row.still_overrides) set_option(options, key, value);
+    limit_by_pixels(options, row.pixels_per_gaussian, facts.camera_pixels);
     return;
   }
   throw InputError(fmt::format("unknown {} '{}'; did you mean '{}'? There are {}", kind, name,

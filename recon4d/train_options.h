@@ -84,20 +84,31 @@ struct OptionRow {
 };
 const std::vector<OptionRow>& train_option_rows();
 
+using OptionOverrides = std::vector<std::pair<const char*, nlohmann::json>>;  // applied in order
+
+/// What a preset asks of a scene.
+struct SceneFacts {
+  bool still = false;         // one timestep
+  int64_t camera_pixels = 0;  // of the distinct training cameras together; 0: not known
+};
+
 /// A set of options under a name: a preset on top of the defaults, an ablation on top of that.
 struct NamedOptions {
   std::string name, doc;
-  std::vector<std::pair<const char*, nlohmann::json>> overrides;  // applied in order
+  OptionOverrides overrides;
+  OptionOverrides still_overrides = {};  // over those, where the scene has one timestep
+  /// Lowers max_gaussians where cameras have fewer pixels than so many for each; 0: never.
+  int64_t pixels_per_gaussian = 0;
 };
 /// `kind`: "preset", for the message. Errors: InputError naming the nearest known name.
 void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, const char* kind,
-                 const std::string& name);
+                 const std::string& name, const SceneFacts& facts = {});
 
 using Preset = NamedOptions;
 const std::vector<Preset>& presets();
 
 /// Errors: InputError naming the nearest known name.
-void apply_preset(TrainOptions& options, const std::string& name);
+void apply_preset(TrainOptions& options, const std::string& name, const SceneFacts& facts = {});
 /// Sets one option by key from JSON or from text. Errors: InputError: unknown key (nearest named),
 /// wrong type, out of range.
 void set_option(TrainOptions& options, const std::string& key, const nlohmann::json& value);

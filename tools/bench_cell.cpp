@@ -12,6 +12,7 @@
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/evaluate.h"
+#include "recon4d/scene_facts.h"
 #include "tools/version.h"
 
 namespace tessera {
@@ -73,7 +74,7 @@ BenchScene open_bench_scene(const std::string& text) {
       throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
                                    scene.path.string(), scene.split));
   scene.name = folder_name(scene.path);
-  scene.is_static = loaded.is_static;
+  scene.facts = facts_of(loaded);
   scene.fingerprint = folder_fingerprint(scene.path);
   return scene;
 }

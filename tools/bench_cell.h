@@ -17,7 +17,7 @@ struct BenchScene {
   std::filesystem::path path;
   std::string name;         // the folder's
   std::string split;        // that is scored: "test", "val" or "train"
-  bool is_static = false;   // one timestep
+  SceneFacts facts;         // for presets
   std::string fingerprint;  // of the folder
 };
 

@@ -23,8 +23,8 @@ BenchCell cell_of(const BenchAxes& axes, const BenchScene& scene, const std::str
   cell.scene = scene;
   cell.label = cell.preset = preset;
   cell.ablation = arguments.ablation;
-  cell.options = resolve_options(arguments);
-  if (scene.is_static) cell.options.static_only = true;
+  cell.options = resolve_options(arguments, scene.facts);
+  if (scene.facts.still) cell.options.static_only = true;
   return cell;
 }
 
@@ -41,20 +41,20 @@ void add(BenchPlan& plan, BenchCell cell) {
 }
 
 bool fits(SceneKind kind, const BenchScene& scene) {
-  return kind == SceneKind::kAny || (kind == SceneKind::kStill) == scene.is_static;
+  return kind == SceneKind::kAny || (kind == SceneKind::kStill) == scene.facts.still;
 }
 
 std::string misfit(const std::string& what, SceneKind kind, const BenchScene& scene) {
   return fmt::format("{}: {} is left out: it is of {} scenes, this one {}", scene.name, what,
                      kind == SceneKind::kStill ? "still" : "moving",
-                     scene.is_static ? "has one timestep" : "moves");
+                     scene.facts.still ? "has one timestep" : "moves");
 }
 
 BenchCell row_cell(const BenchAxes& axes, const BenchScene& scene, const BenchTable& table,
                    const BenchRow& row) {
-  BenchCell cell = cell_of(axes, scene, row_preset(row, scene.is_static), row.ablation);
+  BenchCell cell = cell_of(axes, scene, row_preset(row, scene.facts.still), row.ablation);
   for (const auto& [key, value] : row.overrides) set_option(cell.options, key, value);
-  cell.label = row_label(row, scene.is_static);
+  cell.label = row_label(row, scene.facts.still);
   cell.row = row.name;
   cell.scales = table.scales;
   return cell;

@@ -94,7 +94,7 @@ json bench_ablations(const StageBenchRequest& request, const Scene& scene,
 }  // namespace
 
 int bench_stages_command(StageBenchRequest request) {
-  const TrainOptions options = resolve_options(request.training);
+  const TrainOptions options = resolve_options(request.training, request.scene);
   Scene scene = load_training_scene(request.scene, options);
   std::optional<GaussianModel> model;
   if (!request.model.empty()) {

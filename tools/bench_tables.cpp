@@ -13,7 +13,7 @@ namespace tessera {
 namespace {
 
 using Figures = std::map<std::string, double>;
-using Overrides = std::vector<std::pair<const char*, nlohmann::json>>;
+using Overrides = OptionOverrides;
 
 constexpr double kGiB = 1 << 30;
 

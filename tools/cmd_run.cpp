@@ -53,13 +53,14 @@ class Runner {
  public:
   explicit Runner(const RunRequest& request)
       : request_(request),
-        options_(resolve_options(request.training)),
+        options_(resolve_options(request.training, SceneFacts{})),
         run_{request.out / "run"},
         ledger_((make_folder(request.out), request.out / "stages.json")) {}
 
   /// False when interrupted; what is done is kept.
   bool run() {
     ingest();
+    options_ = resolve_options(request_.training, scene_);
     return train() && evaluate_model() && export_frames();
   }
 

@@ -2,13 +2,16 @@
 // Not: the training (train_session.cpp).
 #include <fmt/format.h>
 
+#include <cmath>
 #include <map>
 #include <memory>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/ablations.h"
+#include "recon4d/scene_facts.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
@@ -76,9 +79,11 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
       "one timestep: same as --static-only true");
 }
 
-TrainOptions resolve_options(const TrainArguments& arguments) {
+namespace {
+
+TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& facts) {
   TrainOptions options;
-  apply_preset(options, arguments.preset);
+  apply_preset(options, arguments.preset, facts);
   if (!arguments.ablation.empty()) apply_ablation(options, arguments.ablation);
   if (!arguments.config.empty()) {
     const nlohmann::json json =
@@ -91,6 +96,23 @@ TrainOptions resolve_options(const TrainArguments& arguments) {
   for (const auto& [key, text] : arguments.given) set_option_from_text(options, key, text);
   validate(options);
   return options;
+}
+
+}  // namespace
+
+TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts) {
+  const double scale = layered_options(arguments, facts).train_scale;
+  facts.camera_pixels = std::llround(scale * scale * double(facts.camera_pixels));
+  return layered_options(arguments, facts);
+}
+
+TrainOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene) {
+  SceneOptions options;
+  options.allow_static = resolve_options(arguments, SceneFacts{}).static_only;
+  options.load_pixels = false;
+  SceneFacts facts = facts_of(load_scene(scene, options));
+  facts.still |= options.allow_static;
+  return resolve_options(arguments, facts);
 }
 
 std::string training_text(const nlohmann::json& result) {
@@ -126,7 +148,7 @@ void add_train_command(CLI::App& app, Work& work) {
       TrainRequest& request = parsed->request;
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
-      request.options = resolve_options(arguments);
+      request.options = resolve_options(arguments, request.scene);
       request.preset = arguments.preset, request.ablation = arguments.ablation;
       request.backend = arguments.backend;
       request.evaluate_every = arguments.evaluate_every;

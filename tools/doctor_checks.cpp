@@ -19,6 +19,7 @@
 #include "ingest/transforms_json.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/forecast.h"
+#include "recon4d/scene_facts.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -138,9 +139,10 @@ void add_forecast(const Scene& all, DoctorReport& report) {
   }
   load.threads = thread_count();
   json table = json::object();
+  const SceneFacts facts = facts_of(all);
   for (const Preset& preset : presets()) {
     TrainOptions options;
-    apply_preset(options, preset.name);
+    apply_preset(options, preset.name, facts);
     const TrainForecast f = forecast_training(load, options);
     table[preset.name] = {{"gaussians", f.gaussians},
                           {"frame_bytes", f.frame_bytes},

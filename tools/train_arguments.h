@@ -1,6 +1,7 @@
 // What: the training part of a command line, shared by `train` and `run`.
 // Not: the options' meaning (recon4d/train_options.h).
 #pragma once
+#include <filesystem>
 #include <map>
 #include <string>
 
@@ -19,8 +20,11 @@ struct TrainArguments {
 /// One option per row of the option table, and --preset, --ablation, --config, --backend,
 /// --threads, ….
 void add_train_options(CLI::App& command, TrainArguments& arguments);
-/// Defaults ← preset ← ablation ← --config ← command line. Errors: InputError.
-TrainOptions resolve_options(const TrainArguments& arguments);
+/// Defaults ← preset ← ablation ← --config ← command line; presets look at the scene. Errors:
+/// InputError.
+TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts);
+/// The same for the scene in that folder, whose cameras and times are read. Errors: as load_scene.
+TrainOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene);
 /// Two or three lines for a person.
 std::string training_text(const nlohmann::json& result);
 

@@ -138,7 +138,7 @@ TEST(DensityModes, AWallWithoutTextureStaysAsItIs) {
   TrainOptions options;
   options.iterations = 400, options.batch = 2, options.densify_interval = 20;
   options.init_points = 300, options.static_fraction = 0.5;
-  options.prune_extent = 1e3;
+  options.prune_extent = 0;
   Training training(scene, options);
   EXPECT_GT(training.run().psnr(), 45);
   EXPECT_LE(training.model().count(), 1.2 * 300);

@@ -203,12 +203,14 @@ TEST_P(Density, PruneInvisibleKeepsWhatIsDrawn) {
   EXPECT_EQ(steps_of(made.statistics), (std::vector<int32_t>{40, 40}));
 }
 
-// Bug put back: a limit of 0 for the size is passed on, which keeps all sizes; seen to fail.
-TEST_P(Density, ASizeLimitOfZeroRemovesAll) {
+// Bug put back: 0 as the smallest limit instead of none; seen to fail.
+TEST_P(Density, ASizeLimitOfZeroIsNone) {
   TrainOptions options;
-  options.prune_extent = 0;
-  HandmadeSet made = make({{kSmall, 0.5f, kWeak}, {kLarge, 0.5f, kStrong}});
-  EXPECT_EQ(control(made, true, -1, options).pruned, 2);
+  for (const auto& [limit, pruned] : {std::pair{0.0, 0}, {1e-30, 2}}) {
+    options.prune_extent = limit;
+    HandmadeSet made = make({{kSmall, 0.5f, kWeak}, {kLarge, 0.5f, kWeak}});
+    EXPECT_EQ(control(made, true, -1, options).pruned, pruned) << limit;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,40 @@
+// What: what a preset means for a moving and for a still scene.
+// Not: the rows (tests/recon4d/train_options_test.cpp).
+#include <gtest/gtest.h>
+
+#include "tests/tools/cli_workspace.h"
+
+namespace tessera::testing {
+namespace {
+
+using nlohmann::json;
+
+json options_of(const CliWorkspace& work, const std::string& run,
+                const std::vector<std::string>& more) {
+  const ChildResult trained = work.train(run, more);
+  EXPECT_EQ(trained.exit_code, 0) << trained.err;
+  return json::parse(work.read(run + "/config.json")).at("options");
+}
+
+// Bug put back: presets resolved before the scene is looked at; seen to fail.
+TEST(CliPreset, AStillSceneHasItsOwnRows) {
+  const CliWorkspace work;
+  const std::vector<std::string> best = {"--preset", "best", "--iterations", "2"};
+  const json moving = options_of(work, "moving", best);
+  EXPECT_EQ(moving["max_gaussians"], 200000);
+  EXPECT_EQ(moving["far_plane"], 100);
+  for (const char* split : {"train", "val", "test"})
+    work.edit_json(std::string("capture/transforms_") + split + ".json", [](json& file) {
+      for (json& frame : file["frames"]) frame.erase("time");
+    });
+  const json still = options_of(work, "still", best);
+  EXPECT_EQ(still["max_gaussians"], 1000000);
+  EXPECT_EQ(still["far_plane"], 1e4);
+  EXPECT_EQ(still["iterations"], 2) << "what is typed goes over the preset";
+  std::vector<std::string> typed = best;
+  typed.insert(typed.end(), {"--max-gaussians", "300"});
+  EXPECT_EQ(options_of(work, "typed", typed)["max_gaussians"], 300);
+}
+
+}  // namespace
+}  // namespace tessera::testing
