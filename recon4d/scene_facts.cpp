@@ -1,3 +1,5 @@
+// What: cameras counted once, however many frames they took.
+// Not: pictures.
 #include "recon4d/scene_facts.h"
 
 #include "kernels/base/camera_rig.h"
