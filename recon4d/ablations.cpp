@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "recon4d/option_overrides.h"
+
 namespace tessera {
 namespace {
 
@@ -94,11 +96,6 @@ const std::vector<Technique>& techniques() {
        "instead of a test for each tile: an interval of each row"},
   };
   return rows;
-}
-
-OptionOverrides joined(OptionOverrides first, const OptionOverrides& second) {
-  first.insert(first.end(), second.begin(), second.end());
-  return first;
 }
 
 }  // namespace

@@ -1,16 +1,10 @@
 // What: named sets of options, as data rows.
 // Not: code paths: a preset only changes what any user could set by hand.
-#include "recon4d/train_options.h"
+#include "recon4d/option_overrides.h"
 
 namespace tessera {
 
 namespace {
-
-/// `more` after `base`: of a key in both the later holds.
-OptionOverrides with(OptionOverrides base, const OptionOverrides& more) {
-  base.insert(base.end(), more.begin(), more.end());
-  return base;
-}
 
 /// Half of what is not known to move starts static, moments are free to move, and what is large
 /// stays: walls are.
@@ -47,8 +41,8 @@ const std::vector<Preset>& presets() {
        kBalanced, kStill, kPixelsPerGaussian},
       {"best",
        "balanced as a Markov chain of 200,000 Gaussians; of one timestep 30,000 steps, a million",
-       with(with(kBalanced, kMcmc), {{"max_gaussians", 200000}}),
-       with(kStill, {{"iterations", 30000}, {"max_gaussians", 1000000}}), kPixelsPerGaussian},
+       joined(joined(kBalanced, kMcmc), {{"max_gaussians", 200000}}),
+       joined(kStill, {{"iterations", 30000}, {"max_gaussians", 1000000}}), kPixelsPerGaussian},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "lazy"}}},
@@ -64,13 +58,13 @@ const std::vector<Preset>& presets() {
         {"opacity_reset_interval", 3000},
         {"far_plane", 1e4}}},
       {"mcmc", "static 3DGS as a Markov chain: exactly max_gaussians, no opacity reset",
-       with(kMcmc, {{"static_only", true},
-                    {"idle_updates", "lazy"},
-                    {"batch", 1},
-                    {"far_plane", 1e4},
-                    {"lr_opacity", 0.05},
-                    {"max_gaussians", 1000000},
-                    {"init_scale_factor", 0.1}})},
+       joined(kMcmc, {{"static_only", true},
+                      {"idle_updates", "lazy"},
+                      {"batch", 1},
+                      {"far_plane", 1e4},
+                      {"lr_opacity", 0.05},
+                      {"max_gaussians", 1000000},
+                      {"init_scale_factor", 0.1}})},
   };
   return rows;
 }

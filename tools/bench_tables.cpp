@@ -13,7 +13,6 @@ namespace tessera {
 namespace {
 
 using Figures = std::map<std::string, double>;
-using Overrides = OptionOverrides;
 
 constexpr double kGiB = 1 << 30;
 
@@ -122,10 +121,10 @@ BenchTable optimizer_table() {
            row("skip idle", true, "skip", "skip-invisible"), row("lazy", true, "lazy", "")}};
 }
 
-const Overrides kFullFilters = {{"filter_2d", true}, {"filter_3d", "clamp"}};
+const OptionOverrides kFullFilters = {{"filter_2d", true}, {"filter_3d", "clamp"}};
 
 BenchTable antialiasing_table() {
-  const auto row = [](const char* name, Overrides overrides, Figures figures) {
+  const auto row = [](const char* name, OptionOverrides overrides, Figures figures) {
     return BenchRow{
         name, "", "", std::move(overrides), SceneKind::kAny, "", {{kNine, "", std::move(figures)}}};
   };
@@ -151,7 +150,7 @@ BenchTable antialiasing_table() {
 }
 
 BenchTable multiscale_table() {
-  const auto row = [](const char* name, Overrides overrides, Figures figures) {
+  const auto row = [](const char* name, OptionOverrides overrides, Figures figures) {
     overrides.insert(overrides.begin(), {"train_scale", 0.5});
     return BenchRow{
         name, "", "", std::move(overrides), SceneKind::kAny, "", {{kNine, "", std::move(figures)}}};
@@ -206,7 +205,7 @@ BenchTable truncation_table() {
                    {},
                    {}};
   const auto add = [&](double sigma, bool by_falloff, Figures figures) {
-    Overrides overrides = kFullFilters;
+    OptionOverrides overrides = kFullFilters;
     const bool is_default = sigma == 3.33;  // √(2 ln 255), the options' own
     if (!is_default) overrides.push_back({"truncation_sigma", sigma});
     if (by_falloff) overrides.push_back({"truncation_by_falloff", true});

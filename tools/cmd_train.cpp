@@ -101,18 +101,18 @@ TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& 
 }  // namespace
 
 TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts) {
-  const double scale = layered_options(arguments, facts).train_scale;
-  facts.camera_pixels = std::llround(scale * scale * double(facts.camera_pixels));
+  const TrainOptions asked = layered_options(arguments, {});
+  facts.still |= asked.static_only;
+  facts.camera_pixels =
+      std::llround(asked.train_scale * asked.train_scale * double(facts.camera_pixels));
   return layered_options(arguments, facts);
 }
 
 TrainOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene) {
   SceneOptions options;
-  options.allow_static = resolve_options(arguments, SceneFacts{}).static_only;
+  options.allow_static = layered_options(arguments, {}).static_only;
   options.load_pixels = false;
-  SceneFacts facts = facts_of(load_scene(scene, options));
-  facts.still |= options.allow_static;
-  return resolve_options(arguments, facts);
+  return resolve_options(arguments, facts_of(load_scene(scene, options)));
 }
 
 std::string training_text(const nlohmann::json& result) {
