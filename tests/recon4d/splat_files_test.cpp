@@ -222,7 +222,16 @@ TEST(SplatFiles, GlbHasChunksAndColumnsOfTheExtension) {
   expect_input_error([&] { load_splat_file(folder / "a.glb"); }, {"a.glb", "no splats"});
 }
 
-// Bug put back: the length of the columns not looked at; seen to fail.
+/// Every beginning of a file, long ones in steps.
+void expect_beginnings_refused(const std::filesystem::path& path, const std::string& whole) {
+  for (size_t size = 0; size < whole.size(); size += size < 200 ? 1 : 37) {
+    if (path.extension() == ".splat" && size % 32 == 0 && size > 0) continue;
+    write_text_file(path, whole.substr(0, size));
+    EXPECT_THROW(load_splat_file(path), InputError) << path << " of " << size << " bytes";
+  }
+}
+
+// Bug put back: the length of .spz's columns not looked at; seen to fail.
 TEST(SplatFiles, CutOffAnywhereAreRefused) {
   const ScratchFolder folder;
   const GaussianSet set = set_to_write(3);
@@ -230,11 +239,8 @@ TEST(SplatFiles, CutOffAnywhereAreRefused) {
     const std::filesystem::path path = folder / (std::string("a") + format.extension);
     save_splat_file(format, path, set, 1);
     const std::string whole = read_text_file(path);
-    for (size_t size = 0; size < whole.size(); size += size < 200 ? 1 : 37) {
-      if (std::string(format.name) == "splat" && size % 32 == 0 && size > 0) continue;
-      write_text_file(path, whole.substr(0, size));
-      EXPECT_THROW(load_splat_file(path), InputError) << format.name << " of " << size << " bytes";
-    }
+    expect_beginnings_refused(path, whole);
+    if (is_gzip(whole)) expect_beginnings_refused(path, gunzip(whole, 1000000, path));
   }
   const std::string bytes(100000, 'x');
   EXPECT_EQ(gunzip(gzip(bytes), 100000, "a"), bytes);
