@@ -3,8 +3,11 @@ find_package(Threads REQUIRED)
 find_package(glm REQUIRED)
 find_package(fmt REQUIRED)
 find_package(PNG REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
+find_path(ZSTD_INCLUDE_DIR zstd.h)  # for .spz of version 4
+find_library(ZSTD_LIBRARY zstd)
 find_package(TBB QUIET)  # oneTBB; std::thread is used where it is absent
 
 if(NOT TESSERA_INGEST STREQUAL "OFF")

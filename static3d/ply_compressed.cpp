@@ -9,6 +9,7 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/math/spherical_harmonics.h"
+#include "static3d/splat_quanta.h"
 
 namespace tessera {
 namespace {
@@ -56,24 +57,16 @@ void decode_vector(uint32_t word, const Range& range, int64_t chunk, float* out)
 
 /// Smallest three of w, x, y, z in 10 bits each, the index of the largest on top.
 void decode_rotation(uint32_t word, float* q) {
-  const size_t largest = word >> 30;
-  double rest = 1;
+  const int largest = int(word >> 30);
+  std::array<double, 4> wxyz{};
   int low = 20;
-  for (size_t k = 0; k < 4; ++k) {
+  for (int k = 0; k < 4; ++k) {
     if (k == largest) continue;
-    const double value = (fraction(word, low, 10) - 0.5) * std::sqrt(2.0);
-    q[k] = float(value);
-    rest -= value * value;
+    wxyz[size_t(k)] = (fraction(word, low, 10) - 0.5) * std::sqrt(2.0);
     low -= 10;
   }
-  q[largest] = float(std::sqrt(std::max(rest, 0.0)));
-}
-
-/// Opacity 0 and 255 stand for what rounds there: a quarter of a step from the end, as a logit.
-float decode_opacity(uint32_t word) {
-  constexpr double kEnd = 0.25 / 255;
-  const double opacity = std::clamp(fraction(word, 0, 8), kEnd, 1 - kEnd);
-  return float(std::log(opacity / (1 - opacity)));
+  wxyz[size_t(largest)] = left_out(wxyz, largest);
+  for (size_t k = 0; k < 4; ++k) q[k] = float(wxyz[k]);
 }
 
 void decode_sh(const std::filesystem::path& path, const PlyFile& file,
@@ -133,7 +126,7 @@ GaussianSet decode_compressed_splat(const std::filesystem::path& path, const Ply
     decode_vector(uint32_t(scales[size_t(n)]), scale, chunk, to.at(kLogScale, n));
     decode_rotation(uint32_t(rotation[size_t(n)]), to.at(kRotation, n));
     const uint32_t word = uint32_t(rgba[size_t(n)]);
-    *to.at(kOpacityLogit, n) = decode_opacity(word);
+    *to.at(kOpacityLogit, n) = logit_of_byte(double(word & 255));
     for (int c = 0; c < 3; ++c) {
       const double f = fraction(word, 24 - 8 * c, 8);
       const double linear = ranged_colour ? colour.at(c, chunk, f) : f;

@@ -1,16 +1,16 @@
 // What: `tessera export`: a model → files for other programs.
-// Not: the formats (static3d/ply_sequence.h, recon4d/model_file.h).
+// Not: the formats (static3d/splat_file.h, recon4d/model_file.h).
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/hygiene.h"
 #include "recon4d/model_file.h"
-#include "static3d/ply_sequence.h"
+#include "recon4d/nearest_name.h"
+#include "static3d/frame_sequence.h"
 #include "static3d/world_change.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
@@ -71,20 +71,21 @@ std::vector<double> export_times(const ExportRequest& request, const GaussianMod
   return spread(int64_t(std::clamp(count, 2.0, double(kMostDefault))));
 }
 
-std::vector<std::string> sequence_files(int64_t count) {
+std::vector<std::string> sequence_files(int64_t count, const SplatFormat& format) {
   std::vector<std::string> files{"manifest.json"};
-  for (int64_t i = 0; i < count; ++i) files.push_back(sequence_file_name(i, count));
+  for (int64_t i = 0; i < count; ++i) files.push_back(sequence_file_name(i, count, format));
   return files;
 }
 
-nlohmann::json export_sequence(const ExportRequest& request, const GaussianModel& model) {
+nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model) {
+  const SplatFormat& format = splat_format(request.format);
   const std::vector<double> times = export_times(request, model);
-  OutputFolder folder(request.out, "export", sequence_files(int64_t(times.size())),
+  OutputFolder folder(request.out, "export", sequence_files(int64_t(times.size()), format),
                       request.overwrite);
   SequenceReport report;
   {
     ProgressBar bar("export");
-    report = export_ply_sequence(model, request.out, times, [&](int64_t done, int64_t total) {
+    report = export_sequence(model, request.out, times, format, [&](int64_t done, int64_t total) {
       stop_if_interrupted();
       bar.update(done, total);
     });
@@ -114,24 +115,14 @@ nlohmann::json export_tessera(const ExportRequest& request, GaussianModel& model
           {"non_finite", dropped}};
 }
 
-struct Format {
-  const char* name;
-  nlohmann::json (*write)(const ExportRequest&, GaussianModel&);
-};
-constexpr std::array<Format, 2> kFormats{{
-    {"ply", [](const ExportRequest& request,
-               GaussianModel& model) { return export_sequence(request, model); }},
-    {"tessera", export_tessera},
-}};
+constexpr const char* kTessera = "tessera";  // the format that holds time
 
-const Format& find_format(const std::string& name) {
-  std::vector<std::string> names;
-  for (const Format& format : kFormats) {
-    if (name == format.name) return format;
-    names.push_back(format.name);
-  }
-  throw InputError(fmt::format("export: format '{}' is not in this version; there are {}", name,
-                               fmt::join(names, ", ")));
+void check_format(const std::string& name) {
+  std::vector<std::string> names{kTessera};
+  for (const SplatFormat& format : splat_formats()) names.push_back(format.name);
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw InputError(fmt::format("export: unknown format '{}'; did you mean '{}'? There are {}",
+                                 name, nearest_name(name, names), fmt::join(names, ", ")));
 }
 
 /// With the dilation and the cut-off that 3DGS files do not name because all have them.
@@ -150,23 +141,25 @@ void check_places(const ExportRequest& request, const std::filesystem::path& mod
 }
 
 int export_command(const ExportRequest& request) {
-  const Format& format = find_format(request.format);
+  check_format(request.format);
+  const bool as_frames = request.format != kTessera;
   set_thread_count(request.threads);
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
   check_places(request, input.file);
-  if (&format == kFormats.data() && !drawn_as_players_do(input.model))
+  if (as_frames && !drawn_as_players_do(input.model))
     warn(
         fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
                     "have; its frames look different there; --format tessera keeps them",
                     input.file.string()));
-  if (&format == kFormats.data() && input.model.environment.height > 0)
+  if (as_frames && input.model.environment.height > 0)
     warn(
         fmt::format("{}: its environment is not in frames of 3DGS files; --format tessera keeps it",
                     input.file.string()));
   if (!request.keep_world) input.model = model_in_source_world(input.model);
-  nlohmann::json result = format.write(request, input.model);
-  result["out"] = request.out, result["format"] = format.name;
+  nlohmann::json result =
+      as_frames ? export_frames(request, input.model) : export_tessera(request, input.model);
+  result["out"] = request.out, result["format"] = request.format;
   result["model"] = input.file.string(), result["num_gaussians"] = input.model.count();
   const int64_t frames = result["frames"], bytes = result["bytes"];
   print_result(request.json, result,
@@ -181,11 +174,16 @@ void add_export_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand("export", "write a model for other programs");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<ExportRequest>();
-  command->add_option("model", request->model, "run folder, checkpoint, 3DGS or Tessera .ply")
+  command
+      ->add_option("model", request->model,
+                   "run folder, checkpoint, Tessera .ply or other people's splats")
       ->required();
   command->add_option("-o,--out", request->out, "folder to write")->required();
-  command->add_option("--format", request->format,
-                      "ply: numbered 3DGS files that players take; tessera: one 4D .ply");
+  std::string formats = "\n    tessera     one 4D .ply";
+  for (const SplatFormat& format : splat_formats())
+    formats +=
+        fmt::format("\n    {:<10}  numbered {}: {}", format.name, format.extension, format.doc);
+  command->add_option("--format", request->format, "of the files:" + formats);
   CLI::Option* frames =
       command->add_option("--frames", request->frames, "moments, evenly from first to last");
   CLI::Option* fps =

@@ -14,7 +14,7 @@
 #include "kernels/base/parallel.h"
 #include "recon4d/model_file.h"
 #include "recon4d/scene_scale.h"
-#include "static3d/ply_sequence.h"
+#include "static3d/frame_sequence.h"
 #include "static3d/world_change.h"
 #include "tools/backend_choice.h"
 #include "tools/command.h"
@@ -167,8 +167,8 @@ class Runner {
     if (model.environment.height > 0)
       warn("the environment is not in the frames, which are 3DGS files; the model keeps it");
     ProgressBar bar("export");
-    const SequenceReport report =
-        export_ply_sequence(model, folder, export_times(), [&](int64_t done, int64_t total) {
+    const SequenceReport report = export_sequence(
+        model, folder, export_times(), splat_format("ply"), [&](int64_t done, int64_t total) {
           stop_if_interrupted();
           bar.update(done, total);
         });

@@ -81,8 +81,10 @@ json describe_file(const fs::path& path) {
       return describe_checkpoint(path);
     case ModelKind::kTesseraPly:
       return describe_model("Tessera 4D model", path);
-    case ModelKind::kPly: {
-      const PlyHeader header = parse_ply_header(path, read_text_file(path));
+    case ModelKind::kSplats: {
+      const std::string text = read_text_file(path);
+      if (!text.starts_with("ply")) return describe_model("splats", path);
+      const PlyHeader header = parse_ply_header(path, text);
       return is_splat_header(header) ? describe_model("3DGS model", path)
                                      : describe_other_ply(path, header);
     }

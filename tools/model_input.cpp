@@ -1,5 +1,5 @@
 // What: which of the model files a path is, by its first bytes.
-// Not: the formats themselves (checkpoint.h, model_file.h, ply_3dgs.h).
+// Not: the formats themselves (checkpoint.h, model_file.h, splat_file.h).
 #include "tools/model_input.h"
 
 #include <fmt/format.h>
@@ -10,14 +10,14 @@
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
 #include "recon4d/train_options.h"
-#include "static3d/ply_3dgs.h"
+#include "static3d/splat_file.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* kAccepted =
-    "expected a run folder, a checkpoint, a Tessera 4D .ply or a 3DGS .ply";
+    "expected a run folder, a checkpoint, a Tessera 4D .ply or splats (.ply, .spz, .splat)";
 
 fs::path model_file_of(const fs::path& path) {
   if (!fs::exists(path))
@@ -29,8 +29,8 @@ fs::path model_file_of(const fs::path& path) {
       fmt::format("{}: has neither model.ply nor checkpoint.ckpt; {}", path.string(), kAccepted));
 }
 
-GaussianModel from_3dgs(const fs::path& path, std::vector<std::string>& warnings) {
-  Ply3dgs file = load_ply_3dgs(path);
+GaussianModel from_splats(const fs::path& path, std::vector<std::string>& warnings) {
+  SplatFile file = load_splat_file(path);
   GaussianModel model;
   model.static_set = std::move(file.set);
   model.sh_degree = file.sh_degree;
@@ -46,8 +46,8 @@ ModelKind model_kind(const fs::path& file) {
   stream.read(head, sizeof head);
   const std::string_view start(head, size_t(stream.gcount()));
   if (start == "TESSCKPT") return ModelKind::kCheckpoint;
-  if (start.substr(0, 3) != "ply") return ModelKind::kNone;
-  return is_tessera_model(file) ? ModelKind::kTesseraPly : ModelKind::kPly;
+  if (start.starts_with("ply") && is_tessera_model(file)) return ModelKind::kTesseraPly;
+  return is_splat_file(file, start) ? ModelKind::kSplats : ModelKind::kNone;
 }
 
 ModelInput load_model_input(const fs::path& path) {
@@ -63,8 +63,8 @@ ModelInput load_model_input(const fs::path& path) {
     case ModelKind::kTesseraPly:
       input.model = load_model(input.file);
       break;
-    case ModelKind::kPly:
-      input.model = from_3dgs(input.file, input.warnings);
+    case ModelKind::kSplats:
+      input.model = from_splats(input.file, input.warnings);
       break;
     case ModelKind::kNone:
       throw InputError(fmt::format("{}: not a model; {}", input.file.string(), kAccepted));

@@ -1,5 +1,5 @@
-// What: MODEL on the command line → GaussianModel: a run folder, a checkpoint, a 3DGS .ply, a
-//       Tessera 4D .ply; its background by another.
+// What: MODEL on the command line → GaussianModel: a run folder, a checkpoint, a Tessera
+//       4D .ply, other people's splats; its background by another.
 // Not: scenes.
 #pragma once
 #include <cstdint>
@@ -19,8 +19,9 @@ struct ModelInput {
   std::vector<std::string> warnings;  // one line each
 };
 
-/// By the first bytes; kPly: a .ply without Tessera's comment, 3DGS or a point cloud.
-enum class ModelKind { kNone, kCheckpoint, kTesseraPly, kPly };
+/// By the first bytes; kSplats: a .ply without Tessera's comment, which may be a point cloud, .spz,
+/// and .splat by its name.
+enum class ModelKind { kNone, kCheckpoint, kTesseraPly, kSplats };
 ModelKind model_kind(const std::filesystem::path& file);
 
 /// A run folder gives its model.ply, or checkpoint.ckpt when training has not ended.

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "static3d/ply_3dgs.h"
-#include "static3d/ply_sequence.h"
+#include "static3d/frame_sequence.h"
+#include "static3d/splat_file.h"
 #include "tests/recon4d/modes_film.h"
 #include "tests/recon4d/small_models.h"
 #include "tests/support/scratch_folder.h"
@@ -69,10 +69,10 @@ TEST(Borders, OfAStillBackgroundAreNotSeen) {
   const ScratchFolder folder;
   std::vector<double> times;
   for (const Frame* frame : held_out(scene)) times.push_back(frame->time);
-  export_ply_sequence(model, folder.path(), times);
+  export_sequence(model, folder.path(), times, splat_format("ply"));
   std::vector<Picture> exported;
   for (size_t m = 0; m < times.size(); ++m) {
-    Ply3dgs frame = load_ply_3dgs(folder / fmt::format("frame_{:04}.ply", m));
+    SplatFile frame = load_splat_file(folder / fmt::format("frame_{:04}.ply", m));
     exported.push_back(render_one(static_model(model, std::move(frame.set)),
                                   {held_out(scene)[m]->camera, times[m]}));
   }

@@ -1,6 +1,6 @@
 // What: 3DGS .ply: other people's files in, ours out; compressed .ply in.
 // Not: sequences (sequence_test.cpp). Failure modes C1, C5, E2.
-#include "static3d/ply_3dgs.h"
+#include "static3d/splat_file.h"
 
 #include <fmt/format.h>
 
@@ -38,7 +38,7 @@ TEST(Ply3dgs, TakesEveryDegreeAnyOrderAndAnyScalarType) {
     for (PlyType type : {PlyType::kFloat32, PlyType::kFloat64, PlyType::kInt16}) {
       const int K = sh_coefficients(degree), rest = K - 1;
       write_ply(folder / "a.ply", foreign_file(3 * rest, 2, type));
-      const Ply3dgs read = load_ply_3dgs(folder / "a.ply");
+      const SplatFile read = load_splat_file(folder / "a.ply");
       EXPECT_TRUE(read.warnings.empty());
       EXPECT_EQ(read.sh_degree, degree);
       ASSERT_EQ(read.set.coefficients(), K);
@@ -55,14 +55,15 @@ TEST(Ply3dgs, NamesWhatIsMissingOrOdd) {
     PlyFile file = foreign_file(0, 1);
     column(file, name).name = "something";
     write_ply(folder / "a.ply", file);
-    expect_input_error([&] { load_ply_3dgs(folder / "a.ply"); }, {"a.ply", "vertex", name});
+    expect_input_error([&] { load_splat_file(folder / "a.ply"); }, {"a.ply", "vertex", name});
   }
   write_ply(folder / "a.ply", foreign_file(12, 1));
-  expect_input_error([&] { load_ply_3dgs(folder / "a.ply"); }, {"a.ply", "12 f_rest", "0, 9, 24"});
+  expect_input_error([&] { load_splat_file(folder / "a.ply"); },
+                     {"a.ply", "12 f_rest", "0, 9, 24"});
   PlyFile faces = foreign_file(0, 1);
   faces.elements[0].name = "face";
   write_ply(folder / "a.ply", faces);
-  expect_input_error([&] { load_ply_3dgs(folder / "a.ply"); }, {"a.ply", "no element 'vertex'"});
+  expect_input_error([&] { load_splat_file(folder / "a.ply"); }, {"a.ply", "no element 'vertex'"});
 }
 
 // Failure mode C5. Bug put back: is_sound without the test for finite values; seen to fail.
@@ -76,7 +77,7 @@ TEST(Ply3dgs, DropsBrokenRowsNormalisesAndSaysSo) {
   column(file, "x").values = {10, 11, 12, 13, 14, 15};
   file.elements[0].columns.push_back({"transform", PlyType::kFloat32, {0, 0, 0, 0, 0, 0}});
   write_ply(folder / "a.ply", file);
-  const Ply3dgs read = load_ply_3dgs(folder / "a.ply");
+  const SplatFile read = load_splat_file(folder / "a.ply");
   ASSERT_EQ(read.set.count(), 3);
   EXPECT_EQ(read.set.values().at(kMean, 0)[0], 10);
   EXPECT_EQ(read.set.values().at(kMean, 1)[0], 14);
@@ -93,11 +94,11 @@ TEST(Ply3dgs, WritesTheSameBytesAfterARoundTrip) {
   const TemporaryFolder folder;
   for (int degree = 0; degree <= 3; ++degree) {
     const GaussianModel model = random_model(500, 0, 40 + uint64_t(degree));
-    EXPECT_EQ(save_ply_3dgs(folder / "a.ply", model.static_set, degree), 0);
-    const Ply3dgs read = load_ply_3dgs(folder / "a.ply");
+    EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "a.ply", model.static_set, degree), 0);
+    const SplatFile read = load_splat_file(folder / "a.ply");
     EXPECT_TRUE(read.warnings.empty());
     EXPECT_EQ(read.sh_degree, degree);
-    EXPECT_EQ(save_ply_3dgs(folder / "b.ply", read.set, degree), 0);
+    EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "b.ply", read.set, degree), 0);
     EXPECT_EQ(read_bytes(folder / "a.ply"), read_bytes(folder / "b.ply"));
     GaussianModel cut = clone(model);
     cut.sh_degree = degree;
@@ -110,7 +111,7 @@ TEST(Ply3dgs, HasTheLayoutOfTheReferenceCode) {
   const TemporaryFolder folder;
   GaussianModel model = random_model(3, 0);
   model.static_set.group(kLogScale).value[4] = NAN;
-  EXPECT_EQ(save_ply_3dgs(folder / "a.ply", model.static_set, 1), 1);
+  EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "a.ply", model.static_set, 1), 1);
   const PlyFile file = read_ply(folder / "a.ply");
   ASSERT_EQ(file.elements.size(), 1u);
   EXPECT_EQ(file.elements[0].rows, 2);
@@ -128,8 +129,9 @@ TEST(Ply3dgs, HasTheLayoutOfTheReferenceCode) {
 // Failure mode C1. Bug put back: write_splats checks that a set has rows; seen to fail.
 TEST(Ply3dgs, AnEmptySetIsAFile) {
   const TemporaryFolder folder;
-  EXPECT_EQ(save_ply_3dgs(folder / "a.ply", GaussianSet(Form::kStatic, 16), 3), 0);
-  const Ply3dgs read = load_ply_3dgs(folder / "a.ply");
+  EXPECT_EQ(
+      save_splat_file(splat_format("ply"), folder / "a.ply", GaussianSet(Form::kStatic, 16), 3), 0);
+  const SplatFile read = load_splat_file(folder / "a.ply");
   EXPECT_EQ(read.set.count(), 0);
   EXPECT_EQ(read.sh_degree, 3);
   EXPECT_TRUE(read.warnings.empty());
@@ -153,7 +155,7 @@ View view_of(const GaussianSet& set) {
 
 void expect_foreign_file_renders(const std::filesystem::path& path, int64_t count,
                                  const std::vector<std::string>& warnings) {
-  Ply3dgs read = load_ply_3dgs(path);
+  SplatFile read = load_splat_file(path);
   EXPECT_EQ(read.set.count(), count);
   ASSERT_EQ(read.warnings.size(), warnings.size());
   for (size_t i = 0; i < warnings.size(); ++i)
@@ -176,6 +178,26 @@ TEST(Ply3dgs, ReadsCompressedFiles) {
   expect_foreign_file_renders(small, 64, {});
   TESSERA_NEED_DATA(large, "splats/biker.compressed.ply");
   expect_foreign_file_renders(large, 152746, {});
+}
+
+Image8 shown(const GaussianSet& set, int sh_degree, const View& view) {
+  GaussianModel model;
+  model.sh_degree = sh_degree, model.near_plane = 1e-3;
+  model.static_set = set.clone_values();
+  const Picture picture = render_one(model, view);
+  return quantise({picture.rgb.data(), int64_t(picture.rgb.size())}, view.camera.width,
+                  view.camera.height);
+}
+
+// Bug put back: the world of .spz taken as that of .ply; seen to fail.
+TEST(Ply3dgs, TheSameObjectInTwoFormatsLooksTheSame) {
+  TESSERA_NEED_DATA(ply, "splats/biker.compressed.ply");
+  TESSERA_NEED_DATA(spz, "splats/biker.spz");
+  const SplatFile a = load_splat_file(ply), b = load_splat_file(spz);
+  EXPECT_EQ(a.set.count(), b.set.count());
+  EXPECT_TRUE(b.warnings.empty());
+  const View view = view_of(a.set);
+  EXPECT_GT(psnr(shown(a.set, a.sh_degree, view), shown(b.set, b.sh_degree, view)), 40);
 }
 
 }  // namespace

@@ -1,14 +1,14 @@
 // What: the numbered sequence: names, hygiene, manifest, and that its frames render as the model.
 // Not: the slice (slice_test.cpp). Failure modes E1, E3, E4, E7.
-#include "static3d/ply_sequence.h"
+#include "static3d/frame_sequence.h"
 
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/ply.h"
-#include "static3d/ply_3dgs.h"
 #include "static3d/scene_box.h"
+#include "static3d/splat_file.h"
 #include "tests/ingest/capture_fixture.h"
 #include "tests/recon4d/small_models.h"
 
@@ -47,9 +47,9 @@ TEST(Sequence, FramesRenderAsTheModelDoes) {
   const TemporaryFolder folder;
   const GaussianModel model = random_model(40, 60);
   const std::vector<double> times = {0, 0.3, 0.55, 1};
-  export_ply_sequence(model, folder.path(), times);
+  export_sequence(model, folder.path(), times, splat_format("ply"));
   for (size_t i = 0; i < times.size(); ++i) {
-    Ply3dgs frame = load_ply_3dgs(folder / fmt::format("frame_{:04}.ply", i));
+    SplatFile frame = load_splat_file(folder / fmt::format("frame_{:04}.ply", i));
     EXPECT_TRUE(frame.warnings.empty());
     View view = three_views()[0];
     view.time = times[i];
@@ -70,7 +70,7 @@ TEST(Sequence, NothingBrokenLeavesTheProgram) {
   model.static_set.group(kOpacityLogit).value[2] = -9;  // never drawn
   model.static_set.group(kMean).value[3 * 3] = 1000;    // far outside
   for (int64_t n = 0; n < 40; ++n) model.dynamic_set.group(kMeanTime).value[n] = 0.5f;
-  const SequenceReport report = export_ply_sequence(model, folder.path(), {0.5});
+  const SequenceReport report = export_sequence(model, folder.path(), {0.5}, splat_format("ply"));
   EXPECT_EQ(report.non_finite, 5);
   EXPECT_EQ(report.below_cutoff, 1);
   EXPECT_EQ(report.far_outliers, 1);
@@ -93,7 +93,7 @@ TEST(Sequence, NamesSortByTimeWithoutAGap) {
   const TemporaryFolder folder;
   const GaussianModel model = random_model(2, 2);
   for (int count : {13, 5}) {  // the shorter one replaces the longer
-    export_ply_sequence(model, folder.path(), even_times(count));
+    export_sequence(model, folder.path(), even_times(count), splat_format("ply"));
     const std::vector<std::string> names = files_in(folder.path());
     ASSERT_EQ(names.size(), size_t(count) + 1);
     const nlohmann::json manifest = manifest_of(folder.path());
@@ -115,8 +115,8 @@ TEST(Sequence, ManifestSaysRateTimesAndThatIdsChange) {
   GaussianModel model = random_model(3, 3);
   model.time_axis = {2, 4};
   std::vector<int64_t> progress;
-  const SequenceReport report =
-      export_ply_sequence(model, folder.path(), even_times(9), [&](int64_t done, int64_t total) {
+  const SequenceReport report = export_sequence(
+      model, folder.path(), even_times(9), splat_format("ply"), [&](int64_t done, int64_t total) {
         progress.push_back(done);
         EXPECT_EQ(total, 9);
       });
@@ -126,30 +126,32 @@ TEST(Sequence, ManifestSaysRateTimesAndThatIdsChange) {
   EXPECT_EQ(manifest["fps"], 2.0);
   EXPECT_EQ(manifest["frames"][8]["source_time"], 6.0);
   EXPECT_EQ(manifest["bytes"], report.bytes);
-  export_ply_sequence(model, folder.path(), {0.5});
+  export_sequence(model, folder.path(), {0.5}, splat_format("ply"));
   EXPECT_TRUE(manifest_of(folder.path())["fps"].is_null());
 }
 
 TEST(Sequence, RefusesNoTimesAndTimesThatDoNotAscend) {
   const TemporaryFolder folder;
   const GaussianModel model = random_model(1, 1);
-  expect_input_error([&] { export_ply_sequence(model, folder.path(), {}); }, {"at least one time"});
+  expect_input_error([&] { export_sequence(model, folder.path(), {}, splat_format("ply")); },
+                     {"at least one time"});
   expect_input_error(
       [&] {
-        export_ply_sequence(model, folder.path(), {0, 0.5, 0.5});
+        export_sequence(model, folder.path(), {0, 0.5, 0.5}, splat_format("ply"));
       },
       {"ascend", "0.5 after 0.5"});
   write_bytes(folder / "file", "");
-  expect_input_error([&] { export_ply_sequence(model, folder / "file", {0}); }, {"file"});
+  expect_input_error([&] { export_sequence(model, folder / "file", {0}, splat_format("ply")); },
+                     {"file"});
 }
 
 TEST(Sequence, AnEmptyModelIsASequenceOfEmptyFrames) {
   const TemporaryFolder folder;
   const SequenceReport report =
-      export_ply_sequence(random_model(0, 0), folder.path(), even_times(3));
+      export_sequence(random_model(0, 0), folder.path(), even_times(3), splat_format("ply"));
   EXPECT_EQ(report.max_gaussians, 0);
   EXPECT_TRUE(manifest_of(folder.path())["bounds"].is_null());
-  EXPECT_EQ(load_ply_3dgs(folder / "frame_0002.ply").set.count(), 0);
+  EXPECT_EQ(load_splat_file(folder / "frame_0002.ply").set.count(), 0);
 }
 
 TEST(SceneBox, IsNotMovedByStrayGaussians) {

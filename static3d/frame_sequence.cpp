@@ -1,18 +1,18 @@
 // What: slice, select, save, for every time; then the manifest.
-// Not: the slice (slicer.h) or the file of a frame (ply_3dgs.h).
-#include "static3d/ply_sequence.h"
+// Not: the slice (slicer.h) or the file of a frame (splat_file.h).
+#include "static3d/frame_sequence.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/math/splat.h"
 #include "recon4d/hygiene.h"
-#include "static3d/ply_3dgs.h"
 #include "static3d/scene_box.h"
 #include "static3d/slicer.h"
 
@@ -38,10 +38,11 @@ struct Bounds {
 class SequenceWriter {
  public:
   SequenceWriter(const GaussianModel& model, std::filesystem::path folder,
-                 const std::vector<double>& times)
+                 const std::vector<double>& times, const SplatFormat& format)
       : model_(model),
         folder_(std::move(folder)),
         times_(times),
+        format_(format),
         slicer_(model),
         box_(scene_box(model)),
         frames_(times.size()),
@@ -57,13 +58,14 @@ class SequenceWriter {
 
  private:
   std::string name(size_t i) const {
-    return sequence_file_name(int64_t(i), int64_t(times_.size()));
+    return sequence_file_name(int64_t(i), int64_t(times_.size()), format_);
   }
   nlohmann::json frames_per_second() const;
 
   const GaussianModel& model_;
   std::filesystem::path folder_;
   const std::vector<double>& times_;
+  const SplatFormat& format_;
   Slicer slicer_;
   SceneBox box_;
   std::vector<SequenceFrame> frames_;
@@ -96,7 +98,7 @@ void SequenceWriter::write_frame(size_t i) {
   }
   frame.gaussians = int64_t(rows.size());
   const std::filesystem::path path = folder_ / name(i);
-  save_ply_3dgs(path, select_rows(slice, rows), model_.sh_degree);
+  save_splat_file(format_, path, select_rows(slice, rows), model_.sh_degree);
   bytes_[i] = int64_t(std::filesystem::file_size(path));
 }
 
@@ -122,7 +124,7 @@ nlohmann::json SequenceWriter::frames_per_second() const {
 
 void SequenceWriter::write_manifest(const SequenceReport& report) const {
   nlohmann::json manifest;
-  manifest["format"] = "3dgs-ply-sequence";
+  manifest["format"] = fmt::format("3dgs-{}-sequence", format_.name);
   manifest["version"] = 1;
   manifest["count"] = times_.size();
   manifest["fps"] = frames_per_second();
@@ -156,16 +158,27 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
   write_text_file(folder_ / kManifest, manifest.dump(2) + "\n");
 }
 
-/// A player takes every frame_*.ply of a folder: none of another export may stay.
+/// The number in frame_0012.EXTENSION of any splat format; nothing for other names.
+std::optional<uint64_t> frame_number(const std::string& file) {
+  constexpr std::string_view kStart = "frame_";
+  if (!file.starts_with(kStart)) return {};
+  const size_t end = file.find_first_not_of("0123456789", kStart.size());
+  const std::string digits = file.substr(kStart.size(), end - kStart.size());
+  const std::vector<SplatFormat>& formats = splat_formats();
+  const bool known = end != std::string::npos &&
+                     std::any_of(formats.begin(), formats.end(),
+                                 [&](const auto& f) { return file.substr(end) == f.extension; });
+  if (!known || digits.empty()) return {};
+  return digits.size() > 9 ? UINT64_MAX : std::stoull(digits);
+}
+
+/// A player takes every frame of a folder: none of another export may stay.
 void SequenceWriter::remove_older_frames() const {
   std::vector<std::filesystem::path> stale;
   for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
     const std::string file = entry.path().filename().string();
-    if (file.rfind("frame_", 0) != 0 || entry.path().extension() != ".ply") continue;
-    const std::string digits = entry.path().stem().string().substr(6);
-    if (digits.empty() || digits.find_first_not_of("0123456789") != std::string::npos) continue;
-    if (digits.size() > 9 || std::stoul(digits) >= times_.size() ||
-        file != name(std::stoul(digits)))
+    const std::optional<uint64_t> number = frame_number(file);
+    if (number && (*number >= times_.size() || file != name(size_t(*number))))
       stale.push_back(entry.path());
   }
   for (const auto& path : stale) std::filesystem::remove(path);
@@ -180,14 +193,14 @@ int64_t SequenceWriter::frames_at_once() const {
 
 }  // namespace
 
-std::string sequence_file_name(int64_t i, int64_t count) {
+std::string sequence_file_name(int64_t i, int64_t count, const SplatFormat& format) {
   const size_t digits = std::max<size_t>(4, std::to_string(count - 1).size());
-  return fmt::format("frame_{:0{}}.ply", i, digits);
+  return fmt::format("frame_{:0{}}{}", i, digits, format.extension);
 }
 
-SequenceReport export_ply_sequence(const GaussianModel& model, const std::filesystem::path& folder,
-                                   const std::vector<double>& times,
-                                   const SequenceProgress& progress) {
+SequenceReport export_sequence(const GaussianModel& model, const std::filesystem::path& folder,
+                               const std::vector<double>& times, const SplatFormat& format,
+                               const SequenceProgress& progress) {
   if (times.empty())
     throw InputError(fmt::format("{}: a sequence needs at least one time; pass --frames or --time",
                                  folder.string()));
@@ -198,7 +211,7 @@ SequenceReport export_ply_sequence(const GaussianModel& model, const std::filesy
                       folder.string(), times[i], times[i - 1]));
   make_folder(folder);
   std::filesystem::remove(folder / kManifest);  // it names whole sequences only
-  SequenceWriter writer(model, folder, times);
+  SequenceWriter writer(model, folder, times, format);
   const int64_t count = int64_t(times.size()), at_once = writer.frames_at_once();
   for (int64_t begin = 0; begin < count; begin += at_once) {
     const int64_t end = std::min(begin + at_once, count);

@@ -1,0 +1,17 @@
+// What: gzip of bytes in memory, both ways.
+// Not: streams; and no file names or times in the header, so that equal input is equal output.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace tessera {
+
+bool is_gzip(std::string_view bytes);
+/// `level`: 1 to 9.
+std::string gzip(std::string_view bytes, int level = 9);
+/// At most `limit` bytes. Errors: InputError naming `path`: damaged, cut off, or more than `limit`.
+std::string gunzip(std::string_view bytes, uint64_t limit, const std::filesystem::path& path);
+
+}  // namespace tessera
