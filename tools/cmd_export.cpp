@@ -29,7 +29,7 @@ struct ExportRequest {
   std::string model, out, format = "ply";
   std::optional<int64_t> frames;
   std::optional<double> fps, time;
-  int threads = 0;
+  int threads = 0, spz_version = 3;
   bool keep_world = false, overwrite = false, json = false;
 };
 
@@ -78,7 +78,8 @@ std::vector<std::string> sequence_files(int64_t count, const SplatFormat& format
 }
 
 nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model) {
-  const SplatFormat& format = splat_format(request.format);
+  const SplatFormat format =
+      request.format == "spz" ? spz_format(request.spz_version) : splat_format(request.format);
   const std::vector<double> times = export_times(request, model);
   OutputFolder folder(request.out, "export", sequence_files(int64_t(times.size()), format),
                       request.overwrite);
@@ -191,6 +192,8 @@ void add_export_command(CLI::App& app, Work& work) {
   CLI::Option* time =
       command->add_option("--time", request->time, "a single moment, 0 (first) to 1 (last)");
   fps->excludes(frames), time->excludes(frames), time->excludes(fps);
+  command->add_option("--spz-version", request->spz_version,
+                      "of .spz: 3 (most players) or 4 (zstd; three.js, splat-transform)");
   command->add_flag("--keep-world", request->keep_world,
                     "stay in the world of the prepared scene; default: back in the capture's own");
   command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");
