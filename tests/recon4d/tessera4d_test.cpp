@@ -111,13 +111,12 @@ TEST(Tessera4d, PicturesStay) {
   }
 }
 
-// Bug put back: the file sorted by rounded values, so that equal ones change places; seen to fail.
-TEST(Tessera4d, WrittenAgainTheFileIsTheSame) {
-  const GaussianModel model = clip_model();
-  const Tessera4dFile first = encode_tessera4d(through_folder(model, lossless()).model, lossless());
-  const Tessera4dFile again = encode_tessera4d(through_folder(model, lossless()).model, lossless());
+// Bug put back: logits read back through opacities; seen to fail (E2).
+TEST(Tessera4d, WrittenAgainTheBlocksAreTheSame) {
+  const Tessera4dFile first = encode_tessera4d(clip_model(), lossless());
+  const Tessera4dFile again =
+      encode_tessera4d(through_folder(clip_model(), lossless()).model, lossless());
   EXPECT_EQ(first.blocks, again.blocks);
-  EXPECT_EQ(first.manifest, again.manifest);
 }
 
 TEST(Tessera4d, PairsAreReadBackAsTheirVelocities) {
