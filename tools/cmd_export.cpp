@@ -13,6 +13,7 @@
 #include "static3d/frame_sequence.h"
 #include "static3d/world_change.h"
 #include "tools/command.h"
+#include "tools/export_splatv.h"
 #include "tools/interrupt.h"
 #include "tools/model_input.h"
 #include "tools/output_folder.h"
@@ -119,7 +120,7 @@ nlohmann::json export_tessera(const ExportRequest& request, GaussianModel& model
 constexpr const char* kTessera = "tessera";  // the format that holds time
 
 void check_format(const std::string& name) {
-  std::vector<std::string> names{kTessera};
+  std::vector<std::string> names{kTessera, kSplatv};
   for (const SplatFormat& format : splat_formats()) names.push_back(format.name);
   if (std::find(names.begin(), names.end(), name) == names.end())
     throw InputError(fmt::format("export: unknown format '{}'; did you mean '{}'? There are {}",
@@ -143,7 +144,8 @@ void check_places(const ExportRequest& request, const std::filesystem::path& mod
 
 int export_command(const ExportRequest& request) {
   check_format(request.format);
-  const bool as_frames = request.format != kTessera;
+  const bool as_splatv = request.format == kSplatv;
+  const bool as_frames = request.format != kTessera && !as_splatv;
   set_thread_count(request.threads);
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
@@ -158,8 +160,9 @@ int export_command(const ExportRequest& request) {
         fmt::format("{}: its environment is not in frames of 3DGS files; --format tessera keeps it",
                     input.file.string()));
   if (!request.keep_world) input.model = model_in_source_world(input.model);
-  nlohmann::json result =
-      as_frames ? export_frames(request, input.model) : export_tessera(request, input.model);
+  nlohmann::json result = as_splatv   ? export_splatv(request.out, input.model, request.overwrite)
+                          : as_frames ? export_frames(request, input.model)
+                                      : export_tessera(request, input.model);
   result["out"] = request.out, result["format"] = request.format;
   result["model"] = input.file.string(), result["num_gaussians"] = input.model.count();
   const int64_t frames = result["frames"], bytes = result["bytes"];
@@ -180,7 +183,10 @@ void add_export_command(CLI::App& app, Work& work) {
                    "run folder, checkpoint, Tessera .ply or other people's splats")
       ->required();
   command->add_option("-o,--out", request->out, "folder to write")->required();
-  std::string formats = "\n    tessera     one 4D .ply";
+  std::string formats =
+      "\n    tessera     one 4D .ply"
+      "\n    splatv      one .splatv in continuous time, no view-dependent colour; splaTV, "
+      "gsplat.js";
   for (const SplatFormat& format : splat_formats())
     formats +=
         fmt::format("\n    {:<10}  numbered {}: {}", format.name, format.extension, format.doc);
