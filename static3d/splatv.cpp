@@ -139,12 +139,12 @@ std::string texture_of(const GaussianModel& model, SplatvReport& report) {
     if (is_ever_drawn(model, g))
       add(moving_row(model, g));
     else
-      ++report.never_seen;
+      ++report.never_drawn;
   return texture;
 }
 
 /// Position and axes in the world, z forward, one row a line.
-nlohmann::json camera_json(size_t id, const SplatvCamera& named) {
+nlohmann::json camera_json(size_t id, const RigCamera& named) {
   const Camera& camera = named.camera;
   const glm::dvec3 eye = camera.position();
   nlohmann::json rotation = nlohmann::json::array();
@@ -163,7 +163,7 @@ nlohmann::json camera_json(size_t id, const SplatvCamera& named) {
 
 }  // namespace
 
-SplatvCamera splatv_camera(const GaussianModel& model) {
+RigCamera splatv_camera(const GaussianModel& model) {
   constexpr int kWidth = 1280, kHeight = 720;
   constexpr double kFocal = 1000, kDistance = 4;  // pixels; × the scene's half extent
   const SceneBox box = scene_box(model);
@@ -176,7 +176,7 @@ SplatvCamera splatv_camera(const GaussianModel& model) {
 }
 
 SplatvReport save_splatv(const std::filesystem::path& path, const GaussianModel& model,
-                         const std::vector<SplatvCamera>& cameras) {
+                         const std::vector<RigCamera>& cameras) {
   check(!cameras.empty(), "save_splatv: a camera, splatv_camera makes one");
   SplatvReport report;
   std::string texture = texture_of(model, report);

@@ -4,34 +4,29 @@
 // Source: formats 2 (antimatter15/splaTV, MIT), written from its layout.
 #pragma once
 #include <filesystem>
-#include <string>
 #include <vector>
 
 #include "recon4d/gaussian_set.h"
+#include "static3d/tessera4d/manifest.h"
 
 namespace tessera {
 
-/// Where a player may start; the first one is where it does.
-struct SplatvCamera {
-  std::string name;
-  Camera camera;  // in the world of the model
-};
-
 struct SplatvReport {
-  int64_t gaussians = 0;   // written
-  int64_t non_finite = 0;  // left out: a value not finite, a quaternion without length
-  int64_t never_seen = 0;  // left out: not drawn at any moment of the clip
+  int64_t gaussians = 0;    // written
+  int64_t non_finite = 0;   // left out: a value not finite, a quaternion without length
+  int64_t never_drawn = 0;  // left out: not drawn at any moment of the clip
   int64_t bytes = 0;
 };
 
 /// In front of the middle of the scene, along +z.
-SplatvCamera splatv_camera(const GaussianModel& model);
+RigCamera splatv_camera(const GaussianModel& model);
 
 /// Means to floats, everything else to half floats or bytes; colours seen along no direction (SH of
 /// degree 0), those that follow time as they are at the moment where a Gaussian is brightest.
 /// Players drop a Gaussian where its falloff in time is below 0.02, we below 0.05. `cameras`: at
-/// least one. Errors: InputError: more Gaussians than a texture of players holds.
+/// least one; players start at the first. Errors: InputError: more Gaussians than a texture of
+/// players holds.
 SplatvReport save_splatv(const std::filesystem::path& path, const GaussianModel& model,
-                         const std::vector<SplatvCamera>& cameras);
+                         const std::vector<RigCamera>& cameras);
 
 }  // namespace tessera
