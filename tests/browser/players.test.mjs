@@ -42,6 +42,15 @@ function render(model, path, name, time) {
     drawn[`${name}/${camera}`] = readPng(join(out, `${camera}.png`));
 }
 
+/** A .ply of splats whose colours are the same from all sides, as .splat has them. */
+function withoutDirection(bytes) {
+  const mark = 'end_header\n', start = bytes.indexOf(mark) + mark.length;
+  const names = bytes.toString('latin1', 0, start).match(/(?<=property float )\w+/g);
+  for (let at = start, k = 0; at < bytes.length; at += 4, k = (k + 1) % names.length)
+    if (names[k].startsWith('f_rest')) bytes.writeFloatLE(0, at);
+  return bytes;
+}
+
 /** Without x in its axis: gsplat.js sorts a .splatv by y and z alone. */
 function straightCamera(eye) {
   const size = Math.hypot(...eye), [, y, z] = eye.map((x) => x / size);
@@ -71,7 +80,9 @@ before(async () => {
           '-o', join(folder, 'splatv'));
   copyFileSync(join(folder, 'splatv/model.splatv'), join(files, 'model.splatv'));
   render(join(files, 'ply.ply'), cameraPath, 'ply', kTime);
-  render(join(files, 'splat.splat'), cameraPath, 'splat', kTime);
+  const plain = join(folder, 'plain.ply');
+  writeFileSync(plain, withoutDirection(readFileSync(join(files, 'ply.ply'))));
+  render(plain, cameraPath, 'plain', kTime);
   const model = readFileSync(fixture.model, 'latin1'), narrow = join(folder, 'narrow.ply');
   writeFileSync(narrow, model.replace(/comment truncation .*/, 'comment truncation 2 1'), 'latin1');
   render(narrow, cameraPath, 'narrow', kTime);
@@ -111,7 +122,7 @@ for (const [player, {narrow, files: shows}] of Object.entries(kPlayers))
       for (const camera of ['front', 'side']) {
         const {splats, picture} = await shown(
             page, {url: `/files/${name}${kExtensions[name]}`, camera: cameras[camera], turn});
-        const ours = drawn[`${narrow ? 'narrow' : name === 'splat' ? 'splat' : 'ply'}/${camera}`];
+        const ours = drawn[`${narrow ? 'narrow' : name === 'splat' ? 'plain' : 'ply'}/${camera}`];
         ply[camera] ??= picture;
         context.diagnostic(`${name} ${camera}: ${db(picture, ours)} dB against our renderer, ` +
                            `${db(picture, ply[camera])} dB against ${Object.keys(shows)[0]}`);
