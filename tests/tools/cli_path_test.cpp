@@ -34,7 +34,8 @@ class CliPath : public ::testing::Test {
   }
   std::vector<double> times(const std::string& out, const std::vector<std::string>& more) const {
     std::vector<double> result;
-    for (const json& frame : render(out, more)["frames"]) result.push_back(frame["time"]);
+    const json made = render(out, more);
+    for (const json& frame : made["frames"]) result.push_back(frame["time"]);
     return result;
   }
   CliWorkspace work;
@@ -123,7 +124,7 @@ TEST_F(CliPath, AnInterruptedVideoLeavesTheOneBefore) {
 // Seen to fail with the size of the rig taken as it is.
 TEST_F(CliPath, OddSizesBecomeEvenForVideo) {
   work.edit_json("capture/transforms_test.json",
-                 [](json& file) { file["w"] = 33, file["h"] = 33; });
+                 [](json& file) { file["frames"][0]["w"] = file["frames"][0]["h"] = 33; });
   const std::string keys = work.at("capture/transforms_test.json");
   const json made = render("odd", {"--path", keys, "--mp4"});
   EXPECT_EQ(made["width"], 32);
@@ -150,7 +151,6 @@ TEST_F(CliPath, WhatCannotBeIsRefused) {
       {{"--path", work.at("run/config.json")}, {"config.json", "frames"}},
       {{"--path", keys, "--cameras", work.at("capture")}, {"its own cameras"}},
       {{"--path", "orbit", "--cameras", work.at("nowhere")}, {"nowhere", "no such file"}},
-      {{"--path", "spiral"}, {"--path spiral", "orbit"}},
       {{"--path", "orbit", "--fps", "0"}, {"--fps", "'0'"}},
       {{"--path", "orbit", "--fps", "30/0"}, {"--fps", "'30/0'"}},
       {{"--path", "orbit", "--fps", "fast"}, {"--fps", "'fast'", "30000/1001"}},
@@ -167,6 +167,14 @@ TEST_F(CliPath, WhatCannotBeIsRefused) {
     work.expect_refused(arguments("no", more), parts);
     EXPECT_FALSE(fs::exists(work / "no")) << parts.front();
   }
+  fs::create_directory(work / "alone");
+  fs::copy(work / "run/model.ply", work / "alone/model.ply");
+  work.expect_refused(
+      {"render", work.at("alone/model.ply"), "-o", work.at("no"), "--path", "spiral"},
+      {"model.ply", "needs a rig", "--cameras", "orbit"});
+  EXPECT_EQ(work.run_json({"render", work.at("alone/model.ply"), "-o", work.at("no"), "--path",
+                           "orbit", "--seconds", "0.1", "--size", "16x16"})["count"],
+            3);
 }
 
 }  // namespace
