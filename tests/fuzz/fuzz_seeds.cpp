@@ -5,14 +5,16 @@
 #include <zstd.h>
 #endif
 
+#include <array>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
 #include "ingest/files/gzip.h"
 #include "recon4d/model_file.h"
 #include "static3d/splat_file.h"
-#include "static3d/tessera4d/tessera4d.h"
+#include "static3d/tessera4d/block.h"
 
 namespace tessera::testing {
 namespace {
@@ -74,13 +76,31 @@ void write_spz_versions(const fs::path& folder) {
   constexpr size_t kHead = 16;
   std::string four = plain.substr(0, kHead), columns = plain.substr(kHead), packed(1 << 12, '\0');
   four[4] = 4, four[15] = 1;
-  packed.resize(
-      ZSTD_compress(packed.data(), packed.size(), columns.data(), columns.size(), 1));
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), columns.data(), columns.size(), 1));
   append(four, uint32_t{32});
   four.append(12, '\0');
   append(four, uint64_t(packed.size())), append(four, uint64_t(columns.size()));
   write_text_file(folder / "four", four + packed);
 #endif
+}
+
+/// One block of each kind behind a manifest.
+std::string tessera4d(bool lossless) {
+  const GaussianModel model = some_model(Form::kVelocity, 16);
+  const BlockRules rules{lossless, 3, model.cutoff<double>()};
+  Tessera4dManifest manifest;
+  manifest.lossless = lossless;
+  std::string bytes, blocks;
+  for (const GaussianSet* set : {&model.static_set, &model.dynamic_set}) {
+    const Block block = encode_block(*set, rules);
+    manifest.blocks.push_back(block.info);
+    manifest.blocks.back().offset = blocks.size();
+    blocks += block.bytes;
+  }
+  const std::string text = to_json(manifest, model).dump();
+  append(bytes, std::array<char, 4>{'T', 'E', 'S', '4'});
+  append(bytes, uint32_t{1}), append(bytes, uint32_t(text.size()));
+  return bytes + text + blocks;
 }
 
 void write_models(const fs::path& folder) {
@@ -93,27 +113,23 @@ void write_models(const fs::path& folder) {
   all.environment.map.value.resize(2 * 4 * 3);
   for (float& value : all.environment.map.value.span()) value = 0.5f;
   save_model(folder / "model/all", all);
-  for (const bool lossless : {false, true}) {
-    Tessera4dOptions options;
-    options.lossless = lossless, options.segment_seconds = 0.5;
-    write_text_file(folder / "tessera4d" / (lossless ? "exact" : "rounded"),
-                    single_tessera4d(encode_tessera4d(some_model(Form::kVelocity, 16), options)));
-  }
+  for (const bool lossless : {false, true})
+    write_text_file(folder / "tessera4d" / (lossless ? "exact" : "rounded"), tessera4d(lossless));
 }
 
 void write_transforms(const fs::path& folder) {
-  const std::string pose =
-      R"("transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,4],[0,0,0,1]])";
+  const std::string pose = R"("transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,4],[0,0,0,1]])";
   write_text_file(folder / "transforms/nerf", R"({"camera_angle_x": 0.7, "frames": [
-{"file_path": "./a", "time": 0, )" + pose + R"(}, {"file_path": "b", "time": 0.5, )" + pose +
-                                                  "}]}");
+{"file_path": "./a", "time": 0, )" + pose + R"(}, {"file_path": "b", "time": 0.5, )" +
+                                                  pose + "}]}");
   write_text_file(
       folder / "transforms/prepared",
       R"({"fl_x": 50, "fl_y": 51, "cx": 16, "cy": 16, "w": 32, "h": 32, "ply_file_path": "p.ply",
 "tessera": {"format_version": 1, "time": {"origin": 0, "duration": 2, "static": false},
 "applied": {"world_transform": [[2,0,0,0],[0,0,2,0],[0,-2,0,1],[0,0,0,1]]}},
 "frames": [{"file_path": "c/0", "split": "test", "mask_path": "m/0.png", "time": 1,
-"tessera": {"camera": "c", "frame": 3}, )" + pose + "}]}");
+"tessera": {"camera": "c", "frame": 3}, )" +
+          pose + "}]}");
 }
 
 }  // namespace

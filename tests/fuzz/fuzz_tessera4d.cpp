@@ -56,9 +56,26 @@ void change_value(json& manifest, unsigned seed) {
   json flat = manifest.flatten();
   auto leaf = flat.begin();
   std::advance(leaf, seed % flat.size());
-  const json values[] = {0,   1,     -1,      255,    65536,  1u << 28,       uint64_t(1) << 40,
-                         0.5, 1e300, nullptr, "f32", "u24",  "smallest3",   "none",
-                         true, json::array(), json::object(), UINT64_MAX, 3, 4};
+  const json values[] = {0,
+                         1,
+                         -1,
+                         255,
+                         65536,
+                         1u << 28,
+                         uint64_t(1) << 40,
+                         0.5,
+                         1e300,
+                         nullptr,
+                         "f32",
+                         "u24",
+                         "smallest3",
+                         "none",
+                         true,
+                         json::array(),
+                         json::object(),
+                         UINT64_MAX,
+                         3,
+                         4};
   *leaf = values[seed / 7919 % std::size(values)];
   try {
     manifest = flat.unflatten();
@@ -91,8 +108,8 @@ std::string join(SingleFile& file) {
   for (json& block : file.manifest["blocks"]) {
     size_t at = 0, length = 0;
     if (range_of(block, file.blocks, at, length))
-      block["crc32"] = crc32(0, reinterpret_cast<const Bytef*>(file.blocks.data() + at),
-                             uInt(length));
+      block["crc32"] =
+          crc32(0, reinterpret_cast<const Bytef*>(file.blocks.data() + at), uInt(length));
   }
   const std::string text = file.manifest.dump(-1, ' ', false, json::error_handler_t::replace);
   std::string bytes = "TES4";

@@ -98,8 +98,8 @@ TEST(CameraPath, OrbitWithoutARigSeesTheWholeSphere) {
   }
 }
 
-// Bugs put back, each seen to fail: one turn in place of two (does not close); reach of the
-// farthest camera squared.
+// Bugs put back, each seen to fail: one and a half turns in place of two (does not close); the
+// reach squared.
 TEST(CameraPath, SpiralStaysWithinTheRigAndCloses) {
   const std::vector<Camera> rig = ring(9, 6, 0.4, -0.5, 0.5);
   dvec3 mean(0.0), high(0.0), forward(0.0);

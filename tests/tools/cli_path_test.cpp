@@ -76,8 +76,8 @@ TEST_F(CliPath, TheClipPlaysAtItsRateOverAndOver) {
 // Bugs put back, each seen to fail: frames twice; BT.601 numbers under a tag of BT.709; --fps
 // rounded to a whole number.
 TEST_F(CliPath, TheVideoDecodesToThePictures) {
-  const std::vector<std::string> orbit{"--path",    "orbit", "--fps",  "30000/1001",
-                                       "--seconds", "0.4",   "--size", "64x48"};
+  const std::vector<std::string> orbit{"--path", "orbit",  "--fps", "30000/1001",   "--seconds",
+                                       "0.4",    "--size", "64x48", "--background", "200,60,40"};
   std::vector<std::string> video = orbit;
   video.push_back("--mp4");
   ASSERT_EQ(render("pictures", orbit)["count"], 12);
