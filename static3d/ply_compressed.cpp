@@ -25,12 +25,6 @@ const std::vector<double>& values_of(const std::filesystem::path& path, const Pl
                   path.string(), element.name, name));
 }
 
-/// `bits` bits of `word` that end at `low`, as a fraction of their range.
-double fraction(uint32_t word, int low, int bits) {
-  const uint32_t mask = (1u << bits) - 1;
-  return double(word >> low & mask) / mask;
-}
-
 /// Three ranges of a chunk: [min, max] of three columns.
 struct Range {
   const std::vector<double>*low[3], *high[3];
@@ -51,22 +45,9 @@ Range range_of(const std::filesystem::path& path, const PlyElement& chunks,
 }
 
 void decode_vector(uint32_t word, const Range& range, int64_t chunk, float* out) {
-  const double f[3] = {fraction(word, 21, 11), fraction(word, 11, 10), fraction(word, 0, 11)};
+  const double f[3] = {fraction_of(word, 21, 11), fraction_of(word, 11, 10),
+                       fraction_of(word, 0, 11)};
   for (int k = 0; k < 3; ++k) out[k] = float(range.at(k, chunk, f[k]));
-}
-
-/// Smallest three of w, x, y, z in 10 bits each, the index of the largest on top.
-void decode_rotation(uint32_t word, float* q) {
-  const int largest = int(word >> 30);
-  std::array<double, 4> wxyz{};
-  int low = 20;
-  for (int k = 0; k < 4; ++k) {
-    if (k == largest) continue;
-    wxyz[size_t(k)] = (fraction(word, low, 10) - 0.5) * std::sqrt(2.0);
-    low -= 10;
-  }
-  wxyz[size_t(largest)] = left_out(wxyz, largest);
-  for (size_t k = 0; k < 4; ++k) q[k] = float(wxyz[k]);
 }
 
 void decode_sh(const std::filesystem::path& path, const PlyFile& file,
@@ -124,11 +105,11 @@ GaussianSet decode_compressed_splat(const std::filesystem::path& path, const Ply
     const int64_t chunk = n / kChunk;
     decode_vector(uint32_t(position[size_t(n)]), mean, chunk, to.at(kMean, n));
     decode_vector(uint32_t(scales[size_t(n)]), scale, chunk, to.at(kLogScale, n));
-    decode_rotation(uint32_t(rotation[size_t(n)]), to.at(kRotation, n));
+    quaternion_of(uint32_t(rotation[size_t(n)]), to.at(kRotation, n));
     const uint32_t word = uint32_t(rgba[size_t(n)]);
     *to.at(kOpacityLogit, n) = logit_of_byte(double(word & 255));
     for (int c = 0; c < 3; ++c) {
-      const double f = fraction(word, 24 - 8 * c, 8);
+      const double f = fraction_of(word, 24 - 8 * c, 8);
       const double linear = ranged_colour ? colour.at(c, chunk, f) : f;
       to.at(kSh, n)[c] = float((linear - 0.5) / kSh0);
     }

@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
-#include "kernels/math/locality.h"
 #include "kernels/math/spherical_harmonics.h"
 #include "recon4d/hygiene.h"
+#include "static3d/morton_order.h"
 #include "static3d/ply_compressed.h"
 #include "static3d/splat_quanta.h"
 
@@ -18,25 +17,6 @@ namespace tessera {
 namespace {
 
 constexpr int64_t kChunk = 256;
-
-std::vector<int64_t> morton_order(const GaussianSpans<const float>& set) {
-  LocalityBox box{{INFINITY, INFINITY, INFINITY, 0}, {-INFINITY, -INFINITY, -INFINITY, 0}};
-  for (int64_t n = 0; n < set.count; ++n)
-    for (int k = 0; k < 3; ++k) {
-      box.low[k] = std::min(box.low[k], set.at(kMean, n)[k]);
-      box.high[k] = std::max(box.high[k], set.at(kMean, n)[k]);
-    }
-  std::vector<uint64_t> codes(size_t(set.count));
-  for (int64_t n = 0; n < set.count; ++n) {
-    const float* const mean = set.at(kMean, n);
-    codes[size_t(n)] = morton_code(box, mean[0], mean[1], mean[2]);
-  }
-  std::vector<int64_t> order(size_t(set.count));
-  std::iota(order.begin(), order.end(), int64_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int64_t a, int64_t b) { return codes[size_t(a)] < codes[size_t(b)]; });
-  return order;
-}
 
 /// The nine numbers of a splat that have ranges, as they are stored: mean, ln scale, colour.
 std::array<float, 9> ranged(const GaussianSpans<const float>& set, int64_t n) {
@@ -69,30 +49,15 @@ struct ChunkRange {
   }
 };
 
-uint32_t field(double unit, int bits) {
-  const double most = double((1u << bits) - 1);
-  return uint32_t(std::clamp(std::floor(unit * most + 0.5), 0.0, most));
-}
-
 uint32_t packed_vector(const ChunkRange& range, const std::array<float, 9>& v, size_t first) {
-  return field(range.unit(first, v[first]), 11) << 21 |
-         field(range.unit(first + 1, v[first + 1]), 10) << 11 |
-         field(range.unit(first + 2, v[first + 2]), 11);
-}
-
-uint32_t packed_rotation(const float* wxyz) {
-  const std::array<double, 4> q = {wxyz[0], wxyz[1], wxyz[2], wxyz[3]};
-  const int largest = largest_of(q);
-  const double sign = q[size_t(largest)] < 0 ? -1 : 1;
-  auto word = uint32_t(largest);
-  for (int k = 0; k < 4; ++k)
-    if (k != largest) word = word << 10 | field(sign * q[size_t(k)] * std::sqrt(0.5) + 0.5, 10);
-  return word;
+  return bits_of(range.unit(first, v[first]), 11) << 21 |
+         bits_of(range.unit(first + 1, v[first + 1]), 10) << 11 |
+         bits_of(range.unit(first + 2, v[first + 2]), 11);
 }
 
 uint32_t packed_colour(const ChunkRange& range, const std::array<float, 9>& v, float logit) {
-  return field(range.unit(6, v[6]), 8) << 24 | field(range.unit(7, v[7]), 8) << 16 |
-         field(range.unit(8, v[8]), 8) << 8 | opacity_byte(logit);
+  return bits_of(range.unit(6, v[6]), 8) << 24 | bits_of(range.unit(7, v[7]), 8) << 16 |
+         bits_of(range.unit(8, v[8]), 8) << 8 | opacity_byte(logit);
 }
 
 std::string header(int64_t count, int rest) {
@@ -145,7 +110,7 @@ void save_compressed_splat(const std::filesystem::path& path, const GaussianSet&
     for (int64_t n = begin; n < end; ++n) {
       const std::array<float, 9> v = ranged(values, n);
       append(splats, packed_vector(range, v, 0));
-      append(splats, packed_rotation(values.at(kRotation, n)));
+      append(splats, smallest_three(values.at(kRotation, n)));
       append(splats, packed_vector(range, v, 3));
       append(splats, packed_colour(range, v, *values.at(kOpacityLogit, n)));
       append_sh(sh, values.at(kSh, n), rest);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -13,6 +12,7 @@
 #include "static3d/frame_sequence.h"
 #include "static3d/world_change.h"
 #include "tools/command.h"
+#include "tools/export_times.h"
 #include "tools/interrupt.h"
 #include "tools/model_input.h"
 #include "tools/output_folder.h"
@@ -21,55 +21,12 @@
 namespace tessera {
 namespace {
 
-constexpr double kDefaultFps = 24;       // frames per unit of the capture's clock (seconds)
-constexpr int64_t kMostDefault = 300;    // frames that nobody asked for
-constexpr int64_t kMostFrames = 100000;  // frames that anybody may ask for
-
 struct ExportRequest {
   std::string model, out, format = "ply";
-  std::optional<int64_t> frames;
-  std::optional<double> fps, time;
+  ExportTimes times;
   int threads = 0;
   bool keep_world = false, overwrite = false, json = false;
 };
-
-/// `count` moments from the first to the last.
-std::vector<double> spread(int64_t count) {
-  std::vector<double> times(static_cast<size_t>(count), 0.0);
-  for (size_t i = 1; i < times.size(); ++i) times[i] = double(i) / double(count - 1);
-  return times;
-}
-
-/// Moments 1/fps apart from the first on.
-std::vector<double> at_rate(double fps, double duration) {
-  const double last = std::floor(fps * duration + 1e-6);
-  if (!(fps > 0) || !(last < double(kMostFrames)))
-    throw InputError(
-        fmt::format("export: --fps {} over {} seconds makes {} frames, expected 1 to "
-                    "{}; pass --frames",
-                    fps, duration, last + 1, kMostFrames));
-  std::vector<double> times;
-  for (int64_t i = 0; i <= int64_t(last); ++i)
-    times.push_back(std::min(1.0, double(i) / (fps * duration)));
-  return times;
-}
-
-std::vector<double> export_times(const ExportRequest& request, const GaussianModel& model) {
-  if (request.time) {
-    if (!std::isfinite(*request.time)) throw InputError("export: --time must be a finite number");
-    return {*request.time};
-  }
-  if (request.frames) {
-    if (*request.frames < 1 || *request.frames > kMostFrames)
-      throw InputError(
-          fmt::format("export: --frames is {}, expected 1 to {}", *request.frames, kMostFrames));
-    return spread(*request.frames);
-  }
-  if (request.fps) return at_rate(*request.fps, model.time_axis.duration);
-  if (model.dynamic_set.count() == 0) return {0.0};
-  const double count = std::floor(kDefaultFps * model.time_axis.duration) + 1;
-  return spread(int64_t(std::clamp(count, 2.0, double(kMostDefault))));
-}
 
 std::vector<std::string> sequence_files(int64_t count, const SplatFormat& format) {
   std::vector<std::string> files{"manifest.json"};
@@ -79,7 +36,8 @@ std::vector<std::string> sequence_files(int64_t count, const SplatFormat& format
 
 nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model) {
   const SplatFormat& format = splat_format(request.format);
-  const std::vector<double> times = export_times(request, model);
+  const std::vector<double> times =
+      export_times(request.times, model.time_axis, model.dynamic_set.count() > 0);
   OutputFolder folder(request.out, "export", sequence_files(int64_t(times.size()), format),
                       request.overwrite);
   SequenceReport report;
@@ -168,6 +126,19 @@ int export_command(const ExportRequest& request) {
   return kExitDone;
 }
 
+void add_times(CLI::App& command, ExportTimes& times) {
+  CLI::Option* frames =
+      command.add_option("--frames", times.frames, "moments, evenly from first to last");
+  CLI::Option* fps =
+      command.add_option("--fps", times.fps, "moments a second of the capture's clock");
+  CLI::Option* time =
+      command.add_option("--time", times.time, "a single moment, 0 (first) to 1 (last)");
+  CLI::Option* range = command.add_option(
+      "--range", times.range,
+      "A:B, that part of the clip: each 0 (first) to 1 (last), or seconds from its beginning (2s)");
+  fps->excludes(frames), time->excludes(frames), time->excludes(fps), range->excludes(time);
+}
+
 }  // namespace
 
 void add_export_command(CLI::App& app, Work& work) {
@@ -184,13 +155,7 @@ void add_export_command(CLI::App& app, Work& work) {
     formats +=
         fmt::format("\n    {:<10}  numbered {}: {}", format.name, format.extension, format.doc);
   command->add_option("--format", request->format, "of the files:" + formats);
-  CLI::Option* frames =
-      command->add_option("--frames", request->frames, "moments, evenly from first to last");
-  CLI::Option* fps =
-      command->add_option("--fps", request->fps, "moments a second of the capture's clock");
-  CLI::Option* time =
-      command->add_option("--time", request->time, "a single moment, 0 (first) to 1 (last)");
-  fps->excludes(frames), time->excludes(frames), time->excludes(fps);
+  add_times(*command, request->times);
   command->add_flag("--keep-world", request->keep_world,
                     "stay in the world of the prepared scene; default: back in the capture's own");
   command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");

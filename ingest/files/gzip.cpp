@@ -81,4 +81,8 @@ std::string gunzip(std::string_view bytes, uint64_t limit, const std::filesystem
   return out;
 }
 
+uint32_t crc32_of(std::string_view bytes) {
+  return uint32_t(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
 }  // namespace tessera

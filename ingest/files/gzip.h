@@ -14,4 +14,7 @@ std::string gzip(std::string_view bytes, int level = 9);
 /// At most `limit` bytes. Errors: InputError naming `path`: damaged, cut off, or more than `limit`.
 std::string gunzip(std::string_view bytes, uint64_t limit, const std::filesystem::path& path);
 
+/// The checksum that gzip uses.
+uint32_t crc32_of(std::string_view bytes);
+
 }  // namespace tessera

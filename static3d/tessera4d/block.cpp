@@ -1,0 +1,316 @@
+// What: the order of the Gaussians, the step of each stream, the columns.
+// Not: rounding itself (stream.h).
+#include "static3d/tessera4d/block.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/files/gzip.h"
+#include "kernels/base/errors.h"
+#include "kernels/math/spherical_harmonics.h"
+#include "kernels/math/splat.h"
+#include "recon4d/hygiene.h"
+#include "static3d/morton_order.h"
+#include "static3d/splat_quanta.h"
+#include "static3d/tessera4d/segments.h"
+#include "static3d/tessera4d/stream.h"
+
+namespace tessera {
+namespace {
+
+// Steps of docs/format.md, section 5.
+constexpr double kScaleStep = 1.0 / 32, kColourStep = 1.0 / 128, kTimeScaleStep = 1.0 / 64;
+constexpr double kShStep[kMaxShDegree + 1] = {kColourStep, 1.0 / 64, 1.0 / 32, 1.0 / 32};
+constexpr double kPositionShare = 1.0 / 20, kTimeShare = 1.0 / 50, kQuantile = 0.1;
+
+constexpr const char* kShNames[kMaxShDegree + 1] = {"colour", "sh1", "sh2", "sh3"};
+
+/// Scalars of a degree, three channels; where they begin in a row.
+int band_width(int degree) {
+  return 3 * (2 * degree + 1);
+}
+int band_begin(int degree) {
+  return degree == 0 ? 0 : 3 * sh_coefficients(degree - 1);
+}
+
+/// The highest degree that is not all zeros once rounded.
+int needed_degree(const float* sh, const BlockRules& rules) {
+  for (int degree = rules.sh_degree; degree > 0; --degree)
+    for (int i = 0; i < band_width(degree); ++i) {
+      const double value = double(sh[band_begin(degree) + i]);
+      if (rules.lossless ? value != 0 : std::round(value / kShStep[degree]) != 0) return degree;
+    }
+  return 0;
+}
+
+double quantile_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + int64_t(kQuantile * double(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+class Encoder {
+ public:
+  Encoder(const GaussianSet& set, const BlockRules& rules) : rules_(rules) {
+    const GaussianSpans<const float> values = set.values();
+    std::vector<int64_t> order = morton_order(values);
+    const int degree = std::min(rules.sh_degree, degree_of(set));
+    rules_.sh_degree = degree;
+    std::stable_sort(order.begin(), order.end(), [&](int64_t a, int64_t b) {
+      return needed_degree(values.at(kSh, a), rules_) > needed_degree(values.at(kSh, b), rules_);
+    });
+    sorted_ = select_rows(set, order);
+    block_.info.moving = set.form() != Form::kStatic, block_.info.count = set.count();
+  }
+
+  Block encode() {
+    if (block_.info.moving)
+      add_moving();
+    else
+      add_position(column(kMean, 0, 3));
+    add_shape();
+    add_colour();
+    block_.info.bytes = block_.bytes.size(), block_.info.crc32 = crc32_of(block_.bytes);
+    return std::move(block_);
+  }
+
+ private:
+  static int degree_of(const GaussianSet& set) {
+    int degree = kMaxShDegree;
+    while (sh_coefficients(degree) > set.coefficients()) --degree;
+    return degree;
+  }
+  int64_t count() const { return sorted_.count(); }
+  GaussianSpans<const float> values() const { return sorted_.values(); }
+
+  /// [width, rows] of the first rows.
+  std::vector<float> column(Group group, int first, int width, int64_t rows = -1) const {
+    const GaussianSpans<const float> values = this->values();
+    if (rows < 0) rows = count();
+    std::vector<float> out;
+    out.reserve(size_t(rows * width));
+    for (int c = 0; c < width; ++c)
+      for (int64_t n = 0; n < rows; ++n) out.push_back(values.at(group, n)[first + c]);
+    return out;
+  }
+  void add(const StreamWords& stream) {
+    block_.info.streams.push_back(append_stream(block_.bytes, stream));
+  }
+  StreamWords rounded(const char* name, int components, const std::vector<float>& values,
+                      double step, bool delta = false) const {
+    return rules_.lossless ? as_floats(name, components, values)
+                           : quantised(name, components, values, step, delta);
+  }
+
+  /// A share of the second axes of the smaller Gaussians: the thinnest is often that of a disc.
+  double position_step() const {
+    std::vector<double> sizes;
+    const GaussianSpans<const float> values = this->values();
+    for (int64_t n = 0; n < count(); ++n) {
+      const float* s = values.at(kLogScale, n);
+      sizes.push_back(std::max(std::min(s[0], s[1]), std::min(std::max(s[0], s[1]), s[2])));
+    }
+    return kPositionShare * std::exp(quantile_of(std::move(sizes)));
+  }
+  void add_position(const std::vector<float>& positions) {
+    add(rounded("position", 3, positions, position_step(), true));
+  }
+
+  /// Each stream is rounded with those before it as a reader has them: positions are where the
+  /// rounded anchors want them, velocities as exact as their reach asks for.
+  void add_moving() {
+    std::vector<double> lengths;
+    const std::vector<float> log_length = column(kLogScaleTime, 0, 1);
+    for (float value : log_length) lengths.push_back(std::exp(double(value)));
+    const StreamWords time = rounded("time_mean", 1, column(kMeanTime, 0, 1),
+                                     kTimeShare * quantile_of(std::move(lengths)));
+    const StreamWords length = rounded("log_time_scale", 1, log_length, kTimeScaleStep);
+    const StreamWords opacity = opacities();
+    std::vector<float> anchors(static_cast<size_t>(count()));
+    double reach = 0;
+    Interval visible{1, 0};
+    for (int64_t n = 0; n < count(); ++n) {
+      const float mean = value_at(time, 0, n);
+      anchors[size_t(n)] = rules_.lossless ? mean : std::clamp(mean, 0.0f, 1.0f);
+      const auto drawn =
+          drawn_in_clip(mean, value_at(length, 0, n), opacity_at(opacity, n), rules_.cutoff);
+      if (!drawn) continue;
+      visible.low = std::min(visible.low, drawn->low);
+      visible.high = std::max(visible.high, drawn->high);
+      reach = std::max({reach, drawn->high - double(anchors[size_t(n)]),
+                        double(anchors[size_t(n)]) - drawn->low});
+    }
+    block_.info.visible = visible;
+    constexpr double kLeastReach = 1e-6;
+    add_position(at_anchors(anchors));
+    add(rounded("velocity", 3, column(kVelocity, 0, 3),
+                position_step() / std::max(reach, kLeastReach)));
+    add(time), add(length);
+  }
+
+  /// mean + velocity · (anchor − time_mean), of unrounded values: on the path of each.
+  std::vector<float> at_anchors(const std::vector<float>& anchors) const {
+    std::vector<float> positions = column(kMean, 0, 3);
+    if (rules_.lossless) return positions;
+    const GaussianSpans<const float> values = this->values();
+    for (int64_t n = 0; n < count(); ++n)
+      for (int k = 0; k < 3; ++k)
+        positions[size_t(k * count() + n)] +=
+            values.at(kVelocity, n)[k] * (anchors[size_t(n)] - *values.at(kMeanTime, n));
+    return positions;
+  }
+
+  StreamWords opacities() const {
+    std::vector<float> logits = column(kOpacityLogit, 0, 1);
+    if (rules_.lossless) return as_floats("opacity_logit", 1, logits);
+    for (float& value : logits) value = sigmoid(value);
+    return bytes_of_unit("opacity", logits);
+  }
+  double opacity_at(const StreamWords& stream, int64_t n) const {
+    const float stored = value_at(stream, 0, n);
+    return double(rules_.lossless ? sigmoid(stored) : stored);
+  }
+
+  void add_shape() {
+    const std::vector<float> rotation = column(kRotation, 0, 4);
+    if (rules_.lossless) {
+      add(as_floats("rotation", 4, rotation));
+    } else {
+      StreamWords packed;
+      packed.info.name = "rotation", packed.info.type = StreamType::kSmallest3;
+      packed.info.count = count();
+      for (int64_t n = 0; n < count(); ++n)
+        packed.words.push_back(smallest_three(values().at(kRotation, n)));
+      add(packed);
+    }
+    add(rounded("log_scale", 3, column(kLogScale, 0, 3), kScaleStep));
+    add(opacities());
+  }
+
+  void add_colour() {
+    const GaussianSpans<const float> values = this->values();
+    add(rounded(kShNames[0], 3, column(kSh, 0, 3), kColourStep));
+    for (int degree = 1; degree <= rules_.sh_degree; ++degree) {
+      int64_t rows = 0;
+      while (rows < count() && needed_degree(values.at(kSh, rows), rules_) >= degree) ++rows;
+      if (rows == 0) break;
+      add(rounded(kShNames[degree], band_width(degree),
+                  column(kSh, band_begin(degree), band_width(degree), rows), kShStep[degree]));
+    }
+  }
+
+  BlockRules rules_;
+  GaussianSet sorted_{Form::kStatic, 1};
+  Block block_;
+};
+
+class Decoder {
+ public:
+  Decoder(std::string_view bytes, const BlockInfo& info, const std::filesystem::path& path)
+      : bytes_(bytes), info_(info), path_(path) {}
+
+  GaussianSet decode(int sh_degree, bool anchor_in_clip) {
+    const StreamWords position = needed("position", 3);  // no room for what is not there
+    GaussianSet set(info_.moving ? Form::kVelocity : Form::kStatic, sh_coefficients(sh_degree));
+    set.resize(info_.count);
+    const GaussianSpans<float> to = set.values();
+    fill(position, to, kMean);
+    fill(needed("log_scale", 3), to, kLogScale);
+    fill_rotation(to);
+    fill_opacity(to);
+    std::fill_n(to.group[kSh].data, to.group[kSh].size, 0.0f);
+    fill(needed(kShNames[0], 3), to, kSh);
+    for (int degree = 1; degree <= sh_degree; ++degree)
+      if (find(kShNames[degree]) != nullptr)
+        fill(read(kShNames[degree], band_width(degree)), to, kSh, band_begin(degree));
+    if (info_.moving) fill_motion(to, anchor_in_clip);
+    return set;
+  }
+
+ private:
+  const StreamInfo* find(const char* name) const {
+    for (const StreamInfo& stream : info_.streams)
+      if (stream.name == name) return &stream;
+    return nullptr;
+  }
+  StreamWords read(const char* name, int components) const {
+    const StreamInfo* const stream = find(name);
+    if (stream == nullptr || stream->components != components)
+      throw InputError(fmt::format("{}: has no stream '{}' of {} components; export it again",
+                                   path_.string(), name, components));
+    return read_stream(bytes_, *stream, path_);
+  }
+  /// One number of every Gaussian.
+  StreamWords needed(const char* name, int components) const {
+    StreamWords stream = read(name, components);
+    if (stream.info.count != info_.count || stream.info.type == StreamType::kSmallest3)
+      throw InputError(
+          fmt::format("{}: stream '{}' does not hold the {} Gaussians of its block; "
+                      "export it again",
+                      path_.string(), name, info_.count));
+    return stream;
+  }
+  static void fill(const StreamWords& stream, const GaussianSpans<float>& to, Group group,
+                   int first = 0) {
+    for (int c = 0; c < stream.info.components; ++c)
+      for (int64_t n = 0; n < stream.info.count; ++n)
+        to.at(group, n)[first + c] = value_at(stream, c, n);
+  }
+  void fill_rotation(const GaussianSpans<float>& to) const {
+    const StreamInfo* const info = find("rotation");
+    if (info != nullptr && info->type != StreamType::kSmallest3)
+      return fill(needed("rotation", 4), to, kRotation);
+    const StreamWords packed = read("rotation", 1);
+    if (packed.info.count != info_.count)
+      throw InputError(fmt::format(
+          "{}: its rotations are fewer than its Gaussians; export it again", path_.string()));
+    for (int64_t n = 0; n < info_.count; ++n)
+      quaternion_of(packed.words[size_t(n)], to.at(kRotation, n));
+  }
+  void fill_opacity(const GaussianSpans<float>& to) const {
+    if (find("opacity_logit") != nullptr)
+      return fill(needed("opacity_logit", 1), to, kOpacityLogit);
+    const StreamWords stream = needed("opacity", 1);
+    for (int64_t n = 0; n < info_.count; ++n)
+      *to.at(kOpacityLogit, n) = logit_of_byte(255 * double(value_at(stream, 0, n)));
+  }
+  void fill_motion(const GaussianSpans<float>& to, bool anchor_in_clip) const {
+    fill(needed("velocity", 3), to, kVelocity);
+    fill(needed("time_mean", 1), to, kMeanTime);
+    fill(needed("log_time_scale", 1), to, kLogScaleTime);
+    if (!anchor_in_clip) return;
+    for (int64_t n = 0; n < info_.count; ++n) {
+      const float time = *to.at(kMeanTime, n), anchor = std::clamp(time, 0.0f, 1.0f);
+      for (int k = 0; k < 3; ++k) to.at(kMean, n)[k] += to.at(kVelocity, n)[k] * (time - anchor);
+    }
+  }
+
+  std::string_view bytes_;
+  const BlockInfo& info_;
+  const std::filesystem::path& path_;
+};
+
+}  // namespace
+
+Block encode_block(const GaussianSet& set, const BlockRules& rules) {
+  check(set.form() != Form::kPair && set.time_levels() == 0, "encode_block: static or velocity");
+  return Encoder(set, rules).encode();
+}
+
+GaussianSet decode_block(std::string_view bytes, const BlockInfo& info, int sh_degree,
+                         bool anchor_in_clip, const std::filesystem::path& path) {
+  if (bytes.size() != info.bytes)
+    throw InputError(fmt::format("{}: has {} bytes, its manifest says {}; fetch or export it again",
+                                 path.string(), bytes.size(), info.bytes));
+  if (crc32_of(bytes) != info.crc32)
+    throw InputError(
+        fmt::format("{}: its checksum differs from the manifest's: it is damaged or of another "
+                    "export; fetch or export it again",
+                    path.string()));
+  return Decoder(bytes, info, path).decode(sh_degree, anchor_in_clip);
+}
+
+}  // namespace tessera

@@ -1,0 +1,34 @@
+// What: Gaussians ↔ one block: sorted, rounded, as streams.
+// Not: containers (tessera4d.h) and not which Gaussians share a block (segments.h).
+// Source: docs/format.md, sections 4 and 5.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "recon4d/gaussian_set.h"
+#include "static3d/tessera4d/manifest.h"
+
+namespace tessera {
+
+struct BlockRules {
+  bool lossless = false;
+  int sh_degree = 3;      // degrees that are written
+  Cutoff<double> cutoff;  // of the model
+};
+
+struct Block {
+  BlockInfo info;  // without file, offset, level and segment
+  std::string bytes;
+};
+
+/// A static set, or a dynamic one in velocity form without levels of time; sound Gaussians only.
+Block encode_block(const GaussianSet& set, const BlockRules& rules);
+
+/// A static set or one in velocity form, with the SH coefficients of `sh_degree`. Errors:
+/// InputError naming `path`: a checksum that differs, streams that are missing, too short, or of
+/// another shape.
+GaussianSet decode_block(std::string_view bytes, const BlockInfo& info, int sh_degree,
+                         bool anchor_in_clip, const std::filesystem::path& path);
+
+}  // namespace tessera

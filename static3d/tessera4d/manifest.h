@@ -1,0 +1,79 @@
+// What: what the manifest of a Tessera 4D file says, as data; from JSON and to it.
+// Not: the bytes of streams (stream.h) or how time is cut (segments.h).
+// Source: docs/format.md, section 3.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kernels/base/camera.h"
+#include "kernels/base/similarity.h"
+#include "recon4d/gaussian_set.h"
+
+namespace tessera {
+
+enum class StreamType { kU8, kU16, kU24, kU32, kF32, kSmallest3 };
+
+/// Bytes of one number of a stream.
+int bytes_of(StreamType type);
+
+struct StreamInfo {
+  std::string name;
+  StreamType type = StreamType::kU8;
+  int components = 1;
+  int64_t count = 0;                // Gaussians, from the first of the block
+  std::vector<double> scale, bias;  // [components] of integers
+  bool delta = false, gzip = true;
+  uint64_t offset = 0, bytes = 0;  // within the block
+};
+
+/// From one moment to another, normalised time.
+struct Interval {
+  double low = 0, high = 1;
+};
+
+struct BlockInfo {
+  bool moving = false;
+  std::string file;     // of a folder
+  uint64_t offset = 0;  // of a single file, from the first byte behind the manifest
+  uint64_t bytes = 0;
+  uint32_t crc32 = 0;
+  Interval visible, segment;
+  int level = 0;
+  int64_t count = 0;
+  std::vector<StreamInfo> streams;
+};
+
+/// A camera of the rig, for players to look through.
+struct RigCamera {
+  std::string name;
+  Camera camera;  // in the world of the file
+};
+
+struct Tessera4dManifest {
+  std::string generator;
+  std::array<double, 3> up{0, -1, 0};                // unit length
+  double fps = 0;                                    // of the capture; 0: not known
+  std::optional<std::array<Vec3<float>, 2>> bounds;  // of the means, outliers left aside
+  int64_t non_finite = 0, never_drawn = 0;           // left out
+  int64_t far_outliers = 0;                          // written
+  bool anchor_in_clip = true, lossless = false;
+  std::vector<RigCamera> cameras;
+  std::string audio;
+  std::vector<BlockInfo> blocks;
+
+  int64_t gaussians(bool moving) const;
+};
+
+/// `rules`: a model of no Gaussians that says how they are drawn, their SH degree and their clock.
+nlohmann::json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules);
+/// The way back, into `rules` too. Errors: InputError naming `path`, what is wrong and the remedy:
+/// no JSON, another format, a newer version, numbers that cannot be.
+Tessera4dManifest manifest_from(const nlohmann::json& json, const std::filesystem::path& path,
+                                GaussianModel& rules);
+
+}  // namespace tessera

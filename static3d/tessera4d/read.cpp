@@ -1,0 +1,126 @@
+// What: files → blocks → one model.
+// Not: how a block is decoded (block.h).
+#include <fmt/format.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/bytes.h"
+#include "ingest/files/json_file.h"
+#include "kernels/base/errors.h"
+#include "recon4d/hygiene.h"
+#include "static3d/tessera4d/block.h"
+#include "static3d/tessera4d/tessera4d.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::string_view kMagic = "TES4";
+
+/// Copies the rows of `part` behind the first `at` of `whole`.
+void place_rows(const GaussianSet& part, GaussianSet& whole, int64_t at) {
+  const GaussianSpans<const float> from = part.values();
+  const GaussianSpans<float> to = whole.values();
+  for (int g = 0; g < part.groups(); ++g)
+    std::copy_n(from.group[g].data, from.group[g].size,
+                to.group[g].data + at * whole.width(Group(g)));
+}
+
+/// The blocks of one kind as one set; unsound Gaussians are left out and counted.
+GaussianSet joined(std::vector<GaussianSet> parts, Form form, int coefficients, int64_t& unsound) {
+  int64_t count = 0;
+  for (GaussianSet& part : parts) {
+    const std::vector<int64_t> rows = sound_rows(part);
+    unsound += part.count() - int64_t(rows.size());
+    if (int64_t(rows.size()) != part.count()) part = select_rows(part, rows);
+    count += part.count();
+  }
+  GaussianSet whole(form, coefficients);
+  whole.resize(count);
+  int64_t at = 0;
+  for (const GaussianSet& part : parts) place_rows(part, whole, at), at += part.count();
+  return whole;
+}
+
+/// `block` gives the bytes of a block and the name of the file that they are in.
+template <class BlockBytes>
+void read_blocks(Tessera4dInput& input, const fs::path& path, BlockBytes&& block) {
+  std::vector<GaussianSet> fixed, moving;
+  for (const BlockInfo& info : input.manifest.blocks) {
+    const auto& [file, bytes] = block(info);
+    (info.moving ? moving : fixed)
+        .push_back(
+            decode_block(bytes, info, input.model.sh_degree, input.manifest.anchor_in_clip, file));
+    input.bytes += int64_t(info.bytes);
+  }
+  int64_t unsound = 0;
+  const int coefficients = sh_coefficients(input.model.sh_degree);
+  input.model.static_set = joined(std::move(fixed), Form::kStatic, coefficients, unsound);
+  input.model.dynamic_set = joined(std::move(moving), Form::kVelocity, coefficients, unsound);
+  if (unsound > 0)
+    input.warnings.push_back(
+        fmt::format("{}: {} Gaussians that are not finite are left out", path.string(), unsound));
+}
+
+Tessera4dInput load_folder(const fs::path& folder) {
+  Tessera4dInput input;
+  const fs::path path = folder / kTessera4dManifest;
+  input.manifest = manifest_from(read_json(path), path, input.model);
+  input.bytes = int64_t(fs::file_size(path));
+  read_blocks(input, path, [&](const BlockInfo& info) {
+    if (info.file.empty())
+      throw InputError(
+          fmt::format("{}: a block without 'file' in a folder; export it again", path.string()));
+    return std::pair(folder / info.file, read_text_file(folder / info.file));
+  });
+  return input;
+}
+
+Tessera4dInput load_single(const fs::path& path) {
+  Tessera4dInput input;
+  const std::string bytes = read_text_file(path);
+  ByteReader reader(bytes, path);
+  reader.take(kMagic.size());
+  if (const auto version = reader.number<uint32_t>(); version != 1)
+    throw InputError(
+        fmt::format("{}: a Tessera 4D file of version {}, this program reads 1; use a newer one",
+                    path.string(), version));
+  const std::string_view text = reader.take(reader.number<uint32_t>());
+  const nlohmann::json manifest = nlohmann::json::parse(text, nullptr, false);
+  if (manifest.is_discarded())
+    throw InputError(
+        fmt::format("{}: its manifest is no JSON; fetch or export it again", path.string()));
+  input.manifest = manifest_from(manifest, path, input.model);
+  input.bytes = int64_t(bytes.size() - reader.left());
+  const std::string_view data = reader.take(reader.left());
+  read_blocks(input, path, [&](const BlockInfo& info) {
+    if (info.offset > data.size() || info.bytes > data.size() - info.offset)
+      throw InputError(
+          fmt::format("{}: is cut off: a block of {} bytes begins at {} of {}; fetch "
+                      "or export it again",
+                      path.string(), info.bytes, info.offset, data.size()));
+    return std::pair(path, data.substr(info.offset, info.bytes));
+  });
+  return input;
+}
+
+}  // namespace
+
+bool is_tessera4d(std::string_view head) {
+  return head.starts_with(kMagic);
+}
+
+bool is_tessera4d_folder(const fs::path& folder) {
+  const fs::path path = folder / kTessera4dManifest;
+  if (!fs::is_regular_file(path)) return false;
+  const nlohmann::json manifest = read_json(path);
+  return manifest.is_object() && manifest.value("format", nlohmann::json()) == "tessera-4d";
+}
+
+Tessera4dInput load_tessera4d(const fs::path& path) {
+  return fs::is_directory(path) ? load_folder(path) : load_single(path);
+}
+
+}  // namespace tessera

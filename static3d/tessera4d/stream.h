@@ -1,0 +1,41 @@
+// What: a stream of a block: numbers ↔ words ↔ byte planes ↔ gzip.
+// Not: which streams a block has (block.h).
+// Source: docs/format.md, section 4.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "static3d/tessera4d/manifest.h"
+
+namespace tessera {
+
+/// Numbers as they are stored, before bytes.
+struct StreamWords {
+  StreamInfo info;              // without offset and bytes
+  std::vector<uint32_t> words;  // [components, count]
+
+  uint32_t* component(int c) { return words.data() + int64_t(c) * info.count; }
+  const uint32_t* component(int c) const { return words.data() + int64_t(c) * info.count; }
+};
+
+/// Values, [components, count], to the nearest multiples of `step`, with the fewest bytes that hold
+/// their range. A step that needs more than 24 bits is made larger.
+StreamWords quantised(std::string name, int components, const std::vector<float>& values,
+                      double step, bool delta = false);
+/// The same in steps of 1/255 from 0 to 1.
+StreamWords bytes_of_unit(std::string name, const std::vector<float>& values);
+/// The bits of the floats.
+StreamWords as_floats(std::string name, int components, const std::vector<float>& values);
+
+/// What a reader gets for Gaussian n; not of smallest3.
+float value_at(const StreamWords& stream, int component, int64_t n);
+
+/// Appends the stream to a block and says where it is.
+StreamInfo append_stream(std::string& block, const StreamWords& stream);
+/// Errors: InputError naming `path`: damaged, or not as long as it should be.
+StreamWords read_stream(std::string_view block, const StreamInfo& info,
+                        const std::filesystem::path& path);
+
+}  // namespace tessera

@@ -1,0 +1,77 @@
+// The moments of an export: closed forms of each option, and what is refused.
+#include "tools/export_times.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/ingest/capture_fixture.h"
+
+namespace tessera::testing {
+namespace {
+
+const TimeAxis kFourSeconds{100, 4};  // a clip of four seconds whose clock starts at 100
+
+std::vector<double> times_of(ExportTimes request) {
+  return export_times(request, kFourSeconds, true);
+}
+
+// Bug put back: count in place of count − 1 in the step; seen to fail.
+TEST(ExportTimes, FramesReachFromTheFirstMomentToTheLast) {
+  EXPECT_EQ(times_of({.frames = 5}), (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
+  EXPECT_EQ(times_of({.frames = 1}), (std::vector<double>{0}));
+  EXPECT_EQ(times_of({.frames = 3, .range = "0.25:0.75"}), (std::vector<double>{0.25, 0.5, 0.75}));
+  EXPECT_EQ(times_of({.frames = 1, .range = "0.25:"}), (std::vector<double>{0.25}));
+}
+
+// Bug put back: the rate over the range's share of normalised time, not over its seconds; seen to
+// fail.
+TEST(ExportTimes, RatesAreByTheCapturesClock) {
+  const std::vector<double> whole = times_of({.fps = 2});
+  ASSERT_EQ(whole.size(), 9u) << "both ends";
+  EXPECT_EQ(whole[1], 0.125);
+  EXPECT_EQ(whole.back(), 1);
+  EXPECT_EQ(times_of({.fps = 2, .range = "1s:2s"}), (std::vector<double>{0.25, 0.375, 0.5}));
+  EXPECT_EQ(times_of({.fps = 2, .range = "1s:2.4s"}).size(), 3u) << "none past the end";
+  EXPECT_EQ(times_of({.fps = 29.97}).size(), 120u);
+}
+
+TEST(ExportTimes, WithoutOptionsAreTwentyFourASecond) {
+  EXPECT_EQ(times_of({}).size(), 97u);
+  EXPECT_EQ(times_of({.range = "1s:2s"}).size(), 25u);
+  EXPECT_EQ(export_times({}, {0, 1000}, true).size(), 300u);
+  EXPECT_EQ(export_times({}, {0, 0.001}, true).size(), 2u);
+  EXPECT_EQ(export_times({}, kFourSeconds, false), (std::vector<double>{0}));
+  EXPECT_EQ(times_of({.time = 0.3}), (std::vector<double>{0.3}));
+}
+
+// Bug put back: seconds counted from the clock's zero, not from the clip's first moment; seen to
+// fail.
+TEST(ExportTimes, RangesHaveEitherUnitAndEitherEnd) {
+  const auto expect = [](const char* text, double begin, double end) {
+    const TimeRange range = parse_time_range(text, kFourSeconds);
+    EXPECT_DOUBLE_EQ(range.begin, begin) << text;
+    EXPECT_DOUBLE_EQ(range.end, end) << text;
+  };
+  expect("0:1", 0, 1);
+  expect(".25:", 0.25, 1);
+  expect(":1s", 0, 0.25);
+  expect("1s:0.5", 0.25, 0.5);
+  expect("0s:4s", 0, 1);
+  expect(":", 0, 1);
+}
+
+TEST(ExportTimes, RefuseWhatMakesNoFrames) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const char* text : {"0.5", "a:b", "0:1x", "1:0", "0.5:0.5", "-1:1", "0:2", "0s:5s", "s:1s",
+                           "nan:1", "0:inf", "0:1:2"})
+    expect_input_error([&] { times_of({.range = text}); }, {"--range", text, "expected A:B"});
+  expect_input_error([&] { times_of({.frames = 0}); }, {"--frames", "0"});
+  expect_input_error([&] { times_of({.frames = 100001}); }, {"--frames", "100001"});
+  for (const double fps : {0.0, -1.0, 1e9, nan})
+    expect_input_error([&] { times_of({.fps = fps}); }, {"--fps", "--frames"});
+  expect_input_error([&] { times_of({.time = nan}); }, {"--time"});
+}
+
+}  // namespace
+}  // namespace tessera::testing
