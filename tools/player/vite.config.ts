@@ -22,7 +22,8 @@ function oneFile(): Plugin {
       let html = String(page.source);
       for (const [name, item] of Object.entries(bundle)) {
         if (item === page) continue;
-        const source = String(item.type === "chunk" ? item.code : item.source);
+        const text = String(item.type === "chunk" ? item.code : item.source);
+        const source = text.replace(/\/\/# sourceMappingURL=[\w.-]+/g, ""); // would be asked for
         const tag = new RegExp(`[ \\t]*<(script|link)[^>]*${name.replace(/\W/g, "\\$&")}[^>]*>(</script>)?\\n?`);
         if (!tag.test(html)) throw new Error(`${name} is not in index.html: it cannot be one file`);
         html = html.replace(tag, "");
