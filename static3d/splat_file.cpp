@@ -76,7 +76,10 @@ const std::vector<SplatFormat>& splat_formats() {
       {"ply", ".ply", "3DGS, exact; every program", save_ply_3dgs},
       {"compressed", ".compressed.ply", "a quarter of ply; SuperSplat, PlayCanvas, Spark",
        save_compressed_splat},
-      {"spz", ".spz", "a tenth of ply; Spark, three.js, Unity", save_spz},
+      {"spz", ".spz", "a tenth of ply; Spark, three.js, Unity",
+       [](const std::filesystem::path& path, const GaussianSet& set, int degree) {
+         save_spz(path, set, degree);
+       }},
       {"splat", ".splat", "no view-dependent colour; older viewers",
        [](const std::filesystem::path& path, const GaussianSet& set, int) {
          save_splat_rows(path, set);
@@ -95,6 +98,18 @@ const SplatFormat& splat_format(const std::string& name) {
   }
   throw InputError(fmt::format("unknown format '{}'; did you mean '{}'? There are {}", name,
                                nearest_name(name, names), fmt::join(names, ", ")));
+}
+
+SplatFormat spz_format(int version) {
+  if (version != 3 && version != 4)
+    throw InputError(
+        fmt::format("--spz-version is {}, there are 3 and 4; pass one of them", version));
+  SplatFormat format = splat_format("spz");
+  if (version == 4)
+    format.save = [](const std::filesystem::path& path, const GaussianSet& set, int degree) {
+      save_spz(path, set, degree, 4);
+    };
+  return format;
 }
 
 bool is_splat_file(const std::filesystem::path& path, std::string_view head) {

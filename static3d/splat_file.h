@@ -29,6 +29,8 @@ struct SplatFormat {
 const std::vector<SplatFormat>& splat_formats();
 /// Errors: InputError naming the nearest known name.
 const SplatFormat& splat_format(const std::string& name);
+/// .spz of version 3 (that of splat_formats) or 4. Errors: InputError: another version.
+SplatFormat spz_format(int version);
 
 /// Whether load_splat_file knows what a file with that name and these first bytes is.
 bool is_splat_file(const std::filesystem::path& path, std::string_view head);

@@ -20,14 +20,14 @@
 namespace tessera {
 namespace {
 
-constexpr uint32_t kMagic = 0x5053474e;  // "NGSP"
-constexpr uint32_t kWritten = 3;
+constexpr uint32_t kMagic = 0x5053474e;   // "NGSP"
+constexpr uint32_t kVersion4Header = 32;  // bytes
 constexpr int kFractionBits = 12;
 constexpr double kColourScale = 0.15;
 constexpr uint64_t kMostSplats = uint64_t{1} << 28;
 
 struct SpzHeader {
-  uint32_t magic = kMagic, version = kWritten, count = 0;
+  uint32_t magic = kMagic, version = 3, count = 0;
   uint8_t sh_degree = 0, fraction_bits = kFractionBits, flags = 0, streams = 0;
 };
 
@@ -79,14 +79,13 @@ std::string joined_streams(ByteReader& bytes, const SpzHeader& header,
                            const std::filesystem::path& path) {
   const uint64_t width = 9 + 1 + 3 + 3 + rotation_bytes(header) + sh_bytes(header);
   const uint32_t toc = bytes.number<uint32_t>();
-  constexpr uint32_t kHeaderBytes = 32;
   bytes.take(12);
-  if (toc < kHeaderBytes)
+  if (toc < kVersion4Header)
     throw InputError(
         fmt::format("{}: its table of streams is at {}, inside the header; fetch it "
                     "again",
                     path.string(), toc));
-  bytes.take(toc - kHeaderBytes);  // extensions
+  bytes.take(toc - kVersion4Header);  // extensions
   std::vector<std::pair<uint64_t, uint64_t>> sizes;
   uint64_t total = 0;
   for (int i = 0; i < header.streams; ++i) {
@@ -221,6 +220,60 @@ void check_range(const std::filesystem::path& path, const GaussianSet& set) {
                         path.string(), kRange, x));
 }
 
+/// The columns in their order; none that are empty.
+std::vector<std::string> streams_of(const GaussianSpans<const float>& from, int sh_degree) {
+  enum { kPositions, kAlphas, kColours, kScales, kRotations, kHarmonics, kStreams };
+  std::vector<std::string> streams(kStreams);
+  for (int64_t n = 0; n < from.count; ++n) {
+    append_position(streams[kPositions], from.at(kMean, n));
+    append(streams[kAlphas], opacity_byte(*from.at(kOpacityLogit, n)));
+    for (int k = 0; k < 3; ++k) {
+      append(streams[kColours], byte_of(255 * kColourScale * from.at(kSh, n)[k] + 127.5));
+      append(streams[kScales], byte_of(16 * (double(from.at(kLogScale, n)[k]) + 10)));
+    }
+    const float* const q = from.at(kRotation, n);
+    append(streams[kRotations], word_of_rotation({q[1], q[2], q[3], q[0]}));
+    append_sh(streams[kHarmonics], from.at(kSh, n), sh_degree);
+  }
+  std::erase_if(streams, [](const std::string& stream) { return stream.empty(); });
+  return streams;
+}
+
+void append_header(std::string& bytes, const SpzHeader& header) {
+  append(bytes, header.magic), append(bytes, header.version), append(bytes, header.count);
+  append(bytes, header.sh_degree), append(bytes, header.fraction_bits);
+  append(bytes, header.flags), append(bytes, header.streams);
+}
+
+#ifdef TESSERA_HAS_ZSTD
+/// A file of version 4: header, table of the streams' bytes (packed, plain), streams.
+std::string packed_apart(SpzHeader header, const std::vector<std::string>& streams,
+                         const std::filesystem::path&) {
+  constexpr int kLevel = 12;  // of zstd, as the format's own writer
+  header.streams = uint8_t(streams.size());
+  std::string bytes, packed;
+  append_header(bytes, header);
+  append(bytes, kVersion4Header), bytes.append(12, '\0');  // the table follows at once
+  for (const std::string& stream : streams) {
+    std::string part(ZSTD_compressBound(stream.size()), '\0');
+    const size_t size =
+        ZSTD_compress(part.data(), part.size(), stream.data(), stream.size(), kLevel);
+    check(ZSTD_isError(size) == 0, "save_spz: zstd");
+    append(bytes, uint64_t(size)), append(bytes, uint64_t(stream.size()));
+    packed.append(part, 0, size);
+  }
+  return bytes + packed;
+}
+#else
+std::string packed_apart(const SpzHeader&, const std::vector<std::string>&,
+                         const std::filesystem::path& path) {
+  throw InputError(fmt::format(
+      "{}: .spz of version 4, and this build has no zstd; install libzstd-dev and build again, or "
+      "export version 3",
+      path.string()));
+}
+#endif
+
 }  // namespace
 
 bool is_spz(std::string_view head) {
@@ -245,30 +298,23 @@ SplatFile load_spz(const std::filesystem::path& path) {
   return result;
 }
 
-void save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree) {
+void save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree,
+              int version) {
   check_range(path, set);
   GaussianSet flipped = set.clone_values();
   flip_axes(flipped, kRightUpBack);
-  const GaussianSpans<const float> from = std::as_const(flipped).values();
   const int degree = std::min(sh_degree, sh_degree_of(set.coefficients()));
-  std::string bytes;
-  append(bytes, kMagic), append(bytes, kWritten), append(bytes, uint32_t(set.count()));
-  append(bytes, uint8_t(degree)), append(bytes, uint8_t(kFractionBits));
-  append(bytes, uint8_t{0}), append(bytes, uint8_t{0});
-  const int64_t count = set.count();
-  for (int64_t n = 0; n < count; ++n) append_position(bytes, from.at(kMean, n));
-  for (int64_t n = 0; n < count; ++n) append(bytes, opacity_byte(*from.at(kOpacityLogit, n)));
-  for (int64_t n = 0; n < count; ++n)
-    for (int k = 0; k < 3; ++k)
-      append(bytes, byte_of(255 * kColourScale * from.at(kSh, n)[k] + 127.5));
-  for (int64_t n = 0; n < count; ++n)
-    for (int k = 0; k < 3; ++k)
-      append(bytes, byte_of(16 * (double(from.at(kLogScale, n)[k]) + 10)));
-  for (int64_t n = 0; n < count; ++n) {
-    const float* const q = from.at(kRotation, n);
-    append(bytes, word_of_rotation({q[1], q[2], q[3], q[0]}));
+  const std::vector<std::string> streams = streams_of(std::as_const(flipped).values(), degree);
+  SpzHeader header;
+  header.version = uint32_t(version), header.count = uint32_t(set.count());
+  header.sh_degree = uint8_t(degree);
+  if (version == 4) {
+    write_text_file(path, packed_apart(header, streams, path));
+    return;
   }
-  for (int64_t n = 0; n < count; ++n) append_sh(bytes, from.at(kSh, n), degree);
+  std::string bytes;
+  append_header(bytes, header);
+  for (const std::string& stream : streams) bytes += stream;
   write_text_file(path, gzip(bytes));
 }
 

@@ -14,9 +14,10 @@ namespace tessera {
 bool is_spz(std::string_view head);
 /// Errors: InputError: another version, cut off, damaged, counts that do not fit.
 SplatFile load_spz(const std::filesystem::path& path);
-/// Version 3, which most players read. Means to 1/4096 of a unit within ±2048, logarithms of scales
-/// to 1/16, opacities and colours to 1/255, SH to 1/16 (first degree) and 1/8. Errors: InputError:
-/// a mean out of range.
-void save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree);
+/// Version 3, which most players read, or 4. Means to 1/4096 of a unit within ±2048, logarithms of
+/// scales to 1/16, opacities and colours to 1/255, SH to 1/16 (first degree) and 1/8. Errors:
+/// InputError: a mean out of range; version 4 in a build without zstd.
+void save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree,
+              int version = 3);
 
 }  // namespace tessera

@@ -1,92 +1,82 @@
 // What: `tessera export`: a model → files for other programs.
-// Not: the formats (static3d/splat_file.h, recon4d/model_file.h).
+// Not: the formats (static3d/splat_file.h, static3d/tessera4d, recon4d/model_file.h).
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "recon4d/hygiene.h"
-#include "recon4d/model_file.h"
 #include "recon4d/nearest_name.h"
-#include "static3d/frame_sequence.h"
+#include "static3d/splat_file.h"
 #include "static3d/world_change.h"
 #include "tools/command.h"
-#include "tools/export_times.h"
-#include "tools/interrupt.h"
+#include "tools/export_frames.h"
+#include "tools/export_in_time.h"
 #include "tools/model_input.h"
-#include "tools/output_folder.h"
 #include "tools/terminal.h"
 
 namespace tessera {
 namespace {
 
-struct ExportRequest {
-  std::string model, out, format = "ply";
-  ExportTimes times;
-  int threads = 0;
-  bool keep_world = false, overwrite = false, json = false;
-};
-
-std::vector<std::string> sequence_files(int64_t count, const SplatFormat& format) {
-  std::vector<std::string> files{"manifest.json"};
-  for (int64_t i = 0; i < count; ++i) files.push_back(sequence_file_name(i, count, format));
-  return files;
-}
-
-nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model) {
-  const SplatFormat& format = splat_format(request.format);
-  const std::vector<double> times =
-      export_times(request.times, model.time_axis, model.dynamic_set.count() > 0);
-  OutputFolder folder(request.out, "export", sequence_files(int64_t(times.size()), format),
-                      request.overwrite);
-  SequenceReport report;
-  {
-    ProgressBar bar("export");
-    report = export_sequence(model, request.out, times, format, [&](int64_t done, int64_t total) {
-      stop_if_interrupted();
-      bar.update(done, total);
-    });
-  }
-  folder.finish();
-  return {{"frames", report.frames.size()},        {"bytes", report.bytes},
-          {"max_gaussians", report.max_gaussians}, {"non_finite", report.non_finite},
-          {"below_cutoff", report.below_cutoff},   {"far_outliers", report.far_outliers}};
-}
-
-/// Leaves out what no program can draw; returns how many.
-int64_t drop_unsound(GaussianSet& set) {
-  const std::vector<int64_t> rows = sound_rows(set);
-  const int64_t dropped = set.count() - int64_t(rows.size());
-  if (dropped > 0) set = select_rows(set, rows);
-  return dropped;
-}
-
-nlohmann::json export_tessera(const ExportRequest& request, GaussianModel& model) {
-  const int64_t dropped = drop_unsound(model.static_set) + drop_unsound(model.dynamic_set);
-  OutputFolder folder(request.out, "export", {"model.ply"}, request.overwrite);
-  save_model(folder.path("model.ply"), model);
-  folder.finish();
-  return {{"frames", 1},
-          {"bytes", std::filesystem::file_size(folder.path("model.ply"))},
-          {"max_gaussians", model.count()},
-          {"non_finite", dropped}};
-}
-
-constexpr const char* kTessera = "tessera";  // the format that holds time
-
 void check_format(const std::string& name) {
-  std::vector<std::string> names{kTessera};
-  for (const SplatFormat& format : splat_formats()) names.push_back(format.name);
+  std::vector<std::string> names;
+  for (const TimeFormat& format : time_formats()) names.emplace_back(format.name);
+  for (const SplatFormat& format : splat_formats()) names.emplace_back(format.name);
   if (std::find(names.begin(), names.end(), name) == names.end())
     throw InputError(fmt::format("export: unknown format '{}'; did you mean '{}'? There are {}",
                                  name, nearest_name(name, names), fmt::join(names, ", ")));
+}
+
+/// No option is there for nothing.
+void check_options(const ExportRequest& request, const TimeFormat* in_time) {
+  const bool tessera4d = in_time != nullptr && in_time->is_tessera4d;
+  const bool one_file = request.single || request.format == "html";
+  const ExportTimes& times = request.times;
+  const struct {
+    const char* option;
+    bool given, fits;
+    const char* where;
+  } rules[] = {
+      {"--frames", times.frames.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
+      {"--time", times.time.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
+      {"--range", !times.range.empty(), in_time == nullptr, "frames (ply, spz, …)"},
+      {"--fps", times.fps.has_value(), in_time == nullptr || tessera4d, "all but model"},
+      {"--page", request.page, in_time == nullptr, "frames; --format page has it already"},
+      {"--spz-version", request.spz_version != 3, request.format == "spz", "spz"},
+      {"--single", request.single, request.format == "tessera", "tessera"},
+      {"--lossless", request.lossless, tessera4d, "tessera, page and html"},
+      {"--segment", request.segment_seconds != 1, tessera4d, "tessera, page and html"},
+      {"--cameras", !request.cameras.empty(), tessera4d, "tessera, page and html"},
+      {"--audio", !request.audio.empty(), tessera4d && !one_file, "folders: tessera and page"},
+  };
+  for (const auto& rule : rules)
+    if (rule.given && !rule.fits)
+      throw InputError(fmt::format("export: {} is for {}; leave it out for --format {}{}",
+                                   rule.option, rule.where, request.format,
+                                   request.single ? " --single" : ""));
 }
 
 /// With the dilation and the cut-off that 3DGS files do not name because all have them.
 bool drawn_as_players_do(const GaussianModel& model) {
   return !model.filter_2d && !model.truncation_by_falloff &&
          model.truncation_sigma == kTruncationSigma;
+}
+
+void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
+  if (!(in_time != nullptr && in_time->keeps_rules) && !drawn_as_players_do(input.model))
+    warn(
+        fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
+                    "have; its frames look different there; --format tessera keeps them",
+                    input.file.string()));
+  if (in_time != nullptr && in_time->keeps_environment) return;
+  if (input.model.environment.height > 0)
+    warn(fmt::format("{}: its environment is not in what is exported; --format model keeps it",
+                     input.file.string()));
+  if (in_time != nullptr && input.model.sh_time_degree > 0)
+    warn(
+        fmt::format("{}: its colours follow time; exported are those of each Gaussian's own "
+                    "moment; frames and --format model keep them",
+                    input.file.string()));
 }
 
 /// The files that an earlier export left in the folder are removed; the model must not be one.
@@ -100,23 +90,16 @@ void check_places(const ExportRequest& request, const std::filesystem::path& mod
 
 int export_command(const ExportRequest& request) {
   check_format(request.format);
-  const bool as_frames = request.format != kTessera;
+  const TimeFormat* const in_time = find_time_format(request.format);
+  check_options(request, in_time);
   set_thread_count(request.threads);
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
   check_places(request, input.file);
-  if (as_frames && !drawn_as_players_do(input.model))
-    warn(
-        fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
-                    "have; its frames look different there; --format tessera keeps them",
-                    input.file.string()));
-  if (as_frames && input.model.environment.height > 0)
-    warn(
-        fmt::format("{}: its environment is not in frames of 3DGS files; --format tessera keeps it",
-                    input.file.string()));
+  warn_of_losses(input, in_time);
   if (!request.keep_world) input.model = model_in_source_world(input.model);
-  nlohmann::json result =
-      as_frames ? export_frames(request, input.model) : export_tessera(request, input.model);
+  nlohmann::json result = in_time != nullptr ? in_time->write(request, input.model)
+                                             : export_frames(request, input.model);
   result["out"] = request.out, result["format"] = request.format;
   result["model"] = input.file.string(), result["num_gaussians"] = input.model.count();
   const int64_t frames = result["frames"], bytes = result["bytes"];
@@ -126,17 +109,29 @@ int export_command(const ExportRequest& request) {
   return kExitDone;
 }
 
-void add_times(CLI::App& command, ExportTimes& times) {
+std::string format_list() {
+  std::string text;
+  for (const TimeFormat& format : time_formats())
+    text += fmt::format("\n    {:<10}  {}", format.name, format.doc);
+  for (const SplatFormat& format : splat_formats())
+    text += fmt::format("\n    {:<10}  numbered {}: {}", format.name, format.extension, format.doc);
+  return text;
+}
+
+void add_time_options(CLI::App& command, ExportTimes& times) {
   CLI::Option* frames =
       command.add_option("--frames", times.frames, "moments, evenly from first to last");
   CLI::Option* fps =
-      command.add_option("--fps", times.fps, "moments a second of the capture's clock");
+      command.add_option("--fps", times.fps,
+                         "moments a second of the capture's clock; of formats that hold time: what "
+                         "a player steps by");
   CLI::Option* time =
       command.add_option("--time", times.time, "a single moment, 0 (first) to 1 (last)");
-  CLI::Option* range = command.add_option(
-      "--range", times.range,
-      "A:B, that part of the clip: each 0 (first) to 1 (last), or seconds from its beginning (2s)");
-  fps->excludes(frames), time->excludes(frames), time->excludes(fps), range->excludes(time);
+  CLI::Option* range =
+      command.add_option("--range", times.range,
+                         "A:B, a part of the clip: 0 (first) to 1 (last), or with the unit s "
+                         "seconds from its first moment: 0.25:0.5, 2s:, :7.5s");
+  fps->excludes(frames), time->excludes(frames), time->excludes(fps), time->excludes(range);
 }
 
 }  // namespace
@@ -147,15 +142,22 @@ void add_export_command(CLI::App& app, Work& work) {
   const auto request = std::make_shared<ExportRequest>();
   command
       ->add_option("model", request->model,
-                   "run folder, checkpoint, Tessera .ply or other people's splats")
+                   "run folder, checkpoint, Tessera .ply or 4D file, or other people's splats")
       ->required();
   command->add_option("-o,--out", request->out, "folder to write")->required();
-  std::string formats = "\n    tessera     one 4D .ply";
-  for (const SplatFormat& format : splat_formats())
-    formats +=
-        fmt::format("\n    {:<10}  numbered {}: {}", format.name, format.extension, format.doc);
-  command->add_option("--format", request->format, "of the files:" + formats);
-  add_times(*command, request->times);
+  command->add_option("--format", request->format, "of the files:" + format_list());
+  add_time_options(*command, request->times);
+  command->add_option("--spz-version", request->spz_version,
+                      "of .spz: 3, or 4, which fewer players read");
+  command->add_flag("--page", request->page, "the web player beside the frames");
+  command->add_flag("--single", request->single, "Tessera 4D as one file");
+  command->add_flag("--lossless", request->lossless, "Tessera 4D with floats, nothing rounded");
+  command->add_option("--segment", request->segment_seconds, "Tessera 4D: seconds of a segment");
+  command->add_option(
+      "--cameras", request->cameras,
+      "Tessera 4D: scene folder or transforms file whose cameras the player offers; "
+      "default: of the scene that the run was trained on");
+  command->add_option("--audio", request->audio, "Tessera 4D: sound, which becomes the clock");
   command->add_flag("--keep-world", request->keep_world,
                     "stay in the world of the prepared scene; default: back in the capture's own");
   command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");

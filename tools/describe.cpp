@@ -14,6 +14,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_info.h"
+#include "static3d/tessera4d/tessera4d.h"
 #include "tools/model_input.h"
 #include "tools/run_folder.h"
 
@@ -44,6 +45,19 @@ json describe_checkpoint(const fs::path& path) {
   const json header = read_checkpoint_header(path);
   for (const char* key : {"iteration", "finished", "seconds", "options", "provenance"})
     info[key] = header.at(key);
+  return info;
+}
+
+/// `path`: the single file, or the manifest of a folder.
+json describe_tessera4d(const fs::path& path) {
+  const bool folder = path.filename() == kTessera4dManifest;
+  const Tessera4dInput input = load_tessera4d(folder ? path.parent_path() : path);
+  json info = described("Tessera 4D file", folder ? path.parent_path() : path);
+  info["bytes"] = input.bytes, info["lossless"] = input.manifest.lossless;
+  info["generator"] = input.manifest.generator;
+  info["blocks"] = input.manifest.blocks.size();
+  info.update(model_info(input.model));
+  if (!input.warnings.empty()) info["warnings"] = input.warnings;
   return info;
 }
 
@@ -81,6 +95,8 @@ json describe_file(const fs::path& path) {
       return describe_checkpoint(path);
     case ModelKind::kTesseraPly:
       return describe_model("Tessera 4D model", path);
+    case ModelKind::kTessera4d:
+      return describe_tessera4d(path);
     case ModelKind::kSplats: {
       const std::string text = read_text_file(path);
       if (!text.starts_with("ply")) return describe_model("splats", path);
@@ -126,6 +142,7 @@ json describe(const fs::path& path) {
   if (const RunFolder run{path}; run.exists()) return describe_run(run);
   if (has_transforms(path)) return describe_transforms(path);
   if (!videos_in(path).empty()) return describe_videos(path);
+  if (is_tessera4d_folder(path)) return describe_tessera4d(path / kTessera4dManifest);
   if (fs::exists(path / "manifest.json")) return describe_sequence(path);
   if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply");
   throw InputError(fmt::format("{}: nothing that is known in it; {}", path.string(), kKnown));

@@ -1,5 +1,5 @@
 // What: which of the model files a path is, by its first bytes.
-// Not: the formats themselves (checkpoint.h, model_file.h, splat_file.h).
+// Not: the formats themselves (checkpoint.h, model_file.h, splat_file.h, tessera4d.h).
 #include "tools/model_input.h"
 
 #include <fmt/format.h>
@@ -11,13 +11,16 @@
 #include "recon4d/model_file.h"
 #include "recon4d/train_options.h"
 #include "static3d/splat_file.h"
+#include "static3d/tessera4d/tessera4d.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* kAccepted =
-    "expected a run folder, a checkpoint, a Tessera 4D .ply or splats (.ply, .spz, .splat)";
+    "expected a run folder, a checkpoint, a Tessera 4D .ply, .t4d or folder, or splats (.ply, "
+    ".spz, "
+    ".splat)";
 
 fs::path model_file_of(const fs::path& path) {
   if (!fs::exists(path))
@@ -25,8 +28,10 @@ fs::path model_file_of(const fs::path& path) {
   if (!fs::is_directory(path)) return path;
   for (const char* name : {"model.ply", "checkpoint.ckpt"})
     if (fs::exists(path / name)) return path / name;
-  throw InputError(
-      fmt::format("{}: has neither model.ply nor checkpoint.ckpt; {}", path.string(), kAccepted));
+  if (is_tessera4d_folder(path)) return path / kTessera4dManifest;
+  throw InputError(fmt::format(
+      "{}: has neither model.ply nor checkpoint.ckpt nor a Tessera 4D manifest.json; {}",
+      path.string(), kAccepted));
 }
 
 GaussianModel from_splats(const fs::path& path, std::vector<std::string>& warnings) {
@@ -41,11 +46,14 @@ GaussianModel from_splats(const fs::path& path, std::vector<std::string>& warnin
 }  // namespace
 
 ModelKind model_kind(const fs::path& file) {
+  if (file.filename() == kTessera4dManifest && is_tessera4d_folder(file.parent_path()))
+    return ModelKind::kTessera4d;
   std::ifstream stream(file, std::ios::binary);
   char head[8] = {};
   stream.read(head, sizeof head);
   const std::string_view start(head, size_t(stream.gcount()));
   if (start == "TESSCKPT") return ModelKind::kCheckpoint;
+  if (is_tessera4d(start)) return ModelKind::kTessera4d;
   if (start.starts_with("ply") && is_tessera_model(file)) return ModelKind::kTesseraPly;
   return is_splat_file(file, start) ? ModelKind::kSplats : ModelKind::kNone;
 }
@@ -63,6 +71,13 @@ ModelInput load_model_input(const fs::path& path) {
     case ModelKind::kTesseraPly:
       input.model = load_model(input.file);
       break;
+    case ModelKind::kTessera4d: {
+      const bool folder = input.file.filename() == kTessera4dManifest;
+      Tessera4dInput read = load_tessera4d(folder ? input.file.parent_path() : input.file);
+      input.model = std::move(read.model), input.warnings = std::move(read.warnings);
+      input.bytes = read.bytes;
+      return input;
+    }
     case ModelKind::kSplats:
       input.model = from_splats(input.file, input.warnings);
       break;

@@ -1,5 +1,5 @@
 // What: MODEL on the command line → GaussianModel: a run folder, a checkpoint, a Tessera
-//       4D .ply, other people's splats; its background by another.
+//       4D .ply or 4D file, other people's splats; its background by another.
 // Not: scenes.
 #pragma once
 #include <cstdint>
@@ -20,11 +20,12 @@ struct ModelInput {
 };
 
 /// By the first bytes; kSplats: a .ply without Tessera's comment, which may be a point cloud, .spz,
-/// and .splat by its name.
-enum class ModelKind { kNone, kCheckpoint, kTesseraPly, kSplats };
+/// and .splat by its name. A Tessera 4D folder is known by its manifest.
+enum class ModelKind { kNone, kCheckpoint, kTesseraPly, kTessera4d, kSplats };
 ModelKind model_kind(const std::filesystem::path& file);
 
-/// A run folder gives its model.ply, or checkpoint.ckpt when training has not ended.
+/// A run folder gives its model.ply, or checkpoint.ckpt when training has not ended; a Tessera 4D
+/// folder itself: `file` is its manifest then.
 /// Errors: InputError naming the path and what is accepted.
 ModelInput load_model_input(const std::filesystem::path& path);
 

@@ -1,0 +1,25 @@
+// What: `tessera export` of formats that hold the whole clip.
+// Not: the formats (static3d/tessera4d, recon4d/model_file.h).
+#pragma once
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "recon4d/gaussian_set.h"
+#include "tools/export_request.h"
+
+namespace tessera {
+
+struct TimeFormat {
+  const char* name;  // of --format
+  const char* doc;
+  /// Writes the folder; `frames` (files), `bytes` and counters.
+  nlohmann::json (*write)(const ExportRequest&, GaussianModel&);
+  bool is_tessera4d = true;  // takes --lossless, --segment, --cameras, --audio, --fps
+  bool keeps_rules = true;   // filter and truncation stay as trained
+  bool keeps_environment = false;
+};
+const std::vector<TimeFormat>& time_formats();
+/// Nothing where frames are meant.
+const TimeFormat* find_time_format(const std::string& name);
+
+}  // namespace tessera

@@ -1,0 +1,73 @@
+// What: views → places.
+// Not: reading scenes (camera_views.h).
+#include "tools/rig_cameras.h"
+
+#include <algorithm>
+#include <set>
+
+#include "kernels/base/errors.h"
+#include "tools/camera_views.h"
+#include "tools/run_folder.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kMostCameras = 32;
+
+/// The scene of a run, "" where it is gone or none is named.
+std::string scene_of_run(const std::string& model_path) {
+  const RunFolder run{model_path};
+  if (!run.exists()) return "";
+  const std::string scene = run.read_config().value("scene", "");
+  return std::filesystem::exists(scene) ? scene : "";
+}
+
+/// "cam00" of "cam00/00012": what a camera's frames have in common.
+std::string station_name(const std::string& frame) {
+  const size_t slash = frame.rfind('/');
+  return slash == std::string::npos ? frame : frame.substr(0, slash);
+}
+
+bool taken(const std::vector<RigCamera>& cameras, const std::string& name) {
+  return std::any_of(cameras.begin(), cameras.end(), [&](const auto& c) { return c.name == name; });
+}
+
+std::vector<RigCamera> places_of(const std::vector<NamedView>& views) {
+  std::vector<RigCamera> all;
+  for (const NamedView& named : views) {
+    const Camera& camera = named.view.camera;
+    if (std::any_of(all.begin(), all.end(), [&](const auto& c) { return c.camera == camera; }))
+      continue;
+    const std::string station = station_name(named.name);
+    all.push_back({taken(all, station) ? named.name : station, camera});
+  }
+  if (all.size() <= kMostCameras) return all;
+  std::vector<RigCamera> some;  // a camera that moved: evenly along its way
+  for (size_t i = 0; i < kMostCameras; ++i) some.push_back(all[i * all.size() / kMostCameras]);
+  return some;
+}
+
+}  // namespace
+
+Rig rig_of(const std::string& cameras, const std::string& model_path, const GaussianModel& model) {
+  CameraChoice choice;
+  choice.cameras = cameras.empty() ? scene_of_run(model_path) : cameras;
+  if (choice.cameras.empty()) return {};
+  std::vector<NamedView> views;
+  try {
+    views = read_views(choice, model);
+  } catch (const InputError&) {
+    if (!cameras.empty()) throw;
+    return {};  // nobody asked for a scene that has changed since
+  }
+  Rig rig;
+  rig.cameras = places_of(views);
+  std::set<double> moments;
+  for (const NamedView& named : views) moments.insert(named.view.time);
+  const double seconds =
+      moments.empty() ? 0 : (*moments.rbegin() - *moments.begin()) * model.time_axis.duration;
+  if (seconds > 0) rig.fps = double(moments.size() - 1) / seconds;
+  return rig;
+}
+
+}  // namespace tessera
