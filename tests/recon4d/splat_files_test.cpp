@@ -90,7 +90,9 @@ std::vector<SplatFormat> read_formats() {
   std::vector<SplatFormat> formats;
   for (const SplatFormat& format : splat_formats())
     if (format.is_read) formats.push_back(format);
+#ifdef TESSERA_HAS_ZSTD
   formats.push_back(spz_format(4));
+#endif
   return formats;
 }
 
