@@ -151,7 +151,7 @@ for (const spzVersion of [3, 4])
   });
 
 // The names by which SuperSplat 2.32.2 takes files dropped on it for one sequence.
-// Bug put back: as many digits as a number needs. Seen to fail.
+// Bug put back: five digits from the tenth frame on. Seen to fail.
 test('sequences: names that SuperSplat takes for frames, in order, and no other such name', () => {
   const sequence = /(.*?)(\d+)(?:\.compressed)?\.ply$/;
   for (const format of ['ply', 'compressed']) {

@@ -247,7 +247,7 @@ GaussianSet rounded_otherwise(const GaussianSet& set) {
 // Two files of one object, each rounded: their pictures differ as much as those of one file whose
 // values are moved within both formats' steps, not more.
 // Bugs put back: the world of .spz taken as that of .ply; its quaternions as w, x, y, z; its
-// opacities divided by 256 and a quarter. Each seen to fail.
+// opacities 2 % too small. Each seen to fail.
 TEST(Ply3dgs, TheSameObjectInTwoFormatsLooksTheSame) {
   TESSERA_NEED_DATA(ply, "splats/biker.compressed.ply");
   TESSERA_NEED_DATA(spz, "splats/biker.spz");
