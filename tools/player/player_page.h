@@ -1,11 +1,16 @@
-// What: the web player as one HTML file, built by npm and carried inside the program.
-// Not: what it plays (tools/player_files.h).
+// What: the web player as the program carries it: one HTML file without a scene.
+// Not: the player (src/), nor putting a scene beside or into it.
 #pragma once
 #include <string_view>
 
 namespace tessera {
 
-/// Errors: InputError: a build without npm.
+/// The element of the page that says what it plays, as it stands there, once:
+/// `{"scene":"manifest.json"}`, or `{"data":"<a .t4d in base64>","encoding":"base64"}` in its place.
+constexpr std::string_view kPlayerConfig =
+    R"(<script id="tessera-config" type="application/json">{"scene":"manifest.json"}</script>)";
+
+/// UTF-8. Errors: InputError where the program was built without it.
 std::string_view player_page();
 
 }  // namespace tessera

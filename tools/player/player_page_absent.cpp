@@ -1,14 +1,12 @@
-// What: no page, in a build without npm.
-// Not: the page (player_page.h).
+// What: the player's page in a build without npm: an error that says what to do.
+// Not: the page (player_page.cpp).
 #include "kernels/base/errors.h"
 #include "tools/player/player_page.h"
 
 namespace tessera {
 
 std::string_view player_page() {
-  throw InputError(
-      "this build has no player page: install nodejs and npm, and build again with "
-      "-DTESSERA_PLAYER=ON");
+  throw InputError("this build has no player page: install nodejs and npm, and build again");
 }
 
 }  // namespace tessera

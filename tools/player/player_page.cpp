@@ -1,0 +1,32 @@
+// What: the page that the build made, read by the assembler into the program.
+// Not: builds without npm (player_page_absent.cpp).
+#include "tools/player/player_page.h"
+
+#include "kernels/base/errors.h"
+
+asm(R"(
+.pushsection .rodata
+.global tessera_player_page_begin
+.global tessera_player_page_end
+tessera_player_page_begin:
+.incbin ")" TESSERA_PLAYER_PAGE R"("
+tessera_player_page_end:
+.byte 0
+.popsection
+)");
+
+extern "C" const char tessera_player_page_begin[];
+extern "C" const char tessera_player_page_end[];
+
+namespace tessera {
+
+std::string_view player_page() {
+  const size_t bytes = size_t(tessera_player_page_end - tessera_player_page_begin);
+  if (bytes == 0)
+    throw InputError(
+        "this build has no player page: npm could not fetch its packages; build again with a "
+        "network");
+  return {tessera_player_page_begin, bytes};
+}
+
+}  // namespace tessera

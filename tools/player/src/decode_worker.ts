@@ -1,0 +1,26 @@
+// What: the thread that checks, decodes and packs blocks, so that playing does not stutter.
+// Not: asking it (decoder.ts).
+import { allWords, packBlock, type PackedBlock } from "./packing";
+import { lineOf } from "./player_error";
+import { decodeBlock } from "./tessera4d";
+import type { Block } from "./manifest";
+
+export interface DecodeTask {
+  id: number;
+  block: Block;
+  bytes: Uint8Array<ArrayBuffer>;
+}
+
+export type DecodeAnswer = { id: number } & ({ packed: PackedBlock } | { line: string });
+
+self.onmessage = async ({ data }: MessageEvent<DecodeTask>) => {
+  const answer = (message: DecodeAnswer, moved: Transferable[] = []) =>
+    self.postMessage(message, { transfer: moved });
+  try {
+    const packed = packBlock(await decodeBlock(data.block, data.bytes));
+    const buffers = allWords(packed).map(({ words }) => words.buffer);
+    answer({ id: data.id, packed }, buffers);
+  } catch (error) {
+    answer({ id: data.id, line: lineOf(error) });
+  }
+};

@@ -1,0 +1,10 @@
+// What: the licences of what is built into the page; they travel with it.
+// Not: the list of versions, which is package-lock.json.
+import spark from "../node_modules/@sparkjsdev/spark/LICENSE?raw";
+import three from "../node_modules/three/LICENSE?raw";
+
+export const LICENCES = [
+  `Tessera's player: Apache License 2.0, https://www.apache.org/licenses/LICENSE-2.0`,
+  `three.js\n\n${three.trim()}`,
+  `Spark (@sparkjsdev/spark)\n\n${spark.trim()}`,
+].join("\n\n-----\n\n");

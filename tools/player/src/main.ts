@@ -1,0 +1,207 @@
+// What: the page: scene, clock, camera and panels put together, drawn when the display asks.
+// Not: any of them.
+import { Clock } from "./clock";
+import { listenToKeys, type Action } from "./keys";
+import { LICENCES } from "./licences";
+import { openSource, readConfig } from "./open_source";
+import { Orbit } from "./orbit";
+import { lineOf } from "./player_error";
+import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
+import { SparkView } from "./spark_view";
+import "./style.css";
+import { Panels, RATES } from "./ui";
+import { readUrl, rememberInUrl } from "./url_state";
+import { homePose, rigPose } from "./view_camera";
+import * as THREE from "three";
+
+const AHEAD_SECONDS = 2.5; // of play, fetched in advance
+const FRAME_RATE = 30; // where the capture's is not known
+const MOST_PIXELS_A_PIXEL = 2; // device pixels for a CSS pixel
+
+const canvas = document.getElementById("picture") as HTMLCanvasElement;
+const url = readUrl(location.search);
+
+class Page {
+  private readonly camera: ViewCamera = {
+    position: [0, 0, 0],
+    rotation: [1, 0, 0, 0],
+    lens: { fx: 1, fy: 1, cx: 0.5, cy: 0.5, width: 1, height: 1 },
+    version: 0,
+  };
+  private readonly panels = new Panels(
+    (action) => this.act(action),
+    (seconds) => this.seek(seconds),
+    (rate) => this.setRate(rate),
+    url.panels,
+  );
+  private view!: SceneView;
+  private info!: SceneInfo;
+  private clock!: Clock;
+  private orbit!: Orbit;
+  private loaded = { bytes: 0, needed: 0 };
+  private pictured = false; // whether the first picture is complete
+  private remembered = true; // whether the address says which moment is shown
+
+  async open(): Promise<void> {
+    this.view = new SparkView(canvas, this.camera);
+    const text = document.getElementById("tessera-config")?.textContent ?? "{}";
+    const source = await openSource(readConfig(text), url.scene, location.href);
+    this.info = await this.view.load(source, (bytes, needed) => (this.loaded = { bytes, needed }));
+    const { time, audio, up, cameras } = this.info;
+    const wall = () => performance.now() / 1000;
+    this.clock = new Clock(time.duration, wall, audio === null ? null : new Audio(audio));
+    this.clock.loop = url.loop;
+    this.orbit = new Orbit(canvas, this.camera, new THREE.Vector3(...up).normalize());
+    this.orbit.onMove = () => this.showCamera(-1);
+    this.panels.open(time.duration, cameras.map(({ name }) => name), this.about(), LICENCES);
+    this.panels.showLoop(this.clock.loop);
+    this.setRate(url.rate ?? 1);
+    this.reset();
+    if (url.camera !== null) this.takeCamera(this.cameraOf(url.camera));
+    this.clock.seek(url.seconds ?? 0);
+    addEventListener("resize", () => this.resize());
+    this.resize();
+    listenToKeys((action) => this.act(action));
+    if (!url.paused) this.clock.play();
+    this.clock.hold(true);
+    this.frame();
+  }
+
+  private about(): string {
+    const { gaussians, time, frames } = this.info;
+    const moments = frames ? `${frames.length} frames` : `${time.duration.toFixed(2)} s, continuous`;
+    return `${gaussians.toLocaleString("en")} Gaussians · ${moments}`;
+  }
+
+  /** By name, or by number from 1; −1: there is none such. */
+  private cameraOf(text: string): number {
+    const named = this.info.cameras.findIndex(({ name }) => name === text);
+    return named >= 0 || !/^\d+$/.test(text) ? named : Number(text) - 1;
+  }
+
+  private resize(): void {
+    const dpr = Math.min(devicePixelRatio || 1, MOST_PIXELS_A_PIXEL);
+    this.view.resize(canvas.clientWidth, canvas.clientHeight, dpr);
+  }
+
+  /** t of a time in seconds. */
+  private t(seconds: number): number {
+    const { duration } = this.info.time;
+    return duration > 0 ? seconds / duration : 0;
+  }
+
+  /** Draws, and is called again when the display wants another frame. */
+  private frame(): void {
+    requestAnimationFrame(() => this.frame());
+    const seconds = this.clock.now();
+    const playing = this.clock.playing;
+    const ahead = playing ? this.t(AHEAD_SECONDS * Math.max(1, this.clock.rate)) : 0;
+    const { waiting, trouble } = this.view.setTime(this.t(seconds), { ahead, loop: this.clock.loop });
+    if (!waiting) this.pictured = true;
+    // frames of a sequence are left out when they are late; blocks are waited for
+    this.clock.hold(waiting && (!this.pictured || this.info.frames === null));
+    const { bytes, needed } = this.loaded;
+    const share = needed > 0 ? bytes / needed : 0;
+    this.panels.showLoading("Loading", waiting ? (this.pictured ? 1 : share) : null, this.pictured);
+    this.panels.showTrouble(trouble);
+    this.panels.showTime(seconds);
+    this.panels.showPlaying(playing);
+    if (!playing && !this.remembered) rememberInUrl({ t: seconds.toFixed(3), paused: "1" });
+    this.remembered = !playing;
+  }
+
+  seek(seconds: number): void {
+    this.clock.seek(seconds);
+    this.remembered = false;
+  }
+
+  private setRate(rate: number): void {
+    this.clock.setRate(rate);
+    this.panels.showRate(rate);
+  }
+
+  /** To the next frame of a sequence, or by one of the capture's. */
+  private step(frames: number): void {
+    this.clock.pause();
+    const now = this.clock.now();
+    const { duration, fps } = this.info.time;
+    if (this.info.frames === null) return this.seek(now + frames / (fps ?? FRAME_RATE));
+    const times = this.info.frames.map((t) => t * duration);
+    const nearest = times.reduce(
+      (best, time, i) => (Math.abs(time - now) < Math.abs(times[best] - now) ? i : best),
+      0,
+    );
+    this.seek(times[Math.min(times.length - 1, Math.max(0, nearest + frames))]);
+  }
+
+  private reset(): void {
+    this.orbit.setPose(homePose(this.info));
+    this.showCamera(this.info.cameras.length > 0 ? 0 : -1);
+  }
+
+  private takeCamera(index: number): void {
+    const camera = this.info.cameras[index];
+    if (camera === undefined) return;
+    this.orbit.setPose(rigPose(camera, this.info));
+    this.showCamera(index);
+    rememberInUrl({ cam: camera.name });
+  }
+
+  private showCamera(index: number): void {
+    this.panels.showCamera(index);
+  }
+
+  private act(action: Action): void {
+    const { clock, panels } = this;
+    switch (action.do) {
+      case "toggle":
+        return clock.playing ? clock.pause() : clock.play();
+      case "step":
+        return this.step(action.frames);
+      case "start":
+        return this.seek(0);
+      case "end":
+        return this.seek(this.info.time.duration);
+      case "rate": {
+        const at = RATES.findIndex((rate) => rate >= clock.rate);
+        const next = Math.min(RATES.length - 1, Math.max(0, at + action.steps));
+        return this.setRate(RATES[next]);
+      }
+      case "loop":
+        clock.loop = !clock.loop;
+        return panels.showLoop(clock.loop);
+      case "reset":
+        return this.reset();
+      case "camera":
+        return this.takeCamera(action.index);
+      case "fullscreen":
+        return panels.toggleFullscreen();
+      case "help":
+        return panels.toggleHelp();
+    }
+  }
+
+  /** What another page may do with this one, in a frame of its own origin: window.tessera. */
+  get handle() {
+    return {
+      play: () => this.clock.play(),
+      pause: () => this.clock.pause(),
+      seek: (seconds: number) => this.seek(seconds),
+      camera: (name: string) => this.takeCamera(this.cameraOf(name)),
+      settle: () => this.view.settle(),
+      time: () => this.clock.now(),
+      duration: () => this.info.time.duration,
+    };
+  }
+
+  fail(error: unknown): void {
+    this.panels.showLoading("", null, false);
+    this.panels.showTrouble(lineOf(error));
+  }
+}
+
+const page = new Page();
+page.open().then(
+  () => Object.assign(window, { tessera: page.handle }),
+  (error: unknown) => page.fail(error),
+);

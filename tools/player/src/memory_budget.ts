@@ -1,0 +1,10 @@
+// What: how many bytes of decoded Gaussians may stay, by what the browser says of the machine.
+// Not: which of them stay (blocks.ts).
+const DESKTOP = 768 << 20;
+const SMALL = 256 << 20; // phones, and machines of 4 GB or less
+
+export function memoryBudget(): number {
+  const { deviceMemory } = navigator as { deviceMemory?: number };
+  const small = deviceMemory !== undefined ? deviceMemory <= 4 : navigator.maxTouchPoints > 2;
+  return small ? SMALL : DESKTOP;
+}

@@ -1,0 +1,25 @@
+// What: an error that a person at the page can act on: one line, the file named, the remedy.
+// Not: how it is shown (ui.ts), and not our own bugs, which stay ordinary errors.
+
+export type Trouble = "network" | "data" | "device";
+
+export class PlayerError extends Error {
+  constructor(
+    message: string,
+    /** network: worth trying again; data: the file is what it is; device: no picture can be made. */
+    readonly trouble: Trouble = "data",
+  ) {
+    super(message);
+    this.name = "PlayerError";
+  }
+}
+
+/** The line to show for anything that was thrown. */
+export function lineOf(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}
+
+/** Whether a fetch was given up on purpose. */
+export function isAbort(error: unknown): boolean {
+  return error instanceof Error && error.name === "AbortError";
+}

@@ -1,0 +1,58 @@
+// What: what the page asks of a renderer: five calls and a camera. spark_view.ts is one; another
+//       engine would be a second file that implements SceneView, and nothing else would change.
+// Not: the clock, controls and panels of the page (main.ts).
+import type { Bounds, Camera, Quaternion, Triple } from "./manifest";
+import type { OpenedSource } from "./open_source";
+
+/** A pinhole's picture of width × height pixels; what lies beside it is shown too. */
+export interface Lens {
+  fx: number;
+  fy: number;
+  cx: number;
+  cy: number;
+  width: number;
+  height: number;
+}
+
+/** Where the picture is taken from. Whoever changes it counts `version` up. */
+export interface ViewCamera {
+  position: Triple; // world units
+  rotation: Quaternion; // camera axes (right, down, forward) into the world
+  lens: Lens;
+  version: number;
+}
+
+export interface SceneInfo {
+  time: { origin: number; duration: number; fps: number | null }; // seconds
+  /** Moments of the frames of a sequence, in t, ascending; null: any moment can be drawn. */
+  frames: number[] | null;
+  up: Triple;
+  bounds: Bounds | null;
+  cameras: Camera[];
+  gaussians: number; // for a sequence: of its largest frame
+  audio: string | null; // address
+}
+
+/** How play goes on from the moment that is drawn. */
+export interface Play {
+  ahead: number; // t to fetch in advance; negative: backwards; 0: paused
+  loop: boolean;
+}
+
+/** bytes: arrived of those that the first picture needs. */
+export type Progress = (bytes: number, needed: number) => void;
+
+export interface SceneView {
+  /** Reads what the scene is. Throws PlayerError. */
+  load(source: OpenedSource, progress: Progress): Promise<SceneInfo>;
+  /**
+   * Draws moment t (0 to 1) from the camera, if that or anything else has changed since; called
+   * for every frame of the display. Tells whether data of t is on its way, and what is missing.
+   */
+  setTime(t: number, play: Play): { waiting: boolean; trouble: string | null };
+  /** Size of the picture in CSS pixels, and device pixels for each of them. */
+  resize(width: number, height: number, dpr: number): void;
+  /** Resolves when the picture of the last moment is complete: data, depth order, pixels. */
+  settle(): Promise<void>;
+  dispose(): void;
+}

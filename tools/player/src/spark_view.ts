@@ -1,0 +1,97 @@
+// What: SceneView on Spark and three.js.
+// Not: the page around it.
+import { BlocksContent } from "./blocks_content";
+import type { Content } from "./content";
+import { FramesContent } from "./frames_content";
+import type { Bounds, SplatRules, Triple } from "./manifest";
+import type { OpenedSource } from "./open_source";
+import type { Play, Progress, SceneInfo, SceneView, ViewCamera } from "./scene_view";
+import { Stage } from "./stage";
+
+const NEAR = 0.2; // world units, as the program renders
+const NEAR_OF_RADIUS = 0.02; // of small scenes
+
+function nearOf(bounds: Bounds | null): number {
+  if (bounds === null) return NEAR;
+  const size = Math.hypot(...bounds.max.map((high, k) => high - bounds.min[k]));
+  return size > 0 ? Math.min(NEAR, (NEAR_OF_RADIUS * size) / 2) : NEAR;
+}
+
+/** Resolves when the browser has shown a frame, or after a while where it shows none (hidden tab). */
+function nextFrame(): Promise<void> {
+  return new Promise((resolve) => {
+    const late = setTimeout(resolve, 200);
+    requestAnimationFrame(() => {
+      clearTimeout(late);
+      resolve();
+    });
+  });
+}
+
+export class SparkView implements SceneView {
+  private readonly stage: Stage;
+  private content: Content | null = null;
+  private dirty = true;
+  private seen = -1; // version of the camera that was drawn
+  private t = 0;
+  private play: Play = { ahead: 0, loop: false };
+  private disposed = false;
+
+  /** Throws PlayerError where there is no WebGL2. */
+  constructor(
+    canvas: HTMLCanvasElement,
+    private readonly camera: ViewCamera,
+  ) {
+    this.stage = new Stage(canvas, camera, () => (this.dirty = true));
+  }
+
+  async load(source: OpenedSource, progress: Progress): Promise<SceneInfo> {
+    const drawn: { background: Triple; splat: SplatRules } =
+      source.kind === "4d" ? source.blocks.manifest : source.sequence;
+    this.stage.setBackground(drawn.background);
+    this.stage.setRules(drawn.splat);
+    const changed = () => (this.dirty = true);
+    this.content =
+      source.kind === "4d"
+        ? new BlocksContent(source.blocks, this.stage, this.camera, progress, changed)
+        : new FramesContent(source.sequence, this.stage, progress, changed);
+    this.stage.near = nearOf(this.content.info.bounds);
+    return this.content.info;
+  }
+
+  setTime(t: number, play: Play): { waiting: boolean; trouble: string | null } {
+    this.t = t;
+    this.play = play;
+    const { content } = this;
+    if (content === null) return { waiting: false, trouble: null };
+    const seen = this.camera.version !== this.seen;
+    const changed = content.show(t, play, seen);
+    if (changed || seen || this.dirty) {
+      this.dirty = false;
+      this.seen = this.camera.version;
+      this.stage.draw();
+    }
+    return { waiting: content.waiting(t), trouble: content.trouble(t) };
+  }
+
+  resize(width: number, height: number, dpr: number): void {
+    this.stage.resize(width, height, dpr);
+    this.dirty = true;
+  }
+
+  async settle(): Promise<void> {
+    for (let quiet = 0; quiet < 2 && !this.disposed; ) {
+      const { waiting } = this.setTime(this.t, this.play);
+      await nextFrame();
+      quiet = !waiting && !this.dirty && this.stage.sorted ? quiet + 1 : 0;
+    }
+    this.stage.finish();
+    await nextFrame();
+  }
+
+  dispose(): void {
+    this.disposed = true;
+    this.content?.dispose();
+    this.stage.dispose();
+  }
+}

@@ -1,0 +1,125 @@
+// What: canvas, three.js and Spark set up so that splats look as they were trained: z order, float32
+//       centres, the file's filter and cut-offs, exact pinhole intrinsics.
+// Not: what is drawn (blocks_content.ts, frames_content.ts).
+import { SparkRenderer, type SplatGenerator } from "@sparkjsdev/spark";
+import * as THREE from "three";
+import type { SplatRules, Triple } from "./manifest";
+import { PlayerError } from "./player_error";
+import type { ViewCamera } from "./scene_view";
+
+const MAX_PIXEL_RADIUS = 8192; // of a splat: no limit in practice, as in the program's renderer
+const FAR_TO_NEAR = 1e5;
+
+/** Half turn about x: from axes right, down, forward to right, up, backward. */
+const RUB_FROM_RDF = new THREE.Quaternion(1, 0, 0, 0);
+
+export class Stage {
+  readonly scene = new THREE.Scene();
+  /** World units; nothing nearer is drawn. */
+  near = 0.2;
+  private readonly camera = new THREE.PerspectiveCamera();
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly spark: SparkRenderer;
+  private size = { width: 1, height: 1 }; // CSS pixels
+
+  /** `onDirty`: the picture is not the latest any more (a new depth order has arrived). */
+  constructor(
+    canvas: HTMLCanvasElement,
+    private readonly view: ViewCamera,
+    onDirty: () => void,
+  ) {
+    const context = canvas.getContext("webgl2", {
+      alpha: false,
+      antialias: false,
+      powerPreference: "high-performance",
+    });
+    if (context === null)
+      throw new PlayerError(
+        "this browser offers no WebGL2: use a current Chrome, Firefox, Edge or Safari, and switch " +
+          "on graphics acceleration in its settings",
+        "device",
+      );
+    this.renderer = new THREE.WebGLRenderer({ canvas, context, antialias: false });
+    this.spark = new SparkRenderer({
+      renderer: this.renderer,
+      onDirty,
+      accumExtSplats: true,
+      sortRadial: false,
+      enableLod: false,
+      maxPixelRadius: MAX_PIXEL_RADIUS,
+    });
+    this.scene.add(this.spark);
+    this.camera.matrixAutoUpdate = false;
+  }
+
+  setRules(rules: SplatRules): void {
+    this.spark.preBlurAmount = rules.compensated ? 0 : rules.dilation;
+    this.spark.blurAmount = rules.compensated ? rules.dilation : 0;
+    this.spark.maxStdDev = rules.cutoffSigma;
+    this.spark.minAlpha = rules.cutoffAlpha;
+  }
+
+  /** sRGB, 0 to 255 */
+  setBackground([r, g, b]: Triple): void {
+    const colour = new THREE.Color().setRGB(r / 255, g / 255, b / 255, THREE.SRGBColorSpace);
+    this.renderer.setClearColor(colour, 1);
+  }
+
+  resize(width: number, height: number, dpr: number): void {
+    this.size = { width: Math.max(1, width), height: Math.max(1, height) };
+    this.renderer.setPixelRatio(dpr);
+    this.renderer.setSize(this.size.width, this.size.height, false);
+  }
+
+  /** The rig's picture lies centred in the window, as large as fits; the window shows what is around. */
+  private applyCamera(): void {
+    const { position, rotation, lens } = this.view;
+    const { width, height } = this.size;
+    const scale = Math.min(width / lens.width, height / lens.height);
+    const fx = lens.fx * scale;
+    const fy = lens.fy * scale;
+    const cx = (width - lens.width * scale) / 2 + lens.cx * scale;
+    const cy = (height - lens.height * scale) / 2 + lens.cy * scale;
+    const [near, far] = [this.near, this.near * FAR_TO_NEAR];
+    const z = (far + near) / (near - far);
+    const w = (2 * far * near) / (near - far);
+    // rows; x_ndc = 2 x_pixel / width − 1, y_ndc = 1 − 2 y_pixel / height
+    this.camera.projectionMatrix.set(
+      ...([(2 * fx) / width, 0, 1 - (2 * cx) / width, 0] as const),
+      ...([0, (2 * fy) / height, (2 * cy) / height - 1, 0] as const),
+      ...([0, 0, z, w] as const),
+      ...([0, 0, -1, 0] as const),
+    );
+    this.camera.projectionMatrixInverse.copy(this.camera.projectionMatrix).invert();
+    const [qw, qx, qy, qz] = rotation;
+    this.camera.position.set(...position);
+    this.camera.quaternion.set(qx, qy, qz, qw).normalize().multiply(RUB_FROM_RDF);
+    this.camera.updateMatrix();
+    this.camera.updateMatrixWorld(true);
+  }
+
+  draw(): void {
+    this.applyCamera();
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** Whether the depth order on the screen is that of the last draw. */
+  get sorted(): boolean {
+    const { sorting, sortDirty, display, current } = this.spark;
+    return !sorting && !sortDirty && display === current;
+  }
+
+  /** Resolves once the card has done what it was told. */
+  finish(): void {
+    this.renderer.getContext().finish();
+  }
+
+  add(splats: SplatGenerator): void {
+    this.scene.add(splats);
+  }
+
+  dispose(): void {
+    this.spark.dispose();
+    this.renderer.dispose();
+  }
+}

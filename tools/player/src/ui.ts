@@ -1,0 +1,132 @@
+// What: the page's panels: what they show, and what a person asks of them.
+// Not: what is done about it (main.ts), keys (keys.ts), the picture.
+import type { Action } from "./keys";
+
+export const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
+
+const IDLE_MS = 3000; // without a pointer or a key, panels of a playing scene fade
+
+function element<T extends HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (found === null) throw new Error(`the page has no #${id}`);
+  return found as T;
+}
+
+export class Panels {
+  private readonly timeline = element<HTMLInputElement>("timeline");
+  private readonly time = element<HTMLOutputElement>("time");
+  private readonly rate = element<HTMLSelectElement>("rate");
+  private readonly camera = element<HTMLSelectElement>("camera");
+  private readonly loading = element("loading");
+  private readonly trouble = element("trouble");
+  private readonly help = element<HTMLDialogElement>("help");
+  private dismissed: string | null = null;
+  private idleTimer = 0;
+  private playing = false;
+  private duration = 0;
+
+  constructor(
+    act: (action: Action) => void,
+    seek: (seconds: number) => void,
+    setRate: (rate: number) => void,
+    private readonly visible: boolean,
+  ) {
+    const press = (id: string, action: Action) =>
+      element(id).addEventListener("click", () => act(action));
+    press("play", { do: "toggle" });
+    press("back", { do: "step", frames: -1 });
+    press("forward", { do: "step", frames: 1 });
+    press("loop", { do: "loop" });
+    press("reset", { do: "reset" });
+    press("fullscreen", { do: "fullscreen" });
+    press("help-open", { do: "help" });
+    this.timeline.addEventListener("input", () => seek(this.timeline.valueAsNumber));
+    this.rate.addEventListener("change", () => setRate(Number(this.rate.value)));
+    this.camera.addEventListener("change", () =>
+      act({ do: "camera", index: Number(this.camera.value) }),
+    );
+    element("trouble-close").addEventListener("click", () => {
+      this.dismissed = element("trouble-line").textContent;
+      this.trouble.hidden = true;
+    });
+    for (const name of ["pointermove", "pointerdown", "keydown"] as const)
+      addEventListener(name, () => this.wake());
+  }
+
+  /** Once the scene is known. `duration`: seconds; 0 leaves the time line away. */
+  open(duration: number, cameras: string[], about: string, licences: string): void {
+    this.duration = duration;
+    this.timeline.max = String(duration);
+    element("duration").textContent = duration.toFixed(2);
+    this.camera.replaceChildren(new Option("free", "-1"));
+    cameras.forEach((name, i) => this.camera.add(new Option(name, String(i))));
+    element("camera-choice").hidden = cameras.length === 0;
+    element("about").textContent = about;
+    element("licences").textContent = licences;
+    element("top").hidden = !this.visible;
+    element("bar").hidden = !this.visible || duration === 0;
+  }
+
+  showTime(seconds: number): void {
+    this.time.value = seconds.toFixed(2);
+    this.timeline.valueAsNumber = seconds;
+    this.timeline.style.setProperty("--done", `${(100 * seconds) / (this.duration || 1)}%`);
+  }
+
+  showPlaying(playing: boolean): void {
+    if (playing !== this.playing) this.wake();
+    this.playing = playing;
+    const button = element("play");
+    button.classList.toggle("playing", playing);
+    button.setAttribute("aria-label", playing ? "Pause (space)" : "Play (space)");
+  }
+
+  showLoop(loop: boolean): void {
+    element("loop").setAttribute("aria-pressed", String(loop));
+  }
+
+  showRate(rate: number): void {
+    const rates = RATES.includes(rate) ? RATES : [...RATES, rate].sort((a, b) => a - b);
+    this.rate.replaceChildren(...rates.map((r) => new Option(`${r}×`, String(r))));
+    this.rate.value = String(rate);
+  }
+
+  /** −1: none of the rig's. */
+  showCamera(index: number): void {
+    this.camera.value = String(index);
+  }
+
+  /** `share`: 0 to 1; null: nothing is awaited. `quiet`: a picture is there already. */
+  showLoading(line: string, share: number | null, quiet: boolean): void {
+    this.loading.hidden = share === null;
+    this.loading.classList.toggle("quiet", quiet);
+    element("loading-line").textContent = line;
+    element("loading-bar").style.width = `${100 * Math.min(1, share ?? 0)}%`;
+  }
+
+  /** One line, until it is closed or nothing is wrong any more. */
+  showTrouble(line: string | null): void {
+    if (line === null) this.dismissed = null;
+    this.trouble.hidden = line === null || line === this.dismissed;
+    if (line !== null && element("trouble-line").textContent !== line)
+      element("trouble-line").textContent = line;
+  }
+
+  toggleHelp(): void {
+    if (this.help.open) this.help.close();
+    else this.help.showModal();
+  }
+
+  toggleFullscreen(): void {
+    if (document.fullscreenElement) void document.exitFullscreen();
+    else document.documentElement.requestFullscreen?.().catch(() => this.wake());
+  }
+
+  private wake(): void {
+    document.body.classList.remove("idle");
+    clearTimeout(this.idleTimer);
+    this.idleTimer = window.setTimeout(() => {
+      if (this.playing) document.body.classList.add("idle");
+    }, IDLE_MS);
+  }
+}

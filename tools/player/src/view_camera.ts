@@ -1,0 +1,100 @@
+// What: views to start from: those of the rig, exactly as they took their pictures, and one that
+//       shows the whole scene where there is no rig.
+// Not: moving about (orbit.ts) nor the projection matrix (stage.ts).
+import * as THREE from "three";
+import type { Bounds, Camera, Triple } from "./manifest";
+import type { Lens, SceneInfo } from "./scene_view";
+
+export interface Pose {
+  position: THREE.Vector3;
+  rotation: THREE.Quaternion; // camera axes (right, down, forward) into the world
+  /** From the camera to what it turns about, world units. */
+  distance: number;
+  lens: Lens;
+}
+
+/** About 50 degrees both ways. */
+const PLAIN_LENS: Lens = { fx: 1072, fy: 1072, cx: 500, cy: 500, width: 1000, height: 1000 };
+const MARGIN = 1.15; // of the whole scene, around it
+const PARALLEL = 1e-4; // least determinant of the axes' normal equations, per camera³
+
+export function sizeOf(bounds: Bounds | null): number {
+  if (bounds === null) return 1;
+  const [low, high] = [new THREE.Vector3(...bounds.min), new THREE.Vector3(...bounds.max)];
+  return Math.max(low.distanceTo(high) / 2, 1e-6);
+}
+
+function centreOf(bounds: Bounds | null): THREE.Vector3 {
+  if (bounds === null) return new THREE.Vector3();
+  return new THREE.Vector3(...bounds.min).add(new THREE.Vector3(...bounds.max)).multiplyScalar(0.5);
+}
+
+function rotationOf(camera: Camera): THREE.Quaternion {
+  const [w, x, y, z] = camera.rotation;
+  return new THREE.Quaternion(x, y, z, w).normalize();
+}
+
+/** The point nearest to all viewing axes; null where they run side by side. */
+function focusOf(cameras: Camera[]): THREE.Vector3 | null {
+  // Σ (1 − d dᵀ) x = Σ (1 − d dᵀ) p
+  const normal = new Array<number>(9).fill(0);
+  const right = new THREE.Vector3();
+  for (const camera of cameras) {
+    const d = new THREE.Vector3(0, 0, 1).applyQuaternion(rotationOf(camera)).toArray();
+    const p = camera.position;
+    const along = d[0] * p[0] + d[1] * p[1] + d[2] * p[2];
+    for (let i = 0; i < 3; ++i) {
+      right.setComponent(i, right.getComponent(i) + p[i] - d[i] * along);
+      for (let k = 0; k < 3; ++k) normal[3 * i + k] += Number(i === k) - d[i] * d[k];
+    }
+  }
+  const matrix = new THREE.Matrix3().fromArray(normal); // symmetric
+  if (!(matrix.determinant() > PARALLEL * cameras.length ** 3)) return null;
+  return right.applyMatrix3(matrix.invert());
+}
+
+/** A rig's camera; it turns about the point of its axis that is nearest to what all look at. */
+export function rigPose(camera: Camera, info: SceneInfo): Pose {
+  const rotation = rotationOf(camera);
+  const position = new THREE.Vector3(...camera.position);
+  const forward = new THREE.Vector3(0, 0, 1).applyQuaternion(rotation);
+  const focus = focusOf(info.cameras) ?? centreOf(info.bounds);
+  const along = focus.clone().sub(position).dot(forward);
+  const size = sizeOf(info.bounds);
+  const { fx, fy, cx, cy, width, height } = camera;
+  return {
+    position,
+    rotation,
+    distance: along > 0.05 * size ? along : size,
+    lens: { fx, fy, cx, cy, width, height },
+  };
+}
+
+/** Camera axes from a viewing direction; `up`: any vector not along it. */
+export function lookRotation(forward: THREE.Vector3, up: THREE.Vector3): THREE.Quaternion {
+  const z = forward.clone().normalize();
+  const x = z.clone().cross(up).normalize();
+  const y = z.clone().cross(x);
+  return new THREE.Quaternion().setFromRotationMatrix(new THREE.Matrix4().makeBasis(x, y, z));
+}
+
+/** All of the scene, from a little above. */
+function overviewPose(info: SceneInfo): Pose {
+  const up = new THREE.Vector3(...(info.up as Triple)).normalize();
+  const axis = Math.abs(up.z) < 0.9 ? new THREE.Vector3(0, 0, 1) : new THREE.Vector3(0, 1, 0);
+  const level = axis.clone().addScaledVector(up, -axis.dot(up)).normalize();
+  const forward = level.clone().addScaledVector(up, -0.25).normalize();
+  const half = PLAIN_LENS.width / 2 / PLAIN_LENS.fx;
+  const distance = (MARGIN * sizeOf(info.bounds)) / Math.sin(Math.atan(half));
+  return {
+    position: centreOf(info.bounds).addScaledVector(forward, -distance),
+    rotation: lookRotation(forward, up),
+    distance,
+    lens: PLAIN_LENS,
+  };
+}
+
+/** The view that a scene opens with. */
+export function homePose(info: SceneInfo): Pose {
+  return info.cameras.length > 0 ? rigPose(info.cameras[0], info) : overviewPose(info);
+}

@@ -1,0 +1,58 @@
+// What: the page as one file: script and style are written into index.html, with the licences of
+//       what is built in at its top.
+// Not: the player.
+import { readFileSync } from "node:fs";
+import { defineConfig, type Plugin } from "vite";
+
+const NOTICES = ["three", "@sparkjsdev/spark"].map((name) => {
+  const folder = new URL(`node_modules/${name}/`, import.meta.url);
+  const { version } = JSON.parse(readFileSync(new URL("package.json", folder), "utf8"));
+  return `${name} ${version}\n\n${readFileSync(new URL("LICENSE", folder), "utf8").trim()}`;
+});
+
+const HEADING = `<!--\nTessera's player. It contains:\n\n${NOTICES.join("\n\n")}\n-->\n`;
+
+function oneFile(): Plugin {
+  return {
+    name: "one-file",
+    enforce: "post",
+    generateBundle(_options, bundle) {
+      const page = bundle["index.html"];
+      if (page?.type !== "asset") throw new Error("the build made no index.html");
+      let html = String(page.source);
+      for (const [name, item] of Object.entries(bundle)) {
+        if (item === page) continue;
+        const text = String(item.type === "chunk" ? item.code : item.source);
+        const source = text.replace(/\/\/# sourceMappingURL=[\w.-]+/g, ""); // would be asked for
+        const tag = new RegExp(`[ \\t]*<(script|link)[^>]*${name.replace(/\W/g, "\\$&")}[^>]*>(</script>)?\\n?`);
+        if (!tag.test(html)) throw new Error(`${name} is not in index.html: it cannot be one file`);
+        html = html.replace(tag, "");
+        const inline =
+          item.type === "chunk"
+            ? `<script type="module">${source.replace(/<\/(script)/gi, "<\\/$1")}</script>\n`
+            : `<style>${source}</style>\n`;
+        const end = item.type === "chunk" ? "</body>" : "</head>";
+        const at = html.lastIndexOf(end);
+        html = html.slice(0, at) + inline + html.slice(at);
+        delete bundle[name];
+      }
+      page.source = html.replace(/^(<!doctype html>\n)/i, (doctype) => doctype + HEADING);
+      page.fileName = "player.html";
+    },
+  };
+}
+
+export default defineConfig({
+  base: "./",
+  publicDir: false,
+  build: {
+    target: "es2022",
+    assetsInlineLimit: Number.MAX_SAFE_INTEGER,
+    cssCodeSplit: false,
+    modulePreload: false,
+    reportCompressedSize: false,
+    chunkSizeWarningLimit: 8192,
+  },
+  worker: { format: "es" },
+  plugins: [oneFile()],
+});
