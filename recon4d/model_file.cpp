@@ -42,7 +42,7 @@ std::vector<double> numbers_if_any(const std::filesystem::path& path,
     }
     if (numbers.size() == count && at == end) return numbers;
     throw InputError(
-        fmt::format("{}: comment '{}' is malformed, expected {} finite numbers; export again",
+        fmt::format("{}: comment '{}' is malformed, expected {} numbers, finite; export again",
                     path.string(), comment, count));
   }
   return {};
