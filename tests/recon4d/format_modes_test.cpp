@@ -124,7 +124,11 @@ TEST(FormatModes, E1FramesLookLikeTheModel) {
 // those of each Gaussian's own moment; seen to fail.
 TEST(FormatModes, E1TheFileThatHoldsTimeLooksLikeTheModel) {
   const TemporaryFolder folder;
-  const GaussianModel model = plain_model(40, 60);
+  GaussianModel model = plain_model(40, 60);
+  for (int64_t n = 0; n < 60; n += 3) {  // drawn in the clip, at their own moment out of it
+    model.dynamic_set.group(kMeanTime).value[n] = n % 2 == 0 ? -0.3f : 1.3f;
+    model.dynamic_set.group(kLogScaleTime).value[n] = std::log(0.5f);
+  }
   for (const bool lossless : {true, false}) {
     Tessera4dOptions options;
     options.lossless = lossless;
