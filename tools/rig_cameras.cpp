@@ -43,7 +43,9 @@ std::vector<RigCamera> places_of(const std::vector<NamedView>& views) {
 
 Rig rig_of(const std::string& cameras, const std::string& model_path, const GaussianModel& model) {
   CameraChoice choice;
-  choice.cameras = cameras.empty() ? RunFolder{model_path}.scene() : cameras;
+  const std::filesystem::path model_place(model_path);
+  const RunFolder run{is_directory(model_place) ? model_place : model_place.parent_path()};
+  choice.cameras = cameras.empty() ? run.scene() : cameras;
   if (choice.cameras.empty() || (cameras.empty() && !std::filesystem::exists(choice.cameras)))
     return {};
   std::vector<NamedView> views;
