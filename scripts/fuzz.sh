@@ -18,7 +18,7 @@ cmake -S . -B $build -G Ninja -DTESSERA_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++-14 
   -DCMAKE_BUILD_TYPE=None -DTESSERA_INGEST=OFF -DTESSERA_CUDA=OFF -DTESSERA_TESTS=OFF >/dev/null
 ninja -C $build fuzz_seeds "${readers[@]/#/fuzz_}" >$build/ninja.log || { cat $build/ninja.log; exit 1; }
 
-export TMPDIR
+export TMPDIR ASAN_OPTIONS=quarantine_size_mb=32
 TMPDIR=$(mktemp -d -p "$([ -d /dev/shm ] && echo /dev/shm || echo /tmp)")
 trap 'rm -rf "$TMPDIR"' EXIT
 mkdir -p $build/crashes
