@@ -53,6 +53,6 @@ export default defineConfig({
     reportCompressedSize: false,
     chunkSizeWarningLimit: 8192,
   },
-  worker: { format: "es" },
+  worker: { format: "iife" }, // browsers start no module from a blob of a file:// page
   plugins: [oneFile()],
 });

@@ -9,6 +9,7 @@ import type { Play, Progress, SceneInfo, SceneView, ViewCamera } from "./scene_v
 import { Stage } from "./stage";
 
 const NEAR = 0.2; // world units, as the program renders
+const LONGEST_MS = 10000; // that settle() waits
 const NEAR_OF_RADIUS = 0.02; // of small scenes
 
 function nearOf(bounds: Bounds | null): number {
@@ -80,7 +81,8 @@ export class SparkView implements SceneView {
   }
 
   async settle(): Promise<void> {
-    for (let quiet = 0; quiet < 2 && !this.disposed; ) {
+    const deadline = performance.now() + LONGEST_MS; // of a scene that plays on
+    for (let quiet = 0; quiet < 2 && !this.disposed && performance.now() < deadline; ) {
       const { waiting } = this.setTime(this.t, this.play);
       await nextFrame();
       quiet = !waiting && !this.dirty && this.stage.sorted ? quiet + 1 : 0;
