@@ -94,7 +94,7 @@ test('the 4D page shows what frames baked at that time show, and what the progra
     const [frames, program] = [psnr(moving[i], baked[i]), psnr(moving[i], rendered(t))];
     console.log(`t = ${t}: ${frames.toFixed(1)} dB to .ply, ${program.toFixed(1)} dB to render`);
     assert.ok(frames >= 45, `t = ${t}: ${frames} dB to the frame`);
-    assert.ok(program >= 35, `t = ${t}: ${program} dB to tessera render`);
+    assert.ok(program >= 45, `t = ${t}: ${program} dB to tessera render`);
   });
   assert.ok(psnr(moving[0], moving[2]) < 35, 'the scene moves');
 });
@@ -103,7 +103,7 @@ test('the 4D page shows what frames baked at that time show, and what the progra
 test('sequences of compressed .ply, .spz and .splat', async () => {
   for (const [format, least] of [['compressed', 40], ['spz', 40], ['splat', 35]]) {
     exportFrames(format);
-    const {page, problems} = await open(`${format}/${view}&t=0.9`);  // nearest: the second frame
+    const {page, problems} = await open(`${format}/${view}&t=0.4`);  // nearest: the second frame
     const value = psnr(await shot(page), rendered(0.25));
     await page.close();
     expectClean(problems);
@@ -115,7 +115,7 @@ test('sequences of compressed .ply, .spz and .splat', async () => {
 test('seeking away and back gives the same picture to the last bit', async () => {
   const {page, problems} = await open(`page/${view}`);
   const first = await pictureAt(page, 0.4);
-  const away = await pictureAt(page, 0.9);
+  const away = await pictureAt(page, 0.6);  // the same blocks
   const back = await pictureAt(page, 0.4);
   assert.ok(differing(first, away) > 1000);
   assert.equal(differing(first, back), 0);

@@ -33,7 +33,7 @@ function cacheOf({budget = 1e9, loads = () => ({memory: 10})} = {}) {
     onChange: () => log.push('change'),
   });
   const finish = async () => {
-    while (pending.size) {
+    for (let round = 0; round < 50 && pending.size; ++round) {
       [...pending.values()].forEach((go) => go());
       await turn();
     }
