@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 
 #include "ingest/files/ply_header.h"
@@ -35,13 +36,14 @@ std::vector<double> numbers_if_any(const std::filesystem::path& path,
     while (at < end && *at == ' ') {
       double value = 0;
       const auto parsed = std::from_chars(at + 1, end, value);
-      if (parsed.ec != std::errc()) break;
+      if (parsed.ec != std::errc() || !std::isfinite(value)) break;
       numbers.push_back(value);
       at = parsed.ptr;
     }
     if (numbers.size() == count && at == end) return numbers;
-    throw InputError(fmt::format("{}: comment '{}' is malformed, expected {} numbers; export again",
-                                 path.string(), comment, count));
+    throw InputError(
+        fmt::format("{}: comment '{}' is malformed, expected {} numbers, finite; export again",
+                    path.string(), comment, count));
   }
   return {};
 }
@@ -87,7 +89,11 @@ void read_rules(const std::filesystem::path& path, const std::vector<std::string
     model.sh_time_degree = int(sh_time[0]), model.sh_time_period = sh_time[1];
   }
   const auto scale = numbers_if_any(path, comments, "train_scale", 1);
-  if (!scale.empty()) model.train_scale = scale[0];
+  if (scale.empty()) return;
+  if (!(scale[0] > 0))
+    throw InputError(fmt::format("{}: train_scale {}, expected a number above 0; export again",
+                                 path.string(), scale[0]));
+  model.train_scale = scale[0];
 }
 
 void read_comments(const std::filesystem::path& path, const std::vector<std::string>& comments,
@@ -99,6 +105,9 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
                     "that wrote it or export again",
                     path.string(), version, kFormatVersion));
   const auto axis = numbers_of(path, comments, "time_axis", 2);
+  if (!(axis[1] > 0))
+    throw InputError(fmt::format("{}: a clip of {} seconds, expected more than 0; export again",
+                                 path.string(), axis[1]));
   model.time_axis = {axis[0], axis[1]};
   const double degree = numbers_of(path, comments, "sh_degree", 1)[0];
   if (!(degree >= 0 && degree <= kMaxShDegree))
@@ -113,12 +122,20 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
     model.background[c] = uint8_t(background[c]);
   }
   const auto planes = numbers_of(path, comments, "clip_planes", 2);
+  if (!(planes[0] > 0 && planes[1] > planes[0]))
+    throw InputError(
+        fmt::format("{}: clip planes {} and {}, expected one before the other; export "
+                    "again",
+                    path.string(), planes[0], planes[1]));
   model.near_plane = planes[0], model.far_plane = planes[1];
   const auto sliced = numbers_if_any(path, comments, "sliced_direction", 1);  // absent: older file
   if (!sliced.empty()) model.sliced_direction = sliced[0] != 0;
   read_rules(path, comments, model);
   const auto world = numbers_if_any(path, comments, "prepared_from_source", kSimilarityNumbers);
   if (world.empty()) return;  // older file: the source's own world
+  if (!(world[0] > 0))
+    throw InputError(fmt::format("{}: a world of scale {}, expected a number above 0; export again",
+                                 path.string(), world[0]));
   SimilarityNumbers numbers{};
   std::copy(world.begin(), world.end(), numbers.begin());
   model.prepared_from_source = similarity_from_numbers(numbers);

@@ -137,20 +137,23 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
 GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, Form form) {
   const int coefficients = stored_coefficients(path, element);
   const int levels = form == Form::kStatic ? 0 : stored_levels(element);
-  GaussianSet set(form, coefficients, host_memory(), levels);
-  set.resize(element.rows);
-  const GaussianSpans<float> values = set.values();
+  // All columns before any memory: a row of the file may be a byte where a Gaussian is hundreds.
+  std::vector<std::pair<SplatColumn, const PlyColumn*>> found;
   for (const SplatColumn& column : splat_columns(form, coefficients, levels)) {
     if (!column.group) continue;
-    const PlyColumn* const stored = element.find(column.name);
-    if (stored == nullptr)
+    found.emplace_back(column, element.find(column.name));
+    if (found.back().second == nullptr)
       throw InputError(fmt::format(
           "{}: element '{}' has no scalar property '{}', expected a Gaussian splat .ply; export it "
           "again",
           path.string(), element.name, column.name));
+  }
+  GaussianSet set(form, coefficients, host_memory(), levels);
+  set.resize(element.rows);
+  const GaussianSpans<float> values = set.values();
+  for (const auto& [column, stored] : found)
     for (int64_t n = 0; n < element.rows; ++n)
       values.at(*column.group, n)[column.offset] = float(stored->values[size_t(n)]);
-  }
   return set;
 }
 

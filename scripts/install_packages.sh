@@ -10,7 +10,8 @@ packages=(
   libopenimageio-dev libopencv-dev colmap gnuplot-nox
 )
 if [ "${1:-build}" = test ]; then
-  packages+=(libgtest-dev clang-format-14 clang-tidy-14 ccache ffmpeg chromium)
+  packages+=(libgtest-dev clang-14 libclang-rt-14-dev clang-format-14 clang-tidy-14 ccache ffmpeg
+    chromium)
   if ! command -v node >/dev/null; then
     packages+=(nodejs npm)
   fi

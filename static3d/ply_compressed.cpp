@@ -25,6 +25,16 @@ const std::vector<double>& values_of(const std::filesystem::path& path, const Pl
                   path.string(), element.name, name));
 }
 
+/// Words of 32 bits.
+const std::vector<double>& words_of(const std::filesystem::path& path, const PlyElement& vertex,
+                                    const std::string& name) {
+  const std::vector<double>& words = values_of(path, vertex, name);
+  if (vertex.find(name)->type == PlyType::kUint32) return words;
+  throw InputError(fmt::format(
+      "{}: property '{}' is not of type uint, expected a compressed splat .ply; export it again",
+      path.string(), name));
+}
+
 /// Three ranges of a chunk: [min, max] of three columns.
 struct Range {
   const std::vector<double>*low[3], *high[3];
@@ -90,17 +100,17 @@ GaussianSet decode_compressed_splat(const std::filesystem::path& path, const Ply
   if (chunks.rows * kChunk < vertex.rows)
     throw InputError(fmt::format("{}: {} chunks for {} splats, expected one per {}; export again",
                                  path.string(), chunks.rows, vertex.rows, kChunk));
-  GaussianSet set(Form::kStatic, coefficients_of(path, file));
-  set.resize(vertex.rows);
-  const GaussianSpans<float> to = set.values();
   const Range mean = range_of(path, chunks, {"x", "y", "z"});
   const Range scale = range_of(path, chunks, {"scale_x", "scale_y", "scale_z"});
   const bool ranged_colour = chunks.find("min_r") != nullptr;  // absent before SuperSplat 1.9
   const Range colour = ranged_colour ? range_of(path, chunks, {"r", "g", "b"}) : Range{};
-  const auto& position = values_of(path, vertex, "packed_position");
-  const auto& rotation = values_of(path, vertex, "packed_rotation");
-  const auto& scales = values_of(path, vertex, "packed_scale");
-  const auto& rgba = values_of(path, vertex, "packed_color");
+  const auto& position = words_of(path, vertex, "packed_position");
+  const auto& rotation = words_of(path, vertex, "packed_rotation");
+  const auto& scales = words_of(path, vertex, "packed_scale");
+  const auto& rgba = words_of(path, vertex, "packed_color");
+  GaussianSet set(Form::kStatic, coefficients_of(path, file));
+  set.resize(vertex.rows);
+  const GaussianSpans<float> to = set.values();
   for (int64_t n = 0; n < vertex.rows; ++n) {
     const int64_t chunk = n / kChunk;
     decode_vector(uint32_t(position[size_t(n)]), mean, chunk, to.at(kMean, n));

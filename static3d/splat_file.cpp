@@ -119,7 +119,10 @@ bool is_splat_file(const std::filesystem::path& path, std::string_view head) {
 SplatFile load_splat_file(const std::filesystem::path& path) {
   const Reader reader = reader_of(path, head_of(path));
   if (reader.load == nullptr)
-    throw InputError(fmt::format("{}: no splats; expected a .ply, .spz or .splat", path.string()));
+    throw InputError(
+        fmt::format("{}: no splats; expected a .ply, .spz or .splat (splat-transform converts "
+                    ".ksplat and .sog)",
+                    path.string()));
   SplatFile file = reader.load(path);
   drop_unsound(path, file);
   const int64_t changed = normalise_rotations(file.set);

@@ -25,6 +25,10 @@ constexpr uint32_t kVersion4Header = 32;  // bytes
 constexpr int kFractionBits = 12;
 constexpr double kColourScale = 0.15;
 constexpr uint64_t kMostSplats = uint64_t{1} << 28;
+constexpr uint64_t kHeaderBytes = 16;
+constexpr uint64_t kMostExtra = 1 << 20;  // behind the columns: extensions
+constexpr uint64_t kMostPacked = 2000;    // bytes that one of zstd may promise; gzip ends at 1032
+constexpr uint64_t kMostUnasked = 64 << 20;  // bytes that may be promised by as few as there are
 
 struct SpzHeader {
   uint32_t magic = kMagic, version = 3, count = 0;
@@ -62,6 +66,19 @@ uint64_t sh_bytes(const SpzHeader& header) {
   return uint64_t(3 * (sh_coefficients(header.sh_degree) - 1));
 }
 
+/// Bytes of a splat in all columns.
+uint64_t splat_bytes(const SpzHeader& header) {
+  return 9 + 1 + 3 + 3 + rotation_bytes(header) + sh_bytes(header);
+}
+
+/// What gzip holds: the header first, then as much as that says.
+std::string unpacked(std::string_view file, const std::filesystem::path& path) {
+  const std::string head = gunzip_head(file, kHeaderBytes, path);
+  ByteReader bytes(head, path);
+  const SpzHeader header = read_header(bytes, path);
+  return gunzip(file, kHeaderBytes + header.count * splat_bytes(header) + kMostExtra, path);
+}
+
 SpzColumns columns_of(ByteReader& bytes, const SpzHeader& header) {
   SpzColumns columns;
   columns.position = bytes.take_rows(header.count, 9);
@@ -77,7 +94,7 @@ SpzColumns columns_of(ByteReader& bytes, const SpzHeader& header) {
 /// The streams of version 4 one after the other, as versions 2 and 3 hold them.
 std::string joined_streams(ByteReader& bytes, const SpzHeader& header,
                            const std::filesystem::path& path) {
-  const uint64_t width = 9 + 1 + 3 + 3 + rotation_bytes(header) + sh_bytes(header);
+  const uint64_t width = splat_bytes(header);
   const uint32_t toc = bytes.number<uint32_t>();
   bytes.take(12);
   if (toc < kVersion4Header)
@@ -96,6 +113,9 @@ std::string joined_streams(ByteReader& bytes, const SpzHeader& header,
                                    path.string(), header.count));
     total += sizes.back().second;
   }
+  if (total > kMostPacked * bytes.left() + kMostUnasked)
+    throw InputError(fmt::format("{}: its {} bytes promise {}; it is damaged, fetch it again",
+                                 path.string(), bytes.left(), total));
   std::string joined;
   joined.resize(total);
   uint64_t at = 0;
@@ -282,8 +302,7 @@ bool is_spz(std::string_view head) {
 
 SplatFile load_spz(const std::filesystem::path& path) {
   std::string file = read_text_file(path);
-  constexpr uint64_t kMostBytes = uint64_t{1} << 34;
-  if (is_gzip(file)) file = gunzip(file, kMostBytes, path);
+  if (is_gzip(file)) file = unpacked(file, path);
   ByteReader bytes(file, path);
   const SpzHeader header = read_header(bytes, path);
   const std::string streams =

@@ -43,30 +43,17 @@ Image8 size_of(const TransformsFrame& frame, const fs::path& folder) {
   }
 }
 
-double time_of(const TransformsFrame& frame, const TransformsCapture& path,
-               const CameraChoice& choice, const GaussianModel& model) {
+double time_of(const KeyFrame& key, const CameraChoice& choice, const GaussianModel& model) {
   if (choice.time) return *choice.time;
-  if (!frame.time) {
-    if (model.dynamic_set.count() == 0) return 0;
-    throw InputError(
-        fmt::format("{}: has no time and the model moves; add it or pass --time", frame.where));
-  }
-  // A prepared scene states normalised times, any other file those of the capture's own clock.
-  return model_time(model, path.prepared_axis.value_or(TimeAxis{}), *frame.time);
+  if (key.time || model.dynamic_set.count() == 0) return key.time.value_or(0);
+  throw InputError(
+      fmt::format("{}: has no time and the model moves; add it or pass --time", key.where));
 }
 
 std::vector<NamedView> views_of_path(const CameraChoice& choice, const GaussianModel& model) {
-  const TransformsCapture path = read_camera_path(choice.cameras);
   std::vector<NamedView> views;
-  for (const TransformsFrame& frame : path.frames) {
-    if (!choice.split.empty() && frame.split != parse_split(choice.split)) continue;
-    Camera camera = frame.camera;
-    const Image8 size = size_of(frame, choice.cameras.parent_path());
-    set_intrinsics(camera, frame.intrinsics, size.width, size.height, frame.where);
-    views.push_back({frame.name,
-                     {model_camera(model, path.prepared_from_source, camera),
-                      time_of(frame, path, choice, model)}});
-  }
+  for (const KeyFrame& key : read_key_frames(choice.cameras, choice.split, model))
+    views.push_back({key.name, {key.camera, time_of(key, choice, model)}});
   return views;
 }
 
@@ -84,6 +71,25 @@ std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianMode
     throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
                                  choice.cameras.string(), choice.split));
   return views;
+}
+
+std::vector<KeyFrame> read_key_frames(const fs::path& file, const std::string& split,
+                                      const GaussianModel& model) {
+  const TransformsCapture path = read_camera_path(file);
+  std::vector<KeyFrame> keys;
+  for (const TransformsFrame& frame : path.frames) {
+    if (!split.empty() && frame.split != parse_split(split)) continue;
+    Camera camera = frame.camera;
+    const Image8 size = size_of(frame, file.parent_path());
+    set_intrinsics(camera, frame.intrinsics, size.width, size.height, frame.where);
+    KeyFrame key{
+        frame.name, frame.where, model_camera(model, path.prepared_from_source, camera), {}};
+    // A prepared scene states normalised times, any other file those of the capture's own clock.
+    if (frame.time)
+      key.time = model_time(model, path.prepared_axis.value_or(TimeAxis{}), *frame.time);
+    keys.push_back(std::move(key));
+  }
+  return keys;
 }
 
 Split parse_split(const std::string& name) {

@@ -26,6 +26,19 @@ struct CameraChoice {
 /// a frame without a time for a model that moves.
 std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianModel& model);
 
+/// A pose of a transforms file, in the model's world.
+struct KeyFrame {
+  std::string name;   // as NamedView
+  std::string where;  // file and frame, for messages
+  Camera camera;
+  std::optional<double> time;  // normalised, of the model; where the file states one
+};
+
+/// The frames of a transforms file, of one split or of all ("").
+/// Errors: InputError: unreadable, no size of a picture.
+std::vector<KeyFrame> read_key_frames(const std::filesystem::path& file, const std::string& split,
+                                      const GaussianModel& model);
+
 /// "train", "val" or "test". Errors: InputError.
 Split parse_split(const std::string& name);
 

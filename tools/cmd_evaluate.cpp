@@ -48,7 +48,7 @@ std::string picture_folder(const EvaluateRequest& request, double scale) {
 fs::path scene_path(const EvaluateRequest& request, const fs::path& model) {
   if (!request.scene.empty()) return request.scene;
   const RunFolder run{fs::is_directory(model) ? model : model.parent_path()};
-  const std::string scene = run.exists() ? run.read_config().value("scene", "") : "";
+  const std::string scene = run.scene();
   if (scene.empty())
     throw InputError(
         fmt::format("{}: no run folder that names its scene; pass --scene FOLDER", model.string()));

@@ -40,13 +40,14 @@ void check_options(const ExportRequest& request, const TimeFormat* in_time) {
       {"--frames", times.frames.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
       {"--time", times.time.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
       {"--range", !times.range.empty(), in_time == nullptr, "frames (ply, spz, …)"},
-      {"--fps", times.fps.has_value(), in_time == nullptr || tessera4d, "all but model"},
+      {"--fps", times.fps.has_value(), in_time == nullptr || tessera4d, "all but splatv and model"},
       {"--page", request.page, in_time == nullptr, "frames; --format page has it already"},
       {"--spz-version", request.spz_version != 3, request.format == "spz", "spz"},
       {"--single", request.single, request.format == "tessera", "tessera"},
       {"--lossless", request.lossless, tessera4d, "tessera, page and html"},
       {"--segment", request.segment_seconds != 1, tessera4d, "tessera, page and html"},
-      {"--cameras", !request.cameras.empty(), tessera4d, "tessera, page and html"},
+      {"--cameras", !request.cameras.empty(), tessera4d || request.format == "splatv",
+       "tessera, page, html and splatv"},
       {"--audio", !request.audio.empty(), tessera4d && !one_file, "folders: tessera and page"},
   };
   for (const auto& rule : rules)
@@ -155,7 +156,7 @@ void add_export_command(CLI::App& app, Work& work) {
   command->add_option("--segment", request->segment_seconds, "Tessera 4D: seconds of a segment");
   command->add_option(
       "--cameras", request->cameras,
-      "Tessera 4D: scene folder or transforms file whose cameras the player offers; "
+      "Tessera 4D, splatv: scene folder or transforms file whose cameras the player offers; "
       "default: of the scene that the run was trained on");
   command->add_option("--audio", request->audio, "Tessera 4D: sound, which becomes the clock");
   command->add_flag("--keep-world", request->keep_world,

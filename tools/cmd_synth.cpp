@@ -37,19 +37,6 @@ std::vector<std::string> names_of(const Rows& rows) {
                                typed, nearest_name(typed, names), fmt::join(names, ", ")));
 }
 
-/// "24" or "30000/1001".
-FrameRate parse_frame_rate(const std::string& text) {
-  FrameRate rate;
-  const char* const end = text.data() + text.size();
-  auto parsed = std::from_chars(text.data(), end, rate.numerator);
-  if (parsed.ec == std::errc() && parsed.ptr != end && *parsed.ptr == '/')
-    parsed = std::from_chars(parsed.ptr + 1, end, rate.denominator);
-  if (parsed.ec != std::errc() || parsed.ptr != end)
-    throw InputError(fmt::format(
-        "synth: --fps is '{}'; give a whole number or a fraction like 30000/1001", text));
-  return rate;
-}
-
 /// "cam03=1.5" → the shift of camera 3.
 void parse_shift(const std::string& text, std::vector<double>& shifts) {
   constexpr std::string_view kPrefix = "cam";
@@ -92,7 +79,7 @@ int synth(SynthRequest request) {
   const auto layout = find_synth_layout(request.layout);
   if (!layout) unknown("layout", request.layout, names_of(synth_layouts()));
   request.options.scene = *scene, request.options.layout = *layout;
-  request.options.fps = parse_frame_rate(request.fps);
+  request.options.fps = parse_frame_rate("synth", request.fps);
   for (const std::string& shift : request.shifts) parse_shift(shift, request.options.shifts);
   set_thread_count(request.threads);
 

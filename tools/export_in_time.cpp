@@ -9,6 +9,7 @@
 #include "recon4d/hygiene.h"
 #include "recon4d/model_file.h"
 #include "static3d/tessera4d/tessera4d.h"
+#include "tools/export_splatv.h"
 #include "tools/output_folder.h"
 #include "tools/player_files.h"
 #include "tools/rig_cameras.h"
@@ -111,6 +112,8 @@ const std::vector<TimeFormat>& time_formats() {
        write_tessera},
       {"page", "the same with the web player, for a web server", write_page},
       {"html", "player and model in one .html that opens by itself", write_html},
+      {"splatv", "one .splatv without view-dependent colour; splaTV, gsplat.js", write_splatv,
+       false, false},
       {"model", "one 4D .ply, bit for bit as trained", write_model, false, true, true},
   };
   return rows;

@@ -14,14 +14,6 @@ namespace {
 
 constexpr size_t kMostCameras = 32;
 
-/// The scene of a run, "" where it is gone or none is named.
-std::string scene_of_run(const std::string& model_path) {
-  const RunFolder run{model_path};
-  if (!run.exists()) return "";
-  const std::string scene = run.read_config().value("scene", "");
-  return std::filesystem::exists(scene) ? scene : "";
-}
-
 /// "cam00" of "cam00/00012": what a camera's frames have in common.
 std::string station_name(const std::string& frame) {
   const size_t slash = frame.rfind('/');
@@ -51,8 +43,11 @@ std::vector<RigCamera> places_of(const std::vector<NamedView>& views) {
 
 Rig rig_of(const std::string& cameras, const std::string& model_path, const GaussianModel& model) {
   CameraChoice choice;
-  choice.cameras = cameras.empty() ? scene_of_run(model_path) : cameras;
-  if (choice.cameras.empty()) return {};
+  const std::filesystem::path model_place(model_path);
+  const RunFolder run{is_directory(model_place) ? model_place : model_place.parent_path()};
+  choice.cameras = cameras.empty() ? run.scene() : cameras;
+  if (choice.cameras.empty() || (cameras.empty() && !std::filesystem::exists(choice.cameras)))
+    return {};
   std::vector<NamedView> views;
   try {
     views = read_views(choice, model);

@@ -24,6 +24,8 @@ struct RunFolder {
   bool exists() const { return std::filesystem::exists(config()); }
   /// Errors: InputError when it is missing or damaged.
   nlohmann::json read_config() const;
+  /// The scene that was trained on; "" where no training has written here.
+  std::string scene() const { return exists() ? read_config().value("scene", "") : ""; }
   /// Removes the files above and nothing else.
   void remove_files() const;
   /// Removes best models of other steps.

@@ -81,6 +81,24 @@ std::string gunzip(std::string_view bytes, uint64_t limit, const std::filesystem
   return out;
 }
 
+std::string gunzip_head(std::string_view bytes, uint64_t count, const std::filesystem::path& path) {
+  z_stream stream{};
+  check(inflateInit2(&stream, kGzipWindow) == Z_OK, "gunzip: zlib does not start");
+  std::string out(count, '\0');
+  stream.next_out = reinterpret_cast<Bytef*>(out.data()), stream.avail_out = uInt(count);
+  int state = Z_OK;
+  while (state == Z_OK && stream.avail_out > 0 && (stream.avail_in > 0 || !bytes.empty())) {
+    feed(stream, bytes);
+    state = inflate(&stream, Z_NO_FLUSH);
+  }
+  out.resize(count - stream.avail_out);
+  inflateEnd(&stream);
+  if (state != Z_OK && state != Z_STREAM_END && state != Z_BUF_ERROR)
+    throw InputError(
+        fmt::format("{}: its gzip stream is damaged; fetch or export it again", path.string()));
+  return out;
+}
+
 uint32_t crc32_of(std::string_view bytes) {
   return uint32_t(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }

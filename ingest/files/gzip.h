@@ -14,6 +14,9 @@ std::string gzip(std::string_view bytes, int level = 9);
 /// At most `limit` bytes. Errors: InputError naming `path`: damaged, cut off, or more than `limit`.
 std::string gunzip(std::string_view bytes, uint64_t limit, const std::filesystem::path& path);
 
+/// The first `count` bytes of what is packed, fewer where there are not more. Errors: as above.
+std::string gunzip_head(std::string_view bytes, uint64_t count, const std::filesystem::path& path);
+
 /// The checksum that gzip uses.
 uint32_t crc32_of(std::string_view bytes);
 

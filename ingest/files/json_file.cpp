@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -33,10 +34,31 @@ void blank_non_finite(std::string& text) {
   }
 }
 
+/// Levels of lists and objects; those that are open where the text ends, too.
+int64_t depth_of(std::string_view text) {
+  int64_t depth = 0, deepest = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (in_string && text[i] == '\\') {
+      ++i;
+    } else if (text[i] == '"') {
+      in_string = !in_string;
+    } else if (!in_string && (text[i] == '[' || text[i] == '{')) {
+      deepest = std::max(deepest, ++depth);
+    } else if (!in_string && (text[i] == ']' || text[i] == '}')) {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
 }  // namespace
 
-nlohmann::json read_json(const std::filesystem::path& path) {
-  std::string text = read_text_file(path);
+nlohmann::json parse_json(std::string text, const std::filesystem::path& path) {
+  constexpr int64_t kDeepest = 100;  // copying and freeing a tree takes stack for each level
+  if (depth_of(text) > kDeepest)
+    throw InputError(fmt::format("{}: its JSON is more than {} levels deep; export it again",
+                                 path.string(), kDeepest));
   blank_non_finite(text);
   try {
     return nlohmann::json::parse(text);
@@ -44,6 +66,10 @@ nlohmann::json read_json(const std::filesystem::path& path) {
     throw InputError(fmt::format("{}: is not valid JSON ({}); correct it or export it again",
                                  path.string(), error.what()));
   }
+}
+
+nlohmann::json read_json(const std::filesystem::path& path) {
+  return parse_json(read_text_file(path), path);
 }
 
 std::optional<double> finite_number(const nlohmann::json& object, const char* key,

@@ -8,7 +8,10 @@
 
 namespace tessera {
 
-/// Errors: InputError naming file and position: missing, unreadable, malformed.
+/// JSON text of a file. Errors: InputError naming file and position: malformed, nested deeper than
+/// 100 levels.
+nlohmann::json parse_json(std::string text, const std::filesystem::path& path);
+/// The same of a whole file. Errors: as above, and missing, unreadable.
 nlohmann::json read_json(const std::filesystem::path& path);
 
 /// The number at `key`, nothing where there is no such key. Errors: InputError that starts with

@@ -156,6 +156,10 @@ bool read_row(Cursor& cursor, const PlyElementLayout& layout, std::vector<PlyCol
 
 PlyElement read_element(const std::filesystem::path& path, const PlyElementLayout& layout,
                         PlyEncoding encoding, Cursor& cursor) {
+  if (layout.properties.empty() && layout.rows > 0)
+    throw InputError(
+        fmt::format("{}: promises {} rows of '{}', which has no properties; export it again",
+                    path.string(), layout.rows, layout.name));
   const int64_t row_bytes = least_row_bytes(layout, encoding);
   // The last ASCII value needs no separator, hence the + 1.
   if (row_bytes > 0 && layout.rows > (cursor.left() + 1) / row_bytes)
@@ -169,7 +173,6 @@ PlyElement read_element(const std::filesystem::path& path, const PlyElementLayou
       element.columns.push_back({property.name, property.type, {}});
       element.columns.back().values.reserve(size_t(layout.rows));
     }
-  if (layout.properties.empty()) return element;
   for (int64_t row = 0; row < layout.rows; ++row)
     if (!read_row(cursor, layout, element.columns))
       throw InputError(fmt::format(

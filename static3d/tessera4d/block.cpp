@@ -21,7 +21,8 @@ namespace tessera {
 namespace {
 
 // Steps of docs/format.md, section 5.
-constexpr double kScaleStep = 1.0 / 32, kColourStep = 1.0 / 128, kTimeScaleStep = 1.0 / 64;
+constexpr double kRotationStep = 1.0 / 2048, kScaleStep = 1.0 / 32, kColourStep = 1.0 / 128,
+                 kTimeScaleStep = 1.0 / 64;
 constexpr double kShStep[kMaxShDegree + 1] = {kColourStep, 1.0 / 64, 1.0 / 32, 1.0 / 32};
 constexpr double kPositionShare = 1.0 / 20, kTimeShare = 1.0 / 50, kQuantile = 0.1;
 
@@ -175,19 +176,24 @@ class Encoder {
   }
 
   void add_shape() {
-    const std::vector<float> rotation = column(kRotation, 0, 4);
-    if (rules_.lossless) {
-      add(as_floats("rotation", 4, rotation));
-    } else {
-      StreamWords packed;
-      packed.info.name = "rotation", packed.info.type = StreamType::kSmallest3;
-      packed.info.count = count();
-      for (int64_t n = 0; n < count(); ++n)
-        packed.words.push_back(smallest_three(values().at(kRotation, n)));
-      add(packed);
-    }
+    rules_.lossless ? add(as_floats("rotation", 4, column(kRotation, 0, 4))) : add_rotations();
     add(rounded("log_scale", 3, column(kLogScale, 0, 3), kScaleStep));
     add(opacities());
+  }
+
+  /// The three smaller parts of each unit quaternion, and which is the largest, made positive.
+  void add_rotations() {
+    std::vector<float> smaller(static_cast<size_t>(3 * count())), largest;
+    for (int64_t n = 0; n < count(); ++n) {
+      const Vec4<float> q = glm::normalize(load4(values().at(kRotation, n)));
+      const int top = largest_of({q[0], q[1], q[2], q[3]});
+      int64_t at = n;
+      for (int k = 0; k < 4; ++k)
+        if (k != top) smaller[size_t(at)] = q[top] < 0 ? -q[k] : q[k], at += count();
+      largest.push_back(float(top));
+    }
+    add(quantised("rotation", 3, smaller, kRotationStep));
+    add(quantised("rotation_largest", 1, largest, 1));
   }
 
   void add_colour() {
@@ -246,7 +252,7 @@ class Decoder {
   /// One number of every Gaussian.
   StreamWords needed(const char* name, int components) const {
     StreamWords stream = read(name, components);
-    if (stream.info.count != info_.count || stream.info.type == StreamType::kSmallest3)
+    if (stream.info.count != info_.count)
       throw InputError(
           fmt::format("{}: stream '{}' does not hold the {} Gaussians of its block; "
                       "export it again",
@@ -261,14 +267,17 @@ class Decoder {
   }
   void fill_rotation(const GaussianSpans<float>& to) const {
     const StreamInfo* const info = find("rotation");
-    if (info != nullptr && info->type != StreamType::kSmallest3)
-      return fill(needed("rotation", 4), to, kRotation);
-    const StreamWords packed = read("rotation", 1);
-    if (packed.info.count != info_.count)
-      throw InputError(fmt::format(
-          "{}: its rotations are fewer than its Gaussians; export it again", path_.string()));
-    for (int64_t n = 0; n < info_.count; ++n)
-      quaternion_of(packed.words[size_t(n)], to.at(kRotation, n));
+    if (info != nullptr && info->components == 4) return fill(needed("rotation", 4), to, kRotation);
+    const StreamWords smaller = needed("rotation", 3), largest = needed("rotation_largest", 1);
+    for (int64_t n = 0; n < info_.count; ++n) {
+      const int top = std::clamp(int(value_at(largest, 0, n)), 0, 3);
+      std::array<double, 4> q{};
+      int c = 0;
+      for (int k = 0; k < 4; ++k)
+        if (k != top) q[size_t(k)] = double(value_at(smaller, c++, n));
+      q[size_t(top)] = left_out(q, top);
+      for (size_t k = 0; k < 4; ++k) to.at(kRotation, n)[k] = float(q[k]);
+    }
   }
   void fill_opacity(const GaussianSpans<float>& to) const {
     if (find("opacity_logit") != nullptr)

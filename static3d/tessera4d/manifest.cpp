@@ -23,7 +23,7 @@ constexpr const char* kFormat = "tessera-4d";
 constexpr int kVersion = 1;
 constexpr uint64_t kMost = uint64_t{1} << 40;         // bytes
 constexpr int64_t kMostGaussians = int64_t{1} << 28;  // of a block
-constexpr const char* kTypeNames[] = {"u8", "u16", "u24", "u32", "f32", "smallest3"};
+constexpr const char* kTypeNames[] = {"u8", "u16", "u24", "u32", "f32"};
 
 /// One object of the manifest, read with errors that name it.
 class Reading {
@@ -145,9 +145,19 @@ json to_json(const RigCamera& rig) {
 
 /// Streams that this version reads; others are for newer readers.
 bool is_known(const std::string& name) {
-  constexpr const char* kNames[] = {
-      "position", "rotation", "log_scale", "opacity",   "colour",         "sh1",
-      "sh2",      "sh3",      "velocity",  "time_mean", "log_time_scale", "opacity_logit"};
+  constexpr const char* kNames[] = {"position",
+                                    "rotation",
+                                    "log_scale",
+                                    "opacity",
+                                    "colour",
+                                    "sh1",
+                                    "sh2",
+                                    "sh3",
+                                    "velocity",
+                                    "time_mean",
+                                    "log_time_scale",
+                                    "opacity_logit",
+                                    "rotation_largest"};
   return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
 }
 
@@ -167,7 +177,7 @@ StreamInfo stream_from(const json& object, const BlockInfo& block, const fs::pat
   stream.delta = reading.flag_or("delta", false);
   stream.offset = reading.whole("offset", block.bytes);
   stream.bytes = reading.whole("bytes", block.bytes - stream.offset);
-  if (stream.type != StreamType::kF32 && stream.type != StreamType::kSmallest3) {
+  if (stream.type != StreamType::kF32) {
     stream.scale = reading.numbers("scale", size_t(stream.components));
     stream.bias = reading.numbers("bias", size_t(stream.components));
   }

@@ -16,7 +16,7 @@
 
 namespace tessera {
 
-enum class StreamType { kU8, kU16, kU24, kU32, kF32, kSmallest3 };
+enum class StreamType { kU8, kU16, kU24, kU32, kF32 };
 
 /// Bytes of one number of a stream.
 int bytes_of(StreamType type);

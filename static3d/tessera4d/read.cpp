@@ -78,6 +78,19 @@ Tessera4dInput load_folder(const fs::path& folder) {
   return input;
 }
 
+/// Blocks that lay on each other would be more Gaussians than the file has bytes for.
+void check_sizes(const Tessera4dManifest& manifest, uint64_t bytes, const fs::path& path) {
+  uint64_t sum = 0;
+  for (const BlockInfo& block : manifest.blocks) {
+    if (block.bytes > bytes - sum)
+      throw InputError(
+          fmt::format("{}: its blocks have more than the {} bytes behind its manifest; it is cut "
+                      "off, fetch or export it again",
+                      path.string(), bytes));
+    sum += block.bytes;
+  }
+}
+
 Tessera4dInput load_single(const fs::path& path) {
   Tessera4dInput input;
   const std::string bytes = read_text_file(path);
@@ -88,13 +101,11 @@ Tessera4dInput load_single(const fs::path& path) {
         fmt::format("{}: a Tessera 4D file of version {}, this program reads 1; use a newer one",
                     path.string(), version));
   const std::string_view text = reader.take(reader.number<uint32_t>());
-  const nlohmann::json manifest = nlohmann::json::parse(text, nullptr, false);
-  if (manifest.is_discarded())
-    throw InputError(
-        fmt::format("{}: its manifest is no JSON; fetch or export it again", path.string()));
+  const nlohmann::json manifest = parse_json(std::string(text), path);
   input.manifest = manifest_from(manifest, path, input.model);
   input.bytes = int64_t(bytes.size() - reader.left());
   const std::string_view data = reader.take(reader.left());
+  check_sizes(input.manifest, data.size(), path);
   read_blocks(input, path, [&](const BlockInfo& info) {
     if (info.offset > data.size() || info.bytes > data.size() - info.offset)
       throw InputError(

@@ -29,7 +29,7 @@ StreamWords bytes_of_unit(std::string name, const std::vector<float>& values);
 /// The bits of the floats.
 StreamWords as_floats(std::string name, int components, const std::vector<float>& values);
 
-/// What a reader gets for Gaussian n; not of smallest3.
+/// What a reader gets for Gaussian n.
 float value_at(const StreamWords& stream, int component, int64_t n);
 
 /// Appends the stream to a block and says where it is.

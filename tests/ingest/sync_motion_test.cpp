@@ -11,7 +11,7 @@
 #include "tests/ingest/sync_fixture.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/scratch_folder.h"
-#include "tools/synth/video_encoder.h"
+#include "tools/video/video_encoder.h"
 
 namespace tessera {
 namespace {
@@ -49,7 +49,7 @@ RigClip still_clip(const RigClip& clip, const std::filesystem::path& path) {
   Image8 picture{clip.timeline.width, clip.timeline.height, 3, {}};
   for (int i = 0; i < picture.width * picture.height * 3; ++i)
     picture.data.push_back(uint8_t(60 + (i * 7) % 90));
-  synth::VideoEncoder encoder(path, {picture.width, picture.height, {30, 1}, 8});
+  VideoEncoder encoder(path, {picture.width, picture.height, {30, 1}, 8});
   for (size_t i = 0; i < clip.timeline.ticks.size(); ++i) encoder.add(picture);
   encoder.finish();
   still.timeline = read_timeline(path);

@@ -6,6 +6,7 @@
 
 #include "ingest/files/ply.h"
 #include "recon4d/hygiene.h"
+#include "static3d/splat_quanta.h"
 #include "tests/ingest/capture_fixture.h"
 #include "tests/recon4d/small_models.h"
 
@@ -180,24 +181,92 @@ TEST(Ply3dgs, ReadsCompressedFiles) {
   expect_foreign_file_renders(large, 152746, {});
 }
 
-Image8 shown(const GaussianSet& set, int sh_degree, const View& view) {
+Picture shown(const GaussianSet& set, int sh_degree, const View& view) {
   GaussianModel model;
   model.sh_degree = sh_degree, model.near_plane = 1e-3;
   model.static_set = set.clone_values();
-  const Picture picture = render_one(model, view);
-  return quantise({picture.rgb.data(), int64_t(picture.rgb.size())}, view.camera.width,
-                  view.camera.height);
+  return render_one(model, view);
 }
 
-// Bug put back: the world of .spz taken as that of .ply; seen to fail.
+/// Of floats, dB: 8 bits would hide differences as small as these.
+double exact_psnr(const Picture& a, const Picture& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.rgb.size(); ++i) sum += std::pow(double(a.rgb[i]) - b.rgb[i], 2);
+  return -10 * std::log10(sum / double(a.rgb.size()));
+}
+
+/// What a value may be off by when two files round it differently: uniform over both steps.
+class Jitter {
+ public:
+  double operator()(double step, double other_step) {
+    return random_.uniform(-0.5, 0.5) * step + random_.uniform(-0.5, 0.5) * other_step;
+  }
+
+ private:
+  Random random_{1};
+};
+
+/// Smallest to largest of one scalar of a group in rows [begin, end).
+double range_of(const GaussianSet& set, Group group, int k, int64_t begin, int64_t end) {
+  float low = INFINITY, high = -INFINITY;
+  for (int64_t n = begin; n < end; ++n) {
+    const float x = set.values().at(group, n)[k];
+    low = std::min(low, x), high = std::max(high, x);
+  }
+  return double(high) - double(low);
+}
+
+/// `set`, read from a compressed .ply and so in its chunks, as two files may differ that round one
+/// object: this .ply's steps and those of .spz (docs/splat_formats.md).
+GaussianSet rounded_otherwise(const GaussianSet& set) {
+  constexpr int64_t kChunk = 256;
+  constexpr double kParts[] = {2047, 1023, 2047};
+  GaussianSet other = set.clone_values();
+  const GaussianSpans<float> to = other.values();
+  Jitter jitter;
+  for (int64_t begin = 0; begin < set.count(); begin += kChunk) {
+    const int64_t end = std::min(begin + kChunk, set.count());
+    for (int k = 0; k < 3; ++k) {
+      const double mean = range_of(set, kMean, k, begin, end) / kParts[k];
+      const double scale = range_of(set, kLogScale, k, begin, end) / kParts[k];
+      const double colour = range_of(set, kSh, k, begin, end) / 255;
+      for (int64_t n = begin; n < end; ++n) {
+        to.at(kMean, n)[k] += float(jitter(mean, 1.0 / 4096));
+        to.at(kLogScale, n)[k] += float(jitter(scale, 1.0 / 16));
+        to.at(kSh, n)[k] += float(jitter(colour, 1 / (255 * 0.15)));
+      }
+    }
+    for (int64_t n = begin; n < end; ++n) {
+      for (int k = 0; k < 4; ++k)
+        to.at(kRotation, n)[k] += float(jitter(std::sqrt(2) / 1023, std::sqrt(0.5) / 511));
+      float& logit = *to.at(kOpacityLogit, n);
+      const double opacity = 1 / (1 + std::exp(-double(logit))) + jitter(1.0 / 255, 1.0 / 255);
+      logit = logit_of_byte(255 * opacity);
+      for (int i = 3; i < 3 * set.coefficients(); ++i)
+        to.at(kSh, n)[i] += float(jitter(1.0 / 32, i < 12 ? 1.0 / 16 : 1.0 / 8));
+    }
+  }
+  return other;
+}
+
+// Two files of one object, each rounded: their pictures differ as much as those of one file whose
+// values are moved within both formats' steps, not more.
+// Bugs put back: the world of .spz taken as that of .ply; its quaternions as w, x, y, z; its
+// opacities 2 % too small. Each seen to fail.
 TEST(Ply3dgs, TheSameObjectInTwoFormatsLooksTheSame) {
   TESSERA_NEED_DATA(ply, "splats/biker.compressed.ply");
   TESSERA_NEED_DATA(spz, "splats/biker.spz");
   const SplatFile a = load_splat_file(ply), b = load_splat_file(spz);
   EXPECT_EQ(a.set.count(), b.set.count());
+  EXPECT_EQ(a.sh_degree, b.sh_degree);
   EXPECT_TRUE(b.warnings.empty());
   const View view = view_of(a.set);
-  EXPECT_GT(psnr(shown(a.set, a.sh_degree, view), shown(b.set, b.sh_degree, view)), 40);
+  const Picture picture = shown(a.set, a.sh_degree, view);
+  const double expected = exact_psnr(picture, shown(rounded_otherwise(a.set), a.sh_degree, view));
+  const double actual = exact_psnr(picture, shown(b.set, b.sh_degree, view));
+  EXPECT_GT(expected, 40);
+  EXPECT_GT(actual, expected - 0.5) << "by the formats' steps " << expected << " dB";
+  RecordProperty("actual_db", std::to_string(actual));  // 60.6, by the steps 60.9
 }
 
 }  // namespace

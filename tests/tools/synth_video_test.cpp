@@ -20,7 +20,7 @@ extern "C" {
 #include "tools/synth/ground_truth.h"
 #include "tools/synth/rigs.h"
 #include "tools/synth/sensor.h"
-#include "tools/synth/video_encoder.h"
+#include "tools/video/video_encoder.h"
 
 namespace tessera::synth {
 namespace {

@@ -12,7 +12,7 @@
 #include "tools/synth/render.h"
 #include "tools/synth/rigs.h"
 #include "tools/synth/sensor.h"
-#include "tools/synth/video_encoder.h"
+#include "tools/video/video_encoder.h"
 
 namespace tessera::synth {
 namespace {

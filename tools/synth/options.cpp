@@ -8,7 +8,7 @@
 
 #include "kernels/base/errors.h"
 #include "tools/synth/synth.h"
-#include "tools/synth/video_encoder.h"
+#include "tools/video/video_encoder.h"
 
 namespace tessera {
 namespace {
@@ -110,7 +110,7 @@ SynthOptions resolve_synth_options(const SynthOptions& options) {
         fmt::format("synth: {} x {} is odd, which 4:2:0 video cannot hold; give even "
                     "sizes or the layout dnerf",
                     full.width, full.height));
-  if (!dnerf && !synth::video_encoder_available())
+  if (!dnerf && !video_encoder_available())
     throw InputError(
         fmt::format("synth: this build has no video encoder (FFmpeg), which the layout "
                     "{} needs; use the layout dnerf or build with TESSERA_INGEST=ON",

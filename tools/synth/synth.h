@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tools/video/frame_rate.h"
+
 namespace tessera {
 
 enum class SynthScene { kRoom, kRoomStatic, kObject };
@@ -30,11 +32,6 @@ std::string_view name_of(SynthScene scene);
 std::string_view name_of(SynthLayout layout);
 std::optional<SynthScene> find_synth_scene(std::string_view name);
 std::optional<SynthLayout> find_synth_layout(std::string_view name);
-
-/// Frames per second as a fraction: 24/1, 30000/1001.
-struct FrameRate {
-  int numerator = 24, denominator = 1;
-};
 
 struct SynthOptions {
   SynthScene scene = SynthScene::kRoom;

@@ -1,23 +1,27 @@
-// What: 8-bit RGB pictures to one H.264 mp4, colours tagged so that a correct decoder returns them.
+// What: 8-bit RGB pictures to one H.264 mp4, colours tagged so that a correct decoder returns them;
+//       the file appears as a whole.
 // Not: in the trainer-only build, where the constructor refuses (video_encoder_absent.cpp).
 #pragma once
 #include <filesystem>
 #include <memory>
 
 #include "ingest/scene.h"
-#include "tools/synth/synth.h"
+#include "tools/video/frame_rate.h"
 
-namespace tessera::synth {
+namespace tessera {
+
+/// kBySize: BT.709 from 720 lines up and BT.601 below, as players assume of files without tags.
+enum class VideoColour { kBySize, kBt709 };
 
 struct VideoFormat {
   int width = 0, height = 0;  // even
   FrameRate fps;
   int quality = 8;  // x264 crf
+  VideoColour colour = VideoColour::kBySize;
 };
 
-/// yuv420p, limited range, BT.709 from 720 lines up and BT.601 below, as players assume; chroma
-/// sited in the centre and tagged so; index in front. The same pictures give the same bytes.
-/// Errors: InputError naming the file and FFmpeg's reason.
+/// yuv420p, limited range; chroma sited in the centre and tagged so; index in front. The same
+/// pictures give the same bytes. Errors: InputError naming the file and FFmpeg's reason.
 class VideoEncoder {
  public:
   VideoEncoder(const std::filesystem::path& path, const VideoFormat& format);
@@ -27,7 +31,7 @@ class VideoEncoder {
 
   /// The next frame: RGB, 3 channels, of the format's size.
   void add(const Image8& picture);
-  /// Completes the file; without it the file is not playable.
+  /// Completes the file and gives it its name; without it there is none, or the one before.
   void finish();
 
  private:
@@ -38,4 +42,4 @@ class VideoEncoder {
 /// Whether this build can encode video.
 bool video_encoder_available();
 
-}  // namespace tessera::synth
+}  // namespace tessera

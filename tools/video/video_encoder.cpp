@@ -1,6 +1,6 @@
 // What: libavformat, libavcodec (libx264) and libswscale behind VideoEncoder, every handle owned.
 // Not: decoding (ingest).
-#include "tools/synth/video_encoder.h"
+#include "tools/video/video_encoder.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>
@@ -11,9 +11,10 @@ extern "C" {
 
 #include <string>
 
+#include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 
-namespace tessera::synth {
+namespace tessera {
 namespace {
 
 constexpr int kHighDefinitionLines = 720;  // from here on players assume BT.709
@@ -41,7 +42,10 @@ std::string reason(int error) {
 }  // namespace
 
 struct VideoEncoder::State {
+  explicit State(const std::filesystem::path& target) : path(target.string()), whole(target) {}
+
   std::string path;
+  AtomicFile whole;  // made first and let go last: libav writes into its temporary
   Owned<AVFormatContext> file;
   Owned<AVCodecContext> codec;
   Owned<SwsContext> to_yuv;
@@ -53,7 +57,8 @@ struct VideoEncoder::State {
   /// Throws for a negative FFmpeg result.
   void require(int result, const char* what) const {
     if (result < 0)
-      throw InputError("synth: cannot write " + path + ": " + what + ": " + reason(result));
+      throw InputError(path + ": cannot be written (" + what + ": " + reason(result) +
+                       "); free space or choose another folder");
   }
 
   void open_codec(const VideoFormat& format);
@@ -68,11 +73,12 @@ struct VideoEncoder::State {
 void VideoEncoder::State::open_codec(const VideoFormat& format) {
   const AVCodec* h264 = avcodec_find_encoder_by_name("libx264");
   if (h264 == nullptr)
-    throw InputError("synth: cannot write " + path +
-                     ": this FFmpeg has no libx264; install one that has, or use the layout dnerf");
+    throw InputError(path +
+                     ": cannot be written: this FFmpeg has no libx264; install one that has, "
+                     "or leave video out");
   codec.reset(avcodec_alloc_context3(h264));
   check(codec != nullptr, "avcodec_alloc_context3 returned null");
-  const bool high = format.height >= kHighDefinitionLines;
+  const bool high = format.colour == VideoColour::kBt709 || format.height >= kHighDefinitionLines;
   codec->width = format.width, codec->height = format.height;
   codec->pix_fmt = AV_PIX_FMT_YUV420P;
   codec->framerate = {format.fps.numerator, format.fps.denominator};
@@ -92,7 +98,8 @@ void VideoEncoder::State::open_codec(const VideoFormat& format) {
 
 void VideoEncoder::State::open_file() {
   AVFormatContext* made = nullptr;
-  require(avformat_alloc_output_context2(&made, nullptr, "mp4", path.c_str()), "mp4");
+  const std::string temporary = whole.temporary_path().string();
+  require(avformat_alloc_output_context2(&made, nullptr, "mp4", temporary.c_str()), "mp4");
   file.reset(made);
   file->flags |= AVFMT_FLAG_BITEXACT;  // no library version in the file
   stream = avformat_new_stream(made, nullptr);
@@ -100,7 +107,7 @@ void VideoEncoder::State::open_file() {
   stream->time_base = codec->time_base;
   stream->avg_frame_rate = codec->framerate;
   require(avcodec_parameters_from_context(stream->codecpar, codec.get()), "codec parameters");
-  require(avio_open(&file->pb, path.c_str(), AVIO_FLAG_WRITE), "opening");
+  require(avio_open(&file->pb, temporary.c_str(), AVIO_FLAG_WRITE), "opening");
   set_option(file->priv_data, "movflags", "+faststart");
   require(avformat_write_header(made, nullptr), "header");
 }
@@ -139,10 +146,9 @@ void VideoEncoder::State::encode(const AVFrame* input) {
 }
 
 VideoEncoder::VideoEncoder(const std::filesystem::path& path, const VideoFormat& format)
-    : state_(std::make_unique<State>()) {
+    : state_(std::make_unique<State>(path)) {
   av_log_set_level(AV_LOG_FATAL);  // of the process: libraries do not print, errors come as codes
   State& s = *state_;
-  s.path = path.string();
   s.open_codec(format);
   s.open_file();
   s.open_conversion();
@@ -174,10 +180,11 @@ void VideoEncoder::finish() {
   state_->require(av_write_trailer(state_->file.get()), "trailer");
   const int closed = avio_closep(&state_->file->pb);
   state_->require(closed, "closing");
+  state_->whole.commit();
 }
 
 bool video_encoder_available() {
   return true;
 }
 
-}  // namespace tessera::synth
+}  // namespace tessera

@@ -1,16 +1,16 @@
 // What: stands in for the encoder in a build without FFmpeg: says so, and how to get it.
 // Not: linked where FFmpeg is (video_encoder.cpp).
 #include "kernels/base/errors.h"
-#include "tools/synth/video_encoder.h"
+#include "tools/video/video_encoder.h"
 
-namespace tessera::synth {
+namespace tessera {
 
 struct VideoEncoder::State {};
 
 VideoEncoder::VideoEncoder(const std::filesystem::path& path, const VideoFormat&) {
-  throw InputError("synth: cannot write " + path.string() +
-                   ": this build has no FFmpeg; use the layout dnerf or build with "
-                   "TESSERA_INGEST=ON");
+  throw InputError(path.string() +
+                   ": cannot be written: this build has no FFmpeg; leave video out, "
+                   "or build with TESSERA_INGEST=ON");
 }
 VideoEncoder::~VideoEncoder() = default;
 
@@ -25,4 +25,4 @@ bool video_encoder_available() {
   return false;
 }
 
-}  // namespace tessera::synth
+}  // namespace tessera

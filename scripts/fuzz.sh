@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Reads hostile files with every reader of other people's files, under libFuzzer and sanitizers.
+# Usage: fuzz.sh [executions of each reader, default 20000] [reader…]
+# Prints a line a reader; inputs that crash it stay in build/fuzz/crashes. Exit code 1 where there
+# is one. Executions are counted from the first inputs on, which our own writers make; with the same
+# seed and executions the inputs are the same (FUZZ_SEED, default 1).
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+executions=${1:-20000}
+shift || true
+readers=("$@")
+if [ ${#readers[@]} -eq 0 ]; then
+  readers=(ply splat spz model tessera4d transforms)
+fi
+build=build/fuzz
+cmake -S . -B $build -G Ninja -DTESSERA_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++-14 \
+  -DCMAKE_BUILD_TYPE=None -DTESSERA_INGEST=OFF -DTESSERA_CUDA=OFF -DTESSERA_TESTS=OFF >/dev/null
+ninja -C $build fuzz_seeds "${readers[@]/#/fuzz_}" >$build/ninja.log || { cat $build/ninja.log; exit 1; }
+
+export TMPDIR ASAN_OPTIONS=quarantine_size_mb=32
+TMPDIR=$(mktemp -d -p "$([ -d /dev/shm ] && echo /dev/shm || echo /tmp)")
+trap 'rm -rf "$TMPDIR"' EXIT
+mkdir -p $build/crashes
+$build/tests/fuzz/fuzz_seeds "$TMPDIR/seeds"
+
+status=0
+for reader in "${readers[@]}"; do
+  mkdir -p "$TMPDIR/found"
+  log=$build/$reader.log
+  # 512 MB in all and at once: what a file promises must not be believed
+  $build/tests/fuzz/fuzz_"$reader" -runs="$executions" -seed="${FUZZ_SEED:-1}" -max_len=4096 -timeout=10 \
+    -rss_limit_mb=512 -malloc_limit_mb=512 -dict=tests/fuzz/words.dict -print_final_stats=1 \
+    -artifact_prefix=$build/crashes/"$reader"- "$TMPDIR/found" "$TMPDIR/seeds/$reader" \
+    >"$log" 2>&1 && crashes=0 || crashes=1
+  done_runs=$(sed -n 's/stat::number_of_executed_units: //p' "$log")
+  seconds=$(sed -n 's/.*Done [0-9]* runs in \([0-9]*\) second.*/\1/p' "$log")
+  echo "$reader: ${done_runs:-0} executions, $crashes crashes${seconds:+, $seconds s}"
+  if [ $crashes -ne 0 ]; then
+    grep -m3 -E "ERROR|runtime error|SUMMARY" "$log" || tail -5 "$log"
+    status=1
+  fi
+  rm -rf "$TMPDIR/found"
+done
+exit $status

@@ -1,0 +1,9 @@
+// What: 3DGS and compressed .ply, out of any bytes.
+// Not: a unit test; see scripts/fuzz.sh.
+#include "static3d/splat_file.h"
+#include "tests/fuzz/hostile_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  return tessera::testing::read_hostile(data, size, ".ply",
+                                        [](const auto& path) { tessera::load_splat_file(path); });
+}

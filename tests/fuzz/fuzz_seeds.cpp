@@ -1,0 +1,147 @@
+// What: the first files of each fuzzed reader, from our own writers: fuzz_seeds FOLDER writes
+//       FOLDER/READER/NAME.
+// Not: third-party data.
+#ifdef TESSERA_HAS_ZSTD
+#include <zstd.h>
+#endif
+
+#include <array>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/bytes.h"
+#include "ingest/files/gzip.h"
+#include "recon4d/model_file.h"
+#include "static3d/splat_file.h"
+#include "static3d/tessera4d/block.h"
+
+namespace tessera::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Values of a fixed series in [−1, 1); quaternions are of length 1.
+GaussianSet some_set(Form form, int64_t count, int coefficients, int time_levels = 0) {
+  GaussianSet set(form, coefficients, host_memory(), time_levels);
+  set.resize(count);
+  uint64_t state = 1;
+  for (int g = 0; g < set.groups(); ++g)
+    for (float& value : set.group(Group(g)).value.span()) {
+      state = state * 6364136223846793005u + 1442695040888963407u;
+      value = float(double(state >> 40) / double(1 << 23) - 1);
+    }
+  const GaussianSpans<float> values = set.values();
+  for (int64_t n = 0; n < count; ++n)
+    for (int k = 0; k < 4; ++k) values.at(kRotation, n)[k] = k == n % 4 ? 1.0f : 0.0f;
+  return set;
+}
+
+GaussianModel some_model(Form form, int coefficients) {
+  GaussianModel model;
+  model.static_set = some_set(Form::kStatic, 3, coefficients);
+  model.dynamic_set = some_set(form, 3, coefficients);
+  model.sh_degree = coefficients == 1 ? 0 : 3;
+  return model;
+}
+
+void write_splats(const fs::path& folder) {
+  for (const SplatFormat& format : splat_formats()) {
+    if (!format.is_read) continue;
+    const bool is_ply = std::string(format.extension).ends_with(".ply");
+    const fs::path place = folder / (is_ply ? "ply" : format.name);
+    for (const int degree : {0, 1, 3})
+      save_splat_file(format, place / (std::string(format.name) + std::to_string(degree)),
+                      some_set(Form::kStatic, degree == 3 ? 5 : 2, 16), degree);
+  }
+  write_text_file(folder / "ply/ascii",
+                  "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 1\n"
+                  "property float x\nproperty float y\nproperty double z\nproperty float f_dc_0\n"
+                  "property float f_dc_1\nproperty float f_dc_2\nproperty float opacity\n"
+                  "property float scale_0\nproperty float scale_1\nproperty float scale_2\n"
+                  "property float rot_0\nproperty float rot_1\nproperty float rot_2\n"
+                  "property float rot_3\nelement face 1\nproperty list uchar int vertex_indices\n"
+                  "end_header\n0 1 2 .1 .2 .3 1 -1 -2 -3 1 0 0 0\n3 0 0 0\n");
+}
+
+/// Versions 2 and 4 and what gzip hides, from a file of version 3.
+void write_spz_versions(const fs::path& folder) {
+  const std::string plain = gunzip(read_text_file(folder / "spz0"), 1 << 20, "spz0");
+  write_text_file(folder / "bare", plain);
+  std::string two = plain;
+  two[4] = 2;
+  two.resize(two.size() - 2);  // three bytes a quaternion, two splats, no SH
+  write_text_file(folder / "two", two);
+#ifdef TESSERA_HAS_ZSTD
+  constexpr size_t kHead = 16;
+  std::string four = plain.substr(0, kHead), columns = plain.substr(kHead), packed(1 << 12, '\0');
+  four[4] = 4, four[15] = 1;
+  packed.resize(ZSTD_compress(packed.data(), packed.size(), columns.data(), columns.size(), 1));
+  append(four, uint32_t{32});
+  four.append(12, '\0');
+  append(four, uint64_t(packed.size())), append(four, uint64_t(columns.size()));
+  write_text_file(folder / "four", four + packed);
+#endif
+}
+
+/// One block of each kind behind a manifest.
+std::string tessera4d(bool lossless) {
+  const GaussianModel model = some_model(Form::kVelocity, 16);
+  const BlockRules rules{lossless, 3, model.cutoff<double>()};
+  Tessera4dManifest manifest;
+  manifest.lossless = lossless;
+  std::string bytes, blocks;
+  for (const GaussianSet* set : {&model.static_set, &model.dynamic_set}) {
+    const Block block = encode_block(*set, rules);
+    manifest.blocks.push_back(block.info);
+    manifest.blocks.back().offset = blocks.size();
+    blocks += block.bytes;
+  }
+  const std::string text = to_json(manifest, model).dump();
+  append(bytes, std::array<char, 4>{'T', 'E', 'S', '4'});
+  append(bytes, uint32_t{1}), append(bytes, uint32_t(text.size()));
+  return bytes + text + blocks;
+}
+
+void write_models(const fs::path& folder) {
+  save_model(folder / "model/pair", some_model(Form::kPair, 16));
+  save_model(folder / "model/velocity", some_model(Form::kVelocity, 1));
+  GaussianModel all = some_model(Form::kPair, 1);
+  all.dynamic_set = some_set(Form::kPair, 2, 1, 2);
+  all.sh_time_degree = 2;
+  all.environment.height = 2;
+  all.environment.map.value.resize(2 * 4 * 3);
+  for (float& value : all.environment.map.value.span()) value = 0.5f;
+  save_model(folder / "model/all", all);
+  for (const bool lossless : {false, true})
+    write_text_file(folder / "tessera4d" / (lossless ? "exact" : "rounded"), tessera4d(lossless));
+}
+
+void write_transforms(const fs::path& folder) {
+  const std::string pose = R"("transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,4],[0,0,0,1]])";
+  write_text_file(folder / "transforms/nerf", R"({"camera_angle_x": 0.7, "frames": [
+{"file_path": "./a", "time": 0, )" + pose + R"(}, {"file_path": "b", "time": 0.5, )" +
+                                                  pose + "}]}");
+  write_text_file(
+      folder / "transforms/prepared",
+      R"({"fl_x": 50, "fl_y": 51, "cx": 16, "cy": 16, "w": 32, "h": 32, "ply_file_path": "p.ply",
+"tessera": {"format_version": 1, "time": {"origin": 0, "duration": 2, "static": false},
+"applied": {"world_transform": [[2,0,0,0],[0,0,2,0],[0,-2,0,1],[0,0,0,1]]}},
+"frames": [{"file_path": "c/0", "split": "test", "mask_path": "m/0.png", "time": 1,
+"tessera": {"camera": "c", "frame": 3}, )" +
+          pose + "}]}");
+}
+
+}  // namespace
+}  // namespace tessera::testing
+
+int main(int argc, char** argv) {
+  using namespace tessera::testing;
+  if (argc != 2) return 2;
+  const fs::path folder = argv[1];
+  write_splats(folder);
+  write_spz_versions(folder / "spz");
+  write_models(folder);
+  write_transforms(folder);
+  return 0;
+}

@@ -1,0 +1,9 @@
+// What: transforms.json as a path of cameras, out of any bytes.
+// Not: a unit test; see scripts/fuzz.sh.
+#include "ingest/transforms_json.h"
+#include "tests/fuzz/hostile_file.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  return tessera::testing::read_hostile(data, size, ".json",
+                                        [](const auto& path) { tessera::read_camera_path(path); });
+}
