@@ -16,15 +16,16 @@ async function decoded(block) {
   return decodeBlock(manifest.blocks[0], new Uint8Array(block.bytes));
 }
 
-// Bug put back: planes from the highest byte, z >> 1 without ^ −(z & 1), the largest of a rotation
-// taken to be w, bias left away; each seen to fail.
+// Bug put back: planes from the highest byte, z >> 1 without ^ −(z & 1), the largest part of a
+// rotation taken to be w, bias left away; each seen to fail.
 test('a block decodes to the numbers it was made of', async () => {
   const positions = [[0, 5, 70000], [16777215, 4, 3], [9, 3, 16000000]];
-  const largestX = (1 << 30) | (512 << 20) | (511 << 10) | 900;  // w, y, z are given
   const block = makeBlock({kind: 'dynamic', count: 3, file: 'a.bin', streams: {
     ...movingStreams(3),
     position: {type: 'u24', rows: positions, delta: true, scale: [0.5, 1, 2], bias: [-1, 0, 10]},
-    rotation: {type: 'smallest3', rows: [[largestX], [0], [3 * 2 ** 30]], components: 1},
+    rotation: {type: 'u16', rows: [[2000, 3000, 4], [2048, 2048, 2048], [0, 0, 0]], delta: true,
+               scale: [1, 1, 1].map((n) => n / 4096), bias: [-0.5, -0.5, 0]},
+    rotation_largest: {type: 'u8', rows: [[1], [3], [0]]},
     opacity: {type: 'u8', rows: [[0], [128], [255]], scale: [1 / 255], codec: 'none'},
     sh1: {type: 'u16', rows: [[0, 1, 2, 3, 4, 5, 6, 7, 65535]], scale: Array(9).fill(2),
           bias: Array(9).fill(-3)},
@@ -34,8 +35,7 @@ test('a block decodes to the numbers it was made of', async () => {
   const values = await decoded(block);
   const expected = positions.flatMap(([x, y, z]) => [x * 0.5 - 1, y, 2 * z + 10]);
   assert.deepEqual([...values.position], expected.map(Math.fround));
-  const part = (q) => (q / 1023 - 0.5) * Math.SQRT2;
-  const [w, y, z] = [part(512), part(511), part(900)];
+  const [w, y, z] = [2000 / 4096 - 0.5, 3000 / 4096 - 0.5, 4 / 4096];
   const x = Math.sqrt(1 - w * w - y * y - z * z);
   [w, x, y, z].forEach((v, k) => assert.ok(Math.abs(values.rotation[k] - v) < 1e-6, `part ${k}`));
   assert.deepEqual([...values.opacity], [0, 128 / 255, 1].map(Math.fround));

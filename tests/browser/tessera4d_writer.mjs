@@ -3,7 +3,7 @@
 // Not: a good one: no order, no levels.
 import {crc32, gzipSync} from 'node:zlib';
 
-const kWidth = {u8: 1, u16: 2, u24: 3, u32: 4, f32: 4, smallest3: 4};
+const kWidth = {u8: 1, u16: 2, u24: 3, u32: 4, f32: 4};
 
 /** CRC-32 where this Node's zlib has none. */
 function checksum(bytes) {

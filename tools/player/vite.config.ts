@@ -4,7 +4,7 @@
 import { readFileSync } from "node:fs";
 import { defineConfig, type Plugin } from "vite";
 
-const NOTICES = ["three", "@sparkjsdev/spark"].map((name) => {
+const NOTICES = ["three", "@sparkjsdev/spark", "fflate"].map((name) => {
   const folder = new URL(`node_modules/${name}/`, import.meta.url);
   const { version } = JSON.parse(readFileSync(new URL("package.json", folder), "utf8"));
   return `${name} ${version}\n\n${readFileSync(new URL("LICENSE", folder), "utf8").trim()}`;
