@@ -4,7 +4,7 @@
 import { readFileSync } from "node:fs";
 import { defineConfig, type Plugin } from "vite";
 
-const NOTICES = ["three", "@sparkjsdev/spark"].map((name) => {
+const NOTICES = ["three", "@sparkjsdev/spark", "fflate"].map((name) => {
   const folder = new URL(`node_modules/${name}/`, import.meta.url);
   const { version } = JSON.parse(readFileSync(new URL("package.json", folder), "utf8"));
   return `${name} ${version}\n\n${readFileSync(new URL("LICENSE", folder), "utf8").trim()}`;
@@ -53,6 +53,6 @@ export default defineConfig({
     reportCompressedSize: false,
     chunkSizeWarningLimit: 8192,
   },
-  worker: { format: "es" },
+  worker: { format: "iife" }, // browsers start no module from a blob of a file:// page
   plugins: [oneFile()],
 });

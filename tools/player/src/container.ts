@@ -109,5 +109,7 @@ export function bytesOfBase64(text: string): Uint8Array {
   } catch {
     throw new PlayerError("the scene within this page is damaged (no base64); export it again");
   }
-  return Uint8Array.from(binary, (c) => c.charCodeAt(0));
+  const bytes = new Uint8Array(binary.length);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = binary.charCodeAt(i);
+  return bytes;
 }

@@ -11,7 +11,8 @@ export interface DecodeTask {
   bytes: Uint8Array<ArrayBuffer>;
 }
 
-export type DecodeAnswer = { id: number } & ({ packed: PackedBlock } | { line: string });
+/** The first one is "ready". */
+export type DecodeAnswer = "ready" | ({ id: number } & ({ packed: PackedBlock } | { line: string }));
 
 self.onmessage = async ({ data }: MessageEvent<DecodeTask>) => {
   const answer = (message: DecodeAnswer, moved: Transferable[] = []) =>
@@ -24,3 +25,5 @@ self.onmessage = async ({ data }: MessageEvent<DecodeTask>) => {
     answer({ id: data.id, line: lineOf(error) });
   }
 };
+
+self.postMessage("ready" satisfies DecodeAnswer);

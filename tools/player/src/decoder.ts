@@ -13,33 +13,41 @@ interface Waiting {
 }
 
 export class Decoder {
-  private worker: Worker | null = null;
   private readonly waiting = new Map<number, Waiting>();
   private tasks = 0;
+  /** null: this thread decodes. */
+  private readonly worker: Promise<Worker | null> = this.start();
 
-  constructor() {
-    try {
-      this.worker = new DecodeWorker();
-    } catch {
-      return; // this thread decodes
-    }
-    this.worker.onmessage = ({ data }: MessageEvent<DecodeAnswer>) => {
-      const task = this.waiting.get(data.id);
-      this.waiting.delete(data.id);
-      if ("packed" in data) task?.resolve(data.packed);
-      else task?.reject(new PlayerError(data.line));
-    };
-    this.worker.onerror = (event) => {
-      event.preventDefault();
-      for (const task of this.waiting.values())
-        task.reject(new PlayerError("decoding stopped (memory?); close other pages and reload"));
-      this.waiting.clear();
-    };
+  private start(): Promise<Worker | null> {
+    return new Promise((resolve) => {
+      let worker: Worker;
+      try {
+        worker = new DecodeWorker();
+      } catch {
+        return resolve(null);
+      }
+      worker.onmessage = ({ data }: MessageEvent<DecodeAnswer>) =>
+        data === "ready" ? resolve(worker) : this.take(data);
+      worker.onerror = (event) => {
+        event.preventDefault();
+        resolve(null); // where it never was ready
+        for (const task of this.waiting.values())
+          task.reject(new PlayerError("decoding stopped (memory?); close other pages and reload"));
+        this.waiting.clear();
+      };
+    });
+  }
+
+  private take(answer: Exclude<DecodeAnswer, "ready">): void {
+    const task = this.waiting.get(answer.id);
+    this.waiting.delete(answer.id);
+    if ("packed" in answer) task?.resolve(answer.packed);
+    else task?.reject(new PlayerError(answer.line));
   }
 
   /** Throws PlayerError where the block is not what its manifest says. */
   async decode(block: Block, bytes: Uint8Array): Promise<PackedBlock> {
-    const { worker } = this;
+    const worker = await this.worker;
     if (worker === null) return packBlock(await decodeBlock(block, bytes));
     const own = bytes as Uint8Array<ArrayBuffer>;
     return new Promise((resolve, reject) => {
@@ -50,7 +58,7 @@ export class Decoder {
   }
 
   dispose(): void {
-    this.worker?.terminate();
+    void this.worker.then((worker) => worker?.terminate());
     this.waiting.clear();
   }
 }

@@ -1,5 +1,6 @@
 // What: the licences of what is built into the page; they travel with it.
 // Not: the list of versions, which is package-lock.json.
+import fflate from "../node_modules/fflate/LICENSE?raw";
 import spark from "../node_modules/@sparkjsdev/spark/LICENSE?raw";
 import three from "../node_modules/three/LICENSE?raw";
 
@@ -7,4 +8,5 @@ export const LICENCES = [
   `Tessera's player: Apache License 2.0, https://www.apache.org/licenses/LICENSE-2.0`,
   `three.js\n\n${three.trim()}`,
   `Spark (@sparkjsdev/spark)\n\n${spark.trim()}`,
+  `fflate, within Spark\n\n${fflate.trim()}`,
 ].join("\n\n-----\n\n");

@@ -16,6 +16,7 @@ import * as THREE from "three";
 
 const AHEAD_SECONDS = 2.5; // of play, fetched in advance
 const FRAME_RATE = 30; // where the capture's is not known
+const LOST = "the graphics device was lost (memory?); close other pages and reload this one";
 const MOST_PIXELS_A_PIXEL = 2; // device pixels for a CSS pixel
 
 const canvas = document.getElementById("picture") as HTMLCanvasElement;
@@ -40,6 +41,7 @@ class Page {
   private orbit!: Orbit;
   private loaded = { bytes: 0, needed: 0 };
   private pictured = false; // whether the first picture is complete
+  private lost: string | null = null; // why there is no picture any more
   private remembered = true; // whether the address says which moment is shown
 
   async open(): Promise<void> {
@@ -59,6 +61,7 @@ class Page {
     this.reset();
     if (url.camera !== null) this.takeCamera(this.cameraOf(url.camera));
     this.clock.seek(url.seconds ?? 0);
+    canvas.addEventListener("webglcontextlost", () => (this.lost = LOST));
     addEventListener("resize", () => this.resize());
     this.resize();
     listenToKeys((action) => this.act(action));
@@ -103,7 +106,7 @@ class Page {
     const { bytes, needed } = this.loaded;
     const share = needed > 0 ? bytes / needed : 0;
     this.panels.showLoading("Loading", waiting ? (this.pictured ? 1 : share) : null, this.pictured);
-    this.panels.showTrouble(trouble);
+    this.panels.showTrouble(this.lost ?? trouble);
     this.panels.showTime(seconds);
     this.panels.showPlaying(playing);
     if (!playing && !this.remembered) rememberInUrl({ t: seconds.toFixed(3), paused: "1" });

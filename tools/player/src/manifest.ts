@@ -9,7 +9,6 @@ export const VERSION = 1;
 export type Triple = [number, number, number];
 /** w, x, y, z */
 export type Quaternion = [number, number, number, number];
-export type StreamType = "u8" | "u16" | "u24" | "u32" | "f32" | "smallest3";
 
 export interface Camera {
   name: string;
@@ -28,7 +27,7 @@ export interface Stream {
   type: string;
   components: number;
   count: number; // of the first Gaussians of the block
-  scale: number[]; // per component; empty for f32 and smallest3
+  scale: number[]; // per component; empty for f32
   bias: number[];
   delta: boolean;
   codec: string;
@@ -53,6 +52,7 @@ export interface SplatRules {
   compensated: boolean;
   cutoffSigma: number;
   cutoffAlpha: number;
+  near: number | null; // world units; nothing nearer is drawn
 }
 
 export interface Bounds {
@@ -222,6 +222,7 @@ function readSplat(f: Fields): SplatRules {
     compensated: f.flag("compensated", false),
     cutoffSigma: f.number("cutoff_sigma"),
     cutoffAlpha: f.number("cutoff_alpha"),
+    near: f.has("near") ? f.number("near") : null,
   };
 }
 

@@ -49,7 +49,7 @@ function halves(low: number, high: number): number {
   return (halfBits(low) | (halfBits(high) << 16)) >>> 0;
 }
 
-/** Index of the largest part, then the others in ten bits each, as in the file. */
+/** Index of the largest part, then the others in ten bits each: as fine as Spark keeps them. */
 export function smallestThree(q: Float32Array, at: number): number {
   let largest = 0;
   for (let k = 1; k < 4; ++k) if (Math.abs(q[at + k]) > Math.abs(q[at + largest])) largest = k;

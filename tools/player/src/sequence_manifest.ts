@@ -14,7 +14,7 @@ import { PlayerError } from "./player_error";
 export interface SequenceFrame {
   url: string;
   name: string;
-  t: number;
+  t: number; // 0: the first frame, 1: the last one
   gaussians: number;
   bytes: number | null;
 }
@@ -37,6 +37,7 @@ const RULES_3DGS: SplatRules = {
   compensated: false,
   cutoffSigma: 3.329,
   cutoffAlpha: 1 / 255,
+  near: null,
 };
 
 const FILE_TYPES: Record<string, Sequence["fileType"]> = {
@@ -89,6 +90,7 @@ function readRules(value: unknown): SplatRules {
     compensated: rules.compensated === true,
     cutoffSigma: Number(rules.cutoff_sigma ?? RULES_3DGS.cutoffSigma),
     cutoffAlpha: Number(rules.cutoff_alpha ?? RULES_3DGS.cutoffAlpha),
+    near: Number(rules.near) || null,
   };
 }
 
@@ -105,14 +107,18 @@ export function readSequence(json: Record<string, unknown>, url: string): Sequen
     throw new PlayerError(`${name}: no frames; export them again`);
   const frames = json.frames.map((item, i) => readFrame(item, i, url));
   frames.sort((a, b) => a.t - b.t);
+  const [first, last] = [frames[0].t, frames[frames.length - 1].t]; // of the capture's clip
+  const span = last - first;
+  for (const frame of frames) frame.t = span > 0 ? (frame.t - first) / span : 0;
   const axis = (json.time_axis ?? {}) as Record<string, unknown>;
+  const duration = Math.max(0, Number(axis.duration) || 0);
   return {
     name,
     fileType,
     frames,
     time: {
-      origin: Number(axis.origin) || 0,
-      duration: Math.max(0, Number(axis.duration) || 0),
+      origin: (Number(axis.origin) || 0) + first * duration,
+      duration: span * duration,
       fps: typeof json.fps === "number" && json.fps > 0 ? json.fps : null,
     },
     background: tripleOr(json.background, [0, 0, 0]),

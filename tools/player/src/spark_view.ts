@@ -8,13 +8,15 @@ import type { OpenedSource } from "./open_source";
 import type { Play, Progress, SceneInfo, SceneView, ViewCamera } from "./scene_view";
 import { Stage } from "./stage";
 
-const NEAR = 0.2; // world units, as the program renders
+const NEAR = 0.2; // world units, as the program renders where a file does not say
+const LONGEST_MS = 10000; // that settle() waits
 const NEAR_OF_RADIUS = 0.02; // of small scenes
 
-function nearOf(bounds: Bounds | null): number {
-  if (bounds === null) return NEAR;
+function nearOf(bounds: Bounds | null, { near }: SplatRules): number {
+  const most = near !== null && near > 0 ? near : NEAR;
+  if (bounds === null) return most;
   const size = Math.hypot(...bounds.max.map((high, k) => high - bounds.min[k]));
-  return size > 0 ? Math.min(NEAR, (NEAR_OF_RADIUS * size) / 2) : NEAR;
+  return size > 0 ? Math.min(most, (NEAR_OF_RADIUS * size) / 2) : most;
 }
 
 /** Resolves when the browser has shown a frame, or after a while where it shows none (hidden tab). */
@@ -55,7 +57,7 @@ export class SparkView implements SceneView {
       source.kind === "4d"
         ? new BlocksContent(source.blocks, this.stage, this.camera, progress, changed)
         : new FramesContent(source.sequence, this.stage, progress, changed);
-    this.stage.near = nearOf(this.content.info.bounds);
+    this.stage.near = nearOf(this.content.info.bounds, drawn.splat);
     return this.content.info;
   }
 
@@ -80,7 +82,8 @@ export class SparkView implements SceneView {
   }
 
   async settle(): Promise<void> {
-    for (let quiet = 0; quiet < 2 && !this.disposed; ) {
+    const deadline = performance.now() + LONGEST_MS; // of a scene that plays on
+    for (let quiet = 0; quiet < 2 && !this.disposed && performance.now() < deadline; ) {
       const { waiting } = this.setTime(this.t, this.play);
       await nextFrame();
       quiet = !waiting && !this.dirty && this.stage.sorted ? quiet + 1 : 0;

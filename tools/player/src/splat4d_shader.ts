@@ -90,7 +90,7 @@ vec2 scaleTime = unpackHalf2x16(look.w);
 vec3 mean = uintBitsToFloat(place.xyz);
 float alpha = opacityRed.x;
 if (${i.moving}) alpha *= t4Slice(${i.motion}, ${i.index}, ${i.when}, scaleTime.y, mean);
-if (alpha >= ${i.when}.z) {
+if (alpha > 0.0 && alpha >= ${i.when}.z) {
   vec3 colour = 0.5 + 0.28209479177387814 * vec3(opacityRed.y, unpackHalf2x16(look.y));
   vec3 towards = normalize(mean - ${i.eye});
   if (${i.index} < ${i.counts}.x)

@@ -19,7 +19,7 @@ export interface DecodedBlock {
   logTimeScale: Float32Array; // [count]
 }
 
-const BYTES_OF: Record<string, number> = { u8: 1, u16: 2, u24: 3, u32: 4, f32: 4, smallest3: 4 };
+const BYTES_OF: Record<string, number> = { u8: 1, u16: 2, u24: 3, u32: 4, f32: 4 };
 
 const CRC_TABLE = Uint32Array.from({ length: 256 }, (_, n) => {
   let c = n;
@@ -115,26 +115,24 @@ function integersOf(stream: Stream, planes: Uint8Array, c: number): Uint32Array 
   return values;
 }
 
-/** Unit quaternions (w, x, y, z) out of "smallest three". */
-function unpackRotations(packed: Uint32Array): Float32Array {
-  const rotation = new Float32Array(4 * packed.length);
-  for (let i = 0; i < packed.length; ++i) {
-    const word = packed[i];
-    const largest = word >>> 30;
+/** Unit quaternions (w, x, y, z) of three parts each; `largest`: index of the fourth. */
+function completed(parts: Float32Array, largest: Float32Array): Float32Array {
+  const rotation = new Float32Array(4 * largest.length);
+  for (let i = 0; i < largest.length; ++i) {
+    const left = largest[i] & 3;
     let rest = 1;
-    for (let k = 0, shift = 20; k < 4; ++k) {
-      if (k === largest) continue;
-      const value = (((word >>> shift) & 1023) / 1023 - 0.5) * Math.SQRT2;
+    for (let k = 0, part = 3 * i; k < 4; ++k) {
+      if (k === left) continue;
+      const value = parts[part++];
       rotation[4 * i + k] = value;
       rest -= value * value;
-      shift -= 10;
     }
-    rotation[4 * i + largest] = Math.sqrt(Math.max(0, rest));
+    rotation[4 * i + left] = Math.sqrt(Math.max(0, rest));
   }
-  return rotation;
+  return normalised(rotation);
 }
 
-function normaliseRotations(rotation: Float32Array): Float32Array {
+function normalised(rotation: Float32Array): Float32Array {
   for (let i = 0; i < rotation.length; i += 4) {
     const length = Math.hypot(rotation[i], rotation[i + 1], rotation[i + 2], rotation[i + 3]);
     for (let k = 0; k < 4; ++k) rotation[i + k] /= length || 1;
@@ -145,7 +143,6 @@ function normaliseRotations(rotation: Float32Array): Float32Array {
 /** Values of a stream, Gaussian by Gaussian. */
 async function valuesOf(stream: Stream, block: Block, bytes: Uint8Array): Promise<Float32Array> {
   const planes = await planesOf(stream, block, bytes);
-  if (stream.type === "smallest3") return unpackRotations(integersOf(stream, planes, 0));
   const values = new Float32Array(stream.count * stream.components);
   for (let c = 0; c < stream.components; ++c) {
     const integers = integersOf(stream, planes, c);
@@ -171,11 +168,10 @@ class StreamReader {
     return this.find(name) !== undefined;
   }
   private async read(stream: Stream, components: number): Promise<Float32Array> {
-    const expected = stream.type === "smallest3" ? 1 : components;
-    if (stream.components !== expected)
+    if (stream.components !== components)
       throw new PlayerError(
         `${this.block.name}, ${stream.name}: ${stream.components} components, ` +
-          `expected ${expected}; export the scene again`,
+          `expected ${components}; export the scene again`,
       );
     return valuesOf(stream, this.block, this.bytes);
   }
@@ -196,6 +192,13 @@ class StreamReader {
   }
 }
 
+/** All four parts of each; or all but the largest, and which that is. */
+async function readRotation(reader: StreamReader): Promise<Float32Array> {
+  if (!reader.has("rotation_largest")) return normalised(await reader.all("rotation", 4));
+  const largest = await reader.all("rotation_largest", 1);
+  return completed(await reader.all("rotation", 3), largest);
+}
+
 async function readOpacity(reader: StreamReader): Promise<Float32Array> {
   if (!reader.has("opacity_logit")) return reader.all("opacity", 1);
   return (await reader.all("opacity_logit", 1)).map((logit) => 1 / (1 + Math.exp(-logit)));
@@ -213,7 +216,7 @@ export async function decodeBlock(block: Block, bytes: Uint8Array): Promise<Deco
   return {
     count: block.count,
     position: await reader.all("position", 3),
-    rotation: normaliseRotations(await reader.all("rotation", 4)),
+    rotation: await readRotation(reader),
     logScale: await reader.all("log_scale", 3),
     opacity: await readOpacity(reader),
     colour: await reader.all("colour", 3),

@@ -1,0 +1,22 @@
+// What: modules of the web player, compiled for Node, so that what needs no browser is tested
+//       without one.
+// Not: a test.
+import {mkdtempSync} from 'node:fs';
+import {createRequire} from 'node:module';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {pathToFileURL} from 'node:url';
+
+/** Where the build put the player's sources and packages. */
+const work = process.env.TESSERA_PLAYER_WORK;
+if (!work) throw new Error('TESSERA_PLAYER_WORK is not set; run these tests through ctest -L browser');
+
+/** What src/NAME.ts of the player export, several as one so that they share their classes. */
+export async function playerModules(...names) {
+  const esbuild = createRequire(join(work, 'package.json'))('esbuild');
+  const outfile = join(mkdtempSync(join(tmpdir(), 'player_')), 'modules.mjs');
+  const contents = names.map((name) => `export * from './${name}';`).join('\n');
+  await esbuild.build({stdin: {contents, resolveDir: join(work, 'src'), loader: 'ts'}, bundle: true,
+                       outfile, format: 'esm', platform: 'neutral', logLevel: 'error'});
+  return import(pathToFileURL(outfile).href);
+}
