@@ -1,6 +1,6 @@
-// What: `tessera run`: ingest → train → evaluate → export in one folder, each stage done once.
-// Not: anything that the single commands do not do.
-// OUT: scene/ (unless the capture is a prepared scene already), run/, frames/, stages.json.
+// What: `tessera run`: ingest → train → evaluate → export → page in one folder, each stage done
+// once. Not: anything that the single commands do not do. OUT: scene/ (unless the capture is a
+// prepared scene already), run/, frames/, player/, stages.json.
 #include <fmt/format.h>
 
 #include <memory>
@@ -18,10 +18,13 @@
 #include "static3d/world_change.h"
 #include "tools/backend_choice.h"
 #include "tools/command.h"
+#include "tools/export_in_time.h"
 #include "tools/held_out_scores.h"
 #include "tools/ingest_arguments.h"
 #include "tools/ingest_batch.h"
 #include "tools/interrupt.h"
+#include "tools/player/player_page.h"
+#include "tools/player_files.h"
 #include "tools/run_folder.h"
 #include "tools/stage_ledger.h"
 #include "tools/terminal.h"
@@ -61,13 +64,14 @@ class Runner {
   bool run() {
     ingest();
     options_ = resolve_options(request_.training, scene_);
-    return train() && evaluate_model() && export_frames();
+    return train() && evaluate_model() && export_frames() && write_player();
   }
 
   json result() const {
     json result = ledger_.result("evaluate");
     result["training"] = ledger_.result("train");
     result["export"] = ledger_.result("export");
+    if (carries_player_page()) result["player"] = ledger_.result("player");
     result["model"] = run_.model().string();
     result["out"] = request_.out.string();
     return result;
@@ -178,6 +182,32 @@ class Runner {
     return true;
   }
 
+  /// One page that opens by itself, or a folder for a web server where that would be too much for
+  /// a browser to open in one piece.
+  bool write_player() {
+    if (!carries_player_page()) {
+      warn("this build carries no player page (nodejs and npm were not there): none is written");
+      return true;
+    }
+    const std::string key = key_of({train_key_, "player"});
+    const fs::path folder = request_.out / "player";
+    if (!must_run("player", key, folder / kPageFile)) return true;
+    ledger_.begin("player", key);
+    GaussianModel model = model_in_source_world(load_model(run_.model()));
+    ExportRequest page;
+    page.model = run_.root.string(), page.out = folder.string(), page.overwrite = true;
+    constexpr int64_t kMostInside = int64_t{64} << 20;  // bytes
+    page.format = "html";
+    json written = find_time_format(page.format)->write(page, model);
+    if (written["scene_bytes"] > kMostInside) {
+      page.format = "page";
+      written = find_time_format(page.format)->write(page, model);
+    }
+    written["folder"] = folder.string(), written["format"] = page.format;
+    ledger_.finish("player", key, written);
+    return !interrupted();
+  }
+
   const RunRequest& request_;
   TrainOptions options_;
   RunFolder run_;
@@ -186,15 +216,29 @@ class Runner {
   std::string scene_key_, train_key_;
 };
 
+std::string player_text(const json& result) {
+  if (!result.contains("player")) return "";
+  const json& player = result["player"];
+  const std::string folder = player["folder"];
+  const double megabytes = player["bytes"].get<double>() / 1e6;
+  if (player["format"] == "html")
+    return fmt::format("\nplayer   {}/{} ({:.1f} MB): open it in a browser", folder, kPageFile,
+                       megabytes);
+  return fmt::format(
+      "\nplayer   {} ({:.1f} MB): `python3 -m http.server -d {}`, then http://localhost:8000",
+      folder, megabytes, folder);
+}
+
 std::string run_text(const json& result) {
   const json& exported = result["export"];
   const std::string scores = scores_text(result);
   return fmt::format(
-      "result   {}\nmodel    {}\nquality  {}\nplayer   {} frames of .ply in {} ({:.1f} MB): open "
-      "them together in a splat viewer that plays sequences, e.g. SuperSplat",
+      "result   {}\nmodel    {}\nquality  {}\nframes   {} of .ply in {} ({:.1f} MB): open "
+      "them together in a splat viewer that plays sequences, e.g. SuperSplat{}",
       result["out"].get<std::string>(), result["model"].get<std::string>(),
       scores.empty() ? "no held-out frames" : scores, exported["frames"].get<int64_t>(),
-      exported["folder"].get<std::string>(), exported["bytes"].get<double>() / 1e6);
+      exported["folder"].get<std::string>(), exported["bytes"].get<double>() / 1e6,
+      player_text(result));
 }
 
 /// --exposure of a run: fit is ingest's, camera and frame are the training's.

@@ -10,8 +10,6 @@
 namespace tessera {
 namespace {
 
-constexpr std::string_view kConfig = R"({"scene":"manifest.json"})";
-
 std::string base64(std::string_view bytes) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -35,11 +33,13 @@ std::string page_of_folder() {
 
 std::string page_with(std::string_view tessera4d) {
   std::string page(player_page());
-  const size_t at = page.find(kConfig);
+  const size_t at = page.find(kPlayerConfig);
   check(at != std::string::npos, "player page: its configuration is not where it should be");
   const std::string config =
-      fmt::format(R"({{"data":"{}","encoding":"base64"}})", base64(tessera4d));
-  return page.replace(at, kConfig.size(), config);
+      fmt::format(R"(<script id="tessera-config" type="application/json">{{"data":"{}",)"
+                  R"("encoding":"base64"}}</script>)",
+                  base64(tessera4d));
+  return page.replace(at, kPlayerConfig.size(), config);
 }
 
 void check_page_plays(const SplatFormat& format) {

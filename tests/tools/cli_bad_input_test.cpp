@@ -155,7 +155,7 @@ TEST(CliBadInput, UnknownNamesSuggestTheNearest) {
   work.expect_refused(work.train_arguments("run", {"--backend", "vulkan"}),
                       {"unknown backend 'vulkan'", "cpu or cuda"});
   work.expect_refused({"export", work.at("x"), "-o", work.at("y"), "--format", "fbx"},
-                      {"unknown format 'fbx'", "There are tessera, ply"});
+                      {"unknown format 'fbx'", "There are tessera, page, html, splatv, model, ply"});
   work.expect_refused({"ingest", work.at("capture"), "-o", work.at("x"), "--poses", "magic"},
                       {"--poses 'magic'", "n3dv"});
 }

@@ -59,7 +59,7 @@ TEST_F(CliWorld, ExportsComeOutWhereTheCaptureIs) {
       work_.run({"export", work_.at("run"), "-o", work_.at("frames"), "--time", "0"}).exit_code, 0);
   // Four steps move a mean by less than 4 × its learning rate, 1.6e-4 of the extent.
   EXPECT_LT(largest_difference(bounds("frames/frame_0000.ply"), truth), 0.05);
-  ASSERT_EQ(work_.run({"export", work_.at("run"), "-o", work_.at("model"), "--format", "tessera"})
+  ASSERT_EQ(work_.run({"export", work_.at("run"), "-o", work_.at("model"), "--format", "model"})
                 .exit_code,
             0);
   EXPECT_LT(largest_difference(bounds("model/model.ply"), truth), 0.05);
@@ -81,7 +81,7 @@ TEST_F(CliWorld, ExportsComeOutWhereTheCaptureIs) {
 
 // Bug put back: cameras taken for the model's world whatever their file says; seen to fail.
 TEST_F(CliWorld, CamerasOfEitherWorldSeeTheSame) {
-  ASSERT_EQ(work_.run({"export", work_.at("run"), "-o", work_.at("model"), "--format", "tessera"})
+  ASSERT_EQ(work_.run({"export", work_.at("run"), "-o", work_.at("model"), "--format", "model"})
                 .exit_code,
             0);
   ASSERT_EQ(

@@ -20,13 +20,24 @@ extern "C" const char tessera_player_page_end[];
 
 namespace tessera {
 
+namespace {
+
+size_t page_bytes() {
+  return size_t(tessera_player_page_end - tessera_player_page_begin);
+}
+
+}  // namespace
+
+bool carries_player_page() {
+  return page_bytes() > 0;
+}
+
 std::string_view player_page() {
-  const size_t bytes = size_t(tessera_player_page_end - tessera_player_page_begin);
-  if (bytes == 0)
+  if (!carries_player_page())
     throw InputError(
         "this build has no player page: npm could not fetch its packages; build again with a "
         "network");
-  return {tessera_player_page_begin, bytes};
+  return {tessera_player_page_begin, page_bytes()};
 }
 
 }  // namespace tessera

@@ -6,10 +6,13 @@
 namespace tessera {
 
 /// The element of the page that says what it plays, as it stands there, once:
-/// `{"scene":"manifest.json"}`, or `{"data":"<a .t4d in base64>","encoding":"base64"}` in its place.
+/// `{"scene":"manifest.json"}`, or `{"data":"<a .t4d in base64>","encoding":"base64"}` in its
+/// place.
 constexpr std::string_view kPlayerConfig =
     R"(<script id="tessera-config" type="application/json">{"scene":"manifest.json"}</script>)";
 
+/// Whether the program was built with it.
+bool carries_player_page();
 /// UTF-8. Errors: InputError where the program was built without it.
 std::string_view player_page();
 

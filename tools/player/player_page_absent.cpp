@@ -5,6 +5,10 @@
 
 namespace tessera {
 
+bool carries_player_page() {
+  return false;
+}
+
 std::string_view player_page() {
   throw InputError("this build has no player page: install nodejs and npm, and build again");
 }
