@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 class CliBadModel : public ::testing::Test {
  protected:
   void SetUp() override {
-    ASSERT_EQ(work.train("run").exit_code, 0);
+    ASSERT_EQ(work.train("run", {"--iterations", "2"}).exit_code, 0);
     for (const std::string format : {"ply", "compressed", "spz", "splat"})
       ASSERT_EQ(work.run({"export", work.at("run"), "-o", work.at(format), "--format", format,
                           "--time", "0"})
