@@ -9,6 +9,7 @@
 
 #include "ingest/files/gzip.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
 #include "kernels/math/spherical_harmonics.h"
 #include "kernels/math/splat.h"
 #include "recon4d/hygiene.h"
@@ -74,6 +75,7 @@ class Encoder {
       add_position(column(kMean, 0, 3));
     add_shape();
     add_colour();
+    pack();
     block_.info.bytes = block_.bytes.size(), block_.info.crc32 = crc32_of(block_.bytes);
     return std::move(block_);
   }
@@ -97,8 +99,19 @@ class Encoder {
       for (int64_t n = 0; n < rows; ++n) out.push_back(values.at(group, n)[first + c]);
     return out;
   }
-  void add(const StreamWords& stream) {
-    block_.info.streams.push_back(append_stream(block_.bytes, stream));
+  void add(StreamWords stream) { streams_.push_back(std::move(stream)); }
+  /// Compression is where the time goes: all streams at once.
+  void pack() {
+    std::vector<std::string> packed(streams_.size());
+    parallel_for(int64_t(streams_.size()), 1, [&](int64_t i, int64_t) {
+      packed[size_t(i)] = packed_stream(streams_[size_t(i)]);
+    });
+    for (size_t i = 0; i < packed.size(); ++i) {
+      StreamInfo info = streams_[i].info;
+      info.offset = block_.bytes.size(), info.bytes = packed[i].size();
+      block_.info.streams.push_back(std::move(info));
+      block_.bytes += packed[i];
+    }
   }
   StreamWords rounded(const char* name, int components, const std::vector<float>& values,
                       double step, bool delta = false) const {
@@ -210,6 +223,7 @@ class Encoder {
 
   BlockRules rules_;
   GaussianSet sorted_{Form::kStatic, 1};
+  std::vector<StreamWords> streams_;
   Block block_;
 };
 

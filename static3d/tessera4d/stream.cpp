@@ -102,12 +102,8 @@ float value_at(const StreamWords& stream, int component, int64_t n) {
   return float(stream.info.bias[c] + stream.info.scale[c] * double(word));
 }
 
-StreamInfo append_stream(std::string& block, const StreamWords& stream) {
-  StreamInfo info = stream.info;
-  const std::string packed = gzip(planes_of(stream));
-  info.gzip = true, info.offset = block.size(), info.bytes = packed.size();
-  block += packed;
-  return info;
+std::string packed_stream(const StreamWords& stream) {
+  return gzip(planes_of(stream));
 }
 
 StreamWords read_stream(std::string_view block, const StreamInfo& info,
