@@ -136,7 +136,7 @@ TEST_F(SpoiltFile, SingleFiles) {
   std::string future = bytes, broken = bytes;
   future[4] = 9, broken[20] = '}';
   single_refused(future, {"version 9"});
-  single_refused(broken, {"no JSON"});
+  single_refused(broken, {"scene.t4d", "not valid JSON"});
 }
 
 // Bug put back: rows that are not finite kept; seen to fail.

@@ -62,6 +62,17 @@ std::string spz_with(const std::string& file, size_t at, uint32_t number) {
   return gzip(bytes);
 }
 
+// Seen to fail with messages as they come.
+TEST_F(CliBadModel, NamesWithLineEndsStayInTheLine) {
+  work.edit_json("capture/transforms_test.json", [](nlohmann::json& file) {
+    file["frames"][0]["file_path"] = "one\ntwo\r\nthree";
+    file["frames"][0].erase("transform_matrix");
+  });
+  work.expect_refused({"render", work.at("run"), "-o", work.at("out"), "--path",
+                       work.at("capture/transforms_test.json")},
+                      {"transforms_test.json", "one two  three", "transform_matrix"});
+}
+
 // Seen to fail with an empty model for what is none.
 TEST_F(CliBadModel, IsNoModel) {
   refused("notes.txt", "not a model at all\n", {"expected"});
