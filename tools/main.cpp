@@ -2,6 +2,8 @@
 // Not: any work; each command is a file of its own.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "kernels/base/errors.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
@@ -12,11 +14,18 @@
 namespace tessera {
 namespace {
 
+/// Names out of files may have line ends.
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  return text;
+}
+
 int run_command(const Work& work) {
   try {
     return work();
   } catch (const InputError& error) {
-    say(fmt::format("tessera: {}", error.what()));
+    say(fmt::format("tessera: {}", one_line(error.what())));
     return kExitBadInput;
   } catch (const std::filesystem::filesystem_error& error) {
     say(fmt::format("tessera: {}: cannot be reached ({}); check this path and its permissions",

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
@@ -69,10 +70,11 @@ Tessera4dInput load_folder(const fs::path& folder) {
   const fs::path path = folder / kTessera4dManifest;
   input.manifest = manifest_from(read_json(path), path, input.model);
   input.bytes = int64_t(fs::file_size(path));
+  std::set<std::string> names;
   read_blocks(input, path, [&](const BlockInfo& info) {
-    if (info.file.empty())
-      throw InputError(
-          fmt::format("{}: a block without 'file' in a folder; export it again", path.string()));
+    if (info.file.empty() || !names.insert(info.file).second)
+      throw InputError(fmt::format(
+          "{}: a block without a 'file' of its own in a folder; export it again", path.string()));
     return std::pair(folder / info.file, read_text_file(folder / info.file));
   });
   return input;

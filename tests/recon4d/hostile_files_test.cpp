@@ -187,6 +187,11 @@ TEST_F(HostileFiles, BlocksDoNotLieOnEachOther) {
                                                manifest["blocks"].push_back(manifest["blocks"][0]);
                                            }));
   expect_refused([&] { load_tessera4d(path); }, {"a.tes4", "blocks"});
+  write_tessera4d_folder(folder_.path(), encode_tessera4d(random_model(2, 2), {}));
+  nlohmann::json manifest = nlohmann::json::parse(read_text_file(folder_ / "manifest.json"));
+  manifest["blocks"].push_back(manifest["blocks"][0]);
+  write_text_file(folder_ / "manifest.json", manifest.dump());
+  expect_refused([&] { load_tessera4d(folder_.path()); }, {"manifest.json", "of its own"});
 }
 
 // Lists in lists, which take stack to copy, print or free. Bug put back: no limit of depth; seen to

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 
 #include "ingest/files/png.h"
@@ -73,6 +75,17 @@ TEST_F(CliPath, TheClipPlaysAtItsRateOverAndOver) {
 }
 
 #if TESSERA_HAS_INGEST
+/// Of the means of a channel, in levels: what a matrix or a range that is not the file's does.
+double largest_mean_shift(const Image8& a, const Image8& b) {
+  double worst = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    double sum = 0;
+    for (size_t i = c; i < a.data.size(); i += 3) sum += int(a.data[i]) - int(b.data[i]);
+    worst = std::max(worst, std::abs(sum) * 3 / double(a.data.size()));
+  }
+  return worst;
+}
+
 // Bugs put back, each seen to fail: frames twice; BT.601 numbers under a tag of BT.709; --fps
 // rounded to a whole number.
 TEST_F(CliPath, TheVideoDecodesToThePictures) {
@@ -94,9 +107,9 @@ TEST_F(CliPath, TheVideoDecodesToThePictures) {
   EXPECT_EQ(stream.height, 48);
   for (size_t i = 0; i < frames.size(); ++i) {
     EXPECT_NEAR(stream.time_base.at(frames[i].ticks), double(i) * 1001 / 30000, 1e-5);
-    EXPECT_GE(psnr(frames[i].image, read_png(work / fmt::format("pictures/frame_{:04}.png", i))),
-              35)
-        << i;
+    const Image8 picture = read_png(work / fmt::format("pictures/frame_{:04}.png", i));
+    EXPECT_GE(psnr(frames[i].image, picture), 35) << i;
+    EXPECT_LE(largest_mean_shift(frames[i].image, picture), 1.5) << i;
   }
 }
 
