@@ -40,8 +40,9 @@ const std::vector<Preset>& presets() {
       {"balanced", "the default: half of what is not known to move starts static, 7,000 steps",
        kBalanced, kStill, kPixelsPerGaussian},
       {"best",
-       "balanced as a Markov chain of 200,000 Gaussians; of one timestep 30,000 steps, a million",
-       joined(joined(kBalanced, kMcmc), {{"max_gaussians", 200000}}),
+       "balanced as a Markov chain of 200,000 Gaussians whose moments move slowly; of one timestep "
+       "30,000 steps, a million",
+       joined(joined(kBalanced, kMcmc), {{"max_gaussians", 200000}, {"lr_mean_time", 1.6e-4}}),
        joined(kStill, {{"iterations", 30000}, {"max_gaussians", 1000000}}), kPixelsPerGaussian},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",

@@ -135,11 +135,15 @@ std::string texture_of(const GaussianModel& model, SplatvReport& report) {
   report.non_finite = model.static_set.count() - report.gaussians;
   const Slicer slicer(model);
   report.non_finite += slicer.invalid();
-  for (const MovingGaussian& g : slicer.moving())
-    if (is_ever_drawn(model, g))
-      add(moving_row(model, g));
-    else
+  const GaussianSpans<const float> dynamic = model.dynamic_set.values();
+  for (const MovingGaussian& g : slicer.moving()) {
+    if (!is_sound(dynamic, g.source))
+      ++report.non_finite;  // its colour
+    else if (!is_ever_drawn(model, g))
       ++report.never_drawn;
+    else
+      add(moving_row(model, g));
+  }
   return texture;
 }
 

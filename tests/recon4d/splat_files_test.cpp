@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -244,7 +245,8 @@ TEST(SplatFiles, SpzIsOfTheVersionAskedFor) {
 void expect_beginnings_refused(const std::filesystem::path& path, const std::string& whole) {
   for (size_t size = 0; size < whole.size(); size += size < 200 ? 1 : 37) {
     if (path.extension() == ".splat" && size % 32 == 0 && size > 0) continue;
-    write_text_file(path, whole.substr(0, size));
+    std::filesystem::remove(path);  // many: no file system waits for the disk with a new one
+    std::ofstream(path, std::ios::binary) << whole.substr(0, size);
     EXPECT_THROW(load_splat_file(path), InputError) << path << " of " << size << " bytes";
   }
 }

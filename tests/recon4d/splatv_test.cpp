@@ -192,12 +192,13 @@ TEST(Splatv, BakesColoursThatFollowTime) {
 // Bugs put back: the texture not filled up to whole rows; unsound Gaussians written. Seen to fail.
 TEST(Splatv, FillsRowsAndLeavesOutWhatIsNotDrawn) {
   const ScratchFolder folder;
-  GaussianModel model = random_model(1025, 3, 5, 1, Form::kVelocity);
+  GaussianModel model = random_model(1025, 4, 5, 1, Form::kVelocity);
   *model.static_set.values().at(kOpacityLogit, 7) = NAN;
+  *model.dynamic_set.values().at(kSh, 2) = NAN;
   *model.dynamic_set.values().at(kMeanTime, 1) = 90;  // long after the clip
   const SplatvReport report = save_splatv(folder / "a.splatv", model, {splatv_camera(model)});
   EXPECT_EQ(report.gaussians, 1026);
-  EXPECT_EQ(report.non_finite, 1);
+  EXPECT_EQ(report.non_finite, 2);
   EXPECT_EQ(report.never_drawn, 1);
   const SplatvFile read = read_splatv(folder / "a.splatv");
   EXPECT_EQ(read.chunk["texwidth"], 4096);

@@ -44,7 +44,8 @@ class SpoiltFile : public ::testing::Test {
   Tessera4dFile file_;
 };
 
-// Each line with its check taken out; seen to fail.
+// Bugs put back: a version not compared, counts and offsets without a limit, names not looked at;
+// each seen to fail.
 TEST_F(SpoiltFile, ManifestsThatCannotBe) {
   const std::vector<std::pair<std::function<void(json&)>, std::vector<std::string>>> cases = {
       {[](json& m) { m["version"] = 2; }, {"version 2", "newer"}},
@@ -62,6 +63,7 @@ TEST_F(SpoiltFile, ManifestsThatCannotBe) {
       {[](json& m) { m["blocks"][0]["count"] = 1ull << 40; }, {"count", "1099511627776"}},
       {[](json& m) { m["blocks"][0]["count"] = -1; }, {"count", "-1"}},
       {[](json& m) { m["blocks"][0]["file"] = "../secret"; }, {"../secret", "plain name"}},
+      {[](json& m) { m["blocks"][0]["file"] = ".."; }, {"'..'", "plain name"}},
       {[](json& m) { m["blocks"][0]["kind"] = "odd"; }, {"odd"}},
       {[](json& m) { m["blocks"][0]["bytes"] = 7; }, {"'bytes'"}},
       {[](json& m) { stream(m, 0, "colour")["offset"] = 1ull << 60; }, {"'offset'"}},
@@ -95,6 +97,7 @@ TEST_F(SpoiltFile, WhatNewerWritersAddIsSkipped) {
   EXPECT_EQ(load_tessera4d(folder_.path()).model.static_set.count(), file_.static_count);
 }
 
+// Bug put back: no checksum; seen to fail.
 TEST_F(SpoiltFile, BlocksThatAreMissingCutOrChanged) {
   write();
   const std::string name = file_.blocks[1].first, bytes = file_.blocks[1].second;
@@ -108,7 +111,8 @@ TEST_F(SpoiltFile, BlocksThatAreMissingCutOrChanged) {
   refused({name, "checksum"});
 }
 
-// A stream whose bytes are wrong though checksum and manifest agree.
+// Bytes that are wrong though checksum and manifest agree. Bug put back: lengths not compared; seen
+// to fail.
 TEST_F(SpoiltFile, StreamsThatAreNotWhatTheyPromise) {
   for (const auto& [content, word] : std::vector<std::pair<std::string, std::string>>{
            {"not gzip at all", "damaged"},
@@ -128,6 +132,7 @@ TEST_F(SpoiltFile, StreamsThatAreNotWhatTheyPromise) {
   }
 }
 
+// Bug put back: blocks beyond the file read; seen to fail.
 TEST_F(SpoiltFile, SingleFiles) {
   const std::string bytes = single_tessera4d(file_);
   single_refused(bytes.substr(0, 6), {"scene.t4d", "cut off"});

@@ -1,4 +1,5 @@
-// The paths of a camera: closed forms of circle, spiral and spline, for rigs in a turned world.
+// What: the paths of a camera: closed forms of circle, spiral and spline, in a turned world.
+// Not: files and moments (cli_path_test.cpp).
 #include "tools/camera_path.h"
 
 #include <gtest/gtest.h>

@@ -22,7 +22,7 @@ using nlohmann::json;
 
 class CliPath : public ::testing::Test {
  protected:
-  void SetUp() override { ASSERT_EQ(work.train("run").exit_code, 0); }
+  void SetUp() override { ASSERT_EQ(work.train("run", {"--iterations", "2"}).exit_code, 0); }
   std::vector<std::string> arguments(const std::string& out,
                                      const std::vector<std::string>& more) const {
     std::vector<std::string> all{"render", work.at("run"), "-o", work.at(out)};

@@ -1,4 +1,5 @@
-// The moments of an export: closed forms of each option, and what is refused.
+// What: the moments of an export: closed forms of each option, and what is refused.
+// Not: the export (tests/recon4d/sequence_test.cpp).
 #include "tools/export_times.h"
 
 #include <gtest/gtest.h>
