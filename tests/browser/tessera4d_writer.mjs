@@ -1,13 +1,13 @@
 // What: a small writer of Tessera 4D files by docs/format.md alone, written apart from the program's
 //       own: for files as they should not be.
 // Not: a good one: no order, no levels.
-import {crc32, gzipSync} from 'node:zlib';
+import zlib from 'node:zlib';
 
 const kWidth = {u8: 1, u16: 2, u24: 3, u32: 4, f32: 4};
 
 /** CRC-32 where this Node's zlib has none. */
 function checksum(bytes) {
-  if (crc32) return crc32(bytes);
+  if (zlib.crc32) return zlib.crc32(bytes);
   let c = ~0;
   for (const byte of bytes) {
     c ^= byte;
@@ -57,7 +57,7 @@ export function makeBlock({kind = 'static', count, visible = [0, 1], file, offse
     const rows = stream.type === 'f32' ? floatRows(stream.rows) : stream.rows;
     const plain = planes(rows, {...stream, components});
     const codec = stream.codec ?? 'gzip';
-    const bytes = codec === 'gzip' ? gzipSync(plain) : plain;
+    const bytes = codec === 'gzip' ? zlib.gzipSync(plain) : plain;
     const scaled = /^u\d/.test(stream.type) && {
       scale: stream.scale ?? Array(components).fill(1), bias: stream.bias ?? Array(components).fill(0)};
     infos.push({name, type: stream.type, components, count: rows.length, codec, ...scaled,
