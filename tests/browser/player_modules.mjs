@@ -9,7 +9,7 @@ import {pathToFileURL} from 'node:url';
 
 /** Where the build put the player's sources and packages. */
 const work = process.env.TESSERA_PLAYER_WORK;
-if (!work) throw new Error('TESSERA_PLAYER_WORK is not set; run these tests through ctest -L browser');
+if (!work) throw new Error('TESSERA_PLAYER_WORK is not set; run through ctest -L browser');
 
 /** What src/NAME.ts of the player export, several as one so that they share their classes. */
 export async function playerModules(...names) {

@@ -5,7 +5,8 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {gzipSync} from 'node:zlib';
 import {playerModules} from './player_modules.mjs';
-import {makeBlock, makeManifest, makeSingle, movingStreams, plainStreams} from './tessera4d_writer.mjs';
+import {makeBlock, makeManifest, makeSingle, movingStreams,
+        plainStreams} from './tessera4d_writer.mjs';
 
 const {bytesSource, decodeBlock, halfBits, packBlock, parseJson, readManifest, smallestThree} =
     await playerModules('container', 'manifest', 'packing', 'tessera4d');
@@ -57,7 +58,8 @@ test('lossless blocks hold logits and quaternions of any length', async () => {
   assert.ok(Math.abs(values.opacity[0] - 0.5) < 1e-7 && Math.abs(values.opacity[1] - 0.75) < 1e-7);
 });
 
-// Bug put back: halves cut off instead of rounded, the sign of the largest part ignored; seen to fail.
+// Bugs put back: halves cut off instead of rounded, the sign of the largest part ignored; each seen
+// to fail.
 test('what goes to the card', () => {
   for (const [value, bits] of [[1, 0x3c00], [-2, 0xc000], [65504, 0x7bff], [1e9, 0x7bff],
                                [2 ** -24, 1], [1.0004887, 0x3c01], [0.1, 0x2e66], [NaN, 0]])
@@ -179,7 +181,8 @@ test('single files', async (t) => {
   const open = (bytes) => bytesSource(new Uint8Array(bytes), 'scene.t4d', null);
   const read = async (bytes, i) => {
     const source = open(bytes);
-    return decodeBlock(source.manifest.blocks[i], await source.fetchBlock(source.manifest.blocks[i]));
+    const block = source.manifest.blocks[i];
+    return decodeBlock(block, await source.fetchBlock(block));
   };
   assert.equal((await read(file, 1)).count, 3);
   await t.test('wrong magic', () => assert.throws(

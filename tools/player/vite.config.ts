@@ -24,7 +24,8 @@ function oneFile(): Plugin {
         if (item === page) continue;
         const text = String(item.type === "chunk" ? item.code : item.source);
         const source = text.replace(/\/\/# sourceMappingURL=[\w.-]+/g, ""); // would be asked for
-        const tag = new RegExp(`[ \\t]*<(script|link)[^>]*${name.replace(/\W/g, "\\$&")}[^>]*>(</script>)?\\n?`);
+        const escaped = name.replace(/\W/g, "\\$&");
+        const tag = new RegExp(`[ \\t]*<(script|link)[^>]*${escaped}[^>]*>(</script>)?\\n?`);
         if (!tag.test(html)) throw new Error(`${name} is not in index.html: it cannot be one file`);
         html = html.replace(tag, "");
         const inline =

@@ -1,5 +1,5 @@
-// What: which blocks are here: those of the moment first, then those ahead in the direction of play;
-//       fetches nobody waits for any more are given up, the least recently used goes first.
+// What: which blocks are here: those of the moment first, then those ahead in the direction of
+//       play; fetches nobody waits for are given up, the least recently used goes first.
 // Not: bytes or graphics: a block is fetched by `load`, kept as an R and freed by `release`.
 import { isAbort, lineOf, PlayerError } from "./player_error";
 

@@ -26,7 +26,8 @@ export class BlocksContent implements Content {
     onChange: () => void,
   ) {
     const { manifest, address } = source;
-    this.moment.when.value.set(0, Number(manifest.anchor === "clip"), manifest.splat.cutoffAlpha, 0);
+    const clip = Number(manifest.anchor === "clip");
+    this.moment.when.value.set(0, clip, manifest.splat.cutoffAlpha, 0);
     this.info = {
       time: manifest.time,
       frames: null,
@@ -73,7 +74,7 @@ export class BlocksContent implements Content {
     return true;
   }
 
-  /** Exactly these are in the scene, in the order of the file: depth ties fall as they always do. */
+  /** Exactly these are in the scene, in the file's order: depth ties fall as they always do. */
   private place(present: BlockSplats[]): void {
     for (const child of [...this.stage.scene.children])
       if (child instanceof BlockSplats) child.removeFromParent();

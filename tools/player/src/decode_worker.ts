@@ -12,7 +12,8 @@ export interface DecodeTask {
 }
 
 /** The first one is "ready". */
-export type DecodeAnswer = "ready" | ({ id: number } & ({ packed: PackedBlock } | { line: string }));
+export type DecodeAnswer = "ready" | ({ id: number } & DecodeResult);
+type DecodeResult = { packed: PackedBlock } | { line: string };
 
 self.onmessage = async ({ data }: MessageEvent<DecodeTask>) => {
   const answer = (message: DecodeAnswer, moved: Transferable[] = []) =>

@@ -72,7 +72,8 @@ class Page {
 
   private about(): string {
     const { gaussians, time, frames } = this.info;
-    const moments = frames ? `${frames.length} frames` : `${time.duration.toFixed(2)} s, continuous`;
+    const seconds = `${time.duration.toFixed(2)} s, continuous`;
+    const moments = frames ? `${frames.length} frames` : seconds;
     return `${gaussians.toLocaleString("en")} Gaussians · ${moments}`;
   }
 
@@ -99,7 +100,8 @@ class Page {
     const seconds = this.clock.now();
     const playing = this.clock.playing;
     const ahead = playing ? this.t(AHEAD_SECONDS * Math.max(1, this.clock.rate)) : 0;
-    const { waiting, trouble } = this.view.setTime(this.t(seconds), { ahead, loop: this.clock.loop });
+    const play = { ahead, loop: this.clock.loop };
+    const { waiting, trouble } = this.view.setTime(this.t(seconds), play);
     if (!waiting) this.pictured = true;
     // frames of a sequence are left out when they are late; blocks are waited for
     this.clock.hold(waiting && (!this.pictured || this.info.frames === null));

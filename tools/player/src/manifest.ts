@@ -92,7 +92,8 @@ class Fields {
   wrong(key: string, expected: string, seen: unknown): PlayerError {
     const text = JSON.stringify(seen) ?? "nothing";
     return new PlayerError(
-      `${this.file}: ${key} should be ${expected}, saw ${text.slice(0, 40)}; export the scene again`,
+      `${this.file}: ${key} should be ${expected}, saw ${text.slice(0, 40)}; ` +
+        `export the scene again`,
     );
   }
   private key(name: string): string {

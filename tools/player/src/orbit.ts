@@ -1,6 +1,6 @@
-// What: pointer, wheel and touch -> the camera: one finger or left button turns, two fingers or right
-//       button pan, pinch or wheel comes nearer. Any pose is a state of it, roll included, so that
-//       nothing jumps when a rig's camera is left.
+// What: pointer, wheel and touch -> the camera: one finger or left button turns, two fingers or
+//       right button pan, pinch or wheel comes nearer. Any pose is a state of it, roll included, so
+//       that nothing jumps when a rig's camera is left.
 // Not: keys and buttons (ui.ts).
 import * as THREE from "three";
 import type { Quaternion, Triple } from "./manifest";

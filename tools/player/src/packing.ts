@@ -103,7 +103,7 @@ function packMotion(block: DecodedBlock, moving: boolean): Words {
   return motion;
 }
 
-/** Values `from` to `to` of each row of `stride`, as halves from half `at` of a Gaussian's texels. */
+/** Values `from` to `to` of rows of `stride`, as halves from half `at` of a Gaussian's texels. */
 function packHalves(
   target: Words,
   rows: Float32Array,

@@ -6,7 +6,7 @@ export type Trouble = "network" | "data" | "device";
 export class PlayerError extends Error {
   constructor(
     message: string,
-    /** network: worth trying again; data: the file is what it is; device: no picture can be made. */
+    /** network: worth trying again; data: the file is what it is; device: no picture. */
     readonly trouble: Trouble = "data",
   ) {
     super(message);

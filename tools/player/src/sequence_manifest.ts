@@ -101,7 +101,8 @@ export function readSequence(json: Record<string, unknown>, url: string): Sequen
   const fileType = FILE_TYPES[format];
   if (fileType === undefined)
     throw new PlayerError(
-      `${name}: frames of format "${format}" do not play here; export ply, compressed, spz or splat`,
+      `${name}: frames of format "${format}" do not play here; ` +
+        `export ply, compressed, spz or splat`,
     );
   if (!Array.isArray(json.frames) || json.frames.length === 0)
     throw new PlayerError(`${name}: no frames; export them again`);

@@ -9,7 +9,7 @@ import type { Play, Progress, SceneInfo, SceneView, ViewCamera } from "./scene_v
 import { Stage } from "./stage";
 
 const NEAR = 0.2; // world units, as the program renders where a file does not say
-const LONGEST_MS = 10000; // that settle() waits
+const LONGEST_MS = 30000; // that settle() waits
 const NEAR_OF_RADIUS = 0.02; // of small scenes
 
 function nearOf(bounds: Bounds | null, { near }: SplatRules): number {
@@ -19,7 +19,7 @@ function nearOf(bounds: Bounds | null, { near }: SplatRules): number {
   return size > 0 ? Math.min(most, (NEAR_OF_RADIUS * size) / 2) : most;
 }
 
-/** Resolves when the browser has shown a frame, or after a while where it shows none (hidden tab). */
+/** Resolves when the browser has shown a frame, or after a while where it shows none. */
 function nextFrame(): Promise<void> {
   return new Promise((resolve) => {
     const late = setTimeout(resolve, 200);

@@ -1,5 +1,5 @@
-// What: canvas, three.js and Spark set up so that splats look as they were trained: z order, float32
-//       centres, the file's filter and cut-offs, exact pinhole intrinsics.
+// What: canvas, three.js and Spark set up so that splats look as they were trained: order by z,
+//       float32 centres, the file's filter and cut-offs, exact pinhole intrinsics.
 // Not: what is drawn (blocks_content.ts, frames_content.ts).
 import { SparkRenderer, type SplatGenerator } from "@sparkjsdev/spark";
 import * as THREE from "three";
@@ -35,8 +35,8 @@ export class Stage {
     });
     if (context === null)
       throw new PlayerError(
-        "this browser offers no WebGL2: use a current Chrome, Firefox, Edge or Safari, and switch " +
-          "on graphics acceleration in its settings",
+        "this browser offers no WebGL2: use a current Chrome, Firefox, Edge or Safari, and " +
+          "switch on graphics acceleration in its settings",
         "device",
       );
     this.renderer = new THREE.WebGLRenderer({ canvas, context, antialias: false });
@@ -71,7 +71,7 @@ export class Stage {
     this.renderer.setSize(this.size.width, this.size.height, false);
   }
 
-  /** The rig's picture lies centred in the window, as large as fits; the window shows what is around. */
+  /** The rig's picture, as large as fits, in the window's middle; what is around is seen too. */
   private applyCamera(): void {
     const { position, rotation, lens } = this.view;
     const { width, height } = this.size;
@@ -109,7 +109,7 @@ export class Stage {
     return !sorting && !sortDirty && display === current;
   }
 
-  /** Resolves once the card has done what it was told. */
+  /** Waits until the card has done what it was told. */
   finish(): void {
     this.renderer.getContext().finish();
   }

@@ -180,8 +180,8 @@ class StreamReader {
     const stream = this.find(name);
     if (stream === undefined || stream.count !== this.block.count)
       throw new PlayerError(
-        `${this.block.name}: ${stream?.count ?? 0} of ${this.block.count} Gaussians have ${name}; ` +
-          `export the scene again`,
+        `${this.block.name}: ${stream?.count ?? 0} of ${this.block.count} Gaussians have ` +
+          `${name}; export the scene again`,
       );
     return this.read(stream, components);
   }
