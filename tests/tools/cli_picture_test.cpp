@@ -104,8 +104,7 @@ TEST_F(CliPicture, ALongerEarlierExportLeavesNoFrames) {
   EXPECT_TRUE(fs::exists(work / "out/frame_0001.ply"));
   EXPECT_FALSE(fs::exists(work / "out/frame_0002.ply"));
   ASSERT_EQ(
-      work.run({"export", work.at("run"), "-o", work.at("out"), "--format", "model"}).exit_code,
-      0);
+      work.run({"export", work.at("run"), "-o", work.at("out"), "--format", "model"}).exit_code, 0);
   EXPECT_FALSE(fs::exists(work / "out/frame_0000.ply"));
   EXPECT_EQ(work.read("out/model.ply"), work.read("run/model.ply"));
   EXPECT_EQ(work.read("out/notes.txt"), "kept");
