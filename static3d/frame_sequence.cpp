@@ -38,11 +38,13 @@ struct Bounds {
 class SequenceWriter {
  public:
   SequenceWriter(const GaussianModel& model, std::filesystem::path folder,
-                 const std::vector<double>& times, const SplatFormat& format)
+                 const std::vector<double>& times, const SplatFormat& format,
+                 const SequenceHints& hints)
       : model_(model),
         folder_(std::move(folder)),
         times_(times),
         format_(format),
+        hints_(hints),
         slicer_(model),
         box_(scene_box(model)),
         frames_(times.size()),
@@ -66,6 +68,7 @@ class SequenceWriter {
   std::filesystem::path folder_;
   const std::vector<double>& times_;
   const SplatFormat& format_;
+  const SequenceHints& hints_;
   Slicer slicer_;
   SceneBox box_;
   std::vector<SequenceFrame> frames_;
@@ -134,6 +137,10 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
   manifest["world"] = in_source_world ? "source" : "prepared";
   manifest["sh_degree"] = model_.sh_degree;
   manifest["background"] = model_.background;
+  manifest["up"] = up_of(hints_.cameras);
+  manifest["splat"] = splat_json(model_);
+  manifest["cameras"] = nlohmann::json::array();
+  for (const RigCamera& camera : hints_.cameras) manifest["cameras"].push_back(camera_json(camera));
   manifest["constant_ids"] = false;
   manifest["ids"] =
       "row i is not the same Gaussian in each frame: those not drawn at a time are left out";
@@ -200,7 +207,7 @@ std::string sequence_file_name(int64_t i, int64_t count, const SplatFormat& form
 
 SequenceReport export_sequence(const GaussianModel& model, const std::filesystem::path& folder,
                                const std::vector<double>& times, const SplatFormat& format,
-                               const SequenceProgress& progress) {
+                               const SequenceProgress& progress, const SequenceHints& hints) {
   if (times.empty())
     throw InputError(fmt::format("{}: a sequence needs at least one time; pass --frames or --time",
                                  folder.string()));
@@ -211,7 +218,7 @@ SequenceReport export_sequence(const GaussianModel& model, const std::filesystem
                       folder.string(), times[i], times[i - 1]));
   make_folder(folder);
   std::filesystem::remove(folder / kManifest);  // it names whole sequences only
-  SequenceWriter writer(model, folder, times, format);
+  SequenceWriter writer(model, folder, times, format, hints);
   const int64_t count = int64_t(times.size()), at_once = writer.frames_at_once();
   for (int64_t begin = 0; begin < count; begin += at_once) {
     const int64_t end = std::min(begin + at_once, count);

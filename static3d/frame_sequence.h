@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "recon4d/gaussian_set.h"
+#include "static3d/player_hints.h"
 #include "static3d/splat_file.h"
 
 namespace tessera {
@@ -36,6 +37,11 @@ using SequenceProgress = std::function<void(int64_t, int64_t)>;
 /// "frame_0000" and the extension of the format: four digits, more where `count` frames need them.
 std::string sequence_file_name(int64_t i, int64_t count, const SplatFormat& format);
 
+/// What the manifest says beyond the frames.
+struct SequenceHints {
+  std::vector<RigCamera> cameras;  // in the model's world
+};
+
 /// Writes frame_0000.EXTENSION … (four digits, more when needed) for `times` (normalised,
 /// ascending) and, last, manifest.json. Each file appears atomically; frames of an earlier, longer
 /// export are removed. Frames are made in parallel, as many at once as fit a fixed memory budget.
@@ -44,6 +50,7 @@ std::string sequence_file_name(int64_t i, int64_t count, const SplatFormat& form
 /// written.
 SequenceReport export_sequence(const GaussianModel& model, const std::filesystem::path& folder,
                                const std::vector<double>& times, const SplatFormat& format,
-                               const SequenceProgress& progress = {});
+                               const SequenceProgress& progress = {},
+                               const SequenceHints& hints = {});
 
 }  // namespace tessera

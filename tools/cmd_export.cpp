@@ -46,8 +46,9 @@ void check_options(const ExportRequest& request, const TimeFormat* in_time) {
       {"--single", request.single, request.format == "tessera", "tessera"},
       {"--lossless", request.lossless, tessera4d, "tessera, page and html"},
       {"--segment", request.segment_seconds != 1, tessera4d, "tessera, page and html"},
-      {"--cameras", !request.cameras.empty(), tessera4d || request.format == "splatv",
-       "tessera, page, html and splatv"},
+      {"--cameras", !request.cameras.empty(),
+       tessera4d || request.page || request.format == "splatv",
+       "tessera, page, html, splatv and frames with --page"},
       {"--audio", !request.audio.empty(), tessera4d && !one_file, "folders: tessera and page"},
   };
   for (const auto& rule : rules)
@@ -156,7 +157,7 @@ void add_export_command(CLI::App& app, Work& work) {
   command->add_option("--segment", request->segment_seconds, "Tessera 4D: seconds of a segment");
   command->add_option(
       "--cameras", request->cameras,
-      "Tessera 4D, splatv: scene folder or transforms file whose cameras the player offers; "
+      "Tessera 4D, splatv, --page: scene folder or transforms file whose cameras players offer; "
       "default: of the scene that the run was trained on");
   command->add_option("--audio", request->audio, "Tessera 4D: sound, which becomes the clock");
   command->add_flag("--keep-world", request->keep_world,

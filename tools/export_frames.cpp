@@ -7,6 +7,7 @@
 #include "tools/interrupt.h"
 #include "tools/output_folder.h"
 #include "tools/player_files.h"
+#include "tools/rig_cameras.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -30,13 +31,16 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
       export_times(request.times, model.time_axis, model.dynamic_set.count() > 0);
   OutputFolder folder(request.out, "export", files_of(request, int64_t(times.size()), format),
                       request.overwrite);
+  SequenceHints hints;
+  if (request.page) hints.cameras = rig_of(request.cameras, request.model, model).cameras;
   SequenceReport report;
   {
     ProgressBar bar("export");
-    report = export_sequence(model, request.out, times, format, [&](int64_t done, int64_t total) {
+    const auto progress = [&](int64_t done, int64_t total) {
       stop_if_interrupted();
       bar.update(done, total);
-    });
+    };
+    report = export_sequence(model, request.out, times, format, progress, hints);
   }
   if (request.page) write_text_file(folder.path(kPageFile), page_of_folder());
   folder.finish();

@@ -127,22 +127,6 @@ json to_json(const BlockInfo& block) {
   return out;
 }
 
-json to_json(const RigCamera& rig) {
-  const Camera& camera = rig.camera;
-  const glm::dvec3 at = camera.position();
-  const glm::dmat3 turn = glm::transpose(camera.cam_from_world);
-  const Vec4<double> q = quaternion_from_rotation(turn);
-  return {{"name", rig.name},
-          {"position", {at.x, at.y, at.z}},
-          {"rotation", {q[0], q[1], q[2], q[3]}},
-          {"width", camera.width},
-          {"height", camera.height},
-          {"fx", camera.fl_x},
-          {"fy", camera.fl_y},
-          {"cx", camera.cx},
-          {"cy", camera.cy}};
-}
-
 /// Streams that this version reads; others are for newer readers.
 bool is_known(const std::string& name) {
   constexpr const char* kNames[] = {"position",
@@ -211,17 +195,6 @@ BlockInfo block_from(const json& object, const fs::path& path) {
     if (is_known(Reading(stream, path, "a stream").text("name")))
       block.streams.push_back(stream_from(stream, block, path));
   return block;
-}
-
-json splat_json(const GaussianModel& rules) {
-  const Cutoff<double> cutoff = rules.cutoff<double>();
-  return {{"dilation", rules.filter_2d ? kFilter2d<double> : kDilation<double>},
-          {"compensated", rules.filter_2d},
-          {"cutoff_sigma", rules.truncation_sigma},
-          {"cutoff_alpha", cutoff.least_alpha},
-          {"cutoff_falloff", cutoff.least_falloff},
-          {"near", rules.near_plane},
-          {"far", rules.far_plane}};
 }
 
 void read_splat(const Reading& splat, GaussianModel& rules) {
@@ -296,7 +269,7 @@ json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules) {
   if (!rules.prepared_from_source.is_identity())
     out["prepared_from_source"] = similarity_numbers(rules.prepared_from_source);
   if (!manifest.audio.empty()) out["audio"] = manifest.audio;
-  for (const RigCamera& camera : manifest.cameras) out["cameras"].push_back(to_json(camera));
+  for (const RigCamera& camera : manifest.cameras) out["cameras"].push_back(camera_json(camera));
   for (const BlockInfo& block : manifest.blocks) out["blocks"].push_back(to_json(block));
   return out;
 }

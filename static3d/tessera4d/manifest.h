@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "kernels/base/camera.h"
 #include "kernels/base/similarity.h"
 #include "recon4d/gaussian_set.h"
+#include "static3d/player_hints.h"
 
 namespace tessera {
 
@@ -46,12 +46,6 @@ struct BlockInfo {
   int level = 0;
   int64_t count = 0;
   std::vector<StreamInfo> streams;
-};
-
-/// A camera of the rig, for players to look through.
-struct RigCamera {
-  std::string name;
-  Camera camera;  // in the world of the file
 };
 
 struct Tessera4dManifest {

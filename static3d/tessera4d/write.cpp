@@ -45,16 +45,6 @@ GaussianSet plain_dynamic(const GaussianModel& model) {
   return plain;
 }
 
-/// Mean direction against the cameras' down, or that of the axes.
-std::array<double, 3> up_of(const std::vector<RigCamera>& cameras) {
-  glm::dvec3 up{0, 0, 0};
-  for (const RigCamera& rig : cameras)
-    up -= glm::transpose(rig.camera.cam_from_world) * glm::dvec3(0, 1, 0);
-  const double length = glm::length(up);
-  if (!(length > 1e-3 * double(cameras.size()))) return {0, -1, 0};
-  return {up.x / length, up.y / length, up.z / length};
-}
-
 class Writer {
  public:
   Writer(const GaussianModel& model, const Tessera4dOptions& options)

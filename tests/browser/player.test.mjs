@@ -13,13 +13,10 @@ const folder = scratchFolder();
 const place = (...names) => join(folder, ...names);
 let browser, server;
 
-/** The page beside frames, with the rig's cameras, which folders of frames may name. */
+/** The page beside frames. */
 function exportFrames(format) {
   tessera('export', fixture.model, '--format', format, '--frames', kTimes.length, '--page',
-          '-o', place(format));
-  const {cameras} = JSON.parse(readFileSync(place('page', 'manifest.json')));
-  const manifest = JSON.parse(readFileSync(place(format, 'manifest.json')));
-  writeFileSync(place(format, 'manifest.json'), JSON.stringify({...manifest, cameras}));
+          '--cameras', place('transforms.json'), '-o', place(format));
 }
 
 /** A copy of the exported page that `spoil` makes worse; its name. */
