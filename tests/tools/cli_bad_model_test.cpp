@@ -137,7 +137,7 @@ TEST_F(CliBadModel, PromisesMoreThanItHas) {
   refused("many.spz", spz_with(whole("spz"), 8, 0xffffffff), {"fetch it again"});
 }
 
-// Seen to fail with numbers of comments not looked at.
+// What is looked at: HostileFiles.NumbersOfAModelAreFinite, which was seen to fail.
 TEST_F(CliBadModel, HoldsNaN) {
   refused("model.ply", replaced(whole("model"), "comment clip_planes ", "comment clip_planes nan "),
           {"clip_planes", "export again"});
