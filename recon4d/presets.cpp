@@ -42,8 +42,10 @@ const std::vector<Preset>& presets() {
       {"best",
        "balanced as a Markov chain of 200,000 Gaussians whose moments move slowly; of one timestep "
        "30,000 steps, a million",
-       joined(joined(kBalanced, kMcmc), {{"max_gaussians", 200000}, {"lr_mean_time", 1.6e-4}}),
-       joined(kStill, {{"iterations", 30000}, {"max_gaussians", 1000000}}), kPixelsPerGaussian},
+       joined(joined(kBalanced, kMcmc),
+              {{"max_gaussians", 200000}, {"lr_mean_time", 1.6e-4}, {"mcmc_noise", 5e4}}),
+       joined(kStill, {{"iterations", 30000}, {"max_gaussians", 1000000}, {"mcmc_noise", 5e5}}),
+       kPixelsPerGaussian},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "lazy"}}},
