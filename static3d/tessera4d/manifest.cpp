@@ -1,5 +1,5 @@
 // What: keys and values, each checked before it is believed.
-// Not: whether blocks hold what they promise (block.cpp).
+// Not: whether blocks hold what they promise (block_read.cpp).
 #include "static3d/tessera4d/manifest.h"
 
 #include <fmt/format.h>

@@ -1,0 +1,122 @@
+// What: streams → Gaussians, each looked at before it is believed.
+// Not: the way there (block_write.cpp), rounding itself (stream.h).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/files/gzip.h"
+#include "kernels/base/errors.h"
+#include "static3d/splat_quanta.h"
+#include "static3d/tessera4d/block.h"
+#include "static3d/tessera4d/sh_streams.h"
+#include "static3d/tessera4d/stream.h"
+
+namespace tessera {
+namespace {
+
+class Decoder {
+ public:
+  Decoder(std::string_view bytes, const BlockInfo& info, const std::filesystem::path& path)
+      : bytes_(bytes), info_(info), path_(path) {}
+
+  GaussianSet decode(int sh_degree, bool anchor_in_clip) {
+    const StreamWords position = needed("position", 3);  // no room for what is not there
+    GaussianSet set(info_.moving ? Form::kVelocity : Form::kStatic, sh_coefficients(sh_degree));
+    set.resize(info_.count);
+    const GaussianSpans<float> to = set.values();
+    fill(position, to, kMean);
+    fill(needed("log_scale", 3), to, kLogScale);
+    fill_rotation(to);
+    fill_opacity(to);
+    std::fill_n(to.group[kSh].data, to.group[kSh].size, 0.0f);
+    fill(needed(kShNames[0], 3), to, kSh);
+    for (int degree = 1; degree <= sh_degree; ++degree)
+      if (find(kShNames[degree]) != nullptr)
+        fill(read(kShNames[degree], band_width(degree)), to, kSh, band_begin(degree));
+    if (info_.moving) fill_motion(to, anchor_in_clip);
+    return set;
+  }
+
+ private:
+  const StreamInfo* find(const char* name) const {
+    for (const StreamInfo& stream : info_.streams)
+      if (stream.name == name) return &stream;
+    return nullptr;
+  }
+  StreamWords read(const char* name, int components) const {
+    const StreamInfo* const stream = find(name);
+    if (stream == nullptr || stream->components != components)
+      throw InputError(fmt::format("{}: has no stream '{}' of {} components; export it again",
+                                   path_.string(), name, components));
+    return read_stream(bytes_, *stream, path_);
+  }
+  /// One number of every Gaussian.
+  StreamWords needed(const char* name, int components) const {
+    StreamWords stream = read(name, components);
+    if (stream.info.count != info_.count)
+      throw InputError(
+          fmt::format("{}: stream '{}' does not hold the {} Gaussians of its block; "
+                      "export it again",
+                      path_.string(), name, info_.count));
+    return stream;
+  }
+  static void fill(const StreamWords& stream, const GaussianSpans<float>& to, Group group,
+                   int first = 0) {
+    for (int c = 0; c < stream.info.components; ++c)
+      for (int64_t n = 0; n < stream.info.count; ++n)
+        to.at(group, n)[first + c] = value_at(stream, c, n);
+  }
+  void fill_rotation(const GaussianSpans<float>& to) const {
+    const StreamInfo* const info = find("rotation");
+    if (info != nullptr && info->components == 4) return fill(needed("rotation", 4), to, kRotation);
+    const StreamWords smaller = needed("rotation", 3), largest = needed("rotation_largest", 1);
+    for (int64_t n = 0; n < info_.count; ++n) {
+      const int top = std::clamp(int(value_at(largest, 0, n)), 0, 3);
+      std::array<double, 4> q{};
+      int c = 0;
+      for (int k = 0; k < 4; ++k)
+        if (k != top) q[size_t(k)] = double(value_at(smaller, c++, n));
+      q[size_t(top)] = left_out(q, top);
+      for (size_t k = 0; k < 4; ++k) to.at(kRotation, n)[k] = float(q[k]);
+    }
+  }
+  void fill_opacity(const GaussianSpans<float>& to) const {
+    if (find("opacity_logit") != nullptr)
+      return fill(needed("opacity_logit", 1), to, kOpacityLogit);
+    const StreamWords stream = needed("opacity", 1);
+    for (int64_t n = 0; n < info_.count; ++n)
+      *to.at(kOpacityLogit, n) = logit_of_byte(255 * double(value_at(stream, 0, n)));
+  }
+  void fill_motion(const GaussianSpans<float>& to, bool anchor_in_clip) const {
+    fill(needed("velocity", 3), to, kVelocity);
+    fill(needed("time_mean", 1), to, kMeanTime);
+    fill(needed("log_time_scale", 1), to, kLogScaleTime);
+    if (!anchor_in_clip) return;
+    for (int64_t n = 0; n < info_.count; ++n) {
+      const float time = *to.at(kMeanTime, n), anchor = std::clamp(time, 0.0f, 1.0f);
+      for (int k = 0; k < 3; ++k) to.at(kMean, n)[k] += to.at(kVelocity, n)[k] * (time - anchor);
+    }
+  }
+
+  std::string_view bytes_;
+  const BlockInfo& info_;
+  const std::filesystem::path& path_;
+};
+
+}  // namespace
+
+GaussianSet decode_block(std::string_view bytes, const BlockInfo& info, int sh_degree,
+                         bool anchor_in_clip, const std::filesystem::path& path) {
+  if (bytes.size() != info.bytes)
+    throw InputError(fmt::format("{}: has {} bytes, its manifest says {}; fetch or export it again",
+                                 path.string(), bytes.size(), info.bytes));
+  if (crc32_of(bytes) != info.crc32)
+    throw InputError(
+        fmt::format("{}: its checksum differs from the manifest's: it is damaged or of another "
+                    "export; fetch or export it again",
+                    path.string()));
+  return Decoder(bytes, info, path).decode(sh_degree, anchor_in_clip);
+}
+
+}  // namespace tessera
