@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/quantile.h"
 #include "kernels/math/eigen3.h"
 
 namespace tessera {
@@ -26,12 +27,6 @@ constexpr double kNearQuantile = 0.01;  // points nearer than this share are tak
 
 dvec3 forward_of(const Camera& camera) {
   return glm::transpose(camera.cam_from_world)[2];
-}
-
-double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 Sym3<double> outer_sum(const std::vector<dvec3>& vectors) {

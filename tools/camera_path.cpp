@@ -8,6 +8,7 @@
 
 #include "ingest/world_normalisation.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/quantile.h"
 
 namespace tessera {
 namespace {
@@ -23,12 +24,6 @@ constexpr double kOneWay = 0.5;  // length of the mean viewing direction: cos 60
 
 dvec3 forward_of(const Camera& camera) {
   return glm::transpose(camera.cam_from_world)[2];
-}
-
-double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 dvec3 mean_position(const std::vector<Camera>& rig) {

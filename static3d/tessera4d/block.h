@@ -22,7 +22,8 @@ struct Block {
   std::string bytes;
 };
 
-/// A static set, or a dynamic one in velocity form without levels of time; sound Gaussians only.
+/// A static set, or a dynamic one in velocity form without levels of time; sound Gaussians only, at
+/// least one.
 Block encode_block(const GaussianSet& set, const BlockRules& rules);
 
 /// A static set or one in velocity form, with the SH coefficients of `sh_degree`. Errors:

@@ -8,6 +8,7 @@
 #include "ingest/files/gzip.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "kernels/base/quantile.h"
 #include "kernels/math/splat.h"
 #include "recon4d/hygiene.h"
 #include "static3d/morton_order.h"
@@ -33,13 +34,6 @@ int needed_degree(const float* sh, const BlockRules& rules) {
       if (rules.lossless ? value != 0 : std::round(value / kShStep[degree]) != 0) return degree;
     }
   return 0;
-}
-
-double quantile_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto at = values.begin() + int64_t(kQuantile * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 class Encoder {
@@ -115,7 +109,7 @@ class Encoder {
       const float* s = values.at(kLogScale, n);
       sizes.push_back(std::max(std::min(s[0], s[1]), std::min(std::max(s[0], s[1]), s[2])));
     }
-    return kPositionShare * std::exp(quantile_of(std::move(sizes)));
+    return kPositionShare * std::exp(quantile(std::move(sizes), kQuantile));
   }
   void add_position(const std::vector<float>& positions) {
     add(rounded("position", 3, positions, position_step(), true));
@@ -128,7 +122,7 @@ class Encoder {
     const std::vector<float> log_length = column(kLogScaleTime, 0, 1);
     for (float value : log_length) lengths.push_back(std::exp(double(value)));
     const StreamWords time = rounded("time_mean", 1, column(kMeanTime, 0, 1),
-                                     kTimeShare * quantile_of(std::move(lengths)));
+                                     kTimeShare * quantile(std::move(lengths), kQuantile));
     const StreamWords length = rounded("log_time_scale", 1, log_length, kTimeScaleStep);
     const StreamWords opacity = opacities();
     std::vector<float> anchors(static_cast<size_t>(count()));
@@ -219,6 +213,7 @@ class Encoder {
 
 Block encode_block(const GaussianSet& set, const BlockRules& rules) {
   check(set.form() != Form::kPair && set.time_levels() == 0, "encode_block: static or velocity");
+  check(set.count() > 0, "encode_block: a block of no Gaussians");
   return Encoder(set, rules).encode();
 }
 
