@@ -20,7 +20,6 @@ namespace tessera {
 namespace {
 
 constexpr const char* kManifest = "manifest.json";
-constexpr float kFarFactor = 10;  // × the scene box  [failure mode E3]
 
 /// Bounds of the means of a frame, outliers left aside.
 struct Bounds {

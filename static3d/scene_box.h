@@ -6,6 +6,9 @@
 
 namespace tessera {
 
+/// Half extents beyond which a Gaussian counts as an outlier  [failure mode E3].
+inline constexpr float kFarFactor = 10;
+
 struct SceneBox {
   Vec3<float> centre{};   // median of the finite means, per axis, world units
   float half_extent = 0;  // largest axis of twice the median distance to the centre

@@ -78,9 +78,8 @@ PointCloud points_of(const GaussianModel& model) {
 std::vector<Camera> rig_of(const PathChoice& choice, const ModelInput& input) {
   CameraChoice rig{choice.cameras, choice.split, 0.0};  // moments are not asked for
   if (rig.cameras.empty()) {
-    const fs::path scene = RunFolder{input.file.parent_path()}.scene();
-    if (scene.empty() || !fs::exists(scene)) return {};
-    rig.cameras = scene;
+    rig.cameras = scene_of_model(input.file);
+    if (rig.cameras.empty()) return {};
   }
   std::vector<Camera> cameras;
   for (const NamedView& named : read_views(rig, input.model)) cameras.push_back(named.view.camera);

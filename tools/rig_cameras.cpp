@@ -43,11 +43,8 @@ std::vector<RigCamera> places_of(const std::vector<NamedView>& views) {
 
 Rig rig_of(const std::string& cameras, const std::string& model_path, const GaussianModel& model) {
   CameraChoice choice;
-  const std::filesystem::path model_place(model_path);
-  const RunFolder run{is_directory(model_place) ? model_place : model_place.parent_path()};
-  choice.cameras = cameras.empty() ? run.scene() : cameras;
-  if (choice.cameras.empty() || (cameras.empty() && !std::filesystem::exists(choice.cameras)))
-    return {};
+  choice.cameras = cameras.empty() ? scene_of_model(model_path) : cameras;
+  if (choice.cameras.empty()) return {};
   std::vector<NamedView> views;
   try {
     views = read_views(choice, model);

@@ -43,4 +43,9 @@ void RunFolder::remove_files() const {
   }
 }
 
+std::string scene_of_model(const std::filesystem::path& model) {
+  const std::string scene = RunFolder{is_directory(model) ? model : model.parent_path()}.scene();
+  return std::filesystem::exists(scene) ? scene : "";
+}
+
 }  // namespace tessera

@@ -32,4 +32,8 @@ struct RunFolder {
   void remove_best_but(int64_t iteration) const;
 };
 
+/// The scene that a model was trained on: `model` is a run folder or lies in one. "" where no run
+/// says so, or the scene is gone.
+std::string scene_of_model(const std::filesystem::path& model);
+
 }  // namespace tessera

@@ -14,41 +14,41 @@
 namespace tessera {
 namespace {
 
+/// visit(i) for every character outside of strings; it may change the text from there on.
+template <class Text, class Visit>
+void outside_strings(Text& text, Visit&& visit) {
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (in_string && text[i] == '\\')
+      ++i;
+    else if (text[i] == '"')
+      in_string = !in_string;
+    else if (!in_string)
+      visit(i);
+  }
+}
+
 /// Python's json module writes NaN, Infinity and -Infinity; as null they reach the check that knows
 /// which frame they belong to.
 void blank_non_finite(std::string& text) {
-  bool in_string = false;
-  for (size_t i = 0; i < text.size(); ++i) {
-    if (in_string && text[i] == '\\') {
-      ++i;
-    } else if (text[i] == '"') {
-      in_string = !in_string;
-    } else if (!in_string && (text[i] == 'N' || text[i] == 'I' || text[i] == '-')) {
-      const std::string_view rest = std::string_view(text).substr(i);
-      for (const std::string_view token : {"-Infinity", "Infinity", "NaN"})
-        if (rest.starts_with(token)) {
-          text.replace(i, token.size(), "null");
-          break;  // `rest` looks at the text before the replacement
-        }
-    }
-  }
+  outside_strings(text, [&](size_t i) {
+    if (text[i] != 'N' && text[i] != 'I' && text[i] != '-') return;
+    const std::string_view rest = std::string_view(text).substr(i);
+    for (const std::string_view token : {"-Infinity", "Infinity", "NaN"})
+      if (rest.starts_with(token)) {
+        text.replace(i, token.size(), "null");
+        break;  // `rest` looks at the text before the replacement
+      }
+  });
 }
 
 /// Levels of lists and objects; those that are open where the text ends, too.
 int64_t depth_of(std::string_view text) {
   int64_t depth = 0, deepest = 0;
-  bool in_string = false;
-  for (size_t i = 0; i < text.size(); ++i) {
-    if (in_string && text[i] == '\\') {
-      ++i;
-    } else if (text[i] == '"') {
-      in_string = !in_string;
-    } else if (!in_string && (text[i] == '[' || text[i] == '{')) {
-      deepest = std::max(deepest, ++depth);
-    } else if (!in_string && (text[i] == ']' || text[i] == '}')) {
-      --depth;
-    }
-  }
+  outside_strings(text, [&](size_t i) {
+    if (text[i] == '[' || text[i] == '{') deepest = std::max(deepest, ++depth);
+    if (text[i] == ']' || text[i] == '}') --depth;
+  });
   return deepest;
 }
 

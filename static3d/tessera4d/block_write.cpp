@@ -3,6 +3,7 @@
 #include "static3d/tessera4d/block.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "ingest/files/gzip.h"
@@ -41,12 +42,17 @@ class Encoder {
   Encoder(const GaussianSet& set, const BlockRules& rules) : rules_(rules) {
     const GaussianSpans<const float> values = set.values();
     std::vector<int64_t> order = morton_order(values);
-    const int degree = std::min(rules.sh_degree, degree_of(set));
-    rules_.sh_degree = degree;
-    std::stable_sort(order.begin(), order.end(), [&](int64_t a, int64_t b) {
-      return needed_degree(values.at(kSh, a), rules_) > needed_degree(values.at(kSh, b), rules_);
-    });
+    rules_.sh_degree = std::min(rules.sh_degree, degree_of(set));
+    std::vector<int> degrees;
+    for (int64_t n = 0; n < set.count(); ++n) {
+      degrees.push_back(needed_degree(values.at(kSh, n), rules_));
+      for (int degree = 1; degree <= degrees.back(); ++degree) ++sh_rows_[size_t(degree)];
+    }
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int64_t a, int64_t b) { return degrees[size_t(a)] > degrees[size_t(b)]; });
     sorted_ = select_rows(set, order);
+    position_step_ = position_step();
+    opacity_ = opacities();
     block_.info.moving = set.form() != Form::kStatic, block_.info.count = set.count();
   }
 
@@ -112,7 +118,7 @@ class Encoder {
     return kPositionShare * std::exp(quantile(std::move(sizes), kQuantile));
   }
   void add_position(const std::vector<float>& positions) {
-    add(rounded("position", 3, positions, position_step(), true));
+    add(rounded("position", 3, positions, position_step_, true));
   }
 
   /// Each stream is rounded with those before it as a reader has them: positions are where the
@@ -124,15 +130,13 @@ class Encoder {
     const StreamWords time = rounded("time_mean", 1, column(kMeanTime, 0, 1),
                                      kTimeShare * quantile(std::move(lengths), kQuantile));
     const StreamWords length = rounded("log_time_scale", 1, log_length, kTimeScaleStep);
-    const StreamWords opacity = opacities();
     std::vector<float> anchors(static_cast<size_t>(count()));
     double reach = 0;
     Interval visible{1, 0};
     for (int64_t n = 0; n < count(); ++n) {
       const float mean = value_at(time, 0, n);
       anchors[size_t(n)] = rules_.lossless ? mean : std::clamp(mean, 0.0f, 1.0f);
-      const auto drawn =
-          drawn_in_clip(mean, value_at(length, 0, n), opacity_at(opacity, n), rules_.cutoff);
+      const auto drawn = drawn_in_clip(mean, value_at(length, 0, n), opacity_at(n), rules_.cutoff);
       if (!drawn) continue;
       visible.low = std::min(visible.low, drawn->low);
       visible.high = std::max(visible.high, drawn->high);
@@ -143,7 +147,7 @@ class Encoder {
     constexpr double kLeastReach = 1e-6;
     add_position(at_anchors(anchors));
     add(rounded("velocity", 3, column(kVelocity, 0, 3),
-                position_step() / std::max(reach, kLeastReach)));
+                position_step_ / std::max(reach, kLeastReach)));
     add(time), add(length);
   }
 
@@ -165,15 +169,15 @@ class Encoder {
     for (float& value : logits) value = sigmoid(value);
     return bytes_of_unit("opacity", logits);
   }
-  double opacity_at(const StreamWords& stream, int64_t n) const {
-    const float stored = value_at(stream, 0, n);
+  double opacity_at(int64_t n) const {
+    const float stored = value_at(opacity_, 0, n);
     return double(rules_.lossless ? sigmoid(stored) : stored);
   }
 
   void add_shape() {
     rules_.lossless ? add(as_floats("rotation", 4, column(kRotation, 0, 4))) : add_rotations();
     add(rounded("log_scale", 3, column(kLogScale, 0, 3), kScaleStep));
-    add(opacities());
+    add(std::move(opacity_));
   }
 
   /// The three smaller parts of each unit quaternion, and which is the largest, made positive.
@@ -192,11 +196,9 @@ class Encoder {
   }
 
   void add_colour() {
-    const GaussianSpans<const float> values = this->values();
     add(rounded(kShNames[0], 3, column(kSh, 0, 3), kColourStep));
     for (int degree = 1; degree <= rules_.sh_degree; ++degree) {
-      int64_t rows = 0;
-      while (rows < count() && needed_degree(values.at(kSh, rows), rules_) >= degree) ++rows;
+      const int64_t rows = sh_rows_[size_t(degree)];
       if (rows == 0) break;
       add(rounded(kShNames[degree], band_width(degree),
                   column(kSh, band_begin(degree), band_width(degree), rows), kShStep[degree]));
@@ -204,7 +206,10 @@ class Encoder {
   }
 
   BlockRules rules_;
+  std::array<int64_t, kMaxShDegree + 1> sh_rows_{};  // Gaussians that need a degree: the first ones
   GaussianSet sorted_{Form::kStatic, 1};
+  double position_step_ = 0;  // world units
+  StreamWords opacity_;       // until it is added
   std::vector<StreamWords> streams_;
   Block block_;
 };

@@ -19,8 +19,6 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "tessera-4d";
-constexpr int kVersion = 1;
 constexpr uint64_t kMost = uint64_t{1} << 40;         // bytes
 constexpr int64_t kMostGaussians = int64_t{1} << 28;  // of a block
 constexpr const char* kTypeNames[] = {"u8", "u16", "u24", "u32", "f32"};
@@ -219,6 +217,12 @@ void read_world(const Reading& file, GaussianModel& rules) {
 
 }  // namespace
 
+InputError newer_tessera4d(const fs::path& path, uint64_t version) {
+  return InputError(
+      fmt::format("{}: a Tessera 4D file of version {}, this program reads {}; use a newer one",
+                  path.string(), version, kTessera4dVersion));
+}
+
 int bytes_of(StreamType type) {
   switch (type) {
     case StreamType::kU8:
@@ -241,8 +245,8 @@ int64_t Tessera4dManifest::gaussians(bool moving) const {
 
 json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules) {
   json out = {
-      {"format", kFormat},
-      {"version", kVersion},
+      {"format", kTessera4dFormat},
+      {"version", kTessera4dVersion},
       {"generator", manifest.generator},
       {"axes", "RDF"},
       {"up", manifest.up},
@@ -276,13 +280,11 @@ json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules) {
 
 Tessera4dManifest manifest_from(const json& object, const fs::path& path, GaussianModel& rules) {
   const Reading file(object, path, "its manifest");
-  if (file.text("format") != kFormat)
-    throw InputError(
-        fmt::format("{}: format '{}', expected '{}'", path.string(), file.text("format"), kFormat));
-  if (const uint64_t version = file.whole("version", UINT32_MAX); version != kVersion)
-    throw InputError(
-        fmt::format("{}: a Tessera 4D file of version {}, this program reads {}; use a newer one",
-                    path.string(), version, kVersion));
+  if (file.text("format") != kTessera4dFormat)
+    throw InputError(fmt::format("{}: format '{}', expected '{}'", path.string(),
+                                 file.text("format"), kTessera4dFormat));
+  if (const uint64_t version = file.whole("version", UINT32_MAX); version != kTessera4dVersion)
+    throw newer_tessera4d(path, version);
   Tessera4dManifest manifest;
   manifest.generator = file.has("generator") ? file.text("generator") : "";
   const Reading time(file.at("time"), path, "its time");

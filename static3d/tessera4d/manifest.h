@@ -8,13 +8,22 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "kernels/base/errors.h"
 #include "kernels/base/similarity.h"
 #include "recon4d/gaussian_set.h"
 #include "static3d/player_hints.h"
 
 namespace tessera {
+
+inline constexpr std::string_view kTessera4dMagic = "TES4";  // of a single file
+inline constexpr const char* kTessera4dFormat = "tessera-4d";
+inline constexpr uint32_t kTessera4dVersion = 1;
+
+/// What readers say of a version that is not theirs.
+InputError newer_tessera4d(const std::filesystem::path& path, uint64_t version);
 
 enum class StreamType { kU8, kU16, kU24, kU32, kF32 };
 

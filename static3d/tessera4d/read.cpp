@@ -18,7 +18,6 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr std::string_view kMagic = "TES4";
 
 /// Copies the rows of `part` behind the first `at` of `whole`.
 void place_rows(const GaussianSet& part, GaussianSet& whole, int64_t at) {
@@ -97,11 +96,9 @@ Tessera4dInput load_single(const fs::path& path) {
   Tessera4dInput input;
   const std::string bytes = read_text_file(path);
   ByteReader reader(bytes, path);
-  reader.take(kMagic.size());
-  if (const auto version = reader.number<uint32_t>(); version != 1)
-    throw InputError(
-        fmt::format("{}: a Tessera 4D file of version {}, this program reads 1; use a newer one",
-                    path.string(), version));
+  reader.take(kTessera4dMagic.size());
+  if (const auto version = reader.number<uint32_t>(); version != kTessera4dVersion)
+    throw newer_tessera4d(path, version);
   const std::string_view text = reader.take(reader.number<uint32_t>());
   const nlohmann::json manifest = parse_json(std::string(text), path);
   input.manifest = manifest_from(manifest, path, input.model);
@@ -122,14 +119,14 @@ Tessera4dInput load_single(const fs::path& path) {
 }  // namespace
 
 bool is_tessera4d(std::string_view head) {
-  return head.starts_with(kMagic);
+  return head.starts_with(kTessera4dMagic);
 }
 
 bool is_tessera4d_folder(const fs::path& folder) {
   const fs::path path = folder / kTessera4dManifest;
   if (!fs::is_regular_file(path)) return false;
   const nlohmann::json manifest = read_json(path);
-  return manifest.is_object() && manifest.value("format", nlohmann::json()) == "tessera-4d";
+  return manifest.is_object() && manifest.value("format", nlohmann::json()) == kTessera4dFormat;
 }
 
 Tessera4dInput load_tessera4d(const fs::path& path) {

@@ -23,8 +23,6 @@
 namespace tessera {
 namespace {
 
-constexpr float kFarFactor = 10;  // × the scene box  [failure mode E3]
-
 /// Velocity form; the temporal filter in σ_t; colours of each Gaussian's own moment: Δ = 0.
 GaussianSet plain_dynamic(const GaussianModel& model) {
   const GaussianSet moving = in_form(model.dynamic_set, Form::kVelocity);
@@ -62,8 +60,6 @@ class Writer {
   Tessera4dFile write() {
     add_static();
     add_dynamic();
-    uint64_t offset = 0;
-    for (BlockInfo& block : manifest_.blocks) block.offset = offset, offset += block.bytes;
     file_.manifest = to_json(manifest_, model_).dump(1) + "\n";
     file_.static_count = manifest_.gaussians(false);
     file_.dynamic_count = manifest_.gaussians(true);
@@ -170,8 +166,8 @@ std::string single_tessera4d(const Tessera4dFile& file) {
     offset += block["bytes"].get<uint64_t>();
   }
   const std::string text = manifest.dump();
-  std::string out = "TES4";
-  append(out, uint32_t{1});
+  std::string out(kTessera4dMagic);
+  append(out, kTessera4dVersion);
   append(out, uint32_t(text.size()));
   out += text;
   for (const auto& [name, bytes] : file.blocks) out += bytes;
