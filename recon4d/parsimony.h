@@ -24,7 +24,9 @@ struct ParsimonyReport {
   int64_t removed = 0, stilled = 0, born = 0;
   double price = 0;        // squared error that a byte is worth
   double still_error = 0;  // squared error that the stilled ones add
-  double psnr = 0;         // dB, of the frames looked at, before
+  double psnr = 0;         // dB, of the frames looked at: before thinning,
+  double foreseen = 0;     // as removals add up,
+  double thinned = 0;      // as it is after them
   double seconds = 0;
 };
 
@@ -44,6 +46,9 @@ class Parsimony {
   /// Rounds of thinning that are left at step i, with the one there; 0: none at this step.
   int64_t rounds_left(int64_t i) const;
   bool decides_motion(int64_t i) const;
+  void decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyReport& report);
+  void thin(Trainer& trainer, const LookedAt& at, const ValidationRecord& validation,
+            ParsimonyReport& report);
   /// Gaussians to be left at the end, with some to spare for the last cut.
   int64_t goal_of(const GaussianModel& model, const std::vector<Removal>& order,
                   const Worth& worth, const ValidationRecord& validation, int64_t knee) const;

@@ -121,12 +121,18 @@ StillTrial try_still(Backend& backend, const GaussianModel& model, const Worth& 
   const GaussianSet still = still_form(model, of);
   for (int round = 0; round < kRounds && !trial.rows.empty(); ++round) {
     const GaussianSet candidates = select_rows(still, trial.rows);
-    const Added added = added_error(backend, model, tried(model, candidates, trial.rows),
-                                    trial.rows, at);
+    const GaussianModel other = tried(model, candidates, trial.rows);
+    const Added added = added_error(backend, model, other, trial.rows, at);
+    const Worth then = measure_worth(backend, other, at);
+    const double noise = then.squared_error / double(std::max<int64_t>(1, then.samples));
+    static const double TG = getenv("TG") ? atof(getenv("TG")) : 1e9;
     trial.error = added.total;
     std::vector<std::pair<double, int64_t>> accepted;
     for (size_t i = 0; i < trial.rows.size(); ++i) {
       const double error = std::max(added.as_still[i], added.as_dynamic[i]);
+      const SetWorth::Change& change =
+          then.sets[0].change[size_t(model.static_set.count()) + i];
+      if (double(change.gain) - noise * 3 * (double(change.moments) - 1) > TG * allowed) continue;
       if (error <= allowed) accepted.emplace_back(error, trial.rows[i]);
     }
     // what nobody in particular adds counts too: then only the better half is tried again
