@@ -17,8 +17,8 @@ json shipped_of(const json& info) {
   return shipped;
 }
 
-// Bugs put back: encoded without the cameras of the run's scene; in the world of the prepared
-// scene; the shipped account of a model that was not asked for; each seen to fail.
+// Bugs put back: encoded without the cameras of the run's scene; the shipped account of a model
+// that was not asked for; each seen to fail.
 TEST(CliAccount, InfoSaysWhatTheExportedFileWeighs) {
   const CliWorkspace work;
   work.film_object("film", 3, 24);

@@ -120,5 +120,16 @@ TEST_F(CliWorld, CamerasOfEitherWorldSeeTheSame) {
   EXPECT_LT(worst, 0.01);
 }
 
+// Bug put back: the model weighed in the prepared scene's world; seen to fail.
+TEST_F(CliWorld, TheShippedFileIsWeighedWhereTheCaptureIs) {
+  ASSERT_EQ(work_
+                .run({"export", work_.at("run"), "-o", work_.at("single"), "--format", "tessera",
+                      "--single"})
+                .exit_code,
+            0);
+  const json shipped = work_.run_json({"info", work_.at("run"), "--shipped"})["account"]["shipped"];
+  EXPECT_EQ(shipped["bytes"], fs::file_size(work_ / "single/scene.t4d"));
+}
+
 }  // namespace
 }  // namespace tessera::testing
