@@ -13,7 +13,8 @@ struct ShippedSize {
 /// Of the single file that export would write with these options, encoded in memory; what the
 /// format leaves out (never drawn, not finite) costs nothing. The defaults are those of `tessera
 /// export`, but for the rig's cameras and its frame rate, which only the caller knows: about 200
-/// bytes a camera. Cost: a second or two for 100,000 Gaussians. Errors: as encode_tessera4d.
+/// bytes a camera. Cost: three seconds of one core for 100,000 Gaussians. Errors: as
+/// encode_tessera4d.
 ShippedSize shipped_size(const GaussianModel& model, const Tessera4dOptions& options = {});
 
 }  // namespace tessera

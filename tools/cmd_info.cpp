@@ -77,7 +77,7 @@ void add_info_command(CLI::App& app, Work& work) {
       ->required();
   command->add_flag("--shipped", request->shipped,
                     "of a model: what its Tessera 4D file would weigh, part by part; encodes it, "
-                    "a second or two for 100,000 Gaussians");
+                    "three seconds of a core for 100,000 Gaussians");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] {
     work = [request] {
