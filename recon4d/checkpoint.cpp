@@ -241,13 +241,12 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse(path, "damaged checkpoint: impossible numbers in its header");
-  const size_t expected =
-      arrays + sizeof(uint64_t) +
-      kScalar * size_t(scalars(Form::kStatic, statics, of_static) +
-                       scalars(dynamic_form(header), dynamics, of_dynamic) +
-                       3 * dynamics * holds_anchor(header) +
-                       kExposureScalars * exposures_in(header) +
-                       3 * environment_scalars(environment_in(header)));
+  const size_t expected = arrays + sizeof(uint64_t) +
+                          kScalar * size_t(scalars(Form::kStatic, statics, of_static) +
+                                           scalars(dynamic_form(header), dynamics, of_dynamic) +
+                                           3 * dynamics * holds_anchor(header) +
+                                           kExposureScalars * exposures_in(header) +
+                                           3 * environment_scalars(environment_in(header)));
   if (size != expected)
     refuse(path,
            fmt::format("truncated checkpoint: {} bytes, its header promises {}", size, expected));
@@ -303,8 +302,7 @@ Checkpoint load_checkpoint(const std::filesystem::path& path) {
     refuse(path, fmt::format("damaged checkpoint: {}", error.what()));
   }
   TrainState& state = checkpoint.state;
-  state.model.static_set.resize(parsed.header.at("num_static"),
-                                blocks_in(parsed.header, "static"));
+  state.model.static_set.resize(parsed.header.at("num_static"), blocks_in(parsed.header, "static"));
   state.model.dynamic_set.resize(parsed.header.at("num_dynamic"),
                                  blocks_in(parsed.header, "dynamic"));
   const char* from = bytes.data() + parsed.arrays;

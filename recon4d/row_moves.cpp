@@ -45,14 +45,14 @@ class Gatherer {
     for (size_t i = 0; i < moves_.size(); ++i) {
       const RowMove& move = moves_[i];
       const int stored = width(move.from.coefficients);
-      const Span<const float> from =
-          part_of(std::as_const(buffer).span(),
-                  (colours_ ? move.from.sh_first : move.from.first) * scalars_,
-                  move.from.count * stored);
+      const Span<const float> from = part_of(
+          std::as_const(buffer).span(),
+          (colours_ ? move.from.sh_first : move.from.first) * scalars_, move.from.count * stored);
       const bool whole = shorter_[i].empty();
       const Span<const int64_t> index = whole ? move.index.span() : shorter_[i].span();
       const int width = whole ? stored : 3;
-      backend_.gather_rows(from, index, width, index.size, part_of(to.span(), at, index.size * width));
+      backend_.gather_rows(from, index, width, index.size,
+                           part_of(to.span(), at, index.size * width));
       at += index.size * width;
     }
     buffer = std::move(to);

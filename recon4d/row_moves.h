@@ -15,8 +15,8 @@ struct RowMove {
   Buffer<int64_t> index;  // rows of the block, in the backend's memory
 };
 
-/// The rows of all moves become the set, with their moments and statistics; the anchor is forgotten.
-/// Moves are in the order of storage: that of ShBlocks::kOrder, by `coefficients`.
+/// The rows of all moves become the set, with their moments and statistics; the anchor is
+/// forgotten. Moves are in the order of storage: that of ShBlocks::kOrder, by `coefficients`.
 void move_rows(Backend& backend, const std::vector<RowMove>& moves, GaussianSet& set,
                SetStatistics& statistics);
 

@@ -22,9 +22,8 @@ Buffer<int64_t> in_memory(Memory& memory, const std::vector<int64_t>& rows) {
 /// By degree; no rows of one that is not there.
 std::array<ShBlock, kMaxShDegree + 1> blocks_by_degree(const GaussianSet& set) {
   std::array<ShBlock, kMaxShDegree + 1> blocks{};
-  for_each_block(set, [&](const ShBlock& block) {
-    blocks[size_t(sh_degree_of(block.coefficients))] = block;
-  });
+  for_each_block(
+      set, [&](const ShBlock& block) { blocks[size_t(sh_degree_of(block.coefficients))] = block; });
   return blocks;
 }
 

@@ -21,8 +21,8 @@ std::vector<uint8_t> sh_degrees(const GaussianSet& set);
 std::vector<int64_t> set_sh_degrees(Backend& backend, const std::vector<uint8_t>& degrees,
                                     GaussianSet& set, SetStatistics& statistics);
 
-/// The rows `rows`, ascending, are left, with their moments and statistics. Errors: std::logic_error
-/// where they do not ascend or there is no such row.
+/// The rows `rows`, ascending, are left, with their moments and statistics. Errors:
+/// std::logic_error where they do not ascend or there is no such row.
 void keep_rows(Backend& backend, const std::vector<int64_t>& rows, GaussianSet& set,
                SetStatistics& statistics);
 

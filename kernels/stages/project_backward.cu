@@ -248,23 +248,22 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];
     if (spans.count == 0) continue;
     const SinkArgs<float>& sink = args.sinks[set];
-    const Backward a{
-        spans,
-        first,
-        views_of(*args.forward.batch),
-        int(args.forward.batch->views.size()),
-        {},
-        make_splat_rules<float>(args.forward.options),
-        args.splats->splat.data(),
-        args.splats->tiles.data(),
-        args.splats->gaussian.data(),
-        args.splats->first_of.data(),
-        args.d_splats.data,
-        args.statistics[set],
-        sink.fused ? sink.idle : IdleUpdate::kDense,
-        sink.lazy,
-        terms,
-        counters_.data()};
+    const Backward a{spans,
+                     first,
+                     views_of(*args.forward.batch),
+                     int(args.forward.batch->views.size()),
+                     {},
+                     make_splat_rules<float>(args.forward.options),
+                     args.splats->splat.data(),
+                     args.splats->tiles.data(),
+                     args.splats->gaussian.data(),
+                     args.splats->first_of.data(),
+                     args.d_splats.data,
+                     args.statistics[set],
+                     sink.fused ? sink.idle : IdleUpdate::kDense,
+                     sink.lazy,
+                     terms,
+                     counters_.data()};
     with_form(spans.form, [&](auto form) {
       const auto run = sink.fused ? backward_set<form(), ApplyAdam<float>>
                                   : backward_set<form(), StoreGradient<float>>;
