@@ -10,7 +10,7 @@
 
 #include "recon4d/births.h"
 #include "recon4d/hygiene.h"
-#include "recon4d/set_rows.h"
+#include "recon4d/sh_blocks.h"
 #include "recon4d/stillness.h"
 #include "recon4d/thinning.h"
 
@@ -24,6 +24,14 @@ bool contains(const std::vector<int64_t>& sorted, int64_t value) {
   return std::binary_search(sorted.begin(), sorted.end(), value);
 }
 
+/// Adds Gaussians to set k, without moments or statistics.
+void add_rows(TrainState& state, int k, const GaussianSet& added) {
+  const std::unique_ptr<Backend> host = make_cpu_backend();
+  SetStatistics statistics;
+  statistics.reset(added.count(), state.iteration);
+  append_rows(*host, added, statistics, state.set(k), state.statistics[k]);
+}
+
 /// Kept rows of the dynamic set that stay dynamic, and the static form of the others.
 void move_to_static(TrainState& state, const StillTrial& trial, KeptRows& kept) {
   std::vector<int64_t> moving, places;
@@ -33,7 +41,7 @@ void move_to_static(TrainState& state, const StillTrial& trial, KeptRows& kept) 
     if (contains(kept.of[1], trial.rows[i])) places.push_back(int64_t(i));
   kept.of[1] = std::move(moving);
   keep_rows(state, kept);
-  append_rows(state.model.static_set, select_rows(trial.still, places));
+  add_rows(state, 0, select_rows(trial.still, places));
 }
 
 }  // namespace
@@ -144,8 +152,7 @@ void Parsimony::decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyRep
   trainer.rework([&](TrainState& state) {
     KeptRows kept = kept_rows(state.model, order, state.model.count());
     move_to_static(state, trial, kept);
-    append_rows(state.model.dynamic_set, born);
-    for (int k = 0; k < 2; ++k) state.statistics[k].reset(state.set(k).count(), state.iteration);
+    add_rows(state, 1, born);
   });
 }
 
@@ -154,6 +161,7 @@ void Parsimony::thin(Trainer& trainer, const LookedAt& at, const ValidationRecor
   Worth worth = measure_worth(backend_, trainer.host_model(), at);
   std::vector<Removal> order = removal_order(trainer.host_model(), worth);
   report.psnr = worth.psnr_after(0), report.knee = knee_count(order, worth);
+  report.price = price_at(order, report.knee);
   const int64_t before = trainer.state().model.count();
   int64_t count = before, goal = trainer.state().goal;
   if (goal == 0 || options_.size != "knee" || options_.within_db > 0)
@@ -175,6 +183,30 @@ void Parsimony::thin(Trainer& trainer, const LookedAt& at, const ValidationRecor
   }
   report.thinned = worth.psnr_after(0);
   trainer.rework([&](TrainState& state) { state.goal = goal; });
+  if (options_.decide_colour && rounds_left(report.iteration) == 1)
+    decide_colour(trainer, worth, report.price, report);
+}
+
+void Parsimony::decide_colour(Trainer& trainer, const Worth& worth, double price,
+                              ParsimonyReport& report) {
+  const ByteRates rates;
+  trainer.rework([&](TrainState& state) {
+    const std::unique_ptr<Backend> host = make_cpu_backend();
+    for (int k = 0; k < 2; ++k) {
+      std::vector<uint8_t> degrees = sh_degrees(state.set(k));
+      for (size_t n = 0; n < degrees.size(); ++n) {
+        const int most = std::min(int(degrees[n]), state.model.sh_degree);
+        double least = price * rates.of(k == 1, most);
+        for (int d = most - 1; d >= 0; --d) {
+          const double cost =
+              double(worth.sets[k].cut[n][size_t(d)]) + price * rates.of(k == 1, d);
+          if (cost <= least) least = cost, degrees[n] = uint8_t(d);
+        }
+        ++report.degrees[degrees[n]];
+      }
+      set_sh_degrees(*host, degrees, state.set(k), state.statistics[k]);
+    }
+  });
 }
 
 }  // namespace tessera

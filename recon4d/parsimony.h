@@ -4,6 +4,7 @@
 //      (size_contract.h).
 // Source: docs/parsimony.md.
 #pragma once
+#include <array>
 #include <functional>
 #include <optional>
 
@@ -25,8 +26,8 @@ struct ParsimonyReport {
   double price = 0;        // squared error that a byte is worth
   double still_error = 0;  // squared error that the stilled ones add
   double psnr = 0;         // dB, of the frames looked at: before thinning,
-  double foreseen = 0;     // as removals add up,
-  double thinned = 0;      // as it is after them
+  double thinned = 0;      // and after it
+  std::array<int64_t, 4> degrees{};  // Gaussians by SH degree, where that was decided
   double seconds = 0;
 };
 
@@ -47,6 +48,8 @@ class Parsimony {
   int64_t rounds_left(int64_t i) const;
   bool decides_motion(int64_t i) const;
   void decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyReport& report);
+  void decide_colour(Trainer& trainer, const Worth& worth, double price,
+                     ParsimonyReport& report);
   void thin(Trainer& trainer, const LookedAt& at, const ValidationRecord& validation,
             ParsimonyReport& report);
   /// Gaussians to be left at the end, with some to spare for the last cut.

@@ -7,6 +7,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/hygiene.h"
+#include "recon4d/sh_blocks.h"
 
 namespace tessera {
 
@@ -70,9 +71,8 @@ KeptRows kept_rows(const GaussianModel& model, const std::vector<Removal>& order
 void keep_rows(TrainState& state, const KeptRows& rows) {
   const std::unique_ptr<Backend> host = make_cpu_backend();
   for (int k = 0; k < 2; ++k) {
-    const Span<const int64_t> index{rows.of[k].data(), int64_t(rows.of[k].size())};
-    take_rows(*host, index, index, state.set(k));
-    state.statistics[k].reset(index.size, state.iteration);
+    keep_rows(*host, rows.of[k], state.set(k), state.statistics[k]);
+    state.statistics[k].reset(state.set(k).count(), state.iteration);
   }
 }
 

@@ -243,8 +243,8 @@ class Session {
                              {"price", r.price},
                              {"still_error", r.still_error},
                              {"psnr", r.psnr},
-                             {"foreseen", r.foreseen},
                              {"thinned", r.thinned},
+                             {"degrees", r.degrees},
                              {"decision_seconds", r.seconds}});
   }
 
