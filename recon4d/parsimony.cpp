@@ -81,7 +81,7 @@ bool Parsimony::decides_motion(int64_t i) const {
 }
 
 bool Parsimony::is_thinned(int64_t iteration) const {
-  return rounds_.empty() || iteration > rounds_.back();
+  return rounds_.empty() || iteration >= rounds_.back();
 }
 
 int64_t Parsimony::goal_of(const GaussianModel& model, const std::vector<Removal>& order,

@@ -8,14 +8,12 @@
 #include <functional>
 #include <optional>
 
+#include "recon4d/size_contract.h"
 #include "recon4d/thinning.h"
 #include "recon4d/trainer.h"
 #include "recon4d/validation.h"
 
 namespace tessera {
-
-/// Bytes of the file that is shipped of a model.
-using ShippedBytes = std::function<int64_t(const GaussianModel& model)>;
 
 /// What one decision did.
 struct ParsimonyReport {
@@ -40,7 +38,8 @@ class Parsimony {
   int64_t next_after(int64_t iteration) const;
   /// Decides and changes the trainer's state where it has done a step at which that is due; once.
   std::optional<ParsimonyReport> act(Trainer& trainer, const ValidationRecord& validation);
-  /// Whether the last thinning has been done after so many steps; true where there is none.
+  /// Whether the last thinning has been done when a trainer has decided after so many steps; true
+  /// where there is none.
   bool is_thinned(int64_t iteration) const;
 
  private:
