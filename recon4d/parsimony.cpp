@@ -24,6 +24,12 @@ bool contains(const std::vector<int64_t>& sorted, int64_t value) {
   return std::binary_search(sorted.begin(), sorted.end(), value);
 }
 
+/// More than one.
+bool has_moments(const LookedAt& at) {
+  const auto time = [&](int frame) { return at.scene->frames[size_t(frame)].time; };
+  return at.count() > 0 && time(at.frames.front()) != time(at.frames.back());
+}
+
 /// Adds Gaussians to set k, without moments or statistics.
 void add_rows(TrainState& state, int k, const GaussianSet& added) {
   const std::unique_ptr<Backend> host = make_cpu_backend();
@@ -57,7 +63,7 @@ Parsimony::Parsimony(Backend& backend, const TrainOptions& options, ShippedBytes
   std::erase_if(rounds_, [&](int64_t i) { return i >= options.iterations; });
   const int64_t interval = std::max<int64_t>(1, scaled_steps(options, options.decide_interval));
   if (options.decide_motion && !options.static_only)
-    for (int64_t i = interval * (getenv("TF") ? atoi(getenv("TF")) : 1); i < std::min(grown, options.iterations); i += interval)
+    for (int64_t i = interval; i < std::min(grown, options.iterations); i += interval)
       motion_.push_back(i);
 }
 
@@ -122,7 +128,7 @@ std::optional<ParsimonyReport> Parsimony::act(Trainer& trainer,
   report.iteration = i, report.looked_at = at.count();
   report.static_before = trainer.state().model.static_set.count();
   report.dynamic_before = trainer.state().model.dynamic_set.count();
-  if (moves) decide_motion(trainer, at, report);
+  if (moves && has_moments(at)) decide_motion(trainer, at, report);
   if (thins) thin(trainer, at, validation, report);
   trainer.rework([&](TrainState& state) { state.decided = i; });
   report.static_after = trainer.state().model.static_set.count();
@@ -134,6 +140,10 @@ std::optional<ParsimonyReport> Parsimony::act(Trainer& trainer,
 
 void Parsimony::decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyReport& report) {
   constexpr double kMostBorn = 0.02;  // of all
+  // a few frames see a moment, so motion fits what only these show: its error in training is worth
+  // less than that of a Gaussian that all of them see. Of 1, 16 and 64 on five scenes
+  // (docs/parsimony.md)
+  constexpr double kMotionCharge = 16;
   const ByteRates rates;
   const GaussianModel& model = trainer.host_model();
   const Worth worth = measure_worth(backend_, model, at);
@@ -141,7 +151,7 @@ void Parsimony::decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyRep
   report.psnr = worth.psnr_after(0);
   report.price = price_at(order, knee_count(order, worth));
   const StillTrial trial =
-      try_still(backend_, model, worth, at, report.price * rates.time * (getenv("TP") ? atof(getenv("TP")) : 1));
+      try_still(backend_, model, worth, at, kMotionCharge * report.price * rates.time);
   std::vector<int64_t> restless;
   if (rounds_left(report.iteration) == 0)
     restless = restless_rows(worth, report.price * rates.of(true, model.sh_degree),

@@ -6,12 +6,18 @@ namespace tessera {
 
 namespace {
 
-/// Half of what is not known to move starts static, moments are free to move, and what is large
-/// stays: walls are.
-const OptionOverrides kBalanced = {
-    {"iterations", 7000},     {"static_fraction", 0.5}, {"lr_mean_time", 2e-3},
-    {"idle_updates", "lazy"}, {"init_points", 50000},   {"peak_gaussians", 400000},
-    {"prune_extent", 0},      {"sweep", true},          {"split_by_motion", true}};
+/// No more than a scene needs: what moves and how many there are follows from the pictures.
+const OptionOverrides kParsimony = {
+    {"size", "knee"}, {"decide_motion", true}, {"decide_colour", true}};
+/// What is large stays: walls are.
+const OptionOverrides kBalanced =
+    joined(kParsimony, {{"iterations", 7000},
+                        {"idle_updates", "lazy"},
+                        {"init_points", 50000},
+                        {"peak_gaussians", 400000},
+                        {"prune_extent", 0},
+                        {"sweep", true},
+                        {"split_by_motion", true}});
 /// Rigs of few cameras fit noise with more: 108,000 for ten of 480 × 360.
 constexpr int64_t kPixelsPerGaussian = 16;
 /// Photos of a place: what is seen far behind it is part of it.
@@ -29,21 +35,21 @@ const std::vector<Preset>& presets() {
   static const std::vector<Preset> rows = {
       {"fast",
        "minutes on a CPU: few initial points, short schedule",
-       {{"iterations", 2000},
-        {"schedule_iterations", 30000},
-        {"init_points", 20000},
-        {"peak_gaussians", 40000},
-        {"prune_extent", 0},
-        {"sweep", true},
-        {"split_by_motion", true}},
+       joined(kParsimony, {{"iterations", 2000},
+                           {"schedule_iterations", 30000},
+                           {"init_points", 20000},
+                           {"peak_gaussians", 40000},
+                           {"prune_extent", 0},
+                           {"sweep", true},
+                           {"split_by_motion", true}}),
        kStill},
-      {"balanced", "the default: half of what is not known to move starts static, 7,000 steps",
+      {"balanced", "the default: 7,000 steps, what does not move becomes static",
        kBalanced, kStill, kPixelsPerGaussian},
       {"best",
-       "balanced as a Markov chain of 200,000 Gaussians whose moments move slowly; of one timestep "
-       "30,000 steps, a million",
+       "balanced as a Markov chain of 200,000 Gaussians before they are thinned out; of one "
+       "timestep 30,000 steps, a million",
        joined(joined(kBalanced, kMcmc),
-              {{"peak_gaussians", 200000}, {"lr_mean_time", 1.6e-4}, {"mcmc_noise", 5e4}}),
+              {{"peak_gaussians", 200000}, {"mcmc_noise", 5e4}, {"thin_until", 28000}}),
        joined(kStill, {{"iterations", 30000}, {"peak_gaussians", 1000000}, {"mcmc_noise", 5e5}}),
        kPixelsPerGaussian},
       {"faster-gs",

@@ -23,7 +23,7 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Worth& wort
     const SetWorth& of = worth.sets[k];
     const double bytes = rates.of(k == 1, model.sh_degree);
     for (size_t n = 0; n < of.weight.size(); ++n)
-      order.push_back({k, int64_t(n), std::max(0.0, double(of.removal2[n]) + (getenv("TR") ? atof(getenv("TR")) : 0) * double(of.removal1[n])), bytes});
+      order.push_back({k, int64_t(n), double(of.removal2[n]), bytes});
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const Removal& a, const Removal& b) { return a.price() < b.price(); });

@@ -24,7 +24,9 @@ struct ByteRates {
 struct Removal {
   int set = 0;  // 0: static, 1: dynamic
   int64_t row = 0;
-  double error = 0;  // squared error that its going adds, at least 0
+  /// Squared error that its going adds, by the second order alone: the first is that of a gradient,
+  /// which training drives to 0, and of what others take over.
+  double error = 0;
   double bytes = 0;  // that it frees
 
   double price() const { return error / bytes; }

@@ -73,11 +73,22 @@ Sorted wide_scene(Form form, int levels, uint64_t seed) {
   return sorted(std::move(scene), seed + 2);
 }
 
+/// `rounding`: by how much values may differ, of themselves.
 void expect_equal(const TestGaussians<float>& actual, const TestGaussians<float>& full,
-                  const ShBlocks& blocks, const char* what) {
+                  const ShBlocks& blocks, const char* what, float rounding = 0) {
   const TestGaussians<float> expected = in_blocks(full, blocks);
-  for (int g = 0; g < group_count(actual.dim()); ++g)
-    EXPECT_EQ(actual.group[g], expected.group[g]) << what << " " << group_name(Group(g), full.form);
+  for (int g = 0; g < group_count(actual.dim()); ++g) {
+    SCOPED_TRACE(std::string(what) + " " + group_name(Group(g), full.form));
+    if (rounding == 0) {
+      EXPECT_EQ(actual.group[g], expected.group[g]);
+      continue;
+    }
+    ASSERT_EQ(actual.group[g].size(), expected.group[g].size());
+    for (size_t i = 0; i < actual.group[g].size(); ++i)
+      ASSERT_NEAR(actual.group[g][i], expected.group[g][i],
+                  rounding * (1e-3f + std::abs(expected.group[g][i])))
+          << i;
+  }
 }
 
 class BackendBlocks : public EveryBackend {};
@@ -228,12 +239,15 @@ TEST_P(BackendBlocks, OptimizersStepAsThoseOfFullRows) {
   for (const auto& [fused, idle] : {Case{true, IdleUpdate::kDense}, Case{false, IdleUpdate::kDense},
                                     Case{true, IdleUpdate::kLazy}, Case{true, IdleUpdate::kSkip}}) {
     SCOPED_TRACE("fused " + std::to_string(fused) + ", idle " + std::to_string(int(idle)));
+    // a device catches up by kernels of their own for rows of 3 · 9: rounded otherwise
+    const bool on_device = &backend().memory() != &host_memory();
+    const float rounding = on_device && idle == IdleUpdate::kLazy ? 1e-5f : 0;
     const auto actual = train(scene.in_blocks(), backend(), fused, idle, nullptr);
     const auto full = train(scene.full, backend(), fused, idle, scene.blocks);
     for (size_t k = 0; k < 2; ++k) {
-      expect_equal(actual[k].value, full[k].value, scene.blocks[k], "value");
-      expect_equal(actual[k].moment1, full[k].moment1, scene.blocks[k], "moment1");
-      expect_equal(actual[k].moment2, full[k].moment2, scene.blocks[k], "moment2");
+      expect_equal(actual[k].value, full[k].value, scene.blocks[k], "value", rounding);
+      expect_equal(actual[k].moment1, full[k].moment1, scene.blocks[k], "moment1", rounding);
+      expect_equal(actual[k].moment2, full[k].moment2, scene.blocks[k], "moment2", rounding);
       EXPECT_EQ(actual[k].last_step, full[k].last_step);
       EXPECT_GT(actual[k].behind, 75) << "or nobody is idle";
     }
