@@ -5,9 +5,11 @@
 #include <memory>
 #include <string>
 
+#include "kernels/base/errors.h"
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
 #include "kernels/math/filter_3d.h"
+#include "kernels/math/sensitivity.h"
 #include "kernels/stage_clock.h"
 
 namespace tessera {
@@ -49,6 +51,15 @@ struct PhotometricArgs {
   /// [B] RGB: the picture times this is what is compared with the truth. Empty: as rendered.
   std::vector<Vec3<double>> gain = {};
 };
+
+/// A truth for each view; masks and gains for each view or for none. Errors: a bug of ours.
+template <class Real>
+void check_target(const PhotometricArgs<Real>& args) {
+  const size_t views = args.batch->views.size();
+  check(args.truth.size() == views, "target: one ground truth per view");
+  check(args.mask.empty() || args.mask.size() == views, "target: one mask per view");
+  check(args.gain.empty() || args.gain.size() == views, "target: one gain per view");
+}
 
 template <class Real>
 struct BlendBackwardArgs {
@@ -122,9 +133,16 @@ class BackendOf {
   /// what was rendered, taken as constant. Means are over all pixels of the view, so that a pixel
   /// weighs the same with a mask and without.
   virtual void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) = 0;
+  /// picture · gain − truth/255 of every pixel and channel, laid out as Images::colour, of the
+  /// picture as rendered; 0 where the mask ignores the pixel. The weights are not used.
+  virtual void residual(const PhotometricArgs<Real>& args, Span<Real> residual) = 0;
   /// Gradient of each splat, summed over its pixels.
   virtual void blend_backward(const BlendBackwardArgs<Real>& args,
                               Span<SplatGradient<Real>> d_splats) = 0;
+  /// What each splat is to the pictures, with args.d_colour for the picture x; written, zeros for
+  /// a splat that draws no pixel. Needs a forward pass with for_backward, as blend_backward does.
+  virtual void sensitivity(const BlendBackwardArgs<Real>& args,
+                           Span<SplatSensitivity<Real>> out) = 0;
   /// Splat gradients → parameter gradients, summed over views, into the sinks.
   virtual void project_backward(const ProjectBackwardArgs<Real>& args) = 0;
   /// Of the last photometric and project_backward; waits for these two, not for what came after.

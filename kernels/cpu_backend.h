@@ -18,8 +18,10 @@ class CpuBackend final : public BackendOf<Real> {
   void environment_backward(const EnvironmentArgs<Real>& args, const Images<Real>& images,
                             Span<const Real> d_colour, Span<Real> d_map) override;
   void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) override;
+  void residual(const PhotometricArgs<Real>& args, Span<Real> residual) override;
   void blend_backward(const BlendBackwardArgs<Real>& args,
                       Span<SplatGradient<Real>> d_splats) override;
+  void sensitivity(const BlendBackwardArgs<Real>& args, Span<SplatSensitivity<Real>> out) override;
   void project_backward(const ProjectBackwardArgs<Real>& args) override;
   StepOutcome outcome() override { return outcome_; }
   void adam(const SinkArgs<Real>& args) override;
@@ -47,6 +49,7 @@ class CpuBackend final : public BackendOf<Real> {
   Buffer<Real> velocities_;                         // [N, 3] of the dynamic set, for its pairs
   Buffer<Real> environment_parts_;                  // [parts] gradients of a map each
   Buffer<SplatGradient<Real>> instance_gradients_;  // [I] by slot, summed per splat in order
+  Buffer<SplatSensitivity<Real>> instance_sensitivities_;  // the same
 };
 
 }  // namespace tessera

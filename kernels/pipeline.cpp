@@ -57,11 +57,29 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
 }
 
 template <class Real>
+void Pipeline<Real>::residual(const Target& target) {
+  d_colour_.resize(3 * batch_.pixels);
+  const StageTimer timer(backend_.clock(), kPhotometric);
+  backend_.residual({&batch_, &images_, target.truth, target.weights, target.mask, target.gain},
+                    d_colour_.span());
+}
+
+template <class Real>
+Span<const SplatSensitivity<Real>> Pipeline<Real>::sensitivity() {
+  check(d_colour_.size() == 3 * batch_.pixels, "sensitivity without a picture");
+  check(for_backward_, "sensitivity after a forward pass that was not for it");
+  sensitivity_.resize(splats_.count);
+  const StageTimer timer(backend_.clock(), kBlendBackward);
+  backend_.sensitivity({blend_args(), &images_, d_colour_.span()}, sensitivity_.span());
+  return sensitivity_.span();
+}
+
+template <class Real>
 void Pipeline<Real>::release() {
   Memory& memory = backend_.memory();
   splats_ = Splats<Real>(memory), instances_ = TileInstances<Real>(memory);
   images_ = Images<Real>(memory);
-  d_colour_.release(), d_splats_.release();
+  d_colour_.release(), d_splats_.release(), sensitivity_.release();
 }
 
 template class Pipeline<float>;

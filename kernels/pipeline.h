@@ -50,7 +50,8 @@ class Pipeline {
         instances_(backend.memory()),
         images_(backend.memory()),
         d_colour_(backend.memory()),
-        d_splats_(backend.memory()) {}
+        d_splats_(backend.memory()),
+        sensitivity_(backend.memory()) {}
 
   /// project → bin → blend → environment. The pictures stay valid until the next call.
   const Images<Real>& forward(const ForwardArgs<Real>& args);
@@ -65,6 +66,13 @@ class Pipeline {
   /// blend_backward → project_backward of the mean loss over the batch. Needs forward and loss
   /// with for_backward.
   void backward(const BackwardArgs<Real>& args);
+  /// What the pictures of the last forward miss of their truth → d_colour(). The weights are not
+  /// used.
+  void residual(const Target& target);
+  /// What each splat of the last forward, which was for_backward, is to the pictures, with
+  /// d_colour() for the picture x: that of `residual`, or any that was written there. [S], valid
+  /// until the next call.
+  Span<const SplatSensitivity<Real>> sensitivity();
   /// Gives the memory of the last step back, so that something else can have it for a while.
   void release();
   /// Losses and non-finite gradients of the last loss and backward. On a device the wait is short
@@ -93,6 +101,7 @@ class Pipeline {
   Images<Real> images_;
   Buffer<Real> d_colour_;
   Buffer<SplatGradient<Real>> d_splats_;
+  Buffer<SplatSensitivity<Real>> sensitivity_;
 };
 
 }  // namespace tessera

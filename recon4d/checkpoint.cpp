@@ -62,6 +62,8 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"iteration", state.iteration},
       {"finished", state.finished},
       {"seconds", state.seconds},
+      {"decided", state.decided},
+      {"goal", state.goal},
       {"sampler", {{"epoch", state.sampler_epoch}, {"position", state.sampler_position}}},
       {"num_static", model.static_set.count()},
       {"num_dynamic", model.dynamic_set.count()},
@@ -149,6 +151,8 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   GaussianModel& model = state.model;
   state.iteration = header.at("iteration"), state.finished = header.at("finished");
   state.seconds = header.at("seconds");
+  state.decided = header.value("decided", int64_t{0});  // absent: older file
+  state.goal = header.value("goal", int64_t{0});
   state.sampler_epoch = header.at("sampler").at("epoch");
   state.sampler_position = header.at("sampler").at("position");
   const int coefficients = header.at("sh_coefficients");

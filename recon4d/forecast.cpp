@@ -32,7 +32,7 @@ int64_t row_bytes(Form form, int64_t time_levels) {
 TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& options) {
   TrainForecast forecast;
   forecast.gaussians =
-      std::max(options.init_points, options.max_gaussians > 0 ? options.max_gaussians : kUnlimited);
+      std::max(options.init_points, growth_limit(options) > 0 ? growth_limit(options) : kUnlimited);
   forecast.frame_bytes = load.all_bytes;
   forecast.parameter_bytes =
       forecast.gaussians * (options.static_only

@@ -167,7 +167,7 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
   std::vector<InitialPoint> points = scene.points.position.empty()
                                          ? random_points(scene, rig, options, result.source)
                                          : cloud_points(scene, rig, options, result.source);
-  if (options.max_gaussians > 0) thin_out(points, options.max_gaussians, result.source);
+  if (growth_limit(options) > 0) thin_out(points, growth_limit(options), result.source);
   std::vector<glm::vec3> positions;
   for (const InitialPoint& point : points) positions.push_back(point.position);
   const std::vector<float> squared = mean_squared_neighbour_distance(positions);

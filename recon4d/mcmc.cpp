@@ -58,7 +58,7 @@ std::array<DensityReport, 2> control_mcmc(Backend& backend, const TrainOptions& 
                     "opaque ones (--init-opacity 0.5) or lower opacity_weight or mcmc_noise",
                     state.iteration, options.prune_opacity));
   const std::array<int64_t, 2> shares =
-      shares_of(grown_count(count, options.mcmc_growth, options.max_gaussians) - count, weights);
+      shares_of(grown_count(count, options.mcmc_growth, growth_limit(options)) - count, weights);
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state.set(k);
     DensityReport& report = reports[size_t(k)];

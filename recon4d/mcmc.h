@@ -1,5 +1,5 @@
 // What: density control as a Markov chain: dead Gaussians become copies of living ones, and copies
-//       are added until there are exactly max_gaussians. On any backend.
+//       are added until there are exactly growth_limit. On any backend.
 // Not: when (schedule.h), what copies look like (kernels/math/relocation.h), nor the noise of means
 //      (Trainer::backward).
 // Source: method B, 0.28  [3DGS-MCMC].

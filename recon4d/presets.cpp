@@ -10,7 +10,7 @@ namespace {
 /// stays: walls are.
 const OptionOverrides kBalanced = {
     {"iterations", 7000},     {"static_fraction", 0.5}, {"lr_mean_time", 2e-3},
-    {"idle_updates", "lazy"}, {"init_points", 50000},   {"max_gaussians", 400000},
+    {"idle_updates", "lazy"}, {"init_points", 50000},   {"peak_gaussians", 400000},
     {"prune_extent", 0},      {"sweep", true},          {"split_by_motion", true}};
 /// Rigs of few cameras fit noise with more: 108,000 for ten of 480 × 360.
 constexpr int64_t kPixelsPerGaussian = 16;
@@ -32,7 +32,7 @@ const std::vector<Preset>& presets() {
        {{"iterations", 2000},
         {"schedule_iterations", 30000},
         {"init_points", 20000},
-        {"max_gaussians", 40000},
+        {"peak_gaussians", 40000},
         {"prune_extent", 0},
         {"sweep", true},
         {"split_by_motion", true}},
@@ -43,8 +43,8 @@ const std::vector<Preset>& presets() {
        "balanced as a Markov chain of 200,000 Gaussians whose moments move slowly; of one timestep "
        "30,000 steps, a million",
        joined(joined(kBalanced, kMcmc),
-              {{"max_gaussians", 200000}, {"lr_mean_time", 1.6e-4}, {"mcmc_noise", 5e4}}),
-       joined(kStill, {{"iterations", 30000}, {"max_gaussians", 1000000}, {"mcmc_noise", 5e5}}),
+              {{"peak_gaussians", 200000}, {"lr_mean_time", 1.6e-4}, {"mcmc_noise", 5e4}}),
+       joined(kStill, {{"iterations", 30000}, {"peak_gaussians", 1000000}, {"mcmc_noise", 5e5}}),
        kPixelsPerGaussian},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",

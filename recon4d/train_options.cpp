@@ -92,6 +92,16 @@ void set_option_from_text(TrainOptions& options, const std::string& key, const s
   set_option(options, key, value);
 }
 
+int64_t growth_limit(const TrainOptions& options) {
+  if (options.peak_gaussians == 0) return options.max_gaussians;
+  return std::max(options.peak_gaussians, options.max_gaussians);
+}
+
+bool is_thinned(const TrainOptions& options) {
+  if (options.max_bytes > 0 || options.within_db > 0 || options.size == "knee") return true;
+  return options.max_gaussians > 0 && growth_limit(options) > options.max_gaussians;
+}
+
 namespace {
 
 /// Few cameras say little of where things are: more Gaussians than that fit their noise.
@@ -99,7 +109,7 @@ void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t
   constexpr int64_t kLeastLimit = 10000;
   if (pixels_per_gaussian == 0 || pixels == 0) return;
   const int64_t limit = std::max(kLeastLimit, pixels / pixels_per_gaussian);
-  if (options.max_gaussians == 0 || options.max_gaussians > limit) options.max_gaussians = limit;
+  if (options.peak_gaussians == 0 || options.peak_gaussians > limit) options.peak_gaussians = limit;
 }
 
 }  // namespace
@@ -149,10 +159,17 @@ void validate(const TrainOptions& options) {
         "idle_updates {} needs the fused optimizer; pass --fused-optimizer true or --idle-updates "
         "dense",
         options.idle_updates));
-  if (options.densification != "mcmc") return;
-  if (options.max_gaussians == 0)
+  const int contracts =
+      (options.max_gaussians > 0) + (options.max_bytes > 0) + (options.within_db > 0);
+  if (contracts > 1)
     throw InputError(
-        "densification mcmc needs a number of Gaussians to reach; pass --max-gaussians N");
+        "max_gaussians, max_bytes and within_db each say how large the model may be; pass one of "
+        "them");
+  if (options.densification != "mcmc") return;
+  if (growth_limit(options) == 0)
+    throw InputError(
+        "densification mcmc needs a number of Gaussians to reach; pass --peak-gaussians N or "
+        "--max-gaussians N");
   if (options.opacity_reset_interval > 0)
     throw InputError("densification mcmc has no opacity resets; pass --opacity-reset-interval 0");
 }

@@ -63,6 +63,13 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
   int64_t reorder_interval = 5000;
   double mcmc_noise = 5e5, mcmc_growth = 1.05;
+  // no more than the scene needs (docs/parsimony.md)
+  std::string size = "grown";
+  int64_t peak_gaussians = 0, max_bytes = 0;
+  double within_db = 0;
+  int64_t thin_rounds = 4, thin_until = 25000, look_frames = 400;
+  bool decide_motion = false, decide_colour = false;
+  int64_t decide_interval = 3000;
   // how kernels work (KernelSwitches); none changes what is drawn
   bool rectangular_bounds = true, opacity_bounds = true, tile_culling = true;
   bool row_intervals = false, balanced_instances = true, separate_sort = true;
@@ -97,7 +104,7 @@ struct NamedOptions {
   std::string name, doc;
   OptionOverrides overrides;
   OptionOverrides still_overrides = {};  // over those, where the scene has one timestep
-  /// Lowers max_gaussians where cameras have fewer pixels than so many for each; 0: never.
+  /// Lowers peak_gaussians where cameras have fewer pixels than so many for each; 0: never.
   int64_t pixels_per_gaussian = 0;
 };
 /// `kind`: "preset", for the message. Errors: InputError naming the nearest known name.
@@ -115,6 +122,11 @@ void set_option(TrainOptions& options, const std::string& key, const nlohmann::j
 void set_option_from_text(TrainOptions& options, const std::string& key, const std::string& text);
 /// What no single row can say: ranges between options. Errors: InputError.
 void validate(const TrainOptions& options);
+
+/// Most Gaussians while they grow; 0: no limit.
+int64_t growth_limit(const TrainOptions& options);
+/// Whether Gaussians are thinned out after growth.
+bool is_thinned(const TrainOptions& options);
 
 nlohmann::json to_json(const TrainOptions& options);
 TrainOptions train_options_from_json(const nlohmann::json& json);

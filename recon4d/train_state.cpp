@@ -16,6 +16,7 @@ TrainState TrainState::clone_to(Memory& memory) const {
   copy.iteration = iteration;
   copy.sampler_epoch = sampler_epoch, copy.sampler_position = sampler_position;
   copy.seconds = seconds, copy.finished = finished;
+  copy.decided = decided, copy.goal = goal;
   return copy;
 }
 

@@ -140,10 +140,38 @@ const GaussianModel& Trainer::host_model() {
   return *host_model_;
 }
 
+void Trainer::rework(const std::function<void(TrainState&)>& change) {
+  complete_pending();
+  catch_up();
+  forget_copies();
+  pipeline_.release();
+  if (&backend_.memory() == &host_memory()) {
+    change(state_);
+  } else {
+    TrainState state = state_.clone_to(host_memory());
+    change(state);
+    state_ = TrainState();  // its memory is free before the next is taken
+    state_ = state.clone_to(backend_.memory());
+  }
+  neighbours_ = RigidityLists(backend_.memory());
+  for (int k = 0; k < 2 && options_.filter_3d != "none"; ++k) measure_filter(k);
+}
+
+LookedAt Trainer::looked_at(int64_t most) const {
+  LookedAt at = look_at_training(scene_, most);
+  if (gains_.empty()) return at;
+  for (const int frame : at.frames) {
+    const auto found = std::find(train_frames_.begin(), train_frames_.end(), frame);
+    at.gain.push_back(gains_[size_t(exposed_.of_frame[size_t(found - train_frames_.begin())])]);
+  }
+  return at;
+}
+
 int64_t Trainer::room_of(int k) const {
-  if (options_.max_gaussians == 0) return -1;
+  const int64_t limit = growth_limit(options_);
+  if (limit == 0) return -1;
   const GaussianModel& model = state_.model;
-  const int64_t room = std::max<int64_t>(0, options_.max_gaussians - model.count());
+  const int64_t room = std::max<int64_t>(0, limit - model.count());
   // the static set comes first and must leave the dynamic one its share
   return k == 1 || room == 0 ? room : room * model.static_set.count() / model.count();
 }

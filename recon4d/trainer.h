@@ -11,6 +11,7 @@
 #include "recon4d/batch_sampler.h"
 #include "recon4d/frame_feed.h"
 #include "recon4d/observer.h"
+#include "recon4d/residual_pass.h"
 #include "recon4d/rigidity.h"
 #include "recon4d/schedule.h"
 #include "recon4d/train_state.h"
@@ -38,6 +39,13 @@ class Trainer {
   /// The model in the host's memory with all SH up to date, e.g. for evaluation. Valid until the
   /// next step.
   const GaussianModel& host_model();
+  /// Lets `change` work on the state in the host's memory, all SH up to date; Gaussians may be
+  /// fewer or more after it, statistics must fit them.
+  void rework(const std::function<void(TrainState&)>& change);
+  /// Counts time that was spent on the state between steps.
+  void add_seconds(double seconds) { state_.seconds += seconds; }
+  /// Training frames with the gains they have now; at most `most`, 0: all.
+  LookedAt looked_at(int64_t most) const;
   const TrainOptions& options() const { return options_; }
   /// What state().exposure has a gain for.
   const ExposureRows& exposed() const { return exposed_; }

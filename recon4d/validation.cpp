@@ -74,8 +74,10 @@ int64_t set_aside(Scene& scene, double share, uint64_t seed) {
   return wanted;
 }
 
-bool ValidationRecord::add(int64_t iteration, double seconds, double psnr, int64_t patience) {
-  const bool first = checks == 0;
+bool ValidationRecord::add(int64_t iteration, double seconds, double psnr, int64_t gaussians,
+                           int64_t patience, double within_db) {
+  const bool first = best_iteration == 0;
+  peak_psnr = checks == 0 ? psnr : std::max(peak_psnr, psnr);
   ++checks;
   last_iteration = iteration, last_psnr = psnr;
   if (first || psnr > reference_psnr + kLeastGain)
@@ -83,9 +85,18 @@ bool ValidationRecord::add(int64_t iteration, double seconds, double psnr, int64
   else
     ++without_gain;
   stopped = patience > 0 && without_gain >= patience;
-  if (!first && psnr <= best_psnr) return false;
+  const double least = peak_psnr - within_db;
+  const bool smaller = within_db > 0 && best_psnr >= least
+                           ? psnr >= least && gaussians < best_gaussians
+                           : psnr > best_psnr;
+  if (!first && !smaller) return false;
   best_iteration = iteration, best_psnr = psnr, best_seconds = seconds;
+  best_gaussians = gaussians;
   return true;
+}
+
+void ValidationRecord::restart() {
+  best_iteration = 0, best_gaussians = 0, without_gain = 0, stopped = false;
 }
 
 nlohmann::json to_json(const ValidationRecord& record) {
@@ -95,6 +106,8 @@ nlohmann::json to_json(const ValidationRecord& record) {
           {"best_iteration", record.best_iteration},
           {"best_psnr", record.best_psnr},
           {"best_seconds", record.best_seconds},
+          {"best_gaussians", record.best_gaussians},
+          {"peak_psnr", record.peak_psnr},
           {"reference_psnr", record.reference_psnr},
           {"without_gain", record.without_gain},
           {"stopped", record.stopped}};
@@ -105,6 +118,8 @@ ValidationRecord validation_record_from_json(const nlohmann::json& json) {
   record.checks = json.at("checks"), record.last_iteration = json.at("last_iteration");
   record.last_psnr = json.at("last_psnr"), record.best_iteration = json.at("best_iteration");
   record.best_psnr = json.at("best_psnr"), record.best_seconds = json.at("best_seconds");
+  record.best_gaussians = json.value("best_gaussians", int64_t{0});
+  record.peak_psnr = json.value("peak_psnr", record.best_psnr);
   record.reference_psnr = json.at("reference_psnr");
   record.without_gain = json.at("without_gain"), record.stopped = json.at("stopped");
   return record;
@@ -119,6 +134,7 @@ Validation::Validation(Backend& backend, const Scene& scene, const TrainOptions&
       iterations_(options.iterations),
       patience_(options.stop_patience),
       batch_(options.batch),
+      within_db_(options.within_db),
       record_(record) {}
 
 int64_t Validation::next_after(int64_t iteration) const {
@@ -130,12 +146,17 @@ bool Validation::due(int64_t iteration) const {
   return on() && iteration > record_.last_iteration && next_after(iteration - 1) == iteration;
 }
 
-void Validation::check(const GaussianModel& model, int64_t iteration, double seconds) {
+double Validation::psnr(const GaussianModel& model) const {
+  tessera::check(on(), "Validation: no frames are set aside");
   EvaluateOptions options;
   options.batch = int(batch_);
   options.structure = StructureDetail::kNone;
-  const double psnr = evaluate(backend_, model, scene_, Split::kAside, options).all.psnr.value();
-  if (record_.add(iteration, seconds, psnr, patience_)) best_ = model.clone_values();
+  return evaluate(backend_, model, scene_, Split::kAside, options).all.psnr.value();
+}
+
+void Validation::check(const GaussianModel& model, int64_t iteration, double seconds) {
+  if (record_.add(iteration, seconds, psnr(model), model.count(), patience_, within_db_))
+    best_ = model.clone_values();
 }
 
 GaussianModel Validation::shipped() const {

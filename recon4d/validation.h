@@ -24,6 +24,8 @@ struct ValidationRecord {
   double last_psnr = 0;        // dB, mean over the frames set aside, 8 bit
   int64_t best_iteration = 0;  // 0: no check yet
   double best_psnr = 0;        // of the best check
+  int64_t best_gaussians = 0;  // of its model
+  double peak_psnr = 0;        // the best that any check has seen, also of larger models
   double best_seconds = 0;     // of training until then
   double reference_psnr = 0;   // what the next gain is counted from
   int64_t without_gain = 0;    // checks since the reference
@@ -32,8 +34,13 @@ struct ValidationRecord {
   /// A gain counts towards patience when it is larger, dB.
   static constexpr double kLeastGain = 0.02;
 
-  /// Takes the score of a model after `iteration` steps; whether it is the best so far.
-  bool add(int64_t iteration, double seconds, double psnr, int64_t patience);
+  /// Takes the score of a model after `iteration` steps; whether it is the best so far: of the
+  /// highest PSNR, or, with `within_db` > 0, of the fewest Gaussians among those within so many dB
+  /// of the peak.
+  bool add(int64_t iteration, double seconds, double psnr, int64_t gaussians, int64_t patience,
+           double within_db = 0);
+  /// The best is to be found anew: models so far are larger than what may be shipped.
+  void restart();
 };
 nlohmann::json to_json(const ValidationRecord& record);
 /// Errors: nlohmann::json::exception.
@@ -56,6 +63,10 @@ class Validation {
   bool due(int64_t iteration) const;
   /// Scores the model, in the host's memory, and keeps a copy when it is the best so far.
   void check(const GaussianModel& model, int64_t iteration, double seconds);
+  /// PSNR on the frames set aside, dB. Errors: std::logic_error where there are none.
+  double psnr(const GaussianModel& model) const;
+  /// From now on models have the size that is asked for: only these are shipped.
+  void restart() { record_.restart(), best_.reset(); }
 
   /// Whether training is to end.
   bool stops() const { return record_.stopped; }
@@ -70,6 +81,7 @@ class Validation {
   Backend& backend_;
   const Scene& scene_;
   int64_t frames_, interval_, iterations_, patience_, batch_;
+  double within_db_;
   ValidationRecord record_;
   std::optional<GaussianModel> best_;
 };

@@ -11,7 +11,7 @@
 #include "kernels/math/splat.h"
 #include "recon4d/hygiene.h"
 #include "static3d/four_rotation.h"
-#include "static3d/shape3.h"
+#include "recon4d/shape3.h"
 
 namespace tessera {
 namespace {

@@ -8,7 +8,7 @@
 #include "kernels/base/parallel.h"
 #include "kernels/math/splat.h"
 #include "recon4d/render.h"
-#include "static3d/shape3.h"
+#include "recon4d/shape3.h"
 
 namespace tessera {
 namespace {

@@ -16,6 +16,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
+#include "recon4d/parsimony.h"
 #include "recon4d/scene_scale.h"
 #include "recon4d/trainer.h"
 #include "recon4d/validation.h"
@@ -138,6 +139,7 @@ class Session {
                ? std::min(options_.iterations, state.iteration + *request_.stop_after)
                : options_.iterations;
     trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
+    parsimony_.emplace(*backend_, options_, ShippedBytes());
     stages_.emplace(*backend_);
   }
 
@@ -156,6 +158,7 @@ class Session {
       if (!validation_->stops())
         wall_.time(WallSplit::kTrain, [&] { stages_->run(*trainer_, next_pause()); });
       if (!interrupted()) check_model();
+      if (!interrupted()) decide();
       const int64_t i = trainer_->state().iteration;
       const bool done = i >= end_ || validation_->stops() || interrupted();
       if (done || (request_.checkpoint_every > 0 && i % request_.checkpoint_every == 0)) save();
@@ -183,6 +186,7 @@ class Session {
       if (every > 0) next = std::min(next, (i / every + 1) * every);
     for (int64_t step : request_.evaluate_at)
       if (step > i) next = std::min(next, step);
+    next = std::min(next, parsimony_->next_after(i));
     return validation_->on() ? std::min(next, validation_->next_after(i)) : next;
   }
 
@@ -216,6 +220,30 @@ class Session {
                                {"best_psnr", record.best_psnr},
                                {"best_iteration", record.best_iteration},
                                {"without_gain", record.without_gain}});
+  }
+
+  /// Thins out and moves between the sets where that is due.
+  void decide() {
+    std::optional<ParsimonyReport> report;
+    wall_.time(WallSplit::kTrain,
+               [&] { report = parsimony_->act(*trainer_, validation_->record()); });
+    if (!report) return;
+    const ParsimonyReport& r = *report;
+    log_->event("decision", {{"iteration", r.iteration},
+                             {"looked_at", r.looked_at},
+                             {"static_before", r.static_before},
+                             {"dynamic_before", r.dynamic_before},
+                             {"static", r.static_after},
+                             {"dynamic", r.dynamic_after},
+                             {"knee", r.knee},
+                             {"goal", r.goal},
+                             {"removed", r.removed},
+                             {"stilled", r.stilled},
+                             {"born", r.born},
+                             {"price", r.price},
+                             {"still_error", r.still_error},
+                             {"psnr", r.psnr},
+                             {"decision_seconds", r.seconds}});
   }
 
   /// The best model before the checkpoint that names it; older ones after it.
@@ -307,6 +335,7 @@ class Session {
   std::optional<Trainer> trainer_;
   std::optional<StageLog> stages_;
   std::optional<Validation> validation_;
+  std::optional<Parsimony> parsimony_;
   std::optional<GaussianModel> shipped_;
 };
 

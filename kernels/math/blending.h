@@ -27,6 +27,13 @@ struct SplatGradient {
   Sym2<Real> conic;   // symmetric convention
   Real opacity;       // by the effective opacity o·p
   Vec3<Real> colour;  // by the un-clamped colour, before the mask of negative channels
+
+  TESSERA_HD SplatGradient& operator+=(const SplatGradient& o) {
+    mean2d += o.mean2d;
+    conic.xx += o.conic.xx, conic.xy += o.conic.xy, conic.yy += o.conic.yy;
+    opacity += o.opacity, colour += o.colour;
+    return *this;
+  }
 };
 
 }  // namespace tessera

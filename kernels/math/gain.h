@@ -17,4 +17,10 @@ TESSERA_HD inline GainGradient<Real> gain_backward(Real gain, Real colour, Real 
   return {gain * d_x, colour * d_x};
 }
 
+/// By how much a pixel of that colour, seen with that gain, misses its truth in [0, 1].
+template <class Real>
+TESSERA_HD inline Real gained_residual(Real gain, Real colour, Real truth) {
+  return gain * colour - truth;
+}
+
 }  // namespace tessera

@@ -3,7 +3,6 @@
 //       applied here, and its gradient summed.
 // Not: a clamp: the loss is taken on the picture as rendered  [method 0.8].
 // Source: method A.15.
-#include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/math/gain.h"
@@ -101,9 +100,7 @@ PlaneLoss plane_loss(const Plane<Real>& plane, const LossWeights& weights, Real 
 template <class Real>
 void CpuBackend<Real>::photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
-  check(args.truth.size() == views.size(), "photometric: one ground truth per view");
-  check(args.mask.empty() || args.mask.size() == views.size(), "photometric: one mask per view");
-  check(args.gain.empty() || args.gain.size() == views.size(), "photometric: one gain per view");
+  check_target(args);
   std::vector<PlaneLoss> planes(3 * views.size());
   parallel_for(int64_t(planes.size()), 1, [&](int64_t task, int64_t) {
     thread_local PlaneScratch<Real> scratch;

@@ -2,7 +2,6 @@
 // Not: the kernels (photometric_kernels.cu).
 #include <algorithm>
 
-#include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/photometric_kernels.h"
@@ -23,9 +22,7 @@ const float* CudaBackend::gains_of(const PhotometricArgs<float>& args) {
 
 void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_colour) {
   const std::vector<ViewArgs<float>>& views = args.batch->views;
-  check(args.truth.size() == views.size(), "photometric: one ground truth per view");
-  check(args.mask.empty() || args.mask.size() == views.size(), "photometric: one mask per view");
-  check(args.gain.empty() || args.gain.size() == views.size(), "photometric: one gain per view");
+  check_target(args);
   const int64_t count = int64_t(views.size());
   const bool masked = std::any_of(args.mask.begin(), args.mask.end(),
                                   [](const Span<const uint8_t>& mask) { return !mask.empty(); });

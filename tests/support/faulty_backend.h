@@ -40,6 +40,13 @@ class FaultyBackend final : public Backend {
     cpu_->photometric(args, d_colour);
     loss_is_spoilt_ = strikes(Fault::kLoss);
   }
+  void residual(const PhotometricArgs<float>& args, Span<float> residual) override {
+    cpu_->residual(args, residual);
+  }
+  void sensitivity(const BlendBackwardArgs<float>& args,
+                   Span<SplatSensitivity<float>> out) override {
+    cpu_->sensitivity(args, out);
+  }
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatGradient<float>> d_splats) override {
     cpu_->blend_backward(args, d_splats);

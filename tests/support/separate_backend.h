@@ -116,6 +116,17 @@ class SeparateBackend final : public Backend {
     for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
     own.inside([&] { cpu_->photometric(args, d_colour); });
   }
+  void residual(const PhotometricArgs<float>& args, Span<float> residual) override {
+    for (const Span<const uint8_t>& truth : args.truth) check_lies_here(truth);
+    for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
+    check_lies_here(residual);
+    own.inside([&] { cpu_->residual(args, residual); });
+  }
+  void sensitivity(const BlendBackwardArgs<float>& args,
+                   Span<SplatSensitivity<float>> out) override {
+    check_lies_here(args.d_colour), check_lies_here(out);
+    own.inside([&] { cpu_->sensitivity(args, out); });
+  }
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatGradient<float>> d_splats) override {
     own.inside([&] { cpu_->blend_backward(args, d_splats); });

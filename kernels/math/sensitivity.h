@@ -1,0 +1,58 @@
+// What: what a splat is to the pictures it is drawn in: its weight, what it covers, and what would
+// become of the squared error without it. One pixel's step past one splat.
+// Not: loops over pixels or splats; those are the backends'. Not the price of a Gaussian.
+// Source: blending without one term; Q is the colour of which method A.11 keeps R = ⟨Q, g⟩ alone.
+#pragma once
+#include "kernels/math/blending.h"
+
+namespace tessera {
+
+/// Sums over a splat's pixels p and channels c; w = T·α, x: the picture that was asked about. ΔC:
+/// how the blended colour changes where the splat is not there. With x the residual, removal1 +
+/// removal2 is the change of Σ x² when that splat alone is taken out; exact but for pixels whose
+/// blending stopped at kMinTransmittance, where the background stands for what was never drawn.
+template <class Real>
+struct SplatSensitivity {
+  Real weight;         // Σ w
+  Real weight2;        // Σ w²
+  Vec3<Real> picture;  // Σ w·x_c
+  Real removal1;       // Σ 2·x_c·ΔC_c
+  Real removal2;       // Σ ΔC_c²
+
+  TESSERA_HD SplatSensitivity& operator+=(const SplatSensitivity& o) {
+    weight += o.weight, weight2 += o.weight2, picture += o.picture;
+    removal1 += o.removal1, removal2 += o.removal2;
+    return *this;
+  }
+};
+
+/// ΔC = (Q − w·c)/(1 − α) − Q = α·((Q − w·c)/(1 − α) − T·c) of one channel. `to_come`: Q, the
+/// colour still to come in front of the splat, background included; behind it afterwards.
+template <class Real>
+TESSERA_HD inline Real removal_change(Real alpha, Real inverse_rest, Real transmittance,
+                                      Real colour, Real& to_come) {
+  const Real light = transmittance * colour;
+  to_come -= alpha * light;
+  return alpha * (to_come * inverse_rest - light);
+}
+
+/// A pixel takes its step past a splat of that α (0: it does not draw the pixel) and says what the
+/// pixel adds to the splat's sums. `transmittance` and `to_come` are those behind it afterwards.
+template <class Real>
+TESSERA_HD inline SplatSensitivity<Real> sensitivity_step(Real alpha, const Vec3<Real>& colour,
+                                                          const Vec3<Real>& picture,
+                                                          Real& transmittance,
+                                                          Vec3<Real>& to_come) {
+  const Real rest = Real(1) - alpha;
+  const Real inverse = fast_divide(Real(1), max_of(rest, kMinOneMinusAlpha<Real>));
+  const Real weight = transmittance * alpha;
+  const Real d0 = removal_change(alpha, inverse, transmittance, colour[0], to_come[0]);
+  const Real d1 = removal_change(alpha, inverse, transmittance, colour[1], to_come[1]);
+  const Real d2 = removal_change(alpha, inverse, transmittance, colour[2], to_come[2]);
+  transmittance *= rest;
+  return {weight, weight * weight, weight * picture,
+          Real(2) * (picture[0] * d0 + picture[1] * d1 + picture[2] * d2),
+          d0 * d0 + d1 * d1 + d2 * d2};
+}
+
+}  // namespace tessera

@@ -1,0 +1,70 @@
+// What: what every splat is to its pictures, from the colour still to come, front to back.
+// Not: the walk through tiles and splats (splat_sums.h); the equation (math/sensitivity.h).
+#include "kernels/cpu_backend.h"
+#include "kernels/stages/splat_sums.h"
+
+namespace tessera {
+namespace {
+
+template <class Real>
+struct SensitivityWalk : WalkState<Real> {
+  using Sum = SplatSensitivity<Real>;
+  static constexpr int kTerms = 7;   // weight, weight2, picture 3, removal 2
+  TileValues<Real> picture[3] = {};  // x
+  TileValues<Real> to_come[3] = {};  // Q
+
+  void load(const BlendBackwardArgs<Real>& args, const Tile<Real>& tile) {
+    const int64_t pixels = tile.view_pixels();
+    load_pixels(args, tile, *this, [&](int x, int y, int64_t i) {
+      for (int c = 0; c < 3; ++c) {
+        picture[c][y][x] = args.d_colour[i + c * pixels];
+        to_come[c][y][x] = args.images->colour[i + c * pixels];
+      }
+    });
+  }
+
+  template <bool ByFalloff>
+  void row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int32_t index,
+           Real (&sum)[kTerms][kTileSize]) {
+    const Real dy = splat.dy0 - Real(y);
+    const Real *x0 = picture[0][y], *x1 = picture[1][y], *x2 = picture[2][y];
+    Real *Q0 = to_come[0][y], *Q1 = to_come[1][y], *Q2 = to_come[2][y];
+    Real* T = this->transmittance[y];
+    const int32_t* until = this->used[y];
+    for (int x = 0; x < kTileSize; ++x) {
+      const Real G = splat_falloff(splat.conic, splat.dx0 - Real(x), dy);
+      const Real alpha = splat.opacity * G;
+      const bool on = cutoff.template draws<ByFalloff>(alpha, G) && index < until[x];
+      Vec3<Real> Q(Q0[x], Q1[x], Q2[x]);
+      const Sum step = sensitivity_step(on ? alpha : Real(0), splat.colour,
+                                        Vec3<Real>(x0[x], x1[x], x2[x]), T[x], Q);
+      Q0[x] = Q.x, Q1[x] = Q.y, Q2[x] = Q.z;
+      sum[0][x] += step.weight;
+      sum[1][x] += step.weight2;
+      sum[2][x] += step.picture.x;
+      sum[3][x] += step.picture.y;
+      sum[4][x] += step.picture.z;
+      sum[5][x] += step.removal1;
+      sum[6][x] += step.removal2;
+    }
+  }
+
+  static Sum reduced(const Real (&t)[kTerms]) {
+    return {t[0], t[1], Vec3<Real>(t[2], t[3], t[4]), t[5], t[6]};
+  }
+};
+
+}  // namespace
+
+template <class Real>
+void CpuBackend<Real>::sensitivity(const BlendBackwardArgs<Real>& args,
+                                   Span<SplatSensitivity<Real>> out) {
+  sum_over_splats<SensitivityWalk<Real>>(args, instance_sensitivities_, out);
+}
+
+template void CpuBackend<float>::sensitivity(const BlendBackwardArgs<float>&,
+                                             Span<SplatSensitivity<float>>);
+template void CpuBackend<double>::sensitivity(const BlendBackwardArgs<double>&,
+                                              Span<SplatSensitivity<double>>);
+
+}  // namespace tessera

@@ -1,0 +1,61 @@
+// What: the test against noise and the rows that follow from it.
+// Not: the sums it is made of (worth.cpp).
+#include "recon4d/births.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/math/splat.h"
+
+namespace tessera {
+
+std::vector<int64_t> restless_rows(const Worth& worth, double least, int64_t most) {
+  // under white noise of variance s² the gain is s² · χ² with 3·(moments − 1) degrees of freedom
+  constexpr double kDeviations = 5;
+  const double noise = worth.squared_error / double(std::max<int64_t>(1, worth.samples));
+  std::vector<std::pair<float, int64_t>> found;
+  const std::vector<SetWorth::Change>& change = worth.sets[0].change;
+  for (size_t n = 0; n < change.size(); ++n) {
+    const double freedom = 3 * (double(change[n].moments) - 1);
+    if (freedom <= 0) continue;
+    const double chance = noise * (freedom + kDeviations * std::sqrt(2 * freedom));
+    if (double(change[n].gain) > std::max(chance, least)) found.emplace_back(-change[n].gain, n);
+  }
+  std::sort(found.begin(), found.end());
+  if (int64_t(found.size()) > most) found.resize(size_t(std::max<int64_t>(0, most)));
+  std::vector<int64_t> rows;
+  for (const auto& [gain, row] : found) rows.push_back(row);
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+GaussianSet born_from(const GaussianModel& model, const Worth& worth,
+                      const std::vector<int64_t>& rows) {
+  constexpr float kOpacity = 0.5f;
+  GaussianSet born = model.dynamic_set.like();
+  born.resize(int64_t(rows.size()));
+  const GaussianSpans<const float> from = model.static_set.values();
+  const GaussianSpans<float> to = born.values();
+  for (int g = 0; g < born.groups(); ++g) std::fill_n(to.group[g].data, to.group[g].size, 0.0f);
+  for (int64_t i = 0; i < born.count(); ++i) {
+    const int64_t n = rows[size_t(i)];
+    const SetWorth::Change& change = worth.sets[0].change[size_t(n)];
+    std::copy_n(from.at(kMean, n), 3, to.at(kMean, i));
+    std::copy_n(from.at(kLogScale, n), 3, to.at(kLogScale, i));
+    std::copy_n(from.at(kRotation, n), 4, to.at(kRotation, i));
+    std::copy_n(from.at(kSh, n), from.width(kSh), to.at(kSh, i));
+    if (born.form() == Form::kPair)  // at rest: r = conj(l)
+      for (int k = 0; k < 4; ++k)
+        to.at(kRotationRight, i)[k] = (k == 0 ? 1.0f : -1.0f) * from.at(kRotation, n)[k];
+    *to.at(kOpacityLogit, i) = logit(kOpacity);
+    // half of the light is to be what it should be
+    for (int c = 0; c < 3; ++c)
+      to.at(kSh, i)[c] += std::clamp(change.colour[c] / kOpacity, -0.5f, 0.5f) / float(kSh0);
+    *to.at(kMeanTime, i) = change.peak_time;
+    const float share = change.lasting / std::max(1.0f, change.moments);
+    *to.at(kLogScaleTime, i) = std::log(std::clamp(0.5f * share, 0.02f, 0.5f));
+  }
+  return born;
+}
+
+}  // namespace tessera

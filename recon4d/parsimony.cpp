@@ -1,0 +1,166 @@
+// What: the steps of decisions, what is to be left, and rows moved between the sets.
+// Not: any arithmetic on pictures.
+#include "recon4d/parsimony.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "recon4d/births.h"
+#include "recon4d/hygiene.h"
+#include "recon4d/set_rows.h"
+#include "recon4d/stillness.h"
+#include "recon4d/thinning.h"
+
+namespace tessera {
+namespace {
+
+/// What is left over the goal for the exact cut in the end: some die during recovery.
+constexpr double kSpare = 1.04;
+
+bool contains(const std::vector<int64_t>& sorted, int64_t value) {
+  return std::binary_search(sorted.begin(), sorted.end(), value);
+}
+
+/// Kept rows of the dynamic set that stay dynamic, and the static form of the others.
+void move_to_static(TrainState& state, const StillTrial& trial, KeptRows& kept) {
+  std::vector<int64_t> moving, places;
+  for (const int64_t row : kept.of[1])
+    if (!contains(trial.rows, row)) moving.push_back(row);
+  for (size_t i = 0; i < trial.rows.size(); ++i)
+    if (contains(kept.of[1], trial.rows[i])) places.push_back(int64_t(i));
+  kept.of[1] = std::move(moving);
+  keep_rows(state, kept);
+  append_rows(state.model.static_set, select_rows(trial.still, places));
+}
+
+}  // namespace
+
+Parsimony::Parsimony(Backend& backend, const TrainOptions& options, ShippedBytes bytes)
+    : backend_(backend), options_(options), bytes_(std::move(bytes)) {
+  const int64_t grown = scaled_steps(options, options.densify_until) + 1;
+  const int64_t last = std::max(grown, scaled_steps(options, options.thin_until));
+  if (tessera::is_thinned(options))
+    for (int64_t r = 0; r < options.thin_rounds; ++r)
+      rounds_.push_back(grown + (last - grown) * r / std::max<int64_t>(1, options.thin_rounds - 1));
+  rounds_.erase(std::unique(rounds_.begin(), rounds_.end()), rounds_.end());
+  std::erase_if(rounds_, [&](int64_t i) { return i >= options.iterations; });
+  const int64_t interval = std::max<int64_t>(1, scaled_steps(options, options.decide_interval));
+  if (options.decide_motion && !options.static_only)
+    for (int64_t i = interval; i < std::min(grown, options.iterations); i += interval)
+      motion_.push_back(i);
+}
+
+int64_t Parsimony::next_after(int64_t iteration) const {
+  int64_t next = std::numeric_limits<int64_t>::max();
+  for (const std::vector<int64_t>* steps : {&rounds_, &motion_})
+    for (const int64_t i : *steps)
+      if (i > iteration) next = std::min(next, i);
+  return next;
+}
+
+int64_t Parsimony::rounds_left(int64_t i) const {
+  return contains(rounds_, i) ? std::count_if(rounds_.begin(), rounds_.end(),
+                                              [i](int64_t r) { return r >= i; })
+                              : 0;
+}
+
+bool Parsimony::decides_motion(int64_t i) const {
+  return contains(motion_, i) ||
+         (options_.decide_motion && !options_.static_only && contains(rounds_, i));
+}
+
+bool Parsimony::is_thinned(int64_t iteration) const {
+  return rounds_.empty() || iteration > rounds_.back();
+}
+
+int64_t Parsimony::goal_of(const GaussianModel& model, const std::vector<Removal>& order,
+                           const Worth& worth, const ValidationRecord& validation,
+                           int64_t knee) const {
+  if (options_.max_gaussians > 0) return int64_t(kSpare * double(options_.max_gaussians));
+  if (options_.within_db > 0) {
+    // what the frames set aside have left of it; recovery makes good for most of what this predicts
+    double room = options_.within_db;
+    if (validation.checks > 0) room -= validation.peak_psnr - validation.last_psnr;
+    double error = 0;
+    int64_t gone = 0;
+    for (; gone + 1 < int64_t(order.size()); ++gone) {
+      error += order[size_t(gone)].error;
+      if (worth.psnr_after(0) - worth.psnr_after(error) > room) break;
+    }
+    return model.count() - gone;
+  }
+  if (options_.max_bytes == 0) return knee;
+  double all = 0, left = 0;
+  for (const Removal& removal : order) all += removal.bytes;
+  const double scale = double(bytes_(model)) / std::max(1.0, all);  // of our rates to the file
+  left = all * scale;
+  int64_t gone = 0;
+  while (gone < int64_t(order.size()) && left > kSpare * double(options_.max_bytes))
+    left -= scale * order[size_t(gone++)].bytes;
+  return model.count() - gone;
+}
+
+std::optional<ParsimonyReport> Parsimony::act(Trainer& trainer,
+                                              const ValidationRecord& validation) {
+  const int64_t i = trainer.state().iteration;
+  const int64_t rounds = rounds_left(i);
+  const bool moves = decides_motion(i);
+  if ((rounds == 0 && !moves) || trainer.state().decided == i) return std::nullopt;
+  const auto begin = std::chrono::steady_clock::now();
+  const LookedAt at = trainer.looked_at(options_.look_frames);
+  const GaussianModel& model = trainer.host_model();
+  const Worth worth = measure_worth(backend_, model, at);
+  const std::vector<Removal> order = removal_order(model, worth);
+
+  ParsimonyReport report;
+  report.iteration = i, report.looked_at = at.count(), report.psnr = worth.psnr_after(0);
+  report.static_before = model.static_set.count();
+  report.dynamic_before = model.dynamic_set.count();
+  report.knee = knee_count(order, worth);
+  report.price = price_at(order, report.knee);
+  int64_t count = model.count(), goal = trainer.state().goal;
+  if (rounds > 0) {
+    if (goal == 0 || options_.size != "knee" || options_.within_db > 0)
+      goal = goal_of(model, order, worth, validation, report.knee);
+    report.goal = goal = std::clamp<int64_t>(goal, 1, std::max<int64_t>(1, count));
+    const double share = options_.within_db > 0 ? 1.0 : 1.0 / double(rounds);
+    count = std::llround(double(count) * std::pow(double(goal) / double(count), share));
+  }
+  KeptRows kept = kept_rows(model, order, count);
+  StillTrial trial;
+  std::vector<int64_t> restless;
+  if (moves) {
+    const ByteRates rates;
+    trial = try_still(backend_, model, worth, at, report.price * rates.time);
+    if (rounds == 0) {
+      constexpr double kMostBorn = 0.02;  // of all
+      restless = restless_rows(worth, report.price * rates.of(true, model.sh_degree),
+                               int64_t(kMostBorn * double(count)));
+    }
+  }
+  const GaussianSet born = born_from(model, worth, restless);
+  trainer.rework([&](TrainState& state) {
+    if (trial.still.coefficients() == state.model.static_set.coefficients())
+      move_to_static(state, trial, kept);
+    else
+      keep_rows(state, kept);
+    append_rows(state.model.dynamic_set, born);
+    for (int k = 0; k < 2; ++k)
+      state.statistics[k].reset(state.set(k).count(), state.iteration);
+    state.decided = i, state.goal = rounds > 0 ? goal : state.goal;
+  });
+  report.removed = model.count() - count;
+  report.stilled = int64_t(trial.rows.size()), report.born = born.count();
+  report.still_error = trial.error;
+  report.static_after = trainer.state().model.static_set.count();
+  report.dynamic_after = trainer.state().model.dynamic_set.count();
+  report.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  trainer.add_seconds(report.seconds);
+  return report;
+}
+
+}  // namespace tessera
