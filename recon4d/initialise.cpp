@@ -27,10 +27,6 @@ struct InitialPoint {
   std::optional<bool> still;  // whether it never moves
 };
 
-float logit(double p) {
-  return float(std::log(p / (1 - p)));
-}
-
 /// Uniform in the box around the focus: an object whose surroundings are known to be empty.
 glm::dvec3 point_in_box(const CameraRig& rig, double half, const RandomBlock& random) {
   const glm::dvec3 unit(uniform(random.word[0]), uniform(random.word[1]), uniform(random.word[2]));

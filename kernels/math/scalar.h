@@ -90,4 +90,9 @@ TESSERA_HD inline Real sigmoid(Real x) {
   return Real(1) / (Real(1) + exp(-x));
 }
 
+/// Of an opacity in (0, 1).
+inline float logit(double p) {
+  return float(std::log(p / (1 - p)));
+}
+
 }  // namespace tessera
