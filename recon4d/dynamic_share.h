@@ -20,7 +20,7 @@ std::vector<std::vector<float>> dynamic_share(Backend& backend, const GaussianMo
 
 /// Dynamic light against masks of what moves, over any number of pictures.
 struct MovingRegionScore {
-  double weight = 0, weight_inside = 0;            // Σ w over pixels: all, of the region
+  double weight = 0, weight_inside = 0;           // Σ w over pixels: all, of the region
   int64_t moving_pixels = 0, covered_pixels = 0;  // that move now; of these, of dynamic light
 
   /// A pixel is of the region where its mask has at least kRegion: something moves there at some

@@ -50,9 +50,9 @@ struct EvaluationReport {
   /// Frames outside training apart: the camera is new, the moment is, both are, neither is (one
   /// picture of a rig was withheld).
   MeanScore novel_view, novel_time, novel_view_and_time, withheld;
-  std::vector<FlickerScore> flicker;  // of the cameras that have one
+  std::vector<FlickerScore> flicker;        // of the cameras that have one
   std::optional<MovingRegionScore> moving;  // where masks of what moves were given
-  std::optional<int64_t> bytes;       // of the model's file; set by the caller
+  std::optional<int64_t> bytes;             // of the model's file; set by the caller
 };
 
 /// How much of the structure is scored: each step costs seconds where the one before costs tenths.

@@ -273,10 +273,11 @@ void add_evaluate_command(CLI::App& app, Work& work) {
       ->delimiter(',');
   command->add_option("--background", request->background,
                       "black, white or r,g,b; default: the model's");
-  command->add_option("--moving-masks", request->moving_masks,
-                      "folder of grey masks named as the frames, 0: never moves there, 128: at some "
-                      "moment, 255: now: how much of the dynamic Gaussians' light lies there; "
-                      "`tessera synth patch` makes them in ground_truth/moving");
+  command->add_option(
+      "--moving-masks", request->moving_masks,
+      "folder of grey masks named as the frames, 0: never moves there, 128: at some "
+      "moment, 255: now: how much of the dynamic Gaussians' light lies there; "
+      "`tessera synth patch` makes them in ground_truth/moving");
   command->add_option("--save-images", request->images, "folder for the rendered pictures");
   command->add_flag("--overwrite", request->overwrite, "save among files that are not ours");
   command->add_option("--backend", request->backend,

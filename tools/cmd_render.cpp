@@ -32,7 +32,8 @@ struct RenderRequest {
   PathChoice path;  // without a path: the cameras as they are
   std::string fps = "30";
   int threads = 0;
-  bool floats = false, alpha = false, dynamic_share = false, mp4 = false, overwrite = false, json = false;
+  bool floats = false, alpha = false, dynamic_share = false, mp4 = false, overwrite = false,
+       json = false;
 };
 
 std::vector<std::string> file_names(const std::vector<NamedView>& views, bool floats) {
@@ -205,9 +206,10 @@ void add_render_command(CLI::App& app, Work& work) {
                       "black, white or r,g,b; default: the model's");
   command->add_flag("--alpha", request->alpha, "RGBA PNG without background");
   command
-      ->add_flag("--dynamic-share", request->dynamic_share,
-                 "not colours but how much of each pixel's light is of dynamic Gaussians, 0 (black) "
-                 "to 1 (white)")
+      ->add_flag(
+          "--dynamic-share", request->dynamic_share,
+          "not colours but how much of each pixel's light is of dynamic Gaussians, 0 (black) "
+          "to 1 (white)")
       ->excludes("--background")
       ->excludes("--alpha");
   command->add_flag("--float", request->floats, "also unclamped floats as .pfm");

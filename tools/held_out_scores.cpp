@@ -59,7 +59,8 @@ std::string details_text(const json& score) {
                     number(score["psnr_dynamic"], "{:.2f}"),
                     number(score["psnr_static"], "{:.2f}")));
   if (score.contains("dynamic_weight_inside"))
-    add(fmt::format("moving region: {} of the dynamic weight lies in it, {} of its pixels are of "
+    add(
+        fmt::format("moving region: {} of the dynamic weight lies in it, {} of its pixels are of "
                     "dynamic light",
                     number(score["dynamic_weight_inside"], "{:.3f}"),
                     number(score["moving_pixels_covered"], "{:.3f}")));

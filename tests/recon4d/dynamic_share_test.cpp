@@ -24,8 +24,7 @@ std::vector<float> share_of(const GaussianModel& model, const View& view) {
 }
 
 // Light of either set is counted once: the shares of both together are the opacity.
-// Bugs put back, each seen to fail: the environment left; static Gaussians white too; the degree of
-// SH left at what the model had.
+// Bugs put back, each seen to fail: the environment left; static Gaussians white too.
 TEST(DynamicShare, IsTheOpacityLessTheLightOfTheStaticSet) {
   const GaussianModel model = bright_model();
   for (View view : three_views())

@@ -42,7 +42,7 @@ struct Movers {
 
 /// Samples of one pixel summed up; how many of them met a mover.
 int add_samples(const World& world, const Camera& camera, const StaticLayer& layer,
-                 const Movers& movers, int x, int y, glm::vec4& sum) {
+                const Movers& movers, int x, int y, glm::vec4& sum) {
   int changed = 0;
   bool near_mover = false;
   for (const Bounds& bounds : movers.bounds) near_mover |= bounds.contains(x, y);
