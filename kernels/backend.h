@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include "kernels/base/errors.h"
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
 #include "kernels/math/filter_3d.h"
@@ -52,20 +51,18 @@ struct PhotometricArgs {
   std::vector<Vec3<double>> gain = {};
 };
 
-/// A truth for each view; masks and gains for each view or for none. Errors: a bug of ours.
-template <class Real>
-void check_target(const PhotometricArgs<Real>& args) {
-  const size_t views = args.batch->views.size();
-  check(args.truth.size() == views, "target: one ground truth per view");
-  check(args.mask.empty() || args.mask.size() == views, "target: one mask per view");
-  check(args.gain.empty() || args.gain.size() == views, "target: one gain per view");
-}
-
 template <class Real>
 struct BlendBackwardArgs {
   BlendArgs<Real> forward;
   const Images<Real>* images = nullptr;
   Span<const Real> d_colour;  // [3·pixels], laid out as Images::colour
+};
+
+template <class Real>
+struct SensitivityArgs {
+  BlendBackwardArgs<Real> pass;           // d_colour: the picture x
+  std::vector<Span<const uint8_t>> mask;  // of what x is the residual: as PhotometricArgs::mask
+  std::vector<Vec3<double>> gain;         // as PhotometricArgs::gain
 };
 
 template <class Real>
@@ -139,10 +136,9 @@ class BackendOf {
   /// Gradient of each splat, summed over its pixels.
   virtual void blend_backward(const BlendBackwardArgs<Real>& args,
                               Span<SplatGradient<Real>> d_splats) = 0;
-  /// What each splat is to the pictures, with args.d_colour for the picture x; written, zeros for
-  /// a splat that draws no pixel. Needs a forward pass with for_backward, as blend_backward does.
-  virtual void sensitivity(const BlendBackwardArgs<Real>& args,
-                           Span<SplatSensitivity<Real>> out) = 0;
+  /// What each splat is to the pictures; written, zeros for a splat that draws no pixel. After a
+  /// forward pass with for_backward. Masks and gains are in removal1 and removal2 alone.
+  virtual void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) = 0;
   /// Splat gradients → parameter gradients, summed over views, into the sinks.
   virtual void project_backward(const ProjectBackwardArgs<Real>& args) = 0;
   /// Of the last photometric and project_backward; waits for these two, not for what came after.

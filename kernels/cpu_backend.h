@@ -21,7 +21,7 @@ class CpuBackend final : public BackendOf<Real> {
   void residual(const PhotometricArgs<Real>& args, Span<Real> residual) override;
   void blend_backward(const BlendBackwardArgs<Real>& args,
                       Span<SplatGradient<Real>> d_splats) override;
-  void sensitivity(const BlendBackwardArgs<Real>& args, Span<SplatSensitivity<Real>> out) override;
+  void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) override;
   void project_backward(const ProjectBackwardArgs<Real>& args) override;
   StepOutcome outcome() override { return outcome_; }
   void adam(const SinkArgs<Real>& args) override;

@@ -1,11 +1,13 @@
 // What: the parameters of a set of Gaussians as kernels see them: named groups of spans.
 // Not: an owner (recon4d/gaussian_set.h), and no schedule or learning rate.
 #pragma once
+#include <cassert>
 #include <cstdint>
 #include <type_traits>
 
 #include "kernels/base/buffer.h"
 #include "kernels/math/adam.h"
+#include "kernels/sh_blocks.h"
 
 namespace tessera {
 
@@ -88,25 +90,52 @@ inline constexpr int geometry_scalars(Form form) {
   return sum;
 }
 
+/// `count` values from `first` on; of an empty span none.
+template <class T>
+Span<T> part_of(Span<T> all, int64_t first, int64_t count) {
+  if (all.empty()) return {};
+  assert(first >= 0 && count >= 0 && first + count <= all.size);
+  return {all.data + first, count};
+}
+
 template <class T>
 struct GaussianSpans {
   Form form = Form::kStatic;
   int64_t count = 0;      // N
-  int coefficients = 16;  // K
+  int coefficients = 16;  // K, the most that a row has
   int time_levels = 0;    // L; 0 in Dim 3
   Span<T> group[kGroupCount];
   Span<T> filter_size;  // [N] φ of the 3D filter that is applied, world units; empty: none is
+  ShBlocks blocks;      // where rows differ in K
 
   TESSERA_HD int dim() const { return dim_of(form); }
   TESSERA_HD int width(Group g) const { return group_width(g, coefficients, form, time_levels); }
 
-  /// First scalar of Gaussian n in a group.
-  TESSERA_HD T* at(Group g, int64_t n) const { return group[g].data + n * width(g); }
+  /// First scalar of Gaussian n in a group; of kSh and kShTime in a set whose rows are alike, e.g.
+  /// in a block.
+  TESSERA_HD T* at(Group g, int64_t n) const {
+    assert(!blocks.mixed() || (g != kSh && g != kShTime));
+    return group[g].data + n * width(g);
+  }
+  /// The rows of a block, as a set whose rows are alike.
+  GaussianSpans block(const ShBlock& block) const {
+    GaussianSpans out = *this;
+    out.count = block.count, out.coefficients = block.coefficients, out.blocks = {};
+    for (int g = 0; g < kGroupCount; ++g) {
+      const bool colour = g == kSh || g == kShTime;
+      const int64_t scalars = group_width(Group(g), 1, form, time_levels);
+      out.group[g] =
+          colour ? part_of(group[g], block.sh_first * scalars, out.width(Group(g)) * out.count)
+                 : part_of(group[g], block.first * scalars, scalars * out.count);
+    }
+    out.filter_size = part_of(filter_size, block.first, block.count);
+    return out;
+  }
   /// The same, not to be written.
   TESSERA_HD GaussianSpans<const T> view() const {
     GaussianSpans<const T> out;
     out.form = form, out.count = count, out.coefficients = coefficients;
-    out.time_levels = time_levels;
+    out.time_levels = time_levels, out.blocks = blocks;
     for (int g = 0; g < kGroupCount; ++g) out.group[g] = group[g];
     out.filter_size = filter_size;
     return out;
@@ -138,6 +167,28 @@ struct LazySh {
   Real rate = Real(0), rate_rest = Real(0);  // learning rates of coefficient 0 and of the others
   // [N, L, K, 3] of kShTime, at rate_rest
   Span<Real> time_value = {}, time_moment1 = {}, time_moment2 = {};
+  ShBlocks blocks = {};  // as those of the set
+
+  /// The rows of a block.
+  LazySh block(const ShBlock& block) const {
+    if (last_step.empty()) return *this;
+    LazySh out = *this;
+    out.blocks = {};
+    out.last_step = part_of(last_step, block.first, block.count);
+    const int64_t first = 3 * block.sh_first, scalars = 3 * block.count * block.coefficients;
+    for (Span<Real>* all : {&out.value, &out.moment1, &out.moment2})
+      *all = part_of(*all, first, scalars);
+    const int64_t levels = time_value.size / value.size;
+    for (Span<Real>* all : {&out.time_value, &out.time_moment1, &out.time_moment2})
+      *all = part_of(*all, levels * first, levels * scalars);
+    return out;
+  }
+  /// Calls visit(block) for the blocks.
+  template <class Visit>
+  void for_each_block(Visit&& visit) const {
+    const int64_t N = last_step.size;
+    tessera::for_each_block(blocks, N, N > 0 ? int(value.size / (3 * N)) : 0, visit);
+  }
 };
 
 /// Terms of the loss that each Gaussian adds by its parameters alone, whether a view draws it or
@@ -172,6 +223,15 @@ struct SinkArgs {
   AdamGroups<Real> adam;                        // ApplyAdam
   IdleUpdate idle = IdleUpdate::kDense;         // ApplyAdam
   LazySh<Real> lazy;                            // ApplyAdam with kLazy
+
+  /// Of the rows of a block.
+  SinkArgs block(const ShBlock& block) const {
+    SinkArgs out = *this;
+    for (GaussianSpans<Real>* spans : {&out.gradient, &out.value, &out.moment1, &out.moment2})
+      *spans = spans->block(block);
+    out.lazy = lazy.block(block);
+    return out;
+  }
 };
 
 /// Densification statistic of a set, accumulated over batches  [method D.6].
@@ -179,6 +239,12 @@ template <class Real>
 struct DensityStatistics {
   Span<Real> gradient_sum;  // [N] Σ over batches of the mean over views of ‖dL/d mean2D‖ in NDC
   Span<Real> count;         // [N] batches in which it was visible
+
+  /// Of the rows of a block.
+  DensityStatistics block(const ShBlock& block) const {
+    return {part_of(gradient_sum, block.first, block.count),
+            part_of(count, block.first, block.count)};
+  }
 };
 
 /// When a Gaussian is removed, cloned or split  [method A.13].

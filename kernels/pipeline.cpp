@@ -62,6 +62,7 @@ void Pipeline<Real>::residual(const Target& target) {
   const StageTimer timer(backend_.clock(), kPhotometric);
   backend_.residual({&batch_, &images_, target.truth, target.weights, target.mask, target.gain},
                     d_colour_.span());
+  compared_ = target;
 }
 
 template <class Real>
@@ -70,7 +71,8 @@ Span<const SplatSensitivity<Real>> Pipeline<Real>::sensitivity() {
   check(for_backward_, "sensitivity after a forward pass that was not for it");
   sensitivity_.resize(splats_.count);
   const StageTimer timer(backend_.clock(), kBlendBackward);
-  backend_.sensitivity({blend_args(), &images_, d_colour_.span()}, sensitivity_.span());
+  backend_.sensitivity({{blend_args(), &images_, d_colour_.span()}, compared_.mask, compared_.gain},
+                       sensitivity_.span());
   return sensitivity_.span();
 }
 

@@ -70,8 +70,8 @@ class Pipeline {
   /// used.
   void residual(const Target& target);
   /// What each splat of the last forward, which was for_backward, is to the pictures, with
-  /// d_colour() for the picture x: that of `residual`, or any that was written there. [S], valid
-  /// until the next call.
+  /// d_colour() for the picture x: that of `residual`, whose masks and gains it also takes, or any
+  /// that was written there. [S] in the backend's memory, valid until the next call.
   Span<const SplatSensitivity<Real>> sensitivity();
   /// Gives the memory of the last step back, so that something else can have it for a while.
   void release();
@@ -101,6 +101,7 @@ class Pipeline {
   Images<Real> images_;
   Buffer<Real> d_colour_;
   Buffer<SplatGradient<Real>> d_splats_;
+  Target compared_;  // of the last residual
   Buffer<SplatSensitivity<Real>> sensitivity_;
 };
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <utility>
 
@@ -29,7 +31,7 @@ void for_each_array(State& state, bool filter_sizes, bool anchor, int64_t exposu
   const auto visit_set = [&](auto& set, auto& statistics, const std::string& name) {
     for (int g = 0; g < set.groups(); ++g) {
       const std::string key = name + "." + group_name(Group(g), set.form());
-      const int64_t scalars = set.count() * set.width(Group(g));
+      const int64_t scalars = set.scalars(Group(g));
       auto& group = set.group(Group(g));
       visit(key, group.value, scalars);
       visit(key + ".moment1", group.moment1, scalars);
@@ -55,10 +57,20 @@ void for_each_array(State& state, bool filter_sizes, bool anchor, int64_t exposu
   visit("exposure.steps", state.exposure.steps, exposures);
 }
 
+/// Rows by SH degree of a set in the header; absent where they are alike, as in earlier files.
+ShBlocks blocks_in(const json& header, const char* set) {
+  ShBlocks blocks;
+  const auto all = header.find("sh_blocks");
+  if (all == header.end()) return blocks;
+  const auto rows = all->at(set).get<std::array<int64_t, kMaxShDegree + 1>>();
+  std::copy(rows.begin(), rows.end(), blocks.rows);
+  return blocks;
+}
+
 json make_header(const TrainState& state, const TrainOptions& options, const json& provenance,
                  const ValidationRecord& validation) {
   const GaussianModel& model = state.model;
-  return {
+  json header = {
       {"iteration", state.iteration},
       {"finished", state.finished},
       {"seconds", state.seconds},
@@ -92,6 +104,10 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"options", to_json(options)},
       {"provenance", provenance},
       {"validation", to_json(validation)}};
+  if (state.has_blocks())
+    header["sh_blocks"] = {{"static", model.static_set.blocks().rows},
+                           {"dynamic", model.dynamic_set.blocks().rows}};
+  return header;
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
@@ -186,6 +202,18 @@ TrainOptions restore_options(const std::filesystem::path& path, const json& head
   }
 }
 
+/// Whether blocks are of so many rows, with at most so many coefficients each.
+bool blocks_fit(const ShBlocks& blocks, int64_t count, int coefficients) {
+  int64_t left = count;  // no sum that overflows
+  for (int degree = 0; degree <= kMaxShDegree; ++degree) {
+    const int64_t rows = blocks.rows[degree];
+    if (rows < 0 || rows > left) return false;
+    if (rows > 0 && sh_coefficients(degree) > coefficients) return false;
+    left -= rows;
+  }
+  return left == 0 || left == count;
+}
+
 /// Numbers of the header against each other and the size of the file, before any memory is taken.
 void check_header(const std::filesystem::path& path, const json& header, size_t arrays,
                   size_t size) {
@@ -194,11 +222,13 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
   const int coefficients = header.at("sh_coefficients"), levels = sh_time.at("levels");
   // values and two moments each; statistics and sh_step, filter size where kept, four bytes like
   // all
-  const auto scalars = [&](Form form) {
+  const auto scalars = [&](Form form, int64_t count, const ShBlocks& blocks) {
     const int sets = form == Form::kStatic ? 1 : 1 + levels;
-    return int64_t{3} * (geometry_scalars(form) + 3 * coefficients * sets) + 3 +
-           holds_filter_sizes(header);
+    const int64_t all = blocks.mixed() ? blocks.coefficients() : count * coefficients;
+    return count * (int64_t{3} * geometry_scalars(form) + 3 + holds_filter_sizes(header)) +
+           9 * all * sets;
   };
+  const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
   constexpr int64_t kMost = int64_t{1} << 40;
   const auto within = [](int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
@@ -208,17 +238,19 @@ void check_header(const std::filesystem::path& path, const json& header, size_t 
       !within(exposures_in(header), 0, kMost) ||
       !within(environment_in(header), 0, int64_t{1} << 16) ||
       !within(coefficients, 1, kMaxShCoefficients) ||
+      !blocks_fit(of_static, statics, coefficients) ||
+      !blocks_fit(of_dynamic, dynamics, coefficients) ||
       !within(header.at("sh_degree"), 0, kMaxShDegree) || !within(levels, 0, kMaxTimeLevels) ||
       !within(sh_time.at("degree"), 0, kMaxTimeLevels) || !(sh_time.at("period") > 0.0) ||
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse(path, "damaged checkpoint: impossible numbers in its header");
-  const size_t expected =
-      arrays + sizeof(uint64_t) +
-      kScalar * size_t(statics * scalars(Form::kStatic) +
-                       dynamics * (scalars(dynamic_form(header)) + 3 * holds_anchor(header)) +
-                       kExposureScalars * exposures_in(header) +
-                       3 * environment_scalars(environment_in(header)));
+  const size_t expected = arrays + sizeof(uint64_t) +
+                          kScalar * size_t(scalars(Form::kStatic, statics, of_static) +
+                                           scalars(dynamic_form(header), dynamics, of_dynamic) +
+                                           3 * dynamics * holds_anchor(header) +
+                                           kExposureScalars * exposures_in(header) +
+                                           3 * environment_scalars(environment_in(header)));
   if (size != expected)
     refuse(path,
            fmt::format("truncated checkpoint: {} bytes, its header promises {}", size, expected));
@@ -274,8 +306,9 @@ Checkpoint load_checkpoint(const std::filesystem::path& path) {
     refuse(path, fmt::format("damaged checkpoint: {}", error.what()));
   }
   TrainState& state = checkpoint.state;
-  state.model.static_set.resize(parsed.header.at("num_static"));
-  state.model.dynamic_set.resize(parsed.header.at("num_dynamic"));
+  state.model.static_set.resize(parsed.header.at("num_static"), blocks_in(parsed.header, "static"));
+  state.model.dynamic_set.resize(parsed.header.at("num_dynamic"),
+                                 blocks_in(parsed.header, "dynamic"));
   const char* from = bytes.data() + parsed.arrays;
   const bool filter_sizes = holds_filter_sizes(parsed.header);
   for_each_array(state, filter_sizes, holds_anchor(parsed.header), exposures_in(parsed.header),

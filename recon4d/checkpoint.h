@@ -2,7 +2,9 @@
 // Not: a model to ship (model_file.h), nor the best model so far: the caller keeps it. Written
 //      whole or not at all; the previous one stays.
 // Layout: "TESSCKPT", u32 version, u64 header bytes, JSON header, then the arrays that the header
-// lists in order, float32 (steps: int32) little-endian, then u64 FNV-1a of all before it.
+// lists in order, float32 (steps: int32) little-endian, then u64 FNV-1a of all before it. Where
+// Gaussians differ in SH degree, the header's `sh_blocks` has the rows of degree 0 … 3 of each set;
+// they are stored in the order of ShBlocks::kOrder, with the bands that each has.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>

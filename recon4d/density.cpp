@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernels/base/errors.h"
+#include "recon4d/row_moves.h"
 
 namespace tessera {
 namespace {
@@ -93,12 +94,14 @@ SetStatistics SetStatistics::clone_to(Memory& memory) const {
 
 void take_rows(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
                GaussianSet& set) {
+  check(!set.blocks().mixed(), "take_rows: of a set of several SH degrees");
   check(values.size == moments.size, "take_rows: as many rows of moments as of values");
   gather(backend, values, moments, moments.size, set);
 }
 
 DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,
                               SetStatistics& statistics) {
+  check(!set.blocks().mixed(), "control_density: of a set of several SH degrees");
   const StageTimer timer(backend.clock(), kDensity);
   const int64_t before = set.count();
   DensityRows rows(backend.memory());
@@ -129,15 +132,12 @@ void reset_opacity(Backend& backend, GaussianSet& set, Span<float> filter_size) 
 void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics) {
   if (set.count() == 0) return;
   const StageTimer timer(backend.clock(), kDensity);
-  Buffer<int64_t> order(backend.memory());
-  backend.locality_order(std::as_const(set).values(), order);
-  const Span<const int64_t> index = std::as_const(order).span();
-  gather(backend, index, index.size, set);
-  for (Buffer<float>* values : {&statistics.gradient_sum, &statistics.count})
-    gather(backend, index, 1, index.size, *values);  // sh_step is one number throughout
-  if (!statistics.filter_size.empty())
-    gather(backend, index, 1, index.size, statistics.filter_size);
-  statistics.anchor.resize(0);
+  std::vector<RowMove> moves;
+  for_each_block(set, [&](const ShBlock& block) {
+    moves.push_back({block, block.coefficients, Buffer<int64_t>(backend.memory())});
+    backend.locality_order(std::as_const(set).values().block(block), moves.back().index);
+  });
+  move_rows(backend, moves, set, statistics);
 }
 
 int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics, int64_t step,
@@ -146,11 +146,18 @@ int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& stati
   DensityRule rule;
   rule.threshold = std::numeric_limits<double>::infinity();
   rule.prune_opacity = least;
-  DensityRows rows(backend.memory());
-  backend.select_rows(std::as_const(set).values(), std::as_const(statistics).spans(), rule, rows);
-  if (rows.pruned > 0) gather(backend, std::as_const(rows.index).span(), rows.survivors, set);
+  std::vector<RowMove> moves;
+  int64_t pruned = 0;
+  for_each_block(set, [&](const ShBlock& block) {
+    DensityRows rows(backend.memory());
+    backend.select_rows(std::as_const(set).values().block(block),
+                        std::as_const(statistics).spans().block(block), rule, rows);
+    moves.push_back({block, block.coefficients, std::move(rows.index)});
+    pruned += rows.pruned;
+  });
+  if (pruned > 0) move_rows(backend, moves, set, statistics);
   statistics.reset(backend, set.count(), step);
-  return rows.pruned;
+  return pruned;
 }
 
 }  // namespace tessera

@@ -57,7 +57,8 @@ DensityReport control_density(Backend& backend, const DensityContext& context, G
 /// where it dims: then what is 0.01 at most is the opacity after it.
 void reset_opacity(Backend& backend, GaussianSet& set, Span<float> filter_size = {});
 
-/// Morton order of the means; a dynamic set then stably by 32 bins of its temporal means.
+/// Morton order of the means; a dynamic set then stably by 32 bins of its temporal means. Of a set
+/// of several SH degrees inside each block.
 void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics);
 
 /// Removes what can never be drawn: opacity below `least` (Cutoff), a quaternion without length.

@@ -14,21 +14,42 @@ GaussianSet::GaussianSet(Form form, int coefficients, Memory& memory, int time_l
   for (ParameterGroup& group : groups_) group = ParameterGroup(memory);
 }
 
-void GaussianSet::resize(int64_t count) {
-  count_ = count;
+int GaussianSet::width(Group group) const {
+  check(!blocks_.mixed() || (group != kSh && group != kShTime),
+        "GaussianSet: rows of a set of several SH degrees have no common width");
+  return group_width(group, coefficients_, form_, time_levels_);
+}
+
+int64_t GaussianSet::scalars(Group group, int64_t count, const ShBlocks& blocks) const {
+  if (!blocks.mixed() || (group != kSh && group != kShTime))
+    return count * group_width(group, coefficients_, form_, time_levels_);
+  return blocks.coefficients() * group_width(group, 1, form_, time_levels_);
+}
+
+void GaussianSet::set_layout(int64_t count, const ShBlocks& blocks) {
+  check(!blocks.mixed() || blocks.count() == count, "GaussianSet: rows of the blocks");
+  const int degree = sh_degree_of(coefficients_);
+  for (int above = degree + 1; above <= kMaxShDegree; ++above)
+    check(blocks.rows[above] == 0, "GaussianSet: a block of more coefficients than the set");
+  const bool alike = coefficients_ == sh_coefficients(degree) && blocks.rows[degree] == count;
+  count_ = count, blocks_ = alike ? ShBlocks{} : blocks;
+}
+
+void GaussianSet::resize(int64_t count, const ShBlocks& blocks) {
+  set_layout(count, blocks);
   for (int g = 0; g < groups(); ++g) {
     ParameterGroup& group = groups_[size_t(g)];
-    group.value.resize(count * width(Group(g)));
+    group.value.resize(scalars(Group(g)));
     group.moment1 = Buffer<float>(*memory_);
     group.moment2 = Buffer<float>(*memory_);
   }
 }
 
-void GaussianSet::set_count(int64_t count) {
+void GaussianSet::set_count(int64_t count, const ShBlocks& blocks) {
   for (int g = 0; g < groups(); ++g)
-    check(groups_[size_t(g)].value.size() == count * width(Group(g)),
+    check(groups_[size_t(g)].value.size() == scalars(Group(g), count, blocks),
           "GaussianSet: rows of a group");
-  count_ = count;
+  set_layout(count, blocks);
 }
 
 void GaussianSet::ensure_moments() {
@@ -54,16 +75,16 @@ GaussianSet GaussianSet::clone_to(Memory& memory) const {
 
 GaussianSet GaussianSet::clone_values(Memory& memory) const {
   GaussianSet copy = like(memory);
-  copy.count_ = count_;
+  copy.count_ = count_, copy.blocks_ = blocks_;
   for (int g = 0; g < groups(); ++g)
     copy.groups_[size_t(g)].value.copy_from(groups_[size_t(g)].value);
   return copy;
 }
 
 int64_t GaussianSet::value_bytes() const {
-  int64_t scalars = 0;
-  for (int g = 0; g < groups(); ++g) scalars += width(Group(g));
-  return count_ * scalars * int64_t(sizeof(float));
+  int64_t sum = 0;
+  for (int g = 0; g < groups(); ++g) sum += scalars(Group(g));
+  return sum * int64_t(sizeof(float));
 }
 
 EnvironmentLight EnvironmentLight::clone_to(Memory& memory, bool moments) const {

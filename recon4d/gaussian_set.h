@@ -30,19 +30,25 @@ class GaussianSet {
   Form form() const { return form_; }
   int dim() const { return dim_of(form_); }
   int64_t count() const { return count_; }
+  /// K, the most that a row has.
   int coefficients() const { return coefficients_; }
+  /// Where rows differ in K: in a training alone, after sh_blocks.h has sorted them.
+  const ShBlocks& blocks() const { return blocks_; }
   int time_levels() const { return time_levels_; }
   Memory& memory() const { return *memory_; }
   int groups() const { return group_count(dim()); }
-  int width(Group group) const { return group_width(group, coefficients_, form_, time_levels_); }
+  /// Scalars of a row. Errors: std::logic_error of kSh and kShTime where rows differ.
+  int width(Group group) const;
+  /// Scalars of all rows.
+  int64_t scalars(Group group) const { return scalars(group, count_, blocks_); }
   ParameterGroup& group(Group group) { return groups_[group]; }
   const ParameterGroup& group(Group group) const { return groups_[group]; }
 
   /// Sets N; values are undefined until written. Moments are dropped.
-  void resize(int64_t count);
+  void resize(int64_t count, const ShBlocks& blocks = {});
   /// Declares N after the groups were replaced row by row (density.cpp). Errors: std::logic_error
   /// when a group does not have N rows.
-  void set_count(int64_t count);
+  void set_count(int64_t count, const ShBlocks& blocks = {});
   /// Zero moments where there are none. Of a set in the host's memory only: std::logic_error.
   void ensure_moments();
   bool has_moments() const { return !groups_[kMean].moment1.empty() || count_ == 0; }
@@ -54,7 +60,7 @@ class GaussianSet {
   GaussianSpans<float> moments1() { return spans<float>(&ParameterGroup::moment1, *this); }
   GaussianSpans<float> moments2() { return spans<float>(&ParameterGroup::moment2, *this); }
 
-  /// An empty set of the same layout.
+  /// An empty set of the same form, K and L.
   GaussianSet like(Memory& memory = host_memory()) const {
     return {form_, coefficients_, memory, time_levels_};
   }
@@ -62,7 +68,7 @@ class GaussianSet {
   GaussianSet clone_to(Memory& memory) const;
   /// Deep copy of the values alone.
   GaussianSet clone_values(Memory& memory = host_memory()) const;
-  /// Bytes of the values: 4 · N · scalars.
+  /// Bytes of the values: 4 · scalars of all groups.
   int64_t value_bytes() const;
 
  private:
@@ -70,15 +76,19 @@ class GaussianSet {
   static GaussianSpans<T> spans(Buffer<float> ParameterGroup::*member, Self& self) {
     GaussianSpans<T> result;
     result.form = self.form_, result.count = self.count_, result.coefficients = self.coefficients_;
-    result.time_levels = self.time_levels_;
+    result.time_levels = self.time_levels_, result.blocks = self.blocks_;
     for (int g = 0; g < self.groups(); ++g) result.group[g] = (self.groups_[g].*member).span();
     return result;
   }
+
+  int64_t scalars(Group group, int64_t count, const ShBlocks& blocks) const;
+  void set_layout(int64_t count, const ShBlocks& blocks);
 
   Form form_;
   int coefficients_, time_levels_;
   Memory* memory_;
   int64_t count_ = 0;
+  ShBlocks blocks_;
   std::array<ParameterGroup, kGroupCount> groups_;
 };
 

@@ -10,7 +10,7 @@
 
 #include "recon4d/births.h"
 #include "recon4d/hygiene.h"
-#include "recon4d/set_rows.h"
+#include "recon4d/sh_blocks.h"
 #include "recon4d/stillness.h"
 #include "recon4d/thinning.h"
 
@@ -24,6 +24,14 @@ bool contains(const std::vector<int64_t>& sorted, int64_t value) {
   return std::binary_search(sorted.begin(), sorted.end(), value);
 }
 
+/// Adds Gaussians to set k, without moments or statistics.
+void add_rows(TrainState& state, int k, const GaussianSet& added) {
+  const std::unique_ptr<Backend> host = make_cpu_backend();
+  SetStatistics statistics;
+  statistics.reset(added.count(), state.iteration);
+  append_rows(*host, added, statistics, state.set(k), state.statistics[k]);
+}
+
 /// Kept rows of the dynamic set that stay dynamic, and the static form of the others.
 void move_to_static(TrainState& state, const StillTrial& trial, KeptRows& kept) {
   std::vector<int64_t> moving, places;
@@ -33,7 +41,7 @@ void move_to_static(TrainState& state, const StillTrial& trial, KeptRows& kept) 
     if (contains(kept.of[1], trial.rows[i])) places.push_back(int64_t(i));
   kept.of[1] = std::move(moving);
   keep_rows(state, kept);
-  append_rows(state.model.static_set, select_rows(trial.still, places));
+  add_rows(state, 0, select_rows(trial.still, places));
 }
 
 }  // namespace
@@ -49,7 +57,7 @@ Parsimony::Parsimony(Backend& backend, const TrainOptions& options, ShippedBytes
   std::erase_if(rounds_, [&](int64_t i) { return i >= options.iterations; });
   const int64_t interval = std::max<int64_t>(1, scaled_steps(options, options.decide_interval));
   if (options.decide_motion && !options.static_only)
-    for (int64_t i = interval; i < std::min(grown, options.iterations); i += interval)
+    for (int64_t i = interval * (getenv("TF") ? atoi(getenv("TF")) : 1); i < std::min(grown, options.iterations); i += interval)
       motion_.push_back(i);
 }
 
@@ -73,7 +81,7 @@ bool Parsimony::decides_motion(int64_t i) const {
 }
 
 bool Parsimony::is_thinned(int64_t iteration) const {
-  return rounds_.empty() || iteration > rounds_.back();
+  return rounds_.empty() || iteration >= rounds_.back();
 }
 
 int64_t Parsimony::goal_of(const GaussianModel& model, const std::vector<Removal>& order,
@@ -106,61 +114,99 @@ int64_t Parsimony::goal_of(const GaussianModel& model, const std::vector<Removal
 std::optional<ParsimonyReport> Parsimony::act(Trainer& trainer,
                                               const ValidationRecord& validation) {
   const int64_t i = trainer.state().iteration;
-  const int64_t rounds = rounds_left(i);
-  const bool moves = decides_motion(i);
-  if ((rounds == 0 && !moves) || trainer.state().decided == i) return std::nullopt;
+  const bool thins = rounds_left(i) > 0, moves = decides_motion(i);
+  if ((!thins && !moves) || trainer.state().decided == i) return std::nullopt;
   const auto begin = std::chrono::steady_clock::now();
   const LookedAt at = trainer.looked_at(options_.look_frames);
+  ParsimonyReport report;
+  report.iteration = i, report.looked_at = at.count();
+  report.static_before = trainer.state().model.static_set.count();
+  report.dynamic_before = trainer.state().model.dynamic_set.count();
+  if (moves) decide_motion(trainer, at, report);
+  if (thins) thin(trainer, at, validation, report);
+  trainer.rework([&](TrainState& state) { state.decided = i; });
+  report.static_after = trainer.state().model.static_set.count();
+  report.dynamic_after = trainer.state().model.dynamic_set.count();
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  trainer.add_seconds(report.seconds);
+  return report;
+}
+
+void Parsimony::decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyReport& report) {
+  constexpr double kMostBorn = 0.02;  // of all
+  const ByteRates rates;
   const GaussianModel& model = trainer.host_model();
   const Worth worth = measure_worth(backend_, model, at);
   const std::vector<Removal> order = removal_order(model, worth);
-
-  ParsimonyReport report;
-  report.iteration = i, report.looked_at = at.count(), report.psnr = worth.psnr_after(0);
-  report.static_before = model.static_set.count();
-  report.dynamic_before = model.dynamic_set.count();
-  report.knee = knee_count(order, worth);
-  report.price = price_at(order, report.knee);
-  int64_t count = model.count(), goal = trainer.state().goal;
-  if (rounds > 0) {
-    if (goal == 0 || options_.size != "knee" || options_.within_db > 0)
-      goal = goal_of(model, order, worth, validation, report.knee);
-    report.goal = goal = std::clamp<int64_t>(goal, 1, std::max<int64_t>(1, count));
-    const double share = options_.within_db > 0 ? 1.0 : 1.0 / double(rounds);
-    count = std::llround(double(count) * std::pow(double(goal) / double(count), share));
-  }
-  KeptRows kept = kept_rows(model, order, count);
-  StillTrial trial;
+  report.psnr = worth.psnr_after(0);
+  report.price = price_at(order, knee_count(order, worth));
+  const StillTrial trial =
+      try_still(backend_, model, worth, at, report.price * rates.time * (getenv("TP") ? atof(getenv("TP")) : 1));
   std::vector<int64_t> restless;
-  if (moves) {
-    const ByteRates rates;
-    trial = try_still(backend_, model, worth, at, report.price * rates.time);
-    if (rounds == 0) {
-      constexpr double kMostBorn = 0.02;  // of all
-      restless = restless_rows(worth, report.price * rates.of(true, model.sh_degree),
-                               int64_t(kMostBorn * double(count)));
-    }
-  }
+  if (rounds_left(report.iteration) == 0)
+    restless = restless_rows(worth, report.price * rates.of(true, model.sh_degree),
+                             int64_t(kMostBorn * double(model.count())));
   const GaussianSet born = born_from(model, worth, restless);
-  trainer.rework([&](TrainState& state) {
-    if (trial.still.coefficients() == state.model.static_set.coefficients())
-      move_to_static(state, trial, kept);
-    else
-      keep_rows(state, kept);
-    append_rows(state.model.dynamic_set, born);
-    for (int k = 0; k < 2; ++k)
-      state.statistics[k].reset(state.set(k).count(), state.iteration);
-    state.decided = i, state.goal = rounds > 0 ? goal : state.goal;
-  });
-  report.removed = model.count() - count;
   report.stilled = int64_t(trial.rows.size()), report.born = born.count();
   report.still_error = trial.error;
-  report.static_after = trainer.state().model.static_set.count();
-  report.dynamic_after = trainer.state().model.dynamic_set.count();
-  report.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  trainer.add_seconds(report.seconds);
-  return report;
+  trainer.rework([&](TrainState& state) {
+    KeptRows kept = kept_rows(state.model, order, state.model.count());
+    move_to_static(state, trial, kept);
+    add_rows(state, 1, born);
+  });
+}
+
+void Parsimony::thin(Trainer& trainer, const LookedAt& at, const ValidationRecord& validation,
+                     ParsimonyReport& report) {
+  Worth worth = measure_worth(backend_, trainer.host_model(), at);
+  std::vector<Removal> order = removal_order(trainer.host_model(), worth);
+  report.psnr = worth.psnr_after(0), report.knee = knee_count(order, worth);
+  report.price = price_at(order, report.knee);
+  const int64_t before = trainer.state().model.count();
+  int64_t count = before, goal = trainer.state().goal;
+  if (goal == 0 || options_.size != "knee" || options_.within_db > 0)
+    goal = goal_of(trainer.host_model(), order, worth, validation, report.knee);
+  report.goal = goal = std::clamp<int64_t>(goal, 1, std::max<int64_t>(1, count));
+  const double share =
+      options_.within_db > 0 ? 1.0 : 1.0 / double(rounds_left(report.iteration));
+  count = std::llround(double(count) * std::pow(double(goal) / double(count), share));
+  report.removed = before - count;
+  // what hides behind those that go is seen only when they are gone: no more than a share at once
+  constexpr double kAtOnce = 0.15;
+  for (int64_t now = before; now > count;) {
+    const int64_t next = std::max(count, now - std::max<int64_t>(1, int64_t(kAtOnce * double(now))));
+    const KeptRows kept = kept_rows(trainer.host_model(), order, next);
+    trainer.rework([&](TrainState& state) { keep_rows(state, kept); });
+    worth = measure_worth(backend_, trainer.host_model(), at);
+    order = removal_order(trainer.host_model(), worth);
+    now = next;
+  }
+  report.thinned = worth.psnr_after(0);
+  trainer.rework([&](TrainState& state) { state.goal = goal; });
+  if (options_.decide_colour && rounds_left(report.iteration) == 1)
+    decide_colour(trainer, worth, report.price, report);
+}
+
+void Parsimony::decide_colour(Trainer& trainer, const Worth& worth, double price,
+                              ParsimonyReport& report) {
+  const ByteRates rates;
+  trainer.rework([&](TrainState& state) {
+    const std::unique_ptr<Backend> host = make_cpu_backend();
+    for (int k = 0; k < 2; ++k) {
+      std::vector<uint8_t> degrees = sh_degrees(state.set(k));
+      for (size_t n = 0; n < degrees.size(); ++n) {
+        const int most = std::min(int(degrees[n]), state.model.sh_degree);
+        double least = price * rates.of(k == 1, most);
+        for (int d = most - 1; d >= 0; --d) {
+          const double cost =
+              double(worth.sets[k].cut[n][size_t(d)]) + price * rates.of(k == 1, d);
+          if (cost <= least) least = cost, degrees[n] = uint8_t(d);
+        }
+        ++report.degrees[degrees[n]];
+      }
+      set_sh_degrees(*host, degrees, state.set(k), state.statistics[k]);
+    }
+  });
 }
 
 }  // namespace tessera

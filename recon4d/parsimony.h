@@ -4,17 +4,16 @@
 //      (size_contract.h).
 // Source: docs/parsimony.md.
 #pragma once
+#include <array>
 #include <functional>
 #include <optional>
 
+#include "recon4d/size_contract.h"
 #include "recon4d/thinning.h"
 #include "recon4d/trainer.h"
 #include "recon4d/validation.h"
 
 namespace tessera {
-
-/// Bytes of the file that is shipped of a model.
-using ShippedBytes = std::function<int64_t(const GaussianModel& model)>;
 
 /// What one decision did.
 struct ParsimonyReport {
@@ -24,7 +23,9 @@ struct ParsimonyReport {
   int64_t removed = 0, stilled = 0, born = 0;
   double price = 0;        // squared error that a byte is worth
   double still_error = 0;  // squared error that the stilled ones add
-  double psnr = 0;         // dB, of the frames looked at, before
+  double psnr = 0;         // dB, of the frames looked at: before thinning,
+  double thinned = 0;      // and after it
+  std::array<int64_t, 4> degrees{};  // Gaussians by SH degree, where that was decided
   double seconds = 0;
 };
 
@@ -37,13 +38,19 @@ class Parsimony {
   int64_t next_after(int64_t iteration) const;
   /// Decides and changes the trainer's state where it has done a step at which that is due; once.
   std::optional<ParsimonyReport> act(Trainer& trainer, const ValidationRecord& validation);
-  /// Whether the last thinning has been done after so many steps; true where there is none.
+  /// Whether the last thinning has been done when a trainer has decided after so many steps; true
+  /// where there is none.
   bool is_thinned(int64_t iteration) const;
 
  private:
   /// Rounds of thinning that are left at step i, with the one there; 0: none at this step.
   int64_t rounds_left(int64_t i) const;
   bool decides_motion(int64_t i) const;
+  void decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyReport& report);
+  void decide_colour(Trainer& trainer, const Worth& worth, double price,
+                     ParsimonyReport& report);
+  void thin(Trainer& trainer, const LookedAt& at, const ValidationRecord& validation,
+            ParsimonyReport& report);
   /// Gaussians to be left at the end, with some to spare for the last cut.
   int64_t goal_of(const GaussianModel& model, const std::vector<Removal>& order,
                   const Worth& worth, const ValidationRecord& validation, int64_t knee) const;

@@ -121,6 +121,7 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
                   const std::vector<FloatElement>& others) {
   for (const SplatElement& element : elements) {
     const int stored = element.set->coefficients();
+    check(!element.set->blocks().mixed(), "write_splats: rows that differ in SH degree");
     check(element.coefficients >= 1 && element.coefficients <= stored,
           "write_splats: more SH coefficients than the set stores");
     check(element.set->time_levels() == 0 || element.coefficients == stored,

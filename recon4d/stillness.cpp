@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "kernels/base/parallel.h"
 #include "kernels/math/splat.h"
 #include "recon4d/hygiene.h"
 #include "recon4d/set_rows.h"
@@ -12,6 +14,8 @@
 
 namespace tessera {
 namespace {
+
+constexpr int64_t kPixelGrain = 1 << 15, kGaussianGrain = 2048;  // per task
 
 template <Form form>
 void place_still(const GaussianSpans<const float>& from, int64_t n, float moment, float opacity,
@@ -61,10 +65,23 @@ void difference(const ViewBatch<float>& views, const Buffer<float>& base,
   std::fill(out.begin(), out.end(), 0.0f);
   for (const ViewArgs<float>& view : views.views) {
     const int64_t pixels = int64_t(view.width) * view.height, first = 3 * view.first_pixel;
-    for (int64_t p = 0; p < 3 * pixels; ++p)
-      out[first + p % pixels] +=
-          trial[first + p] * trial[first + p] - base[first + p] * base[first + p];
+    parallel_for(pixels, kPixelGrain, [&](int64_t begin, int64_t end) {
+      for (int c = 0; c < 3; ++c)
+        for (int64_t p = begin; p < end; ++p) {
+          const float before = base[first + c * pixels + p], then = trial[first + c * pixels + p];
+          out[first + p] += then * then - before * before;
+        }
+    });
   }
+}
+
+double sum_of(const Buffer<float>& values) {
+  std::vector<double> parts(size_t(values.size() / kPixelGrain + 1), 0.0);
+  parallel_for(values.size(), kPixelGrain, [&](int64_t begin, int64_t end) {
+    parts[size_t(begin / kPixelGrain)] =
+        std::accumulate(values.begin() + begin, values.begin() + end, 0.0);
+  });
+  return std::accumulate(parts.begin(), parts.end(), 0.0);
 }
 
 Added added_error(Backend& backend, const GaussianModel& model, const GaussianModel& trial,
@@ -83,15 +100,17 @@ Added added_error(Backend& backend, const GaussianModel& model, const GaussianMo
     const int64_t end = std::min(begin + kBatch, at.count());
     base.look(at, begin, end), other.look(at, begin, end);
     difference(base.views(), base.residual(), other.residual(), x);
-    for (const float value : x) added.total += double(value);
+    added.total += sum_of(x);
     const Span<const float> picture = std::as_const(x).span();
     const ResidualPass::SplatSums& now = base.sums(picture);
     const ResidualPass::SplatSums& then = other.sums(picture);
     const int64_t before = model.static_set.count();
-    for (size_t i = 0; i < candidates.size(); ++i) {
-      gather(now, i, before + candidates[i], added.as_dynamic);
-      gather(then, i, before + int64_t(i), added.as_still);
-    }
+    parallel_for(int64_t(candidates.size()), kGaussianGrain, [&](int64_t first, int64_t last) {
+      for (int64_t i = first; i < last; ++i) {
+        gather(now, size_t(i), before + candidates[size_t(i)], added.as_dynamic);
+        gather(then, size_t(i), before + i, added.as_still);
+      }
+    });
   }
   return added;
 }
@@ -113,7 +132,7 @@ GaussianSet still_form(const GaussianModel& model, const SetWorth& worth) {
 
 StillTrial try_still(Backend& backend, const GaussianModel& model, const Worth& worth,
                      const LookedAt& at, double allowed) {
-  constexpr int kRounds = 5;
+  constexpr int kRounds = 4;
   StillTrial trial;
   const SetWorth& of = worth.sets[1];
   for (size_t n = 0; n < of.weight.size(); ++n)

@@ -7,6 +7,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/hygiene.h"
+#include "recon4d/sh_blocks.h"
 
 namespace tessera {
 
@@ -22,7 +23,7 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Worth& wort
     const SetWorth& of = worth.sets[k];
     const double bytes = rates.of(k == 1, model.sh_degree);
     for (size_t n = 0; n < of.weight.size(); ++n)
-      order.push_back({k, int64_t(n), std::max(0.0, double(of.removal2[n])), bytes});
+      order.push_back({k, int64_t(n), std::max(0.0, double(of.removal2[n]) + (getenv("TR") ? atof(getenv("TR")) : 0) * double(of.removal1[n])), bytes});
   }
   std::stable_sort(order.begin(), order.end(),
                    [](const Removal& a, const Removal& b) { return a.price() < b.price(); });
@@ -70,9 +71,8 @@ KeptRows kept_rows(const GaussianModel& model, const std::vector<Removal>& order
 void keep_rows(TrainState& state, const KeptRows& rows) {
   const std::unique_ptr<Backend> host = make_cpu_backend();
   for (int k = 0; k < 2; ++k) {
-    const Span<const int64_t> index{rows.of[k].data(), int64_t(rows.of[k].size())};
-    take_rows(*host, index, index, state.set(k));
-    state.statistics[k].reset(index.size, state.iteration);
+    keep_rows(*host, rows.of[k], state.set(k), state.statistics[k]);
+    state.statistics[k].reset(state.set(k).count(), state.iteration);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "kernels/lazy_schedule.h"
 #include "recon4d/kernel_options.h"
+#include "recon4d/sh_blocks.h"
 
 namespace tessera {
 
@@ -51,7 +52,8 @@ LazySh<float> lazy_sh(TrainState& state, int k, const TrainOptions& options,
           float(options.lr_sh_rest),
           sh_time.value.span(),
           sh_time.moment1.span(),
-          sh_time.moment2.span()};
+          sh_time.moment2.span(),
+          state.set(k).blocks()};
 }
 
 bool is_behind(const TrainState& state, const TrainOptions& options) {
@@ -62,7 +64,10 @@ bool is_behind(const TrainState& state, const TrainOptions& options) {
   });
 }
 
-GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options) {
+namespace {
+
+/// The values with all SH up to date and the 3D filter baked.
+GaussianModel model_of_blocks(const TrainState& state, const TrainOptions& options) {
   const std::unique_ptr<Backend> host = make_cpu_backend();
   TrainState copy;  // what catching up and baking write
   copy.iteration = state.iteration;
@@ -86,6 +91,15 @@ GaussianModel caught_up_model(const TrainState& state, const TrainOptions& optio
         copy.set(k).group(g).*moment = Buffer<float>();
   }
   return std::move(copy.model);
+}
+
+}  // namespace
+
+GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options) {
+  GaussianModel model = model_of_blocks(state, options);
+  for (GaussianSet* set : {&model.static_set, &model.dynamic_set})
+    if (set->blocks().mixed()) *set = padded(*set);
+  return model;
 }
 
 }  // namespace tessera

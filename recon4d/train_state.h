@@ -26,6 +26,10 @@ struct TrainState {
   bool has_filter_sizes() const {
     return !statistics[0].filter_size.empty() || !statistics[1].filter_size.empty();
   }
+  /// Whether rows of a set differ in their SH degree (sh_blocks.h).
+  bool has_blocks() const {
+    return model.static_set.blocks().mixed() || model.dynamic_set.blocks().mixed();
+  }
   bool has_anchor() const { return !statistics[1].anchor.empty(); }
   /// Values of set k with the sizes of the 3D filter, for Backend::edit_by_filter.
   GaussianSpans<float> filtered_values(int k);
@@ -46,8 +50,8 @@ GaussianSpans<const float> drawn_values(const TrainState& state, int k,
 /// Whether the model of a state still has a 3D filter to be baked.
 bool is_filtered(const TrainState& state, const TrainOptions& options);
 
-/// A copy of the model of a state in the host's memory, with all SH up to date and the 3D filter
-/// baked.
+/// A copy of the model of a state in the host's memory, with all SH up to date, the 3D filter baked
+/// and rows that are alike.
 GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options);
 
 }  // namespace tessera

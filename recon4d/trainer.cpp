@@ -135,7 +135,8 @@ const TrainState& Trainer::host_state() {
 
 const GaussianModel& Trainer::host_model() {
   const TrainState& state = host_state();
-  if (!is_behind(state, options_) && !is_filtered(state, options_)) return state.model;
+  if (!is_behind(state, options_) && !is_filtered(state, options_) && !state.has_blocks())
+    return state.model;
   if (!host_model_) host_model_ = caught_up_model(state, options_);
   return *host_model_;
 }
@@ -322,7 +323,7 @@ void Trainer::backward() {
     sink.moment2 = set.moments2(), sink.adam = schedule_.adam(i, set.form());
     sink.idle = idle_update(options_), sink.lazy = lazy(k);
     if (!sink.fused) {
-      gradients_[k].resize(set.count());
+      gradients_[k].resize(set.count(), set.blocks());
       sink.gradient = gradients_[k].values();
     }
     if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();

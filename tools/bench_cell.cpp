@@ -117,6 +117,7 @@ json describe_cell(const BenchCell& cell) {
                                            cell.options.seed)},
                     {"status", "missing"}};
   if (!cell.row.empty()) described["row"] = cell.row;
+  if (cell.share > 0) described["share"] = cell.share;
   if (!cell.waits_for.empty()) described["error"] = cell.waits_for;
   return described;
 }

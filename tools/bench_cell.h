@@ -36,14 +36,15 @@ struct BenchCell {
   std::vector<double> scales;    // factors of the training resolution that it is scored at too
   std::string waits_for;         // why it cannot be run yet; empty: it can
   std::string row;               // of a table; or empty
+  int64_t share = 0;             // a budget: a Gaussian for so many of the reference's; 0: none
   int64_t turn = 0;              // which shard runs it
 };
 
 std::filesystem::path cell_folder(const std::filesystem::path& root, const BenchCell& cell);
 /// Of all that its result depends on: options, scene, split, steps, scales, version.
 std::string cell_fingerprint(const BenchCell& cell);
-/// scene, scene_path, split, label, iterations, seed, fingerprint, folder (below root), and status
-/// "missing".
+/// scene, scene_path, split, label, iterations, seed, fingerprint, folder (below root), status
+/// "missing"; row, share and error (why it waits) where there are.
 nlohmann::json describe_cell(const BenchCell& cell);
 
 /// The cell as describe_cell gave it, with what its folder holds: status "done" and the scores,

@@ -12,33 +12,14 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
+#include "tools/gnuplot_words.h"
 
 namespace tessera {
 namespace {
 
 using nlohmann::json;
 
-/// Told apart by people who see colours differently, too.
-constexpr const char* kColours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
-                                    "#E69F00", "#56B4E9", "#7F7F7F", "#000000"};
 constexpr double kMiB = 1 << 20;
-
-/// A string of gnuplot: single quotes are doubled, nothing else is special.
-std::string quoted(const std::string& text) {
-  std::string inside;
-  for (char c : text) inside += c == '\'' ? std::string("''") : std::string(1, c == '\n' ? ' ' : c);
-  return "'" + inside + "'";
-}
-
-/// "median least most", NaN where it was not measured.
-std::string columns(const json& metrics, const char* metric, double unit = 1) {
-  std::string text;
-  const json spread = metrics.value(metric, json::object());
-  for (const char* part : {"median", "least", "most"})
-    text +=
-        spread.contains(part) ? fmt::format("{:.10g} ", spread[part].get<double>() / unit) : "NaN ";
-  return text;
-}
 
 /// Columns: 1-3 seconds, 4-6 PSNR, 7-9 SSIM, 10-12 MiB, 13 steps; blocks $s0, $s1, … by label.
 struct Series {
@@ -55,22 +36,11 @@ std::vector<Series> series_of(const json& scene) {
     for (Series& series : all)
       if (series.label == label) mine = &series;
     if (mine == nullptr) mine = &all.emplace_back(Series{label, ""});
-    mine->rows += columns(metrics, "seconds") + columns(metrics, "psnr") +
-                  columns(metrics, "ssim") + columns(metrics, "bytes", kMiB) +
+    mine->rows += spread_columns(metrics, "seconds") + spread_columns(metrics, "psnr") +
+                  spread_columns(metrics, "ssim") + spread_columns(metrics, "bytes", kMiB) +
                   point.at("iterations").dump() + "\n";
   }
   return all;
-}
-
-/// A field of a data block.
-std::string datum(std::string text) {
-  std::replace(text.begin(), text.end(), '"', '\'');
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return '"' + text + '"';
-}
-
-std::string block(const std::string& name, const std::string& rows) {
-  return fmt::format("${} << END\n{}END\n", name, rows);
 }
 
 /// Seconds and PSNR of the points of the frontier, from the fastest on.
@@ -89,11 +59,11 @@ std::string frontier_rows(const json& scene) {
 std::string knee_row(const json& scene) {
   for (const json& point : scene.at("points"))
     if (point.value("knee", false))
-      return fmt::format("{:.10g} {:.10g} {}\n",
-                         point["metrics"]["seconds"]["median"].get<double>(),
-                         point["metrics"]["psnr"]["median"].get<double>(),
-                         datum(fmt::format("{}, {} steps", point["label"].get<std::string>(),
-                                           point["iterations"].dump())));
+      return fmt::format(
+          "{:.10g} {:.10g} {}\n", point["metrics"]["seconds"]["median"].get<double>(),
+          point["metrics"]["psnr"]["median"].get<double>(),
+          gnuplot_datum(fmt::format("{}, {} steps", point["label"].get<std::string>(),
+                                    point["iterations"].dump())));
   return "";
 }
 
@@ -106,8 +76,8 @@ std::string published_rows(const json& scene, const json& published) {
                           entry.contains("bytes")
                               ? fmt::format("{:.10g}", entry["bytes"].get<double>() / kMiB)
                               : "NaN",
-                          datum(fmt::format("{} ({})", entry["name"].get<std::string>(),
-                                            entry["device"].get<std::string>())));
+                          gnuplot_datum(fmt::format("{} ({})", entry["name"].get<std::string>(),
+                                                    entry["device"].get<std::string>())));
   return rows;
 }
 
@@ -125,12 +95,13 @@ std::string plot(const Panel& panel, const std::vector<Series>& series,
                                          panel.x + 2, panel.y + 1, panel.y + 2);
   for (size_t i = 0; i < series.size(); ++i) {
     const bool bold = series[i].label == request.emphasised;
-    const char* colour = kColours[i % std::size(kColours)];
+    const char* colour = plot_colour(i);
     parts.push_back(fmt::format("$s{} using {}:{} with lines lc rgb '{}' lw {} notitle", i, panel.x,
                                 panel.y, colour, bold ? 3 : 1));
-    parts.push_back(fmt::format(
-        "$s{} using {} with xyerrorbars lc rgb '{}' lw {} pt 7 ps {} title {}", i, places, colour,
-        bold ? 2 : 1, bold ? 1.2 : 0.8, quoted(series[i].label + (bold ? " (default)" : ""))));
+    parts.push_back(
+        fmt::format("$s{} using {} with xyerrorbars lc rgb '{}' lw {} pt 7 ps {} title {}", i,
+                    places, colour, bold ? 2 : 1, bold ? 1.2 : 0.8,
+                    gnuplot_string(series[i].label + (bold ? " (default)" : ""))));
     if (bold)
       parts.push_back(
           fmt::format("$s{} using {}:{}:(sprintf('%d', column(13))) with labels offset 0,-1 font "
@@ -153,16 +124,8 @@ std::string plot(const Panel& panel, const std::vector<Series>& series,
                     "rgb '#555555' notitle",
                     panel.published_x));
   }
-  return fmt::format("set xlabel {}\nset ylabel {}\nplot {}\n", quoted(panel.x_label),
-                     quoted(panel.y_label), fmt::join(parts, ", "));
-}
-
-/// Labels at 1, 2 and 5 of every decade: a scene's points often lie within one.
-std::string logarithmic_tics() {
-  std::vector<std::string> tics;
-  for (int decade = -3; decade < 7; ++decade)
-    for (int digit : {1, 2, 5}) tics.push_back(fmt::format("{}e{}", digit, decade));
-  return fmt::format("set xtics ({})\n", fmt::join(tics, ", "));
+  return fmt::format("set xlabel {}\nset ylabel {}\nplot {}\n", gnuplot_string(panel.x_label),
+                     gnuplot_string(panel.y_label), fmt::join(parts, ", "));
 }
 
 /// What an entry of a file of published figures must have.
@@ -203,32 +166,28 @@ std::string gnuplot_script(const json& scene, const PictureRequest& request) {
   const std::string published = published_rows(scene, request.published);
   const std::string knee = chart ? knee_row(scene) : "";
   std::string script = "set encoding utf8\nset datafile missing 'NaN'\n";
-  for (size_t i = 0; i < series.size(); ++i) script += block(fmt::format("s{}", i), series[i].rows);
-  if (chart) script += block("frontier", frontier_rows(scene));
-  if (!knee.empty()) script += block("knee", knee);
-  if (!published.empty()) script += block("published", published);
+  for (size_t i = 0; i < series.size(); ++i)
+    script += gnuplot_block(fmt::format("s{}", i), series[i].rows);
+  if (chart) script += gnuplot_block("frontier", frontier_rows(scene));
+  if (!knee.empty()) script += gnuplot_block("knee", knee);
+  if (!published.empty()) script += gnuplot_block("published", published);
   const Panel left{"training seconds", "PSNR [dB]", 1, 4, chart, 1};
   const Panel right = chart ? Panel{"model [MiB]", "PSNR [dB]", 10, 4, false, 3}
                             : Panel{"training seconds", "SSIM", 1, 7, false, 0};
-  script += fmt::format(
-      "do for [kind in 'svg png'] {{\n"
-      "if (kind eq 'svg') {{ set terminal svg size 1400,600 noenhanced font 'sans,14' background "
-      "'white' }} else {{ set terminal pngcairo size 1400,600 noenhanced font 'sans,11' }}\n"
-      "set output {}.kind\n"
-      "set multiplot layout 1,2 title {} noenhanced\n"
-      "set grid\nset logscale x\nset autoscale xfix\n{}set key bottom right\nset offsets graph "
-      "0.05, "
-      "graph 0.1, graph "
-      "0.08, graph 0.05\n"
-      "{}{}unset multiplot\nunset output\n}}\n",
-      quoted(request.stem + "."),
-      quoted(fmt::format("{} ({}): {}", scene.at("scene").get<std::string>(),
-                         scene.at("split").get<std::string>(),
-                         chart ? "quality against training time and size; median, least and most"
-                               : "quality against training time at steps of one run")),
-      logarithmic_tics(), plot(left, series, request, !knee.empty(), !published.empty()),
-      plot(right, series, request, false, !published.empty()));
-  return script;
+  const std::string title = fmt::format(
+      "{} ({}): {}", scene.at("scene").get<std::string>(), scene.at("split").get<std::string>(),
+      chart ? "quality against training time and size; median, least and most"
+            : "quality against training time at steps of one run");
+  return script +
+         both_terminals(
+             request.stem, 1400, 600,
+             fmt::format("set multiplot layout 1,2 title {} noenhanced\n"
+                         "set grid\nset logscale x\nset autoscale xfix\n{}set key bottom right\n"
+                         "set offsets graph 0.05, graph 0.1, graph 0.08, graph 0.05\n"
+                         "{}{}unset multiplot\n",
+                         gnuplot_string(title), logarithmic_tics(),
+                         plot(left, series, request, !knee.empty(), !published.empty()),
+                         plot(right, series, request, false, !published.empty())));
 }
 
 std::string draw_picture(const std::filesystem::path& folder, const std::string& stem,
@@ -238,9 +197,9 @@ std::string draw_picture(const std::filesystem::path& folder, const std::string&
   const std::filesystem::path program = find_program("gnuplot");
   if (program.empty())
     return "no gnuplot found, so no pictures; install it (Debian: gnuplot-nox) and use --plot";
-  const ChildResult result =
-      run_child({{program.string(), "-e", "cd " + quoted(folder.string()), stem + ".gp"}, {}, {}},
-                [](std::string_view) {});
+  const ChildResult result = run_child(
+      {{program.string(), "-e", "cd " + gnuplot_string(folder.string()), stem + ".gp"}, {}, {}},
+      [](std::string_view) {});
   if (result.exit_code != 0)
     return fmt::format("{}: gnuplot failed: {}", file.string(), result.last_line);
   return "";

@@ -78,6 +78,18 @@ int64_t turn_of(const json& records, const BenchCell& cell, const std::string& r
   return 0;
 }
 
+/// Its max_gaussians a share of what another row ended with, or what it waits for.
+void limit_by(const json& records, const std::string& row, int64_t share, BenchCell& cell) {
+  cell.turn = turn_of(records, cell, row);
+  const json* const counted = record_of(records, cell, row);
+  if (counted == nullptr) {
+    cell.waits_for = fmt::format("waits for row {} of seed {}", row, cell.options.seed);
+    return;
+  }
+  const int64_t count = counted->at("metrics").at("num_gaussians");
+  set_option(cell.options, "max_gaussians", std::max<int64_t>(1, (count + share / 2) / share));
+}
+
 }  // namespace
 
 BenchPlan plan_chart(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
@@ -139,14 +151,39 @@ BenchPlan plan_counted_rows(const BenchAxes& axes, const std::vector<BenchScene>
       for (int64_t seed : axes.seeds) {
         BenchCell cell = row_cell(axes, scene, table, row);
         cell = with_steps(cell, cell.options.iterations, seed);
-        cell.turn = turn_of(records, cell, row.count_of);
-        if (const json* counted = record_of(records, cell, row.count_of))
-          set_option(cell.options, "max_gaussians", counted->at("metrics").at("num_gaussians"));
-        else
-          cell.waits_for = fmt::format("waits for row {} of seed {}", row.count_of, seed);
+        limit_by(records, row.count_of, 1, cell);
         plan.cells.push_back(std::move(cell));
       }
     }
+  return plan;
+}
+
+BenchPlan plan_sizes(const BenchAxes& axes, const std::vector<BenchScene>& scenes) {
+  BenchPlan plan;
+  for (const BenchScene& scene : scenes)
+    for (const std::string& preset : axes.presets) {
+      BenchCell cell = cell_of(axes, scene, preset, "");
+      cell.row = preset;
+      for (int64_t seed : axes.seeds) add(plan, with_steps(cell, cell.options.iterations, seed));
+    }
+  return plan;
+}
+
+BenchPlan plan_budgets(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
+                       const std::vector<int64_t>& shares, const json& records) {
+  BenchPlan plan;
+  const std::string& reference = axes.presets.front();
+  for (const BenchScene& scene : scenes)
+    for (int64_t share : shares)
+      for (int64_t seed : axes.seeds) {
+        BenchCell cell = cell_of(axes, scene, axes.presets.back(), "");
+        cell = with_steps(cell, cell.options.iterations, seed);
+        cell.row = fmt::format("{}, 1/{} of {}", cell.preset, share, reference);
+        cell.label += fmt::format("+one-in-{}-of-{}", share, reference);
+        cell.share = share;
+        limit_by(records, reference, share, cell);
+        plan.cells.push_back(std::move(cell));
+      }
   return plan;
 }
 

@@ -34,4 +34,12 @@ BenchPlan plan_table(const BenchAxes& axes, const std::vector<BenchScene>& scene
 BenchPlan plan_counted_rows(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
                             const BenchTable& table, const nlohmann::json& records);
 
+/// scene × preset × seed, each as long as its preset or the typed options say.
+BenchPlan plan_sizes(const BenchAxes& axes, const std::vector<BenchScene>& scenes);
+/// scene × share × seed of the last preset, with max_gaussians the share of what the first preset's
+/// cell of that seed ended with, by the `records` of plan_sizes; cells whose count is not known yet
+/// wait.
+BenchPlan plan_budgets(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
+                       const std::vector<int64_t>& shares, const nlohmann::json& records);
+
 }  // namespace tessera

@@ -36,7 +36,8 @@ json to_json(const Spread& spread) {
 void summarise(json& point) {
   const json cells = std::move(point["cells"]);
   point.erase("cells");
-  if (cells[0].contains("row")) point["row"] = cells[0]["row"];
+  for (const char* key : {"row", "share"})
+    if (cells[0].contains(key)) point[key] = cells[0][key];
   point["metrics"] = json::object(), point["errors"] = json::array();
   json done = json::array();
   for (const json& cell : cells) {
@@ -66,13 +67,25 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 const std::vector<std::string>& bench_metrics() {
-  static const std::vector<std::string> names = {
-      "psnr",        "ssim",          "psnr_float",
-      "seconds",     "load_seconds",  "evaluate_seconds",
-      "bytes",       "num_gaussians", "num_static",
-      "num_dynamic", "fps",           "peak_device_bytes",
-      "psnr_0.5x",   "psnr_1x",       "psnr_2x",
-      "ssim_0.5x",   "ssim_1x",       "ssim_2x"};
+  static const std::vector<std::string> names = {"psnr",
+                                                 "ssim",
+                                                 "psnr_float",
+                                                 "seconds",
+                                                 "load_seconds",
+                                                 "evaluate_seconds",
+                                                 "bytes",
+                                                 "shipped_bytes",
+                                                 "num_gaussians",
+                                                 "num_static",
+                                                 "num_dynamic",
+                                                 "fps",
+                                                 "peak_device_bytes",
+                                                 "psnr_0.5x",
+                                                 "psnr_1x",
+                                                 "psnr_2x",
+                                                 "ssim_0.5x",
+                                                 "ssim_1x",
+                                                 "ssim_2x"};
   return names;
 }
 

@@ -11,8 +11,8 @@ namespace tessera {
 
 /// What is measured in a cell, in the order of columns: psnr (dB), ssim, seconds (of training
 /// steps), load_seconds (reading the scene, initialising, saving; of cells that ran in one go),
-/// evaluate_seconds, bytes (of the model), num_gaussians, …, fps, peak_device_bytes (of training),
-/// psnr_2x (at twice the resolution of training), ….
+/// evaluate_seconds, bytes (of the model), shipped_bytes (of its Tessera 4D file), num_gaussians,
+/// …, fps, peak_device_bytes (of training), psnr_2x (at twice the resolution of training), ….
 const std::vector<std::string>& bench_metrics();
 
 /// Cells (recorded_cell) → [{scene, split, points: [{label, iterations, n, metrics: {psnr: {median,

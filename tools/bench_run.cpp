@@ -16,6 +16,7 @@
 #include "recon4d/model_file.h"
 #include "recon4d/render_rate.h"
 #include "tools/backend_choice.h"
+#include "tools/export_in_time.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
@@ -128,6 +129,7 @@ void score(const BenchRunOptions& options, const BenchCell& cell, const RunFolde
   for (const char* key :
        {"psnr", "ssim", "psnr_float", "bytes", "num_gaussians", "num_static", "num_dynamic"})
     metrics[key] = scores.at(key);
+  metrics["shipped_bytes"] = shipped_size_of(run.root.string(), model).bytes;
   for (const char* key : {"width", "height", "views"}) result[key] = scores.at(key);
   std::vector<View> views;
   for (int i : scene.split_indices(split))

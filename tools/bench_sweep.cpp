@@ -14,6 +14,7 @@
 #include "tools/bench_picture.h"
 #include "tools/bench_report.h"
 #include "tools/bench_run.h"
+#include "tools/bench_size_picture.h"
 #include "tools/bench_table_text.h"
 #include "tools/terminal.h"
 #include "tools/version.h"
@@ -31,6 +32,8 @@ std::string stem_of(const SweepRequest& request) {
       return "chart";
     case BenchMode::kCurve:
       return "curve";
+    case BenchMode::kSizes:
+      return "sizes";
     default:
       return "table_" + bench_table(request.table).name;
   }
@@ -58,9 +61,21 @@ BenchPlan plan_of(const SweepRequest& request, const std::vector<BenchScene>& sc
       return plan_chart(request.axes, scenes, request.budgets);
     case BenchMode::kCurve:
       return plan_curve(request.axes, scenes, request.at);
+    case BenchMode::kSizes:
+      return plan_sizes(request.axes, scenes);
     default:
       return plan_table(request.axes, scenes, bench_table(request.table));
   }
+}
+
+/// The cells that hang on the `records` of those before.
+std::vector<BenchCell> cells_after(const SweepRequest& request,
+                                   const std::vector<BenchScene>& scenes, const json& records) {
+  if (request.mode == BenchMode::kSizes)
+    return plan_budgets(request.axes, scenes, request.shares, records).cells;
+  if (request.mode == BenchMode::kTable)
+    return plan_counted_rows(request.axes, scenes, bench_table(request.table), records).cells;
+  return {};
 }
 
 /// What stays of an output file between calls: which cells there are, what was left out.
@@ -86,6 +101,7 @@ json report_of(const SweepRequest& request, const Sweep& done) {
     add_published(report["scenes"], bench_table(request.table));
     return report;
   }
+  if (request.mode == BenchMode::kSizes) return report;
   report["published"] = done.published;
   if (request.mode == BenchMode::kCurve) return report;
   mark_frontier(report["scenes"]);
@@ -106,11 +122,23 @@ std::string text_of(const SweepRequest& request, const json& report) {
   }
   if (request.mode == BenchMode::kCurve)
     return tables_text(report["scenes"], {"psnr", "ssim", "seconds", "num_gaussians"});
+  if (request.mode == BenchMode::kSizes)
+    return tables_text(report["scenes"], {"num_gaussians", "num_static", "num_dynamic",
+                                          "shipped_bytes", "psnr", "seconds"});
   return tables_text(report["scenes"],
                      {"psnr", "ssim", "seconds", "num_gaussians", "bytes", "fps"});
 }
 
+/// One picture of all scenes.
+void draw_sizes(const SweepRequest& request, const json& report) {
+  if (!has_sizes(report["scenes"])) return warn("no size to draw yet");
+  const std::string stem = stem_of(request);
+  const std::string problem = draw_picture(request.out, stem, size_script(report["scenes"], stem));
+  if (!problem.empty()) warn(problem);
+}
+
 void draw(const SweepRequest& request, const json& report) {
+  if (request.mode == BenchMode::kSizes) return draw_sizes(request, report);
   for (const json& scene : report["scenes"]) {
     const std::string name = scene["scene"];
     if (!can_be_drawn(scene)) {
@@ -136,10 +164,9 @@ int finish(const SweepRequest& request, const Sweep& done) {
   write_report(request, report);
   const std::string stem = stem_of(request), text = text_of(request, report);
   write_text_file(request.out / (stem + ".csv"), csv_of(report["scenes"]));
-  if (request.mode == BenchMode::kTable)
+  if (request.mode == BenchMode::kTable || request.mode == BenchMode::kSizes)
     write_text_file(request.out / (stem + ".md"), text + "\n");
-  else
-    draw(request, report);
+  if (request.mode != BenchMode::kTable) draw(request, report);
   const std::vector<std::string> devices = devices_of(done.cells);
   if (devices.size() > 1)
     warn(fmt::format("cells ran on several devices, whose seconds do not compare: {}",
@@ -158,6 +185,13 @@ int finish(const SweepRequest& request, const Sweep& done) {
   return failed > 0 ? kExitFailed : kExitDone;
 }
 
+/// Writes what is done and which cells are next, so that --plot knows them.
+void announce(const SweepRequest& request, Sweep done, const std::vector<BenchCell>& next) {
+  for (const BenchCell& cell : next)
+    done.cells.push_back(recorded_cell(request.out, describe_cell(cell)));
+  write_report(request, report_of(request, done));
+}
+
 Sweep run(const SweepRequest& request) {
   const BenchRunOptions options = run_options(request);
   Sweep done;
@@ -166,15 +200,12 @@ Sweep run(const SweepRequest& request) {
   const BenchPlan plan = plan_of(request, scenes);
   done.skipped = plan.skipped;
   for (const std::string& line : plan.skipped) say(line);
-  for (const BenchCell& cell : plan.cells)
-    done.cells.push_back(recorded_cell(request.out, describe_cell(cell)));
   make_folder(request.out);
-  write_report(request, report_of(request, done));
+  announce(request, done, plan.cells);
   done.cells = run_cells(options, plan.cells);
-  if (request.mode != BenchMode::kTable) return done;
-  const BenchPlan counted =
-      plan_counted_rows(request.axes, scenes, bench_table(request.table), done.cells);
-  for (const json& record : run_cells(options, counted.cells)) done.cells.push_back(record);
+  const std::vector<BenchCell> more = cells_after(request, scenes, done.cells);
+  announce(request, done, more);
+  for (const json& record : run_cells(options, more)) done.cells.push_back(record);
   return done;
 }
 

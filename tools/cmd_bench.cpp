@@ -1,4 +1,4 @@
-// What: `tessera bench`: the options of its modes: stages, chart, curve, table.
+// What: `tessera bench`: the options of its modes: stages, chart, curve, table, sizes.
 // Not: any of them (bench_stages.h, bench_sweep.h).
 #include <fmt/format.h>
 
@@ -16,14 +16,16 @@ namespace {
 struct BenchRequest {
   StageBenchRequest stages;
   SweepRequest sweep;
-  bool as_stages = false, as_chart = false, as_curve = false;
+  bool as_stages = false, as_chart = false, as_curve = false, as_sizes = false;
 };
 
 BenchMode mode_of(const BenchRequest& request) {
   const bool stages = request.as_stages || request.stages.ablations;
   const bool table = !request.sweep.table.empty();
-  if (stages + request.as_chart + request.as_curve + table > 1)
-    throw InputError("bench: choose one of --stages (or --ablations), --chart, --curve, --table");
+  if (stages + request.as_chart + request.as_curve + request.as_sizes + table > 1)
+    throw InputError(
+        "bench: choose one of --stages (or --ablations), --chart, --curve, --table, --sizes");
+  if (request.as_sizes) return BenchMode::kSizes;
   if (request.as_chart) return BenchMode::kChart;
   if (request.as_curve) return BenchMode::kCurve;
   return table ? BenchMode::kTable : BenchMode::kStages;
@@ -46,9 +48,9 @@ void refuse_repeats(std::vector<T> values, const char* option) {
 void check_options(const CLI::App& command, const BenchRequest& request, BenchMode mode) {
   const SweepRequest& sweep = request.sweep;
   if (mode == BenchMode::kStages) {
-    for (const char* option :
-         {"--out", "--presets", "--budgets", "--at", "--seeds", "--published", "--shard", "--plot"})
-      refuse(command, option, "it goes with --chart, --curve or --table");
+    for (const char* option : {"--out", "--presets", "--budgets", "--at", "--shares", "--seeds",
+                               "--published", "--shard", "--plot"})
+      refuse(command, option, "it goes with --chart, --curve, --table or --sizes");
     if (sweep.scenes.size() != 1)
       throw InputError("bench: name one scene to time its stages, or pass --chart or --table NAME");
     return;
@@ -67,6 +69,9 @@ void check_options(const CLI::App& command, const BenchRequest& request, BenchMo
     refuse(command, "--published", "it goes with --chart");
   }
   if (mode != BenchMode::kCurve) refuse(command, "--at", "it goes with --curve");
+  if (mode != BenchMode::kSizes) refuse(command, "--shares", "it goes with --sizes");
+  if (mode == BenchMode::kSizes)
+    refuse(command, "--max-gaussians", "the budgets are shares of the reference; use --shares");
   if (mode == BenchMode::kChart) refuse(command, "--iterations", "use --budgets");
   if (mode == BenchMode::kCurve) refuse(command, "--iterations", "use --at");
   if (sweep.out.empty()) throw InputError("bench: pass -o DIR for the runs and their results");
@@ -74,6 +79,10 @@ void check_options(const CLI::App& command, const BenchRequest& request, BenchMo
   refuse_repeats(sweep.axes.presets, "--presets");
   refuse_repeats(sweep.axes.seeds, "--seeds");
   refuse_repeats(sweep.budgets, "--budgets");
+  refuse_repeats(sweep.shares, "--shares");
+  for (int64_t share : sweep.shares)
+    if (share < 1)
+      throw InputError(fmt::format("bench: --shares has {}; pass 2 for a half", share));
   for (const std::vector<int64_t>* steps : {&sweep.budgets, &sweep.at})
     for (int64_t step : *steps)
       if (step < 1) throw InputError(fmt::format("bench: {} steps; pass at least 1", step));
@@ -87,6 +96,8 @@ int bench(const CLI::App& command, BenchRequest& request) {
     return bench_stages_command(request.stages);
   }
   request.sweep.mode = mode;
+  if (mode == BenchMode::kSizes && command.count("--presets") == 0)
+    request.sweep.axes.presets = {"faster-gs", TrainArguments{}.preset};
   request.sweep.axes.training = request.stages.training;
   request.sweep.json = request.stages.json;
   return sweep(request.sweep);
@@ -117,17 +128,28 @@ void add_sweep_options(CLI::App& command, BenchRequest& request) {
                    "scenes x presets x budgets x seeds: quality against training time and size");
   command.add_flag("--curve", request.as_curve,
                    "quality against training time at fixed steps of one training a preset");
+  command.add_flag("--sizes", request.as_sizes,
+                   "quality against the bytes of the shipped file: a reference preset, others, and "
+                   "the last of them with shares of the reference's Gaussians");
   command.add_option("--table", sweep.table,
                      "a table of the paper; rows go over the options that are typed:" + tables);
   command.add_option("-o,--out", sweep.out,
                      "folder of the runs and results; what is done there is not run again");
-  command.add_option("--presets", sweep.axes.presets, "of --chart and --curve")
+  command
+      .add_option("--presets", sweep.axes.presets,
+                  "of --chart and --curve; of --sizes the first is the reference, the last is "
+                  "trained with its shares (default there: faster-gs,balanced)")
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--budgets", sweep.budgets, "steps of the chart's trainings")
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--at", sweep.at, "steps of the curve; the last ends the training")
+      ->delimiter(',')
+      ->capture_default_str();
+  command
+      .add_option("--shares", sweep.shares,
+                  "of --sizes: 2,4 are a half and a quarter of what the reference ended with")
       ->delimiter(',')
       ->capture_default_str();
   command.add_option("--seeds", sweep.axes.seeds, "a training each; the median is shown")

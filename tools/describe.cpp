@@ -15,7 +15,7 @@
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_info.h"
 #include "static3d/tessera4d/tessera4d.h"
-#include "tools/model_input.h"
+#include "tools/model_account.h"
 #include "tools/run_folder.h"
 
 namespace tessera {
@@ -31,17 +31,18 @@ json described(const char* kind, const fs::path& path) {
   return {{"kind", kind}, {"path", path.string()}};
 }
 
-json describe_model(const char* kind, const fs::path& path) {
+json describe_model(const char* kind, const fs::path& path, bool with_shipped) {
   const ModelInput input = load_model_input(path);
   json info = described(kind, path);
   info["file"] = input.file.string(), info["bytes"] = input.bytes;
   info.update(model_info(input.model));
+  info.update(model_account(path.string(), input, with_shipped));
   if (!input.warnings.empty()) info["warnings"] = input.warnings;
   return info;
 }
 
-json describe_checkpoint(const fs::path& path) {
-  json info = describe_model("checkpoint", path);
+json describe_checkpoint(const fs::path& path, bool with_shipped) {
+  json info = describe_model("checkpoint", path, with_shipped);
   const json header = read_checkpoint_header(path);
   for (const char* key : {"iteration", "finished", "seconds", "options", "provenance"})
     info[key] = header.at(key);
@@ -51,12 +52,16 @@ json describe_checkpoint(const fs::path& path) {
 /// `path`: the single file, or the manifest of a folder.
 json describe_tessera4d(const fs::path& path) {
   const bool folder = path.filename() == kTessera4dManifest;
-  const Tessera4dInput input = load_tessera4d(folder ? path.parent_path() : path);
+  Tessera4dInput input = load_tessera4d(folder ? path.parent_path() : path);
   json info = described("Tessera 4D file", folder ? path.parent_path() : path);
   info["bytes"] = input.bytes, info["lossless"] = input.manifest.lossless;
   info["generator"] = input.manifest.generator;
   info["blocks"] = input.manifest.blocks.size();
   info.update(model_info(input.model));
+  ModelInput model;
+  model.shipped = shipped_account(input.manifest, input.bytes);
+  model.model = std::move(input.model);
+  info.update(model_account(path.string(), model, false));
   if (!input.warnings.empty()) info["warnings"] = input.warnings;
   return info;
 }
@@ -89,19 +94,19 @@ bool is_splat_header(const PlyHeader& header) {
   return false;
 }
 
-json describe_file(const fs::path& path) {
+json describe_file(const fs::path& path, bool with_shipped) {
   switch (model_kind(path)) {
     case ModelKind::kCheckpoint:
-      return describe_checkpoint(path);
+      return describe_checkpoint(path, with_shipped);
     case ModelKind::kTesseraPly:
-      return describe_model("Tessera 4D model", path);
+      return describe_model("Tessera 4D model", path, with_shipped);
     case ModelKind::kTessera4d:
       return describe_tessera4d(path);
     case ModelKind::kSplats: {
       const std::string text = read_text_file(path);
-      if (!text.starts_with("ply")) return describe_model("splats", path);
+      if (!text.starts_with("ply")) return describe_model("splats", path, with_shipped);
       const PlyHeader header = parse_ply_header(path, text);
-      return is_splat_header(header) ? describe_model("3DGS model", path)
+      return is_splat_header(header) ? describe_model("3DGS model", path, with_shipped)
                                      : describe_other_ply(path, header);
     }
     case ModelKind::kNone:
@@ -110,10 +115,10 @@ json describe_file(const fs::path& path) {
   throw InputError(fmt::format("{}: nothing that is known; {}", path.string(), kKnown));
 }
 
-json describe_run(const RunFolder& run) {
+json describe_run(const RunFolder& run, bool with_shipped) {
   json info = described("run", run.root);
   const bool has_model = fs::exists(run.model()), has_checkpoint = fs::exists(run.checkpoint());
-  if (has_model || has_checkpoint) info = describe_model("run", run.root);
+  if (has_model || has_checkpoint) info = describe_model("run", run.root, with_shipped);
   if (has_checkpoint) {
     const json header = read_checkpoint_header(run.checkpoint());
     for (const char* key : {"iteration", "finished", "seconds"}) info[key] = header.at(key);
@@ -133,19 +138,27 @@ json describe_sequence(const fs::path& folder) {
   return info;
 }
 
-}  // namespace
-
-json describe(const fs::path& path) {
-  if (!fs::exists(path))
-    throw InputError(fmt::format("{}: no such file or folder; {}", path.string(), kKnown));
-  if (!fs::is_directory(path)) return describe_file(path);
-  if (const RunFolder run{path}; run.exists()) return describe_run(run);
+json describe_folder(const fs::path& path, bool with_shipped) {
+  if (const RunFolder run{path}; run.exists()) return describe_run(run, with_shipped);
   if (has_transforms(path)) return describe_transforms(path);
   if (!videos_in(path).empty()) return describe_videos(path);
   if (is_tessera4d_folder(path)) return describe_tessera4d(path / kTessera4dManifest);
   if (fs::exists(path / "manifest.json")) return describe_sequence(path);
-  if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply");
+  if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply", with_shipped);
   throw InputError(fmt::format("{}: nothing that is known in it; {}", path.string(), kKnown));
+}
+
+}  // namespace
+
+json describe(const fs::path& path, bool with_shipped) {
+  if (!fs::exists(path))
+    throw InputError(fmt::format("{}: no such file or folder; {}", path.string(), kKnown));
+  json info = fs::is_directory(path) ? describe_folder(path, with_shipped)
+                                     : describe_file(path, with_shipped);
+  if (with_shipped && !info.contains("account"))
+    throw InputError(fmt::format("{}: is no model but a {}; leave --shipped out", path.string(),
+                                 info["kind"].get<std::string>()));
+  return info;
 }
 
 }  // namespace tessera

@@ -6,9 +6,10 @@
 
 namespace tessera {
 
-/// `kind` and `path`, then what belongs to that kind. Errors: InputError: missing, damaged, or
-/// nothing that is known.
-nlohmann::json describe(const std::filesystem::path& path);
+/// `kind` and `path`, then what belongs to that kind; of models their accounts (model_account.h),
+/// `with_shipped` that of the Tessera 4D file which export would write, too. Errors: InputError:
+/// missing, damaged, nothing that is known, or no model where `with_shipped` asks for one.
+nlohmann::json describe(const std::filesystem::path& path, bool with_shipped);
 
 /// Of a folder with transforms files, or with videos.
 nlohmann::json describe_transforms(const std::filesystem::path& folder);

@@ -9,6 +9,7 @@
 #include "recon4d/hygiene.h"
 #include "recon4d/model_file.h"
 #include "static3d/tessera4d/tessera4d.h"
+#include "static3d/world_change.h"
 #include "tools/export_splatv.h"
 #include "tools/output_folder.h"
 #include "tools/player_files.h"
@@ -23,14 +24,18 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSingleFile = "scene.t4d";
 
-Tessera4dFile encoded(const ExportRequest& request, const GaussianModel& model) {
+Tessera4dOptions options_of(const ExportRequest& request, const GaussianModel& model) {
   Tessera4dOptions options;
   options.segment_seconds = request.segment_seconds, options.lossless = request.lossless;
   Rig rig = rig_of(request.cameras, request.model, model);
   options.cameras = std::move(rig.cameras), options.fps = request.times.fps.value_or(rig.fps);
   if (!request.audio.empty()) options.audio = fs::path(request.audio).filename().string();
   options.generator = fmt::format("tessera {}", kVersionText);
-  return encode_tessera4d(model, options);
+  return options;
+}
+
+Tessera4dFile encoded(const ExportRequest& request, const GaussianModel& model) {
+  return encode_tessera4d(model, options_of(request, model));
 }
 
 json result_of(const Tessera4dFile& file, int64_t files, int64_t bytes) {
@@ -123,6 +128,13 @@ const TimeFormat* find_time_format(const std::string& name) {
   for (const TimeFormat& format : time_formats())
     if (name == format.name) return &format;
   return nullptr;
+}
+
+ShippedSize shipped_size_of(const std::string& path, const GaussianModel& model) {
+  ExportRequest request;
+  request.model = path;
+  const GaussianModel exported = model_in_source_world(model);
+  return shipped_size(exported, options_of(request, exported));
 }
 
 }  // namespace tessera

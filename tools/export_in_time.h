@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "recon4d/gaussian_set.h"
+#include "static3d/shipped_size.h"
 #include "tools/export_request.h"
 
 namespace tessera {
@@ -21,5 +22,8 @@ struct TimeFormat {
 const std::vector<TimeFormat>& time_formats();
 /// Nothing where frames are meant.
 const TimeFormat* find_time_format(const std::string& name);
+
+/// Of the file that `tessera export PATH --format tessera --single` writes for the model of `path`.
+ShippedSize shipped_size_of(const std::string& path, const GaussianModel& model);
 
 }  // namespace tessera

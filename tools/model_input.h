@@ -4,10 +4,11 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "recon4d/gaussian_set.h"
+#include "static3d/account.h"
 
 namespace tessera {
 
@@ -17,6 +18,7 @@ struct ModelInput {
   int64_t bytes = 0;                  // its size
   bool with_optimizer = false;        // a checkpoint: its size is not the model's
   std::vector<std::string> warnings;  // one line each
+  std::optional<Account> shipped;     // of a Tessera 4D file
 };
 
 /// By the first bytes; kSplats: a .ply without Tessera's comment, which may be a point cloud, .spz,

@@ -21,6 +21,7 @@
 #include "recon4d/trainer.h"
 #include "recon4d/validation.h"
 #include "tools/backend_choice.h"
+#include "tools/export_in_time.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
@@ -84,6 +85,7 @@ class Session {
           return previous_state(request, run_);
         })) {
     options_ = previous_ ? previous_->options : request.options;
+    complete_contract();
     validate(options_);
   }
 
@@ -94,6 +96,14 @@ class Session {
   }
 
  private:
+  /// A model within so many dB of the best needs frames by which that is told.
+  void complete_contract() {
+    constexpr double kShare = 0.1;
+    if (options_.within_db == 0 || options_.validation_share > 0) return;
+    options_.validation_share = kShare;
+    say(fmt::format("--within-db: sets a share of {} of the training frames aside", kShare));
+  }
+
   void prepare() {
     wall_.time(WallSplit::kLoad, [&] {
       scene_ = load_training_scene(request_.scene, options_);
@@ -139,7 +149,9 @@ class Session {
                ? std::min(options_.iterations, state.iteration + *request_.stop_after)
                : options_.iterations;
     trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
-    parsimony_.emplace(*backend_, options_, ShippedBytes());
+    parsimony_.emplace(*backend_, options_, [this](const GaussianModel& model) {
+      return shipped_size_of(run_.root.string(), model).bytes;
+    });
     stages_.emplace(*backend_);
   }
 
@@ -155,12 +167,12 @@ class Session {
   void train() {
     check_model();  // a run may have been stopped before it could
     while (true) {
-      if (!validation_->stops())
+      if (!stops())
         wall_.time(WallSplit::kTrain, [&] { stages_->run(*trainer_, next_pause()); });
       if (!interrupted()) check_model();
       if (!interrupted()) decide();
       const int64_t i = trainer_->state().iteration;
-      const bool done = i >= end_ || validation_->stops() || interrupted();
+      const bool done = i >= end_ || stops() || interrupted();
       if (done || (request_.checkpoint_every > 0 && i % request_.checkpoint_every == 0)) save();
       if (!interrupted() && scores_at(i)) score(trainer_->host_model(), i, "evaluation", true);
       if (done) break;
@@ -198,13 +210,37 @@ class Session {
            std::find(at.begin(), at.end(), i) != at.end();
   }
 
-  bool ended() const { return trainer_->state().finished || validation_->stops(); }
+  /// Patience has run out with a model of the size that is asked for.
+  bool stops() const {
+    return validation_->stops() && parsimony_->is_thinned(trainer_->state().decided);
+  }
+  bool ended() const { return trainer_->state().finished || stops(); }
 
-  /// What leaves the program: the best model by validation, else the last.
+  /// What leaves the program: the best model by validation, else the last; in the end of the size
+  /// that was asked for.
   const GaussianModel& model() {
-    if (validation_->best() == nullptr) return trainer_->host_model();
-    shipped_ = validation_->shipped();
+    if (shipped_) return *shipped_;
+    const bool fits = is_thinned(options_) && ended();
+    if (validation_->best() == nullptr && !fits) return trainer_->host_model();
+    GaussianModel best = validation_->best() != nullptr ? validation_->shipped()
+                                                        : trainer_->host_model().clone_values();
+    if (fits) best = wall_.time(WallSplit::kEvaluate, [&] {
+      return fit_to(contract(), *backend_, best, trainer_->looked_at(0));
+    });
+    shipped_ = std::move(best);
     return *shipped_;
+  }
+
+  SizeContract contract() {
+    SizeContract contract;
+    contract.gaussians = options_.max_gaussians, contract.bytes = options_.max_bytes;
+    contract.shipped_bytes = [this](const GaussianModel& m) {
+      return shipped_size_of(run_.root.string(), m).bytes;
+    };
+    if (options_.within_db > 0)
+      contract.least_psnr = validation_->record().peak_psnr - options_.within_db;
+    contract.psnr = [this](const GaussianModel& m) { return validation_->psnr(m); };
+    return contract;
   }
 
   void check_model() {
@@ -228,6 +264,9 @@ class Session {
     wall_.time(WallSplit::kTrain,
                [&] { report = parsimony_->act(*trainer_, validation_->record()); });
     if (!report) return;
+    // models so far were larger than what may be shipped; within_db compares them by size
+    if (report->goal > 0 && parsimony_->is_thinned(report->iteration) && options_.within_db == 0)
+      validation_->restart();
     const ParsimonyReport& r = *report;
     log_->event("decision", {{"iteration", r.iteration},
                              {"looked_at", r.looked_at},
@@ -243,6 +282,8 @@ class Session {
                              {"price", r.price},
                              {"still_error", r.still_error},
                              {"psnr", r.psnr},
+                             {"thinned", r.thinned},
+                             {"degrees", r.degrees},
                              {"decision_seconds", r.seconds}});
   }
 

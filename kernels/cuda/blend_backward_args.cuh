@@ -1,5 +1,5 @@
-// What: what both forms of the gradient of blending read and write.
-// Not: either form.
+// What: what all sums over a splat's pixels read and write; a pixel's step of the gradient.
+// Not: the forms of the walk (splat_sums.cuh, blend_backward_per_gaussian.cu).
 #pragma once
 #include "kernels/cuda/tile_block.cuh"
 
@@ -21,10 +21,10 @@ struct BlendBackward {
   const float* colour;    // the picture, background included
   const float* d_colour;  // planar as the picture
   const int32_t* used;
-  SplatGradient<float>* d_splats;     // added to
-  SplatGradient<float>* d_instances;  // [parts, I] when they are added in order
-  const float4* checkpoints;          // [buckets · 256] colour and T
-  const int64_t* bucket_begin;        // [tiles+1]
+  float* sums;                  // [S, terms] added to
+  float* instance_sums;         // [parts, I, terms] when they are added in order
+  const float4* checkpoints;    // [buckets · 256] colour and T
+  const int64_t* bucket_begin;  // [tiles+1]
   int64_t tiles;
 
   /// Tile of a bucket: the last whose buckets begin at or before it.
@@ -40,6 +40,8 @@ struct BlendBackward {
 
 /// A pixel on its way back through the splats.
 struct PixelBackward {
+  using Args = BlendBackward;
+  static constexpr int kTerms = kGradientTerms;
   float x = 0, y = 0;  // centre
   float T = 1, R = 0;  // light that is left; ⟨colour still to come, dL/dC⟩
   float g0 = 0, g1 = 0, g2 = 0;
@@ -58,7 +60,7 @@ struct PixelBackward {
   }
 
   /// Takes its step past a splat and adds its share of the splat's gradient, in the order of
-  /// SplatGradient but for the factors of `gradient_scale`.
+  /// SplatGradient but for the factors of `scale`.
   __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on,
                        float (&v)[kGradientTerms]) {
     const float alpha = on ? p.alpha : 0.0f;
@@ -74,12 +76,11 @@ struct PixelBackward {
     v[5] += p.falloff * d_alpha;
     v[6] += weight * g0, v[7] += weight * g1, v[8] += weight * g2;
   }
+  /// What sums of `step` still have to be multiplied with.
+  __device__ static float scale(int term) {
+    return term < 2 ? 1.0f / kExponent : term < 5 ? 0.5f : 1.0f;
+  }
 };
-
-/// What sums of PixelBackward::step still have to be multiplied with.
-__device__ inline float gradient_scale(int term) {
-  return term < 2 ? 1.0f / kExponent : term < 5 ? 0.5f : 1.0f;
-}
 
 /// Lanes as splats; needs checkpoints.
 void launch_per_gaussian(const BlendBackward& args, int64_t instances, cudaStream_t stream);

@@ -42,7 +42,7 @@ CudaBackend::CudaBackend() {
   check_device(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
   processors_ = properties.multiProcessorCount;
   name_ = std::string("cuda, ") + properties.name;
-  for (cudaEvent_t* event : {&reported_, &views_copied_})
+  for (cudaEvent_t* event : {&reported_, &views_copied_, &target_copied_})
     check_device(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "cudaEventCreate");
   counters_.resize(1);
   counters_host_.reserve(2);
@@ -50,7 +50,7 @@ CudaBackend::CudaBackend() {
 
 CudaBackend::~CudaBackend() {
   cudaStreamSynchronize(stream_);
-  for (cudaEvent_t event : {reported_, views_copied_}) cudaEventDestroy(event);
+  for (cudaEvent_t event : {reported_, views_copied_, target_copied_}) cudaEventDestroy(event);
 }
 
 const ViewArgs<float>* CudaBackend::views_of(const ViewBatch<float>& batch) {

@@ -31,6 +31,23 @@ class PinnedArray {
   int64_t capacity_ = 0;
 };
 
+/// What a batch is compared with, on the device. Pointers are null where there is nothing.
+struct DeviceTarget {
+  const uint8_t* const* truth = nullptr;  // [B] each [height, width, 3]
+  const uint8_t* const* mask = nullptr;   // [B] each [height, width] or null
+  const float* gain = nullptr;            // [B, 3]
+
+  /// Whether a view's pixel adds to the error.
+  TESSERA_HD bool counts(int64_t view, int64_t pixel) const {
+    return mask == nullptr || mask[view] == nullptr || mask[view][pixel] != 0;
+  }
+  TESSERA_HD float gain_of(int64_t view, int channel) const {
+    return gain == nullptr ? 1.0f : gain[3 * view + channel];
+  }
+};
+
+struct BlendBackward;  // blend_backward_args.cuh
+
 class CudaBackend final : public Backend {
  public:
   CudaBackend();
@@ -47,8 +64,10 @@ class CudaBackend final : public Backend {
   void environment_backward(const EnvironmentArgs<float>& args, const Images<float>& images,
                             Span<const float> d_colour, Span<float> d_map) override;
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override;
+  void residual(const PhotometricArgs<float>& args, Span<float> residual) override;
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatGradient<float>> d_splats) override;
+  void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override;
   void project_backward(const ProjectBackwardArgs<float>& args) override;
   StepOutcome outcome() override;
   void adam(const SinkArgs<float>& args) override;
@@ -85,8 +104,12 @@ class CudaBackend final : public Backend {
   void write_splats(const ProjectArgs<float>& args, Splats<float>& splats);
   void reserve_checkpoints(const BlendArgs<float>& args);
   bool is_small(const ViewBatch<float>& batch) const;
-  /// Gains on their way to the device; null without any.
-  const float* gains_of(const PhotometricArgs<float>& args);
+  /// What a walk over the splats of a pass reads; `sums` is added to.
+  BlendBackward pass_of(const BlendBackwardArgs<float>& args, float* sums);
+  /// Pointers and gains on their way to the device, valid until the next call.
+  DeviceTarget target_of(const std::vector<Span<const uint8_t>>& truth,
+                         const std::vector<Span<const uint8_t>>& mask,
+                         const std::vector<Vec3<double>>& gain);
   /// Enqueues the copy of losses and bad groups to the host.
   void report();
 
@@ -96,7 +119,7 @@ class CudaBackend final : public Backend {
   DeviceStageClock clock_{stream_};
   std::string name_;
   int processors_ = 1;  // of the device
-  cudaEvent_t reported_ = nullptr, views_copied_ = nullptr;
+  cudaEvent_t reported_ = nullptr, views_copied_ = nullptr, target_copied_ = nullptr;
 
   Buffer<ViewArgs<float>> views_{memory_};  // [B] of the batch last projected
   PinnedArray<ViewArgs<float>> views_host_;
@@ -119,7 +142,7 @@ class CudaBackend final : public Backend {
   int checkpoint_interval_ = 0;            // splats between two of the last blend; 0: none
   Buffer<float4> checkpoints_{memory_};    // [checkpoints, 256] colour and T
   Buffer<int64_t> bucket_begin_{memory_};  // [tiles+1]
-  Buffer<SplatGradient<float>> instance_gradients_{memory_};  // [I] when they are added in order
+  Buffer<float> instance_sums_{memory_};   // [parts, I, terms] when they are added in order
 };
 
 }  // namespace tessera

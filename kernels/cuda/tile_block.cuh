@@ -41,10 +41,11 @@ struct TilePixel {
   bool inside;    // of the picture
   int64_t index;  // within the batch's one-channel pictures
   int64_t first_colour, plane;
+  const ViewArgs<float>* of;
 
   /// (dx, dy): within the tile.
   __device__ TilePixel(const BatchTile& tile, int dx, int dy)
-      : x(tile.x0 + dx), y(tile.y0 + dy), number(dy * kTileSize + dx) {
+      : x(tile.x0 + dx), y(tile.y0 + dy), number(dy * kTileSize + dx), of(tile.view) {
     const ViewArgs<float>& view = *tile.view;
     inside = x < view.width && y < view.height;
     plane = int64_t(view.width) * view.height;

@@ -7,17 +7,18 @@
 
 namespace tessera {
 
-/// Sums over a splat's pixels p and channels c; w = T·α, x: the picture that was asked about. ΔC:
-/// how the blended colour changes where the splat is not there. With x the residual, removal1 +
-/// removal2 is the change of Σ x² when that splat alone is taken out; exact but for pixels whose
-/// blending stopped at kMinTransmittance, where the background stands for what was never drawn.
+/// Sums over a splat's pixels p and channels c; w = T·α, x: the picture that was asked about, e:
+/// how it follows the colour (its gain; 0 where a mask ignores the pixel), ΔC: how the blended
+/// colour changes where the splat is not there. With x the residual, removal1 + removal2 is the
+/// change of Σ x² when that splat alone is taken out; exact but for pixels whose blending stopped
+/// at kMinTransmittance, where the background stands for what was never drawn.
 template <class Real>
 struct SplatSensitivity {
   Real weight;         // Σ w
   Real weight2;        // Σ w²
   Vec3<Real> picture;  // Σ w·x_c
-  Real removal1;       // Σ 2·x_c·ΔC_c
-  Real removal2;       // Σ ΔC_c²
+  Real removal1;       // Σ 2·x_c·e_c·ΔC_c
+  Real removal2;       // Σ (e_c·ΔC_c)²
 
   TESSERA_HD SplatSensitivity& operator+=(const SplatSensitivity& o) {
     weight += o.weight, weight2 += o.weight2, picture += o.picture;
@@ -37,22 +38,23 @@ TESSERA_HD inline Real removal_change(Real alpha, Real inverse_rest, Real transm
 }
 
 /// A pixel takes its step past a splat of that α (0: it does not draw the pixel) and says what the
-/// pixel adds to the splat's sums. `transmittance` and `to_come` are those behind it afterwards.
+/// pixel adds to the splat's sums; x and e as above. `transmittance` and `to_come` are those behind
+/// the splat afterwards.
 template <class Real>
 TESSERA_HD inline SplatSensitivity<Real> sensitivity_step(Real alpha, const Vec3<Real>& colour,
-                                                          const Vec3<Real>& picture,
+                                                          const Vec3<Real>& x, const Vec3<Real>& e,
                                                           Real& transmittance,
                                                           Vec3<Real>& to_come) {
   const Real rest = Real(1) - alpha;
   const Real inverse = fast_divide(Real(1), max_of(rest, kMinOneMinusAlpha<Real>));
-  const Real weight = transmittance * alpha;
-  const Real d0 = removal_change(alpha, inverse, transmittance, colour[0], to_come[0]);
-  const Real d1 = removal_change(alpha, inverse, transmittance, colour[1], to_come[1]);
-  const Real d2 = removal_change(alpha, inverse, transmittance, colour[2], to_come[2]);
+  const Real T = transmittance;
+  const Real d0 = e.x * removal_change(alpha, inverse, T, colour.x, to_come.x);
+  const Real d1 = e.y * removal_change(alpha, inverse, T, colour.y, to_come.y);
+  const Real d2 = e.z * removal_change(alpha, inverse, T, colour.z, to_come.z);
   transmittance *= rest;
-  return {weight, weight * weight, weight * picture,
-          Real(2) * (picture[0] * d0 + picture[1] * d1 + picture[2] * d2),
-          d0 * d0 + d1 * d1 + d2 * d2};
+  const Real weight = T * alpha;
+  return {weight, weight * weight, Vec3<Real>(weight * x.x, weight * x.y, weight * x.z),
+          Real(2) * (x.x * d0 + x.y * d1 + x.z * d2), d0 * d0 + d1 * d1 + d2 * d2};
 }
 
 }  // namespace tessera

@@ -71,7 +71,7 @@ struct GradientWalk : WalkState<Real> {
 template <class Real>
 void CpuBackend<Real>::blend_backward(const BlendBackwardArgs<Real>& args,
                                       Span<SplatGradient<Real>> d_splats) {
-  sum_over_splats<GradientWalk<Real>>(args, instance_gradients_, d_splats);
+  sum_over_splats<GradientWalk<Real>>(args, args, instance_gradients_, d_splats);
 }
 
 template void CpuBackend<float>::blend_backward(const BlendBackwardArgs<float>&,

@@ -48,10 +48,10 @@ __global__ void __launch_bounds__(32 * kWarps) backward_buckets(BlendBackward a)
     T = pixel.T, R = pixel.R;
   }
   if (!listed) return;
-  float* out = reinterpret_cast<float*>(a.d_splats + number);
+  float* out = a.sums + int64_t(number) * kGradientTerms;
   TESSERA_UNROLL
   for (int k = 0; k < kGradientTerms; ++k)
-    if (sum[k] != 0.0f) atomicAdd(out + k, sum[k] * gradient_scale(k));
+    if (sum[k] != 0.0f) atomicAdd(out + k, sum[k] * PixelBackward::scale(k));
 }
 
 }  // namespace

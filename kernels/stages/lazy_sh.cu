@@ -55,6 +55,7 @@ __global__ void __launch_bounds__(kThreads)
   *values = x, *moments1 = m, *moments2 = v;
 }
 
+/// `N` rows of equal widths.
 void launch_group(const LazyGroup& group, int64_t N, const LazyGap<float>* gaps,
                   cudaStream_t stream) {
   const int width = int(group.value.size / N);
@@ -72,11 +73,14 @@ void launch_catch_up(const LazySh<float>& lazy, const int64_t* first_of, LazyGap
                      cudaStream_t stream) {
   const int64_t N = lazy.last_step.size;
   find_gaps<<<grid_of(N, 128), 128, 0, stream>>>(lazy, first_of, gaps);
-  launch_group({lazy.value, lazy.moment1, lazy.moment2, lazy.rate, lazy.rate_rest}, N, gaps,
-               stream);
-  launch_group(
-      {lazy.time_value, lazy.time_moment1, lazy.time_moment2, lazy.rate_rest, lazy.rate_rest}, N,
-      gaps, stream);
+  lazy.for_each_block([&](const ShBlock& block) {
+    const LazySh<float> rows = lazy.block(block);
+    launch_group({rows.value, rows.moment1, rows.moment2, rows.rate, rows.rate_rest}, block.count,
+                 gaps + block.first, stream);
+    launch_group(
+        {rows.time_value, rows.time_moment1, rows.time_moment2, rows.rate_rest, rows.rate_rest},
+        block.count, gaps + block.first, stream);
+  });
 }
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 #include "kernels/cpu_backend.h"
 #include "kernels/math/gain.h"
 #include "kernels/stages/ssim_window.h"
+#include "kernels/stages/target_check.h"
 
 namespace tessera {
 namespace {

@@ -28,18 +28,38 @@ struct Chunk {
   int64_t instances = 0, invalid = 0;
 };
 
+/// Some rows of a block of a set.
+struct Run {
+  int set;
+  ShBlock block;
+  int64_t begin, end;  // rows of the block
+};
+
+template <class Real>
+std::vector<Run> runs_of(const ProjectArgs<Real>& args) {
+  std::vector<Run> runs;
+  for (int set = 0; set < 2; ++set) {
+    const GaussianSpans<const Real>& spans = args.sets[set];
+    for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& block) {
+      for (int64_t begin = 0; begin < block.count; begin += kGrain)
+        runs.push_back({set, block, begin, min_of(begin + kGrain, block.count)});
+    });
+  }
+  return runs;
+}
+
 template <Form form, class Real>
-void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t end,
-                 Chunk<Real>& chunk) {
+void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chunk) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
   const SplatRules<Real> rules = make_splat_rules<Real>(args.options);
-  const ColourRules<Real> colours = make_colour_rules<Real>(
-      args.options, args.sets[set].coefficients, args.sets[set].time_levels);
-  const LazySh<Real>& lazy = args.lazy[set];
-  for (int64_t n = begin; n < end; ++n) {
+  const GaussianSpans<const Real> set = args.sets[run.set].block(run.block);
+  const ColourRules<Real> colours =
+      make_colour_rules<Real>(args.options, set.coefficients, set.time_levels);
+  const LazySh<Real> lazy = args.lazy[run.set].block(run.block);
+  for (int64_t n = run.begin; n < run.end; ++n) {
     chunk.starts.push_back(int64_t(chunk.records.size()));
     GaussianState<Real> g;
-    if (!load_gaussian<form>(args.sets[set], n, g)) {
+    if (!load_gaussian<form>(set, n, g)) {
       ++chunk.invalid;
       continue;
     }
@@ -52,7 +72,7 @@ void project_run(const ProjectArgs<Real>& args, int set, int64_t begin, int64_t 
                     [&](int) { ++record.tiles; });
       if (record.tiles == 0) continue;
       Splat<Real>& out = record.splat;
-      if (!lazy.last_step.empty()) catch_up_gaussian(lazy, n, 3 * args.sets[set].coefficients);
+      if (!lazy.last_step.empty()) catch_up_gaussian(lazy, n, 3 * set.coefficients);
       Real distance, room[3 * kMaxShCoefficients];
       const Vec3<Real> direction =
           view_direction(views[b], colours.sliced_direction ? splat.slice.mean : g.mean, distance);
@@ -87,16 +107,13 @@ void store(const Record<Real>& r, int64_t s, Splats<Real>& splats) {
 
 template <class Real>
 void CpuBackend<Real>::project(const ProjectArgs<Real>& args, Splats<Real>& splats) {
-  const int64_t counts[2] = {args.sets[0].count, args.sets[1].count};
-  const int64_t runs[2] = {(counts[0] + kGrain - 1) / kGrain, (counts[1] + kGrain - 1) / kGrain};
-  std::vector<Chunk<Real>> chunks(static_cast<size_t>(runs[0] + runs[1]));
+  const int64_t gaussians = args.sets[0].count + args.sets[1].count;
+  const std::vector<Run> runs = runs_of(args);
+  std::vector<Chunk<Real>> chunks(runs.size());
   parallel_for(int64_t(chunks.size()), 1, [&](int64_t c, int64_t) {
-    const int set = c < runs[0] ? 0 : 1;
-    const int64_t begin = (c - set * runs[0]) * kGrain;
-    const int64_t end = min_of(begin + kGrain, counts[set]);
-    Chunk<Real>& chunk = chunks[size_t(c)];
-    with_form(args.sets[set].form,
-              [&](auto form) { project_run<form()>(args, set, begin, end, chunk); });
+    const Run& run = runs[size_t(c)];
+    with_form(args.sets[run.set].form,
+              [&](auto form) { project_run<form()>(args, run, chunks[size_t(c)]); });
   });
 
   std::vector<int64_t> offset(chunks.size() + 1, 0), gaussian(chunks.size() + 1, 0);
@@ -107,7 +124,7 @@ void CpuBackend<Real>::project(const ProjectArgs<Real>& args, Splats<Real>& spla
     splats.instances += chunks[c].instances;
     splats.invalid += chunks[c].invalid;
   }
-  resize_splats(splats, offset.back(), counts[0] + counts[1]);
+  resize_splats(splats, offset.back(), gaussians);
   parallel_for(int64_t(chunks.size()), 1, [&](int64_t c, int64_t) {
     const Chunk<Real>& chunk = chunks[size_t(c)];
     for (size_t i = 0; i < chunk.records.size(); ++i)
@@ -115,7 +132,7 @@ void CpuBackend<Real>::project(const ProjectArgs<Real>& args, Splats<Real>& spla
     for (size_t i = 0; i < chunk.starts.size(); ++i)
       splats.first_of[gaussian[size_t(c)] + int64_t(i)] = offset[size_t(c)] + chunk.starts[i];
   });
-  splats.first_of[counts[0] + counts[1]] = offset.back();
+  splats.first_of[gaussians] = offset.back();
 }
 
 template void CpuBackend<float>::project(const ProjectArgs<float>&, Splats<float>&);

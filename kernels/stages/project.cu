@@ -19,7 +19,8 @@ namespace {
 
 constexpr int kThreads = 128;
 
-/// What all passes need of a set; Gaussian n of it is number first + n of both sets.
+/// What all passes need of a set, or of a block of it where they draw colours; Gaussian n of it is
+/// number first + n of both sets.
 struct SetArgs {
   GaussianSpans<const float> set;
   int64_t first;
@@ -129,10 +130,10 @@ __global__ void store_total(const int64_t* total, StepCounters* counters) {
   counters->splats = (unsigned long long)*total;
 }
 
-SetArgs set_args(const ProjectArgs<float>& args, int set, const ViewArgs<float>* views) {
-  const GaussianSpans<const float>& spans = args.sets[set];
+SetArgs set_args(const ProjectArgs<float>& args, const GaussianSpans<const float>& spans,
+                 int64_t first, const ViewArgs<float>* views) {
   return {spans,
-          set == 0 ? 0 : args.sets[0].count,
+          first,
           views,
           int(args.batch->views.size()),
           make_splat_rules<float>(args.options),
@@ -160,13 +161,17 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;
-    const SetArgs a = set_args(args, set, views_of(*args.batch));
+    const int64_t first = set == 0 ? 0 : args.sets[0].count;
     const LazySh<float>& lazy = args.lazy[set];
     if (!lazy.last_step.empty())
-      launch_catch_up(lazy, splats.first_of.data() + a.first, gaps.data, stream_);
-    with_form(spans.form, [&](auto form) {
-      write_splats_of<form()><<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
-          a, out, args.options.kernels.balanced_instances, counters_.data());
+      launch_catch_up(lazy, splats.first_of.data() + first, gaps.data, stream_);
+    for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& rows) {
+      const SetArgs a =
+          set_args(args, spans.block(rows), first + rows.first, views_of(*args.batch));
+      with_form(spans.form, [&](auto form) {
+        write_splats_of<form()><<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
+            a, out, args.options.kernels.balanced_instances, counters_.data());
+      });
     });
   }
   check_launch("project: write_splats");
@@ -189,8 +194,8 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
     if (spans.count == 0) continue;
     with_form(spans.form, [&](auto form) {
       count_views<form()><<<grid_of(spans.count, kThreads), kThreads, 0, stream_>>>(
-          set_args(args, set, views_of(*args.batch)), words, seen_by_.data(), visible_.data(),
-          counters_.data());
+          set_args(args, spans, set == 0 ? 0 : args.sets[0].count, views_of(*args.batch)), words,
+          seen_by_.data(), visible_.data(), counters_.data());
     });
   }
   check_launch("project: count_views");

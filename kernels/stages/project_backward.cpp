@@ -48,12 +48,22 @@ bool all_finite(const Real* scalars, int count) {
   return sum == Real(0);
 }
 
+/// A block of a set, and how many Gaussians of both sets come before it.
+template <class Real>
+struct BlockArgs {
+  GaussianSpans<const Real> set;
+  int64_t first_row, first_gaussian;
+  SinkArgs<Real> sink;
+  DensityStatistics<Real> statistics;
+};
+
+/// Row n of a block, whose splats are `first` … `last`.
 template <Form form, class Real>
-void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<Real>& rules,
-                       const ColourRules<Real>& colours, const RegulariserTerms<Real>& terms,
-                       int set, int64_t n, int64_t first, int64_t last,
+void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
+                       const SplatRules<Real>& rules, const ColourRules<Real>& colours,
+                       const RegulariserTerms<Real>& terms, int64_t n, int64_t first, int64_t last,
                        GaussianGradient<Real>& out) {
-  const GaussianSpans<const Real>& params = args.forward.sets[set];
+  const GaussianSpans<const Real>& params = block.set;
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
   GaussianState<Real> g;
   if (!load_gaussian<form>(params, n, g)) return;
@@ -67,12 +77,12 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<R
            out);
   }
   if (terms.template in_spacetime<form>())
-    add_spacetime_regulariser(terms, n, g.spacetime, sums.spacetime);
+    add_spacetime_regulariser(terms, block.first_row + n, g.spacetime, sums.spacetime);
   out.geometry = geometry_gradient<form>(params, n, g, sums);
   if (first == last) return;
   if (!all_finite(out.sh, params.width(kSh))) out.bad |= 1u << kSh;
   if (!all_finite(out.sh_time, params.width(kShTime))) out.bad |= 1u << kShTime;
-  const DensityStatistics<Real>& statistics = args.statistics[set];
+  const DensityStatistics<Real>& statistics = block.statistics;
   if (statistics.count.empty()) return;
   // per-image gradients: the batch loss is their mean, so multiply by B, divide by n_v
   statistics.gradient_sum[n] += sums.ndc_norms * Real(views.size()) / Real(last - first);
@@ -80,24 +90,24 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const SplatRules<R
 }
 
 template <Form form, class Sink, class Real>
-unsigned backward_run(const ProjectBackwardArgs<Real>& args, const RegulariserTerms<Real>& terms,
-                      int set, int64_t first_gaussian, int64_t begin, int64_t end,
+unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
+                      const RegulariserTerms<Real>& terms, int64_t begin, int64_t end,
                       const Sink& sink) {
-  const SinkArgs<Real>& wanted = args.sinks[set];
+  const SinkArgs<Real>& wanted = block.sink;
   const IdleUpdate idle = wanted.fused ? wanted.idle : IdleUpdate::kDense;
-  const GaussianSpans<const Real>& params = args.forward.sets[set];
+  const GaussianSpans<const Real>& params = block.set;
   const SplatRules<Real> rules = make_splat_rules<Real>(args.forward.options);
   const ColourRules<Real> colours =
       make_colour_rules<Real>(args.forward.options, params.coefficients, params.time_levels);
   unsigned bad = 0;
   for (int64_t n = begin; n < end; ++n) {
-    const int64_t first = args.splats->first_of[first_gaussian + n];
-    const int64_t last = args.splats->first_of[first_gaussian + n + 1];
+    const int64_t first = args.splats->first_of[block.first_gaussian + n];
+    const int64_t last = args.splats->first_of[block.first_gaussian + n + 1];
     if (first == last && idle == IdleUpdate::kSkip) continue;
     GaussianGradient<Real> gradient;
     std::fill_n(gradient.sh_time, params.width(kShTime), Real(0));
     if (first < last || terms.template in_spacetime<form>())
-      gaussian_gradient<form>(args, rules, colours, terms, set, n, first, last, gradient);
+      gaussian_gradient<form>(args, block, rules, colours, terms, n, first, last, gradient);
     add_regulariser<form>(terms, params, n, gradient.geometry);
     bad |= gradient.bad | gradient.geometry.template non_finite<form>();
     sink.template accept<form>(n, gradient.geometry);
@@ -113,13 +123,13 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const RegulariserTe
 }
 
 template <Form form, class Real>
-unsigned backward_set(const ProjectBackwardArgs<Real>& args, const RegulariserTerms<Real>& terms,
-                      int set, int64_t first_gaussian) {
-  const SinkArgs<Real>& sink = args.sinks[set];
+unsigned backward_block(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
+                        const RegulariserTerms<Real>& terms) {
+  const SinkArgs<Real>& sink = block.sink;
   std::atomic<unsigned> bad{0};
   const auto run = [&](const auto& chosen) {
-    parallel_for(args.forward.sets[set].count, kGrain, [&](int64_t begin, int64_t end) {
-      bad |= backward_run<form>(args, terms, set, first_gaussian, begin, end, chosen);
+    parallel_for(block.set.count, kGrain, [&](int64_t begin, int64_t end) {
+      bad |= backward_run<form>(args, block, terms, begin, end, chosen);
     });
   };
   if (sink.fused)
@@ -141,10 +151,14 @@ void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
                                      std::as_const(velocities_).span(), fixed.count, moving.count);
   int64_t first_gaussian = 0;
   for (int set = 0; set < 2; ++set) {
-    outcome_.bad_groups |= with_form(args.forward.sets[set].form, [&](auto form) {
-      return backward_set<form()>(args, terms, set, first_gaussian);
+    const GaussianSpans<const Real>& spans = args.forward.sets[set];
+    for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& rows) {
+      const BlockArgs<Real> block{spans.block(rows), rows.first, first_gaussian + rows.first,
+                                  args.sinks[set].block(rows), args.statistics[set].block(rows)};
+      outcome_.bad_groups |= with_form(
+          spans.form, [&](auto form) { return backward_block<form()>(args, block, terms); });
     });
-    first_gaussian += args.forward.sets[set].count;
+    first_gaussian += spans.count;
   }
 }
 

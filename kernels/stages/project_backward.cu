@@ -19,9 +19,10 @@ namespace {
 constexpr int kThreads = 128;
 constexpr int kShThreads = 192;
 
+/// Of a set, or of a block of it where colours are read.
 struct Backward {
   GaussianSpans<const float> set;
-  int64_t first;  // Gaussians before this set
+  int64_t first;  // Gaussians before it
   const ViewArgs<float>* views;
   int view_count;
   ColourRules<float> colours;
@@ -189,23 +190,39 @@ void backward_sh(const Backward& a, const Sink& sink, bool stores, cudaStream_t 
   check_launch("project_backward: sh_backward");
 }
 
-template <Form form, class Sink>
-void backward_set(const Backward& a, int64_t splats, ViewSums<float>* sums, const Sink& sink,
-                  bool stores, cudaStream_t stream) {
-  splat_backward<form><<<grid_of(splats, kThreads), kThreads, 0, stream>>>(a, sums);
-  check_launch("project_backward: splat_backward");
-  geometry_backward<form, Sink>
-      <<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sums, sink);
-  check_launch("project_backward: geometry_backward");
-  backward_sh<kSh>(a, sink, stores, stream);
-  if constexpr (form != Form::kStatic) backward_sh<kShTime>(a, sink, stores, stream);
+template <class Sink>
+Sink sink_of(const SinkArgs<float>& args) {
+  if constexpr (std::is_same_v<Sink, ApplyAdam<float>>)
+    return {args.value, args.moment1, args.moment2, args.adam};
+  else
+    return {args.gradient};
 }
 
-template <class Sink>
-void backward_set(const Backward& a, int64_t splats, ViewSums<float>* sums, const Sink& sink,
-                  bool stores, cudaStream_t stream) {
-  with_form(a.set.form,
-            [&](auto form) { backward_set<form()>(a, splats, sums, sink, stores, stream); });
+template <Form form, class Sink>
+void backward_set(const Backward& a, const RenderOptions& options, int64_t splats,
+                  ViewSums<float>* sums, const SinkArgs<float>& args, cudaStream_t stream) {
+  const auto each_block = [&](auto&& launch) {
+    for_each_block(a.set.blocks, a.set.count, a.set.coefficients, [&](const ShBlock& rows) {
+      Backward block = a;
+      block.set = a.set.block(rows), block.first = a.first + rows.first;
+      block.lazy = a.lazy.block(rows);
+      block.colours =
+          make_colour_rules<float>(options, block.set.coefficients, block.set.time_levels);
+      launch(block, rows);
+    });
+  };
+  each_block([&](const Backward& block, const ShBlock&) {
+    splat_backward<form><<<grid_of(splats, kThreads), kThreads, 0, stream>>>(block, sums);
+  });
+  check_launch("project_backward: splat_backward");
+  geometry_backward<form, Sink>
+      <<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sums, sink_of<Sink>(args));
+  check_launch("project_backward: geometry_backward");
+  each_block([&](const Backward& block, const ShBlock& rows) {
+    const Sink sink = sink_of<Sink>(args.block(rows));
+    backward_sh<kSh>(block, sink, !args.fused, stream);
+    if constexpr (form != Form::kStatic) backward_sh<kShTime>(block, sink, !args.fused, stream);
+  });
 }
 
 }  // namespace
@@ -231,32 +248,31 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];
     if (spans.count == 0) continue;
     const SinkArgs<float>& sink = args.sinks[set];
-    const Backward a{
-        spans,
-        first,
-        views_of(*args.forward.batch),
-        int(args.forward.batch->views.size()),
-        make_colour_rules<float>(args.forward.options, spans.coefficients, spans.time_levels),
-        make_splat_rules<float>(args.forward.options),
-        args.splats->splat.data(),
-        args.splats->tiles.data(),
-        args.splats->gaussian.data(),
-        args.splats->first_of.data(),
-        args.d_splats.data,
-        args.statistics[set],
-        sink.fused ? sink.idle : IdleUpdate::kDense,
-        sink.lazy,
-        terms,
-        counters_.data()};
-    if (sink.fused)
-      backward_set(a, args.splats->count, sums,
-                   ApplyAdam<float>{sink.value, sink.moment1, sink.moment2, sink.adam}, false,
-                   stream_);
-    else
-      backward_set(a, args.splats->count, sums, StoreGradient<float>{sink.gradient}, true, stream_);
+    const Backward a{spans,
+                     first,
+                     views_of(*args.forward.batch),
+                     int(args.forward.batch->views.size()),
+                     {},
+                     make_splat_rules<float>(args.forward.options),
+                     args.splats->splat.data(),
+                     args.splats->tiles.data(),
+                     args.splats->gaussian.data(),
+                     args.splats->first_of.data(),
+                     args.d_splats.data,
+                     args.statistics[set],
+                     sink.fused ? sink.idle : IdleUpdate::kDense,
+                     sink.lazy,
+                     terms,
+                     counters_.data()};
+    with_form(spans.form, [&](auto form) {
+      const auto run = sink.fused ? backward_set<form(), ApplyAdam<float>>
+                                  : backward_set<form(), StoreGradient<float>>;
+      run(a, args.forward.options, args.splats->count, sums, sink, stream_);
+    });
     first += spans.count;
-    const double scalars = geometry_scalars(spans.form) + spans.width(kSh) + spans.width(kShTime);
-    bytes += double(spans.count) * (8 + scalars * (sink.fused ? 24 : 8));
+    const double scalars = double(spans.count) * geometry_scalars(spans.form) +
+                           double(spans.group[kSh].size + spans.group[kShTime].size);
+    bytes += 8 * double(spans.count) + scalars * (sink.fused ? 24 : 8);
   }
   report();
   clock_.add_bytes(kProjectBackward, bytes);

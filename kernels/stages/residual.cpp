@@ -1,10 +1,10 @@
 // What: by how much every picture misses its ground truth.
 // Not: a loss (photometric.cpp). Not a clamp: the picture is taken as rendered.
 // Source: method A.15, B10 (gains), B17 (masks).
-#include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/math/gain.h"
+#include "kernels/stages/target_check.h"
 
 namespace tessera {
 

@@ -2,6 +2,7 @@
 // Not: the walk through tiles and splats (splat_sums.h); the equation (math/sensitivity.h).
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/splat_sums.h"
+#include "kernels/stages/target_check.h"
 
 namespace tessera {
 namespace {
@@ -9,16 +10,23 @@ namespace {
 template <class Real>
 struct SensitivityWalk : WalkState<Real> {
   using Sum = SplatSensitivity<Real>;
-  static constexpr int kTerms = 7;   // weight, weight2, picture 3, removal 2
-  TileValues<Real> picture[3] = {};  // x
-  TileValues<Real> to_come[3] = {};  // Q
+  static constexpr int kTerms = 7;    // weight, weight2, picture 3, removal 2
+  TileValues<Real> picture[3] = {};   // x
+  TileValues<Real> response[3] = {};  // e
+  TileValues<Real> to_come[3] = {};   // Q
 
-  void load(const BlendBackwardArgs<Real>& args, const Tile<Real>& tile) {
-    const int64_t pixels = tile.view_pixels();
-    load_pixels(args, tile, *this, [&](int x, int y, int64_t i) {
+  void load(const SensitivityArgs<Real>& args, const Tile<Real>& tile) {
+    const BlendBackwardArgs<Real>& pass = args.pass;
+    const size_t b = size_t(tile.view - pass.forward.batch->views.data());
+    const uint8_t* const mask = args.mask.empty() ? nullptr : args.mask[b].data;
+    const Vec3<Real> gain = args.gain.empty() ? Vec3<Real>(1) : Vec3<Real>(args.gain[b]);
+    const int64_t first = 3 * tile.view->first_pixel, pixels = tile.view_pixels();
+    load_pixels(pass, tile, *this, [&](int x, int y, int64_t i) {
+      const bool ignored = mask != nullptr && mask[i - first] == 0;
       for (int c = 0; c < 3; ++c) {
-        picture[c][y][x] = args.d_colour[i + c * pixels];
-        to_come[c][y][x] = args.images->colour[i + c * pixels];
+        picture[c][y][x] = pass.d_colour[i + c * pixels];
+        response[c][y][x] = ignored ? Real(0) : gain[c];
+        to_come[c][y][x] = pass.images->colour[i + c * pixels];
       }
     });
   }
@@ -28,16 +36,19 @@ struct SensitivityWalk : WalkState<Real> {
            Real (&sum)[kTerms][kTileSize]) {
     const Real dy = splat.dy0 - Real(y);
     const Real *x0 = picture[0][y], *x1 = picture[1][y], *x2 = picture[2][y];
+    const Real *e0 = response[0][y], *e1 = response[1][y], *e2 = response[2][y];
     Real *Q0 = to_come[0][y], *Q1 = to_come[1][y], *Q2 = to_come[2][y];
     Real* T = this->transmittance[y];
     const int32_t* until = this->used[y];
     for (int x = 0; x < kTileSize; ++x) {
       const Real G = splat_falloff(splat.conic, splat.dx0 - Real(x), dy);
       const Real alpha = splat.opacity * G;
-      const bool on = cutoff.template draws<ByFalloff>(alpha, G) && index < until[x];
+      const bool lit = index < until[x];
+      const bool on = cutoff.template draws<ByFalloff>(alpha, G) && lit;
       Vec3<Real> Q(Q0[x], Q1[x], Q2[x]);
-      const Sum step = sensitivity_step(on ? alpha : Real(0), splat.colour,
-                                        Vec3<Real>(x0[x], x1[x], x2[x]), T[x], Q);
+      const Sum step =
+          sensitivity_step(on ? alpha : Real(0), splat.colour, Vec3<Real>(x0[x], x1[x], x2[x]),
+                           Vec3<Real>(e0[x], e1[x], e2[x]), T[x], Q);
       Q0[x] = Q.x, Q1[x] = Q.y, Q2[x] = Q.z;
       sum[0][x] += step.weight;
       sum[1][x] += step.weight2;
@@ -57,14 +68,15 @@ struct SensitivityWalk : WalkState<Real> {
 }  // namespace
 
 template <class Real>
-void CpuBackend<Real>::sensitivity(const BlendBackwardArgs<Real>& args,
+void CpuBackend<Real>::sensitivity(const SensitivityArgs<Real>& args,
                                    Span<SplatSensitivity<Real>> out) {
-  sum_over_splats<SensitivityWalk<Real>>(args, instance_sensitivities_, out);
+  check_target(args);
+  sum_over_splats<SensitivityWalk<Real>>(args, args.pass, instance_sensitivities_, out);
 }
 
-template void CpuBackend<float>::sensitivity(const BlendBackwardArgs<float>&,
+template void CpuBackend<float>::sensitivity(const SensitivityArgs<float>&,
                                              Span<SplatSensitivity<float>>);
-template void CpuBackend<double>::sensitivity(const BlendBackwardArgs<double>&,
+template void CpuBackend<double>::sensitivity(const SensitivityArgs<double>&,
                                               Span<SplatSensitivity<double>>);
 
 }  // namespace tessera

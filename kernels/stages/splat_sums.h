@@ -38,14 +38,14 @@ void load_pixels(const BlendBackwardArgs<Real>& args, const Tile<Real>& tile,
 
 /// Writes the sums of every splat. Walk<Real> has
 ///   Sum, kTerms: what is written, of that many scalars, with +=; Sum{} is zero
-///   load(args, tile): the state of the tile's pixels in front of all splats
+///   load(asked, tile): the state of the tile's pixels in front of all splats
 ///   row<ByFalloff>(splat, cutoff, y, index, sum): a row's step past the tile's splat `index`, its
 ///     share added to sum[kTerms][kTileSize]
 ///   reduced(terms): a Sum of the terms added over the lanes.
 /// `of_instances` is scratch that only grows.
-template <class Walk, class Real>
-void sum_over_splats(const BlendBackwardArgs<Real>& args, Buffer<typename Walk::Sum>& of_instances,
-                     Span<typename Walk::Sum> out) {
+template <class Walk, class Args, class Real>
+void sum_over_splats(const Args& asked, const BlendBackwardArgs<Real>& args,
+                     Buffer<typename Walk::Sum>& of_instances, Span<typename Walk::Sum> out) {
   using Sum = typename Walk::Sum;
   const TileInstances<Real>& instances = *args.forward.instances;
   const Splats<Real>& splats = *args.forward.splats;
@@ -53,7 +53,7 @@ void sum_over_splats(const BlendBackwardArgs<Real>& args, Buffer<typename Walk::
   of_instances.resize(instances.count);
   for_each_tile_of(*args.forward.batch, instances, [&](const Tile<Real>& tile) {
     Walk walk;
-    walk.load(args, tile);
+    walk.load(asked, tile);
     for (int64_t i = tile.begin; i < tile.end; ++i) {
       const int32_t index = int32_t(i - tile.begin);
       if (index >= walk.last) {

@@ -32,17 +32,22 @@ void adam_run(const SinkArgs<Real>& args, int64_t begin, int64_t end) {
 
 template <class Real>
 void CpuBackend<Real>::adam(const SinkArgs<Real>& args) {
-  parallel_for(args.value.count, kGrain, [&](int64_t begin, int64_t end) {
-    with_form(args.value.form, [&](auto form) { adam_run<form()>(args, begin, end); });
+  const GaussianSpans<Real>& set = args.value;
+  for_each_block(set.blocks, set.count, set.coefficients, [&](const ShBlock& block) {
+    const SinkArgs<Real> rows = args.block(block);
+    parallel_for(block.count, kGrain, [&](int64_t begin, int64_t end) {
+      with_form(set.form, [&](auto form) { adam_run<form()>(rows, begin, end); });
+    });
   });
 }
 
 template <class Real>
 void CpuBackend<Real>::catch_up(const LazySh<Real>& lazy) {
-  if (lazy.last_step.empty()) return;
-  const int width = int(lazy.value.size / lazy.last_step.size);
-  parallel_for(lazy.last_step.size, kGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t n = begin; n < end; ++n) catch_up_gaussian(lazy, n, width);
+  lazy.for_each_block([&](const ShBlock& block) {
+    const LazySh<Real> rows = lazy.block(block);
+    parallel_for(block.count, kGrain, [&](int64_t begin, int64_t end) {
+      for (int64_t n = begin; n < end; ++n) catch_up_gaussian(rows, n, 3 * block.coefficients);
+    });
   });
 }
 

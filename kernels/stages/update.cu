@@ -39,17 +39,25 @@ __global__ void limit(Span<float> values, float most) {
 
 void CudaBackend::adam(const SinkArgs<float>& args) {
   double scalars = 0;
-  for (int g = 0; g < group_count(args.value.dim()); ++g) {
-    const Group group = Group(g);
-    const int width = args.value.width(group);
+  const auto launch = [&](const SinkArgs<float>& rows, Group group) {
+    const int width = rows.value.width(group);
     const int head = group == kSh ? 3 : group == kShTime ? 0 : width;  // the rest has sh_rest
-    const int64_t count = args.value.count * width;
-    if (count == 0) continue;
+    const int64_t count = rows.value.count * width;
+    if (count == 0) return;
     adam_group<<<grid_of(count, kThreads), kThreads, 0, stream_>>>(
-        args.gradient.group[g].data, args.value.group[g].data, args.moment1.group[g].data,
-        args.moment2.group[g].data, count, width, head, args.adam.group[g], args.adam.sh_rest);
+        rows.gradient.group[group].data, rows.value.group[group].data,
+        rows.moment1.group[group].data, rows.moment2.group[group].data, count, width, head,
+        rows.adam.group[group], rows.adam.sh_rest);
     scalars += double(count);
-  }
+  };
+  const GaussianSpans<float>& set = args.value;
+  for (int g = 0; g < group_count(set.dim()); ++g)
+    if (g != kSh && g != kShTime) launch(args, Group(g));
+  for_each_block(set.blocks, set.count, set.coefficients, [&](const ShBlock& block) {
+    const SinkArgs<float> rows = args.block(block);
+    launch(rows, kSh);
+    if (set.dim() == 4) launch(rows, kShTime);
+  });
   check_launch("adam");
   clock_.add_bytes(kUpdate, 28 * scalars);
 }

@@ -43,8 +43,7 @@ class FaultyBackend final : public Backend {
   void residual(const PhotometricArgs<float>& args, Span<float> residual) override {
     cpu_->residual(args, residual);
   }
-  void sensitivity(const BlendBackwardArgs<float>& args,
-                   Span<SplatSensitivity<float>> out) override {
+  void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override {
     cpu_->sensitivity(args, out);
   }
   void blend_backward(const BlendBackwardArgs<float>& args,

@@ -30,7 +30,7 @@ struct Optimised {
   }
 
   static TestGaussians<Real> empty(const TestGaussians<Real>& set) {
-    return TestGaussians<Real>(set.form, set.count, set.coefficients, set.time_levels);
+    return TestGaussians<Real>(set.form, set.count, set.coefficients, set.time_levels, set.blocks);
   }
   static TestGaussians<Real> moments(const TestGaussians<Real>& set, int order) {
     TestGaussians<Real> out = empty(set);

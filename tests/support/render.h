@@ -113,7 +113,8 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   std::vector<StoredGaussians<Real>> gradients;
   std::vector<Buffer<Real>> statistics;
   for (const TestGaussians<Real>* set : sets) {
-    TestGaussians<Real> unwritten(set->form, set->count, set->coefficients, set->time_levels);
+    TestGaussians<Real> unwritten(set->form, set->count, set->coefficients, set->time_levels,
+                                  set->blocks);
     for (std::vector<Real>& group : unwritten.group)
       std::fill(group.begin(), group.end(), std::numeric_limits<Real>::quiet_NaN());
     gradients.emplace_back(unwritten, memory);

@@ -122,9 +122,9 @@ class SeparateBackend final : public Backend {
     check_lies_here(residual);
     own.inside([&] { cpu_->residual(args, residual); });
   }
-  void sensitivity(const BlendBackwardArgs<float>& args,
-                   Span<SplatSensitivity<float>> out) override {
-    check_lies_here(args.d_colour), check_lies_here(out);
+  void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override {
+    check_lies_here(args.pass.d_colour), check_lies_here(out);
+    for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
     own.inside([&] { cpu_->sensitivity(args, out); });
   }
   void blend_backward(const BlendBackwardArgs<float>& args,

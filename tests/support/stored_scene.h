@@ -40,6 +40,7 @@ class StoredGaussians {
         count_(set.count),
         coefficients_(set.coefficients),
         time_levels_(set.time_levels),
+        blocks_(set.blocks),
         filter_size_(stored(set.filter_size, memory)) {
     for (int g = 0; g < kGroupCount; ++g) group_[g] = stored(set.group[g], memory);
   }
@@ -47,7 +48,7 @@ class StoredGaussians {
   GaussianSpans<Real> spans() { return make<Real>(*this); }
   GaussianSpans<const Real> view() const { return make<const Real>(*this); }
   TestGaussians<Real> fetch() const {
-    TestGaussians<Real> set(form_, count_, coefficients_, time_levels_);
+    TestGaussians<Real> set(form_, count_, coefficients_, time_levels_, blocks_);
     for (int g = 0; g < kGroupCount; ++g) set.group[g] = fetched(group_[g], memory_);
     set.filter_size = fetched(filter_size_, memory_);
     return set;
@@ -58,7 +59,7 @@ class StoredGaussians {
   static GaussianSpans<T> make(Self& self) {
     GaussianSpans<T> s;
     s.form = self.form_, s.count = self.count_, s.coefficients = self.coefficients_;
-    s.time_levels = self.time_levels_;
+    s.time_levels = self.time_levels_, s.blocks = self.blocks_;
     for (int g = 0; g < kGroupCount; ++g) s.group[g] = self.group_[g].span();
     s.filter_size = self.filter_size_.span();
     return s;
@@ -68,6 +69,7 @@ class StoredGaussians {
   Form form_;
   int64_t count_;
   int coefficients_, time_levels_;
+  ShBlocks blocks_;
   Buffer<Real> group_[kGroupCount];
   Buffer<Real> filter_size_;
 };

@@ -19,11 +19,17 @@ struct TestGaussians {
   int coefficients, time_levels;
   std::vector<Real> group[kGroupCount];
   std::vector<Real> filter_size;  // [N] φ of the 3D filter; empty: none
+  ShBlocks blocks;                // where rows differ in K
 
-  explicit TestGaussians(Form f = Form::kStatic, int64_t n = 0, int k = 16, int levels = 0)
-      : form(f), count(n), coefficients(k), time_levels(levels) {
-    for (int g = 0; g < group_count(dim()); ++g)
-      group[g].assign(size_t(n * width(Group(g))), Real(0));
+  explicit TestGaussians(Form f = Form::kStatic, int64_t n = 0, int k = 16, int levels = 0,
+                         const ShBlocks& of_rows = {})
+      : form(f), count(n), coefficients(k), time_levels(levels), blocks(of_rows) {
+    for (int g = 0; g < group_count(dim()); ++g) {
+      const bool ragged = blocks.mixed() && (g == kSh || g == kShTime);
+      const int64_t scalars = ragged ? blocks.coefficients() * group_width(Group(g), 1, f, levels)
+                                     : n * width(Group(g));
+      group[g].assign(size_t(scalars), Real(0));
+    }
   }
   int dim() const { return dim_of(form); }
   int width(Group g) const { return group_width(g, coefficients, form, time_levels); }
@@ -34,7 +40,7 @@ struct TestGaussians {
 
   template <class To>
   TestGaussians<To> as() const {
-    TestGaussians<To> to(form, count, coefficients, time_levels);
+    TestGaussians<To> to(form, count, coefficients, time_levels, blocks);
     for (int g = 0; g < kGroupCount; ++g) to.group[g].assign(group[g].begin(), group[g].end());
     to.filter_size.assign(filter_size.begin(), filter_size.end());
     return to;
@@ -55,7 +61,7 @@ struct TestGaussians {
   static GaussianSpans<T> make(Self& self) {
     GaussianSpans<T> s;
     s.form = self.form, s.count = self.count, s.coefficients = self.coefficients;
-    s.time_levels = self.time_levels;
+    s.time_levels = self.time_levels, s.blocks = self.blocks;
     for (int g = 0; g < kGroupCount; ++g)
       s.group[g] = {self.group[g].data(), int64_t(self.group[g].size())};
     s.filter_size = {self.filter_size.data(), int64_t(self.filter_size.size())};

@@ -10,6 +10,7 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "tests/support/scratch_folder.h"
+#include "tools/bench_size_picture.h"
 
 namespace tessera {
 namespace {
@@ -84,6 +85,49 @@ TEST(BenchPictures, GnuplotDrawsThem) {
     EXPECT_NE(svg.find("</svg>"), std::string::npos);
     EXPECT_EQ(read_text_file(folder / (stem + ".png")).substr(1, 3), "PNG");
   }
+}
+
+json sized(const std::string& label, double mib, double psnr, int64_t share) {
+  json sized = {{"label", label},
+                {"iterations", 100},
+                {"metrics", {{"shipped_bytes", spread(mib * (1 << 20))}, {"psnr", spread(psnr)}}}};
+  if (share > 0) sized["share"] = share;
+  return sized;
+}
+
+/// Two scenes; of the second a budget has failed and the reference is not done.
+json sized_scenes() {
+  json scenes = {
+      {{"scene", "lego"},
+       {"points",
+        {sized("faster-gs", 40, 30, 0), sized("balanced", 10, 31, 0), sized("b4", 5, 29, 4),
+         sized("b2", 8, 30.5, 2)}}},
+      {{"scene", "it's b"}, {"points", {sized("balanced", 4, 26, 0), sized("b2", 2, 25, 2)}}}};
+  json failed = sized("b4", 1, 1, 4);
+  failed["metrics"].erase("psnr");
+  scenes[1]["points"].push_back(failed);
+  return scenes;
+}
+
+// Bugs put back, each seen to fail: budgets in the order of the points; presets on the line; a
+// point without a score drawn.
+TEST(BenchPictures, SizesAreALineForEachScene) {
+  const std::string script = size_script(sized_scenes(), "sizes");
+  for (const char* part :
+       {"$b0 << END\n8 7.2 8.8 30.5 27.45 33.55 \"1/2\"\n5 4.5 5.5 29 26.1 31.9 \"1/4\"\nEND",
+        "$p0_0 << END\n40 36 44 30 27 33 \"\"\nEND", "$p0_1 << END\n10 9 11 31",
+        "$b1 << END\n2 1.8 2.2 25 22.5 27.5 \"1/2\"\nEND", "title 'it''s b'", "title 'faster-gs'",
+        "title 'balanced'", "set logscale x", "'sizes.'.kind"})
+    EXPECT_NE(script.find(part), std::string::npos) << part << " is not in\n" << script;
+  EXPECT_EQ(script.find("$p1_0 "), std::string::npos) << "no reference in the second scene";
+  EXPECT_TRUE(has_sizes(sized_scenes()));
+  EXPECT_FALSE(has_sizes(json::array({scene("lego")}))) << "no shipped bytes";
+  if (find_program("gnuplot").empty()) GTEST_SKIP() << "no gnuplot; Debian: gnuplot-nox";
+  const testing::ScratchFolder folder;
+  EXPECT_EQ(draw_picture(folder.path(), "sizes", script), "");
+  const std::string svg = read_text_file(folder / "sizes.svg");
+  for (const char* part : {">1/2<", ">faster-gs<", ">lego<", "</svg>"})
+    EXPECT_NE(svg.find(part), std::string::npos) << part;
 }
 
 // Bug put back: gnuplot is looked for in /usr/bin alone; seen to fail.

@@ -1,0 +1,58 @@
+// What: rows of a set by the degree of their spherical harmonics: those of one degree stand
+//       together, a block, which every stage takes as a set of its own.
+// Not: which degree a Gaussian has (recon4d/sh_blocks.h).
+#pragma once
+#include <cstdint>
+
+#include "kernels/math/spherical_harmonics.h"
+
+namespace tessera {
+
+/// Rows of one degree.
+struct ShBlock {
+  int coefficients = 0;          // K of each of its rows
+  int64_t first = 0, count = 0;  // rows
+  int64_t sh_first = 0;          // coefficients of the rows before it
+};
+
+/// Where the blocks of a set are. The order of degrees is that of storage: with it rows of 48 and
+/// of 12 scalars begin at multiples of 16 bytes, whatever the counts, and nothing is padded.
+struct ShBlocks {
+  static constexpr int kOrder[kMaxShDegree + 1] = {3, 1, 2, 0};
+
+  /// By degree. All 0: every row has as many coefficients as the set says.
+  int64_t rows[kMaxShDegree + 1] = {};
+
+  TESSERA_HD bool mixed() const { return count() > 0; }
+  TESSERA_HD int64_t count() const {
+    int64_t sum = 0;
+    for (const int64_t some : rows) sum += some;
+    return sum;
+  }
+  /// Of all rows together.
+  int64_t coefficients() const {
+    int64_t sum = 0;
+    for (int degree = 0; degree <= kMaxShDegree; ++degree)
+      sum += rows[degree] * sh_coefficients(degree);
+    return sum;
+  }
+  bool operator==(const ShBlocks&) const = default;
+};
+
+/// Calls visit(block) for the blocks that have rows, in storage order; for one of all `count` rows,
+/// of `coefficients` each, where they are alike.
+template <class Visit>
+void for_each_block(const ShBlocks& blocks, int64_t count, int coefficients, Visit&& visit) {
+  if (!blocks.mixed()) {
+    if (count > 0) visit(ShBlock{coefficients, 0, count, 0});
+    return;
+  }
+  ShBlock block;
+  for (const int degree : ShBlocks::kOrder) {
+    block.coefficients = sh_coefficients(degree), block.count = blocks.rows[degree];
+    if (block.count > 0) visit(block);
+    block.first += block.count, block.sh_first += block.count * block.coefficients;
+  }
+}
+
+}  // namespace tessera

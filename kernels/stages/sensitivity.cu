@@ -1,0 +1,74 @@
+// What: what every splat is to its pictures on the device, from the colour still to come.
+// Not: the walk through tiles and splats (splat_sums.cuh); the equation (math/sensitivity.h).
+#include "kernels/cuda/cuda_backend.h"
+#include "kernels/cuda/splat_sums.cuh"
+#include "kernels/stages/target_check.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kSensitivityTerms = 7;  // floats of a SplatSensitivity
+static_assert(sizeof(SplatSensitivity<float>) == kSensitivityTerms * sizeof(float));
+
+struct SensitivityPass : BlendBackward {  // d_colour: the picture x
+  DeviceTarget target;                    // its truth is not read
+};
+
+/// A pixel on its way back through the splats.
+struct PixelSensitivity {
+  using Args = SensitivityPass;
+  static constexpr int kTerms = kSensitivityTerms;
+  float x = 0, y = 0;  // centre
+  float T = 1;
+  Vec3<float> to_come{0}, picture{0}, response{0};  // Q, x, e
+  int32_t used = 0;
+
+  __device__ PixelSensitivity() {}
+  /// `before`: colour and T in front of the first splat it meets.
+  __device__ PixelSensitivity(const SensitivityPass& a, const TilePixel& at, const float4& before)
+      : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(before.w) {
+    if (!at.inside) return;
+    const int64_t c0 = at.colour_at(0), c1 = at.colour_at(1), c2 = at.colour_at(2);
+    picture = Vec3<float>(a.d_colour[c0], a.d_colour[c1], a.d_colour[c2]);
+    to_come =
+        Vec3<float>(a.colour[c0] - before.x, a.colour[c1] - before.y, a.colour[c2] - before.z);
+    const int64_t view = at.of - a.views;
+    if (a.target.counts(view, at.index - at.of->first_pixel))
+      response = Vec3<float>(a.target.gain_of(view, 0), a.target.gain_of(view, 1),
+                             a.target.gain_of(view, 2));
+    used = a.used[at.index];
+  }
+
+  /// Takes its step past a splat and adds its share, in the order of SplatSensitivity.
+  __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on, float (&v)[kTerms]) {
+    const SplatSensitivity<float> share = sensitivity_step(
+        on ? p.alpha : 0.0f, Vec3<float>(s.b.z, s.b.w, s.c.x), picture, response, T, to_come);
+    v[0] += share.weight, v[1] += share.weight2;
+    v[2] += share.picture.x, v[3] += share.picture.y, v[4] += share.picture.z;
+    v[5] += share.removal1, v[6] += share.removal2;
+  }
+  __device__ static float scale(int) { return 1.0f; }
+};
+
+}  // namespace
+
+void CudaBackend::sensitivity(const SensitivityArgs<float>& args,
+                              Span<SplatSensitivity<float>> out) {
+  check_target(args);
+  const BlendArgs<float>& forward = args.pass.forward;
+  const Span<float> sums(reinterpret_cast<float*>(out.data), kSensitivityTerms * out.size);
+  SensitivityPass a;
+  static_cast<BlendBackward&>(a) = pass_of(args.pass, sums.data);
+  a.target = target_of({}, args.mask, args.gain);
+  clear_sums(sums, stream_);
+  if (forward.options.kernels.deterministic)
+    launch_sums_in_order<PixelSensitivity, true>(a, forward, instance_sums_, stream_);
+  else
+    launch_sums<PixelSensitivity, 2, true, false, false>(a, a.tiles, stream_);
+  check_launch("sensitivity");
+  clock_.add_bytes(kBlendBackward, double(forward.instances->count) * (4 + 48 + 28) +
+                                       28.0 * 2 * double(out.size) +
+                                       28.0 * double(forward.batch->pixels));
+}
+
+}  // namespace tessera
