@@ -128,6 +128,33 @@ void add_regions(DynamicRegions& regions, const Frame& frame, const Picture& pic
   score.psnr_static = psnr_within(drawn, frame, std::move(moves));
 }
 
+/// The light of the dynamic set against what moves, where the options say what does.
+class MovingRegionMeter {
+ public:
+  MovingRegionMeter(Backend& backend, const GaussianModel& model, const EvaluateOptions& options)
+      : mask_(options.moving_mask) {
+    if (!mask_) return;
+    white_.emplace(dynamic_set_white(model));
+    renderer_.emplace(backend, *white_);
+    score_.emplace();
+  }
+  void add(const std::vector<View>& views, const Scene& scene, const int* indices) {
+    if (!mask_) return;
+    for (Picture& picture : renderer_->render(views)) {
+      const Frame& frame = scene.frames[size_t(*indices++)];
+      picture.rgb.resize(picture.alpha.size());  // all channels are equal
+      score_->add(picture.rgb, mask_(frame).data, frame.mask.data);
+    }
+  }
+  const std::optional<MovingRegionScore>& score() const { return score_; }
+
+ private:
+  const std::function<Image8(const Frame&)>& mask_;
+  std::optional<GaussianModel> white_;
+  std::optional<Renderer> renderer_;
+  std::optional<MovingRegionScore> score_;
+};
+
 }  // namespace
 
 MeanScore mean_score(const std::vector<ViewScore>& views) {
@@ -177,6 +204,7 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
   EvaluationReport report;
   report.split = split;
   Renderer renderer(backend, model);
+  MovingRegionMeter moving(backend, model, options);
   FlickerMeter flicker;
   DynamicRegions regions(scene);
   for (size_t begin = 0; begin < indices.size(); begin += size_t(options.batch)) {
@@ -186,6 +214,7 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
       const Frame& frame = scene.frames[size_t(indices[i])];
       views.push_back({frame.camera, frame.time});
     }
+    moving.add(views, scene, indices.data() + begin);
     const std::vector<Picture> pictures = renderer.render(views);
     std::vector<ViewScore> scores(pictures.size());
     // a network scores one pair at a time
@@ -213,6 +242,7 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
   }
   add_means(report);
   report.flicker = flicker.scores();
+  report.moving = moving.score();
   return report;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "recon4d/dynamic_share.h"
 #include "recon4d/structure_scores.h"
 #include "recon4d/temporal_scores.h"
 
@@ -49,8 +50,9 @@ struct EvaluationReport {
   /// Frames outside training apart: the camera is new, the moment is, both are, neither is (one
   /// picture of a rig was withheld).
   MeanScore novel_view, novel_time, novel_view_and_time, withheld;
-  std::vector<FlickerScore> flicker;  // of the cameras that have one
-  std::optional<int64_t> bytes;       // of the model's file; set by the caller
+  std::vector<FlickerScore> flicker;        // of the cameras that have one
+  std::optional<MovingRegionScore> moving;  // where masks of what moves were given
+  std::optional<int64_t> bytes;             // of the model's file; set by the caller
 };
 
 /// How much of the structure is scored: each step costs seconds where the one before costs tenths.
@@ -62,6 +64,9 @@ struct EvaluateOptions {
   bool temporal = true;  // flicker, moving and still pixels apart
   /// LPIPS of two RGB pictures of one size; empty: none. Where a mask ignores, both are alike.
   std::function<double(const Image8& drawn, const Image8& truth)> lpips;
+  /// What moves in a frame, one channel, of its size: values as MovingRegionScore has them; empty:
+  /// not known.
+  std::function<Image8(const Frame&)> moving_mask;
 };
 
 /// Each scored view with its picture, in order; throwing stops the evaluation.
@@ -81,7 +86,8 @@ ViewScore score_view(const Frame& frame, const Picture& picture, const EvaluateO
 const char* split_name(Split split);  // "train", "val", "test"
 
 /// psnr, psnr_float, psnr_of_mean_mse, ssim (reflect), ssim_zero, ssim_inside, ssim_inside_range2,
-/// ms_ssim, dssim, lpips, psnr_dynamic, psnr_static, definitions, num_gaussians, num_static,
+/// ms_ssim, dssim, lpips, psnr_dynamic, psnr_static, dynamic_weight_inside, moving_pixels_covered,
+/// definitions, num_gaussians, num_static,
 /// num_dynamic, bytes, split, background, width, height (null when views differ), views,
 /// held_out_views, held_out_times, novel_view, novel_time, novel_view_and_time, withheld, flicker,
 /// per_view (with `masked`). What is undefined is null.

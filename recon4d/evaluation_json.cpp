@@ -52,6 +52,12 @@ json definitions() {
           {"psnr_dynamic",
            "as psnr, pixels that differ from the camera's median over time by more "
            "than 10/255 in a channel; psnr_static: the others"},
+          {"dynamic_weight_inside",
+           "of the blending weight of dynamic Gaussians over all pixels, the share in pixels where "
+           "the mask says that something ever moves in that view (values from 128)"},
+          {"moving_pixels_covered",
+           "of the pixels that move at that moment over half of them or more (values from 192), "
+           "those where dynamic Gaussians have half of the light or more"},
           {"flicker",
            "change_error: mean |change of the render - change of the truth| between "
            "moments, in 1/255; still_deviation: mean standard deviation over time of "
@@ -126,6 +132,10 @@ json to_json(const EvaluationReport& report, const GaussianModel& model) {
   put_means(report.novel_view_and_time, object["novel_view_and_time"]);
   put_means(report.withheld, object["withheld"]);
   object["flicker"] = flicker_json(report.flicker);
+  if (report.moving) {
+    object["dynamic_weight_inside"] = or_null(report.moving->dynamic_weight_inside());
+    object["moving_pixels_covered"] = or_null(report.moving->moving_pixels_covered());
+  }
   object["per_view"] = json::array();
   for (const ViewScore& view : report.views) object["per_view"].push_back(view_json(view));
   return object;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <set>
 
+#include "ingest/files/png.h"
+#include "ingest/mask.h"
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -33,7 +35,7 @@ using nlohmann::json;
 
 struct EvaluateRequest {
   std::vector<std::string> models;
-  std::string scene, split, background, images, lpips, backend = "auto";
+  std::string scene, split, background, images, lpips, moving_masks, backend = "auto";
   std::vector<double> scales{1};  // of the size that was trained on
   int threads = 0;
   bool overwrite = false, lpips_resize = false, fps = false, as_json = false;
@@ -101,11 +103,26 @@ struct Scoring {
   std::optional<OutputFolder> images;
 };
 
+/// DIR/<name of the frame>.png.
+Image8 moving_mask(const fs::path& folder, const Frame& frame) {
+  const fs::path file = folder / (frame.name + ".png");
+  Image8 mask = read_png(file);
+  if (mask.channels != 1)
+    throw InputError(fmt::format("{}: has {} channels; a mask of what moves is a grey picture",
+                                 file.string(), mask.channels));
+  check_mask_size(mask, frame.image.width, frame.image.height, file);
+  return mask;
+}
+
 json score_at(Scoring& scoring, double scale, const Scene& scene) {
   EvaluateOptions options;
   if (Lpips* const lpips = scoring.lpips)
     options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
       return lpips->distance(drawn, truth);
+    };
+  if (!scoring.request.moving_masks.empty())
+    options.moving_mask = [&](const Frame& frame) {
+      return moving_mask(scoring.request.moving_masks, frame);
     };
   std::optional<int64_t> bytes;
   if (!scoring.input.with_optimizer) bytes = scoring.input.bytes;
@@ -257,6 +274,11 @@ void add_evaluate_command(CLI::App& app, Work& work) {
       ->delimiter(',');
   command->add_option("--background", request->background,
                       "black, white or r,g,b; default: the model's");
+  command->add_option(
+      "--moving-masks", request->moving_masks,
+      "folder of grey masks named as the frames, 0: never moves there, 128: at some "
+      "moment, 255: now: how much of the dynamic Gaussians' light lies there; "
+      "`tessera synth patch` makes them in ground_truth/moving");
   command->add_option("--save-images", request->images, "folder for the rendered pictures");
   command->add_flag("--overwrite", request->overwrite, "save among files that are not ours");
   command->add_option("--backend", request->backend,

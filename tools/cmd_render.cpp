@@ -6,6 +6,7 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "recon4d/dynamic_share.h"
 #include "recon4d/metrics.h"
 #include "recon4d/train_options.h"
 #include "tools/backend_choice.h"
@@ -31,7 +32,8 @@ struct RenderRequest {
   PathChoice path;  // without a path: the cameras as they are
   std::string fps = "30";
   int threads = 0;
-  bool floats = false, alpha = false, mp4 = false, overwrite = false, json = false;
+  bool floats = false, alpha = false, dynamic_share = false, mp4 = false, overwrite = false,
+       json = false;
 };
 
 std::vector<std::string> file_names(const std::vector<NamedView>& views, bool floats) {
@@ -141,6 +143,7 @@ int render(RenderRequest request) {
   const std::vector<NamedView> views = request.path.path.empty()
                                            ? read_views(request.choice, input.model)
                                            : path_views(request.path, input);
+  if (request.dynamic_share) input.model = dynamic_set_white(input.model);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   Renderer renderer(*backend, input.model);
   if (request.alpha) renderer.draw_no_background();
@@ -202,6 +205,13 @@ void add_render_command(CLI::App& app, Work& work) {
   command->add_option("--background", request->background,
                       "black, white or r,g,b; default: the model's");
   command->add_flag("--alpha", request->alpha, "RGBA PNG without background");
+  command
+      ->add_flag(
+          "--dynamic-share", request->dynamic_share,
+          "not colours but how much of each pixel's light is of dynamic Gaussians, 0 (black) "
+          "to 1 (white)")
+      ->excludes("--background")
+      ->excludes("--alpha");
   command->add_flag("--float", request->floats, "also unclamped floats as .pfm");
   add_path_options(*command, *request);
   command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");

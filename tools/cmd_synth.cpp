@@ -133,7 +133,10 @@ void add_synth_command(CLI::App& app, Work& work) {
   command->add_option("--video-quality", options.video_quality, "x264 crf, 0 (lossless) to 51");
   command->add_option("--noise", options.noise_sigma, "sigma of each channel, levels of 255");
   command->add_option("--exposure-wobble", options.exposure_wobble,
-                      "largest relative change of a frame's gain");
+                      "largest relative change of a training frame's gain: 0.01 is 1 %");
+  command->add_option(
+      "--moving-share", options.moving_share,
+      "patch: share of the picture in which something moves, 0.005 to 0.3; 0: 0.05");
   command->add_option("--points", options.points, "static surface points of truth");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");

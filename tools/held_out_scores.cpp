@@ -58,6 +58,12 @@ std::string details_text(const json& score) {
     add(fmt::format("pixels that move: PSNR {} dB, the others {} dB",
                     number(score["psnr_dynamic"], "{:.2f}"),
                     number(score["psnr_static"], "{:.2f}")));
+  if (score.contains("dynamic_weight_inside"))
+    add(
+        fmt::format("moving region: {} of the dynamic weight lies in it, {} of its pixels are of "
+                    "dynamic light",
+                    number(score["dynamic_weight_inside"], "{:.3f}"),
+                    number(score["moving_pixels_covered"], "{:.3f}")));
   if (score["flicker"].is_object())
     add(fmt::format("flicker: {}/255 beside the truth's change, {}/255 where the truth is still",
                     number(score["flicker"]["change_error"], "{:.2f}"),

@@ -30,6 +30,7 @@ ordered_json options_json(const SynthOptions& options) {
                     {"video_quality", options.video_quality},
                     {"noise_sigma", options.noise_sigma},
                     {"exposure_wobble", options.exposure_wobble},
+                    {"moving_share", options.moving_share},
                     {"points", options.points}};
   if (!options.shifts.empty()) json["shifts"] = options.shifts;
   return json;

@@ -12,6 +12,8 @@ namespace tessera::synth {
 
 constexpr const char* kTruthFile = "ground_truth.json";
 constexpr const char* kTruthFolder = "ground_truth";
+/// Masks named as the frames, of scenes with a stated moving region (moving_masks.h).
+constexpr const char* kMovingFolder = "ground_truth/moving";
 
 /// A camera of the capture. Video: it sees every instant; dnerf: one image, so split, index and
 /// time say which.
@@ -25,6 +27,10 @@ struct TrueView {
 
 /// Instant `frame` of a clip, normalised to [0, 1] (0 for a clip of one frame).
 double normalised_time(const SynthOptions& options, double frame);
+/// Whether the part of the picture in which anything moves is asked for by its size.
+inline bool has_moving_region(const SynthOptions& options) {
+  return options.scene == SynthScene::kPatch;
+}
 /// Frames by which that camera films later than its stamps say.
 double shift_of(const SynthOptions& options, int camera);
 /// Normalised time to seconds from the first frame.

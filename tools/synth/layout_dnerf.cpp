@@ -8,6 +8,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
 #include "tools/synth/layouts.h"
+#include "tools/synth/moving_masks.h"
 #include "tools/synth/render.h"
 #include "tools/synth/rigs.h"
 #include "tools/synth/sensor.h"
@@ -58,11 +59,16 @@ void write_transforms(const CaptureJob& job, const char* split,
 }
 
 void write_picture(const CaptureJob& job, PoseSet set, const TrueView& view) {
-  const Picture picture = render(job.world, view.camera, view.time, job.options.supersampling);
+  const StaticLayer layer = render_static(job.world, view.camera, job.options.supersampling);
+  const Picture picture = render(job.world, view.camera, view.time, layer);
   write_png(job.folder / (view.name + ".png"),
             expose(picture, job.options, 4, int(set), view.index));
   write_png(job.folder / kTruthFolder / fmt::format("mask_{}_{:03}.png", view.split, view.index),
             mask_image(picture));
+  if (has_moving_region(job.options))
+    write_png(job.folder / kMovingFolder / (view.name + ".png"),
+              moving_image(picture,
+                           ever_covered(job.world, view.camera, clip_times(job.options), layer)));
 }
 
 }  // namespace
@@ -76,6 +82,7 @@ std::vector<TrueView> write_dnerf(const CaptureJob& job) {
   std::vector<TrueView> all;
   for (const SplitPlan& plan : plans) {
     make_folder(job.folder / plan.name);
+    if (has_moving_region(job.options)) make_folder(job.folder / kMovingFolder / plan.name);
     const std::vector<TrueView> views = plan_views(job, plan);
     for (const TrueView& view : views) {
       if (job.progress) job.progress(view.name, int64_t(all.size()), total);

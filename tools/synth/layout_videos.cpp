@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
 #include "ingest/llff_poses.h"
 #include "kernels/base/parallel.h"
 #include "tools/synth/layouts.h"
+#include "tools/synth/moving_masks.h"
 #include "tools/synth/render.h"
 #include "tools/synth/rigs.h"
 #include "tools/synth/sensor.h"
@@ -40,28 +42,45 @@ LlffPose bounded_pose(const CaptureJob& job, int number, const Camera& camera,
   return pose;
 }
 
+/// Where something ever moves in that camera; empty for scenes without a stated moving region.
+std::vector<uint8_t> moving_region(const CaptureJob& job, int number, const Camera& camera,
+                                   const StaticLayer& layer) {
+  if (!has_moving_region(job.options)) return {};
+  std::vector<double> times;
+  for (int frame = 0; frame < job.options.frames; ++frame)
+    times.push_back(normalised_time(job.options, frame + shift_of(job.options, number)));
+  return ever_covered(job.world, camera, times, layer);
+}
+
 /// Renders, encodes and masks every instant of one camera.
 void film(const CaptureJob& job, int number, const TrueView& view, const StaticLayer& layer) {
   const SynthOptions& options = job.options;
   VideoEncoder encoder(job.folder / (view.name + ".mp4"),
                        {options.width, options.height, options.fps, options.video_quality});
+  const std::vector<uint8_t> region = moving_region(job, number, view.camera, layer);
+  if (!region.empty()) make_folder(job.folder / kMovingFolder / view.name);
   for (int first = 0; first < options.frames; first += kFramesAtOnce) {
     if (job.progress)
       job.progress(view.name, int64_t(number) * options.frames + first,
                    int64_t(options.cameras) * options.frames);
-    std::vector<Image8> masks;
+    std::vector<Image8> masks, moving;
     for (int frame = first; frame < std::min(first + kFramesAtOnce, options.frames); ++frame) {
       const double instant = frame + shift_of(options, number);
       const Picture picture =
           render(job.world, view.camera, normalised_time(options, instant), layer);
       encoder.add(expose(picture, options, 3, number, frame));
       masks.push_back(mask_image(picture));
+      if (!region.empty()) moving.push_back(moving_image(picture, region));
     }
     parallel_for(int64_t(masks.size()), 1, [&](int64_t begin, int64_t end) {
-      for (int64_t i = begin; i < end; ++i)
+      for (int64_t i = begin; i < end; ++i) {
         write_png(
             job.folder / kTruthFolder / fmt::format("mask_{}_{:04}.png", view.name, first + i),
             masks[size_t(i)]);
+        if (!moving.empty())
+          write_png(job.folder / kMovingFolder / view.name / fmt::format("{:05}.png", first + i),
+                    moving[size_t(i)]);
+      }
     });
   }
   encoder.finish();

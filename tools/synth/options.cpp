@@ -13,13 +13,15 @@
 namespace tessera {
 namespace {
 
-constexpr std::array<SynthSceneRow, 3> kScenes{{
+constexpr std::array<SynthSceneRow, 4> kScenes{{
     {SynthScene::kRoom, "room",
      "furnished room: rigid, stretching and waving movers, an object that comes and goes"},
     {SynthScene::kRoomStatic, "room-static",
      "the same room as at its first instant, without the object that comes and goes"},
     {SynthScene::kObject, "object",
      "a moving, deforming toy on nothing (transparent), seen from an upper hemisphere"},
+    {SynthScene::kPatch, "patch",
+     "the furnished room where nothing moves but a ball in a given share of the picture"},
 }};
 
 constexpr std::array<SynthLayoutRow, 3> kLayouts{{
@@ -82,6 +84,20 @@ void check_shifts(const SynthOptions& options) {
                                    shift, options.frames - 1));
 }
 
+/// Fills in the share of a scene that has a moving region, refuses one for the others.
+void resolve_moving_share(SynthOptions& options) {
+  constexpr double kUsual = 0.05;
+  if (options.scene == SynthScene::kPatch) {
+    if (options.moving_share == 0) options.moving_share = kUsual;
+    check_range("moving_share", options.moving_share, kLeastMovingShare, kMostMovingShare);
+  } else if (options.moving_share != 0) {
+    throw InputError(
+        fmt::format("synth: the scene {} has no moving region of a given size; leave out "
+                    "--moving-share or use the scene patch",
+                    name_of(options.scene)));
+  }
+}
+
 }  // namespace
 
 SynthOptions resolve_synth_options(const SynthOptions& options) {
@@ -104,6 +120,7 @@ SynthOptions resolve_synth_options(const SynthOptions& options) {
   check_range("exposure_wobble", full.exposure_wobble, 0, 0.5);
   check_range("points", full.points, 0, 1e7);
   check_shifts(full);
+  resolve_moving_share(full);
   if (full.held_out_frames == 0) full.held_out_frames = std::max(4, full.frames / 5);
   if (!dnerf && (full.width % 2 != 0 || full.height % 2 != 0))
     throw InputError(

@@ -40,10 +40,11 @@ struct Movers {
   std::vector<Bounds> bounds;
 };
 
-/// Samples of one pixel summed up; true when a mover was met.
-bool add_samples(const World& world, const Camera& camera, const StaticLayer& layer,
-                 const Movers& movers, int x, int y, glm::vec4& sum) {
-  bool changed = false, near_mover = false;
+/// Samples of one pixel summed up; how many of them met a mover.
+int add_samples(const World& world, const Camera& camera, const StaticLayer& layer,
+                const Movers& movers, int x, int y, glm::vec4& sum) {
+  int changed = 0;
+  bool near_mover = false;
   for (const Bounds& bounds : movers.bounds) near_mover |= bounds.contains(x, y);
   const int count = layer.grid * layer.grid;
   const size_t first = (size_t(y) * size_t(camera.width) + size_t(x)) * size_t(count);
@@ -59,7 +60,7 @@ bool add_samples(const World& world, const Camera& camera, const StaticLayer& la
         if (movers.bounds[i].contains(x, y)) cast(ray, movers.placed[i], meeting);
       if (meeting.placed != nullptr) {
         value = glm::vec4(shade(world.light, ray, meeting, {}), 1);
-        changed = true;
+        ++changed;
       }
     }
     sum += value;
@@ -101,14 +102,16 @@ Picture render(const World& world, const Camera& camera, double time, const Stat
     movers.bounds.push_back(screen_bounds(camera, placed));
   const size_t pixels = size_t(camera.width) * size_t(camera.height);
   Picture picture{camera.width, camera.height, std::vector<float>(4 * pixels),
-                  std::vector<uint8_t>(pixels)};
+                  std::vector<uint8_t>(pixels), std::vector<float>(pixels)};
   const float share = 1.f / float(layer.grid * layer.grid);
   parallel_for(camera.height, kRows, [&](int64_t begin, int64_t end) {
     for (int64_t y = begin; y < end; ++y)
       for (int x = 0; x < camera.width; ++x) {
         const size_t pixel = size_t(y) * size_t(camera.width) + size_t(x);
         glm::vec4 sum(0);
-        if (add_samples(world, camera, layer, movers, x, int(y), sum)) picture.mask[pixel] = 255;
+        const int changed = add_samples(world, camera, layer, movers, x, int(y), sum);
+        if (changed > 0) picture.mask[pixel] = 255;
+        picture.moving_share[pixel] = float(changed) * share;
         if (sum.a > 0) {
           const glm::vec3 straight = glm::vec3(sum) / sum.a;
           for (int k = 0; k < 3; ++k) picture.rgba[4 * pixel + size_t(k)] = straight[k];

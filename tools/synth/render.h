@@ -14,6 +14,7 @@ struct Picture {
   int width = 0, height = 0;
   std::vector<float> rgba;  // [height, width, 4] sRGB in [0, 1], alpha straight (not premultiplied)
   std::vector<uint8_t> mask;  // [height, width] 255 where a sample met something that changes, or 0
+  std::vector<float> moving_share = {};  // [height, width] of the samples, that met such a thing
 };
 
 /// What a camera sees of the unchanging part; valid for the world and camera it was made with.

@@ -7,6 +7,7 @@
 
 #include "kernels/base/parallel.h"
 #include "tools/synth/hash.h"
+#include "tools/synth/rigs.h"
 
 namespace tessera::synth {
 namespace {
@@ -15,9 +16,15 @@ uint32_t frame_seed(const SynthOptions& options, int view, int frame) {
   return hash(uint32_t(options.seed ^ (options.seed >> 32)), view, frame, 8);
 }
 
+bool is_reference(const SynthOptions& options, int view) {
+  if (options.layout == SynthLayout::kDnerf) return view != int(PoseSet::kTrain);
+  return view == 0 && options.cameras > 1;
+}
+
 }  // namespace
 
 double exposure_gain(const SynthOptions& options, int view, int frame) {
+  if (is_reference(options, view)) return 1;
   return 1 + options.exposure_wobble * signed_unit(frame_seed(options, view, frame));
 }
 

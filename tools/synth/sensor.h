@@ -9,7 +9,9 @@
 
 namespace tessera::synth {
 
-/// The gain of a frame, 1 ± exposure_wobble, by seed, view (camera or split) and frame number.
+/// The gain of a frame, 1 ± exposure_wobble, by seed, view (camera or split) and frame number; 1
+/// for what is held out by default, cam00 of a rig and dnerf's val and test, as no training learns
+/// it.
 double exposure_gain(const SynthOptions& options, int view, int frame);
 
 /// RGBA with straight alpha, or RGB over black. Noise touches colour only, and only where there is

@@ -17,7 +17,9 @@ SynthReport make_capture(const SynthOptions& options, const std::filesystem::pat
                          const SynthProgress& progress) {
   const SynthOptions full = resolve_synth_options(options);
   if (out.empty()) throw InputError("synth: the output has no name; name a folder");
-  const synth::World world = synth::build_world(full.scene, full.seed, full.specular);
+  const synth::World world =
+      synth::build_world(full.scene, full.seed, full.specular,
+                         full.scene == SynthScene::kPatch ? synth::patch_radius(full) : 0);
   std::error_code ignored;  // a folder that cannot be read is refused by StagedFolder
   StagedFolder pending(out, std::filesystem::exists(out / synth::kTruthFile, ignored));
   make_folder(pending.path() / synth::kTruthFolder);

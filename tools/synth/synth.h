@@ -14,7 +14,7 @@
 
 namespace tessera {
 
-enum class SynthScene { kRoom, kRoomStatic, kObject };
+enum class SynthScene { kRoom, kRoomStatic, kObject, kPatch };
 enum class SynthLayout { kDnerf, kN3dv, kVideos };
 
 /// One row of what can be asked for: its name on the command line and one line of explanation.
@@ -46,11 +46,16 @@ struct SynthOptions {
   double specular = 0;         // strength of a highlight in [0, 1]; 0: no view dependence
   int video_quality = 8;       // x264 crf, 0 (lossless) .. 51
   double noise_sigma = 0;      // of each channel, in levels of 255
-  double exposure_wobble = 0;  // largest relative change of a frame's gain, [0, 0.5]
+  double exposure_wobble = 0;  // largest relative change of a frame's gain, [0, 0.5]: 0.01 is 1 %;
+                               // the reference (cam00 of a rig, dnerf's val and test) has none
+  double moving_share = 0;     // `patch`: share of cam00's picture in which something ever moves,
+                               // kLeastMovingShare .. kMostMovingShare; 0: 0.05
   int points = 20000;          // size of ground_truth/points.ply
   std::vector<double> shifts;  // n3dv, videos, frames by camera number, 0 for those not listed:
                                // frame k of the camera shows instant k + shift
 };
+
+inline constexpr double kLeastMovingShare = 0.005, kMostMovingShare = 0.3;
 
 struct SynthReport {
   int64_t cameras = 0;  // physical cameras: 1 for dnerf

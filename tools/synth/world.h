@@ -43,12 +43,16 @@ struct World {
   glm::dvec3 target{0.0};  // what the cameras look at
 };
 
-/// The worlds of the table in options.cpp.
-World build_world(SynthScene scene, uint64_t seed, double specular);
+/// The worlds of the table in options.cpp. `ball`: radius of the mover of `patch`, metres.
+World build_world(SynthScene scene, uint64_t seed, double specular, double ball = 0.3);
 
 /// `room`: floor, walls, ceiling, furniture and the movers (room.cpp).
 World build_room(uint32_t seed);
 /// `object`: a toy on a base plate (object.cpp).
 World build_object(uint32_t seed);
+/// `patch`: the room, and a ball of that radius as its only mover (patch.cpp).
+World build_patch(uint32_t seed, double radius);
+/// The radius at which the path of the ball covers options.moving_share of cam00's picture.
+double patch_radius(const SynthOptions& options);
 
 }  // namespace tessera::synth
