@@ -94,32 +94,74 @@ TEST(SetAside, TakesPhotosAndLeavesOtherSplits) {
 // Bugs put back, each seen to fail: the gain counted from the best; patience reset by any gain.
 TEST(ValidationRecord, CountsChecksWithoutAGain) {
   ValidationRecord record;
-  EXPECT_TRUE(record.add(10, 1, 20, 3));
-  EXPECT_TRUE(record.add(20, 2, 20.5, 3));
-  EXPECT_FALSE(record.add(30, 3, 20.4, 3));
+  EXPECT_TRUE(record.add(10, 1, 20, 100, 3));
+  EXPECT_TRUE(record.add(20, 2, 20.5, 100, 3));
+  EXPECT_FALSE(record.add(30, 3, 20.4, 100, 3));
   EXPECT_EQ(record.without_gain, 1);
   // two small gains are one that counts, and a small one is the best all the same
-  EXPECT_TRUE(record.add(40, 4, 20.512, 3));
+  EXPECT_TRUE(record.add(40, 4, 20.512, 100, 3));
   EXPECT_EQ(record.without_gain, 2);
-  EXPECT_TRUE(record.add(50, 5, 20.524, 3));
+  EXPECT_TRUE(record.add(50, 5, 20.524, 100, 3));
   EXPECT_EQ(record.without_gain, 0);
-  EXPECT_TRUE(record.add(60, 6, 20.53, 3));
-  EXPECT_FALSE(record.add(70, 7, 20.5, 3));
+  EXPECT_TRUE(record.add(60, 6, 20.53, 100, 3));
+  EXPECT_FALSE(record.add(70, 7, 20.5, 100, 3));
   EXPECT_FALSE(record.stopped);
-  EXPECT_TRUE(record.add(80, 8, 20.54, 3));
+  EXPECT_TRUE(record.add(80, 8, 20.54, 100, 3));
   EXPECT_TRUE(record.stopped);
   EXPECT_EQ(record.best_iteration, 80);
   EXPECT_EQ(record.best_seconds, 8);
   EXPECT_EQ(record.checks, 8);
   ValidationRecord patient;
-  for (int i = 1; i < 100; ++i) patient.add(i, i, -i, 0);
+  for (int i = 1; i < 100; ++i) patient.add(i, i, -i, 100, 0);
   EXPECT_FALSE(patient.stopped);
   EXPECT_EQ(patient.best_iteration, 1);
 }
 
+// Bugs put back, each seen to fail: the smaller one of any PSNR; the best counted from its own PSNR
+// in place of the peak's; a better one of more Gaussians taken.
+TEST(ValidationRecord, WithinSoManyDecibelsTheSmallestIsTheBest) {
+  ValidationRecord record;
+  const auto add = [&](int64_t i, double psnr, int64_t gaussians) {
+    return record.add(i, double(i), psnr, gaussians, 0, 0.5);
+  };
+  EXPECT_TRUE(add(1, 30, 1000));
+  EXPECT_TRUE(add(2, 29.75, 800)) << "smaller and near enough";
+  EXPECT_EQ(record.peak_psnr, 30);
+  EXPECT_EQ(record.best_gaussians, 800);
+  EXPECT_FALSE(add(3, 29.375, 600)) << "too far from the peak, though not from the best";
+  EXPECT_FALSE(add(4, 30, 900)) << "better, and no smaller";
+  EXPECT_EQ(record.best_iteration, 2);
+  EXPECT_TRUE(add(5, 31, 1200)) << "what was the best is too far from it now";
+  EXPECT_EQ(record.best_gaussians, 1200);
+  EXPECT_EQ(record.peak_psnr, 31);
+  EXPECT_TRUE(add(6, 30.5, 1100)) << "just within";
+  EXPECT_EQ(record.best_psnr, 30.5);
+  EXPECT_EQ(record.best_seconds, 6);
+}
+
+// What is lost is lost: a model above the size that is asked for is not shipped however good.
+// Bugs put back, each seen to fail: the best PSNR of before still to be beaten; patience goes on.
+TEST(ValidationRecord, AfterARestartTheBestIsFoundAnew) {
+  ValidationRecord record;
+  for (int64_t i = 1; i <= 5; ++i) record.add(i, 1, 31 - double(i), 1000, 4);
+  EXPECT_TRUE(record.stopped);
+  record.restart();
+  EXPECT_FALSE(record.stopped);
+  EXPECT_EQ(record.best_iteration, 0);
+  EXPECT_TRUE(record.add(6, 2, 28, 500, 4)) << "the first of its size";
+  EXPECT_EQ(record.best_psnr, 28);
+  EXPECT_EQ(record.best_gaussians, 500);
+  EXPECT_EQ(record.peak_psnr, 30) << "of all sizes";
+  EXPECT_EQ(record.checks, 6);
+  EXPECT_EQ(record.without_gain, 0);
+  EXPECT_TRUE(record.add(7, 3, 28.5, 500, 4));
+  EXPECT_FALSE(record.add(8, 3, 28.25, 500, 4));
+  EXPECT_EQ(record.without_gain, 1);
+}
+
 // Bug put back: without_gain not read; seen to fail.
 TEST(ValidationRecord, ComesBackWhole) {
-  const ValidationRecord record{7, 70, 20.5, 60, 21.25, 1.5, 21.125, 3, true};
+  const ValidationRecord record{7, 70, 20.5, 60, 21.25, 900, 21.5, 1.5, 21.125, 3, true};
   const ValidationRecord read = validation_record_from_json(to_json(record));
   EXPECT_EQ(to_json(read), to_json(record));
   EXPECT_NE(to_json(read), to_json(ValidationRecord{}));

@@ -22,7 +22,7 @@ TEST(CliAblation, GoesOverThePresetAndUnderWhatIsTyped) {
   EXPECT_EQ(config["options"]["rectangular_bounds"], false);
   EXPECT_EQ(config["options"]["fused_optimizer"], false);
   EXPECT_EQ(config["options"]["tile_culling"], true);
-  EXPECT_EQ(config["options"]["max_gaussians"], 40000);
+  EXPECT_EQ(config["options"]["peak_gaussians"], 40000);
 }
 
 TEST(CliAblation, WrongNamesAndPairsAreRefused) {

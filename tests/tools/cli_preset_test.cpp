@@ -21,7 +21,8 @@ TEST(CliPreset, LooksAtTheSceneAndWhatIsTypedGoesOverIt) {
   const CliWorkspace work;
   const std::vector<std::string> best = {"--preset", "best", "--iterations", "2"};
   const json moving = options_of(work, "moving", best);
-  EXPECT_EQ(moving["max_gaussians"], 10000) << "two cameras of 32 x 32";
+  EXPECT_EQ(moving["peak_gaussians"], 10000) << "two cameras of 32 x 32";
+  EXPECT_EQ(moving["max_gaussians"], 0);
   EXPECT_EQ(moving["far_plane"], 100);
   for (const char* split : {"train", "val", "test"})
     work.edit_json(std::string("capture/transforms_") + split + ".json", [](json& file) {
