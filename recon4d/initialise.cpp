@@ -136,19 +136,30 @@ void place(const InitialPoint& point, float squared_distance, const TrainOptions
   *v.at(kLogScaleTime, n) = float(std::log(options.init_time_scale));
 }
 
+/// Share of the points of which nothing is known that start static: that of still ones among those
+/// of which it is, where motion is looked at; no less than options.static_fraction.
+double static_share(const std::vector<InitialPoint>& points, const TrainOptions& options) {
+  int64_t known = 0, still = 0;
+  for (const InitialPoint& point : points)
+    if (point.still) ++known, still += *point.still;
+  if (known == 0 || !options.split_by_motion) return options.static_fraction;
+  return std::max(options.static_fraction, double(still) / double(known));
+}
+
 /// 1 for points of the static set: all of a static scene; still points; else an even share of the
 /// rest.
 std::vector<char> static_choice(const std::vector<InitialPoint>& points, const Scene& scene,
                                 const TrainOptions& options) {
   const bool all = options.static_only || scene.is_static;
   std::vector<char> chosen(points.size(), 0);
+  const double share = static_share(points, options);
   double due = 0;  // static points owed by the share so far
   for (size_t i = 0; i < points.size(); ++i) {
     if (all || (options.split_by_motion && points[i].still)) {
       chosen[i] = all || *points[i].still;
       continue;
     }
-    due += options.static_fraction;
+    due += share;
     chosen[i] = due >= 1 - 1e-9;
     if (chosen[i]) due -= 1;
   }

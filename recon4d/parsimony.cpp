@@ -153,12 +153,14 @@ void Parsimony::decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyRep
   const StillTrial trial =
       try_still(backend_, model, worth, at, kMotionCharge * report.price * rates.time);
   std::vector<int64_t> restless;
-  if (rounds_left(report.iteration) == 0)
+  // gains of the pictures, and where things are, are not known at the first decision
+  if (rounds_left(report.iteration) == 0 && report.iteration > motion_.front())
     restless = restless_rows(worth, report.price * rates.of(true, model.sh_degree),
                              int64_t(kMostBorn * double(model.count())));
   const GaussianSet born = born_from(model, worth, restless);
   report.stilled = int64_t(trial.rows.size()), report.born = born.count();
   report.still_error = trial.error;
+  if (trial.rows.empty() && restless.empty()) return;  // nor are statistics begun anew
   trainer.rework([&](TrainState& state) {
     KeptRows kept = kept_rows(state.model, order, state.model.count());
     move_to_static(state, trial, kept);
@@ -182,7 +184,7 @@ void Parsimony::thin(Trainer& trainer, const LookedAt& at, const ValidationRecor
   count = std::llround(double(count) * std::pow(double(goal) / double(count), share));
   report.removed = before - count;
   // what hides behind those that go is seen only when they are gone: no more than a share at once
-  constexpr double kAtOnce = 0.15;
+  constexpr double kAtOnce = 0.25;
   for (int64_t now = before; now > count;) {
     const int64_t next = std::max(count, now - std::max<int64_t>(1, int64_t(kAtOnce * double(now))));
     const KeptRows kept = kept_rows(trainer.host_model(), order, next);

@@ -84,12 +84,16 @@ const ResidualPass::SplatSums& ResidualPass::sums(Span<const float> x) {
   if (!x.empty())
     backend_.memory().copy(pipeline_.d_colour().data(), x.data, size_t(x.size) * sizeof(float));
   const Span<const SplatSensitivity<float>> found = pipeline_.sensitivity();
-  sums_.splat.copy_from(pipeline_.splats().splat);
   sums_.first_of.copy_from(pipeline_.splats().first_of);
   sums_.sum.resize(found.size);
   if (found.size > 0)
     backend_.memory().copy(sums_.sum.data(), found.data, size_t(found.size) * sizeof(found[0]));
   return sums_;
+}
+
+const Buffer<Splat<float>>& ResidualPass::splats() {
+  splats_.copy_from(pipeline_.splats().splat);
+  return splats_;
 }
 
 }  // namespace tessera

@@ -33,14 +33,15 @@ class ResidualPass {
   /// Picture · gain − truth, 0 where a mask ignores the pixel: [3·pixels] as Images::colour, on the
   /// host.
   const Buffer<float>& residual() const { return residual_; }
-  /// Splats with their sums over pixels, on the host.
+  /// Sums of splats over their pixels, on the host.
   struct SplatSums {
-    Buffer<Splat<float>> splat;               // [S]
-    Buffer<SplatSensitivity<float>> sum;      // [S] of x: the residual, or what was given
-    Buffer<int64_t> first_of;                 // [N + 1] first splat of each Gaussian
+    Buffer<SplatSensitivity<float>> sum;  // [S] of x: the residual, or what was given
+    Buffer<int64_t> first_of;             // [N + 1] first splat of each Gaussian
   };
   /// `x`: [3·pixels] on the host, in place of the residual; empty: the residual.
   const SplatSums& sums(Span<const float> x = {});
+  /// The splats themselves, [S], on the host.
+  const Buffer<Splat<float>>& splats();
   const ViewBatch<float>& views() const { return pipeline_.batch(); }
 
  private:
@@ -52,6 +53,7 @@ class ResidualPass {
   std::vector<Buffer<uint8_t>> truth_, mask_;  // of a batch
   Buffer<float> residual_;
   SplatSums sums_;
+  Buffer<Splat<float>> splats_;
 };
 
 }  // namespace tessera

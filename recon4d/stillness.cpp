@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "kernels/base/parallel.h"
 #include "kernels/math/splat.h"
@@ -52,66 +53,74 @@ GaussianModel tried(const GaussianModel& model, const GaussianSet& added,
   return trial;
 }
 
-/// Error that the trial adds: in all, and the share of each candidate by its light in either model.
+constexpr int64_t kBatch = 4;  // frames drawn at once
+
+template <class Look>
+void for_each_batch(const LookedAt& at, Look&& look) {
+  for (int64_t begin = 0; begin < at.count(); begin += kBatch)
+    look(begin, std::min(begin + kBatch, at.count()));
+}
+
+/// Squared error of every pixel of the last look: the sum over RGB in the first channel, [3·pixels],
+/// zeros in the others.
+void squares(const ResidualPass& pass, Buffer<float>& out) {
+  const Buffer<float>& residual = pass.residual();
+  out.resize(residual.size());
+  for (const ViewArgs<float>& view : pass.views().views) {
+    const int64_t pixels = int64_t(view.width) * view.height, first = 3 * view.first_pixel;
+    const float *r = residual.data() + first, *g = r + pixels, *b = g + pixels;
+    float* to = out.data() + first;
+    parallel_for(pixels, kPixelGrain, [&](int64_t begin, int64_t end) {
+      for (int64_t p = begin; p < end; ++p) to[p] = r[p] * r[p] + g[p] * g[p] + b[p] * b[p];
+      std::fill(to + pixels + begin, to + pixels + end, 0.0f);
+      std::fill(to + 2 * pixels + begin, to + 2 * pixels + end, 0.0f);
+    });
+  }
+}
+
+/// What the model as it is leaves in every batch, as `squares` has it.
+std::vector<Buffer<float>> squares_of(Backend& backend, const GaussianModel& model,
+                                      const LookedAt& at) {
+  std::vector<Buffer<float>> found;
+  ResidualPass pass(backend, model);
+  for_each_batch(at, [&](int64_t begin, int64_t end) {
+    pass.look(at, begin, end);
+    squares(pass, found.emplace_back());
+  });
+  return found;
+}
+
+/// Squared error that a trial adds: in all, and each candidate's share by its light.
 struct Added {
-  std::vector<double> as_still, as_dynamic;  // [candidates]
+  std::vector<double> of;  // [candidates]
   double total = 0;
 };
 
-/// Squares of `trial` less those of `base`, summed over RGB, in the first channel; zeros elsewhere.
-void difference(const ViewBatch<float>& views, const Buffer<float>& base,
-                const Buffer<float>& trial, Buffer<float>& out) {
-  out.resize(base.size());
-  std::fill(out.begin(), out.end(), 0.0f);
-  for (const ViewArgs<float>& view : views.views) {
-    const int64_t pixels = int64_t(view.width) * view.height, first = 3 * view.first_pixel;
-    parallel_for(pixels, kPixelGrain, [&](int64_t begin, int64_t end) {
-      for (int c = 0; c < 3; ++c)
-        for (int64_t p = begin; p < end; ++p) {
-          const float before = base[first + c * pixels + p], then = trial[first + c * pixels + p];
-          out[first + p] += then * then - before * before;
-        }
-    });
-  }
-}
-
-double sum_of(const Buffer<float>& values) {
-  std::vector<double> parts(size_t(values.size() / kPixelGrain + 1), 0.0);
-  parallel_for(values.size(), kPixelGrain, [&](int64_t begin, int64_t end) {
-    parts[size_t(begin / kPixelGrain)] =
-        std::accumulate(values.begin() + begin, values.begin() + end, 0.0);
-  });
-  return std::accumulate(parts.begin(), parts.end(), 0.0);
-}
-
-Added added_error(Backend& backend, const GaussianModel& model, const GaussianModel& trial,
-                  const std::vector<int64_t>& candidates, const LookedAt& at) {
-  constexpr int64_t kBatch = 4;
+/// Candidates are the last rows of the trial's static set.
+Added added_error(Backend& backend, const GaussianModel& trial, int64_t candidates,
+                  const std::vector<Buffer<float>>& before, const LookedAt& at) {
   Added added;
-  added.as_still.assign(candidates.size(), 0), added.as_dynamic.assign(candidates.size(), 0);
-  ResidualPass base(backend, model), other(backend, trial);
+  added.of.assign(size_t(candidates), 0);
+  const int64_t first = trial.static_set.count() - candidates;
+  ResidualPass pass(backend, trial);
   Buffer<float> x;
-  const auto gather = [&](const ResidualPass::SplatSums& sums, size_t i, int64_t n,
-                          std::vector<double>& to) {
-    for (int64_t s = sums.first_of[n]; s < sums.first_of[n + 1]; ++s)
-      to[i] += double(sums.sum[s].picture[0]);
-  };
-  for (int64_t begin = 0; begin < at.count(); begin += kBatch) {
-    const int64_t end = std::min(begin + kBatch, at.count());
-    base.look(at, begin, end), other.look(at, begin, end);
-    difference(base.views(), base.residual(), other.residual(), x);
-    added.total += sum_of(x);
-    const Span<const float> picture = std::as_const(x).span();
-    const ResidualPass::SplatSums& now = base.sums(picture);
-    const ResidualPass::SplatSums& then = other.sums(picture);
-    const int64_t before = model.static_set.count();
-    parallel_for(int64_t(candidates.size()), kGaussianGrain, [&](int64_t first, int64_t last) {
-      for (int64_t i = first; i < last; ++i) {
-        gather(now, size_t(i), before + candidates[size_t(i)], added.as_dynamic);
-        gather(then, size_t(i), before + i, added.as_still);
-      }
+  for_each_batch(at, [&](int64_t begin, int64_t end) {
+    pass.look(at, begin, end);
+    squares(pass, x);
+    const Buffer<float>& base = before[size_t(begin / kBatch)];
+    std::vector<double> parts(size_t(x.size() / kPixelGrain + 1), 0.0);
+    parallel_for(x.size(), kPixelGrain, [&](int64_t from, int64_t to) {
+      for (int64_t p = from; p < to; ++p) x[p] -= base[p];
+      parts[size_t(from / kPixelGrain)] = std::accumulate(x.begin() + from, x.begin() + to, 0.0);
     });
-  }
+    added.total += std::accumulate(parts.begin(), parts.end(), 0.0);
+    const ResidualPass::SplatSums& sums = pass.sums(std::as_const(x).span());
+    parallel_for(candidates, kGaussianGrain, [&](int64_t from, int64_t to) {
+      for (int64_t i = from; i < to; ++i)
+        for (int64_t s = sums.first_of[first + i]; s < sums.first_of[first + i + 1]; ++s)
+          added.of[size_t(i)] += double(sums.sum[s].picture[0]);
+    });
+  });
   return added;
 }
 
@@ -138,15 +147,15 @@ StillTrial try_still(Backend& backend, const GaussianModel& model, const Worth& 
   for (size_t n = 0; n < of.weight.size(); ++n)
     if (of.weight[n] > 0) trial.rows.push_back(int64_t(n));
   const GaussianSet still = still_form(model, of);
+  const std::vector<Buffer<float>> before = squares_of(backend, model, at);
   for (int round = 0; round < kRounds && !trial.rows.empty(); ++round) {
     const GaussianSet candidates = select_rows(still, trial.rows);
-    const Added added = added_error(backend, model, tried(model, candidates, trial.rows),
-                                    trial.rows, at);
+    const Added added = added_error(backend, tried(model, candidates, trial.rows),
+                                    candidates.count(), before, at);
     trial.error = added.total;
     std::vector<std::pair<double, int64_t>> accepted;
     for (size_t i = 0; i < trial.rows.size(); ++i) {
-      const double error = std::max(added.as_still[i], added.as_dynamic[i]);
-      if (error <= allowed) accepted.emplace_back(error, trial.rows[i]);
+      if (added.of[i] <= allowed) accepted.emplace_back(added.of[i], trial.rows[i]);
     }
     // what nobody in particular adds counts too: then only the better half is tried again
     const bool together = added.total <= allowed * double(trial.rows.size());

@@ -54,13 +54,17 @@ class Summing {
     changes_.resize(size_t(model.static_set.count()));
   }
 
-  void add(const ViewBatch<float>& views, const ResidualPass::SplatSums& sums) {
-    add_set<Form::kStatic>(0, 0, views, sums);
+  /// Of the batch that `pass` has looked at.
+  void add(ResidualPass& pass) {
+    const ViewBatch<float>& views = pass.views();
+    const ResidualPass::SplatSums& sums = pass.sums();
+    const Buffer<Splat<float>>& splats = pass.splats();
+    add_set<Form::kStatic>(0, 0, views, splats, sums);
     const int64_t first = model_.static_set.count();
     if (model_.dynamic_set.form() == Form::kPair)
-      add_set<Form::kPair>(1, first, views, sums);
+      add_set<Form::kPair>(1, first, views, splats, sums);
     else
-      add_set<Form::kVelocity>(1, first, views, sums);
+      add_set<Form::kVelocity>(1, first, views, splats, sums);
   }
   void close_moment(double time) {
     for (size_t n = 0; n < changes_.size(); ++n)
@@ -80,7 +84,7 @@ class Summing {
 
   template <Form form>
   void add_set(int k, int64_t before, const ViewBatch<float>& views,
-               const ResidualPass::SplatSums& sums) {
+               const Buffer<Splat<float>>& splats, const ResidualPass::SplatSums& sums) {
     constexpr int64_t kGrain = 512;
     const GaussianSpans<const float> values = set(k).values();
     const ColourRules<float> colours =
@@ -91,7 +95,7 @@ class Summing {
         GaussianState<float> g;
         if (first == last || !load_gaussian<form>(values, n, g)) continue;
         for (int64_t s = first; s < last; ++s)
-          add_splat(views, colours, g, sums.splat[s], sums.sum[s], k, size_t(n));
+          add_splat(views, colours, g, splats[s], sums.sum[s], k, size_t(n));
       }
     });
   }
@@ -187,7 +191,7 @@ Worth measure_worth(Backend& backend, const GaussianModel& model, const LookedAt
     worth.squared_error += sum_of_squares(pass.residual());
     for (int64_t i = begin; i < end; ++i)
       worth.samples += counted_samples(at.scene->frames[size_t(at.frames[size_t(i)])]);
-    summing.add(pass.views(), pass.sums());
+    summing.add(pass);
     if (end == at.count() || time(end) != time(begin)) summing.close_moment(time(begin));
     begin = end;
   }
