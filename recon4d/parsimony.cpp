@@ -173,10 +173,11 @@ void Parsimony::thin(Trainer& trainer, const LookedAt& at, const ValidationRecor
   report.psnr = worth.psnr_after(0), report.knee = knee_count(order, worth);
   report.price = price_at(order, report.knee);
   const int64_t before = trainer.state().model.count();
+  if (before == 0) return;
   int64_t count = before, goal = trainer.state().goal;
   if (goal == 0 || options_.size != "knee" || options_.within_db > 0)
     goal = goal_of(trainer.host_model(), order, worth, validation, report.knee);
-  report.goal = goal = std::clamp<int64_t>(goal, 1, std::max<int64_t>(1, count));
+  report.goal = goal = std::clamp<int64_t>(goal, 1, count);
   const double share =
       options_.within_db > 0 ? 1.0 : 1.0 / double(rounds_left(report.iteration));
   count = std::llround(double(count) * std::pow(double(goal) / double(count), share));
