@@ -166,6 +166,7 @@ class Session {
 
   void train() {
     check_model();  // a run may have been stopped before it could
+    decide();
     while (true) {
       if (!stops())
         wall_.time(WallSplit::kTrain, [&] { stages_->run(*trainer_, next_pause()); });
