@@ -194,6 +194,25 @@ TEST(Parsimony, ResumeGoesOnBitForBit) {
   }
 }
 
+// Density control may have removed them all. Bug put back: thinned like any other; seen to fail,
+// by never coming back.
+TEST(Parsimony, NoGaussiansAreNothingToThin) {
+  TrainOptions options = thrifty_options();
+  options.max_gaussians = 50;
+  Thrifty run(options);
+  run.run(100);
+  run.training->trainer().rework([](TrainState& state) {
+    for (int k = 0; k < 2; ++k) {
+      state.set(k).resize(0);
+      state.set(k).ensure_moments();
+      state.statistics[k].reset(0, state.iteration);
+    }
+  });
+  run.run(200);
+  EXPECT_EQ(run.training->model().count(), 0);
+  EXPECT_TRUE(run.training->state().finished);
+}
+
 // Of one moment nothing can be said of motion. Bug put back: births of one moment; seen to fail.
 TEST(Parsimony, OneMomentDecidesNothingOfMotion) {
   TinyCapture capture;
