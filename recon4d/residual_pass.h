@@ -35,9 +35,9 @@ class ResidualPass {
   const Buffer<float>& residual() const { return residual_; }
   /// Splats with their sums over pixels, on the host.
   struct SplatSums {
-    Buffer<Splat<float>> splat;               // [S]
-    Buffer<SplatSensitivity<float>> sum;      // [S] of x: the residual, or what was given
-    Buffer<int64_t> first_of;                 // [N + 1] first splat of each Gaussian
+    Buffer<Splat<float>> splat;           // [S]
+    Buffer<SplatSensitivity<float>> sum;  // [S] of x: the residual, or what was given
+    Buffer<int64_t> first_of;             // [N + 1] first splat of each Gaussian
   };
   /// `x`: [3·pixels] on the host, in place of the residual; empty: the residual.
   const SplatSums& sums(Span<const float> x = {});

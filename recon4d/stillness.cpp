@@ -145,8 +145,8 @@ StillTrial try_still(Backend& backend, const GaussianModel& model, const Worth& 
   const GaussianSet still = still_form(model, of);
   for (int round = 0; round < kRounds && !trial.rows.empty(); ++round) {
     const GaussianSet candidates = select_rows(still, trial.rows);
-    const Added added = added_error(backend, model, tried(model, candidates, trial.rows),
-                                    trial.rows, at);
+    const Added added =
+        added_error(backend, model, tried(model, candidates, trial.rows), trial.rows, at);
     trial.error = added.total;
     std::vector<std::pair<double, int64_t>> accepted;
     for (size_t i = 0; i < trial.rows.size(); ++i) {

@@ -72,8 +72,7 @@ struct Spots {
       other.static_set.values().at(kSh, 1)[0] += float(red / kSh0);
       const Scene changed = tiny_capture(capture, other);
       for (size_t i = 0; i < scene.frames.size(); ++i)
-        if (scene.frames[i].frame_number == moment)
-          scene.frames[i].image = changed.frames[i].image;
+        if (scene.frames[i].frame_number == moment) scene.frames[i].image = changed.frames[i].image;
     }
     add_white_noise(scene, 1, 5);
   }

@@ -26,8 +26,7 @@ StillTrial tried(const GaussianModel& model, double allowed) {
 /// A static Gaussian below and these dynamic ones.
 GaussianModel model_with(Form form, const std::vector<Plain>& moving) {
   GaussianModel model = empty_model(form);
-  model.static_set =
-      plain_set(model.static_set, {{{0, -0.9, 0}, {0.3, 0.6, 0.4}, 0.1}});
+  model.static_set = plain_set(model.static_set, {{{0, -0.9, 0}, {0.3, 0.6, 0.4}, 0.1}});
   model.dynamic_set = plain_set(model.dynamic_set, moving);
   return model;
 }

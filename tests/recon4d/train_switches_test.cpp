@@ -204,8 +204,8 @@ int64_t some_instances(const std::string& key, bool value) {
 
 class Switch : public ::testing::TestWithParam<std::string> {};
 
-// Bugs put back, each seen to fail: rotations learn at a fixed rate (lr_rotation); all frames looked
-// at (look_frames).
+// Bugs put back, each seen to fail: rotations learn at a fixed rate (lr_rotation); all frames
+// looked at (look_frames).
 TEST_P(Switch, ChangesTheModel) {
   TrainOptions options = usual_options();
   for (const Alternative& row : same_models())

@@ -118,6 +118,20 @@ TEST(Worth, RemovalIsTheRealChangeWithMasksAndGains) {
     counted += 3 * (int64_t(frame.mask.data.size()) -
                     std::count(frame.mask.data.begin(), frame.mask.data.end(), 0));
   EXPECT_EQ(worth.samples, counted);
+  const std::vector<Picture> pictures = pictures_of(model, at);
+  double error = 0;
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    const Frame& frame = scene.frames[size_t(at.frames[i])];
+    const size_t pixels = frame.mask.data.size();
+    for (size_t j = 0; j < 3 * pixels; ++j) {
+      const size_t p = j % pixels, c = j / pixels;
+      if (frame.mask.data[p] == 0) continue;
+      const double r =
+          at.gain[i][int(c)] * double(pictures[i].rgb[j]) - frame.image.data[3 * p + c] / 255.0;
+      error += r * r;
+    }
+  }
+  EXPECT_NEAR(worth.squared_error, error, 1e-5 * error);
   const std::vector<Removal> order = removal_order(model, worth);
   for (const Removal& removal : order) {
     KeptRows rows = kept_rows(model, order, model.count());
@@ -139,8 +153,7 @@ void zero_above(GaussianSet& set, int64_t n, int d) {
   const int width = 3 * set.coefficients();
   for (int i = 3 * sh_coefficients(d); i < width; ++i) {
     v.at(kSh, n)[i] = 0;
-    for (int level = 0; level < set.time_levels(); ++level)
-      v.at(kShTime, n)[level * width + i] = 0;
+    for (int level = 0; level < set.time_levels(); ++level) v.at(kShTime, n)[level * width + i] = 0;
   }
 }
 
@@ -179,7 +192,7 @@ TEST(Worth, CutsAreTheRealChangeWhereBandsAreZeroed) {
 /// One static Gaussian before frames of one grey each, by moment.
 struct Ramp {
   GaussianModel model = empty_model();
-  Scene scene = noisy_ring(3, 5);
+  Scene scene = noisy_ring(6, 5);  // more than a batch at a moment
 
   explicit Ramp(const std::vector<int>& grey) {
     model.static_set = plain_set(model.static_set, {{{0, 0.1, 0}, {0.6, 0.5, 0.3}, 0.3, 0.9}});
@@ -204,7 +217,8 @@ TEST(Worth, ChangeOfARampInClosedForm) {
     for (size_t p = 0; p < pixels; ++p) {
       const double w = double(pictures[i].alpha[p]);
       for (size_t c = 0; c < 3; ++c)
-        sum[c] += w * (double(pictures[i].rgb[c * pixels + p]) - frame.image.data[3 * p + c] / 255.0);
+        sum[c] +=
+            w * (double(pictures[i].rgb[c * pixels + p]) - frame.image.data[3 * p + c] / 255.0);
       sum[3] += w * w;
     }
   }
@@ -253,8 +267,8 @@ TEST(Worth, CountsTheMomentsAtWhichItIsSeen) {
 // place of that at the moment.
 TEST(Worth, MomentAndOpacityAreMeansByLight) {
   GaussianModel model = empty_model();
-  model.dynamic_set = plain_set(
-      model.dynamic_set, {{{0, 0, 0}, {0.9, 0.2, 0.1}, 0.3, 0.6, 0.2, 0.3}, {{0, 99, 0}}});
+  model.dynamic_set = plain_set(model.dynamic_set,
+                                {{{0, 0, 0}, {0.9, 0.2, 0.1}, 0.3, 0.6, 0.2, 0.3}, {{0, 99, 0}}});
   const Scene scene = noisy_ring(3, 5);
   const LookedAt at = look_at_training(scene);
   const std::vector<Picture> pictures = pictures_of(model, at);

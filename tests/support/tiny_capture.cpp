@@ -205,8 +205,8 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
        {&state.exposure.log_gain, &state.exposure.moment1, &state.exposure.moment2})
     append_bits(bits, *values);
   for (const int32_t steps : state.exposure.steps) bits.push_back(uint32_t(steps));
-  for (int64_t value : {state.iteration, state.sampler_epoch, state.sampler_position,
-                        state.decided, state.goal, int64_t(state.finished)})
+  for (int64_t value : {state.iteration, state.sampler_epoch, state.sampler_position, state.decided,
+                        state.goal, int64_t(state.finished)})
     bits.push_back(uint32_t(value));
   return bits;
 }
