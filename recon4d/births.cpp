@@ -8,6 +8,16 @@
 #include "kernels/math/splat.h"
 
 namespace tessera {
+namespace {
+
+/// What χ² of so many degrees of freedom exceeds as rarely as a normal number exceeds `deviations`:
+/// its cube root is nearly normal (Wilson and Hilferty, 1931).
+double rare_chi_square(double freedom, double deviations) {
+  const double variance = 2 / (9 * freedom);
+  return freedom * std::pow(1 - variance + deviations * std::sqrt(variance), 3);
+}
+
+}  // namespace
 
 std::vector<int64_t> restless_rows(const Worth& worth, double least, int64_t most) {
   // under white noise of variance s² the gain is s² · χ² with 3·(moments − 1) degrees of freedom
@@ -18,7 +28,7 @@ std::vector<int64_t> restless_rows(const Worth& worth, double least, int64_t mos
   for (size_t n = 0; n < change.size(); ++n) {
     const double freedom = 3 * (double(change[n].moments) - 1);
     if (freedom <= 0) continue;
-    const double chance = noise * (freedom + kDeviations * std::sqrt(2 * freedom));
+    const double chance = noise * rare_chi_square(freedom, kDeviations);
     if (double(change[n].gain) > std::max(chance, least)) found.emplace_back(-change[n].gain, n);
   }
   std::sort(found.begin(), found.end());

@@ -76,9 +76,9 @@ int64_t Parsimony::next_after(int64_t iteration) const {
 }
 
 int64_t Parsimony::rounds_left(int64_t i) const {
-  return contains(rounds_, i) ? std::count_if(rounds_.begin(), rounds_.end(),
-                                              [i](int64_t r) { return r >= i; })
-                              : 0;
+  return contains(rounds_, i)
+             ? std::count_if(rounds_.begin(), rounds_.end(), [i](int64_t r) { return r >= i; })
+             : 0;
 }
 
 bool Parsimony::decides_motion(int64_t i) const {
@@ -175,18 +175,19 @@ void Parsimony::thin(Trainer& trainer, const LookedAt& at, const ValidationRecor
   report.psnr = worth.psnr_after(0), report.knee = knee_count(order, worth);
   report.price = price_at(order, report.knee);
   const int64_t before = trainer.state().model.count();
+  if (before == 0) return;
   int64_t count = before, goal = trainer.state().goal;
   if (goal == 0 || options_.size != "knee" || options_.within_db > 0)
     goal = goal_of(trainer.host_model(), order, worth, validation, report.knee);
-  report.goal = goal = std::clamp<int64_t>(goal, 1, std::max<int64_t>(1, count));
-  const double share =
-      options_.within_db > 0 ? 1.0 : 1.0 / double(rounds_left(report.iteration));
+  report.goal = goal = std::clamp<int64_t>(goal, 1, count);
+  const double share = options_.within_db > 0 ? 1.0 : 1.0 / double(rounds_left(report.iteration));
   count = std::llround(double(count) * std::pow(double(goal) / double(count), share));
   report.removed = before - count;
   // what hides behind those that go is seen only when they are gone: no more than a share at once
   constexpr double kAtOnce = 0.25;
   for (int64_t now = before; now > count;) {
-    const int64_t next = std::max(count, now - std::max<int64_t>(1, int64_t(kAtOnce * double(now))));
+    const int64_t next =
+        std::max(count, now - std::max<int64_t>(1, int64_t(kAtOnce * double(now))));
     const KeptRows kept = kept_rows(trainer.host_model(), order, next);
     trainer.rework([&](TrainState& state) { keep_rows(state, kept); });
     worth = measure_worth(backend_, trainer.host_model(), at);
@@ -210,8 +211,7 @@ void Parsimony::decide_colour(Trainer& trainer, const Worth& worth, double price
         const int most = std::min(int(degrees[n]), state.model.sh_degree);
         double least = price * rates.of(k == 1, most);
         for (int d = most - 1; d >= 0; --d) {
-          const double cost =
-              double(worth.sets[k].cut[n][size_t(d)]) + price * rates.of(k == 1, d);
+          const double cost = double(worth.sets[k].cut[n][size_t(d)]) + price * rates.of(k == 1, d);
           if (cost <= least) least = cost, degrees[n] = uint8_t(d);
         }
         ++report.degrees[degrees[n]];

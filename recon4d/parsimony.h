@@ -21,10 +21,10 @@ struct ParsimonyReport {
   int64_t static_before = 0, dynamic_before = 0, static_after = 0, dynamic_after = 0;
   int64_t knee = 0, goal = 0;  // Gaussians; goal 0: none at this step
   int64_t removed = 0, stilled = 0, born = 0;
-  double price = 0;        // squared error that a byte is worth
-  double still_error = 0;  // squared error that the stilled ones add
-  double psnr = 0;         // dB, of the frames looked at: before thinning,
-  double thinned = 0;      // and after it
+  double price = 0;                  // squared error that a byte is worth
+  double still_error = 0;            // squared error that the stilled ones add
+  double psnr = 0;                   // dB, of the frames looked at: before thinning,
+  double thinned = 0;                // and after it
   std::array<int64_t, 4> degrees{};  // Gaussians by SH degree, where that was decided
   double seconds = 0;
 };
@@ -47,13 +47,12 @@ class Parsimony {
   int64_t rounds_left(int64_t i) const;
   bool decides_motion(int64_t i) const;
   void decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyReport& report);
-  void decide_colour(Trainer& trainer, const Worth& worth, double price,
-                     ParsimonyReport& report);
+  void decide_colour(Trainer& trainer, const Worth& worth, double price, ParsimonyReport& report);
   void thin(Trainer& trainer, const LookedAt& at, const ValidationRecord& validation,
             ParsimonyReport& report);
   /// Gaussians to be left at the end, with some to spare for the last cut.
-  int64_t goal_of(const GaussianModel& model, const std::vector<Removal>& order,
-                  const Worth& worth, const ValidationRecord& validation, int64_t knee) const;
+  int64_t goal_of(const GaussianModel& model, const std::vector<Removal>& order, const Worth& worth,
+                  const ValidationRecord& validation, int64_t knee) const;
 
   Backend& backend_;
   const TrainOptions options_;

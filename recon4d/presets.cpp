@@ -10,14 +10,13 @@ namespace {
 const OptionOverrides kParsimony = {
     {"size", "knee"}, {"decide_motion", true}, {"decide_colour", true}};
 /// What is large stays: walls are.
-const OptionOverrides kBalanced =
-    joined(kParsimony, {{"iterations", 7000},
-                        {"idle_updates", "lazy"},
-                        {"init_points", 50000},
-                        {"peak_gaussians", 400000},
-                        {"prune_extent", 0},
-                        {"sweep", true},
-                        {"split_by_motion", true}});
+const OptionOverrides kBalanced = joined(kParsimony, {{"iterations", 7000},
+                                                      {"idle_updates", "lazy"},
+                                                      {"init_points", 50000},
+                                                      {"peak_gaussians", 400000},
+                                                      {"prune_extent", 0},
+                                                      {"sweep", true},
+                                                      {"split_by_motion", true}});
 /// Rigs of few cameras fit noise with more: 108,000 for ten of 480 × 360.
 constexpr int64_t kPixelsPerGaussian = 16;
 /// Photos of a place: what is seen far behind it is part of it.
@@ -33,8 +32,7 @@ const OptionOverrides kMcmc = {{"densification", "mcmc"},
 
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> rows = {
-      {"fast",
-       "minutes on a CPU: few initial points, short schedule",
+      {"fast", "minutes on a CPU: few initial points, short schedule",
        joined(kParsimony, {{"iterations", 2000},
                            {"schedule_iterations", 30000},
                            {"init_points", 20000},
@@ -46,8 +44,8 @@ const std::vector<Preset>& presets() {
                            {"sweep", true},
                            {"split_by_motion", true}}),
        kStill},
-      {"balanced", "the default: 7,000 steps, what does not move becomes static",
-       kBalanced, kStill, kPixelsPerGaussian},
+      {"balanced", "the default: 7,000 steps, what does not move becomes static", kBalanced, kStill,
+       kPixelsPerGaussian},
       {"best",
        "balanced as a Markov chain of 200,000 Gaussians before they are thinned out; of one "
        "timestep 30,000 steps, a million",

@@ -35,10 +35,15 @@ LookedAt look_at_training(const Scene& scene, int64_t most) {
     at.frames = std::move(frames);
     return at;
   }
-  // every moment's frames begin at another camera: a stride alone would meet the same ones
-  constexpr double kGolden = 0.6180339887498949;
+  // a lattice: those chosen of a camera are evenly spread over moments, those of a moment over
+  // cameras
+  constexpr double kGolden = 0.6180339887498949, kSilver = 0.4142135623730951;
   std::vector<std::pair<double, int64_t>> key;
-  for (int64_t i = 0; i < count; ++i) key.emplace_back(std::fmod(double(i) * kGolden, 1.0), i);
+  int64_t moment = 0, place = 0;  // in its moment
+  for (int64_t i = 0; i < count; ++i, ++place) {
+    if (i > 0 && by_time(frames[size_t(i - 1)], frames[size_t(i)])) ++moment, place = 0;
+    key.emplace_back(std::fmod(kGolden * double(moment) + kSilver * double(place), 1.0), i);
+  }
   std::nth_element(key.begin(), key.begin() + most, key.end());
   std::vector<int64_t> chosen;
   for (int64_t i = 0; i < most; ++i) chosen.push_back(key[size_t(i)].second);

@@ -18,7 +18,7 @@ struct SizeContract {
   int64_t bytes = 0;
   double least_psnr = 0;  // dB, by `psnr` below
 
-  ShippedBytes shipped_bytes;                                // for `bytes`
+  ShippedBytes shipped_bytes;                              // for `bytes`
   std::function<double(const GaussianModel& model)> psnr;  // for `least_psnr`
 };
 

@@ -10,6 +10,7 @@
 #include "kernels/base/parallel.h"
 #include "kernels/math/splat.h"
 #include "recon4d/hygiene.h"
+#include "recon4d/render.h"
 #include "recon4d/set_rows.h"
 #include "recon4d/shape3.h"
 
@@ -19,8 +20,8 @@ namespace {
 constexpr int64_t kPixelGrain = 1 << 15, kGaussianGrain = 2048;  // per task
 
 template <Form form>
-void place_still(const GaussianSpans<const float>& from, int64_t n, float moment, float opacity,
-                 const GaussianSpans<float>& to) {
+void place_still(const GaussianSpans<const float>& from, const ColourRules<float>& colours,
+                 int64_t n, float moment, float opacity, const GaussianSpans<float>& to) {
   std::copy_n(from.at(kMean, n), 3, to.at(kMean, n));
   std::copy_n(from.at(kLogScale, n), 3, to.at(kLogScale, n));
   std::copy_n(from.at(kRotation, n), 4, to.at(kRotation, n));
@@ -28,11 +29,13 @@ void place_still(const GaussianSpans<const float>& from, int64_t n, float moment
   *to.at(kOpacityLogit, n) = *from.at(kOpacityLogit, n);
   GaussianState<float> g;
   if (!(opacity > 0) || !load_gaussian<form>(from, n, g)) return;
-  const Vec3<float> mean = slice_at(g.mean, g.spacetime, moment).mean;
+  const Slice<float> slice = slice_at(g.mean, g.spacetime, moment);
+  float room[3 * kMaxShCoefficients];
+  std::copy_n(sh_at(colours, g, slice.delta, room), colours.scalars(), to.at(kSh, n));
   const Sym3<float>& c = g.spacetime.covariance;
   const Shape3 shape = shape_of(Sym3<double>{c.xx, c.xy, c.xz, c.yy, c.yz, c.zz});
   for (int k = 0; k < 3; ++k) {
-    to.at(kMean, n)[k] = mean[k];
+    to.at(kMean, n)[k] = slice.mean[k];
     to.at(kLogScale, n)[k] = float(shape.log_scale[k]);
   }
   for (int k = 0; k < 4; ++k) to.at(kRotation, n)[k] = float(shape.rotation[k]);
@@ -61,8 +64,8 @@ void for_each_batch(const LookedAt& at, Look&& look) {
     look(begin, std::min(begin + kBatch, at.count()));
 }
 
-/// Squared error of every pixel of the last look: the sum over RGB in the first channel, [3·pixels],
-/// zeros in the others.
+/// Squared error of every pixel of the last look: the sum over RGB in the first channel,
+/// [3·pixels], zeros in the others.
 void squares(const ResidualPass& pass, Buffer<float>& out) {
   const Buffer<float>& residual = pass.residual();
   out.resize(residual.size());
@@ -130,11 +133,13 @@ GaussianSet still_form(const GaussianModel& model, const SetWorth& worth) {
   const GaussianSpans<const float> from = model.dynamic_set.values();
   GaussianSet still(Form::kStatic, from.coefficients);
   still.resize(from.count);
+  const ColourRules<float> colours =
+      make_colour_rules<float>(render_options(model), from.coefficients, from.time_levels);
   for (int64_t n = 0; n < from.count; ++n) {
     const float moment = worth.moment[size_t(n)], opacity = worth.opacity[size_t(n)];
     from.form == Form::kPair
-        ? place_still<Form::kPair>(from, n, moment, opacity, still.values())
-        : place_still<Form::kVelocity>(from, n, moment, opacity, still.values());
+        ? place_still<Form::kPair>(from, colours, n, moment, opacity, still.values())
+        : place_still<Form::kVelocity>(from, colours, n, moment, opacity, still.values());
   }
   return still;
 }
@@ -150,8 +155,8 @@ StillTrial try_still(Backend& backend, const GaussianModel& model, const Worth& 
   const std::vector<Buffer<float>> before = squares_of(backend, model, at);
   for (int round = 0; round < kRounds && !trial.rows.empty(); ++round) {
     const GaussianSet candidates = select_rows(still, trial.rows);
-    const Added added = added_error(backend, tried(model, candidates, trial.rows),
-                                    candidates.count(), before, at);
+    const Added added =
+        added_error(backend, tried(model, candidates, trial.rows), candidates.count(), before, at);
     trial.error = added.total;
     std::vector<std::pair<double, int64_t>> accepted;
     for (size_t i = 0; i < trial.rows.size(); ++i) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernels/base/errors.h"
 #include "recon4d/hygiene.h"
@@ -25,8 +26,12 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Worth& wort
     for (size_t n = 0; n < of.weight.size(); ++n)
       order.push_back({k, int64_t(n), double(of.removal2[n]), bytes});
   }
-  std::stable_sort(order.begin(), order.end(),
-                   [](const Removal& a, const Removal& b) { return a.price() < b.price(); });
+  const auto is_lit = [&](const Removal& removal) {
+    return worth.sets[removal.set].weight[size_t(removal.row)] > 0;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](const Removal& a, const Removal& b) {
+    return std::pair(a.price(), is_lit(a)) < std::pair(b.price(), is_lit(b));
+  });
   return order;
 }
 

@@ -32,7 +32,8 @@ struct Removal {
   double price() const { return error / bytes; }
 };
 
-/// All Gaussians of a model, the cheapest first; equals in the order of their rows.
+/// All Gaussians of a model, the cheapest first; of equals those without light, then in the order
+/// of their rows.
 std::vector<Removal> removal_order(const GaussianModel& model, const Worth& worth,
                                    const ByteRates& rates = {});
 

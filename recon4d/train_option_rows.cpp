@@ -195,7 +195,7 @@ const std::vector<OptionRow>& train_option_rows() {
        "[Hybrid4D]"},
       {"max_gaussians", &O::max_gaussians, 0, 1e9,
        "Gaussians of both sets together that are shipped; 0: no limit", "ours"},
-      {"max_bytes", &O::max_bytes, 0, 1e15,
+      {"max_bytes", &O::max_bytes, 0, 1e14,
        "bytes of the shipped file (export --format tessera); 0: no limit", "ours"},
       {"within_db", &O::within_db, 0, 100,
        "ship the smallest model whose PSNR on the frames set aside is within so many dB of the "

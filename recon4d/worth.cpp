@@ -175,8 +175,8 @@ void SetWorth::resize(int64_t count) {
 }
 
 double Worth::psnr_after(double added) const {
-  return 10 * std::log10(double(std::max<int64_t>(1, samples)) /
-                         std::max(1e-12, squared_error + added));
+  return 10 *
+         std::log10(double(std::max<int64_t>(1, samples)) / std::max(1e-12, squared_error + added));
 }
 
 Worth measure_worth(Backend& backend, const GaussianModel& model, const LookedAt& at) {

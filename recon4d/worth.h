@@ -34,9 +34,9 @@ struct SetWorth {
 };
 
 struct Worth {
-  SetWorth sets[2];         // static, dynamic
-  double squared_error = 0;  // over all pictures
-  int64_t samples = 0;       // 3 · pixels that count
+  SetWorth sets[2];                       // static, dynamic
+  double squared_error = 0;               // over all pictures
+  int64_t samples = 0;                    // 3 · pixels that count
   double psnr_after(double added) const;  // dB, of the mean squared error with so much more
 };
 

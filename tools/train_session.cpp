@@ -166,9 +166,9 @@ class Session {
 
   void train() {
     check_model();  // a run may have been stopped before it could
+    decide();
     while (true) {
-      if (!stops())
-        wall_.time(WallSplit::kTrain, [&] { stages_->run(*trainer_, next_pause()); });
+      if (!stops()) wall_.time(WallSplit::kTrain, [&] { stages_->run(*trainer_, next_pause()); });
       if (!interrupted()) check_model();
       if (!interrupted()) decide();
       const int64_t i = trainer_->state().iteration;
@@ -224,9 +224,10 @@ class Session {
     if (validation_->best() == nullptr && !fits) return trainer_->host_model();
     GaussianModel best = validation_->best() != nullptr ? validation_->shipped()
                                                         : trainer_->host_model().clone_values();
-    if (fits) best = wall_.time(WallSplit::kEvaluate, [&] {
-      return fit_to(contract(), *backend_, best, trainer_->looked_at(0));
-    });
+    if (fits)
+      best = wall_.time(WallSplit::kEvaluate, [&] {
+        return fit_to(contract(), *backend_, best, trainer_->looked_at(0));
+      });
     shipped_ = std::move(best);
     return *shipped_;
   }

@@ -194,7 +194,9 @@ TEST_F(CheckpointFile, ImpossibleHeaders) {
                                       "anchor",
                                       "sh_time",
                                       "exposures",
-                                      "environment_height"};
+                                      "environment_height",
+                                      "decided",
+                                      "goal"};
     if (std::find(std::begin(kLater), std::end(kLater), key) != std::end(kLater)) {
       EXPECT_EQ(refusal(with_header(without)), "");
       continue;

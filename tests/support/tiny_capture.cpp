@@ -146,6 +146,19 @@ Training& Training::run(int64_t iteration, Validation& validation) {
   return *this;
 }
 
+Training& Training::run(int64_t iteration, Parsimony& parsimony, Validation& validation) {
+  while (state().iteration < iteration) {
+    int64_t next = std::min(iteration, parsimony.next_after(state().iteration));
+    if (validation.on()) next = std::min(next, validation.next_after(state().iteration));
+    trainer_.run(next);
+    const int64_t i = state().iteration;
+    if (validation.due(i)) validation.check(trainer_.host_model(), i, state().seconds);
+    if (const auto report = parsimony.act(trainer_, validation.record()))
+      decisions_.push_back(*report);
+  }
+  return *this;
+}
+
 double Training::psnr() const {
   std::vector<View> views;
   for (const Frame& frame : scene_.frames) views.push_back({frame.camera, frame.time});
@@ -192,8 +205,8 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
        {&state.exposure.log_gain, &state.exposure.moment1, &state.exposure.moment2})
     append_bits(bits, *values);
   for (const int32_t steps : state.exposure.steps) bits.push_back(uint32_t(steps));
-  for (int64_t value :
-       {state.iteration, state.sampler_epoch, state.sampler_position, int64_t(state.finished)})
+  for (int64_t value : {state.iteration, state.sampler_epoch, state.sampler_position, state.decided,
+                        state.goal, int64_t(state.finished)})
     bits.push_back(uint32_t(value));
   return bits;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "recon4d/parsimony.h"
 #include "recon4d/trainer.h"
 #include "recon4d/validation.h"
 
@@ -44,11 +45,16 @@ class Training : private Observer {
   /// With the checks that fall due, until `iteration` steps or the stop.
   Training& run(int64_t iteration, Validation& validation);
 
+  /// With the decisions that fall due too, in the order in which the program takes them.
+  Training& run(int64_t iteration, Parsimony& parsimony, Validation& validation);
+  const std::vector<ParsimonyReport>& decisions() const { return decisions_; }
+
   const TrainState& state() const { return trainer_.state(); }
   const GaussianModel& model() const { return trainer_.state().model; }
   const std::vector<StepReport>& steps() const { return steps_; }
   const std::vector<DensityReport>& density() const { return density_; }
   Backend& backend() { return backend_; }
+  Trainer& trainer() { return trainer_; }
   /// PSNR of all training frames, un-quantised.
   double psnr() const;
 
@@ -63,6 +69,7 @@ class Training : private Observer {
   Backend& backend_;
   std::vector<StepReport> steps_;
   std::vector<DensityReport> density_;
+  std::vector<ParsimonyReport> decisions_;
   Trainer trainer_;
 };
 
