@@ -3,7 +3,6 @@
 #include "recon4d/residual_pass.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "recon4d/render.h"
@@ -35,20 +34,22 @@ LookedAt look_at_training(const Scene& scene, int64_t most) {
     at.frames = std::move(frames);
     return at;
   }
-  // a lattice: those chosen of a camera are evenly spread over moments, those of a moment over
-  // cameras
-  constexpr double kGolden = 0.6180339887498949, kSilver = 0.4142135623730951;
-  std::vector<std::pair<double, int64_t>> key;
-  int64_t moment = 0, place = 0;  // in its moment
-  for (int64_t i = 0; i < count; ++i, ++place) {
-    if (i > 0 && by_time(frames[size_t(i - 1)], frames[size_t(i)])) ++moment, place = 0;
-    key.emplace_back(std::fmod(kGolden * double(moment) + kSilver * double(place), 1.0), i);
+  // whole moments: what cameras miss each in its own way must not look like a change with time
+  std::vector<int64_t> first;  // frame of each moment
+  for (int64_t i = 0; i < count; ++i)
+    if (i == 0 || by_time(frames[size_t(i - 1)], frames[size_t(i)])) first.push_back(i);
+  const auto moments = int64_t(first.size());
+  first.push_back(count);
+  if (moments == 1) {
+    for (int64_t i = 0; i < most; ++i) at.frames.push_back(frames[size_t(i * count / most)]);
+    return at;
   }
-  std::nth_element(key.begin(), key.begin() + most, key.end());
-  std::vector<int64_t> chosen;
-  for (int64_t i = 0; i < most; ++i) chosen.push_back(key[size_t(i)].second);
-  std::sort(chosen.begin(), chosen.end());
-  for (const int64_t i : chosen) at.frames.push_back(frames[size_t(i)]);
+  const int64_t wanted = std::clamp<int64_t>(most * moments / count, 2, moments);
+  for (int64_t m = 0; m < wanted; ++m) {
+    const int64_t moment = m * (moments - 1) / (wanted - 1);
+    for (int64_t i = first[size_t(moment)]; i < first[size_t(moment) + 1]; ++i)
+      at.frames.push_back(frames[size_t(i)]);
+  }
   return at;
 }
 

@@ -75,10 +75,7 @@ KeptRows kept_rows(const GaussianModel& model, const std::vector<Removal>& order
 
 void keep_rows(TrainState& state, const KeptRows& rows) {
   const std::unique_ptr<Backend> host = make_cpu_backend();
-  for (int k = 0; k < 2; ++k) {
-    keep_rows(*host, rows.of[k], state.set(k), state.statistics[k]);
-    state.statistics[k].reset(state.set(k).count(), state.iteration);
-  }
+  for (int k = 0; k < 2; ++k) keep_rows(*host, rows.of[k], state.set(k), state.statistics[k]);
 }
 
 GaussianModel with_rows(const GaussianModel& model, const KeptRows& rows) {

@@ -54,7 +54,8 @@ struct KeptRows {
 };
 KeptRows kept_rows(const GaussianModel& model, const std::vector<Removal>& order, int64_t count);
 
-/// Leaves only these rows, in the host's memory; moments stay with their rows.
+/// Leaves only these rows, in the host's memory; moments and statistics
+/// stay with their rows.
 void keep_rows(TrainState& state, const KeptRows& rows);
 GaussianModel with_rows(const GaussianModel& model, const KeptRows& rows);
 

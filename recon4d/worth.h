@@ -23,6 +23,7 @@ struct SetWorth {
   struct Change {
     float gain = 0;        // squared error that a colour of its own at every moment would take away
     float moments = 0;     // at which it was seen
+    float light = 0;       // squared error that leaving its light out would add, moment by moment
     float peak_time = 0;   // where most of the gain is
     float peak_gain = 0;   // there
     float lasting = 0;     // moments whose gain is at least half of that
