@@ -37,9 +37,8 @@ GaussianModel grey_crowd(int64_t count) {
   return model;
 }
 
-// With two moments, three degrees of freedom, the tail is longest.
-// Bugs put back, each seen to fail: five deviations of a normal distribution in place of the tail
-// of χ²; degrees of freedom of one channel; the noise of a picture in place of that of a sample.
+// With two moments, three degrees of freedom, the tail is longest. Bugs put back, each seen to
+// fail: the tail of a normal distribution; degrees of freedom of one channel.
 TEST(Births, NothingIsBornOfWhiteNoise) {
   const GaussianModel model = grey_crowd(2500);
   for (const int moments : {2, 3, 8})
@@ -78,8 +77,7 @@ struct Spots {
   }
 };
 
-// Bugs put back, each seen to fail: the gain's sign; the colour of the mean over moments; the scale
-// of time of a lasting change; pairs with r = l.
+// Bug put back: pairs with r near l; seen to fail.
 TEST(Births, WhereAColourChangesAtThatMomentWithThatColour) {
   for (const Form form : {Form::kPair, Form::kVelocity}) {
     const Spots spots(form, 1);

@@ -40,8 +40,7 @@ std::vector<int64_t> steps_of(const Backend& backend, const TrainOptions& option
   return steps;
 }
 
-// Bugs put back, each seen to fail: steps not scaled with the schedule; the last round at the end
-// of the training; motion decided on while none is dynamic.
+// Bug put back: thin_until not scaled with the schedule; seen to fail.
 TEST(Parsimony, DecidesAtItsSteps) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   using Steps = std::vector<int64_t>;
@@ -101,8 +100,7 @@ struct Thrifty {
   const std::vector<ParsimonyReport>& decisions() const { return training->decisions(); }
 };
 
-// Bugs put back, each seen to fail: the goal found anew at every round; a share of the goal in
-// place of the whole at the last round; kept colours of what went.
+// Bug put back: the goal found anew at every round; seen to fail.
 TEST(Parsimony, TheLastRoundLeavesTheKneeOfTheFirst) {
   const Thrifty run = std::move(Thrifty(thrifty_options()).run(180));
   ASSERT_EQ(run.decisions().size(), 7u);
@@ -131,8 +129,7 @@ TEST(Parsimony, TheLastRoundLeavesTheKneeOfTheFirst) {
   EXPECT_EQ(degrees[3], 0) << "of two bands";
 }
 
-// C13. Bugs put back, each seen to fail: the goal without its spare; bytes at our rates in place of
-// the file's.
+// C13. Bug put back: the goal without its spare; seen to fail.
 TEST(Parsimony, TheLastRoundLeavesALittleMoreThanIsAskedFor) {
   TrainOptions options = thrifty_options();
   options.max_gaussians = 80;
@@ -143,7 +140,7 @@ TEST(Parsimony, TheLastRoundLeavesALittleMoreThanIsAskedFor) {
   EXPECT_GT(bytes, 5200 - 400);  // what is left differs from what went
 }
 
-// Bug put back: every one of the frames set aside loses what a round may cost; seen to fail.
+// Bug put back: 1 dB, whatever was asked for; seen to fail.
 TEST(Parsimony, AFewDecibelsAreTakenFromWhatThePicturesPredict) {
   TrainOptions options = thrifty_options();
   options.decide_motion = false, options.validation_share = 0.2, options.validate_interval = 20;
@@ -158,7 +155,7 @@ TEST(Parsimony, AFewDecibelsAreTakenFromWhatThePicturesPredict) {
   EXPECT_LT(far, near);
 }
 
-// Bugs put back, each seen to fail: `decided` not saved; not looked at.
+// Bug put back: `decided` not looked at; seen to fail.
 TEST(Parsimony, DecidesOnceAtAStepAlsoAfterAResume) {
   Thrifty run = std::move(Thrifty(thrifty_options()).run(101));
   ASSERT_EQ(run.decisions().size(), 4u);
@@ -178,7 +175,7 @@ TEST(Parsimony, DecidesOnceAtAStepAlsoAfterAResume) {
   EXPECT_TRUE(state_bits(late.training->state()) == state_bits(run.training->state()));
 }
 
-// E5. Bugs put back, each seen to fail: the goal not saved; degrees of rows not saved.
+// E5. Bug put back: the goal not read from the checkpoint; seen to fail.
 TEST(Parsimony, ResumeGoesOnBitForBit) {
   for (const char* updates : {"dense", "lazy"}) {
     TrainOptions options = thrifty_options();

@@ -42,7 +42,7 @@ int64_t hide(GaussianModel& model) {
   return 7;
 }
 
-// C12. Bugs put back, each seen to fail: one more than the unseen gone; none gone.
+// C12. Bug put back: one more than the unseen gone; seen to fail.
 TEST(SizeContract, WhatNoTrainingFrameSeesGoesAndNoPictureChanges) {
   Contracted c;
   const int64_t hidden = hide(c.model);
@@ -58,8 +58,8 @@ TEST(SizeContract, WhatNoTrainingFrameSeesGoesAndNoPictureChanges) {
     expect_near_all(held_after[i].rgb, held[i].rgb, 1e-4, "held out");
 }
 
-// A black Gaussian before black adds no error by going, but it is seen.
-// Bug put back: equals of price in the order of rows, seen or not; seen to fail.
+// A black Gaussian before black adds no error by going, but it is seen. Bug put back: equals of
+// price in the order of rows, seen or not; seen to fail.
 TEST(SizeContract, WhatIsSeenStaysHoweverLittleItDoes) {
   Contracted c;
   c.model = empty_model();
@@ -77,7 +77,7 @@ TEST(SizeContract, SoManyAsAreAskedForOrAll) {
     EXPECT_EQ(c.count({asked}), std::min(asked, seen)) << asked;
 }
 
-// Bugs put back, each seen to fail: the smallest that does not fit; a search that ends early.
+// Bug put back: the smallest that does not fit; seen to fail.
 TEST(SizeContract, TheLargestFileThatFits) {
   const Contracted c;
   SizeContract contract;
@@ -98,7 +98,7 @@ TEST(SizeContract, TheLargestFileThatFits) {
   EXPECT_EQ(c.count(contract), 0) << "not even the header fits";
 }
 
-// Bugs put back, each seen to fail: the largest that is too bad; the first that is good enough.
+// Bug put back: the largest that is too bad; seen to fail.
 TEST(SizeContract, TheSmallestThatIsGoodEnough) {
   const Contracted c;
   SizeContract contract;

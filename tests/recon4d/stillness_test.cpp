@@ -33,8 +33,7 @@ GaussianModel model_with(Form form, const std::vector<Plain>& moving) {
 
 constexpr double kAllowed = 0.05;  // squared error; each of these adds at least ten times that
 
-// Bugs put back, each seen to fail: the time of life looked at alone (one that moves passes); the
-// error of the static form shared out by the dynamic one's place alone.
+// Bug put back: the limit not looked at; seen to fail.
 TEST(Stillness, WhatLastsAndDoesNotMoveIsAccepted) {
   const Plain still{{0, -0.4, 0}, {0.9, 0.4, 0.1}, 0.1, 0.8};
   Plain moves = still, half = still;
@@ -54,8 +53,8 @@ TEST(Stillness, WhatLastsAndDoesNotMoveIsAccepted) {
   }
 }
 
-// Colour that changes at rest: one goes as the other comes, each alone might last.
-// Bug put back: one round, whatever all of them add together; seen to fail.
+// Colour that changes at rest: one goes as the other comes, each alone might last. Bug put back:
+// one round, whatever is left; seen to fail.
 TEST(Stillness, AChangeOfColourIsMotion) {
   Plain before{{0, 0.6, 0}, {0.9, 0.1, 0.1}, 0.12, 0.9, 0, 0.35}, after = before;
   after.colour = {0.1, 0.2, 0.9}, after.mean_time = 1;
@@ -69,7 +68,7 @@ TEST(Stillness, AChangeOfColourIsMotion) {
   EXPECT_TRUE(tried(model_with(Form::kPair, {dims}), kAllowed).rows.empty());
 }
 
-// Bugs put back, each seen to fail: the limit not looked at; rows without light tried.
+// Bug put back: rows without light tried; seen to fail.
 TEST(Stillness, AcceptsWhatIsAllowedAndNothingUnseen) {
   const Plain lasting{{0, 0.5, 0}, {0.9, 0.4, 0.1}, 0.2, 0.8, 0.5, 1.5};  // fades by 5 %
   Plain unseen = lasting;
@@ -98,8 +97,7 @@ SetWorth at_moment(const GaussianModel& model, float t) {
   return worth;
 }
 
-// Bugs put back, each seen to fail: the mean of the Gaussian in place of its slice; its opacity;
-// the scales of four dimensions; levels of time left out.
+// Bugs put back, each seen to fail: the opacity of the Gaussian; levels of time left out.
 TEST(Stillness, TheStaticFormDrawsTheSliceAtItsMoment) {
   for (const Form form : kForms)
     for (const float t : {0.1f, 0.5f, 0.8f})
@@ -120,7 +118,7 @@ TEST(Stillness, TheStaticFormDrawsTheSliceAtItsMoment) {
       }
 }
 
-// Bug put back: a row without light read as a moment of 0; seen to fail.
+// Bug put back: rows without light placed too; seen to fail.
 TEST(Stillness, WithoutLightItStaysWhereItsOwnMomentHasIt) {
   const GaussianModel model = random_model(0, 5, 7, 4, Form::kVelocity);
   SetWorth worth;

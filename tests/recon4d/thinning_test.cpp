@@ -40,8 +40,7 @@ std::vector<Removal> made_order(const Worth& worth) {
   return removal_order(made_model(worth), worth);
 }
 
-// Bugs put back, each seen to fail: by error alone (a dynamic one frees more bytes); the dearest
-// first.
+// Bug put back: by error alone (a dynamic one frees more bytes); seen to fail.
 TEST(Thinning, TheCheapestByteGoesFirst) {
   const ByteRates rates;
   EXPECT_GT(rates.of(true, 0), rates.of(false, 0));
@@ -59,7 +58,7 @@ TEST(Thinning, TheCheapestByteGoesFirst) {
   EXPECT_EQ(errors, (std::vector<float>{1.5f, 1, 3, 5, 9}));
 }
 
-// Bugs put back, each seen to fail: an unstable order; what has light before what has none.
+// Bug put back: by price alone; seen to fail.
 TEST(Thinning, EqualsGoInTheOrderOfRowsAndWhatHasNoLightFirst) {
   Worth worth = made_worth({2, 2, 0, 2, 0});
   worth.sets[0].weight[4] = 0;
@@ -68,8 +67,7 @@ TEST(Thinning, EqualsGoInTheOrderOfRowsAndWhatHasNoLightFirst) {
   EXPECT_EQ(rows, (std::vector<int64_t>{4, 2, 0, 1, 3}));
 }
 
-// C13. Bugs put back, each seen to fail: one more kept; the cheapest kept; a negative count taken
-// as a large one.
+// C13. Bug put back: one more kept; seen to fail.
 TEST(Thinning, LeavesExactlySoMany) {
   const Worth worth = made_worth({5, 1, 3, 2, 8, 0, 0}, {1, 9, 4, 0});
   const GaussianModel model = made_model(worth);
@@ -93,8 +91,7 @@ TEST(Thinning, LeavesExactlySoMany) {
   EXPECT_THROW(kept_rows(model, made_order(made_worth({1, 2})), 1), std::logic_error);
 }
 
-// Bugs put back, each seen to fail: the last point of the most in place of the first; bytes not on
-// a logarithm; the error not summed.
+// Bug put back: the point after the last of the most; seen to fail.
 TEST(Thinning, TheKneeKeepsTheHalfThatDoesSomething) {
   for (const float each : {1e-4f, 0.01f, 1.0f}) {
     std::vector<float> removal(200, 0.0f);
@@ -108,8 +105,7 @@ TEST(Thinning, TheKneeKeepsTheHalfThatDoesSomething) {
   }
 }
 
-// The k-th of N costs e^(−λ k/N): the curve bends once. Bug put back: the first point where the
-// curve is above the line; seen to fail.
+// The k-th of N costs e^(−λ k/N): the curve bends once.
 TEST(Thinning, TheKneeLiesFarthestAboveTheLine) {
   const int64_t count = 500;
   std::vector<float> removal;
@@ -135,7 +131,7 @@ TEST(Thinning, TheKneeLiesFarthestAboveTheLine) {
   EXPECT_LT(knee, count / 2);
 }
 
-// Bugs put back, each seen to fail: all kept where none does anything; an end of nothing.
+// Bug put back: no least share; seen to fail.
 TEST(Thinning, TheKneeOfWhatDoesNothingIsTheLeastShare) {
   const auto knee = [](const Worth& worth, double share) {
     return knee_count(made_order(worth), worth, share);
@@ -172,7 +168,7 @@ std::vector<float> row_of(const GaussianSet& set, int64_t n) {
   return row;
 }
 
-// Bugs put back, each seen to fail: rows of the other set; statistics of before kept.
+// Bug put back: statistics left as they were; seen to fail.
 TEST(Thinning, RowsKeepTheirValuesAndMoments) {
   for (const Form form : {Form::kPair, Form::kVelocity}) {
     HandmadeSet fixed(Form::kStatic, 9), moving(form, 7);
@@ -196,8 +192,7 @@ TEST(Thinning, RowsKeepTheirValuesAndMoments) {
   }
 }
 
-// Bugs put back, each seen to fail: moments of the added ones copied from the first; the count not
-// declared.
+// Bug put back: moments of the added ones copied from the first; seen to fail.
 TEST(SetRows, AddedRowsStandBehindWithoutMoments) {
   HandmadeSet to(Form::kPair, 5), from(Form::kPair, 3);
   const GaussianSet before = to.set.clone_to(host_memory());

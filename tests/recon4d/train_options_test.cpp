@@ -205,7 +205,7 @@ TEST(TrainOptions, ValidateLooksAtPairs) {
   }
 }
 
-// Bugs put back, each seen to fail: within_db not counted; two of them let pass.
+// Bug put back: within_db not counted; seen to fail.
 TEST(TrainOptions, OneContractOfSizeAtATime) {
   const auto says = [](int64_t gaussians, int64_t bytes, double decibels) {
     TrainOptions options;
@@ -217,7 +217,7 @@ TEST(TrainOptions, OneContractOfSizeAtATime) {
     expect_says(refused, {"max_gaussians, max_bytes and within_db", "pass one"});
 }
 
-// Bugs put back, each seen to fail: the smaller of the two limits; a limit of growth alone thins.
+// Bug put back: the smaller of the two limits; seen to fail.
 TEST(TrainOptions, GrowsBeyondWhatIsAskedForAndThinsThen) {
   const auto made = [](int64_t peak, int64_t most) {
     TrainOptions options;

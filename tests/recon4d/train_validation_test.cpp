@@ -117,8 +117,8 @@ TEST(ValidationRecord, CountsChecksWithoutAGain) {
   EXPECT_EQ(patient.best_iteration, 1);
 }
 
-// Bugs put back, each seen to fail: the smaller one of any PSNR; the best counted from its own PSNR
-// in place of the peak's; a better one of more Gaussians taken.
+// Bugs put back, each seen to fail: the smaller one of any PSNR; the best counted from its own
+// PSNR in place of the peak's.
 TEST(ValidationRecord, WithinSoManyDecibelsTheSmallestIsTheBest) {
   ValidationRecord record;
   const auto add = [&](int64_t i, double psnr, int64_t gaussians) {
@@ -139,8 +139,8 @@ TEST(ValidationRecord, WithinSoManyDecibelsTheSmallestIsTheBest) {
   EXPECT_EQ(record.best_seconds, 6);
 }
 
-// What is lost is lost: a model above the size that is asked for is not shipped however good.
-// Bugs put back, each seen to fail: the best PSNR of before still to be beaten; patience goes on.
+// What is lost is lost: a model above the size that is asked for is not shipped however good. Bug
+// put back: the best PSNR of before still to be beaten; seen to fail.
 TEST(ValidationRecord, AfterARestartTheBestIsFoundAnew) {
   ValidationRecord record;
   for (int64_t i = 1; i <= 5; ++i) record.add(i, 1, 31 - double(i), 1000, 4);

@@ -35,8 +35,7 @@ double light_of(const SetWorth& of) {
   return sum;
 }
 
-// Bugs put back, each seen to fail: rows of the dynamic set read from the static one's; a batch of
-// two moments counted once; the last batch left out.
+// Bug put back: rows of the dynamic set read from the static one's; seen to fail.
 TEST(Worth, WeightsAreTheLightOfThePictures) {
   for (const Form form : {Form::kPair, Form::kVelocity}) {
     const GaussianModel model = random_model(30, 20, 7, 4, form);
@@ -58,8 +57,8 @@ TEST(Worth, WeightsAreTheLightOfThePictures) {
   }
 }
 
-// ΔC of a Gaussian alone is α (b − c), b: the background.
-// Bugs put back, each seen to fail: the background left out; views of one moment alone.
+// ΔC of a Gaussian alone is α (b − c), b: the background. Bug put back: the last view in place of
+// the sum; seen to fail.
 TEST(Worth, RemovalOfOneAloneInClosedForm) {
   GaussianModel model = empty_model();
   model.static_set = plain_set(model.static_set, {{{0.1, 0, 0}, {0.9, 0.4, 0.2}, 0.4, 0.7}});
@@ -104,8 +103,7 @@ void add_masks_and_gains(Scene& scene, LookedAt& at) {
     at.gain.push_back({random.uniform(0.7, 1.3), random.uniform(0.7, 1.3), 1});
 }
 
-// Bugs put back, each seen to fail: the mask of the first frame of a batch for all; gains by the
-// frame's place in the batch; ignored pixels counted as samples.
+// Bug put back: the mask of the first frame of a batch for all; seen to fail.
 TEST(Worth, RemovalIsTheRealChangeWithMasksAndGains) {
   const GaussianModel model = random_model(12, 8, 7, 4);
   Scene scene = noisy_ring(5, 2);
@@ -165,8 +163,7 @@ void soften(GaussianModel& model) {
         for (float& x : set->group(Group(g)).value) x *= 0.4f;
 }
 
-// Bugs put back, each seen to fail: bands counted from d in place of d + 1; the first order without
-// its 2; directions from the mean of a dynamic one in place of its slice; levels of time left out.
+// Bug put back: bands counted from one too far; seen to fail.
 TEST(Worth, CutsAreTheRealChangeWhereBandsAreZeroed) {
   for (const bool in_time : {false, true}) {
     GaussianModel model = in_time ? random_model_in_time(8, 8, 2) : random_model(8, 8);
@@ -202,9 +199,8 @@ struct Ramp {
   }
 };
 
-// Σ_t |s_t|²/W_t − |Σ s|²/Σ W, s and W by the light of the one that there is.
-// Bugs put back, each seen to fail: a moment closed after every batch; Σ w in place of Σ w²; the
-// mean over moments not taken off; the colour's sign.
+// Σ_t |s_t|²/W_t − |Σ s|²/Σ W, s and W by the light of the one that there is. Bugs put back, each
+// seen to fail: a moment closed after every batch; the mean over moments not taken off.
 TEST(Worth, ChangeOfARampInClosedForm) {
   const Ramp ramp({20, 60, 100, 160, 250});
   const LookedAt at = look_at_training(ramp.scene);
@@ -252,7 +248,7 @@ TEST(Worth, NothingChangesWhereTheResidualIsTheSame) {
   EXPECT_EQ(change.moments, 5);
 }
 
-// Bugs put back, each seen to fail: every moment counted; the sums of one moment kept for the next.
+// Bug put back: moments not counted; seen to fail.
 TEST(Worth, CountsTheMomentsAtWhichItIsSeen) {
   Ramp ramp({90, 90, 200, 90, 90});
   for (Frame& frame : ramp.scene.frames)
@@ -263,8 +259,7 @@ TEST(Worth, CountsTheMomentsAtWhichItIsSeen) {
   EXPECT_LT(change.gain, 1e-5f * change.peak_gain) << "what nobody sees does not change";
 }
 
-// Bugs put back, each seen to fail: moments by the number of views; the opacity of the Gaussian in
-// place of that at the moment.
+// Bug put back: sums divided by a constant; seen to fail.
 TEST(Worth, MomentAndOpacityAreMeansByLight) {
   GaussianModel model = empty_model();
   model.dynamic_set = plain_set(model.dynamic_set,
@@ -286,8 +281,7 @@ TEST(Worth, MomentAndOpacityAreMeansByLight) {
   EXPECT_EQ(of.opacity[1], 0.0f) << "without light it is nothing, and no division by it";
 }
 
-// Bugs put back, each seen to fail: all splits looked at; the order of the file; the first frames
-// of the order in place of some of all.
+// Bug put back: the first frames of the order; seen to fail.
 TEST(Worth, LooksAtTrainingFramesSpreadOverMomentsAndCameras) {
   Scene scene = noisy_ring(6, 10, 4);
   for (int m = 0; m < 10; ++m) scene.frames[size_t(m)].split = Split::kTest;
