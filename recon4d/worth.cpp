@@ -16,7 +16,7 @@ constexpr int64_t kBatch = 4;  // frames drawn at once
 
 /// Of one Gaussian: what is left over it at one moment, summed over cameras.
 struct MomentSums {
-  Vec3<double> residual{};
+  Vec3<double> residual{}, light{};
   double weight2 = 0;
 };
 
@@ -32,6 +32,7 @@ struct ChangeSums {
     gain += here;
     all.residual += now.residual, all.weight2 += now.weight2;
     change.moments += 1;
+    change.light += float(dot(now.light, now.light) / now.weight2);
     if (here > double(change.peak_gain)) {
       change.peak_gain = float(here), change.peak_time = float(time);
       change.colour = Vec3<float>(now.residual * (-1 / now.weight2));
@@ -113,6 +114,7 @@ class Summing {
     add_cuts(view, colours, g, splat, sum, of.cut[n]);
     if (k == 1) return;
     changes_[n].now.residual += Vec3<double>(sum.picture);
+    changes_[n].now.light += Vec3<double>(splat.colour) * double(sum.weight);
     changes_[n].now.weight2 += double(sum.weight2);
   }
 
@@ -152,6 +154,13 @@ int64_t counted_samples(const Frame& frame) {
   return 3 * int64_t(std::count_if(mask.begin(), mask.end(), [](uint8_t m) { return m != 0; }));
 }
 
+/// Mean square of gain − 1 over pictures and channels.
+double gain_variance(const std::vector<Vec3<double>>& gains) {
+  double sum = 0;
+  for (const Vec3<double>& gain : gains) sum += dot(gain - 1.0, gain - 1.0) / 3;
+  return gains.empty() ? 0 : sum / double(gains.size());
+}
+
 double sum_of_squares(const Buffer<float>& values) {
   constexpr int64_t kGrain = 1 << 16;
   std::vector<double> parts(size_t((values.size() + kGrain - 1) / kGrain), 0.0);
@@ -181,6 +190,7 @@ double Worth::psnr_after(double added) const {
 
 Worth measure_worth(Backend& backend, const GaussianModel& model, const LookedAt& at) {
   Worth worth;
+  worth.gain_variance = gain_variance(at.gain);
   Summing summing(model, worth);
   ResidualPass pass(backend, model);
   const auto time = [&](int64_t i) { return at.scene->frames[size_t(at.frames[size_t(i)])].time; };
