@@ -28,7 +28,9 @@ std::vector<int64_t> restless_rows(const Worth& worth, double least, int64_t mos
   for (size_t n = 0; n < change.size(); ++n) {
     const double freedom = 3 * (double(change[n].moments) - 1);
     if (freedom <= 0) continue;
-    const double chance = noise * rare_chi_square(freedom, kDeviations);
+    // and gains as large as those that pictures have, not found yet, change all of its light
+    const double chance = noise * rare_chi_square(freedom, kDeviations) +
+                          worth.gain_variance * double(change[n].light);
     if (double(change[n].gain) > std::max(chance, least)) found.emplace_back(-change[n].gain, n);
   }
   std::sort(found.begin(), found.end());

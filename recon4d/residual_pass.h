@@ -19,8 +19,9 @@ struct LookedAt {
   int64_t count() const { return int64_t(frames.size()); }
 };
 
-/// All training frames in the order of their moments, or, where there are more than `most` > 0,
-/// so many of them, evenly spread over moments and cameras. `gain` is left empty.
+/// All training frames in the order of their moments; where there are more than `most` > 0, those
+/// of about so many: whole moments, evenly spread over the clip, or, where there is one moment,
+/// `most` of its frames. `gain` is left empty.
 LookedAt look_at_training(const Scene& scene, int64_t most = 0);
 
 /// Backend and model, in the host's memory, must outlive it; the model must not change.

@@ -38,7 +38,7 @@ struct Worth {
   SetWorth sets[2];                       // static, dynamic
   double squared_error = 0;               // over all pictures
   int64_t samples = 0;                    // 3 · pixels that count
-  double gain_variance = 0;  // of the pictures\' gains around 1
+  double gain_variance = 0;               // of the pictures\' gains around 1
   double psnr_after(double added) const;  // dB, of the mean squared error with so much more
 };
 
