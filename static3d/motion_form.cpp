@@ -10,8 +10,8 @@
 #include "kernels/base/parallel.h"
 #include "kernels/math/splat.h"
 #include "recon4d/hygiene.h"
-#include "static3d/four_rotation.h"
 #include "recon4d/shape3.h"
+#include "static3d/four_rotation.h"
 
 namespace tessera {
 namespace {
