@@ -18,8 +18,8 @@ struct SizeContract {
   int64_t bytes = 0;
   double least_psnr = 0;  // dB, by `psnr` below
 
-  ShippedBytes shipped_bytes;                              // for `bytes`
-  std::function<double(const GaussianModel& model)> psnr;  // for `least_psnr`
+  ShippedBytes shipped_bytes = {};                              // for `bytes`
+  std::function<double(const GaussianModel& model)> psnr = {};  // for `least_psnr`
 };
 
 /// Gaussians without any light in the frames of `at` are gone, and no more of the others than are

@@ -112,7 +112,9 @@ TEST(Parsimony, TheLastRoundLeavesTheKneeOfTheFirst) {
               report.static_after + report.dynamic_after);
     EXPECT_GT(report.psnr, 0);
     if (thins && goal == 0) goal = report.knee;
-    if (thins) EXPECT_EQ(report.goal, goal) << report.iteration;
+    if (thins) {
+      EXPECT_EQ(report.goal, goal) << report.iteration;
+    }
     EXPECT_EQ(report.looked_at, 12);
   }
   const TrainState& state = run.training->state();

@@ -52,7 +52,9 @@ TEST(Thinning, TheCheapestByteGoesFirst) {
     errors.push_back(float(order[i].error));
     EXPECT_EQ(errors.back(), worth.sets[order[i].set].removal2[size_t(order[i].row)]);
     EXPECT_EQ(order[i].bytes, rates.of(order[i].set == 1, 0));
-    if (i > 0) EXPECT_LE(order[i - 1].price(), order[i].price());
+    if (i > 0) {
+      EXPECT_LE(order[i - 1].price(), order[i].price());
+    }
   }
   // 1/12.5, 1.5/20, 3/12.5, 5/12.5, 9/20
   EXPECT_EQ(errors, (std::vector<float>{1.5f, 1, 3, 5, 9}));

@@ -296,7 +296,9 @@ TEST(Worth, LooksAtWholeMomentsSpreadOverTheClip) {
     for (size_t i = 0; i < at->frames.size(); ++i) {
       const Frame& frame = scene.frames[size_t(at->frames[i])];
       EXPECT_EQ(frame.split, Split::kTrain);
-      if (i > 0) EXPECT_GE(frame.time, scene.frames[size_t(at->frames[i - 1])].time);
+      if (i > 0) {
+        EXPECT_GE(frame.time, scene.frames[size_t(at->frames[i - 1])].time);
+      }
       ++(at == &all ? of_moment_in_all : of_moment)[frame.time];
     }
   EXPECT_EQ(of_moment.size(), 4u) << "20 of 49 frames: 4 of 10 moments";
