@@ -88,7 +88,7 @@ SetWorth at_moment(const GaussianModel& model, float t) {
   worth.resize(model.dynamic_set.count());
   const GaussianSpans<const float> values = model.dynamic_set.values();
   for (int64_t n = 0; n < values.count; ++n) {
-    GaussianState<float> g;
+    GaussianState<float> g{};
     values.form == Form::kPair ? load_gaussian<Form::kPair>(values, n, g)
                                : load_gaussian<Form::kVelocity>(values, n, g);
     worth.weight[size_t(n)] = 1, worth.moment[size_t(n)] = t;
