@@ -43,7 +43,8 @@ TEST_F(CliContract, SoManyBytes) {
       {"export", work.at("run"), "-o", work.at("shipped"), "--format", "tessera", "--single"});
   const auto bytes = int64_t(std::filesystem::file_size(work / "shipped" / "scene.t4d"));
   EXPECT_LE(bytes, kAsked);
-  EXPECT_GT(bytes, kAsked - 120) << "one Gaussian more would not fit";
+  constexpr int64_t kBlock = 300;  // what a Gaussian that opens a block adds to the manifest
+  EXPECT_GT(bytes, kAsked - kBlock) << "one Gaussian more would not fit";
 }
 
 TEST_F(CliContract, WithinSoManyDecibels) {
