@@ -250,7 +250,7 @@ TEST(TrainOptions, PresetsForUseModelNoMoreThanASceneNeeds) {
   for (const Preset& preset : presets()) {
     TrainOptions options;
     apply_preset(options, preset.name);
-    const bool ours = preset.name == "fast" || preset.name == "balanced" || preset.name == "best";
+    const bool ours = preset.name == "balanced" || preset.name == "best";
     EXPECT_EQ(options.size, ours ? "knee" : "grown") << preset.name;
     EXPECT_EQ(options.decide_motion, ours) << preset.name;
     EXPECT_EQ(options.decide_colour, ours) << preset.name;

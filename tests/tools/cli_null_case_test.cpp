@@ -36,8 +36,22 @@ class NullCase : public ::testing::Test {
         0);
   }
   Trained train(const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"train",    work.at("scene"), "-o",           work.at(name),
-                                       "--preset", "fast",           "--iterations", "200"};
+    std::vector<std::string> arguments{"train",
+                                       work.at("scene"),
+                                       "-o",
+                                       work.at(name),
+                                       "--preset",
+                                       "fast",
+                                       "--iterations",
+                                       "200",
+                                       "--decide-motion",
+                                       "true",
+                                       "--size",
+                                       "knee",
+                                       "--decide-colour",
+                                       "true",
+                                       "--decide-interval",
+                                       "5000"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ChildResult result = work.run(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.err;
