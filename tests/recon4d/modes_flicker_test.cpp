@@ -39,9 +39,9 @@ std::vector<uint8_t> changing(const std::vector<const Frame*>& frames, int margi
   return changes;
 }
 
-// All Gaussians start dynamic. Falls short of the row, which has it of every pixel: 98 of 100 of those
-// two pixels or more from where anything ever moves are below 0.5 steps (0.39), the worst of all is
-// 2.6. Bug put back: nothing becomes static; seen to fail by 9.6 and 28.
+// All Gaussians start dynamic. Falls short of the row, which has it of every pixel: 98 of 100 of
+// those two pixels or more from where anything ever moves are below 0.5 steps (0.39), the worst of
+// all is 2.6. Bug put back: nothing becomes static; seen to fail by 9.6 and 28.
 TEST(Flicker, ABackgroundThatNeverChangesStays) {
   const Film film = wall_film();
   Scene scene = shoot(film);
