@@ -6,11 +6,11 @@ source "$(dirname "$0")/common.sh"
 batch() { # OUT OPTIONS LINES...
   write_batch "$1" "deterministic: true" "threads: ${threads:-1}" "exports: [tessera]" \
     "presets: [fast, {name: quick, preset: fast, options: {$2}}]" "${@:3}"
-  sed -i "s/\[fast, /[{name: plain, preset: fast, options: {iterations: 80, checkpoint_every: 10}}, /" \
+  sed -i "s/\[fast, /[{name: plain, preset: fast, options: {iterations: 200, init_points: 500, checkpoint_every: 10}}, /" \
     "$1/batch.yaml"
 }
 captures="captures: [../captures/*/]"
-options="iterations: 120, checkpoint_every: 10"
+options="iterations: 300, init_points: 500, checkpoint_every: 10"
 for i in 1 2; do make_capture "room_$i" "$i"; done
 
 batch "$work/whole" "$options" "$captures"
@@ -50,13 +50,13 @@ of_run() { lines "train $1" "evaluate $1" "export $1 tessera"; }
 check "nothing is to do" same "" "$(planned "$out")"
 threads=2 batch "$out" "$options" "$captures"
 check "nothing with other threads" same "" "$(planned "$out")"
-threads=1 batch "$out" "iterations: 120, checkpoint_every: 20" "$captures"
+threads=1 batch "$out" "iterations: 300, init_points: 500, checkpoint_every: 20" "$captures"
 check "nothing with other checkpoints" same "" "$(planned "$out")"
 ln -s "$TESSERA" "$work/program"
 sed -i "s#^tessera:.*#tessera: $work/program#" "$out/batch.yaml"
 check "nothing with the program elsewhere" same "" "$(planned "$out")"
 
-batch "$out" "iterations: 130, checkpoint_every: 10" "$captures"
+batch "$out" "iterations: 310, init_points: 500, checkpoint_every: 10" "$captures"
 check "an option of one preset: its runs" same \
   "$(lines "$(of_run "room_1 quick 1")" "$(of_run "room_2 quick 1")" report)" "$(planned "$out")"
 batch "$out" "$options" "$captures"

@@ -6,7 +6,7 @@ test_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 batch_folder=$(dirname "$test_folder")
 : "${TESSERA:?the program, e.g. TESSERA=build/release/tessera}"
 TESSERA=$(realpath "$TESSERA")
-work=$(mktemp -d "${TMPDIR:-/tmp}/batch.XXXXXX")
+work=$(mktemp -d "${TMPDIR:-/tmp}/tessera-batch.XXXXXX")
 
 finish() { # runs at every end; on_exit is the test's own
   local code=$?
@@ -56,7 +56,7 @@ exit_code() { # COMMAND...: prints it
 }
 
 planned() { # OUT: the jobs that a run would do, sorted: "train a quick 1"
-  flow "$1" --cores 2 -n -p 2>&1 | sed -n 's/^ *exec python3 .*job\.py \(.*\) --threads.*/\1/p' | sort
+  flow "$1" --cores 2 -n -p 2>&1 | sed -n 's/^ *exec .*job\.py \(.*\) --threads.*/\1/p' | sort
 }
 
 lines() { printf '%s\n' "$@" | sort; }

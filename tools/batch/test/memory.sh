@@ -32,7 +32,7 @@ try() { # FAULT
   echo "$1" >"$work/fault"
   rm -f "$work/count"
   write_batch "$work/$1" "captures: [../captures/*/]" "exports: []" \
-    "presets: [{name: quick, preset: fast, options: {iterations: 60}}]"
+    "presets: [{name: quick, preset: fast, options: {iterations: 40, init_points: 500}}]"
   check "$1: done at the second attempt" run_batch "$work/$1"
   run=$work/$1/runs/room/quick/seed-1
   log=$work/$1/logs/train/room.quick.seed-1.log
