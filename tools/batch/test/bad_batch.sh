@@ -1,0 +1,28 @@
+#!/bin/bash
+# What is wrong in batch.yaml is said in one line that names it and the remedy.
+source "$(dirname "$0")/common.sh"
+
+mkdir -p "$work/captures/a" "$work/more/a"
+says() { # TEXT LINES...
+  local text=$1 seen
+  write_batch "$work/out" "${@:2}"
+  seen=$(flow "$work/out" --cores 1 -n 2>&1 || true)
+  check "$text" grep -qF -- "$text" <<<"$seen"
+}
+says "unknown key 'preset'; did you mean 'presets'?" "captures: [../captures/*/]" "preset: fast"
+says "unknown key 'ingst'; did you mean 'ingest'?" "scenes: [{path: a, ingst: []}]"
+says "no folder matches ../nothing/*/" "captures: [../nothing/*/]"
+says "two are named 'a'" "captures: [../captures/*/, ../more/*/]"
+says "unknown preset 'balancd'; did you mean 'balanced'?" "captures: [../captures/*/]" "presets: [balancd]"
+says "unknown option 'iteration'; did you mean 'iterations'?" "captures: [../captures/*/]" \
+  "presets: [{preset: fast, options: {iteration: 5}}]"
+says "'seed' is no option of a preset; use \`seeds\`" "captures: [../captures/*/]" \
+  "presets: [{preset: fast, options: {seed: 5}}]"
+says "two are named 'fast'" "captures: [../captures/*/]" "presets: [fast, {preset: fast}]"
+says "unknown format 'tesera'; did you mean 'tessera'?" "captures: [../captures/*/]" "exports: [tesera]"
+says "seeds: expected a list of numbers" "captures: [../captures/*/]" "seeds: 3"
+says "threads: expected a whole number from 1" "captures: [../captures/*/]" "threads: 0"
+says "no scenes: give" "presets: [fast]"
+says "cannot name a folder of results" "scenes: [{path: 'my capture'}]"
+says "out: is /elsewhere" "captures: [../captures/*/]" "out: /elsewhere"
+says "/no/tessera train --help does not run" "tessera: /no/tessera" "captures: [../captures/*/]"
