@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <memory>
 #include <thread>
+#include <utility>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
@@ -89,6 +90,7 @@ void complete(const CLI::App& command, BatchRequest& request) {
   if (command.count("--threads") == 0)
     config.threads = std::max<int64_t>(request.engine.cores / jobs, 1);
   if (command.count("--gpus") == 0) config.gpus = runs_here(request.engine) && has_device() ? 1 : 0;
+  request.engine.gpus = config.gpus;
   if (command.count("--exports") == 0 && !carries_player_page()) config.exports = {"tessera"};
 }
 
@@ -142,8 +144,6 @@ int finish(const fs::path& out, int engine_code) {
 
 int batch(const CLI::App& command, BatchRequest& request) {
   EngineRequest& engine = request.engine;
-  if (engine.jobs < 0)
-    throw InputError(fmt::format("--jobs is {}, expected 1 or more", engine.jobs));
   engine.out = fs::absolute(engine.out).lexically_normal();
   engine.cores = std::max(1u, std::thread::hardware_concurrency());
   write_batch(command, request);
@@ -212,6 +212,8 @@ void add_batch_command(CLI::App& app, Work& work) {
   add_engine_options(*command, request->engine);
   const std::vector<CLI::Option*> before = command->get_options();
   add_ingest_options(*command, request->ingest);
+  command->get_option("--exposure")
+      ->description("fit: of ingest; camera or frame: training learns gains; none");
   for (const CLI::Option* option : command->get_options())
     if (std::find(before.begin(), before.end(), option) == before.end())
       request->ingest_options.push_back(option->get_name());

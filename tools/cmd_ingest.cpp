@@ -8,6 +8,7 @@
 #include "tools/command.h"
 #include "tools/ingest_arguments.h"
 #include "tools/ingest_batch.h"
+#include "tools/interrupt.h"
 #include "tools/terminal.h"
 
 namespace tessera {

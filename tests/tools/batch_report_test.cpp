@@ -50,7 +50,7 @@ class BatchReport : public ::testing::Test {
                                          {"scene", scene},
                                          {"preset", preset},
                                          {"seed", seed},
-                                         {"exit", exit},
+                                         {"exit_code", exit},
                                          {"message", message}});
   }
   json report() const { return batch_report(read_batch(folder.path())); }
@@ -106,7 +106,7 @@ TEST_F(BatchReport, WhatWasStoppedIsNotAFailure) {
   fail("c", "lego", "fast", 1, nullptr, "still runs");
   EXPECT_EQ(report()["counts"]["failed"], 0);
   EXPECT_EQ(report()["failures"].size(), 3u);
-  write("failures/report.json", {{"rule", "report"}, {"scene", nullptr}, {"exit", nullptr}});
+  write("failures/report.json", {{"rule", "report"}, {"scene", nullptr}, {"exit_code", nullptr}});
   EXPECT_EQ(report()["failures"].size(), 3u) << "the report asks for itself";
 }
 

@@ -156,7 +156,7 @@ TEST_F(CliWorkflow, CallsTheEngineAsAPersonCould) {
 TEST_F(CliWorkflow, TheLastLineSaysWhatBecameOfIt) {
   engine(done("fast", 1) + "mkdir -p " + work.at("out/failures") +
          "; echo '{\"scene\": \"capture\", \"rule\": \"train\", \"preset\": \"fast\", \"seed\": 2, "
-         "\"exit\": 1, \"message\": \"loss is not finite\"}' > " +
+         "\"exit_code\": 1, \"message\": \"loss is not finite\"}' > " +
          work.at("out/failures/one.json") + "\nexit 0");
   const ChildResult result = work.run(arguments({"--preset", "fast", "--seeds", "1,2,3"}));
   EXPECT_EQ(result.exit_code, 1);

@@ -50,7 +50,7 @@ std::vector<BatchFailure> read_failures(const fs::path& folder, std::vector<std:
                          word_of(entry, "preset"), word_of(entry, "seed"),
                          word_of(entry, "format"), {},
                          word_of(entry, "message")};
-    const json exit = entry.value("exit", json());
+    const json exit = entry.value("exit_code", json());
     if (exit.is_number_integer()) failure.exit = exit.get<int64_t>();
     if (!failure.exit && failure.rule == "report") continue;  // it is who asks
     failures.push_back(std::move(failure));

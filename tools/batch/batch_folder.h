@@ -2,7 +2,7 @@
 // Not: running anything (engine.h), nor what is made of it (batch_report.h).
 // OUT: batch.yaml, workflow/, scenes/SCENE, runs/SCENE/PRESET/seed-S (run folders with metrics.json
 //      and train.json), exports/SCENE/PRESET/seed-S/FORMAT, failures/*.json {scene, rule, preset,
-//      seed, format, exit, message}, report/.
+//      seed, format, exit_code, message}, report/.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>

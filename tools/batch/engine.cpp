@@ -92,6 +92,8 @@ std::vector<std::string> engine_arguments(const EngineRequest& request) {
     arguments.insert(arguments.end(), {"--cores", fmt::format("{}", request.cores)});
   else if (request.jobs > 0)
     arguments.insert(arguments.end(), {"--jobs", fmt::format("{}", request.jobs)});
+  if (runs_here(request) && request.gpus > 1)
+    arguments.insert(arguments.end(), {"--resources", fmt::format("gpu={}", request.gpus)});
   if (request.dry_run) arguments.push_back("--dry-run");
   if (request.unlock) arguments.push_back("--unlock");
   return arguments;
