@@ -6,7 +6,9 @@ export USER=${USER:-$(id -un)}
 cluster=$test_folder/slurm_cluster.sh
 on_exit() {
   local job
-  for job in $(jobs -p); do kill -KILL "$job" 2>/dev/null || true; done
+  for job in $(jobs -p); do # the driver, below its shell
+    pkill -KILL -P "$job" || kill -KILL "$job" 2>/dev/null || true
+  done
   "$cluster" stop "$work/slurm" 2>/dev/null || true
 }
 command -v slurmctld slurmd munged >/dev/null || PATH=$PATH:/usr/sbin
