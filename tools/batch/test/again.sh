@@ -25,8 +25,8 @@ half_way() { # a training is done, another has a checkpoint and is not
 }
 # finished outputs with their times
 finished() {
-  (cd "$work/killed" && find scenes doctor runs exports -maxdepth 4 -name '*.json' ! -name batch.json \
-    ! -name config.json ! -name transforms.json -printf '%p %T@\n' | sort)
+  find "$work"/killed/{scenes,doctor,runs,exports} -maxdepth 4 -name '*.json' ! -name batch.json \
+    ! -name config.json ! -name transforms.json -printf '%p %T@\n' 2>/dev/null | sort || true
 }
 batch "$work/killed" "$options" "$captures"
 setsid snakemake -s "$batch_folder/Snakefile" --profile "$batch_folder/profiles/local" \
