@@ -16,7 +16,7 @@ else
   echo "skip  two scenes: TESSERA_DATA names no folder with stress/occlusion"
 fi
 write_batch "$work/out" "captures: [../captures/*/]" "scenes:" "  - {path: ../broken}" "${stress[@]}" \
-  "presets: [{name: quick, preset: fast, options: {iterations: 40, init_points: 500}}]" "exports: [tessera, page]"
+  "presets: [{name: quick, preset: fast, options: {iterations: 40, init_points: 500, peak_gaussians: 1000}}]" "exports: [tessera, page]"
 
 check "exit code 1, as one scene failed" same 1 "$(exit_code run_batch "$work/out")"
 for scene in "${scenes[@]}"; do

@@ -6,15 +6,17 @@ export USER=${USER:-$(id -un)}
 cluster=$test_folder/slurm_cluster.sh
 on_exit() {
   local job
-  for job in $(jobs -p); do kill -KILL "$job" 2>/dev/null || true; done
+  for job in $(jobs -p); do # the driver, below its shell
+    pkill -KILL -P "$job" || kill -KILL "$job" 2>/dev/null || true
+  done
   "$cluster" stop "$work/slurm" 2>/dev/null || true
 }
 command -v slurmctld slurmd munged >/dev/null || PATH=$PATH:/usr/sbin
 command -v slurmctld >/dev/null || { echo "skip  no slurmctld: apt-get install slurm-wlm" && exit 0; }
 eval "$(NODE_CPUS=2 "$cluster" start "$work/slurm" 2>/dev/null)"
 
-short="iterations: 40, init_points: 500"
-long="iterations: 1500, init_points: 500, checkpoint_every: 20"
+short="iterations: 40, init_points: 500, peak_gaussians: 1000"
+long="iterations: 3000, init_points: 500, peak_gaussians: 1000, checkpoint_every: 20"
 batch() { # OUT OPTIONS SCENES
   write_batch "$1" "deterministic: true" "threads: 1" "exports: [tessera]" "captures: [$3]" \
     "presets: [{name: quick, preset: fast, options: {$2}}]"
@@ -42,7 +44,7 @@ started() { # N: the Nth start of the training has written a checkpoint
   [[ $(starts) -ge $1 && -n $(job) && $run/checkpoint.ckpt -nt $work/mark ]]
 }
 after() { # N TEXT: the training's Nth start is at work; what was done so far
-  check "$2: at work" wait_for 240 started "$1"
+  check "$2: at work" wait_for 600 started "$1"
 }
 touch "$work/mark"
 on_slurm "$work/rough" &
