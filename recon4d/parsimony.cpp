@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iterator>
 #include <limits>
 
 #include "recon4d/births.h"
-#include "recon4d/hygiene.h"
+#include "recon4d/set_rows.h"
 #include "recon4d/sh_blocks.h"
 #include "recon4d/stillness.h"
 #include "recon4d/thinning.h"
@@ -38,16 +37,10 @@ void add_rows(TrainState& state, int k, const GaussianSet& added) {
   append_rows(*host, added, statistics, state.set(k), state.statistics[k]);
 }
 
-/// Kept rows of the dynamic set that stay dynamic, and the static form of the others.
-void move_to_static(TrainState& state, const StillTrial& trial, KeptRows& kept) {
-  std::vector<int64_t> moving, places;
-  for (const int64_t row : kept.of[1])
-    if (!contains(trial.rows, row)) moving.push_back(row);
-  for (size_t i = 0; i < trial.rows.size(); ++i)
-    if (contains(kept.of[1], trial.rows[i])) places.push_back(int64_t(i));
-  kept.of[1] = std::move(moving);
-  keep_rows(state, kept);
-  add_rows(state, 0, select_rows(trial.still, places));
+/// Rows of set k go, ascending, with their moments and statistics.
+void drop_rows(TrainState& state, int k, const std::vector<int64_t>& rows) {
+  const std::unique_ptr<Backend> host = make_cpu_backend();
+  keep_rows(*host, rows_but(state.set(k).count(), rows), state.set(k), state.statistics[k]);
 }
 
 }  // namespace
@@ -107,10 +100,10 @@ int64_t Parsimony::goal_of(const GaussianModel& model, const std::vector<Removal
     return model.count() - gone;
   }
   if (options_.max_bytes == 0) return knee;
-  double all = 0, left = 0;
+  double all = 0;
   for (const Removal& removal : order) all += removal.bytes;
   const double scale = double(bytes_(model)) / std::max(1.0, all);  // of our rates to the file
-  left = all * scale;
+  double left = all * scale;
   int64_t gone = 0;
   while (gone < int64_t(order.size()) && left > kSpare * double(options_.max_bytes))
     left -= scale * order[size_t(gone++)].bytes;
@@ -128,49 +121,59 @@ std::optional<ParsimonyReport> Parsimony::act(Trainer& trainer,
   report.iteration = i, report.looked_at = at.count();
   report.static_before = trainer.state().model.static_set.count();
   report.dynamic_before = trainer.state().model.dynamic_set.count();
-  if (moves && has_moments(at)) decide_motion(trainer, at, report);
-  if (thins) thin(trainer, at, validation, report);
-  trainer.rework([&](TrainState& state) { state.decided = i; });
+  std::optional<Worth> worth;  // of the model as it is
+  if (moves && has_moments(at)) worth = decide_motion(trainer, at, report);
+  if (thins) {
+    if (!worth) worth = measure_worth(backend_, trainer.host_model(), at);
+    thin(trainer, at, validation, std::move(*worth), report);
+  }
   report.static_after = trainer.state().model.static_set.count();
   report.dynamic_after = trainer.state().model.dynamic_set.count();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  trainer.add_seconds(report.seconds);
+  trainer.note_decision(report.goal > 0 ? report.goal : trainer.state().goal, report.seconds);
   return report;
 }
 
-void Parsimony::decide_motion(Trainer& trainer, const LookedAt& at, ParsimonyReport& report) {
-  constexpr double kMostBorn = 0.02;  // of all
+std::optional<Worth> Parsimony::decide_motion(Trainer& trainer, const LookedAt& at,
+                                              ParsimonyReport& report) {
+  // of all; where several lie over each other, each newly born one would make up for the same error
+  constexpr double kMostRestless = 0.1, kMostBorn = 0.02;
   // a few frames see a moment, so motion fits what only these show: its error in training is worth
   // less than that of a Gaussian that all of them see. Of 1, 16 and 64 on five scenes
   // (docs/parsimony.md)
   constexpr double kMotionCharge = 16;
   const ByteRates rates;
   const GaussianModel& model = trainer.host_model();
-  const Worth worth = measure_worth(backend_, model, at);
+  Worth worth = measure_worth(backend_, model, at);
   const std::vector<Removal> order = removal_order(model, worth);
   report.psnr = worth.psnr_after(0);
   report.price = price_at(order, knee_count(order, worth));
   const StillTrial trial =
       try_still(backend_, model, worth, at, kMotionCharge * report.price * rates.time);
-  std::vector<int64_t> restless;
-  // gains of the pictures, and where things are, are not known at the first decision
-  if (rounds_left(report.iteration) == 0 && report.iteration > motion_.front())
-    restless = restless_rows(worth, report.price * rates.of(true, model.sh_degree),
-                             int64_t(kMostBorn * double(model.count())));
-  const GaussianSet born = born_from(model, worth, restless);
-  report.stilled = int64_t(trial.rows.size()), report.born = born.count();
+  // gains of the pictures, and where things are, are not known at the first decision; what is new
+  // at the last round is not learnt any more
+  const bool wakes = rounds_left(report.iteration) != 1 && trainer.state().decided > 0;
+  const auto restless_share = [&](double share) {
+    return restless_rows(worth, report.price * rates.of(true, model.sh_degree),
+                         wakes ? int64_t(share * double(model.count())) : 0);
+  };
+  const std::vector<int64_t> restless = restless_share(kMostRestless);
+  const GaussianSet moving = moving_form(model, worth, restless);
+  const GaussianSet born = born_from(model, worth, restless_share(kMostBorn));
+  report.stilled = int64_t(trial.rows.size()), report.woken = int64_t(restless.size());
+  report.born = born.count();
   report.still_error = trial.error;
-  if (trial.rows.empty() && restless.empty()) return;  // nor are statistics begun anew
+  if (trial.rows.empty() && restless.empty()) return worth;
   trainer.rework([&](TrainState& state) {
-    KeptRows kept = kept_rows(state.model, order, state.model.count());
-    move_to_static(state, trial, kept);
-    add_rows(state, 1, born);
+    drop_rows(state, 0, restless), drop_rows(state, 1, trial.rows);
+    add_rows(state, 0, trial.still);
+    add_rows(state, 1, moving), add_rows(state, 1, born);
   });
+  return std::nullopt;
 }
 
 void Parsimony::thin(Trainer& trainer, const LookedAt& at, const ValidationRecord& validation,
-                     ParsimonyReport& report) {
-  Worth worth = measure_worth(backend_, trainer.host_model(), at);
+                     Worth worth, ParsimonyReport& report) {
   std::vector<Removal> order = removal_order(trainer.host_model(), worth);
   report.psnr = worth.psnr_after(0), report.knee = knee_count(order, worth);
   report.price = price_at(order, report.knee);
@@ -195,7 +198,6 @@ void Parsimony::thin(Trainer& trainer, const LookedAt& at, const ValidationRecor
     now = next;
   }
   report.thinned = worth.psnr_after(0);
-  trainer.rework([&](TrainState& state) { state.goal = goal; });
   if (options_.decide_colour && rounds_left(report.iteration) == 1)
     decide_colour(trainer, worth, report.price, report);
 }
@@ -219,6 +221,27 @@ void Parsimony::decide_colour(Trainer& trainer, const Worth& worth, double price
       set_sh_degrees(*host, degrees, state.set(k), state.statistics[k]);
     }
   });
+}
+
+nlohmann::json to_json(const ParsimonyReport& report) {
+  return {{"iteration", report.iteration},
+          {"looked_at", report.looked_at},
+          {"static_before", report.static_before},
+          {"dynamic_before", report.dynamic_before},
+          {"static", report.static_after},
+          {"dynamic", report.dynamic_after},
+          {"knee", report.knee},
+          {"goal", report.goal},
+          {"removed", report.removed},
+          {"stilled", report.stilled},
+          {"woken", report.woken},
+          {"born", report.born},
+          {"price", report.price},
+          {"still_error", report.still_error},
+          {"psnr", report.psnr},
+          {"thinned", report.thinned},
+          {"degrees", report.degrees},
+          {"decision_seconds", report.seconds}};
 }
 
 }  // namespace tessera

@@ -29,4 +29,15 @@ void append_rows(GaussianSet& to, const GaussianSet& from) {
   to.set_count(count);
 }
 
+std::vector<int64_t> rows_but(int64_t count, const std::vector<int64_t>& rows) {
+  std::vector<int64_t> others;
+  auto next = rows.begin();
+  for (int64_t n = 0; n < count; ++n)
+    if (next != rows.end() && *next == n)
+      ++next;
+    else
+      others.push_back(n);
+  return others;
+}
+
 }  // namespace tessera

@@ -47,12 +47,7 @@ GaussianModel tried(const GaussianModel& model, const GaussianSet& added,
                     const std::vector<int64_t>& without) {
   GaussianModel trial = model.clone_values();
   append_rows(trial.static_set, added);
-  std::vector<char> gone(size_t(model.dynamic_set.count()), 0);
-  for (const int64_t n : without) gone[size_t(n)] = 1;
-  std::vector<int64_t> left;
-  for (int64_t n = 0; n < model.dynamic_set.count(); ++n)
-    if (!gone[size_t(n)]) left.push_back(n);
-  trial.dynamic_set = select_rows(model.dynamic_set, left);
+  trial.dynamic_set = select_rows(model.dynamic_set, rows_but(model.dynamic_set.count(), without));
   return trial;
 }
 

@@ -42,8 +42,12 @@ class Trainer {
   /// Lets `change` work on the state in the host's memory, all SH up to date; Gaussians may be
   /// fewer or more after it, statistics must fit them.
   void rework(const std::function<void(TrainState&)>& change);
-  /// Counts time that was spent on the state between steps.
-  void add_seconds(double seconds) { state_.seconds += seconds; }
+  /// Notes that a decision was made after the steps that are done: what it leaves to be thinned to,
+  /// and the time it took.
+  void note_decision(int64_t goal, double seconds) {
+    state_.decided = state_.iteration, state_.goal = goal, state_.seconds += seconds;
+    forget_copies();
+  }
   /// Training frames with the gains they have now; at most `most`, 0: all.
   LookedAt looked_at(int64_t most) const;
   const TrainOptions& options() const { return options_; }

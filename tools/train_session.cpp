@@ -105,9 +105,7 @@ class Session {
                ? std::min(options_.iterations, state.iteration + *request_.stop_after)
                : options_.iterations;
     trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
-    parsimony_.emplace(*backend_, options_, [this](const GaussianModel& model) {
-      return shipped_size_of(run_.root.string(), model).bytes;
-    });
+    parsimony_.emplace(*backend_, options_, shipped_bytes());
     stages_.emplace(*backend_);
   }
 
@@ -222,12 +220,14 @@ class Session {
     return *shipped_;
   }
 
+  ShippedBytes shipped_bytes() const {
+    return [this](const GaussianModel& m) { return shipped_size_of(run_.root.string(), m).bytes; };
+  }
+
   SizeContract contract() {
     SizeContract contract;
     contract.gaussians = options_.max_gaussians, contract.bytes = options_.max_bytes;
-    contract.shipped_bytes = [this](const GaussianModel& m) {
-      return shipped_size_of(run_.root.string(), m).bytes;
-    };
+    contract.shipped_bytes = shipped_bytes();
     if (options_.within_db > 0)
       contract.least_psnr = validation_->record().peak_psnr - options_.within_db;
     contract.psnr = [this](const GaussianModel& m) { return validation_->psnr(m); };
@@ -263,24 +263,7 @@ class Session {
     // models so far were larger than what may be shipped; within_db compares them by size
     if (report->goal > 0 && parsimony_->is_thinned(report->iteration) && options_.within_db == 0)
       validation_->restart();
-    const ParsimonyReport& r = *report;
-    log_->event("decision", {{"iteration", r.iteration},
-                             {"looked_at", r.looked_at},
-                             {"static_before", r.static_before},
-                             {"dynamic_before", r.dynamic_before},
-                             {"static", r.static_after},
-                             {"dynamic", r.dynamic_after},
-                             {"knee", r.knee},
-                             {"goal", r.goal},
-                             {"removed", r.removed},
-                             {"stilled", r.stilled},
-                             {"born", r.born},
-                             {"price", r.price},
-                             {"still_error", r.still_error},
-                             {"psnr", r.psnr},
-                             {"thinned", r.thinned},
-                             {"degrees", r.degrees},
-                             {"decision_seconds", r.seconds}});
+    log_->event("decision", to_json(*report));
   }
 
   void save() {

@@ -7,6 +7,8 @@
 
 #include "kernels/math/random.h"
 #include "kernels/math/splat.h"
+#include "recon4d/hygiene.h"
+#include "recon4d/render.h"
 #include "tests/recon4d/plain_gaussians.h"
 #include "tests/recon4d/small_models.h"
 
@@ -106,6 +108,28 @@ TEST(Births, WhereAColourChangesAtThatMomentWithThatColour) {
     }
     EXPECT_NEAR(g.spacetime.covariance.xx, still.spacetime.covariance.xx, 1e-6);
     EXPECT_NEAR(g.spacetime.covariance.yz, still.spacetime.covariance.yz, 1e-6);
+  }
+}
+
+// What becomes dynamic looks as it did, all over the clip. Bug put back: a life of a tenth of the
+// clip; seen to fail.
+TEST(Births, WhatBecomesDynamicLooksAsItDid) {
+  for (const Form form : {Form::kPair, Form::kVelocity}) {
+    const Spots spots(form, 1);
+    const Worth worth = worth_of(spots.model, spots.scene);
+    GaussianModel moving = spots.model.clone_values();
+    moving.dynamic_set = moving_form(spots.model, worth, {0, 2});
+    moving.static_set = select_rows(spots.model.static_set, {1});
+    ASSERT_EQ(moving.count(), spots.model.count());
+    const auto backend = make_cpu_backend();
+    std::vector<View> views;
+    for (const double time : {0.0, 0.5, 1.0}) views.push_back({spots.scene.frames[0].camera, time});
+    const std::vector<Picture> before = render_views(*backend, spots.model, views);
+    const std::vector<Picture> after = render_views(*backend, moving, views);
+    for (size_t i = 0; i < views.size(); ++i)
+      for (size_t p = 0; p < before[i].rgb.size(); ++p)
+        ASSERT_NEAR(after[i].rgb[p], before[i].rgb[p], views[i].time == 0.5 ? 2e-3 : 0.12)
+            << views[i].time;
   }
 }
 

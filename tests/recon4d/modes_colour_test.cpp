@@ -48,9 +48,9 @@ TEST(ColourChange, IsNotStill) {
   }
 }
 
-// Falls short of the row at single moments: of three seeds the worst was 0.9, 1.0 and 2.1 steps
-// off, and 1.5, 2.6 and 3.3 at the last moment, beyond which nothing is seen. Learning rates of
-// colours do not fall, so the last batches weigh more.
+// Falls short of the row at single moments: of two seeds the worst of the channels was 1.4 and 1.7
+// steps off, where the row has 1. Not for restless last steps: with learning rates that fall to 0
+// over the last tenth to four tenths it is 1.5 to 2.3.
 // Bug put back: all points static; seen to fail by 58 steps.
 TEST(ColourChange, IsRecovered) {
   const Film film = lamp_film(0.25, 1);
@@ -66,7 +66,7 @@ TEST(ColourChange, IsRecovered) {
       sum += std::abs(off), worst = std::max(worst, std::abs(off));
     }
     EXPECT_LT(sum / double(pictures.size()), 1) << "channel " << c;
-    EXPECT_LT(worst, 4) << "channel " << c;
+    EXPECT_LT(worst, 2) << "channel " << c;
   }
 }
 

@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "recon4d/metrics.h"
+#include "recon4d/parsimony.h"
+#include "recon4d/size_contract.h"
+#include "recon4d/validation.h"
 #include "tests/support/random.h"
 #include "tools/synth/render.h"
 #include "tools/synth/rigs.h"
@@ -150,6 +154,17 @@ GaussianModel trained(const Scene& scene, const TrainOptions& options) {
   return training.model().clone_values();
 }
 
+GaussianModel decided(const Scene& scene, TrainOptions options) {
+  options.peak_gaussians = std::exchange(options.max_gaussians, 0);
+  Training training(scene, options);
+  Validation validation(training.backend(), scene, options, ValidationRecord{});
+  const auto bytes = [](const GaussianModel&) -> int64_t { return 0; };  // not asked for
+  Parsimony parsimony(training.backend(), options, bytes);
+  training.run(options.iterations, parsimony, validation);
+  return fit_to({}, training.backend(), training.trainer().host_model(),
+                training.trainer().looked_at(0));
+}
+
 std::vector<Picture> middle_pictures(const GaussianModel& model, const Scene& scene) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   std::vector<View> views;
@@ -164,6 +179,20 @@ double middle_psnr(const GaussianModel& model, const Scene& scene) {
   for (size_t i = 0; i < pictures.size(); ++i)
     sum += psnr_float(pictures[i].planar(), frames[i]->image);
   return sum / double(pictures.size());
+}
+
+std::vector<double> deviation_over_time(const std::vector<Picture>& pictures) {
+  std::vector<double> deviation;
+  const double count = double(pictures.size());
+  for (size_t i = 0; i < pictures[0].rgb.size(); ++i) {
+    double sum = 0, squares = 0;
+    for (const Picture& picture : pictures) {
+      const double value = 255 * std::clamp(double(picture.rgb[i]), 0.0, 1.0);
+      sum += value, squares += value * value;
+    }
+    deviation.push_back(std::sqrt(std::max(0.0, squares / count - sum / count * sum / count)));
+  }
+  return deviation;
 }
 
 std::array<double, 2> centroid(const Picture& picture) {

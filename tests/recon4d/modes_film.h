@@ -50,11 +50,16 @@ synth::Texture cold(double cell);
 TrainOptions short_training(const std::string& preset, int64_t steps);
 /// Trained to the end, from the scene's own cloud where there is one.
 GaussianModel trained(const Scene& scene, const TrainOptions& options);
+/// With the preset's decisions on what moves, how many are needed and their colours; the limit of
+/// `options` is that of growth.
+GaussianModel decided(const Scene& scene, TrainOptions options);
 
 /// The model seen by the held-out camera at each of its moments.
 std::vector<Picture> middle_pictures(const GaussianModel& model, const Scene& scene);
 /// Mean over the views, un-quantised, dB.
 double middle_psnr(const GaussianModel& model, const Scene& scene);
+/// Standard deviation over the pictures of each value (planar, as Picture::rgb), 8-bit steps.
+std::vector<double> deviation_over_time(const std::vector<Picture>& pictures);
 /// Pixel coordinates of the mean of all brightness; {−1, −1} where there is none.
 std::array<double, 2> centroid(const Picture& picture);
 Picture picture_of(const Image8& image);

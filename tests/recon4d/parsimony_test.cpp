@@ -224,7 +224,7 @@ TEST(Parsimony, OneMomentDecidesNothingOfMotion) {
   Parsimony parsimony(training.backend(), options, made_bytes);
   training.run(31, parsimony, validation);
   ASSERT_EQ(training.decisions().size(), 1u);
-  EXPECT_EQ(training.decisions()[0].stilled + training.decisions()[0].born, 0);
+  EXPECT_EQ(training.decisions()[0].stilled + training.decisions()[0].woken, 0);
   EXPECT_EQ(training.decisions()[0].psnr, 0) << "no picture was drawn for it";
 }
 

@@ -35,14 +35,7 @@ class CliTrainings : public ::testing::Test {
   fs::path cell(const std::string& name) const { return work / ("out/runs/capture/" + name); }
   json read_json(const std::string& name) const { return json::parse(work.read(name)); }
   /// result.json of every cell → when it was written.
-  std::map<std::string, fs::file_time_type> results() const {
-    std::map<std::string, fs::file_time_type> times;
-    if (!fs::exists(work / "out/runs")) return times;
-    for (const auto& entry : fs::recursive_directory_iterator(work / "out/runs"))
-      if (entry.path().filename() == "result.json")
-        times[entry.path().string()] = entry.last_write_time();
-    return times;
-  }
+  WrittenFiles results() const { return work.written("out/runs", "result.json"); }
   CliWorkspace work;
 };
 

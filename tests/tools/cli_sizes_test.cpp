@@ -31,14 +31,7 @@ class CliSizes : public ::testing::Test {
   json cell(const std::string& label, const std::string& file) const {
     return json::parse(std::ifstream(work / ("out/runs/capture/" + label + "/4/1/" + file)));
   }
-  std::map<std::string, fs::file_time_type> results() const {
-    std::map<std::string, fs::file_time_type> times;
-    if (!fs::exists(work / "out/runs")) return times;
-    for (const auto& entry : fs::recursive_directory_iterator(work / "out/runs"))
-      if (entry.path().filename() == "result.json")
-        times[entry.path().string()] = entry.last_write_time();
-    return times;
-  }
+  WrittenFiles results() const { return work.written("out/runs", "result.json"); }
   CliWorkspace work;
 };
 

@@ -83,4 +83,12 @@ std::string CliWorkspace::read(const std::string& name) const {
   return read_text_file(folder_ / name);
 }
 
+WrittenFiles CliWorkspace::written(const std::string& folder, const std::string& name) const {
+  WrittenFiles files;
+  if (!std::filesystem::exists(folder_ / folder)) return files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / folder))
+    if (entry.path().filename() == name) files[entry.path().string()] = entry.last_write_time();
+  return files;
+}
+
 }  // namespace tessera::testing

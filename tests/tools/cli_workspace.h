@@ -2,6 +2,7 @@
 // Not: a test.
 #pragma once
 #include <functional>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 #include "tests/tools/child_process.h"
 
 namespace tessera::testing {
+
+/// Files by when they were written.
+using WrittenFiles = std::map<std::string, std::filesystem::file_time_type>;
 
 class CliWorkspace {
  public:
@@ -38,6 +42,8 @@ class CliWorkspace {
   void edit_json(const std::string& name, const std::function<void(nlohmann::json&)>& change) const;
   void write(const std::string& name, const std::string& bytes) const;
   std::string read(const std::string& name) const;
+  /// All files of that name below a folder; none where there is no such folder.
+  WrittenFiles written(const std::string& folder, const std::string& name) const;
 
  private:
   ScratchFolder folder_;
