@@ -1,6 +1,5 @@
 // What: `tessera batch`: many captures × presets × budgets × seeds as one workflow: writes
-// batch.yaml
-//       and the workflow, starts Snakemake, says what became of it.
+//       batch.yaml and the workflow, starts Snakemake, says what became of it.
 // Not: a scheduler, nor the stages: each job is a command of this program.
 #include <fmt/format.h>
 
@@ -17,10 +16,10 @@
 #include "tools/batch/batch_watch.h"
 #include "tools/batch/engine.h"
 #include "tools/batch/workflow_files.h"
-#include "tools/batch/write_report.h"
 #include "tools/command.h"
 #include "tools/ingest_arguments.h"
 #include "tools/interrupt.h"
+#include "tools/machine.h"
 #include "tools/player/player_page.h"
 #include "tools/terminal.h"
 #include "tools/train_arguments.h"
@@ -51,7 +50,7 @@ std::vector<std::string> ingest_words(const CLI::App& command, const BatchReques
     if (option.get_items_expected_max() == 0) continue;  // a flag
     std::string value = fmt::format("{}", fmt::join(option.results(), ","));
     const bool is_file = name == "--poses" || name == "--offsets" || name == "--masks";
-    words.push_back(is_file && fs::exists(value) ? fs::absolute(value).string() : value);
+    words.push_back(is_file && fs::exists(value) ? fs::absolute(value).lexically_normal().string() : value);
   }
   const auto still = request.training.given.find("static_only");
   if (still != request.training.given.end() && still->second == "true") words.push_back("--static");
@@ -63,7 +62,7 @@ void refuse_settings(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
     const bool of_engine = name == "--out" || name == "--jobs" || name == "--profile" ||
-                           name == "--dry-run" || name == "--unlock";
+                           name == "--dry-run";
     if (option->count() > 0 && !of_engine)
       throw InputError(fmt::format(
           "{} goes with datasets; without them batch goes on with OUT/batch.yaml as it is", name));
@@ -112,19 +111,7 @@ void write_batch(const CLI::App& command, BatchRequest& request) {
   write_workflow(request.engine.out / "workflow");
 }
 
-/// The report beside what the engine said. Its failure is not the batch's.
-void report(const fs::path& out) {
-  try {
-    ReportRequest request;
-    request.out = out;
-    write_report(request);
-  } catch (const InputError& error) {
-    warn(fmt::format("no report: {}", error.what()));
-  }
-}
-
 int finish(const fs::path& out, int engine_code) {
-  if (!interrupted()) report(out);
   const BatchFolder batch = read_batch(out);
   const bool whole = batch.count(RunState::kDone) == int64_t(batch.runs.size());
   std::string text = "batch: " + batch_summary(batch);
@@ -146,16 +133,15 @@ int batch(const CLI::App& command, BatchRequest& request) {
   EngineRequest& engine = request.engine;
   engine.out = fs::absolute(engine.out).lexically_normal();
   engine.cores = std::max(1u, std::thread::hardware_concurrency());
+  engine.memory_mb = machine_memory() >> 20;
   write_batch(command, request);
   const std::vector<std::string> arguments = engine_arguments(engine);
   check_engine();
   say(shell_line(arguments));
   BatchWatch watch(engine.out);
   const int code = run_engine(arguments, interrupted, [&] { watch.tick(); });
-  if (engine.unlock || engine.dry_run) {
-    if (interrupted()) return stop_code();
-    return code == 0 ? kExitDone : kExitFailed;
-  }
+  if (interrupted() && engine.dry_run) return stop_code();
+  if (code == kExitBadInput || engine.dry_run) return code;  // the workflow has said why
   watch.look();
   return finish(engine.out, code);
 }
@@ -193,8 +179,6 @@ void add_engine_options(CLI::App& command, EngineRequest& engine) {
                   "local, slurm, or a folder with a config.yaml of Snakemake")
       ->capture_default_str();
   command.add_flag("--dry-run", engine.dry_run, "say what would be run");
-  command.add_flag("--unlock", engine.unlock,
-                   "take away the lock that a killed Snakemake has left in OUT");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -41,7 +42,7 @@ double parse_duration(const std::string& text) {
     if (error != std::errc()) throw refuse();
     const bool bare = after == end && at == text.data();
     const double unit = bare ? 1 : after == end ? 0 : seconds_of_unit(*after);
-    if (!(unit > 0) || !(number >= 0)) throw refuse();
+    if (!(unit > 0) || !(number >= 0) || !std::isfinite(number)) throw refuse();
     sum += number * unit;
     at = bare ? after : after + 1;
   }

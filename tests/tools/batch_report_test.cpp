@@ -20,10 +20,12 @@ using nlohmann::json;
 class BatchReport : public ::testing::Test {
  protected:
   BatchReport() {
-    write("batch.yaml", {{"scenes",
+    write("asked.json", {{"scenes",
                           {{{"name", "room"}, {"path", "/data/room"}, {"ingest", {}}},
                            {{"name", "lego"}, {"path", "/data/lego"}, {"ingest", {}}}}},
-                         {"presets", {"fast", {{"name", "big"}, {"preset", "best"}}}},
+                         {"variants",
+                          {{{"name", "fast"}, {"preset", "fast"}, {"options", json::object()}},
+                           {{"name", "big"}, {"preset", "best"}, {"options", json::object()}}}},
                          {"seeds", {1, 2}}});
     finish("room", "fast", 1, 20, 2);
     finish("room", "fast", 2, 22, 4);
@@ -136,12 +138,13 @@ TEST_F(BatchReport, GoesOnPastDamage) {
             std::string::npos);
 }
 
-// Bug put back: only what batch.yaml asks for is shown; seen to fail.
-TEST_F(BatchReport, KnowsRunsWithoutReadingBatchYaml) {
-  write_text_file(folder / "batch.yaml", "scenes:\n- {name: room, path: /data/room}\n");
+// Bug put back: only what is asked for is shown; seen to fail.
+TEST_F(BatchReport, KnowsRunsThatNobodyAsksFor) {
+  write_text_file(folder / "asked.json", "{ torn");
   const json all = report();
   EXPECT_EQ(all["counts"]["runs"], 3);
-  EXPECT_NE(all["notes"][0].get<std::string>().find("batch.yaml is not JSON"), std::string::npos);
+  EXPECT_NE(all["notes"][0].get<std::string>().find("asked.json: not valid JSON"),
+            std::string::npos);
 }
 
 // Bug put back: links to players from the page's own folder, not from OUT; seen to fail.
@@ -154,23 +157,15 @@ TEST_F(BatchReport, LinksToPlayers) {
   EXPECT_EQ(point_of(report(), "room", "fast")["metrics"]["shipped_bytes"]["median"], 3 << 20);
 }
 
-// Bug put back: budgets left out of the columns; seen to fail.
-TEST_F(BatchReport, BudgetsAreColumns) {
-  const json variants = variants_of(
-      {{"presets", {"fast", {{"name", "b"}, {"preset", "best"}}}}, {"budgets", {500, 2000}}});
-  ASSERT_EQ(variants.size(), 4u);
-  EXPECT_EQ(variants[1]["name"], "fast-2000");
-  EXPECT_EQ(variants[1]["options"]["max_gaussians"], 2000);
-  EXPECT_EQ(variants[2]["name"], "b-500");
-}
-
 // Bug put back: the page without its word for an empty batch; seen to fail.
 TEST(BatchFolder, NothingDoneYet) {
   const testing::ScratchFolder folder;
   EXPECT_THROW(read_batch(folder.path()), InputError);
+  const json fast = {{"name", "fast"}, {"preset", "fast"}};
+  write_text_file(folder / "batch.yaml", "");
   write_text_file(
-      folder / "batch.yaml",
-      json{{"scenes", {{{"name", "room"}}}}, {"presets", {"fast"}}, {"seeds", {1}}}.dump());
+      folder / "asked.json",
+      json{{"scenes", {{{"name", "room"}}}}, {"variants", {fast}}, {"seeds", {1}}}.dump());
   const json all = batch_report(read_batch(folder.path()));
   EXPECT_EQ(all["summary"], "0 of 1 runs done, 0 failed, 1 not run; 0 of 1 scenes whole");
   EXPECT_NE(report_page(all, {}).find("Nothing is done yet"), std::string::npos);

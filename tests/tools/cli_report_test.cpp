@@ -46,6 +46,7 @@ TEST(CliReport, ShowsRunsAndKeepsTheirViews) {
   EXPECT_EQ(work.read("out/report/index.html"), page);
   EXPECT_EQ(work.train("out/runs/capture/fast/seed-1", {"--overwrite", "--seed", "9"}).exit_code,
             0);
+  work.write("out/runs/capture/fast/seed-1/metrics.json", "{\"psnr\": 10}");
   EXPECT_EQ(work.run({"report", work.at("out")}).exit_code, 0);
   EXPECT_GT(fs::last_write_time(kept), drawn) << "another model";
 }

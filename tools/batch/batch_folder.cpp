@@ -1,4 +1,4 @@
-// What: batch.yaml × runs/ × failures/.
+// What: asked.json × runs/ × failures/.
 // Not: scores (batch_report.h).
 #include "tools/batch/batch_folder.h"
 
@@ -76,19 +76,15 @@ void add_run(BatchFolder& batch, const std::string& scene, const std::string& pr
   batch.runs.push_back(std::move(run));
 }
 
-/// What batch.yaml asks for.
 void add_asked(BatchFolder& batch) {
-  const json variants = variants_of(batch.asked);
-  for (const json& scene : array_of(batch.asked, "scenes")) {
-    if (!scene.is_object()) continue;
-    for (const json& variant : variants)
+  for (const json& scene : array_of(batch.asked, "scenes"))
+    for (const json& variant : array_of(batch.asked, "variants"))
       for (const json& seed : array_of(batch.asked, "seeds"))
-        if (seed.is_number_integer())
+        if (scene.is_object() && variant.is_object() && seed.is_number_integer())
           add_run(batch, word_of(scene, "name"), word_of(variant, "name"), seed.get<int64_t>());
-  }
 }
 
-/// What is there beside: of an earlier batch.yaml, or of one that is not JSON.
+/// What is there beside: of an earlier batch.yaml.
 void add_found(BatchFolder& batch) {
   std::set<fs::path> known;
   for (const BatchRun& run : batch.runs) known.insert(run.folder);
@@ -142,42 +138,21 @@ int64_t BatchFolder::whole_scenes() const {
   });
 }
 
-json variants_of(const json& asked) {
-  json variants = json::array();
-  const json budgets = array_of(asked, "budgets");
-  for (const json& entry : array_of(asked, "presets")) {
-    json plain = entry.is_object() ? entry : json{{"preset", entry}};
-    if (word_of(plain, "name").empty()) plain["name"] = word_of(plain, "preset");
-    if (!plain.contains("options") || !plain["options"].is_object())
-      plain["options"] = json::object();
-    if (budgets.empty()) variants.push_back(plain);
-    for (const json& budget : budgets) {
-      json variant = plain;
-      variant["name"] = fmt::format("{}-{}", word_of(plain, "name"), budget.dump());
-      variant["options"]["max_gaussians"] = budget;
-      variants.push_back(std::move(variant));
-    }
-  }
-  return variants;
-}
-
 BatchFolder read_batch(const fs::path& root) {
   BatchFolder batch;
   batch.root = root;
-  const fs::path config = root / "batch.yaml";
-  if (!fs::exists(config) && !fs::exists(root / "runs") && !fs::exists(root / "failures"))
+  if (!fs::exists(root / "batch.yaml") && !fs::exists(root / "runs") &&
+      !fs::exists(root / "failures"))
     throw InputError(
         fmt::format("{}: is no folder of a batch: it has no batch.yaml and no runs; name the "
                     "folder that was given to `tessera batch -o`",
                     root.string()));
-  if (fs::exists(config)) {
-    json asked = json::parse(read_text_file(config), nullptr, false);
+  if (const fs::path file = root / "asked.json"; fs::exists(file)) {
+    json asked = json::parse(read_text_file(file), nullptr, false);
     if (asked.is_object())
       batch.asked = std::move(asked);
     else
-      batch.notes.push_back(
-          "batch.yaml is not JSON, so that what was asked for is not known here: shown is what is "
-          "there");
+      batch.notes.push_back(fmt::format("{}: not valid JSON, left out", file.string()));
   }
   batch.failures = read_failures(root / "failures", batch.notes);
   add_asked(batch);

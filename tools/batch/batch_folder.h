@@ -1,6 +1,7 @@
 // What: what the folder of a batch holds: what was asked for, which runs are done, what has failed.
 // Not: running anything (engine.h), nor what is made of it (batch_report.h).
-// OUT: batch.yaml, workflow/, scenes/SCENE, runs/SCENE/PRESET/seed-S (run folders with metrics.json
+// OUT: batch.yaml, asked.json (what it comes to: {scenes, variants, seeds, …}, settings.py),
+//      workflow/, scenes/SCENE, runs/SCENE/PRESET/seed-S (run folders with metrics.json
 //      and train.json), exports/SCENE/PRESET/seed-S/FORMAT, failures/*.json {scene, rule, preset,
 //      seed, format, exit_code, message}, report/.
 #pragma once
@@ -34,7 +35,7 @@ struct BatchRun {
 
 struct BatchFolder {
   std::filesystem::path root;
-  nlohmann::json asked = nlohmann::json::object();  // batch.yaml, where it is JSON
+  nlohmann::json asked = nlohmann::json::object();  // asked.json; empty before the first start
   std::vector<BatchRun> runs;                       // scene by scene, as asked for
   std::vector<BatchFailure> failures;               // by file name
   std::vector<std::string> notes;                   // what could not be read, one line each
@@ -44,10 +45,6 @@ struct BatchFolder {
   std::vector<std::string> scenes() const;
   int64_t whole_scenes() const;
 };
-
-/// Columns of the batch: {name, preset, options} of every preset, by every budget where there are
-/// some (NAME-B with max_gaussians B).
-nlohmann::json variants_of(const nlohmann::json& asked);
 
 /// Errors: InputError: `root` is no folder of a batch: it has neither batch.yaml nor runs/ nor
 /// failures/.

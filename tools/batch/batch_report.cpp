@@ -86,9 +86,11 @@ json describe_run(const BatchFolder& batch, const BatchRun& run, std::vector<std
 
 /// As bench_points takes it. Of one scene and preset all have the same label.
 json cell_of(const json& run) {
+  // what is done has scores, unless its file is damaged
+  const std::string state = run["state"] == "done" ? "missing" : run["state"];
   json cell = {{"scene", run["scene"]},  {"split", run.value("split", "")},
                {"label", run["preset"]}, {"iterations", run.value("iterations", int64_t{0})},
-               {"seed", run["seed"]},    {"status", run.contains("psnr") ? "done" : run["state"]}};
+               {"seed", run["seed"]},    {"status", run.contains("psnr") ? "done" : state}};
   if (run.contains("device")) cell["device"] = run["device"];
   if (run.contains("error")) cell["error"] = run["error"];
   for (const char* key : {"psnr", "ssim", "seconds", "num_gaussians", "num_static", "num_dynamic",
@@ -151,7 +153,7 @@ json batch_report(const BatchFolder& batch) {
             {"whole_scenes", batch.whole_scenes()}}},
           {"versions", versions},
           {"devices", devices},
-          {"variants", variants_of(batch.asked)},
+          {"variants", batch.asked.value("variants", json::array())},
           {"captures", batch.asked.value("scenes", json::array())},
           {"scenes", scenes},
           {"runs", runs},

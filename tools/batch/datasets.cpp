@@ -11,7 +11,6 @@
 #include "ingest/ingest.h"
 #include "kernels/base/errors.h"
 #include "tools/ingest_batch.h"
-#include "tools/terminal.h"
 
 namespace tessera {
 namespace {
@@ -27,15 +26,10 @@ std::vector<fs::path> matches_of(const std::string& pattern) {
   return paths;
 }
 
-/// The capture itself, or the captures in the folder. Errors: InputError: neither.
+/// The folder itself, or those in it where these are captures, the broken ones among them too: one
+/// stage says what is wrong with a capture, and that is ingest.
 std::vector<fs::path> captures_at(const fs::path& folder) {
-  if (is_folder_of_captures(folder)) {
-    std::vector<fs::path> captures;
-    for (const std::string& name : captures_in(folder)) captures.push_back(folder / name);
-    return captures;
-  }
-  detect_layout(folder);
-  return {folder};
+  return is_folder_of_captures(folder) ? subfolders(folder, {}) : std::vector<fs::path>{folder};
 }
 
 std::vector<fs::path> captures_of_glob(const std::string& pattern) {
@@ -43,18 +37,28 @@ std::vector<fs::path> captures_of_glob(const std::string& pattern) {
   const std::vector<fs::path> matches = matches_of(pattern);
   for (const fs::path& match : matches) {
     if (!fs::is_directory(match)) continue;
-    try {
-      for (fs::path& capture : captures_at(match)) captures.push_back(std::move(capture));
-    } catch (const InputError& error) {
-      warn(fmt::format("left out: {}", error.what()));
-    }
+    for (fs::path& capture : captures_at(match)) captures.push_back(std::move(capture));
   }
   if (captures.empty())
     throw InputError(fmt::format(
-        "{}: matches no capture ({} files and folders match); correct the pattern, in quotes "
-        "where the shell should leave it alone",
+        "{}: matches no folder ({} files match); correct the pattern, in quotes where the shell "
+        "should leave it alone",
         pattern, matches.size()));
   return captures;
+}
+
+/// Errors: InputError: none of them is a capture; says of the first why.
+void check_any(const std::vector<Dataset>& datasets) {
+  std::string why;
+  for (const Dataset& dataset : datasets) {
+    try {
+      detect_layout(dataset.path);
+      return;
+    } catch (const InputError& error) {
+      if (why.empty()) why = error.what();
+    }
+  }
+  throw InputError(why);
 }
 
 /// Letters, digits and _ . + -: names become folders and words of command lines.
@@ -93,6 +97,7 @@ std::vector<Dataset> find_datasets(const std::vector<std::string>& words) {
       }
     }
   }
+  check_any(datasets);
   return datasets;
 }
 

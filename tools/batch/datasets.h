@@ -12,9 +12,9 @@ struct Dataset {
   std::filesystem::path path;  // absolute
 };
 
-/// In the order of the words, those of a folder or glob by name; a capture that is meant twice is
-/// taken once. Of a glob what is no capture is left out, with a warning. Errors: InputError: no
-/// such folder, no capture in it, a glob without a capture, two captures of one name, a name that
+/// In the order of the words, those of a folder or glob by name; a folder that is meant twice is
+/// taken once. A folder that is no capture is taken, too, and fails alone. Errors: InputError: no
+/// such folder, a glob that no folder matches, no capture among all, two of one name, a name that
 /// cannot be a folder of results.
 std::vector<Dataset> find_datasets(const std::vector<std::string>& words);
 

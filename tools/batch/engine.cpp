@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -33,12 +34,11 @@ std::string profiles_there(const fs::path& folder) {
   return names.empty() ? "none is there" : fmt::format("there are {}", fmt::join(names, ", "));
 }
 
-/// A word of the workflow's own profiles, or a folder of the user's; "" where local has none.
+/// A word of the workflow's own profiles, or a folder of the user's.
 std::string profile_folder(const EngineRequest& request) {
   const fs::path own = request.out / "workflow" / "profiles" / request.profile;
   if (request.profile.find('/') == std::string::npos && fs::exists(own / "config.yaml"))
     return own.string();
-  if (request.profile == "local") return "";
   if (fs::exists(fs::path(request.profile) / "config.yaml"))
     return fs::absolute(request.profile).lexically_normal().string();
   throw InputError(fmt::format(
@@ -80,39 +80,40 @@ std::vector<std::string> engine_arguments(const EngineRequest& request) {
   std::vector<std::string> arguments{kEngine,
                                      "--snakefile",
                                      (request.out / "workflow" / "Snakefile").string(),
-                                     "--configfile",
-                                     (request.out / "batch.yaml").string(),
                                      "--directory",
                                      request.out.string(),
+                                     "--profile",
+                                     profile_folder(request),
                                      "--keep-going",
-                                     "--rerun-incomplete"};
-  if (const std::string folder = profile_folder(request); !folder.empty())
-    arguments.insert(arguments.end(), {"--profile", folder});
-  if (runs_here(request))
-    arguments.insert(arguments.end(), {"--cores", fmt::format("{}", request.cores)});
-  else if (request.jobs > 0)
+                                     "--rerun-incomplete",
+                                     "--nolock"};  // the workflow has a lock of its own
+  if (runs_here(request)) {
+    const int64_t gpus = std::max<int64_t>(request.gpus, 1);
+    arguments.insert(arguments.end(),
+                     {"--cores", fmt::format("{}", request.cores), "--resources",
+                      fmt::format("gpu={}", gpus), fmt::format("mem_mb={}", request.memory_mb)});
+  } else if (request.jobs > 0) {
     arguments.insert(arguments.end(), {"--jobs", fmt::format("{}", request.jobs)});
-  if (runs_here(request) && request.gpus > 1)
-    arguments.insert(arguments.end(), {"--resources", fmt::format("gpu={}", request.gpus)});
-  if (request.dry_run) arguments.push_back("--dry-run");
-  if (request.unlock) arguments.push_back("--unlock");
+  }
+  if (request.dry_run) arguments.emplace_back("--dry-run");
   return arguments;
 }
 
 std::string shell_line(const std::vector<std::string>& arguments) {
   constexpr const char* kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=,:+@%";
-  std::string line;
+  const auto quoted = [](const std::string& argument) {
+    std::string word;
+    for (char c : argument) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return fmt::format("'{}'", word);
+  };
+  std::vector<std::string> words;
   for (const std::string& argument : arguments) {
-    std::string word = argument;
-    if (word.empty() || word.find_first_not_of(kPlain) != std::string::npos) {
-      word = "'";
-      for (char c : argument) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-      word += "'";
-    }
-    line += (line.empty() ? "" : " ") + word;
+    const bool plain =
+        !argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos;
+    words.push_back(plain ? argument : quoted(argument));
   }
-  return line;
+  return fmt::format("{}", fmt::join(words, " "));
 }
 
 void check_engine() {

@@ -12,8 +12,9 @@ struct EngineRequest {
   std::filesystem::path out;      // absolute; has batch.yaml and workflow/
   std::string profile = "local";  // a folder of workflow/profiles, or a path
   int64_t jobs = 0;               // at a time; 0: the profile's, one on a single machine
-  int64_t cores = 1, gpus = 0;    // of this machine, for profiles that run here
-  bool dry_run = false, unlock = false;
+  // of this machine, for profiles that run here
+  int64_t cores = 1, gpus = 0, memory_mb = 0;
+  bool dry_run = false;
 };
 
 /// Whether the profile runs jobs on this machine.

@@ -5,7 +5,8 @@ import glob
 import os
 import subprocess
 
-import training
+import records
+import settings
 from checks import Wrong
 
 held = []
@@ -20,8 +21,9 @@ def begin(batch):
     except BlockingIOError:
         raise Wrong(f"{batch.out}: another batch is at work here; wait for it or stop it") from None
     held.append(lock)  # released when this process ends, however that is
+    settings.write_asked(batch)
     for file in glob.glob("failures/*.json"):
-        record = training.read(file)
+        record = records.read(file)
         known = (record.get("scene") in (None, *batch.scenes) and
                  record.get("preset") in (None, *batch.variants) and
                  record.get("seed") in (None, *batch.seeds) and

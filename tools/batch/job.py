@@ -14,6 +14,7 @@ import sys
 import time
 
 import forecast
+import records
 import settings
 import training
 
@@ -78,6 +79,7 @@ class Job:
                  "--json"], folder + ".json")
 
     def report(self, _):
+        settings.write_asked(self.batch)  # scenes may have gone with nothing left to run
         return ["report", self.batch.out], "logs/report.txt"
 
     def words(self, before):
@@ -86,7 +88,7 @@ class Job:
 
     def record(self, exit_code, message):
         given = self.given
-        training.write(self.failure, {
+        records.write(self.failure, {
             "job": self.name, "rule": given.rule, "scene": given.scene, "preset": given.preset,
             "seed": given.seed and int(given.seed), "format": given.format,
             "exit_code": exit_code, "message": message, "attempt": given.attempt,
@@ -142,7 +144,7 @@ def accepted(job, code, output):
 
 
 def perform(job, log):
-    before = training.read(job.failure)
+    before = records.read(job.failure)
     if job.given.attempt > 1 and before.get("exit_code") == BAD_INPUT:
         return BAD_INPUT, before["message"]  # more memory does not change the input
     job.record(None, UNFINISHED)

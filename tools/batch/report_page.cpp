@@ -4,18 +4,21 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "tools/batch/page_words.h"
 #include "tools/batch/report_template.h"
 
 namespace tessera {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr double kMiB = 1 << 20;
 
 std::string cell(const std::string& html) {
-  return "<td>" + html + "</td>";
+  return fmt::format("<td>{}</td>", html);
 }
 
 /// "28.31", and under it least and most where there are several seeds; a dash where not measured.
@@ -33,7 +36,7 @@ std::string number_cell(const json& metrics, const char* metric, const char* for
 }
 
 std::string link(const std::string& below_out, const std::string& text) {
-  return fmt::format("<a href=\"{}\">{}</a>", html_address("../" + below_out), html_text(text));
+  return fmt::format("<a href=\"{}\">{}</a>", html_address(fs::path("..") / below_out), html_text(text));
 }
 
 /// Players of the seeds of one point.
@@ -41,7 +44,8 @@ std::string players(const json& report, const json& scene, const json& label) {
   std::string links;
   for (const json& run : report["runs"]) {
     if (run["scene"] != scene || run["preset"] != label || run["player"] == "") continue;
-    links += (links.empty() ? "" : " ") + link(run["player"], "seed " + run["seed"].dump());
+    links += links.empty() ? "" : " ";
+    links += link(run["player"], fmt::format("seed {}", run["seed"].dump()));
   }
   return links.empty() ? "<span class=\"faint\">-</span>" : links;
 }
@@ -62,7 +66,8 @@ std::string results(const json& report) {
   for (const json& scene : report["scenes"])
     for (const json& point : scene["points"]) {
       const json& metrics = point["metrics"];
-      rows += "<tr>" + cell(html_text(std::string(scene["scene"]))) +
+      rows += "<tr>";
+      rows += cell(html_text(std::string(scene["scene"]))) +
               cell(html_text(std::string(point["label"]))) +
               cell(runs_text(report, scene["scene"], point["label"])) +
               number_cell(metrics, "psnr", "{:.2f}") + number_cell(metrics, "ssim", "{:.4f}") +
@@ -101,7 +106,8 @@ std::string views(const ReportPictures& pictures) {
   for (const auto& [scene, frames] : pictures.views) {
     html += fmt::format("<h3>{}</h3>\n<div class=\"wide\"><table>\n", html_text(scene));
     for (const ComparedView& view : frames) {
-      html += "<tr>" + picture_cell(view.truth, "truth: " + view.frame);
+      html += "<tr>";
+      html += picture_cell(view.truth, fmt::format("truth: {}", view.frame));
       for (const ComparedView::Render& render : view.renders)
         html += picture_cell(render.png, fmt::format("{}: {:.2f} dB", render.preset, render.psnr));
       html += "</tr>\n";
@@ -129,18 +135,22 @@ std::string list_of(const json& words) {
   return text.empty() ? "<span class=\"faint\">none yet</span>" : text;
 }
 
+std::string row(const std::string& heading, const std::string& html) {
+  return fmt::format("<tr><th>{}</th>{}</tr>\n", html_text(heading), cell(html));
+}
+
+std::string code(const std::string& text) {
+  return fmt::format("<code>{}</code>", html_text(text));
+}
+
 /// What was asked for, so that it can be asked for again.
 std::string settings(const json& report) {
-  std::string rows = "<tr><th>versions</th>" + cell(list_of(report["versions"])) + "</tr>\n<tr>" +
-                     "<th>devices</th>" + cell(list_of(report["devices"])) + "</tr>\n";
+  std::string rows =
+      row("versions", list_of(report["versions"])) + row("devices", list_of(report["devices"]));
   for (const json& variant : report["variants"])
-    rows += fmt::format("<tr><th>preset {}</th>", html_text(variant["name"].dump())) +
-            cell("<code>" + html_text(variant["preset"].dump()) + " " +
-                 html_text(variant["options"].dump()) + "</code>") +
-            "</tr>\n";
-  for (const json& capture : report["captures"])
-    rows +=
-        "<tr><th>capture</th>" + cell("<code>" + html_text(capture.dump()) + "</code>") + "</tr>\n";
+    rows += row("preset " + variant["name"].get<std::string>(),
+                code(variant["preset"].get<std::string>() + " " + variant["options"].dump()));
+  for (const json& capture : report["captures"]) rows += row("capture", code(capture.dump()));
   std::string notes;
   for (const json& note : report["notes"])
     notes += fmt::format("<p class=\"faint\">{}</p>\n", html_text(std::string(note)));

@@ -9,6 +9,7 @@ import subprocess
 
 import yaml
 
+import records
 from captures import read_scenes
 from checks import Wrong, check_keys, check_name, list_of, nearest, number
 
@@ -126,6 +127,16 @@ def check_with_program(batch):
         if name not in formats:
             raise Wrong(f"exports: unknown format '{name}'; {nearest(name, formats)}There are "
                         f"{', '.join(formats)}")
+
+
+def write_asked(batch):
+    """What batch.yaml comes to, for the report: asked.json."""
+    records.write(os.path.join(batch.out, "asked.json"), {
+        "scenes": [dataclasses.asdict(scene) for scene in batch.scenes.values()],
+        "variants": [{"name": v.name, "preset": v.preset, "options": dict(v.options)}
+                     for v in batch.variants.values()],
+        "seeds": batch.seeds, "exports": batch.formats, "threads": batch.threads,
+        "gpus": batch.gpus, "deterministic": batch.deterministic})
 
 
 def load(file):

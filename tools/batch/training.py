@@ -1,10 +1,10 @@
 """What: how a training begins: anew, from its checkpoint, or with fewer Gaussians after it died of
 memory. Not: the training."""
 import hashlib
-import json
 import os
 import re
 
+import records
 from settings import SESSION_OPTIONS
 
 LEAST_GAUSSIANS = 5000
@@ -21,22 +21,6 @@ def digest(scene):
     return value.hexdigest()
 
 
-def read(file):
-    try:
-        with open(file) as text:
-            return json.load(text)
-    except (OSError, ValueError):
-        return {}
-
-
-def write(file, value):
-    with open(file + ".part", "w") as text:
-        json.dump(value, text, indent=1)
-        text.flush()
-        os.fsync(text.fileno())
-    os.replace(file + ".part", file)
-
-
 def died_of_memory(failure, slurm_state):
     """`failure`: record of the attempt before; SIGKILL of the program alone is the kernel's doing."""
     return (failure.get("exit_code") == 137 or slurm_state == "OUT_OF_MEMORY" or
@@ -45,7 +29,7 @@ def died_of_memory(failure, slurm_state):
 
 def smaller(run, forecast):
     """Options that halve the Gaussians of the run that died; {} where that would not help."""
-    options = read(os.path.join(run, "config.json")).get("options", {})
+    options = records.read(os.path.join(run, "config.json")).get("options", {})
     share = forecast["parameter_bytes"] + forecast["step_bytes"]
     if not options or share < LEAST_SHARE * forecast["total_bytes"]:
         return {}
@@ -67,7 +51,7 @@ def command(run, scene, variant, seed, deterministic, forecast, out_of_memory):
     checkpoint = os.path.join(run, "checkpoint.ckpt")
     asked = {"preset": variant.preset, "options": variant.given(), "seed": seed,
              "deterministic": deterministic, "scene": digest(scene)}
-    state = read(state_file)
+    state = records.read(state_file)
     reduced = state.get("reduced", {}) if state.get("asked") == asked else {}
     if out_of_memory and state.get("asked") == asked:
         reduced = smaller(run, forecast) or reduced
@@ -78,7 +62,7 @@ def command(run, scene, variant, seed, deterministic, forecast, out_of_memory):
     os.makedirs(run, exist_ok=True)
     if os.path.exists(checkpoint):
         os.remove(checkpoint)  # before its description changes
-    write(state_file, now)
+    records.write(state_file, now)
     options = {**variant.given(), **reduced, "seed": str(seed),
                "deterministic": "true" if deterministic else "false"}
     words = [word for key, value in options.items() for word in ("--" + key.replace("_", "-"), value)]

@@ -1,12 +1,14 @@
 #!/bin/bash
-# What is wrong in batch.yaml is said in one line that names it and the remedy.
+# What is wrong in batch.yaml is said in one line that names it and the remedy, with exit code 2.
 source "$(dirname "$0")/common.sh"
 
 mkdir -p "$work/captures/a" "$work/more/a"
 says() { # TEXT LINES...
   local text=$1 seen
   write_batch "$work/out" "${@:2}"
-  seen=$(flow "$work/out" --cores 1 -n 2>&1 || true)
+  check "exit code 2" same 2 "$(exit_code flow "$work/out" --cores 1 -n 2>"$work/said")"
+  seen=$(cat "$work/said")
+  check "one line" same 1 "$(wc -l <"$work/said")"
   check "$text" grep -qF -- "$text" <<<"$seen"
 }
 says "unknown key 'preset'; did you mean 'presets'?" "captures: [../captures/*/]" "preset: fast"
