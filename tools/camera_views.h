@@ -51,8 +51,8 @@ Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_
                     const Camera& camera);
 
 /// The scene with its pictures on the model's background, times and cameras those of the model.
-/// `instants`: as SceneOptions. Errors: as load_scene.
+/// `held_out`: as SceneOptions. Errors: as load_scene.
 Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
-                std::optional<int64_t> instants = {});
+                std::optional<int64_t> held_out = {});
 
 }  // namespace tessera

@@ -50,7 +50,8 @@ std::vector<std::string> ingest_words(const CLI::App& command, const BatchReques
     if (option.get_items_expected_max() == 0) continue;  // a flag
     std::string value = fmt::format("{}", fmt::join(option.results(), ","));
     const bool is_file = name == "--poses" || name == "--offsets" || name == "--masks";
-    words.push_back(is_file && fs::exists(value) ? fs::absolute(value).lexically_normal().string() : value);
+    words.push_back(is_file && fs::exists(value) ? fs::absolute(value).lexically_normal().string()
+                                                 : value);
   }
   const auto still = request.training.given.find("static_only");
   if (still != request.training.given.end() && still->second == "true") words.push_back("--static");
@@ -61,8 +62,8 @@ std::vector<std::string> ingest_words(const CLI::App& command, const BatchReques
 void refuse_settings(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
-    const bool of_engine = name == "--out" || name == "--jobs" || name == "--profile" ||
-                           name == "--dry-run";
+    const bool of_engine =
+        name == "--out" || name == "--jobs" || name == "--profile" || name == "--dry-run";
     if (option->count() > 0 && !of_engine)
       throw InputError(fmt::format(
           "{} goes with datasets; without them batch goes on with OUT/batch.yaml as it is", name));
@@ -149,7 +150,7 @@ int batch(const CLI::App& command, BatchRequest& request) {
 void add_batch_options(CLI::App& command, BatchRequest& request) {
   BatchConfig& config = request.config;
   config.presets = {TrainArguments{}.preset}, config.seeds = {1},
-  config.exports = {"tessera", "page"};
+  config.exports = {"tessera", "html"};
   const auto list = [&](const char* name, auto& values, const char* doc) {
     command.add_option(name, values, doc)
         ->delimiter(',')

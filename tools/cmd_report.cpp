@@ -23,8 +23,10 @@ void add_report_command(CLI::App& app, Work& work) {
       "report", "folder of a batch -> report/index.html, report.csv, report.json");
   command.option_defaults()->always_capture_default();
   command.add_option("out", parsed->request.out, "folder of the batch")->required();
-  command.add_option("--pictures", parsed->request.pictures,
-                     "held-out views of each scene beside the truth; they are drawn once. 0: none");
+  command.add_option(
+      "--pictures", parsed->request.pictures,
+      "held-out views of each scene beside the truth (of each of more than 100 one); "
+      "they are drawn once. 0: none");
   command.add_option("--backend", parsed->request.backend,
                      "auto (a CUDA device where there is one), cpu or cuda");
   command.add_option("--threads", parsed->threads, "CPU threads; 0: all");

@@ -18,7 +18,7 @@ size_t count(const std::string& text, const std::string& part) {
 }
 
 // Bugs put back: the key of the kept views without the model's bytes; the views of every seed
-// shown, not of one a preset; seen to fail.
+// shown, not of one a preset; views of the training split; seen to fail.
 TEST(CliReport, ShowsRunsAndKeepsTheirViews) {
   const CliWorkspace work;
   for (const char* seed : {"1", "2"}) {
@@ -36,6 +36,7 @@ TEST(CliReport, ShowsRunsAndKeepsTheirViews) {
   EXPECT_EQ(work.read("out/report/report.csv").find("scene,split,label"), 0u);
   const std::string page = work.read("out/report/index.html");
   EXPECT_EQ(count(page, "data:image/png;base64,"), 2u) << "one held-out view and its truth";
+  EXPECT_EQ(count(page, "truth: test/"), 2u) << "alt and caption";
   EXPECT_EQ(page.find("<script"), std::string::npos);
   EXPECT_TRUE(count(page, "data:image/svg+xml") == 1 || count(page, "no gnuplot found") == 1);
 

@@ -109,8 +109,7 @@ std::string shell_line(const std::vector<std::string>& arguments) {
   };
   std::vector<std::string> words;
   for (const std::string& argument : arguments) {
-    const bool plain =
-        !argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos;
+    const bool plain = !argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos;
     words.push_back(plain ? argument : quoted(argument));
   }
   return fmt::format("{}", fmt::join(words, " "));

@@ -17,7 +17,6 @@
 #include "recon4d/render.h"
 #include "recon4d/scene_scale.h"
 #include "tools/camera_views.h"
-#include "tools/held_out_scores.h"
 #include "tools/run_folder.h"
 
 namespace tessera {
@@ -47,20 +46,6 @@ std::vector<HeldOutView> kept_views(const fs::path& folder, const json& key) {
   return views;
 }
 
-/// Every frame but `count` of one split is left out.
-Scene few_frames(Scene scene, int64_t count) {
-  const std::vector<Split> held_out = held_out_splits(scene);
-  const std::vector<int> all =
-      scene.split_indices(held_out.empty() ? Split::kTrain : held_out.front());
-  std::vector<Frame> few;
-  const int64_t number = std::min(count, int64_t(all.size()));
-  for (int64_t i = 0; i < number; ++i)
-    few.push_back(
-        scene.frames[size_t(all[size_t((2 * i + 1) * int64_t(all.size()) / (2 * number))])]);
-  scene.frames = std::move(few);
-  return scene;
-}
-
 Image8 small(const Image8& picture) {
   if (picture.width <= kWidth) return picture;
   const double height = double(kWidth) * picture.height / picture.width;
@@ -87,7 +72,7 @@ std::vector<HeldOutView> held_out_views(Backend& backend, const fs::path& run, i
   if (path.empty() || !fs::exists(path))
     throw InputError(fmt::format("{}: its scene '{}' is gone, so that no view of it can be drawn",
                                  run.string(), path));
-  const Scene scene = scaled_scene(few_frames(scene_for(model, path, 1), count), model.train_scale);
+  const Scene scene = scaled_scene(scene_for(model, path, count), model.train_scale);
   make_folder(folder);
   json list = json::array();
   Renderer renderer(backend, model);

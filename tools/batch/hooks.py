@@ -12,12 +12,13 @@ from checks import Wrong
 held = []
 
 
-def begin(batch):
-    """Errors: Wrong, where another driver works in the folder."""
+def begin(batch, alone):
+    """Drivers of parts of the batch work side by side, one of the whole works alone. Errors: Wrong,
+    where another driver is at work."""
     os.makedirs("logs", exist_ok=True)
     lock = open("logs/driver.lock", "a")
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(lock, (fcntl.LOCK_EX if alone else fcntl.LOCK_SH) | fcntl.LOCK_NB)
     except BlockingIOError:
         raise Wrong(f"{batch.out}: another batch is at work here; wait for it or stop it") from None
     held.append(lock)  # released when this process ends, however that is

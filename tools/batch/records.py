@@ -1,6 +1,7 @@
 """What: small JSON files: read as they are, written whole or not at all. Not: what is in them."""
 import json
 import os
+import socket
 
 
 def read(file):
@@ -12,8 +13,9 @@ def read(file):
 
 
 def write(file, value):
-    with open(file + ".part", "w") as text:
+    part = f"{file}.{socket.gethostname()}.{os.getpid()}.part"
+    with open(part, "w") as text:
         json.dump(value, text, indent=1)
         text.flush()
         os.fsync(text.fileno())
-    os.replace(file + ".part", file)
+    os.replace(part, file)

@@ -36,7 +36,8 @@ std::string number_cell(const json& metrics, const char* metric, const char* for
 }
 
 std::string link(const std::string& below_out, const std::string& text) {
-  return fmt::format("<a href=\"{}\">{}</a>", html_address(fs::path("..") / below_out), html_text(text));
+  return fmt::format("<a href=\"{}\">{}</a>", html_address(fs::path("..") / below_out),
+                     html_text(text));
 }
 
 /// Players of the seeds of one point.
@@ -90,10 +91,11 @@ std::string charts(const ReportPictures& pictures) {
   std::string html = "<h2>Speed and accuracy</h2>\n";
   if (!pictures.chart_note.empty())
     html += fmt::format("<p class=\"faint\">{}</p>\n", html_text(pictures.chart_note));
+  html += "<div class=\"charts\">\n";
   for (const auto& [scene, svg] : pictures.charts)
-    html += fmt::format("<p><img class=\"chart\" alt=\"chart of {}\" src=\"{}\"></p>\n",
-                        html_text(scene), data_address("image/svg+xml", svg));
-  return html;
+    html += fmt::format("<img class=\"chart\" alt=\"chart of {}\" src=\"{}\">\n", html_text(scene),
+                        data_address("image/svg+xml", svg));
+  return html + "</div>\n";
 }
 
 std::string picture_cell(const std::string& png, const std::string& words) {

@@ -21,6 +21,7 @@ body { margin: 2rem auto; max-width: 80rem; padding: 0 1rem; color: var(--ink); 
 h1 { font-size: 1.5rem; overflow-wrap: anywhere; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
 a { color: var(--link); } .faint { color: var(--faint); } .bad { color: var(--bad); }
 .wide { overflow-x: auto; }
+.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 36rem), 1fr)); gap: 1rem; }
 table { border-collapse: collapse; } th, td { padding: .3rem .7rem; text-align: left; vertical-align: top; }
 th { border-bottom: 2px solid var(--line); } td { border-bottom: 1px solid var(--line); }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }

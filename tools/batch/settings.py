@@ -129,6 +129,18 @@ def check_with_program(batch):
                         f"{', '.join(formats)}")
 
 
+def scenes_of(batch, part):
+    """Names of all scenes; of every Nth from the Ith where `part` is "I/N". Errors: Wrong."""
+    names = list(batch.scenes)
+    if not part:
+        return names
+    numbers = re.fullmatch(r"(\d+)/(\d+)", str(part))
+    first, step = map(int, numbers.groups()) if numbers else (0, 0)
+    if first >= step:
+        raise Wrong(f"part: expected I/N with I below N, not {part}; write part=0/4")
+    return names[first::step]
+
+
 def write_asked(batch):
     """What batch.yaml comes to, for the report: asked.json."""
     records.write(os.path.join(batch.out, "asked.json"), {
@@ -163,6 +175,6 @@ def load(file):
     program = os.path.join(base, program) if "/" in program else shutil.which(program) or program
     return Batch(out=base, program=program, scenes=read_scenes(given, base),
                  variants=read_variants(given), seeds=tuple(list_of(given, "seeds", int, [1])),
-                 formats=tuple(list_of(given, "exports", str, ["tessera", "page"])),
+                 formats=tuple(list_of(given, "exports", str, ["tessera", "html"])),
                  threads=number(given, "threads", 1, os.cpu_count()),
                  gpus=number(given, "gpus", 0, 0), deterministic=given.get("deterministic", False))

@@ -2,6 +2,8 @@
 // Not: any HTML.
 #include "tools/batch/write_report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 
@@ -22,6 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
+constexpr size_t kManyScenes = 100;             // above, one view of each
+constexpr size_t kMostPictureBytes = 64 << 20;  // within the page
+
 void draw_charts(const json& report, const fs::path& folder, ReportPictures& pictures) {
   for (const json& scene : report["scenes"]) {
     if (!can_be_drawn(scene)) continue;
@@ -34,15 +39,22 @@ void draw_charts(const json& report, const fs::path& folder, ReportPictures& pic
 }
 
 /// Adds a run's views to those of its scene; the truth is that of the first run with the frame.
-void add_views(std::vector<ComparedView>& views, const std::string& preset,
-               const std::vector<HeldOutView>& drawn) {
+/// Returns the bytes of what was added.
+size_t add_views(std::vector<ComparedView>& views, const std::string& preset,
+                 const std::vector<HeldOutView>& drawn) {
+  size_t bytes = 0;
   for (const HeldOutView& one : drawn) {
+    bytes += one.drawn.size();
     ComparedView* mine = nullptr;
     for (ComparedView& view : views)
       if (view.frame == one.frame) mine = &view;
-    if (mine == nullptr) mine = &views.emplace_back(ComparedView{one.frame, one.truth, {}});
+    if (mine == nullptr) {
+      mine = &views.emplace_back(ComparedView{one.frame, one.truth, {}});
+      bytes += one.truth.size();
+    }
     mine->renders.push_back({preset, one.drawn, one.psnr});
   }
+  return bytes;
 }
 
 std::vector<ComparedView>& views_of(ReportPictures& pictures, const std::string& scene) {
@@ -55,8 +67,10 @@ std::vector<ComparedView>& views_of(ReportPictures& pictures, const std::string&
 void draw_views(const ReportRequest& request, const json& report, ReportPictures& pictures) {
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   ProgressBar bar("report");
+  const int64_t most = report["scenes"].size() > kManyScenes ? 1 : request.pictures;
   json drawn = json::array();
   int64_t done = 0;
+  size_t bytes = 0;
   for (const json& run : report["runs"]) {
     stop_if_interrupted();
     bar.update(++done, int64_t(report["runs"].size()), "held-out views");
@@ -64,10 +78,17 @@ void draw_views(const ReportRequest& request, const json& report, ReportPictures
     if (!run.contains("psnr") || std::find(drawn.begin(), drawn.end(), which) != drawn.end())
       continue;
     drawn.push_back(which);
+    if (bytes > kMostPictureBytes) {
+      pictures.notes.push_back(
+          fmt::format("Pictures from {} on are left out, as the page has {} MiB of them; `tessera "
+                      "report --pictures 0` makes one without any.",
+                      run["scene"].get<std::string>(), bytes >> 20));
+      return;
+    }
     try {
-      const std::vector<HeldOutView> views = held_out_views(
-          *backend, request.out / run["folder"].get<std::string>(), request.pictures);
-      add_views(views_of(pictures, run["scene"]), run["preset"], views);
+      const std::vector<HeldOutView> views =
+          held_out_views(*backend, request.out / run["folder"].get<std::string>(), most);
+      bytes += add_views(views_of(pictures, run["scene"]), run["preset"], views);
     } catch (const InputError& error) {
       pictures.notes.push_back(error.what());
     }

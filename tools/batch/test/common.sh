@@ -6,12 +6,20 @@ test_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 batch_folder=$(dirname "$test_folder")
 : "${TESSERA:?the program, e.g. TESSERA=build/release/tessera}"
 TESSERA=$(realpath "$TESSERA")
+skip() { echo "skip  $*" && exit 77; }
+command -v snakemake >/dev/null || skip "no snakemake: apt-get install --no-install-recommends snakemake"
+data=${TESSERA_DATA:-} # of third parties: shared/data beside a folder above, where there is one
+folder=$test_folder
+until [[ -n $data || $folder == / ]]; do
+  folder=$(dirname "$folder")
+  if [[ -d $folder/shared/data ]]; then data=$folder/shared/data; fi
+done
 work=$(mktemp -d "${TMPDIR:-/tmp}/tessera-batch.XXXXXX")
 
 finish() { # runs at every end; on_exit is the test's own
   local code=$?
   on_exit
-  if ((code == 0)) && [[ -z ${KEEP:-} ]]; then rm -rf "$work"; else echo "left: $work"; fi
+  if ((code == 0 || code == 77)) && [[ -z ${KEEP:-} ]]; then rm -rf "$work"; else echo "left: $work"; fi
 }
 on_exit() { :; }
 trap finish EXIT

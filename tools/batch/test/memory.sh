@@ -36,7 +36,7 @@ try() { # FAULT
   check "$1: done at the second attempt" run_batch "$work/$1"
   run=$work/$1/runs/room/quick/seed-1
   log=$work/$1/logs/train/room.quick.seed-1.log
-  mapfile -t asked < <(sed -n 's/^.*job\.py train.*--mem-mb \([0-9]*\)$/\1/p' "$work/$1.log")
+  mapfile -t asked < <(sed -n 's/^exec.*job\.py train.*--mem-mb \([0-9]*\)$/\1/p' "$work/$1.log")
   check "$1: two attempts, the second asked for more memory" \
     test "${#asked[@]}" -eq 2 -a "${asked[1]:-0}" -gt "${asked[0]:-0}"
 }

@@ -12,7 +12,7 @@ on_exit() {
   "$cluster" stop "$work/slurm" 2>/dev/null || true
 }
 command -v slurmctld slurmd munged >/dev/null || PATH=$PATH:/usr/sbin
-command -v slurmctld >/dev/null || { echo "skip  no slurmctld: apt-get install slurm-wlm" && exit 0; }
+command -v slurmctld >/dev/null || skip "no slurmctld: apt-get install slurm-wlm"
 eval "$(NODE_CPUS=2 "$cluster" start "$work/slurm" 2>/dev/null)"
 
 short="iterations: 40, init_points: 500, peak_gaussians: 1000"
@@ -32,38 +32,45 @@ check "ran there" test "$(find "$work/on_slurm/logs/slurm" -name '*.log' | wc -l
 check "bit-equal models" same "$(models "$work/local")" "$(models "$work/on_slurm")"
 check "nothing is to do on one machine, either" same "" "$(planned "$work/on_slurm")"
 
+batch "$work/array" "$short" "../captures/*/"
+ln -s "$batch_folder" "$work/array/workflow"
+check "as a job array" sbatch --quiet --wait --array=0-1 --cpus-per-task=1 --mem=1000 \
+  --chdir="$work/array" --output="$work/array.%a.log" "$batch_folder/profiles/slurm/array.sh"
+check "bit-equal models" same "$(models "$work/local")" "$(models "$work/array")"
+check "only the report is to do" same report "$(planned "$work/array")"
+printf '#!/bin/sh\necho "$CUDA_VISIBLE_DEVICES"\n' >"$work/card.sh"
+card=$(cd "$work/array" && "$batch_folder/profiles/slurm/submit.sh" card 1 100 1 1 "$work/card.sh")
+check "a job that wants a GPU has one" wait_for 60 grep -sqx 0 "$work/array/logs/slurm/$card.log"
+
 batch "$work/calm" "$long" "../captures/room_1"
 batch "$work/rough" "$long" "../captures/room_1"
 check "a longer training on one machine" run_batch "$work/calm"
 run=$work/rough/runs/room_1/quick/seed-1
-log=$work/rough/logs/train/room_1.quick.seed-1.log
 job() { squeue -h -t running -o '%i %j' | sed -n 's/ .*\.train\..*//p'; }
 node() { scontrol -o show job "$(job)" | sed -n 's/.* NodeList=\([^ ]*\).*/\1/p'; }
-starts() { grep -c 'attempt' "$log" 2>/dev/null || true; }
-started() { # N: the Nth start of the training has written a checkpoint
-  [[ $(starts) -ge $1 && -n $(job) && $run/checkpoint.ckpt -nt $work/mark ]]
+starts() { grep -c '"event":"start"' "$run/log.jsonl" 2>/dev/null || true; }
+begun() { [[ $(starts) -ge $1 && -n $(job) ]]; }
+saved() { [[ $run/checkpoint.ckpt -nt $work/mark ]]; }
+after() { # N TEXT: the training's Nth start is at work and has written a checkpoint
+  check "$2: begun" wait_for 300 begun "$1"
+  touch "$work/mark"
+  check "$2: a checkpoint" wait_for 300 saved
 }
-after() { # N TEXT: the training's Nth start is at work; what was done so far
-  check "$2: at work" wait_for 600 started "$1"
-}
-touch "$work/mark"
 on_slurm "$work/rough" &
 driver=$!
 after 1 "first start"
-touch "$work/mark"
 check "scancel --signal=TERM" scancel --full --signal=TERM "$(job)"
 after 2 "a new job after SIGTERM"
-check "interrupted with a checkpoint" grep -q '"initialisation":"checkpoint"' "$run/log.jsonl"
-first=$(job) && touch "$work/mark"
+first=$(job)
 check "scontrol requeue" scontrol requeue "$first"
 after 3 "the same job again"
 check "by its number" same "$first" "$(job)"
-lost=$(node) && touch "$work/mark"
+lost=$(node)
 check "its node $lost is set down" scontrol update "NodeName=$lost" State=DOWN Reason=test
 after 4 "on another node"
 check "not on $lost" test "$(node)" != "$lost"
 check "the batch is done" wait "$driver"
 check "every start but the first went on from a checkpoint" \
-  same "$(($(starts) - 1))" "$(grep -c -e --resume "$log")"
+  same "$(($(starts) - 1))" "$(grep -c '"initialisation":"checkpoint"' "$run/log.jsonl")"
 check "the model is that of an undisturbed training" same "$(models "$work/calm")" "$(models "$work/rough")"
 check "no failure is recorded" same "" "$(failures "$work/rough")"
