@@ -37,6 +37,9 @@ ln -s "$batch_folder" "$work/array/workflow"
 check "as a job array" sbatch --quiet --wait --array=0-1 --cpus-per-task=1 --mem=1000 \
   --chdir="$work/array" --output="$work/array.%a.log" "$batch_folder/profiles/slurm/array.sh"
 check "bit-equal models" same "$(models "$work/local")" "$(models "$work/array")"
+for task in 0 1; do
+  check "task $task: one scene" same 1 "$(grep -c '^rule train' "$work/array.$task.log")"
+done
 check "only the report is to do" same report "$(planned "$work/array")"
 printf '#!/bin/sh\necho "$CUDA_VISIBLE_DEVICES"\n' >"$work/card.sh"
 card=$(cd "$work/array" && "$batch_folder/profiles/slurm/submit.sh" card 1 100 1 1 "$work/card.sh")
