@@ -28,6 +28,7 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 
 struct BatchRequest {
   std::vector<std::string> datasets;
@@ -94,22 +95,40 @@ void complete(const CLI::App& command, BatchRequest& request) {
   if (command.count("--exports") == 0 && !carries_player_page()) config.exports = {"tessera"};
 }
 
-/// batch.yaml and workflow/ in the output folder.
+/// What `tessera batch` wrote; null where a person did, or nobody.
+json own_yaml(const fs::path& file) {
+  if (!fs::exists(file)) return nullptr;
+  const json yaml = json::parse(read_text_file(file), nullptr, false);
+  return yaml.is_object() ? yaml : json();
+}
+
+/// batch.yaml and workflow/ in the output folder. A dry run writes its settings beside batch.yaml.
 void write_batch(const CLI::App& command, BatchRequest& request) {
-  const fs::path file = request.engine.out / "batch.yaml";
+  EngineRequest& engine = request.engine;
+  const fs::path file = engine.out / engine.file;
+  const json own = own_yaml(file);
   if (request.datasets.empty()) {
     refuse_settings(command);
     if (!fs::exists(file))
       throw InputError(
           fmt::format("{}: is not there; name the captures of the batch", file.string()));
+    engine.gpus = command.count("--gpus") > 0 || !own.is_object() ? request.config.gpus
+                                                                  : own.value("gpus", int64_t{0});
   } else {
-    request.config.datasets = find_datasets(request.datasets);
+    if (fs::exists(file) && !own.is_object())
+      throw InputError(fmt::format(
+          "{}: was written by hand and would be replaced; leave out the captures to go on with it, "
+          "or move it away",
+          file.string()));
+    request.config.datasets = find_datasets(request.datasets, engine.out);
     complete(command, request);
     const std::string text = batch_yaml(request.config).dump(2) + "\n";
-    make_folder(request.engine.out);
-    if (!fs::exists(file) || read_text_file(file) != text) write_text_file(file, text);
+    make_folder(engine.out);
+    if (engine.dry_run) engine.file = "batch.dry-run.yaml";
+    if (own.dump(2) + "\n" != text || engine.dry_run)
+      write_text_file(engine.out / engine.file, text);
   }
-  write_workflow(request.engine.out / "workflow");
+  write_workflow(engine.out / "workflow");
 }
 
 int finish(const fs::path& out, int engine_code) {
@@ -141,6 +160,7 @@ int batch(const CLI::App& command, BatchRequest& request) {
   say(shell_line(arguments));
   BatchWatch watch(engine.out);
   const int code = run_engine(arguments, interrupted, [&] { watch.tick(); });
+  if (engine.dry_run && !request.datasets.empty()) fs::remove(engine.out / engine.file);
   if (interrupted() && engine.dry_run) return stop_code();
   if (code == kExitBadInput || engine.dry_run) return code;  // the workflow has said why
   watch.look();

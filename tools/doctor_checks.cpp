@@ -144,13 +144,11 @@ void add_forecast(const Scene& all, DoctorReport& report) {
     TrainOptions options;
     apply_preset(options, preset.name, facts);
     const TrainForecast f = forecast_training(load, options);
-    table[preset.name] = {{"gaussians", f.gaussians},
-                          {"frame_bytes", f.frame_bytes},
-                          {"parameter_bytes", f.parameter_bytes},
-                          {"step_bytes", f.step_bytes},
-                          {"total_bytes", f.total_bytes},
-                          {"cpu_seconds", f.cpu_seconds},
-                          {"gpu_seconds", f.gpu_seconds}};
+    table[preset.name] = {
+        {"iterations", options.iterations}, {"gaussians", f.gaussians},
+        {"frame_bytes", f.frame_bytes},     {"parameter_bytes", f.parameter_bytes},
+        {"step_bytes", f.step_bytes},       {"total_bytes", f.total_bytes},
+        {"cpu_seconds", f.cpu_seconds},     {"gpu_seconds", f.gpu_seconds}};
     if (preset.name != "fast" && preset.name != "balanced") continue;
     add({{Severity::kInfo, "forecast", "",
           fmt::format("--preset {}: {:.2f} GiB ({:.2f} of them frames), about {} on this CPU, {} "

@@ -30,6 +30,7 @@ void on_eviction(int) {
 void install_interrupt_handlers() {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_eviction);
+  if (std::signal(SIGHUP, SIG_IGN) != SIG_IGN) std::signal(SIGHUP, on_eviction);  // else nohup
   std::signal(SIGUSR1, on_eviction);
 }
 

@@ -1,5 +1,5 @@
-// What: Ctrl-C, and the signals by which a scheduler takes a machine away (SIGTERM, SIGUSR1), as a
-//       flag that long work asks for; the second Ctrl-C ends at once.
+// What: Ctrl-C, and the signals by which a scheduler takes a machine away (SIGTERM, SIGUSR1) or a
+//       terminal goes (SIGHUP), as a flag that long work asks for; the second Ctrl-C ends at once.
 // Not: cleaning up in a signal handler.
 #pragma once
 #include <exception>

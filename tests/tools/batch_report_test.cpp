@@ -150,6 +150,8 @@ TEST_F(BatchReport, KnowsRunsThatNobodyAsksFor) {
 // Bug put back: links to players from the page's own folder, not from OUT; seen to fail.
 TEST_F(BatchReport, LinksToPlayers) {
   write("exports/room/fast/seed-2/page/index.html", "");
+  EXPECT_EQ(page().find("<a href=\"../exports"), std::string::npos) << "of an older model";
+  write("exports/room/fast/seed-2/page.json", {{"bytes", 1 << 20}});
   write("exports/room/fast/seed-2/tessera.json", {{"bytes", 3 << 20}});
   const std::string html = page();
   EXPECT_NE(html.find("<a href=\"../exports/room/fast/seed-2/page/index.html\">seed 2</a>"),

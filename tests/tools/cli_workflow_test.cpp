@@ -27,7 +27,8 @@ class CliWorkflow : public ::testing::Test {
   /// A script called snakemake that writes its words to ARGUMENTS, then does `what`.
   void engine(const std::string& what) const {
     work.write("bin/snakemake", "#!/bin/sh\nfor word; do echo \"$word\"; done > " +
-                                    work.at("arguments") + "\n" + what + "\n");
+                                    work.at("arguments") + "\ncp " + work.at("out") + "/*.yaml " +
+                                    work.at("kept.yaml") + "\n" + what + "\n");
     fs::permissions(work / "bin/snakemake", fs::perms::owner_all);
   }
   std::vector<std::string> engine_words() const {
@@ -41,7 +42,8 @@ class CliWorkflow : public ::testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  json yaml() const { return json::parse(work.read("out/batch.yaml")); }
+  /// Also of a dry run, whose engine keeps what it is given.
+  json yaml() const { return json::parse(work.read("kept.yaml")); }
   /// One line, exit code 2, and the engine was not called.
   void refused(const std::vector<std::string>& words, const std::vector<std::string>& parts) const {
     work.expect_refused(words, parts);
@@ -149,6 +151,9 @@ TEST_F(CliWorkflow, CallsTheEngineAsAPersonCould) {
   EXPECT_NE(result.out.find("1 of 1 runs done"), std::string::npos) << result.out;
 
   const std::string before = work.read("out/batch.yaml");
+  const ChildResult other = work.run(arguments({"--preset", "best", "--dry-run"}));
+  EXPECT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_EQ(work.read("out/batch.yaml"), before) << "a dry run changes nothing";
   const ChildResult again = work.run({"batch", "-o", work.at("out"), "--dry-run"});
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_TRUE(has_words(engine_words(), {"--dry-run"}));
@@ -219,6 +224,11 @@ TEST_F(CliWorkflow, ABadConfigurationIsOneLine) {
   refused({"batch", work.at("nowhere"), "-o", work.at("out")}, {"nowhere", "no such folder"});
   refused({"batch", work.at("bin"), "-o", work.at("out")}, {work.at("bin"), "name the folder"});
   refused({"batch", "-o", work.at("empty")}, {"batch.yaml", "name the captures"});
+  for (const char* folder : {"hand", "a profile"}) fs::create_directory(work / folder);
+  work.write("hand/batch.yaml", "presets: [fast]  # mine\n");
+  refused({"batch", work.at("capture"), "-o", work.at("hand")}, {"written by hand", "leave out"});
+  work.write("a profile/config.yaml", "jobs: 1\n");
+  refused(arguments({"--profile", work.at("a profile")}), {"has a space"});
   fs::create_directory(work / "other");
   fs::copy(work / "capture", work / "other/capture", fs::copy_options::recursive);
   refused({"batch", work.at("capture"), work.at("other/capture"), "-o", work.at("out")},

@@ -84,7 +84,7 @@ void add_asked(BatchFolder& batch) {
           add_run(batch, word_of(scene, "name"), word_of(variant, "name"), seed.get<int64_t>());
 }
 
-/// What is there beside: of an earlier batch.yaml.
+/// What is done beside: of an earlier batch.yaml.
 void add_found(BatchFolder& batch) {
   std::set<fs::path> known;
   for (const BatchRun& run : batch.runs) known.insert(run.folder);
@@ -95,6 +95,7 @@ void add_found(BatchFolder& batch) {
         const std::string name = folder.filename().string();
         int64_t seed = 0;
         if (!name.starts_with(kSeed) || known.contains(folder)) continue;
+        if (!fs::exists(folder / "metrics.json")) continue;
         const char* const end = name.data() + name.size();
         if (std::from_chars(name.data() + kSeed.size(), end, seed).ptr != end) continue;
         add_run(batch, scene.filename().string(), preset.filename().string(), seed);
@@ -104,7 +105,7 @@ void add_found(BatchFolder& batch) {
 }  // namespace
 
 std::string BatchFailure::line() const {
-  std::string text = fmt::format("{}: {}", scene, rule);
+  std::string text = scene.empty() ? rule : fmt::format("{}: {}", scene, rule);
   if (!preset.empty()) text += ", " + preset;
   if (!seed.empty()) text += ", seed " + seed;
   if (!format.empty()) text += ", " + format;

@@ -41,7 +41,9 @@ std::string player_of(const BatchFolder& batch, const BatchRun& run) {
   const fs::path exports =
       fs::path("exports") / run.scene / run.preset / fmt::format("seed-{}", run.seed);
   for (const char* format : {"html", "page"})
-    if (const fs::path page = exports / format / "index.html"; fs::exists(batch.root / page))
+    if (const fs::path page = exports / format / "index.html";
+        fs::exists(batch.root / page) &&
+        fs::exists(batch.root / exports / (std::string(format) + ".json")))  // of this model
       return page.string();
   return "";
 }

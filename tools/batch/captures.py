@@ -5,7 +5,7 @@ import hashlib
 import json
 import os
 
-from checks import Wrong, check_keys, check_name, list_of
+from checks import Wrong, check_keys, check_name, filled, list_of, shown
 
 FILE_OPTIONS = ("--poses", "--offsets", "--masks")
 
@@ -27,19 +27,20 @@ def read_scenes(given, base):
                         "of them another `name`")
         scenes[name] = Scene(name, path.rstrip("/"), tuple(ingest))
 
-    for entry in given.get("scenes") or []:
+    for entry in filled(given, "scenes", []) if given.get("scenes") else []:
         entry = {"path": entry} if isinstance(entry, str) else entry
         if not isinstance(entry, dict) or not isinstance(entry.get("path"), str):
-            raise Wrong(f"scenes: {json.dumps(entry)} has no `path`; write {{name: a, path: /data/a}}")
+            raise Wrong(f"scenes: {shown(entry)} has no `path`; write {{name: a, path: /data/a}}")
         check_keys(entry, ("name", "path", "ingest"), f"scenes: {entry['path']}")
         words = entry.get("ingest") or []
         if not isinstance(words, list):
             raise Wrong(f"scenes: {entry['path']}: ingest: expected a list of words, not "
-                        f"{json.dumps(words)}; write ingest: [--scale, 0.5]")
+                        f"{shown(words)}; write ingest: [--scale, 0.5]")
         add(str(entry.get("name") or ""), os.path.join(base, entry["path"]),
             absolute_files([str(w) for w in words], base))
     for pattern in list_of(given, "captures", str, []):
-        found = [p for p in sorted(glob.glob(os.path.join(base, pattern))) if os.path.isdir(p)]
+        found = [p for p in sorted(glob.glob(os.path.join(glob.escape(base), pattern)))
+                 if os.path.isdir(p) and not within(base, p)]  # a batch is no scene of itself
         if not found:
             raise Wrong(f"captures: no folder matches {pattern}; correct the pattern or take it out")
         for path in found:
@@ -59,24 +60,32 @@ def absolute_files(words, base):
     return words
 
 
-def files_below(path):
-    """Of a file, of a folder or of nothing: name and stat of each file."""
-    if not os.path.isdir(path):
-        return [("", os.stat(path))] if os.path.exists(path) else []
+def within(inner, outer):
+    inner, outer = os.path.realpath(inner), os.path.realpath(outer)
+    return os.path.commonpath([inner, outer]) == outer
+
+
+def files_below(path, out):
+    """Of a file, of a folder or of nothing: name and size and time of each file, but of those in
+    the folder of results."""
+    files = [path] if os.path.isfile(path) else []
+    for folder, below, names in os.walk(path, followlinks=True):
+        below[:] = sorted(b for b in below if not within(os.path.join(folder, b), out))
+        files += [os.path.join(folder, name) for name in sorted(names)]
     found = []
-    for folder, below, files in os.walk(path, followlinks=True):
-        below.sort()
-        for name in sorted(files):
-            file = os.path.join(folder, name)
-            if os.path.exists(file):
-                found.append((os.path.relpath(file, path), os.stat(file)))
+    for file in files:
+        try:
+            stat = os.stat(file)
+        except OSError:  # a broken link, or gone in the meantime
+            continue
+        found.append((os.path.relpath(file, path), stat.st_size, stat.st_mtime_ns))
     return found
 
 
-def stamp(scene):
+def stamp(scene, out):
     """Changes when a file of the capture or an option of its preparation does."""
     digest = hashlib.sha256(json.dumps(scene.ingest).encode())
     for path in (scene.path, *(w for w in scene.ingest if os.path.isabs(w))):
-        for name, stat in files_below(path):
-            digest.update(f"{name} {stat.st_size} {stat.st_mtime_ns}\n".encode())
+        for name, size, time in files_below(path, out):
+            digest.update(os.fsencode(name) + f" {size} {time}\n".encode())
     return digest.hexdigest()[:16]

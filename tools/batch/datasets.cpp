@@ -28,16 +28,16 @@ std::vector<fs::path> matches_of(const std::string& pattern) {
 
 /// The folder itself, or those in it where these are captures, the broken ones among them too: one
 /// stage says what is wrong with a capture, and that is ingest.
-std::vector<fs::path> captures_at(const fs::path& folder) {
-  return is_folder_of_captures(folder) ? subfolders(folder, {}) : std::vector<fs::path>{folder};
+std::vector<fs::path> captures_at(const fs::path& folder, const fs::path& out) {
+  return is_folder_of_captures(folder) ? subfolders(folder, out) : std::vector<fs::path>{folder};
 }
 
-std::vector<fs::path> captures_of_glob(const std::string& pattern) {
+std::vector<fs::path> captures_of_glob(const std::string& pattern, const fs::path& out) {
   std::vector<fs::path> captures;
   const std::vector<fs::path> matches = matches_of(pattern);
   for (const fs::path& match : matches) {
-    if (!fs::is_directory(match)) continue;
-    for (fs::path& capture : captures_at(match)) captures.push_back(std::move(capture));
+    if (!fs::is_directory(match) || (fs::exists(out) && fs::equivalent(match, out))) continue;
+    for (fs::path& capture : captures_at(match, out)) captures.push_back(std::move(capture));
   }
   if (captures.empty())
     throw InputError(fmt::format(
@@ -75,14 +75,14 @@ void check_name(const Dataset& dataset) {
 
 }  // namespace
 
-std::vector<Dataset> find_datasets(const std::vector<std::string>& words) {
+std::vector<Dataset> find_datasets(const std::vector<std::string>& words, const fs::path& out) {
   std::vector<Dataset> datasets;
   std::map<std::string, fs::path> by_name;
   for (const std::string& word : words) {
     const bool pattern = !fs::exists(word) && word.find_first_of("*?[{") != std::string::npos;
     if (!pattern && !fs::exists(word))
       throw InputError(fmt::format("{}: no such folder; check the path", word));
-    for (const fs::path& path : pattern ? captures_of_glob(word) : captures_at(word)) {
+    for (const fs::path& path : pattern ? captures_of_glob(word, out) : captures_at(word, out)) {
       fs::path whole = fs::absolute(path).lexically_normal();
       if (!whole.has_filename()) whole = whole.parent_path();
       const Dataset dataset{whole.filename().string(), whole};

@@ -13,9 +13,10 @@ struct Dataset {
 };
 
 /// In the order of the words, those of a folder or glob by name; a folder that is meant twice is
-/// taken once. A folder that is no capture is taken, too, and fails alone. Errors: InputError: no
-/// such folder, a glob that no folder matches, no capture among all, two of one name, a name that
-/// cannot be a folder of results.
-std::vector<Dataset> find_datasets(const std::vector<std::string>& words);
+/// taken once; `out`, where the results go, is none of them. A folder that is no capture is taken,
+/// too, and fails alone. Errors: InputError: no such folder, a glob that no folder matches, no
+/// capture among all, two of one name, a name that cannot be a folder of results.
+std::vector<Dataset> find_datasets(const std::vector<std::string>& words,
+                                   const std::filesystem::path& out);
 
 }  // namespace tessera

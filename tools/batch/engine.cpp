@@ -77,16 +77,16 @@ bool runs_here(const EngineRequest& request) {
 }
 
 std::vector<std::string> engine_arguments(const EngineRequest& request) {
-  std::vector<std::string> arguments{kEngine,
-                                     "--snakefile",
-                                     (request.out / "workflow" / "Snakefile").string(),
-                                     "--directory",
-                                     request.out.string(),
-                                     "--profile",
-                                     profile_folder(request),
-                                     "--keep-going",
-                                     "--rerun-incomplete",
-                                     "--nolock"};  // the workflow has a lock of its own
+  const std::string profile = profile_folder(request);
+  if (!runs_here(request) && profile.find_first_of(" \t\n") != std::string::npos)
+    throw InputError(fmt::format(
+        "{}: Snakemake starts no scripts of a profile whose path has a space; choose another OUT",
+        profile));
+  std::vector<std::string> arguments{
+      kEngine,       "--snakefile",        (request.out / "workflow" / "Snakefile").string(),
+      "--directory", request.out.string(), "--profile",
+      profile,       "--keep-going",       "--rerun-incomplete",
+      "--nolock"};  // the workflow has a lock of its own
   if (runs_here(request)) {
     const int64_t gpus = std::max<int64_t>(request.gpus, 1);
     arguments.insert(arguments.end(),
@@ -95,7 +95,8 @@ std::vector<std::string> engine_arguments(const EngineRequest& request) {
   } else if (request.jobs > 0) {
     arguments.insert(arguments.end(), {"--jobs", fmt::format("{}", request.jobs)});
   }
-  if (request.dry_run) arguments.emplace_back("--dry-run");
+  if (request.dry_run)
+    arguments.insert(arguments.end(), {"--dry-run", "--config", "file=" + request.file});
   return arguments;
 }
 

@@ -15,6 +15,7 @@ struct EngineRequest {
   // of this machine, for profiles that run here
   int64_t cores = 1, gpus = 0, memory_mb = 0;
   bool dry_run = false;
+  std::string file = "batch.yaml";  // in `out`
 };
 
 /// Whether the profile runs jobs on this machine.

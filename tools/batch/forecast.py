@@ -9,16 +9,21 @@ TIME_SPARE = 3  # the forecast's own factor
 LEAST_MINUTES = 10
 
 
-def row(doctor_file, variant):
-    with open(doctor_file) as text:
-        return json.load(text)["tables"]["forecast"][variant.preset]
+def row(doctor_file, preset):
+    """{} where there is none: an older program wrote the file, or nobody did."""
+    try:
+        with open(doctor_file) as text:
+            return json.load(text)["tables"]["forecast"][preset]
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
 
 
 def memory_mb(doctor_file, variant, attempt):
     """More at each attempt."""
-    forecast = row(doctor_file, variant)
-    options = dict(variant.options)
-    gaussians = max(int(float(options.get(k, 0))) for k in ("peak_gaussians", "max_gaussians"))
+    forecast = row(doctor_file, variant.preset)
+    if not forecast:
+        return PROGRAM_MB * attempt
+    gaussians = max(variant.number(k) for k in ("peak_gaussians", "max_gaussians"))
     wider = max(1, gaussians / forecast["gaussians"])
     model = forecast["total_bytes"] - forecast["frame_bytes"]
     total = forecast["frame_bytes"] + wider * model
@@ -26,8 +31,9 @@ def memory_mb(doctor_file, variant, attempt):
 
 
 def minutes(doctor_file, variant, gpus, attempt):
-    forecast = row(doctor_file, variant)
+    forecast = row(doctor_file, variant.preset)
+    if not forecast:
+        return LEAST_MINUTES * attempt
     seconds = forecast["gpu_seconds" if gpus else "cpu_seconds"]
-    usual = forecast.get("iterations", 0)
-    longer = float(dict(variant.options).get("iterations", usual)) / usual if usual else 1
+    longer = (variant.number("iterations") or forecast["iterations"]) / forecast["iterations"]
     return max(LEAST_MINUTES, math.ceil(TIME_SPARE * longer * seconds / 60)) * attempt

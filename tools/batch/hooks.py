@@ -1,28 +1,41 @@
-"""What: before and after a batch: one driver a folder, no records of jobs that are no more, the
-report. Not: jobs."""
+"""What: before and after a batch: one driver a folder, its settings kept, no records of jobs that are
+no more, the report. Not: jobs."""
 import fcntl
 import glob
 import os
 import subprocess
+import time
 
+import locks
 import records
 import settings
 from checks import Wrong
 
+LEFT, INTERRUPTED = 75, 130  # exit codes
 held = []
+begun = time.time()
 
 
 def begin(batch, alone):
-    """Drivers of parts of the batch work side by side, one of the whole works alone. Errors: Wrong,
+    """Drivers of parts of one batch work side by side, one of the whole works alone. Errors: Wrong,
     where another driver is at work."""
     os.makedirs("logs", exist_ok=True)
-    lock = open("logs/driver.lock", "a")
-    try:
-        fcntl.flock(lock, (fcntl.LOCK_EX if alone else fcntl.LOCK_SH) | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise Wrong(f"{batch.out}: another batch is at work here; wait for it or stop it") from None
+    lock = open("logs/driver.lock", "a+")
     held.append(lock)  # released when this process ends, however that is
-    settings.write_asked(batch)
+    now = settings.snapshot_of(batch)
+    if locks.take(lock, fcntl.LOCK_EX):
+        records.write(settings.SNAPSHOT, now)
+        if not alone:
+            locks.take(lock, fcntl.LOCK_SH)
+    elif alone or not locks.take(lock, fcntl.LOCK_SH, seconds=10):
+        raise Wrong(f"{batch.out}: another batch is at work here; wait for it or stop it")
+    elif records.read(settings.SNAPSHOT) != now:
+        raise Wrong(f"{batch.out}: another part of it is at work with other settings; wait for it "
+                    "or stop it")
+    # a target that is there needs nothing, whatever else is missing: only without it are jobs that
+    # fail now to be done next time
+    if os.path.exists("logs/report.txt"):
+        os.remove("logs/report.txt")
     for file in glob.glob("failures/*.json"):
         record = records.read(file)
         known = (record.get("scene") in (None, *batch.scenes) and
@@ -33,6 +46,13 @@ def begin(batch, alone):
             os.remove(file)
 
 
+def stopped():
+    """Whether jobs of this driver were told to stop: whoever did that waits for no report."""
+    return any(records.read(file).get("exit_code") in (LEFT, INTERRUPTED)
+               for file in glob.glob("failures/*.json") if os.path.getmtime(file) >= begun)
+
+
 def report(batch):
     """What failed is in it, too."""
-    subprocess.run([batch.program, "report", batch.out])
+    if not stopped():
+        subprocess.run([batch.program, "report", batch.out])

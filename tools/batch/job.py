@@ -2,9 +2,11 @@
 it succeeds. Not: which jobs there are (Snakefile).
 
 usage: job.py RULE [SCENE [PRESET SEED [FORMAT]]] --threads N --attempt N --mem-mb N
+                [--refused MESSAGE]   records only that the cluster did not take the job
 """
 import argparse
 import fcntl
+import glob
 import json
 import os
 import shutil
@@ -14,12 +16,13 @@ import sys
 import time
 
 import forecast
+import locks
 import records
 import settings
 import training
 
 RULES = ("ingest", "doctor", "train", "evaluate", "export", "report")
-BAD_INPUT, KILLED = 2, 137  # exit codes
+FAILED, BAD_INPUT = 1, 2  # exit codes
 UNFINISHED = ("ended without a word: out of memory or time, or its machine was lost "
               "(or it still runs)")
 
@@ -31,6 +34,7 @@ def arguments():
         parser.add_argument(name, nargs="?")
     for name in ("--threads", "--attempt", "--mem-mb"):
         parser.add_argument(name, type=int, default=1)
+    parser.add_argument("--refused")
     return parser.parse_args()
 
 
@@ -48,6 +52,17 @@ class Job:
         self.threads = ["--threads", str(given.threads)]
         self.backend = ["--backend", "cuda" if batch.gpus else "cpu", *self.threads]
 
+    def forget(self):
+        """What is made of this job's output goes, so that no failure leaves old results behind."""
+        if self.given.rule not in ("ingest", "train"):
+            return
+        below = os.path.join(self.given.scene, *(self.where[1:] or ["*", "*"]))
+        made = [self.doctor] if self.given.rule == "ingest" else []
+        made += [f"runs/{below}/train.json", f"runs/{below}/metrics.json", f"exports/{below}/*.json"]
+        for pattern in made:
+            for file in glob.glob(pattern):
+                os.remove(file)
+
     # Each stage: the program's words, and where its standard output goes.
 
     def ingest(self, _):
@@ -62,7 +77,7 @@ class Job:
         variant = self.batch.variants[self.given.preset]
         words = training.command(
             self.run, self.scene, variant, int(self.given.seed), self.batch.deterministic,
-            forecast.row(self.doctor, variant),
+            forecast.row(self.doctor, variant.preset),
             training.died_of_memory(before, slurm_state(before.get("slurm_job"))))
         return (["train", self.scene, "-o", self.run, *words, *self.backend, "--json"],
                 self.run + "/train.json")
@@ -79,7 +94,6 @@ class Job:
                  "--json"], folder + ".json")
 
     def report(self, _):
-        settings.write_asked(self.batch)  # scenes may have gone with nothing left to run
         return ["report", self.batch.out], "logs/report.txt"
 
     def words(self, before):
@@ -113,12 +127,10 @@ def free_gpu(count):
         return environment, None
     while True:
         for gpu in range(count):
-            lock = open(f"logs/gpu-{gpu}.lock", "a")
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock = open(f"logs/gpu-{gpu}.lock", "a+")
+            if locks.take(lock, fcntl.LOCK_EX):
                 return {**environment, "CUDA_VISIBLE_DEVICES": str(gpu)}, lock
-            except BlockingIOError:
-                lock.close()
+            lock.close()
         time.sleep(1)
 
 
@@ -134,13 +146,21 @@ def last_line(log, begin):
 
 def accepted(job, code, output):
     """Findings of doctor are no failure of the job: they are in its file and in the report."""
-    if job.given.rule != "doctor" or code != 1:
-        return code == 0
-    try:
-        with open(output) as text:
-            return "tables" in json.load(text)
-    except ValueError:
+    if code != 0 and not (job.given.rule == "doctor" and code == 1):
         return False
+    return job.given.rule == "report" or records.read(output) != {}
+
+
+def run(job, words, output, log):
+    """Exit code of the program."""
+    environment, gpu = free_gpu(job.batch.gpus if job.given.rule in ("train", "evaluate") else 0)
+    command = [job.batch.program, *words]
+    print(time.strftime("%F %T"), "attempt", job.given.attempt, *command, file=log, flush=True)
+    with open(output, "w") as standard:
+        # the program holds the log, and by it the lock, also if this process is killed
+        code = subprocess.run(command, stdout=standard, stderr=log, env=environment,
+                              pass_fds=[gpu.fileno()] if gpu else []).returncode
+    return 128 - code if code < 0 else code
 
 
 def perform(job, log):
@@ -148,45 +168,49 @@ def perform(job, log):
     if job.given.attempt > 1 and before.get("exit_code") == BAD_INPUT:
         return BAD_INPUT, before["message"]  # more memory does not change the input
     job.record(None, UNFINISHED)
+    job.forget()
     words, output = job.words(before)
     os.makedirs(os.path.dirname(output), exist_ok=True)
-    environment, gpu = free_gpu(job.batch.gpus if job.given.rule in ("train", "evaluate") else 0)
-    command = [job.batch.program, *words]
-    print(time.strftime("%F %T"), "attempt", job.given.attempt, *command, file=log, flush=True)
+    part = output + ".part"
     begin = os.fstat(log.fileno()).st_size
-    with open(output + ".part", "w") as standard:
-        try:
-            # the program holds the log, and by it the lock, also if this process is killed
-            code = subprocess.run(command, stdout=standard, stderr=log, env=environment,
-                                  pass_fds=[gpu.fileno()] if gpu else []).returncode
-        except OSError as error:
-            return 127, f"{job.batch.program}: {error.strerror}; correct `tessera` in batch.yaml"
-    if not accepted(job, code, output + ".part"):
-        os.remove(output + ".part")
-        return 128 - code if code < 0 else code, last_line(job.log, begin)
+    code = run(job, words, part, log)
+    if code == BAD_INPUT and "--resume" in words:  # a checkpoint of another program or scene
+        os.remove(os.path.join(job.run, "checkpoint.ckpt"))
+        begin = os.fstat(log.fileno()).st_size
+        code = run(job, job.words(before)[0], part, log)
+    if not accepted(job, code, part):
+        os.remove(part)
+        return code or FAILED, last_line(job.log, begin)
     if job.given.rule == "ingest" and not os.path.exists(job.scene + "/transforms.json"):
-        os.remove(output + ".part")
+        os.remove(part)
         return BAD_INPUT, (f"tessera: {job.batch.scenes[job.given.scene].path}: holds several "
                            "captures; write `captures: [THAT/*/]` in batch.yaml")
-    os.replace(output + ".part", output)
+    os.replace(part, output)
     return 0, ""
 
 
 def main():
-    batch = settings.load("batch.yaml")
-    job = Job(arguments(), batch)
+    given = arguments()
+    job = Job(given, settings.from_snapshot(records.read(settings.SNAPSHOT), os.getcwd()))
     for folder in ("failures", os.path.dirname(job.log)):
         os.makedirs(folder, exist_ok=True)
-    with open(job.log, "a") as log:
-        fcntl.flock(log, fcntl.LOCK_EX)  # an earlier start of this job may still be at work
+    if given.refused:
+        job.record(FAILED, given.refused)
+        return FAILED
+    with open(job.log, "a+") as log:
+        locks.take(log, fcntl.LOCK_EX, seconds=None)  # an earlier start may still be at work
         # Slurm and terminals signal all processes of a job: the program stops, this one tells how
-        for number in (signal.SIGTERM, signal.SIGINT):
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
             signal.signal(number, lambda *_: None)
-        code, message = perform(job, log)
+        try:
+            code, message = perform(job, log)
+        except Exception as error:  # a full disk, a file that is not what it was
+            code, message = FAILED, f"{type(error).__name__}: {error}"
         if code == 0:
             os.remove(job.failure)
         else:
             job.record(code, message)
+            print(time.strftime("%F %T"), "exit", code, message, file=log, flush=True)
             print(f"{job.name}: {message}", file=sys.stderr)
     return code
 

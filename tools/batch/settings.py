@@ -10,16 +10,17 @@ import subprocess
 import yaml
 
 import records
-from captures import read_scenes
-from checks import Wrong, check_keys, check_name, list_of, nearest, number
+from captures import Scene, read_scenes
+from checks import Wrong, check_keys, check_name, filled, list_of, nearest, number, shown
 
 KEYS = ("scenes", "captures", "presets", "seeds", "budgets", "exports", "out", "tessera", "threads",
         "gpus", "deterministic")
-SESSION_OPTIONS = ("checkpoint_every", "evaluate_every")  # say nothing of the model
+SNAPSHOT = "asked.json"
+SESSION_OPTIONS = ("checkpoint_every", "evaluate_every", "time_limit")  # say nothing of the model
 OWN_OPTIONS = {"seed": "seeds", "deterministic": "deterministic", "threads": "threads",
                "backend": "gpus", "preset": "preset", "config": "options", "out": "out",
                "json": "exports", "resume": "options", "overwrite": "options",
-               "stop_after": "iterations"}
+               "stop_after": "iterations", "help": "options"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,6 +32,10 @@ class Variant:
 
     def given(self):
         return {k: v for k, v in self.options if k not in SESSION_OPTIONS}
+
+    def number(self, key):
+        """Of a checked option; 0 where it is not given."""
+        return float(dict(self.options).get(key, 0))
 
     def arguments(self, keys):
         return [word for k, v in self.options if k in keys for word in (dashed(k), v)]
@@ -79,13 +84,13 @@ def text_of(value):
 def read_variant(entry):
     entry = {"preset": entry} if isinstance(entry, str) else entry
     if not isinstance(entry, dict) or not isinstance(entry.get("preset"), str):
-        raise Wrong(f"presets: {json.dumps(entry)} has no `preset`; write a preset's name or {{name: "
+        raise Wrong(f"presets: {shown(entry)} has no `preset`; write a preset's name or {{name: "
                     "a, preset: balanced, options: {iterations: 500}}")
     check_keys(entry, ("name", "preset", "options"), f"presets: {entry['preset']}")
     options = entry.get("options") or {}
     if not isinstance(options, dict):
         raise Wrong(f"presets: {entry['preset']}: options: expected {{iterations: 500}}, not "
-                    f"{json.dumps(options)}")
+                    f"{shown(options)}")
     name = check_name(str(entry.get("name") or entry["preset"]), "presets")
     return Variant(name, entry["preset"],
                    tuple(sorted((str(k).replace("-", "_"), text_of(v)) for k, v in options.items())))
@@ -93,8 +98,8 @@ def read_variant(entry):
 
 def read_variants(given):
     variants = {}
-    budgets = list_of(given, "budgets", int, [])
-    for entry in given.get("presets") or ["balanced"]:
+    budgets = list_of(given, "budgets", int, [], least=1)
+    for entry in filled(given, "presets", ["balanced"]):
         plain = read_variant(entry)
         wide = [dataclasses.replace(plain, name=f"{plain.name}-{n}", options=tuple(sorted(
             {**dict(plain.options), "max_gaussians": str(n)}.items()))) for n in budgets]
@@ -104,6 +109,16 @@ def read_variants(given):
                             "`name`")
             variants[variant.name] = variant
     return variants
+
+
+def check_values(batch, variant):
+    """Options are read before the scene: a training of no scene complains of that one alone."""
+    words = variant.arguments([key for key, _ in variant.options])
+    said = subprocess.run([batch.program, "train", "no scene", "-o", "no run", "--preset",
+                           variant.preset, *words], capture_output=True, text=True, cwd="/").stderr
+    if "no scene: no such folder" not in said:
+        line = (said.strip().splitlines() or ["train says nothing of its options"])[-1]
+        raise Wrong(f"presets: {variant.name}: {line.removeprefix('tessera: ')}")
 
 
 def check_with_program(batch):
@@ -122,6 +137,7 @@ def check_with_program(batch):
             if key not in known:
                 raise Wrong(f"presets: {variant.name}: unknown option '{key}'; {nearest(key, known)}"
                             "`tessera train --help` lists them")
+        check_values(batch, variant)
     formats = listed(program_help(batch.program, "export"), "--format")
     for name in batch.formats:
         if name not in formats:
@@ -141,14 +157,28 @@ def scenes_of(batch, part):
     return names[first::step]
 
 
-def write_asked(batch):
-    """What batch.yaml comes to, for the report: asked.json."""
-    records.write(os.path.join(batch.out, "asked.json"), {
-        "scenes": [dataclasses.asdict(scene) for scene in batch.scenes.values()],
-        "variants": [{"name": v.name, "preset": v.preset, "options": dict(v.options)}
-                     for v in batch.variants.values()],
-        "seeds": batch.seeds, "exports": batch.formats, "threads": batch.threads,
-        "gpus": batch.gpus, "deterministic": batch.deterministic})
+def snapshot_of(batch):
+    """What batch.yaml comes to, for jobs and the report."""
+    return {"tessera": batch.program,
+            "scenes": [{"name": s.name, "path": s.path, "ingest": list(s.ingest)}
+                       for s in batch.scenes.values()],
+            "variants": [{"name": v.name, "preset": v.preset, "options": dict(v.options)}
+                         for v in batch.variants.values()],
+            "seeds": list(batch.seeds), "exports": list(batch.formats), "threads": batch.threads,
+            "gpus": batch.gpus, "deterministic": batch.deterministic}
+
+
+def from_snapshot(given, out):
+    """A running batch is what it was when it began, whatever becomes of batch.yaml."""
+    return Batch(out=out, program=given["tessera"],
+                 scenes={s["name"]: Scene(s["name"], s["path"], tuple(s["ingest"]))
+                         for s in given["scenes"]},
+                 variants={v["name"]: Variant(v["name"], v["preset"],
+                                              tuple(sorted(v["options"].items())))
+                           for v in given["variants"]},
+                 seeds=tuple(given["seeds"]), formats=tuple(given["exports"]),
+                 threads=given["threads"], gpus=given["gpus"],
+                 deterministic=given["deterministic"])
 
 
 def load(file):
@@ -160,7 +190,7 @@ def load(file):
     except OSError as error:
         raise Wrong(f"{file}: {error.strerror}; `tessera batch` writes it, --directory names its "
                     "folder") from None
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
         raise Wrong(f"{file}: {' '.join(str(error).split())}") from None
     if not isinstance(given, dict):
         raise Wrong(f"{file}: expected `key: value` lines; there are {', '.join(KEYS)}")
@@ -174,7 +204,7 @@ def load(file):
     program = str(given.get("tessera") or "tessera")
     program = os.path.join(base, program) if "/" in program else shutil.which(program) or program
     return Batch(out=base, program=program, scenes=read_scenes(given, base),
-                 variants=read_variants(given), seeds=tuple(list_of(given, "seeds", int, [1])),
+                 variants=read_variants(given), seeds=tuple(filled(given, "seeds", [1], list_of(given, "seeds", int, [1], 0))),
                  formats=tuple(list_of(given, "exports", str, ["tessera", "html"])),
                  threads=number(given, "threads", 1, os.cpu_count()),
                  gpus=number(given, "gpus", 0, 0), deterministic=given.get("deterministic", False))

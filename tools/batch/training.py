@@ -1,5 +1,6 @@
 """What: how a training begins: anew, from its checkpoint, or with fewer Gaussians after it died of
 memory. Not: the training."""
+import glob
 import hashlib
 import os
 import re
@@ -12,11 +13,12 @@ LEAST_SHARE = 0.2  # of all memory in Gaussians; below, fewer of them do not hel
 
 
 def digest(scene):
-    """Of what is in a prepared scene, by the hashes that it holds of its sources."""
+    """Of what is in a prepared scene, by the hashes that it holds of its sources, and its masks."""
     value = hashlib.sha256()
-    for name in ("transforms.json", "points.ply"):
-        if os.path.exists(os.path.join(scene, name)):
-            with open(os.path.join(scene, name), "rb") as file:
+    masks = sorted(glob.glob(os.path.join(glob.escape(scene), "masks", "**"), recursive=True))
+    for name in (os.path.join(scene, "transforms.json"), os.path.join(scene, "points.ply"), *masks):
+        if os.path.isfile(name):
+            with open(name, "rb") as file:
                 value.update(file.read())
     return value.hexdigest()
 
@@ -30,8 +32,8 @@ def died_of_memory(failure, slurm_state):
 def smaller(run, forecast):
     """Options that halve the Gaussians of the run that died; {} where that would not help."""
     options = records.read(os.path.join(run, "config.json")).get("options", {})
-    share = forecast["parameter_bytes"] + forecast["step_bytes"]
-    if not options or share < LEAST_SHARE * forecast["total_bytes"]:
+    share = forecast.get("parameter_bytes", 0) + forecast.get("step_bytes", 0)
+    if not options or share < LEAST_SHARE * forecast.get("total_bytes", 1):
         return {}
     peak, most = int(options["peak_gaussians"]), int(options["max_gaussians"])
     half = (max(peak, most) or forecast["gaussians"]) // 2

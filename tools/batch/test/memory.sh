@@ -7,7 +7,7 @@ make_capture room 1
 real=$TESSERA
 cat >"$work/program" <<PROGRAM
 #!/bin/bash
-[[ \$1 == train && \$2 != --help ]] || exec "$real" "\$@"
+[[ \$1 == train && -d \$2 ]] || exec "$real" "\$@"
 count=\$(cat "$work/count" 2>/dev/null || echo 0)
 echo \$((count + 1)) >"$work/count"
 case \$(cat "$work/fault") in

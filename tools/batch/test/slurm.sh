@@ -34,15 +34,19 @@ check "nothing is to do on one machine, either" same "" "$(planned "$work/on_slu
 
 batch "$work/array" "$short" "../captures/*/"
 ln -s "$batch_folder" "$work/array/workflow"
-check "as a job array" sbatch --quiet --wait --array=0-1 --cpus-per-task=1 --mem=1000 \
+check "as a job array" sbatch --quiet --wait --array=5-7:2 --cpus-per-task=1 --mem=1000 \
   --chdir="$work/array" --output="$work/array.%a.log" "$batch_folder/profiles/slurm/array.sh"
 check "bit-equal models" same "$(models "$work/local")" "$(models "$work/array")"
-for task in 0 1; do
+for task in 5 7; do
   check "task $task: one scene" same 1 "$(grep -c '^rule train' "$work/array.$task.log")"
 done
 check "only the report is to do" same report "$(planned "$work/array")"
 printf '#!/bin/sh\necho "$CUDA_VISIBLE_DEVICES"\n' >"$work/card.sh"
-card=$(cd "$work/array" && "$batch_folder/profiles/slurm/submit.sh" card 1 100 1 1 "$work/card.sh")
+card=$(cd "$work/array" && "$batch_folder/profiles/slurm/submit.sh" card 1 100 1 1 job.py "$work/card.sh")
+refused=$(cd "$work/array" && TESSERA_SLURM_PARTITION=moon exit_code \
+  "$batch_folder/profiles/slurm/submit.sh" "tag.train.room_1 quick 7" 1 100 1 0 "$batch_folder/job.py" x 2>/dev/null)
+check "a job that Slurm refuses" same "1" "$refused"
+check "is recorded with its word" grep -q "invalid partition" "$work/array/failures/train.room_1.quick.seed-7.json"
 check "a job that wants a GPU has one" wait_for 60 grep -sqx 0 "$work/array/logs/slurm/$card.log"
 
 batch "$work/calm" "$long" "../captures/room_1"
@@ -73,6 +77,7 @@ check "its node $lost is set down" scontrol update "NodeName=$lost" State=DOWN R
 after 4 "on another node"
 check "not on $lost" test "$(node)" != "$lost"
 check "the batch is done" wait "$driver"
+check "SIGTERM let trainings save and leave" test "$(grep -c ' exit 75 ' "$work/rough/logs/train/"*.log)" -ge 2
 check "every start but the first went on from a checkpoint" \
   same "$(($(starts) - 1))" "$(grep -c '"initialisation":"checkpoint"' "$run/log.jsonl")"
 check "the model is that of an undisturbed training" same "$(models "$work/calm")" "$(models "$work/rough")"
