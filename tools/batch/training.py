@@ -1,6 +1,5 @@
 """What: how a training begins: anew, from its checkpoint, or with fewer Gaussians after it died of
 memory. Not: the training."""
-import glob
 import hashlib
 import os
 import re
@@ -13,12 +12,12 @@ LEAST_SHARE = 0.2  # of all memory in Gaussians; below, fewer of them do not hel
 
 
 def digest(scene):
-    """Of what is in a prepared scene, by the hashes that it holds of its sources, and its masks."""
+    """Of what is in a prepared scene, by the hashes that it holds of its sources. Other masks are seen by
+    the training, which refuses the checkpoint."""
     value = hashlib.sha256()
-    masks = sorted(glob.glob(os.path.join(glob.escape(scene), "masks", "**"), recursive=True))
-    for name in (os.path.join(scene, "transforms.json"), os.path.join(scene, "points.ply"), *masks):
-        if os.path.isfile(name):
-            with open(name, "rb") as file:
+    for name in ("transforms.json", "points.ply"):
+        if os.path.exists(os.path.join(scene, name)):
+            with open(os.path.join(scene, name), "rb") as file:
                 value.update(file.read())
     return value.hexdigest()
 

@@ -44,9 +44,9 @@ check "only the report is to do" same report "$(planned "$work/array")"
 printf '#!/bin/sh\necho "$CUDA_VISIBLE_DEVICES"\n' >"$work/card.sh"
 card=$(cd "$work/array" && "$batch_folder/profiles/slurm/submit.sh" card 1 100 1 1 job.py "$work/card.sh")
 refused=$(cd "$work/array" && TESSERA_SLURM_PARTITION=moon exit_code \
-  "$batch_folder/profiles/slurm/submit.sh" "tag.train.room_1 quick 7" 1 100 1 0 "$batch_folder/job.py" x 2>/dev/null)
+  "$batch_folder/profiles/slurm/submit.sh" "tag.train.room_1 quick 7" 1 100 1 0 "$batch_folder/job.py" "$work/card.sh" 2>/dev/null)
 check "a job that Slurm refuses" same "1" "$refused"
-check "is recorded with its word" grep -q "invalid partition" "$work/array/failures/train.room_1.quick.seed-7.json"
+check "is recorded with its word" grep -qi "sbatch: error: .*partition" "$work/array/failures/train.room_1.quick.seed-7.json"
 check "a job that wants a GPU has one" wait_for 60 grep -sqx 0 "$work/array/logs/slurm/$card.log"
 
 batch "$work/calm" "$long" "../captures/room_1"
