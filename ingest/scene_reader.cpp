@@ -58,20 +58,44 @@ bool load_frame(const TransformsFrame& listed, const SceneOptions& options, Fram
   return had_alpha;
 }
 
-/// Leaves the training frames of at most `count` moments, with their times.
-void keep_moments(TransformsCapture& capture, std::vector<double>& time, int64_t count) {
-  std::vector<FrameTime> training;
-  for (size_t i = 0; i < capture.frames.size(); ++i)
-    if (capture.frames[i].split == Split::kTrain)
-      training.push_back({capture.frames[i].camera_name, time[i], int(i)});
+/// Leaves these frames, with their times.
+void keep(TransformsCapture& capture, std::vector<double>& time, const std::vector<int>& kept) {
   std::vector<TransformsFrame> frames;
   std::vector<double> times;
-  for (const Moment& moment : spread_moments(group_moments(training), count))
-    for (int i : moment.frames) {
-      frames.push_back(std::move(capture.frames[size_t(i)]));
-      times.push_back(time[size_t(i)]);
-    }
+  for (int i : kept) {
+    frames.push_back(std::move(capture.frames[size_t(i)]));
+    times.push_back(time[size_t(i)]);
+  }
   capture.frames = std::move(frames), time = std::move(times);
+}
+
+std::vector<int> frames_of(const TransformsCapture& capture, Split split) {
+  std::vector<int> found;
+  for (size_t i = 0; i < capture.frames.size(); ++i)
+    if (capture.frames[i].split == split) found.push_back(int(i));
+  return found;
+}
+
+void keep_held_out(TransformsCapture& capture, std::vector<double>& time, int64_t count) {
+  std::vector<int> all;
+  for (Split split : {Split::kTest, Split::kVal, Split::kTrain})
+    if (all.empty()) all = frames_of(capture, split);
+  const int64_t number = std::min(count, int64_t(all.size()));
+  std::vector<int> kept;
+  for (int64_t i = 0; i < number; ++i)
+    kept.push_back(all[size_t((2 * i + 1) * int64_t(all.size()) / (2 * number))]);
+  keep(capture, time, kept);
+}
+
+/// Leaves the training frames of at most `count` moments.
+void keep_moments(TransformsCapture& capture, std::vector<double>& time, int64_t count) {
+  std::vector<FrameTime> training;
+  for (int i : frames_of(capture, Split::kTrain))
+    training.push_back({capture.frames[size_t(i)].camera_name, time[size_t(i)], i});
+  std::vector<int> kept;
+  for (const Moment& moment : spread_moments(group_moments(training), count))
+    kept.insert(kept.end(), moment.frames.begin(), moment.frames.end());
+  keep(capture, time, kept);
 }
 
 /// All frames in parallel; the error that is reported is the first in file order.
@@ -111,12 +135,13 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   scene.points = find_points(folder, capture.points_file, scene.warnings);
   NormalisedTimes times = times_of(capture, options.allow_static);
   if (options.instants) keep_moments(capture, times.time, *options.instants);
+  if (options.held_out) keep_held_out(capture, times.time, *options.held_out);
   load_frames(capture, options, scene);
   scene.time_axis = times.axis;
   scene.prepared_from_source = capture.prepared_from_source;
   scene.is_static = times.is_static;
   for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].time = times.time[i];
-  check_splits(scene);
+  if (!options.held_out) check_splits(scene);
   return scene;
 }
 

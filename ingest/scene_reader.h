@@ -14,8 +14,10 @@ struct SceneOptions {
   std::array<uint8_t, 3> background{0, 0, 0};  // RGBA frames are composited on it, once, here
   bool allow_static = false;                   // accept times that are all equal as one timestep
   bool load_pixels = true;                     // false: cameras, times and points only
-  std::optional<int64_t> instants;  // training frames of at most N moments spread over the clip;
-                                    // times stay those of the whole scene
+  // Times stay those of the whole scene with any of these.
+  std::optional<int64_t> instants = {};  // training frames of at most N moments over the clip
+  std::optional<int64_t> held_out = {};  // N frames of the first split that has some of test, val,
+                                         // train
 };
 
 /// Errors: InputError, one line naming the file and the remedy: missing folder, json without

@@ -70,6 +70,7 @@ void ResidualPass::look(const LookedAt& at, int64_t begin, int64_t end) {
       render_options(model_),
       {},
       true};
+  args.options.kernels = at.kernels;
   args.environment = environment_of(model_, std::as_const(environment_).span());
   Target target;
   while (int64_t(truth_.size()) < end - begin)

@@ -15,6 +15,7 @@ struct LookedAt {
   const Scene* scene = nullptr;
   std::vector<int> frames;         // places in scene->frames, in the order of their moments
   std::vector<Vec3<double>> gain;  // [frames] RGB; empty: the pictures are compared as rendered
+  KernelSwitches kernels;          // how they are drawn and looked at
 
   int64_t count() const { return int64_t(frames.size()); }
 };

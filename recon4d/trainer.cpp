@@ -160,6 +160,7 @@ void Trainer::rework(const std::function<void(TrainState&)>& change) {
 
 LookedAt Trainer::looked_at(int64_t most) const {
   LookedAt at = look_at_training(scene_, most);
+  at.kernels = kernel_switches(options_);
   if (gains_.empty()) return at;
   for (const int frame : at.frames) {
     const auto found = std::find(train_frames_.begin(), train_frames_.end(), frame);

@@ -11,7 +11,7 @@ packages=(
 )
 if [ "${1:-build}" = test ]; then
   packages+=(libgtest-dev clang-14 libclang-rt-14-dev clang-format-14 clang-tidy-14 ccache ffmpeg
-    chromium)
+    chromium snakemake slurmctld slurmd slurm-client munge)
 fi
 if ! command -v node >/dev/null; then
   packages+=(nodejs npm)  # the web player; a newer node than Debian's stays

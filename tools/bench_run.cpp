@@ -22,6 +22,7 @@
 #include "tools/run_folder.h"
 #include "tools/terminal.h"
 #include "tools/train_session.h"
+#include "tools/train_start.h"
 
 namespace tessera {
 namespace {

@@ -16,6 +16,7 @@
 #include "tools/command.h"
 #include "tools/terminal.h"
 #include "tools/train_arguments.h"
+#include "tools/train_start.h"
 
 namespace tessera {
 namespace {

@@ -112,4 +112,17 @@ Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_
                          camera);
 }
 
+Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
+                std::optional<int64_t> held_out) {
+  SceneOptions options;
+  options.background = model.background, options.allow_static = true;
+  options.held_out = held_out;
+  Scene scene = load_scene(path, options);
+  for (Frame& frame : scene.frames) {
+    frame.time = model_time(model, scene.time_axis, frame.time);
+    frame.camera = model_camera(model, scene.prepared_from_source, frame.camera);
+  }
+  return scene;
+}
+
 }  // namespace tessera

@@ -50,4 +50,9 @@ double model_time(const GaussianModel& model, const TimeAxis& axis, double time)
 Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
                     const Camera& camera);
 
+/// The scene with its pictures on the model's background, times and cameras those of the model.
+/// `held_out`: as SceneOptions. Errors: as load_scene.
+Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
+                std::optional<int64_t> held_out = {});
+
 }  // namespace tessera

@@ -60,20 +60,6 @@ fs::path scene_path(const EvaluateRequest& request, const fs::path& model) {
   return scene;
 }
 
-/// With times on the model's clock.
-Scene open_scene(const EvaluateRequest& request, const std::string& path,
-                 const GaussianModel& model) {
-  SceneOptions options;
-  options.background = model.background, options.allow_static = true;
-  Scene scene = load_scene(scene_path(request, path), options);
-  for (const std::string& warning : scene.warnings) warn(warning);
-  for (Frame& frame : scene.frames) {
-    frame.time = model_time(model, scene.time_axis, frame.time);
-    frame.camera = model_camera(model, scene.prepared_from_source, frame.camera);
-  }
-  return scene;
-}
-
 std::vector<Split> chosen_splits(const EvaluateRequest& request, const Scene& scene) {
   if (!request.split.empty()) return {parse_split(request.split)};
   const std::vector<Split> splits = held_out_splits(scene);
@@ -196,7 +182,8 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   ModelInput input = load_model_input(path);
   for (const std::string& warning : input.warnings) warn(warning);
   replace_background(request.background, input.model);
-  const Scene scene = open_scene(request, path, input.model);
+  const Scene scene = scene_for(input.model, scene_path(request, path));
+  for (const std::string& warning : scene.warnings) warn(warning);
   const std::vector<Split> splits = chosen_splits(request, scene);
   json scores = score(request, input, scene, splits, lpips, backend);
   scores["model"] = input.file.string(), scores["scene"] = scene.path;

@@ -8,6 +8,7 @@
 #include "tools/command.h"
 #include "tools/ingest_arguments.h"
 #include "tools/ingest_batch.h"
+#include "tools/interrupt.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -25,7 +26,7 @@ int ingest_all(const IngestRequest& request, const IngestOptions& options) {
   print_result(request.json, batch_json(result, request.out), batch_table(result));
   if (result.interrupted) {
     say("interrupted; run the same command again to go on");
-    return kExitInterrupted;
+    return stop_code();
   }
   return result.count(BatchOutcome::kFailed) == 0 ? kExitDone : kExitFailed;
 }

@@ -272,7 +272,7 @@ void add_run_command(CLI::App& app, Work& work) {
       Runner runner(*request);
       if (!runner.run()) {
         say("interrupted; run the same command again to go on");
-        return int(kExitInterrupted);
+        return stop_code();
       }
       const json result = runner.result();
       print_result(request->json_output, result, run_text(result));

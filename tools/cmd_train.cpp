@@ -16,6 +16,7 @@
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
 #include "tools/terminal.h"
+#include "tools/time_limit.h"
 #include "tools/train_arguments.h"
 
 namespace tessera {
@@ -64,9 +65,13 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
       .add_option("--checkpoint-every", arguments.checkpoint_every,
                   "steps between two checkpoints; 0: at the end only")
       ->capture_default_str();
+  add_option_rows(command, arguments);
+}
+
+void add_option_rows(CLI::App& command, TrainArguments& arguments) {
   for (const OptionRow& row : train_option_rows()) {
     const std::string key = row.key;
-    // of `run`, where the word is shared with ingest's (cmd_run.cpp)
+    // of `run` and `batch`, where the word is shared with ingest's (cmd_run.cpp)
     if (command.get_option_no_throw("--" + dashed(key)) != nullptr) continue;
     command
         .add_option_function<std::string>(
@@ -132,6 +137,7 @@ void add_train_command(CLI::App& app, Work& work) {
     TrainArguments arguments;
     bool json = false;
     int64_t stop_after = 0;
+    std::string time_limit;
   };
   const auto parsed = std::make_shared<Parsed>();
   CLI::App& command = *app.add_subcommand("train", "prepared scene or D-NeRF folder -> run folder");
@@ -141,11 +147,16 @@ void add_train_command(CLI::App& app, Work& work) {
                    "go on from the run folder's checkpoint, with its options");
   command.add_flag("--overwrite", parsed->request.overwrite, "replace the run that is there");
   command.add_option("--stop-after", parsed->stop_after, "stop after so many steps of this call");
+  command.add_option("--time-limit", parsed->time_limit,
+                     "leave with a checkpoint and exit code 75 before so long has passed: seconds, "
+                     "2h, 90m, 1h30m; --resume goes on. SIGTERM and SIGUSR1 do the same at once");
   command.add_flag("--json", parsed->json, "print one JSON object");
   add_train_options(command, parsed->arguments);
   command.callback([parsed, &work] {
     work = [parsed] {
       TrainRequest& request = parsed->request;
+      request.stopwatch = running_stopwatch();
+      if (!parsed->time_limit.empty()) request.time_limit = parse_duration(parsed->time_limit);
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
       request.options = resolve_options(arguments, request.scene);
@@ -161,7 +172,8 @@ void add_train_command(CLI::App& app, Work& work) {
             "start a new run folder");
       const nlohmann::json result = train_session(request);
       print_result(parsed->json, result, training_text(result));
-      return interrupted() ? int(kExitInterrupted) : int(kExitDone);
+      if (interrupted()) return stop_code();
+      return result["left"].get<bool>() ? int(kExitNotFinished) : int(kExitDone);
     };
   });
 }

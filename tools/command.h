@@ -7,7 +7,13 @@
 
 namespace tessera {
 
-enum ExitCode : int { kExitDone = 0, kExitFailed = 1, kExitBadInput = 2, kExitInterrupted = 130 };
+enum ExitCode : int {
+  kExitDone = 0,
+  kExitFailed = 1,
+  kExitBadInput = 2,
+  kExitNotFinished = 75,  // asked to leave by a scheduler or a time limit: run again to go on
+  kExitInterrupted = 130
+};
 
 /// Adds one subcommand to `app`; its callback stores the work to do in `work`.
 using Work = std::function<int()>;
@@ -22,5 +28,7 @@ void add_export_command(CLI::App& app, Work& work);
 void add_info_command(CLI::App& app, Work& work);
 void add_bench_command(CLI::App& app, Work& work);
 void add_synth_command(CLI::App& app, Work& work);
+void add_batch_command(CLI::App& app, Work& work);
+void add_report_command(CLI::App& app, Work& work);
 
 }  // namespace tessera

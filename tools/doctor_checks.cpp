@@ -3,7 +3,6 @@
 #include "tools/doctor_checks.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +19,7 @@
 #include "kernels/base/parallel.h"
 #include "recon4d/forecast.h"
 #include "recon4d/scene_facts.h"
+#include "tools/machine.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -144,13 +144,11 @@ void add_forecast(const Scene& all, DoctorReport& report) {
     TrainOptions options;
     apply_preset(options, preset.name, facts);
     const TrainForecast f = forecast_training(load, options);
-    table[preset.name] = {{"gaussians", f.gaussians},
-                          {"frame_bytes", f.frame_bytes},
-                          {"parameter_bytes", f.parameter_bytes},
-                          {"step_bytes", f.step_bytes},
-                          {"total_bytes", f.total_bytes},
-                          {"cpu_seconds", f.cpu_seconds},
-                          {"gpu_seconds", f.gpu_seconds}};
+    table[preset.name] = {
+        {"iterations", options.iterations}, {"gaussians", f.gaussians},
+        {"frame_bytes", f.frame_bytes},     {"parameter_bytes", f.parameter_bytes},
+        {"step_bytes", f.step_bytes},       {"total_bytes", f.total_bytes},
+        {"cpu_seconds", f.cpu_seconds},     {"gpu_seconds", f.gpu_seconds}};
     if (preset.name != "fast" && preset.name != "balanced") continue;
     add({{Severity::kInfo, "forecast", "",
           fmt::format("--preset {}: {:.2f} GiB ({:.2f} of them frames), about {} on this CPU, {} "
@@ -161,7 +159,7 @@ void add_forecast(const Scene& all, DoctorReport& report) {
         report);
   }
   report.tables["forecast"] = std::move(table);
-  const int64_t memory = int64_t(sysconf(_SC_PHYS_PAGES)) * int64_t(sysconf(_SC_PAGE_SIZE));
+  const int64_t memory = machine_memory();
   if (load.all_bytes > memory * 8 / 10)
     add({{Severity::kError, "forecast", "",
           fmt::format("the training frames take {:.1f} GiB, this machine has {:.1f}",

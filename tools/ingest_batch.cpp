@@ -36,28 +36,6 @@ bool is_capture(const fs::path& folder) {
   }
 }
 
-/// Subfolders and links that may be some, by name; the output folder is none of them.
-std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
-  std::error_code reason;
-  std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder, reason)) {
-    std::error_code unresolved;
-    const bool is_folder = entry.is_directory(unresolved) || unresolved || entry.is_symlink();
-    const bool is_hidden = entry.path().filename().string().front() == '.';
-    const bool is_file = !unresolved && entry.is_regular_file(unresolved);
-    if (!is_folder || is_hidden || is_file) continue;
-    if (!out.empty() &&
-        fs::weakly_canonical(entry.path(), unresolved) == fs::weakly_canonical(out, unresolved))
-      continue;
-    found.push_back(entry.path());
-  }
-  if (reason)
-    throw InputError(fmt::format("{}: cannot be read ({}); check the path and its permissions",
-                                 folder.string(), reason.message()));
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
 /// Everything that the prepared scene depends on.
 json report_json(const IngestReport& report) {
   return {{"layout", layout_name(report.layout)},
@@ -148,6 +126,27 @@ const char* outcome_name(BatchOutcome outcome) {
 int64_t BatchResult::count(BatchOutcome outcome) const {
   return std::count_if(scenes.begin(), scenes.end(),
                        [&](const BatchScene& scene) { return scene.outcome == outcome; });
+}
+
+std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
+  std::error_code reason;
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder, reason)) {
+    std::error_code unresolved;
+    const bool is_folder = entry.is_directory(unresolved) || unresolved || entry.is_symlink();
+    const bool is_hidden = entry.path().filename().string().front() == '.';
+    const bool is_file = !unresolved && entry.is_regular_file(unresolved);
+    if (!is_folder || is_hidden || is_file) continue;
+    if (!out.empty() &&
+        fs::weakly_canonical(entry.path(), unresolved) == fs::weakly_canonical(out, unresolved))
+      continue;
+    found.push_back(entry.path());
+  }
+  if (reason)
+    throw InputError(fmt::format("{}: cannot be read ({}); check the path and its permissions",
+                                 folder.string(), reason.message()));
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 std::vector<std::string> captures_in(const fs::path& folder) {

@@ -28,6 +28,11 @@ struct BatchResult {
   int64_t count(BatchOutcome outcome) const;
 };
 
+/// Subfolders and links that may be some, by name; hidden ones and the output folder are none of
+/// them. Errors: InputError when `folder` cannot be read.
+std::vector<std::filesystem::path> subfolders(const std::filesystem::path& folder,
+                                              const std::filesystem::path& out);
+
 /// Names of the subfolders that are captures; hidden ones are not looked at. Errors: none: what
 /// cannot be read is no capture.
 std::vector<std::string> captures_in(const std::filesystem::path& folder);

@@ -4,24 +4,34 @@
 
 #include <csignal>
 
+#include "tools/command.h"
+
 namespace tessera {
 namespace {
 
-volatile std::sig_atomic_t flag = 0;
+volatile std::sig_atomic_t flag = 0, by_hand = 0;
 
-void on_signal(int signal) {
-  if (flag != 0) {
+void on_interrupt(int signal) {
+  if (by_hand != 0) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);
   }
+  by_hand = 1;
+  flag = 1;
+}
+
+/// A scheduler may send both, and more than once; SIGKILL is its last.
+void on_eviction(int) {
   flag = 1;
 }
 
 }  // namespace
 
 void install_interrupt_handlers() {
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_eviction);
+  if (std::signal(SIGHUP, SIG_IGN) != SIG_IGN) std::signal(SIGHUP, on_eviction);  // else nohup
+  std::signal(SIGUSR1, on_eviction);
 }
 
 bool interrupted() {
@@ -30,6 +40,10 @@ bool interrupted() {
 
 void stop_if_interrupted() {
   if (interrupted()) throw Interrupted();
+}
+
+int stop_code() {
+  return by_hand != 0 ? kExitInterrupted : kExitNotFinished;
 }
 
 }  // namespace tessera

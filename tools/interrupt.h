@@ -1,11 +1,12 @@
-// What: Ctrl-C and SIGTERM as a flag that long work asks for; the second one ends at once.
+// What: Ctrl-C, and the signals by which a scheduler takes a machine away (SIGTERM, SIGUSR1) or a
+//       terminal goes (SIGHUP), as a flag that long work asks for; the second Ctrl-C ends at once.
 // Not: cleaning up in a signal handler.
 #pragma once
 #include <exception>
 
 namespace tessera {
 
-/// What leaves work that has no other way to stop; main turns it into exit code 130.
+/// What leaves work that has no other way to stop; main turns it into stop_code().
 class Interrupted : public std::exception {
  public:
   const char* what() const noexcept override { return "interrupted"; }
@@ -15,5 +16,7 @@ void install_interrupt_handlers();
 bool interrupted();
 /// For progress callbacks. Errors: Interrupted.
 void stop_if_interrupted();
+/// The exit code of what was stopped before its end: 130 after Ctrl-C, else 75: to be run again.
+int stop_code();
 
 }  // namespace tessera

@@ -33,7 +33,7 @@ int run_command(const Work& work) {
     return kExitBadInput;
   } catch (const Interrupted&) {
     say("tessera: interrupted; nothing half-written was left");
-    return kExitInterrupted;
+    return stop_code();
   } catch (const std::bad_alloc&) {
     say("tessera: out of memory; try a smaller --scale, fewer --init-points or --max-gaussians");
     return kExitFailed;
@@ -59,6 +59,8 @@ int tessera_main(int argc, char** argv) {
   add_info_command(app, work);
   add_bench_command(app, work);
   add_synth_command(app, work);
+  add_batch_command(app, work);
+  add_report_command(app, work);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -5,27 +5,10 @@
 #include <fmt/format.h>
 
 #include "kernels/base/errors.h"
+#include "tools/batch/page_words.h"
 #include "tools/player/player_page.h"
 
 namespace tessera {
-namespace {
-
-std::string base64(std::string_view bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    uint32_t word = 0;
-    for (size_t k = 0; k < 3; ++k)
-      word = word << 8 | (i + k < bytes.size() ? uint8_t(bytes[i + k]) : 0);
-    for (size_t k = 0; k < 4; ++k)
-      text.push_back(i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63] : '=');
-  }
-  return text;
-}
-
-}  // namespace
 
 std::string page_of_folder() {
   return std::string(player_page());

@@ -2,8 +2,6 @@
 // Not: printing.
 #include "tools/session_times.h"
 
-#include "tools/interrupt.h"
-
 namespace tessera {
 
 nlohmann::json WallSplit::json() const {
@@ -13,9 +11,9 @@ nlohmann::json WallSplit::json() const {
   return object;
 }
 
-void StageLog::run(Trainer& trainer, int64_t iteration) {
+void StageLog::run(Trainer& trainer, int64_t iteration, const std::function<bool()>& stop) {
   const std::array<StageTotals, kStages> before = clock_.totals();
-  trainer.run(iteration, interrupted);
+  trainer.run(iteration, stop);
   const std::array<StageTotals, kStages> after = clock_.totals();
   peak_ = memory_.peak_bytes();
   for (size_t s = 0; s < kStages; ++s) {

@@ -41,8 +41,8 @@ class StageLog {
  public:
   explicit StageLog(Backend& backend) : memory_(backend.memory()), clock_(backend.clock()) {}
 
-  /// Trains until `iteration` or an interrupt.
-  void run(Trainer& trainer, int64_t iteration);
+  /// Trains until `iteration`, or until `stop` says so, which is asked before each step.
+  void run(Trainer& trainer, int64_t iteration, const std::function<bool()>& stop);
   /// stage_ms, stage_gbytes, stage_gb_per_s, peak_device_bytes.
   void add_to(nlohmann::json& result) const;
 

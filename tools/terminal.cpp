@@ -5,7 +5,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+
+#include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
@@ -27,7 +31,8 @@ void warn(const std::string& line) {
 void print_result(bool as_json, const nlohmann::json& json, const std::string& text) {
   fmt::print("{}\n",
              as_json ? json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) : text);
-  std::fflush(stdout);
+  if (std::fflush(stdout) != 0)
+    throw InputError(fmt::format("standard output cannot be written ({})", std::strerror(errno)));
 }
 
 std::string clock_time(double seconds) {

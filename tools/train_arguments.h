@@ -20,6 +20,8 @@ struct TrainArguments {
 /// One option per row of the option table, and --preset, --ablation, --config, --backend,
 /// --threads, ….
 void add_train_options(CLI::App& command, TrainArguments& arguments);
+/// Of these the option table alone, and --static.
+void add_option_rows(CLI::App& command, TrainArguments& arguments);
 /// Defaults ← preset ← ablation ← --config ← command line; presets look at the scene. Errors:
 /// InputError.
 TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts);

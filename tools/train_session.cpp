@@ -9,15 +9,11 @@
 #include <glm/common.hpp>
 #include <utility>
 
-#include "ingest/dense_cloud.h"
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/fnv1a.h"
-#include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
 #include "recon4d/parsimony.h"
-#include "recon4d/scene_scale.h"
 #include "recon4d/trainer.h"
 #include "recon4d/validation.h"
 #include "tools/backend_choice.h"
@@ -25,65 +21,25 @@
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
+#include "tools/run_lock.h"
 #include "tools/session_times.h"
+#include "tools/train_start.h"
 #include "tools/training_log.h"
-#include "tools/version.h"
 
 namespace tessera {
 namespace {
 
 using nlohmann::json;
 
-/// Tells scenes apart on resume: names, times and sizes of the frames, and their masks.
-std::string scene_fingerprint(const Scene& scene) {
-  Fnv1a hash;
-  for (const Frame& frame : scene.frames) {
-    hash.add(
-        fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width, frame.image.height));
-    hash.add(frame.mask.data.data(), frame.mask.data.size());
-  }
-  return hash.hex();
-}
-
-/// What the run folder already holds, if it may be used.
-std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run) {
-  if (!run.exists()) {
-    if (request.resume)
-      throw InputError(
-          fmt::format("{}: nothing to resume: it has no config.json", run.root.string()));
-    return std::nullopt;
-  }
-  if (request.resume && std::filesystem::exists(run.checkpoint()))
-    return load_checkpoint(run.checkpoint());
-  if (!request.resume && !request.overwrite)
-    throw InputError(fmt::format(
-        "{}: holds a run already; pass --resume to go on with it or --overwrite to replace it",
-        run.root.string()));
-  run.remove_files();
-  return std::nullopt;
-}
-
-json make_config(const TrainRequest& request, const TrainOptions& options, const Scene& scene,
-                 const std::string& device) {
-  return {{"tessera", kVersionText},
-          {"preset", request.preset},
-          {"ablation", request.ablation.empty() ? json(nullptr) : json(request.ablation)},
-          {"options", to_json(options)},
-          {"scene", std::filesystem::absolute(request.scene).string()},
-          {"scene_fingerprint", scene_fingerprint(scene)},
-          {"train_frames", scene.split_indices(Split::kTrain).size()},
-          {"validation_frames", scene.split_indices(Split::kAside).size()},
-          {"device", device},
-          {"seed", options.seed}};
-}
-
 /// One training in its run folder, from the first look at the folder to the result.
 class Session {
  public:
   explicit Session(const TrainRequest& request)
-      : request_(request), run_{request.run}, previous_(wall_.time(WallSplit::kLoad, [&] {
-          return previous_state(request, run_);
-        })) {
+      : request_(request),
+        limit_(request.time_limit, request.stopwatch),
+        run_{request.run},
+        lock_(request.run),
+        previous_(wall_.time(WallSplit::kLoad, [&] { return previous_state(request, run_); })) {
     options_ = previous_ ? previous_->options : request.options;
     complete_contract();
     validate(options_);
@@ -163,20 +119,54 @@ class Session {
   }
 
   void train() {
-    check_model();  // a run may have been stopped before it could
+    if (limit_.on()) save();  // says how long that takes, and there is something to go on from
+    check_model();            // a run may have been stopped before it could
     decide();
+    const int64_t first = trainer_->state().iteration;
     while (true) {
-      if (!stops()) wall_.time(WallSplit::kTrain, [&] { stages_->run(*trainer_, next_pause()); });
-      if (!interrupted()) check_model();
-      if (!interrupted()) decide();
+      if (!stops()) take_steps();
+      if (!leaves()) check_model();
+      if (!leaves()) decide();
       const int64_t i = trainer_->state().iteration;
-      const bool done = i >= end_ || stops() || interrupted();
+      const bool done = i >= end_ || stops() || leaves();
       if (done || (request_.checkpoint_every > 0 && i % request_.checkpoint_every == 0)) save();
-      if (!interrupted() && scores_at(i)) score(trainer_->host_model(), i, "evaluation", true);
+      if (!leaves() && scores_at(i)) score(trainer_->host_model(), i, "evaluation", true);
       if (done) break;
     }
-    if (ended() && validation_->on() && request_.evaluate_end && !interrupted())
+    if (ended() && validation_->on() && request_.evaluate_end && !leaves())
       score(model(), validation_->record().best_iteration, "shipped", false);
+    write_model();
+    if (left_ && !interrupted()) report_limit(first);
+  }
+
+  void take_steps() {
+    limit_.begin_steps();
+    wall_.time(WallSplit::kTrain, [&] {
+      stages_->run(*trainer_, next_pause(), [&] {
+        return left_ || interrupted() || limit_.due_after_step(trainer_->state().model.count());
+      });
+    });
+  }
+
+  /// Whether it is time to save and go, by a signal or by the clock; once yes, always yes.
+  bool leaves() {
+    left_ = left_ || interrupted() || limit_.due(trainer_->state().model.count());
+    return left_;
+  }
+
+  /// A limit that every call reaches before its first step would be resumed for ever.
+  void report_limit(int64_t first) const {
+    const int64_t i = trainer_->state().iteration;
+    if (i == first && !ended())
+      throw InputError(fmt::format(
+          "--time-limit: {:.0f} s leave room for no step beside loading and saving, which have "
+          "taken {:.1f} s; pass a longer one",
+          limit_.seconds(), request_.stopwatch()));
+    say(fmt::format("time limit: leaves at step {} of {}; --resume goes on", i,
+                    options_.iterations));
+  }
+
+  void write_model() {
     if (model().count() == 0)
       warn(
           "no Gaussians are left, density control has removed them all: pictures are the "
@@ -218,7 +208,7 @@ class Session {
   /// that was asked for.
   const GaussianModel& model() {
     if (shipped_) return *shipped_;
-    const bool fits = is_thinned(options_) && ended();
+    const bool fits = is_thinned(options_) && ended() && !left_;
     if (validation_->best() == nullptr && !fits) return trainer_->host_model();
     GaussianModel best = validation_->best() != nullptr ? validation_->shipped()
                                                         : trainer_->host_model().clone_values();
@@ -247,8 +237,11 @@ class Session {
   void check_model() {
     const TrainState& state = trainer_->state();
     if (!validation_->due(state.iteration)) return;
-    wall_.time(WallSplit::kEvaluate,
-               [&] { validation_->check(trainer_->host_model(), state.iteration, state.seconds); });
+    limit_.whole([&] {
+      wall_.time(WallSplit::kEvaluate, [&] {
+        validation_->check(trainer_->host_model(), state.iteration, state.seconds);
+      });
+    });
     const ValidationRecord& record = validation_->record();
     log_->event("validation", {{"iteration", state.iteration},
                                {"seconds", state.seconds},
@@ -262,8 +255,10 @@ class Session {
   /// Thins out and moves between the sets where that is due.
   void decide() {
     std::optional<ParsimonyReport> report;
-    wall_.time(WallSplit::kTrain,
-               [&] { report = parsimony_->act(*trainer_, validation_->record()); });
+    limit_.whole([&] {
+      wall_.time(WallSplit::kTrain,
+                 [&] { report = parsimony_->act(*trainer_, validation_->record()); });
+    });
     if (!report) return;
     // models so far were larger than what may be shipped; within_db compares them by size
     if (report->goal > 0 && parsimony_->is_thinned(report->iteration) && options_.within_db == 0)
@@ -271,24 +266,36 @@ class Session {
     log_->event("decision", to_json(*report));
   }
 
-  /// The best model before the checkpoint that names it; older ones after it.
   void save() {
-    wall_.time(WallSplit::kSave, [&] {
-      const int64_t best = validation_->record().best_iteration;
-      if (validation_->best() != nullptr && !std::filesystem::exists(run_.best(best)))
-        save_model(run_.best(best), *validation_->best());
-      save_checkpoint(run_.checkpoint(), trainer_->host_state(), options_, config_,
-                      validation_->record());
-      run_.remove_best_but(best);
-    });
+    limit_.save(trainer_->state().model.count(),
+                [&] { wall_.time(WallSplit::kSave, [&] { write_checkpoint(); }); });
+  }
+
+  /// The best model before the checkpoint that names it; older ones after it.
+  void write_checkpoint() {
+    const int64_t best = validation_->record().best_iteration;
+    if (validation_->best() != nullptr && !std::filesystem::exists(run_.best(best)))
+      save_model(run_.best(best), *validation_->best());
+    save_checkpoint(run_.checkpoint(), trainer_->host_state(), options_, config_,
+                    validation_->record());
+    run_.remove_best_but(best);
   }
 
   /// `brief`: PSNR and SSIM alone.
   void score(const GaussianModel& scored, int64_t iteration, const std::string& event, bool brief) {
-    wall_.time(WallSplit::kEvaluate, [&] {
-      scores_ = score_splits(*backend_, scored, scene_, held_out_splits(scene_), std::nullopt, {},
-                             brief ? brief_scores() : EvaluateOptions{});
-    });
+    try {
+      wall_.time(WallSplit::kEvaluate, [&] {
+        scores_ = score_splits(
+            *backend_, scored, scene_, held_out_splits(scene_), std::nullopt,
+            [&](const Frame&, const Picture&, const ViewScore&, int64_t, int64_t) {
+              if (interrupted() || limit_.over()) throw Interrupted();
+            },
+            brief ? brief_scores() : EvaluateOptions{});
+      });
+    } catch (const Interrupted&) {  // the checkpoint is written; a resumed run scores again
+      left_ = true;
+      return;
+    }
     json summary = json::object();
     if (scores_.contains("splits"))
       for (const auto& [split, of_split] : scores_["splits"].items())
@@ -331,7 +338,8 @@ class Session {
     const GaussianModel& shipped = model();
     json result = {{"seconds", state.seconds},
                    {"iterations", state.iteration},
-                   {"finished", ended()},
+                   {"finished", ended() && !left_},
+                   {"left", left_},
                    {"num_gaussians", shipped.count()},
                    {"num_static", shipped.static_set.count()},
                    {"num_dynamic", shipped.dynamic_set.count()},
@@ -349,7 +357,9 @@ class Session {
 
   const TrainRequest& request_;
   WallSplit wall_;
+  TimeLimit limit_;
   const RunFolder run_;
+  const RunLock lock_;
   std::optional<Checkpoint> previous_;
   TrainOptions options_;
   Scene scene_;
@@ -362,21 +372,10 @@ class Session {
   std::optional<Validation> validation_;
   std::optional<Parsimony> parsimony_;
   std::optional<GaussianModel> shipped_;
+  bool left_ = false;  // before the end, to be resumed
 };
 
 }  // namespace
-
-Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options) {
-  SceneOptions scene_options;
-  scene_options.background = parse_background(options.background);
-  scene_options.allow_static = options.static_only;
-  return scaled_scene(load_scene(path, scene_options), options.train_scale);
-}
-
-void complete_cloud(Scene& scene, const TrainOptions& options) {
-  if (!options.sweep || !scene.points.position.empty()) return;
-  scene.points = dense_cloud(scene, {options.init_points, uint64_t(options.seed), {}});
-}
 
 json train_session(const TrainRequest& request) {
   return Session(request).run();

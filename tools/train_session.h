@@ -11,6 +11,7 @@
 
 #include "ingest/scene.h"
 #include "recon4d/train_options.h"
+#include "tools/time_limit.h"
 
 namespace tessera {
 
@@ -25,20 +26,16 @@ struct TrainRequest {
   bool evaluate_end = true;           // false: `scores` stay empty
   int64_t checkpoint_every = 1000;    // steps
   std::optional<int64_t> stop_after;  // steps of this call
+  double time_limit = 0;              // seconds by the stopwatch; 0: none
+  Stopwatch stopwatch = running_stopwatch();
 };
 
-/// The scene as a training with these options sees it: its background, one moment allowed or not.
-/// Errors: as load_scene.
-Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options);
-
-/// Gives a scene without a cloud the one that `tessera ingest` would have: options.init_points
-/// points found by a plane sweep, unless options.sweep is off.
-void complete_cloud(Scene& scene, const TrainOptions& options);
-
-/// Trains until the end, an interrupt or stop_after; writes the run folder. The object has
+/// Trains until the end, an interrupt, the time limit or stop_after; writes the run folder, whose
+/// lock it holds meanwhile. The object has `left` (by interrupt or time limit: to be resumed),
 /// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `stage_gbytes`,
 /// `stage_gb_per_s`, `finished`, `scores`, `bytes` (of model.ply), `wall_seconds` {load, init,
-/// train, evaluate, save}, `validation` (null without), …. Errors: InputError, NumericalError.
+/// train, evaluate, save}, `validation` (null without), …. Errors: InputError (among them: another
+/// training has the folder; a time limit that leaves room for no step), NumericalError.
 nlohmann::json train_session(const TrainRequest& request);
 
 }  // namespace tessera

@@ -153,6 +153,27 @@ TEST(Scene, WithoutPixelsEverythingElseIsThere) {
   }
 }
 
+// Bugs put back, each seen to fail: the first frames of the split, not spread ones; frames of the
+// training split beside them; times of the few frames, not of the whole scene.
+TEST(Scene, FewHeldOutFramesKeepTheirTimes) {
+  const TemporaryFolder folder;
+  SmallCapture capture;
+  capture.train = 7, capture.test = 9;
+  write_dnerf(folder.path(), capture);
+  const Scene whole = load_scene(folder.path(), {}),
+              few = load_scene(folder.path(), {.held_out = 3});
+  const std::vector<int> test = whole.split_indices(Split::kTest);
+  ASSERT_EQ(test.size(), 9u);
+  ASSERT_EQ(few.frames.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    const Frame& same = whole.frames[size_t(test[3 * i + 1])];
+    EXPECT_EQ(few.frames[i].name, same.name);
+    EXPECT_EQ(few.frames[i].time, same.time);
+    EXPECT_EQ(few.frames[i].image.data, same.image.data);
+  }
+  EXPECT_EQ(load_scene(folder.path(), {.held_out = 20}).frames.size(), 9u);
+}
+
 // Bugs put back, each seen to fail: the error of the last bad frame reported (not the first);
 // require_image() returning the stated path without looking.
 TEST(BadScene, PicturesThatAreMissingOrDamagedAreNamed) {

@@ -1,0 +1,171 @@
+// What: asked.json × runs/ × failures/.
+// Not: scores (batch_report.h).
+#include "tools/batch/batch_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+
+#include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// A text or a number as text; "" for anything else.
+std::string word_of(const json& entry, const char* key) {
+  const json value = entry.value(key, json());
+  if (value.is_string()) return value.get<std::string>();
+  return value.is_number() ? value.dump() : "";
+}
+
+json array_of(const json& object, const char* key) {
+  const json value = object.value(key, json::array());
+  return value.is_array() ? value : json::array();
+}
+
+std::vector<fs::path> sorted_entries(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) entries.push_back(entry.path());
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+std::vector<BatchFailure> read_failures(const fs::path& folder, std::vector<std::string>& notes) {
+  std::vector<BatchFailure> failures;
+  for (const fs::path& file : sorted_entries(folder)) {
+    if (file.extension() != ".json") continue;
+    const json entry = json::parse(read_text_file(file), nullptr, false);
+    if (!entry.is_object()) {
+      notes.push_back(fmt::format("{}: not valid JSON, left out", file.string()));
+      continue;
+    }
+    BatchFailure failure{word_of(entry, "scene"),  word_of(entry, "rule"),
+                         word_of(entry, "preset"), word_of(entry, "seed"),
+                         word_of(entry, "format"), {},
+                         word_of(entry, "message")};
+    const json exit = entry.value("exit_code", json());
+    if (exit.is_number_integer()) failure.exit = exit.get<int64_t>();
+    if (!failure.exit && failure.rule == "report") continue;  // it is who asks
+    failures.push_back(std::move(failure));
+  }
+  return failures;
+}
+
+bool concerns(const BatchFailure& failure, const BatchRun& run) {
+  return failure.scene == run.scene && (failure.preset.empty() || failure.preset == run.preset) &&
+         (failure.seed.empty() || failure.seed == fmt::format("{}", run.seed));
+}
+
+void add_run(BatchFolder& batch, const std::string& scene, const std::string& preset,
+             int64_t seed) {
+  BatchRun run{scene, preset, seed, {}, RunState::kMissing, ""};
+  run.folder = batch.root / "runs" / scene / preset / fmt::format("seed-{}", seed);
+  if (fs::exists(run.folder / "metrics.json")) run.state = RunState::kDone;
+  for (const BatchFailure& failure : batch.failures) {
+    if (!concerns(failure, run)) continue;
+    run.error = failure.line();
+    if (!failure.unfinished()) run.state = RunState::kFailed;
+  }
+  batch.runs.push_back(std::move(run));
+}
+
+void add_asked(BatchFolder& batch) {
+  for (const json& scene : array_of(batch.asked, "scenes"))
+    for (const json& variant : array_of(batch.asked, "variants"))
+      for (const json& seed : array_of(batch.asked, "seeds"))
+        if (scene.is_object() && variant.is_object() && seed.is_number_integer())
+          add_run(batch, word_of(scene, "name"), word_of(variant, "name"), seed.get<int64_t>());
+}
+
+/// What is done beside: of an earlier batch.yaml.
+void add_found(BatchFolder& batch) {
+  std::set<fs::path> known;
+  for (const BatchRun& run : batch.runs) known.insert(run.folder);
+  constexpr std::string_view kSeed = "seed-";
+  for (const fs::path& scene : sorted_entries(batch.root / "runs"))
+    for (const fs::path& preset : sorted_entries(scene))
+      for (const fs::path& folder : sorted_entries(preset)) {
+        const std::string name = folder.filename().string();
+        int64_t seed = 0;
+        if (!name.starts_with(kSeed) || known.contains(folder)) continue;
+        if (!fs::exists(folder / "metrics.json")) continue;
+        const char* const end = name.data() + name.size();
+        if (std::from_chars(name.data() + kSeed.size(), end, seed).ptr != end) continue;
+        add_run(batch, scene.filename().string(), preset.filename().string(), seed);
+      }
+}
+
+}  // namespace
+
+std::string BatchFailure::line() const {
+  std::string text = scene.empty() ? rule : fmt::format("{}: {}", scene, rule);
+  if (!preset.empty()) text += ", " + preset;
+  if (!seed.empty()) text += ", seed " + seed;
+  if (!format.empty()) text += ", " + format;
+  return fmt::format("{} ({}): {}", text, exit ? fmt::format("exit {}", *exit) : "not ended",
+                     message);
+}
+
+bool BatchFailure::unfinished() const {
+  constexpr int64_t kLeft = 75, kInterrupted = 130;  // tools/command.h
+  return !exit || *exit == kLeft || *exit == kInterrupted;
+}
+
+int64_t BatchFolder::count(RunState state) const {
+  return std::count_if(runs.begin(), runs.end(),
+                       [&](const BatchRun& run) { return run.state == state; });
+}
+
+std::vector<std::string> BatchFolder::scenes() const {
+  std::vector<std::string> names;
+  for (const BatchRun& run : runs)
+    if (std::find(names.begin(), names.end(), run.scene) == names.end()) names.push_back(run.scene);
+  return names;
+}
+
+int64_t BatchFolder::whole_scenes() const {
+  const std::vector<std::string> names = scenes();
+  return std::count_if(names.begin(), names.end(), [&](const std::string& name) {
+    return std::all_of(runs.begin(), runs.end(), [&](const BatchRun& run) {
+      return run.scene != name || run.state == RunState::kDone;
+    });
+  });
+}
+
+BatchFolder read_batch(const fs::path& root) {
+  BatchFolder batch;
+  batch.root = root;
+  if (!fs::exists(root / "batch.yaml") && !fs::exists(root / "runs") &&
+      !fs::exists(root / "failures"))
+    throw InputError(
+        fmt::format("{}: is no folder of a batch: it has no batch.yaml and no runs; name the "
+                    "folder that was given to `tessera batch -o`",
+                    root.string()));
+  if (const fs::path file = root / "asked.json"; fs::exists(file)) {
+    json asked = json::parse(read_text_file(file), nullptr, false);
+    if (asked.is_object())
+      batch.asked = std::move(asked);
+    else
+      batch.notes.push_back(fmt::format("{}: not valid JSON, left out", file.string()));
+  }
+  batch.failures = read_failures(root / "failures", batch.notes);
+  add_asked(batch);
+  add_found(batch);
+  return batch;
+}
+
+std::string batch_summary(const BatchFolder& batch) {
+  return fmt::format("{} of {} runs done, {} failed, {} not run; {} of {} scenes whole",
+                     batch.count(RunState::kDone), batch.runs.size(),
+                     batch.count(RunState::kFailed), batch.count(RunState::kMissing),
+                     batch.whole_scenes(), batch.scenes().size());
+}
+
+}  // namespace tessera

@@ -1,0 +1,56 @@
+// What: what the folder of a batch holds: what was asked for, which runs are done, what has failed.
+// Not: running anything (engine.h), nor what is made of it (batch_report.h).
+// OUT: batch.yaml, asked.json (what it comes to: {scenes, variants, seeds, …}, settings.py),
+//      workflow/, scenes/SCENE, runs/SCENE/PRESET/seed-S (run folders with metrics.json
+//      and train.json), exports/SCENE/PRESET/seed-S/FORMAT, failures/*.json {scene, rule, preset,
+//      seed, format, exit_code, message}, report/.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+struct BatchFailure {
+  std::string scene, rule, preset, seed, format;  // "" where it is of none
+  std::optional<int64_t> exit;                    // nothing: it has not ended, or nobody saw it end
+  std::string message;                            // one line
+  /// "room: train, fast, seed 2 (exit 1): loss is not finite".
+  std::string line() const;
+  /// It runs, was interrupted, or left for another to go on: no failure by itself.
+  bool unfinished() const;
+};
+
+enum class RunState { kMissing, kDone, kFailed };
+
+struct BatchRun {
+  std::string scene, preset;
+  int64_t seed = 0;
+  std::filesystem::path folder;
+  RunState state = RunState::kMissing;
+  std::string error;  // of a failure that concerns it
+};
+
+struct BatchFolder {
+  std::filesystem::path root;
+  nlohmann::json asked = nlohmann::json::object();  // asked.json; empty before the first start
+  std::vector<BatchRun> runs;                       // scene by scene, as asked for
+  std::vector<BatchFailure> failures;               // by file name
+  std::vector<std::string> notes;                   // what could not be read, one line each
+
+  int64_t count(RunState state) const;
+  /// Scenes that have runs, in order; and those all of whose runs are done.
+  std::vector<std::string> scenes() const;
+  int64_t whole_scenes() const;
+};
+
+/// Errors: InputError: `root` is no folder of a batch: it has neither batch.yaml nor runs/ nor
+/// failures/.
+BatchFolder read_batch(const std::filesystem::path& root);
+
+/// "10 of 12 runs done, 1 failed, 1 not run; 3 of 4 scenes whole".
+std::string batch_summary(const BatchFolder& batch);
+
+}  // namespace tessera

@@ -1,0 +1,166 @@
+// What: metrics.json, train.json and config.json of every run, gathered.
+// Not: medians and frontiers (bench_report.h).
+#include "tools/batch/batch_report.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "ingest/files/atomic_file.h"
+#include "tools/bench_report.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Null where there is no such file; an object, or null and a note, where there is.
+json read_object(const fs::path& file, std::vector<std::string>& notes) {
+  if (!fs::is_regular_file(file)) return nullptr;
+  json object = json::parse(read_text_file(file), nullptr, false);
+  if (object.is_object()) return object;
+  notes.push_back(fmt::format("{}: not valid JSON, left out", file.string()));
+  return nullptr;
+}
+
+void copy_number(const json& from, const char* key, json& to) {
+  if (from.is_object() && from.contains(key) && from[key].is_number()) to[key] = from[key];
+}
+
+/// Of the workflow's record of an export, of this format.
+json export_record(const BatchFolder& batch, const BatchRun& run, const char* format,
+                   std::vector<std::string>& notes) {
+  return read_object(batch.root / "exports" / run.scene / run.preset /
+                         fmt::format("seed-{}", run.seed) / fmt::format("{}.json", format),
+                     notes);
+}
+
+/// The player's page of a run, below OUT; "" where none was exported.
+std::string player_of(const BatchFolder& batch, const BatchRun& run) {
+  const fs::path exports =
+      fs::path("exports") / run.scene / run.preset / fmt::format("seed-{}", run.seed);
+  for (const char* format : {"html", "page"})
+    if (const fs::path page = exports / format / "index.html";
+        fs::exists(batch.root / page) &&
+        fs::exists(batch.root / exports / (std::string(format) + ".json")))  // of this model
+      return page.string();
+  return "";
+}
+
+const char* state_name(RunState state) {
+  switch (state) {
+    case RunState::kDone:
+      return "done";
+    case RunState::kFailed:
+      return "failed";
+    case RunState::kMissing:
+      return "missing";
+  }
+  return "";
+}
+
+/// Everything that is known of one run.
+json describe_run(const BatchFolder& batch, const BatchRun& run, std::vector<std::string>& notes) {
+  const json metrics = read_object(run.folder / "metrics.json", notes);
+  const json trained = read_object(run.folder / "train.json", notes);
+  const json config = read_object(run.folder / "config.json", notes);
+  json entry = {{"scene", run.scene},
+                {"preset", run.preset},
+                {"seed", run.seed},
+                {"state", state_name(run.state)},
+                {"folder", run.folder.lexically_relative(batch.root).string()},
+                {"player", player_of(batch, run)}};
+  if (!run.error.empty()) entry["error"] = run.error;
+  for (const char* key : {"psnr", "ssim", "num_gaussians", "num_static", "num_dynamic", "bytes"})
+    copy_number(metrics, key, entry);
+  for (const char* key : {"seconds", "iterations", "peak_device_bytes"})
+    copy_number(trained, key, entry);
+  if (metrics.is_object() && metrics.contains("split") && metrics["split"].is_string())
+    entry["split"] = metrics["split"];
+  const json file = export_record(batch, run, "tessera", notes);
+  if (file.is_object() && file.contains("bytes")) entry["shipped_bytes"] = file["bytes"];
+  if (config.is_object())
+    for (const auto& [from, to] : {std::pair{"tessera", "version"}, {"device", "device"}})
+      if (config.contains(from) && config[from].is_string()) entry[to] = config[from];
+  return entry;
+}
+
+/// As bench_points takes it. Of one scene and preset all have the same label.
+json cell_of(const json& run) {
+  // what is done has scores, unless its file is damaged
+  const std::string state = run["state"] == "done" ? "missing" : run["state"];
+  json cell = {{"scene", run["scene"]},  {"split", run.value("split", "")},
+               {"label", run["preset"]}, {"iterations", run.value("iterations", int64_t{0})},
+               {"seed", run["seed"]},    {"status", run.contains("psnr") ? "done" : state}};
+  if (run.contains("device")) cell["device"] = run["device"];
+  if (run.contains("error")) cell["error"] = run["error"];
+  for (const char* key : {"psnr", "ssim", "seconds", "num_gaussians", "num_static", "num_dynamic",
+                          "bytes", "shipped_bytes", "peak_device_bytes"})
+    copy_number(run, key, cell["metrics"]);
+  return cell;
+}
+
+/// Seeds of one scene and preset are one point, also where one of them has nothing to show or was
+/// stopped at another step.
+json cells_of(const json& runs) {
+  json cells = json::array();
+  for (const json& run : runs) cells.push_back(cell_of(run));
+  for (json& cell : cells)
+    for (const json& other : cells) {
+      if (other["status"] != "done" || other["scene"] != cell["scene"]) continue;
+      if (cell["split"] == "") cell["split"] = other["split"];
+      if (other["label"] != cell["label"]) continue;
+      cell["iterations"] = other["iterations"];
+      break;
+    }
+  return cells;
+}
+
+json failures_json(const BatchFolder& batch) {
+  json failures = json::array();
+  for (const BatchFailure& failure : batch.failures)
+    failures.push_back({{"scene", failure.scene},
+                        {"rule", failure.rule},
+                        {"preset", failure.preset},
+                        {"seed", failure.seed},
+                        {"format", failure.format},
+                        {"exit", failure.exit ? json(*failure.exit) : json()},
+                        {"message", failure.message},
+                        {"line", failure.line()}});
+  return failures;
+}
+
+}  // namespace
+
+json batch_report(const BatchFolder& batch) {
+  std::vector<std::string> notes = batch.notes;
+  json runs = json::array();
+  std::set<std::string> versions, devices;
+  for (const BatchRun& run : batch.runs) {
+    runs.push_back(describe_run(batch, run, notes));
+    if (runs.back().contains("version")) versions.insert(std::string(runs.back()["version"]));
+    if (runs.back().contains("device")) devices.insert(std::string(runs.back()["device"]));
+  }
+  json scenes = bench_points(cells_of(runs));
+  mark_frontier(scenes);
+  return {{"title", fs::absolute(batch.root).lexically_normal().string()},
+          {"summary", batch_summary(batch)},
+          {"counts",
+           {{"runs", batch.runs.size()},
+            {"done", batch.count(RunState::kDone)},
+            {"failed", batch.count(RunState::kFailed)},
+            {"missing", batch.count(RunState::kMissing)},
+            {"scenes", batch.scenes().size()},
+            {"whole_scenes", batch.whole_scenes()}}},
+          {"versions", versions},
+          {"devices", devices},
+          {"variants", batch.asked.value("variants", json::array())},
+          {"captures", batch.asked.value("scenes", json::array())},
+          {"scenes", scenes},
+          {"runs", runs},
+          {"failures", failures_json(batch)},
+          {"notes", notes}};
+}
+
+}  // namespace tessera

@@ -1,0 +1,19 @@
+// What: the folder of a batch → one object of everything its report says: runs with their scores,
+//       medians and spreads by scene and preset, failures, versions, devices, options.
+// Not: a page (report_page.h) or pictures.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tools/batch/batch_folder.h"
+
+namespace tessera {
+
+/// {title, summary, counts {runs, done, failed, missing, scenes, whole_scenes}, versions, devices,
+/// variants [{name, preset, options}], captures [{name, path, ingest}], scenes (bench_points with
+/// frontier and knee, over all runs that have scores), runs [{scene, preset, seed, state, folder
+/// (below OUT), psnr, ssim, seconds, num_gaussians, bytes, shipped_bytes, player (below OUT),
+/// error, …}], failures [{…, line}], notes}. A file that is damaged is a note.
+nlohmann::json batch_report(const BatchFolder& batch);
+
+}  // namespace tessera

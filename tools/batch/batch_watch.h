@@ -1,0 +1,33 @@
+// What: a line for every run of a batch that gets done and every failure, while the engine works.
+// Not: the engine's own words.
+#pragma once
+#include <chrono>
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "tools/batch/batch_folder.h"
+
+namespace tessera {
+
+class BatchWatch {
+ public:
+  /// What is there already is not told again.
+  explicit BatchWatch(std::filesystem::path out);
+  /// Looks every two seconds, however often it is called.
+  void tick();
+  /// Looks now.
+  void look();
+
+ private:
+  void tell_runs(const BatchFolder& batch);
+  void tell_failures(const BatchFolder& batch);
+
+  std::filesystem::path out_;
+  std::set<std::filesystem::path> done_;
+  std::set<std::string> failures_;
+  std::chrono::steady_clock::time_point looked_;
+  bool silent_ = true;
+};
+
+}  // namespace tessera

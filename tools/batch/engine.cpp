@@ -1,0 +1,144 @@
+// What: posix_spawn, a process group, and a loop around waitpid.
+// Not: a scheduler.
+#include "tools/batch/engine.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <thread>
+
+#include "ingest/child_process.h"
+#include "kernels/base/errors.h"
+
+extern char** environ;
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kEngine = "snakemake";
+
+std::string profiles_there(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.is_directory(ignored)) names.push_back(entry.path().filename().string());
+  return names.empty() ? "none is there" : fmt::format("there are {}", fmt::join(names, ", "));
+}
+
+/// A word of the workflow's own profiles, or a folder of the user's.
+std::string profile_folder(const EngineRequest& request) {
+  const fs::path own = request.out / "workflow" / "profiles" / request.profile;
+  if (request.profile.find('/') == std::string::npos && fs::exists(own / "config.yaml"))
+    return own.string();
+  if (fs::exists(fs::path(request.profile) / "config.yaml"))
+    return fs::absolute(request.profile).lexically_normal().string();
+  throw InputError(fmt::format(
+      "--profile {}: no config.yaml in that folder and no profile of that name ({}); pass one of "
+      "them or a folder with a config.yaml",
+      request.profile, profiles_there(own.parent_path())));
+}
+
+pid_t start(const std::vector<std::string>& arguments) {
+  const fs::path program = find_program(arguments.front());
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setpgroup(&attributes, 0);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  // not of the terminal's foreground group: it may not read from there
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  pid_t child = -1;
+  const int error = posix_spawn(&child, program.c_str(), &files, &attributes, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  if (error != 0)
+    throw InputError(
+        fmt::format("{}: cannot be started ({})", program.string(), std::strerror(error)));
+  return child;
+}
+
+}  // namespace
+
+bool runs_here(const EngineRequest& request) {
+  return request.profile == "local";
+}
+
+std::vector<std::string> engine_arguments(const EngineRequest& request) {
+  const std::string profile = profile_folder(request);
+  if (!runs_here(request) && profile.find_first_of(" \t\n") != std::string::npos)
+    throw InputError(fmt::format(
+        "{}: Snakemake starts no scripts of a profile whose path has a space; choose another OUT",
+        profile));
+  std::vector<std::string> arguments{
+      kEngine,       "--snakefile",        (request.out / "workflow" / "Snakefile").string(),
+      "--directory", request.out.string(), "--profile",
+      profile,       "--keep-going",       "--rerun-incomplete",
+      "--nolock"};  // the workflow has a lock of its own
+  if (runs_here(request)) {
+    const int64_t gpus = std::max<int64_t>(request.gpus, 1);
+    arguments.insert(arguments.end(),
+                     {"--cores", fmt::format("{}", request.cores), "--resources",
+                      fmt::format("gpu={}", gpus), fmt::format("mem_mb={}", request.memory_mb)});
+  } else if (request.jobs > 0) {
+    arguments.insert(arguments.end(), {"--jobs", fmt::format("{}", request.jobs)});
+  }
+  if (request.dry_run)
+    arguments.insert(arguments.end(), {"--dry-run", "--config", "file=" + request.file});
+  return arguments;
+}
+
+std::string shell_line(const std::vector<std::string>& arguments) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./=,:+@%";
+  const auto quoted = [](const std::string& argument) {
+    std::string word;
+    for (char c : argument) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return fmt::format("'{}'", word);
+  };
+  std::vector<std::string> words;
+  for (const std::string& argument : arguments) {
+    const bool plain = !argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos;
+    words.push_back(plain ? argument : quoted(argument));
+  }
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+void check_engine() {
+  if (find_program(kEngine).empty())
+    throw InputError(
+        "snakemake is not installed, which runs batches; install it (apt-get install snakemake)");
+}
+
+int run_engine(const std::vector<std::string>& arguments, const std::function<bool()>& stop,
+               const std::function<void()>& tick) {
+  const pid_t child = start(arguments);
+  bool told = false;
+  int status = 0;
+  while (true) {
+    const pid_t ended = ::waitpid(child, &status, WNOHANG);
+    if (ended == child) break;
+    if (ended < 0 && errno != EINTR) return 1;
+    if (stop() && !told) {
+      ::kill(-child, SIGINT);
+      told = true;
+    }
+    tick();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
+}
+
+}  // namespace tessera

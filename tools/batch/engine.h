@@ -1,0 +1,38 @@
+// What: Snakemake as a child of `tessera batch`: found, started, told to stop, waited for.
+// Not: what it runs (Snakefile).
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+struct EngineRequest {
+  std::filesystem::path out;      // absolute; has batch.yaml and workflow/
+  std::string profile = "local";  // a folder of workflow/profiles, or a path
+  int64_t jobs = 0;               // at a time; 0: the profile's, one on a single machine
+  // of this machine, for profiles that run here
+  int64_t cores = 1, gpus = 0, memory_mb = 0;
+  bool dry_run = false;
+  std::string file = "batch.yaml";  // in `out`
+};
+
+/// Whether the profile runs jobs on this machine.
+bool runs_here(const EngineRequest& request);
+/// The command line, engine first. Errors: InputError: no such profile (lists those there are).
+std::vector<std::string> engine_arguments(const EngineRequest& request);
+/// As it would be typed into a shell.
+std::string shell_line(const std::vector<std::string>& arguments);
+
+/// Errors: InputError: no engine in PATH; says how to install it.
+void check_engine();
+
+/// Runs it to its end; its words go where ours go. It has a process group of its own, which gets
+/// one SIGINT when `stop` becomes true: trainings write their checkpoints, the engine waits for
+/// them. `tick` is called about ten times a second. Returns its exit code, 128 + signal where one
+/// ended it. Errors: InputError: it cannot be started.
+int run_engine(const std::vector<std::string>& arguments, const std::function<bool()>& stop,
+               const std::function<void()>& tick);
+
+}  // namespace tessera

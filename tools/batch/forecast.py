@@ -1,0 +1,39 @@
+"""What: what a job asks of a machine, from the forecast of `tessera doctor --json` for its preset.
+Not: the forecast."""
+import json
+import math
+
+PROGRAM_MB = 300  # of the program itself and of pictures on their way
+MEMORY_SPARE = 1.5
+TIME_SPARE = 3  # the forecast's own factor
+LEAST_MINUTES = 10
+
+
+def row(doctor_file, preset):
+    """{} where there is none: an older program wrote the file, or nobody did."""
+    try:
+        with open(doctor_file) as text:
+            return json.load(text)["tables"]["forecast"][preset]
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+
+
+def memory_mb(doctor_file, variant, attempt):
+    """More at each attempt."""
+    forecast = row(doctor_file, variant.preset)
+    if not forecast:
+        return PROGRAM_MB * attempt
+    gaussians = max(variant.number(k) for k in ("peak_gaussians", "max_gaussians"))
+    wider = max(1, gaussians / forecast["gaussians"])
+    model = forecast["total_bytes"] - forecast["frame_bytes"]
+    total = forecast["frame_bytes"] + wider * model
+    return math.ceil((PROGRAM_MB + MEMORY_SPARE * total / 2**20) * attempt)
+
+
+def minutes(doctor_file, variant, gpus, attempt):
+    forecast = row(doctor_file, variant.preset)
+    if not forecast:
+        return LEAST_MINUTES * attempt
+    seconds = forecast["gpu_seconds" if gpus else "cpu_seconds"]
+    longer = (variant.number("iterations") or forecast["iterations"]) / forecast["iterations"]
+    return max(LEAST_MINUTES, math.ceil(TIME_SPARE * longer * seconds / 60)) * attempt

@@ -1,0 +1,92 @@
+// What: which frames, their renders, and the folder that keeps them.
+// Not: rendering (recon4d/render.h).
+#include "tools/batch/held_out_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
+#include "ingest/files/png.h"
+#include "kernels/base/errors.h"
+#include "recon4d/metrics.h"
+#include "recon4d/model_file.h"
+#include "recon4d/render.h"
+#include "recon4d/scene_scale.h"
+#include "tools/camera_views.h"
+#include "tools/run_folder.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr int kWidth = 200;  // pixels, at most
+
+fs::path picture_file(const fs::path& folder, size_t i, const char* kind) {
+  return folder / fmt::format("{}_{}.png", i, kind);
+}
+
+/// Those that are kept; none where they are of another model or number.
+std::vector<HeldOutView> kept_views(const fs::path& folder, const json& key) {
+  std::vector<HeldOutView> views;
+  if (!fs::exists(folder / "views.json")) return views;
+  const json kept = json::parse(read_text_file(folder / "views.json"), nullptr, false);
+  if (!kept.is_object() || kept.value("key", json()) != key) return views;
+  for (const json& view : kept.value("views", json::array())) {
+    const size_t i = views.size();
+    views.push_back({view.value("frame", ""), view.value("psnr", 0.0),
+                     read_text_file(picture_file(folder, i, "truth")),
+                     read_text_file(picture_file(folder, i, "drawn"))});
+  }
+  return views;
+}
+
+Image8 small(const Image8& picture) {
+  if (picture.width <= kWidth) return picture;
+  const double height = double(kWidth) * picture.height / picture.width;
+  return averaged_picture(picture, kWidth, std::max(1, int(std::lround(height))));
+}
+
+std::string keep(const fs::path& file, const Image8& picture) {
+  write_png(file, small(picture));
+  return read_text_file(file);
+}
+
+}  // namespace
+
+std::vector<HeldOutView> held_out_views(Backend& backend, const fs::path& run, int64_t count) {
+  const RunFolder files{run};
+  const fs::path folder = run / "held_out";
+  Fnv1a hash;
+  hash.add(read_text_file(files.model()));
+  const json key = {hash.hex(), count};
+  std::vector<HeldOutView> views = kept_views(folder, key);
+  if (!views.empty() || count == 0) return views;
+  const GaussianModel model = load_model(files.model());
+  const std::string path = files.scene();
+  if (path.empty() || !fs::exists(path))
+    throw InputError(fmt::format("{}: its scene '{}' is gone, so that no view of it can be drawn",
+                                 run.string(), path));
+  const Scene scene = scaled_scene(scene_for(model, path, count), model.train_scale);
+  make_folder(folder);
+  json list = json::array();
+  Renderer renderer(backend, model);
+  for (const Frame& frame : scene.frames) {
+    const Picture picture = renderer.render({{frame.camera, frame.time}}).front();
+    const Image8 drawn = quantise(picture.planar(), picture.width, picture.height);
+    const size_t i = views.size();
+    views.push_back({frame.name, psnr(drawn, frame.image),
+                     keep(picture_file(folder, i, "truth"), frame.image),
+                     keep(picture_file(folder, i, "drawn"), drawn)});
+    list.push_back({{"frame", frame.name}, {"psnr", views.back().psnr}});
+  }
+  write_text_file(folder / "views.json", json{{"key", key}, {"views", list}}.dump(1));
+  return views;
+}
+
+}  // namespace tessera

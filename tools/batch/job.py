@@ -1,0 +1,219 @@
+"""What: one job of a batch: runs the program, appends to its log, leaves failures/JOB.json unless
+it succeeds. Not: which jobs there are (Snakefile).
+
+usage: job.py RULE [SCENE [PRESET SEED [FORMAT]]] --threads N --attempt N --mem-mb N
+                [--refused MESSAGE]   records only that the cluster did not take the job
+"""
+import argparse
+import fcntl
+import glob
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import forecast
+import locks
+import records
+import settings
+import training
+
+RULES = ("ingest", "doctor", "train", "evaluate", "export", "report")
+FAILED, BAD_INPUT = 1, 2  # exit codes
+UNFINISHED = ("ended without a word: out of memory or time, or its machine was lost "
+              "(or it still runs)")
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("rule", choices=RULES)
+    for name in ("scene", "preset", "seed", "format"):
+        parser.add_argument(name, nargs="?")
+    for name in ("--threads", "--attempt", "--mem-mb"):
+        parser.add_argument(name, type=int, default=1)
+    parser.add_argument("--refused")
+    return parser.parse_args()
+
+
+class Job:
+    def __init__(self, given, batch):
+        self.given, self.batch = given, batch
+        self.where = [w for w in (given.scene, given.preset, given.seed and f"seed-{given.seed}",
+                                  given.format) if w]
+        self.name = ".".join([given.rule, *self.where])
+        self.failure = f"failures/{self.name}.json"
+        self.log = os.path.join("logs", given.rule, ".".join(self.where or ["report"]) + ".log")
+        self.scene = f"scenes/{given.scene}"
+        self.run = os.path.join("runs", *self.where[:3])
+        self.doctor = f"doctor/{given.scene}.json"
+        self.threads = ["--threads", str(given.threads)]
+        self.backend = ["--backend", "cuda" if batch.gpus else "cpu", *self.threads]
+
+    def forget(self):
+        """What is made of this job's output goes, so that no failure leaves old results behind."""
+        if self.given.rule not in ("ingest", "train"):
+            return
+        below = os.path.join(self.given.scene, *(self.where[1:] or ["*", "*"]))
+        made = [self.doctor] if self.given.rule == "ingest" else []
+        made += [f"runs/{below}/train.json", f"runs/{below}/metrics.json", f"exports/{below}/*.json"]
+        for pattern in made:
+            for file in glob.glob(pattern):
+                os.remove(file)
+
+    # Each stage: the program's words, and where its standard output goes.
+
+    def ingest(self, _):
+        scene = self.batch.scenes[self.given.scene]
+        return (["ingest", scene.path, "-o", self.scene, *scene.ingest, *self.threads, "--json"],
+                self.scene + ".json")
+
+    def doctor_(self, _):
+        return ["doctor", self.scene, *self.threads, "--json"], self.doctor
+
+    def train(self, before):
+        variant = self.batch.variants[self.given.preset]
+        words = training.command(
+            self.run, self.scene, variant, int(self.given.seed), self.batch.deterministic,
+            forecast.row(self.doctor, variant.preset),
+            training.died_of_memory(before, slurm_state(before.get("slurm_job"))))
+        return (["train", self.scene, "-o", self.run, *words, *self.backend, "--json"],
+                self.run + "/train.json")
+
+    def evaluate(self, _):
+        with open(self.doctor) as text:
+            held_out = json.load(text)["tables"]["leakage"]["held_out_frames"]
+        split = [] if held_out else ["--split", "train"]
+        return ["evaluate", self.run, *split, *self.backend, "--json"], self.run + "/metrics.json"
+
+    def export(self, _):
+        folder = os.path.join("exports", *self.where)
+        return (["export", self.run, "-o", folder, "--format", self.given.format, *self.threads,
+                 "--json"], folder + ".json")
+
+    def report(self, _):
+        return ["report", self.batch.out], "logs/report.txt"
+
+    def words(self, before):
+        stage = self.given.rule
+        return getattr(self, stage + "_" if stage == "doctor" else stage)(before)
+
+    def record(self, exit_code, message):
+        given = self.given
+        records.write(self.failure, {
+            "job": self.name, "rule": given.rule, "scene": given.scene, "preset": given.preset,
+            "seed": given.seed and int(given.seed), "format": given.format,
+            "exit_code": exit_code, "message": message, "attempt": given.attempt,
+            "mem_mb": given.mem_mb, "log": self.log, "slurm_job": os.environ.get("SLURM_JOB_ID"),
+            "time": time.strftime("%Y-%m-%dT%H:%M:%S%z")})
+
+
+def slurm_state(job):
+    """"" where there is no such job, or no Slurm."""
+    if not job or not shutil.which("scontrol"):
+        return ""
+    shown = subprocess.run(["scontrol", "-o", "show", "job", job], capture_output=True, text=True)
+    states = [w.partition("=")[2] for w in shown.stdout.split() if w.startswith("JobState=")]
+    return states[0] if states else ""
+
+
+def free_gpu(count):
+    """The environment with one of this machine's GPUs, where nobody has chosen one yet; held open
+    as long as the process lives."""
+    environment = dict(os.environ)
+    if count < 2 or "CUDA_VISIBLE_DEVICES" in environment:
+        return environment, None
+    while True:
+        for gpu in range(count):
+            lock = open(f"logs/gpu-{gpu}.lock", "a+")
+            if locks.take(lock, fcntl.LOCK_EX):
+                return {**environment, "CUDA_VISIBLE_DEVICES": str(gpu)}, lock
+            lock.close()
+        time.sleep(1)
+
+
+def last_line(log, begin):
+    """What the program said last: its `tessera: …` line where there is one."""
+    with open(log, errors="replace") as text:
+        text.seek(begin)
+        lines = [line.strip() for line in text.read().replace("\r", "\n").split("\n")]
+    lines = [line for line in lines if line]
+    own = [line for line in lines if line.startswith("tessera: ")]
+    return (own or lines or ["said nothing"])[-1]
+
+
+def accepted(job, code, output):
+    """Findings of doctor are no failure of the job: they are in its file and in the report."""
+    if code != 0 and not (job.given.rule == "doctor" and code == 1):
+        return False
+    return job.given.rule == "report" or records.read(output) != {}
+
+
+def run(job, words, output, log):
+    """Exit code of the program."""
+    environment, gpu = free_gpu(job.batch.gpus if job.given.rule in ("train", "evaluate") else 0)
+    command = [job.batch.program, *words]
+    print(time.strftime("%F %T"), "attempt", job.given.attempt, *command, file=log, flush=True)
+    with open(output, "w") as standard:
+        # the program holds the log, and by it the lock, also if this process is killed
+        code = subprocess.run(command, stdout=standard, stderr=log, env=environment,
+                              pass_fds=[gpu.fileno()] if gpu else []).returncode
+    return 128 - code if code < 0 else code
+
+
+def perform(job, log):
+    before = records.read(job.failure)
+    if job.given.attempt > 1 and before.get("exit_code") == BAD_INPUT:
+        return BAD_INPUT, before["message"]  # more memory does not change the input
+    job.record(None, UNFINISHED)
+    job.forget()
+    words, output = job.words(before)
+    os.makedirs(os.path.dirname(output), exist_ok=True)
+    part = output + ".part"
+    begin = os.fstat(log.fileno()).st_size
+    code = run(job, words, part, log)
+    if code == BAD_INPUT and "--resume" in words:  # a checkpoint of another program or scene
+        os.remove(os.path.join(job.run, "checkpoint.ckpt"))
+        begin = os.fstat(log.fileno()).st_size
+        code = run(job, job.words(before)[0], part, log)
+    if not accepted(job, code, part):
+        os.remove(part)
+        return code or FAILED, last_line(job.log, begin)
+    if job.given.rule == "ingest" and not os.path.exists(job.scene + "/transforms.json"):
+        os.remove(part)
+        return BAD_INPUT, (f"tessera: {job.batch.scenes[job.given.scene].path}: holds several "
+                           "captures; write `captures: [THAT/*/]` in batch.yaml")
+    os.replace(part, output)
+    return 0, ""
+
+
+def main():
+    given = arguments()
+    job = Job(given, settings.from_snapshot(records.read(settings.SNAPSHOT), os.getcwd()))
+    for folder in ("failures", os.path.dirname(job.log)):
+        os.makedirs(folder, exist_ok=True)
+    if given.refused:
+        job.record(FAILED, given.refused)
+        return FAILED
+    with open(job.log, "a+") as log:
+        locks.take(log, fcntl.LOCK_EX, seconds=None)  # an earlier start may still be at work
+        # Slurm and terminals signal all processes of a job: the program stops, this one tells how
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGUSR1):
+            signal.signal(number, lambda *_: None)
+        try:
+            code, message = perform(job, log)
+        except Exception as error:  # a full disk, a file that is not what it was
+            code, message = FAILED, f"{type(error).__name__}: {error}"
+        if code == 0:
+            os.remove(job.failure)
+        else:
+            job.record(code, message)
+            print(time.strftime("%F %T"), "exit", code, message, file=log, flush=True)
+            print(f"{job.name}: {message}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,19 @@
+// What: words of a page: text and addresses that may hold anything, pictures inside.
+// Not: the page (report_page.h).
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace tessera {
+
+/// Text between tags or within a quoted attribute.
+std::string html_text(std::string_view text);
+/// A relative path as an address: all but letters, digits and - _ . ~ / as %XX.
+std::string html_address(const std::filesystem::path& path);
+/// RFC 4648, with padding.
+std::string base64(std::string_view bytes);
+/// data:TYPE;base64,…
+std::string data_address(const char* type, std::string_view bytes);
+
+}  // namespace tessera

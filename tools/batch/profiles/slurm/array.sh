@@ -1,0 +1,20 @@
+#!/bin/bash
+# What: a batch as one job array, each task some of the scenes from the first stage to the last, where
+#       a cluster wants few jobs and no driver on its login node. Not: the report: `tessera report OUT`.
+# usage: cd OUT && sbatch --array=0-15 --cpus-per-task=8 --mem=32G --gres=gpu:1 --time=12:00:00 \
+#          workflow/profiles/slurm/array.sh
+# Any range of tasks will do. A task that is requeued goes on; to go on with those that failed, submit
+# the same range again: what is done takes a second.
+#SBATCH --requeue --open-mode=append
+set -euo pipefail
+trap : TERM INT USR1 # jobscript.sh says why
+step=$SLURM_ARRAY_TASK_STEP
+task=$(((SLURM_ARRAY_TASK_ID - SLURM_ARRAY_TASK_MIN) / step))
+tasks=$(((SLURM_ARRAY_TASK_MAX - SLURM_ARRAY_TASK_MIN) / step + 1))
+if ((tasks != SLURM_ARRAY_TASK_COUNT)); then
+  echo "array.sh: tasks are no range, so that scenes would be left out; submit --array=0-15 or the like" >&2
+  exit 2
+fi
+mkdir -p logs .snakemake/{locks,metadata,incomplete,shadow} # which Snakemake makes less carefully
+snakemake finished --snakefile workflow/Snakefile --profile workflow/profiles/local --directory . \
+  --cores "${SLURM_CPUS_PER_TASK:-1}" --config part="$task/$tasks"

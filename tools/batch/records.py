@@ -1,0 +1,21 @@
+"""What: small JSON files: read as they are, written whole or not at all. Not: what is in them."""
+import json
+import os
+import socket
+
+
+def read(file):
+    try:
+        with open(file) as text:
+            return json.load(text)
+    except (OSError, ValueError):
+        return {}
+
+
+def write(file, value):
+    part = f"{file}.{socket.gethostname()}.{os.getpid()}.part"
+    with open(part, "w") as text:
+        json.dump(value, text, indent=1)
+        text.flush()
+        os.fsync(text.fileno())
+    os.replace(part, file)

@@ -1,0 +1,32 @@
+// What: what is known of a batch → one HTML page that needs no other file and no script.
+// Not: reading anything (batch_report.h) or drawing (batch_pictures.h).
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tessera {
+
+/// A held-out view of a scene: the truth, and the renders of presets that have one.
+struct ComparedView {
+  std::string frame;
+  std::string truth;  // PNG bytes
+  struct Render {
+    std::string preset, png;
+    double psnr = 0;  // dB, of the whole picture
+  };
+  std::vector<Render> renders;
+};
+
+struct ReportPictures {
+  std::vector<std::pair<std::string, std::string>> charts;  // scene, SVG
+  std::string chart_note;                                   // why there are none; or empty
+  std::vector<std::pair<std::string, std::vector<ComparedView>>> views;  // by scene
+  std::vector<std::string> notes;  // views that could not be drawn
+};
+
+/// `report`: batch_report. The page lies in OUT/report: addresses of runs begin with "../".
+std::string report_page(const nlohmann::json& report, const ReportPictures& pictures);
+
+}  // namespace tessera

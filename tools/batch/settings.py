@@ -1,0 +1,210 @@
+"""What: batch.yaml, read and checked: scenes, presets, seeds, formats. Not: what is done with them."""
+import dataclasses
+import itertools
+import json
+import os
+import re
+import shutil
+import subprocess
+
+import yaml
+
+import records
+from captures import Scene, read_scenes
+from checks import Wrong, check_keys, check_name, filled, list_of, nearest, number, shown
+
+KEYS = ("scenes", "captures", "presets", "seeds", "budgets", "exports", "out", "tessera", "threads",
+        "gpus", "deterministic")
+SNAPSHOT = "asked.json"
+SESSION_OPTIONS = ("checkpoint_every", "evaluate_every", "time_limit")  # say nothing of the model
+OWN_OPTIONS = {"seed": "seeds", "deterministic": "deterministic", "threads": "threads",
+               "backend": "gpus", "preset": "preset", "config": "options", "out": "out",
+               "json": "exports", "resume": "options", "overwrite": "options",
+               "stop_after": "iterations", "help": "options"}
+
+
+@dataclasses.dataclass(frozen=True)
+class Variant:
+    """A preset with its options: what a column of the report is."""
+    name: str
+    preset: str
+    options: tuple  # of (key, text), sorted
+
+    def given(self):
+        return {k: v for k, v in self.options if k not in SESSION_OPTIONS}
+
+    def number(self, key):
+        """Of a checked option; 0 where it is not given."""
+        return float(dict(self.options).get(key, 0))
+
+    def arguments(self, keys):
+        return [word for k, v in self.options if k in keys for word in (dashed(k), v)]
+
+
+@dataclasses.dataclass(frozen=True)
+class Batch:
+    out: str
+    program: str
+    scenes: dict
+    variants: dict
+    seeds: tuple
+    formats: tuple
+    threads: int
+    gpus: int
+    deterministic: bool
+
+
+def dashed(key):
+    return "--" + key.replace("_", "-")
+
+
+def listed(help_text, option):
+    """The words of a list below an option of --help."""
+    lines = iter(help_text.splitlines())
+    for line in lines:
+        if line.lstrip().startswith(option + " "):
+            break
+    below = itertools.takewhile(lambda line: not line.startswith("  --"), lines)
+    return [m.group(1) for m in (re.match(r"\s{8,}(\S+)\s{2,}\S", line) for line in below) if m]
+
+
+def program_help(program, command):
+    try:
+        return subprocess.run([program, command, "--help"], capture_output=True, text=True,
+                              check=True).stdout
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise Wrong(f"tessera: {program} {command} --help does not run ({error}); give `tessera: "
+                    "/path/to/program`") from None
+
+
+def text_of(value):
+    return json.dumps(value) if isinstance(value, (bool, int, float)) else str(value)
+
+
+def read_variant(entry):
+    entry = {"preset": entry} if isinstance(entry, str) else entry
+    if not isinstance(entry, dict) or not isinstance(entry.get("preset"), str):
+        raise Wrong(f"presets: {shown(entry)} has no `preset`; write a preset's name or {{name: "
+                    "a, preset: balanced, options: {iterations: 500}}")
+    check_keys(entry, ("name", "preset", "options"), f"presets: {entry['preset']}")
+    options = entry.get("options") or {}
+    if not isinstance(options, dict):
+        raise Wrong(f"presets: {entry['preset']}: options: expected {{iterations: 500}}, not "
+                    f"{shown(options)}")
+    name = check_name(str(entry.get("name") or entry["preset"]), "presets")
+    return Variant(name, entry["preset"],
+                   tuple(sorted((str(k).replace("-", "_"), text_of(v)) for k, v in options.items())))
+
+
+def read_variants(given):
+    variants = {}
+    budgets = list_of(given, "budgets", int, [], least=1)
+    for entry in filled(given, "presets", ["balanced"]):
+        plain = read_variant(entry)
+        wide = [dataclasses.replace(plain, name=f"{plain.name}-{n}", options=tuple(sorted(
+            {**dict(plain.options), "max_gaussians": str(n)}.items()))) for n in budgets]
+        for variant in wide or [plain]:
+            if variant.name in variants:
+                raise Wrong(f"presets: two are named '{variant.name}'; give one of them another "
+                            "`name`")
+            variants[variant.name] = variant
+    return variants
+
+
+def check_values(batch, variant):
+    """Options are read before the scene: a training of no scene complains of that one alone."""
+    words = variant.arguments([key for key, _ in variant.options])
+    said = subprocess.run([batch.program, "train", "no scene", "-o", "no run", "--preset",
+                           variant.preset, *words], capture_output=True, text=True, cwd="/").stderr
+    if "no scene: no such folder" not in said:
+        line = (said.strip().splitlines() or ["train says nothing of its options"])[-1]
+        raise Wrong(f"presets: {variant.name}: {line.removeprefix('tessera: ')}")
+
+
+def check_with_program(batch):
+    """Names that only the program knows."""
+    text = program_help(batch.program, "train")
+    presets = listed(text, "--preset")
+    known = [o.replace("-", "_") for o in re.findall(r"^  --([a-z0-9-]+)", text, re.M)]
+    for variant in batch.variants.values():
+        if variant.preset not in presets:
+            raise Wrong(f"presets: unknown preset '{variant.preset}'; "
+                        f"{nearest(variant.preset, presets)}There are {', '.join(presets)}")
+        for key, _ in variant.options:
+            if key in OWN_OPTIONS:
+                raise Wrong(f"presets: {variant.name}: '{key}' is no option of a preset; use "
+                            f"`{OWN_OPTIONS[key]}` of batch.yaml")
+            if key not in known:
+                raise Wrong(f"presets: {variant.name}: unknown option '{key}'; {nearest(key, known)}"
+                            "`tessera train --help` lists them")
+        check_values(batch, variant)
+    formats = listed(program_help(batch.program, "export"), "--format")
+    for name in batch.formats:
+        if name not in formats:
+            raise Wrong(f"exports: unknown format '{name}'; {nearest(name, formats)}There are "
+                        f"{', '.join(formats)}")
+
+
+def scenes_of(batch, part):
+    """Names of all scenes; of every Nth from the Ith where `part` is "I/N". Errors: Wrong."""
+    names = list(batch.scenes)
+    if not part:
+        return names
+    numbers = re.fullmatch(r"(\d+)/(\d+)", str(part))
+    first, step = map(int, numbers.groups()) if numbers else (0, 0)
+    if first >= step:
+        raise Wrong(f"part: expected I/N with I below N, not {part}; write part=0/4")
+    return names[first::step]
+
+
+def snapshot_of(batch):
+    """What batch.yaml comes to, for jobs and the report."""
+    return {"tessera": batch.program,
+            "scenes": [{"name": s.name, "path": s.path, "ingest": list(s.ingest)}
+                       for s in batch.scenes.values()],
+            "variants": [{"name": v.name, "preset": v.preset, "options": dict(v.options)}
+                         for v in batch.variants.values()],
+            "seeds": list(batch.seeds), "exports": list(batch.formats), "threads": batch.threads,
+            "gpus": batch.gpus, "deterministic": batch.deterministic}
+
+
+def from_snapshot(given, out):
+    """A running batch is what it was when it began, whatever becomes of batch.yaml."""
+    return Batch(out=out, program=given["tessera"],
+                 scenes={s["name"]: Scene(s["name"], s["path"], tuple(s["ingest"]))
+                         for s in given["scenes"]},
+                 variants={v["name"]: Variant(v["name"], v["preset"],
+                                              tuple(sorted(v["options"].items())))
+                           for v in given["variants"]},
+                 seeds=tuple(given["seeds"]), formats=tuple(given["exports"]),
+                 threads=given["threads"], gpus=given["gpus"],
+                 deterministic=given["deterministic"])
+
+
+def load(file):
+    """Errors: Wrong."""
+    base = os.path.dirname(os.path.abspath(file))
+    try:
+        with open(file) as text:
+            given = yaml.safe_load(text) or {}
+    except OSError as error:
+        raise Wrong(f"{file}: {error.strerror}; `tessera batch` writes it, --directory names its "
+                    "folder") from None
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise Wrong(f"{file}: {' '.join(str(error).split())}") from None
+    if not isinstance(given, dict):
+        raise Wrong(f"{file}: expected `key: value` lines; there are {', '.join(KEYS)}")
+    check_keys(given, KEYS, file)
+    out = os.path.join(base, str(given.get("out") or base))
+    if os.path.realpath(out) != os.path.realpath(base):
+        raise Wrong(f"out: is {out}, but {file} lies in {base}; put batch.yaml into the folder of "
+                    "its results")
+    if not isinstance(given.get("deterministic", False), bool):
+        raise Wrong("deterministic: expected true or false")
+    program = str(given.get("tessera") or "tessera")
+    program = os.path.join(base, program) if "/" in program else shutil.which(program) or program
+    return Batch(out=base, program=program, scenes=read_scenes(given, base),
+                 variants=read_variants(given), seeds=tuple(filled(given, "seeds", [1], list_of(given, "seeds", int, [1], 0))),
+                 formats=tuple(list_of(given, "exports", str, ["tessera", "html"])),
+                 threads=number(given, "threads", 1, os.cpu_count()),
+                 gpus=number(given, "gpus", 0, 0), deterministic=given.get("deterministic", False))

@@ -1,0 +1,74 @@
+#!/bin/bash
+# What: what the tests of batches share: captures, runs, checks. Not: a test.
+# TESSERA: the program. KEEP=1: leave the folder of the test.
+set -euo pipefail
+test_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+batch_folder=$(dirname "$test_folder")
+: "${TESSERA:?the program, e.g. TESSERA=build/release/tessera}"
+TESSERA=$(realpath "$TESSERA")
+skip() { echo "skip  $*" && exit 77; }
+command -v snakemake >/dev/null || skip "no snakemake: apt-get install --no-install-recommends snakemake"
+data=${TESSERA_DATA:-} # of third parties: shared/data beside a folder above, where there is one
+folder=$test_folder
+until [[ -n $data || $folder == / ]]; do
+  folder=$(dirname "$folder")
+  if [[ -d $folder/shared/data ]]; then data=$folder/shared/data; fi
+done
+work=$(mktemp -d "${TMPDIR:-/tmp}/tessera-batch.XXXXXX")
+
+finish() { # runs at every end; on_exit is the test's own
+  local code=$?
+  on_exit
+  if ((code == 0 || code == 77)) && [[ -z ${KEEP:-} ]]; then rm -rf "$work"; else echo "left: $work"; fi
+}
+on_exit() { :; }
+trap finish EXIT
+
+check() { # TEXT COMMAND...: says what holds, ends the test where it does not
+  if "${@:2}"; then echo "ok    $1"; else echo "WRONG $1" && exit 1; fi
+}
+
+same() { # EXPECTED SEEN
+  [[ $1 == "$2" ]] || { diff <(echo "$1") <(echo "$2") | head -20 >&2 && return 1; }
+}
+
+wait_for() { # SECONDS COMMAND...
+  local end=$((SECONDS + $1))
+  until "${@:2}"; do
+    ((SECONDS < end)) || { echo "not within $1 s: ${*:2}" >&2 && return 1; }
+    sleep 0.2
+  done
+}
+
+make_capture() { # NAME SEED [FRAMES]: 48 x 36 pixels
+  "$TESSERA" synth room -o "$work/captures/$1" --layout dnerf --frames "${3:-12}" \
+    --held-out-frames 2 --width 48 --height 36 --points 500 --seed "$2" >/dev/null 2>&1
+}
+
+write_batch() { # OUT LINES...: batch.yaml
+  mkdir -p "$1"
+  { echo "tessera: $TESSERA" && printf '%s\n' "${@:2}"; } >"$1/batch.yaml"
+}
+
+flow() { # OUT ARGUMENTS...: Snakemake with PROFILE (local)
+  snakemake -s "$batch_folder/Snakefile" --profile "$batch_folder/profiles/${PROFILE:-local}" \
+    --directory "$1" "${@:2}"
+}
+
+run_batch() { flow "$1" --cores 2 "${@:2}" >>"$1.log" 2>&1; }
+
+exit_code() { # COMMAND...: prints it
+  local code=0
+  "$@" || code=$?
+  echo "$code"
+}
+
+planned() { # OUT: the jobs that a run would do, sorted: "train a quick 1"
+  flow "$1" --cores 2 -n -p 2>&1 | sed -n 's/^ *exec .*job\.py \(.*\) --threads.*/\1/p' | sort
+}
+
+lines() { printf '%s\n' "$@" | sort; }
+
+models() { (cd "$1" && find runs -name model.ply -print0 | sort -z | xargs -0 sha256sum); }
+
+failures() { find "$1/failures" -name '*.json' -printf '%f\n' | sort; }

@@ -1,0 +1,70 @@
+"""What: how a training begins: anew, from its checkpoint, or with fewer Gaussians after it died of
+memory. Not: the training."""
+import hashlib
+import os
+import re
+
+import records
+from settings import SESSION_OPTIONS
+
+LEAST_GAUSSIANS = 5000
+LEAST_SHARE = 0.2  # of all memory in Gaussians; below, fewer of them do not help
+
+
+def digest(scene):
+    """Of what is in a prepared scene, by the hashes that it holds of its sources. Other masks are seen by
+    the training, which refuses the checkpoint."""
+    value = hashlib.sha256()
+    for name in ("transforms.json", "points.ply"):
+        if os.path.exists(os.path.join(scene, name)):
+            with open(os.path.join(scene, name), "rb") as file:
+                value.update(file.read())
+    return value.hexdigest()
+
+
+def died_of_memory(failure, slurm_state):
+    """`failure`: record of the attempt before; SIGKILL of the program alone is the kernel's doing."""
+    return (failure.get("exit_code") == 137 or slurm_state == "OUT_OF_MEMORY" or
+            re.search("out of memory", failure.get("message", ""), re.I) is not None)
+
+
+def smaller(run, forecast):
+    """Options that halve the Gaussians of the run that died; {} where that would not help."""
+    options = records.read(os.path.join(run, "config.json")).get("options", {})
+    share = forecast.get("parameter_bytes", 0) + forecast.get("step_bytes", 0)
+    if not options or share < LEAST_SHARE * forecast.get("total_bytes", 1):
+        return {}
+    peak, most = int(options["peak_gaussians"]), int(options["max_gaussians"])
+    half = (max(peak, most) or forecast["gaussians"]) // 2
+    if half < LEAST_GAUSSIANS:
+        return {}
+    # a set that is thinned out later is smaller while it grows; any other in the end
+    result = {"peak_gaussians": str(half)} if peak else {}
+    if not peak or most > half:
+        result["max_gaussians"] = str(half)
+    return result
+
+
+def command(run, scene, variant, seed, deterministic, forecast, out_of_memory):
+    """The words after `tessera train SCENE -o RUN`; batch.json beside the checkpoint says what it
+    is of."""
+    state_file = os.path.join(run, "batch.json")
+    checkpoint = os.path.join(run, "checkpoint.ckpt")
+    asked = {"preset": variant.preset, "options": variant.given(), "seed": seed,
+             "deterministic": deterministic, "scene": digest(scene)}
+    state = records.read(state_file)
+    reduced = state.get("reduced", {}) if state.get("asked") == asked else {}
+    if out_of_memory and state.get("asked") == asked:
+        reduced = smaller(run, forecast) or reduced
+    session = variant.arguments(SESSION_OPTIONS)
+    now = {"asked": asked, "reduced": reduced}
+    if state == now and os.path.exists(checkpoint):
+        return ["--resume", *session]
+    os.makedirs(run, exist_ok=True)
+    if os.path.exists(checkpoint):
+        os.remove(checkpoint)  # before its description changes
+    records.write(state_file, now)
+    options = {**variant.given(), **reduced, "seed": str(seed),
+               "deterministic": "true" if deterministic else "false"}
+    words = [word for key, value in options.items() for word in ("--" + key.replace("_", "-"), value)]
+    return ["--overwrite", "--preset", variant.preset, *words, *session]

@@ -1,0 +1,114 @@
+// What: gathers, draws, writes.
+// Not: any HTML.
+#include "tools/batch/write_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
+#include "tools/backend_choice.h"
+#include "tools/batch/batch_report.h"
+#include "tools/batch/held_out_views.h"
+#include "tools/batch/report_page.h"
+#include "tools/bench_picture.h"
+#include "tools/bench_report.h"
+#include "tools/interrupt.h"
+#include "tools/terminal.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr size_t kManyScenes = 100;             // above, one view of each
+constexpr size_t kMostPictureBytes = 64 << 20;  // within the page
+
+void draw_charts(const json& report, const fs::path& folder, ReportPictures& pictures) {
+  for (const json& scene : report["scenes"]) {
+    if (!can_be_drawn(scene)) continue;
+    PictureRequest picture;
+    picture.stem = "chart_" + scene["scene"].get<std::string>();
+    pictures.chart_note = draw_picture(folder, picture.stem, gnuplot_script(scene, picture));
+    if (!pictures.chart_note.empty()) return;
+    pictures.charts.emplace_back(scene["scene"], read_text_file(folder / (picture.stem + ".svg")));
+  }
+}
+
+/// Adds a run's views to those of its scene; the truth is that of the first run with the frame.
+/// Returns the bytes of what was added.
+size_t add_views(std::vector<ComparedView>& views, const std::string& preset,
+                 const std::vector<HeldOutView>& drawn) {
+  size_t bytes = 0;
+  for (const HeldOutView& one : drawn) {
+    bytes += one.drawn.size();
+    ComparedView* mine = nullptr;
+    for (ComparedView& view : views)
+      if (view.frame == one.frame) mine = &view;
+    if (mine == nullptr) {
+      mine = &views.emplace_back(ComparedView{one.frame, one.truth, {}});
+      bytes += one.truth.size();
+    }
+    mine->renders.push_back({preset, one.drawn, one.psnr});
+  }
+  return bytes;
+}
+
+std::vector<ComparedView>& views_of(ReportPictures& pictures, const std::string& scene) {
+  for (auto& [name, views] : pictures.views)
+    if (name == scene) return views;
+  return pictures.views.emplace_back(scene, std::vector<ComparedView>{}).second;
+}
+
+/// Of each preset of a scene the first seed that has a score.
+void draw_views(const ReportRequest& request, const json& report, ReportPictures& pictures) {
+  const std::unique_ptr<Backend> backend = make_backend(request.backend);
+  ProgressBar bar("report");
+  const int64_t most = report["scenes"].size() > kManyScenes ? 1 : request.pictures;
+  json drawn = json::array();
+  int64_t done = 0;
+  size_t bytes = 0;
+  for (const json& run : report["runs"]) {
+    stop_if_interrupted();
+    bar.update(++done, int64_t(report["runs"].size()), "held-out views");
+    const json which = {run["scene"], run["preset"]};
+    if (!run.contains("psnr") || std::find(drawn.begin(), drawn.end(), which) != drawn.end())
+      continue;
+    drawn.push_back(which);
+    if (bytes > kMostPictureBytes) {
+      pictures.notes.push_back(
+          fmt::format("Pictures from {} on are left out, as the page has {} MiB of them; `tessera "
+                      "report --pictures 0` makes one without any.",
+                      run["scene"].get<std::string>(), bytes >> 20));
+      return;
+    }
+    try {
+      const std::vector<HeldOutView> views =
+          held_out_views(*backend, request.out / run["folder"].get<std::string>(), most);
+      bytes += add_views(views_of(pictures, run["scene"]), run["preset"], views);
+    } catch (const InputError& error) {
+      pictures.notes.push_back(error.what());
+    }
+  }
+}
+
+}  // namespace
+
+json write_report(const ReportRequest& request) {
+  const json report = batch_report(read_batch(request.out));
+  const fs::path folder = request.out / "report";
+  make_folder(folder);
+  ReportPictures pictures;
+  draw_charts(report, folder, pictures);
+  if (request.pictures > 0) draw_views(request, report, pictures);
+  write_text_file(folder / "report.csv", csv_of(report["scenes"]));
+  constexpr auto kReplace = json::error_handler_t::replace;
+  write_text_file(folder / "report.json", report.dump(1, ' ', false, kReplace) + "\n");
+  write_text_file(folder / "index.html", report_page(report, pictures));
+  return report;
+}
+
+}  // namespace tessera

@@ -1,0 +1,20 @@
+// What: the report of a batch as files: OUT/report/index.html, report.csv, report.json, charts.
+// Not: what it says (batch_report.h) or how (report_page.h).
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace tessera {
+
+struct ReportRequest {
+  std::filesystem::path out;  // of the batch
+  int64_t pictures = 3;       // held-out views of each scene, one of more than 100; 0: none
+  std::string backend = "auto";
+};
+
+/// What report.json holds. What cannot be drawn is said in the page. Errors: InputError: no batch,
+/// the folder cannot be written; Interrupted.
+nlohmann::json write_report(const ReportRequest& request);
+
+}  // namespace tessera

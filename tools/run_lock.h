@@ -1,0 +1,28 @@
+// What: the lock of a run folder: two trainings never write one folder at a time.
+// Not: a queue: the second one leaves.
+#pragma once
+#include <filesystem>
+
+namespace tessera {
+
+/// Holds an flock on FOLDER/lock, which says who has it: the kernel gives it back when the program
+/// ends in whatever way. Makes the folder where there is none; what it made and nobody filled goes
+/// with it.
+class RunLock {
+ public:
+  /// Errors: InputError: another program has the lock (says which), the folder cannot be written.
+  /// A file system that knows no locks is warned of.
+  explicit RunLock(const std::filesystem::path& folder);
+  RunLock(const RunLock&) = delete;
+  RunLock& operator=(const RunLock&) = delete;
+  ~RunLock();
+
+ private:
+  bool take();
+
+  std::filesystem::path file_;
+  bool made_folder_ = false;
+  int descriptor_ = -1;
+};
+
+}  // namespace tessera
