@@ -2,13 +2,13 @@
 // Not: any of them (bench_stages.h, bench_sweep.h).
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 
 #include "kernels/base/errors.h"
 #include "tools/bench_stages.h"
 #include "tools/bench_sweep.h"
 #include "tools/command.h"
+#include "tools/named_once.h"
 
 namespace tessera {
 namespace {
@@ -34,14 +34,6 @@ BenchMode mode_of(const BenchRequest& request) {
 void refuse(const CLI::App& command, const char* option, const std::string& instead) {
   if (command.count(option) > 0)
     throw InputError(fmt::format("bench: {} has no meaning here; {}", option, instead));
-}
-
-template <class T>
-void refuse_repeats(std::vector<T> values, const char* option) {
-  std::sort(values.begin(), values.end());
-  const auto twice = std::adjacent_find(values.begin(), values.end());
-  if (twice != values.end())
-    throw InputError(fmt::format("bench: {} has {} twice; name each once", option, *twice));
 }
 
 /// What the other modes have is refused, not ignored.
@@ -76,10 +68,10 @@ void check_options(const CLI::App& command, const BenchRequest& request, BenchMo
   if (mode == BenchMode::kCurve) refuse(command, "--iterations", "use --at");
   if (sweep.out.empty()) throw InputError("bench: pass -o DIR for the runs and their results");
   if (sweep.scenes.empty() && !sweep.plot_only) throw InputError("bench: name a scene");
-  refuse_repeats(sweep.axes.presets, "--presets");
-  refuse_repeats(sweep.axes.seeds, "--seeds");
-  refuse_repeats(sweep.budgets, "--budgets");
-  refuse_repeats(sweep.shares, "--shares");
+  refuse_repeats(sweep.axes.presets, "bench: --presets");
+  refuse_repeats(sweep.axes.seeds, "bench: --seeds");
+  refuse_repeats(sweep.budgets, "bench: --budgets");
+  refuse_repeats(sweep.shares, "bench: --shares");
   for (int64_t share : sweep.shares)
     if (share < 1)
       throw InputError(fmt::format("bench: --shares has {}; pass 2 for a half", share));

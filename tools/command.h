@@ -5,15 +5,9 @@
 #include <functional>
 #include <string>
 
-namespace tessera {
+#include "tools/exit_code.h"
 
-enum ExitCode : int {
-  kExitDone = 0,
-  kExitFailed = 1,
-  kExitBadInput = 2,
-  kExitNotFinished = 75,  // asked to leave by a scheduler or a time limit: run again to go on
-  kExitInterrupted = 130
-};
+namespace tessera {
 
 /// Adds one subcommand to `app`; its callback stores the work to do in `work`.
 using Work = std::function<int()>;

@@ -4,7 +4,7 @@
 
 #include <csignal>
 
-#include "tools/command.h"
+#include "tools/exit_code.h"
 
 namespace tessera {
 namespace {

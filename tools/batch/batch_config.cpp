@@ -11,19 +11,12 @@
 #include "recon4d/train_options.h"
 #include "static3d/splat_file.h"
 #include "tools/export_in_time.h"
+#include "tools/named_once.h"
 
 namespace tessera {
 namespace {
 
 using nlohmann::json;
-
-template <class T>
-void refuse_repeats(std::vector<T> values, const char* option) {
-  std::sort(values.begin(), values.end());
-  const auto twice = std::adjacent_find(values.begin(), values.end());
-  if (twice != values.end())
-    throw InputError(fmt::format("{} has {} twice; name each once", option, *twice));
-}
 
 /// Presets and options as a training would take them. Errors: InputError.
 void check_training(const BatchConfig& config) {

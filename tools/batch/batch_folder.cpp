@@ -10,6 +10,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
+#include "tools/exit_code.h"
 
 namespace tessera {
 namespace {
@@ -41,11 +42,8 @@ std::vector<BatchFailure> read_failures(const fs::path& folder, std::vector<std:
   std::vector<BatchFailure> failures;
   for (const fs::path& file : sorted_entries(folder)) {
     if (file.extension() != ".json") continue;
-    const json entry = json::parse(read_text_file(file), nullptr, false);
-    if (!entry.is_object()) {
-      notes.push_back(fmt::format("{}: not valid JSON, left out", file.string()));
-      continue;
-    }
+    const json entry = read_object(file, notes);
+    if (entry.is_null()) continue;
     BatchFailure failure{word_of(entry, "scene"),  word_of(entry, "rule"),
                          word_of(entry, "preset"), word_of(entry, "seed"),
                          word_of(entry, "format"), {},
@@ -114,8 +112,7 @@ std::string BatchFailure::line() const {
 }
 
 bool BatchFailure::unfinished() const {
-  constexpr int64_t kLeft = 75, kInterrupted = 130;  // tools/command.h
-  return !exit || *exit == kLeft || *exit == kInterrupted;
+  return !exit || *exit == kExitNotFinished || *exit == kExitInterrupted;
 }
 
 int64_t BatchFolder::count(RunState state) const {
@@ -139,6 +136,14 @@ int64_t BatchFolder::whole_scenes() const {
   });
 }
 
+json read_object(const fs::path& file, std::vector<std::string>& notes) {
+  if (!fs::is_regular_file(file)) return nullptr;
+  json object = json::parse(read_text_file(file), nullptr, false);
+  if (object.is_object()) return object;
+  notes.push_back(fmt::format("{}: not valid JSON, left out", file.string()));
+  return nullptr;
+}
+
 BatchFolder read_batch(const fs::path& root) {
   BatchFolder batch;
   batch.root = root;
@@ -148,13 +153,8 @@ BatchFolder read_batch(const fs::path& root) {
         fmt::format("{}: is no folder of a batch: it has no batch.yaml and no runs; name the "
                     "folder that was given to `tessera batch -o`",
                     root.string()));
-  if (const fs::path file = root / "asked.json"; fs::exists(file)) {
-    json asked = json::parse(read_text_file(file), nullptr, false);
-    if (asked.is_object())
-      batch.asked = std::move(asked);
-    else
-      batch.notes.push_back(fmt::format("{}: not valid JSON, left out", file.string()));
-  }
+  json asked = read_object(root / "asked.json", batch.notes);
+  if (!asked.is_null()) batch.asked = std::move(asked);
   batch.failures = read_failures(root / "failures", batch.notes);
   add_asked(batch);
   add_found(batch);

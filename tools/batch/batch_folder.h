@@ -46,6 +46,9 @@ struct BatchFolder {
   int64_t whole_scenes() const;
 };
 
+/// Null where there is no such file; an object, or null and a note, where there is.
+nlohmann::json read_object(const std::filesystem::path& file, std::vector<std::string>& notes);
+
 /// Errors: InputError: `root` is no folder of a batch: it has neither batch.yaml nor runs/ nor
 /// failures/.
 BatchFolder read_batch(const std::filesystem::path& root);

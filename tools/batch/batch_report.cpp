@@ -6,7 +6,6 @@
 
 #include <set>
 
-#include "ingest/files/atomic_file.h"
 #include "tools/bench_report.h"
 
 namespace tessera {
@@ -15,35 +14,23 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Null where there is no such file; an object, or null and a note, where there is.
-json read_object(const fs::path& file, std::vector<std::string>& notes) {
-  if (!fs::is_regular_file(file)) return nullptr;
-  json object = json::parse(read_text_file(file), nullptr, false);
-  if (object.is_object()) return object;
-  notes.push_back(fmt::format("{}: not valid JSON, left out", file.string()));
-  return nullptr;
-}
-
 void copy_number(const json& from, const char* key, json& to) {
   if (from.is_object() && from.contains(key) && from[key].is_number()) to[key] = from[key];
 }
 
-/// Of the workflow's record of an export, of this format.
-json export_record(const BatchFolder& batch, const BatchRun& run, const char* format,
-                   std::vector<std::string>& notes) {
-  return read_object(batch.root / "exports" / run.scene / run.preset /
-                         fmt::format("seed-{}", run.seed) / fmt::format("{}.json", format),
-                     notes);
+/// Where the workflow puts what it exports of a run, below OUT: FORMAT/ and, when that is done, its
+/// record FORMAT.json.
+fs::path exports_of(const BatchRun& run) {
+  return fs::path("exports") / run.scene / run.preset / fmt::format("seed-{}", run.seed);
 }
 
 /// The player's page of a run, below OUT; "" where none was exported.
 std::string player_of(const BatchFolder& batch, const BatchRun& run) {
-  const fs::path exports =
-      fs::path("exports") / run.scene / run.preset / fmt::format("seed-{}", run.seed);
-  for (const char* format : {"html", "page"})
+  const fs::path exports = exports_of(run);
+  for (const std::string format : {"html", "page"})
     if (const fs::path page = exports / format / "index.html";
         fs::exists(batch.root / page) &&
-        fs::exists(batch.root / exports / (std::string(format) + ".json")))  // of this model
+        fs::exists(batch.root / exports / (format + ".json")))  // of this model
       return page.string();
   return "";
 }
@@ -78,7 +65,7 @@ json describe_run(const BatchFolder& batch, const BatchRun& run, std::vector<std
     copy_number(trained, key, entry);
   if (metrics.is_object() && metrics.contains("split") && metrics["split"].is_string())
     entry["split"] = metrics["split"];
-  const json file = export_record(batch, run, "tessera", notes);
+  const json file = read_object(batch.root / exports_of(run) / "tessera.json", notes);
   if (file.is_object() && file.contains("bytes")) entry["shipped_bytes"] = file["bytes"];
   if (config.is_object())
     for (const auto& [from, to] : {std::pair{"tessera", "version"}, {"device", "device"}})

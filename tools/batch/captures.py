@@ -5,7 +5,7 @@ import hashlib
 import json
 import os
 
-from checks import Wrong, check_keys, check_name, filled, list_of, shown
+from checks import Wrong, check_keys, check_name, list_of, shown
 
 FILE_OPTIONS = ("--poses", "--offsets", "--masks")
 
@@ -27,7 +27,7 @@ def read_scenes(given, base):
                         "of them another `name`")
         scenes[name] = Scene(name, path.rstrip("/"), tuple(ingest))
 
-    for entry in filled(given, "scenes", []) if given.get("scenes") else []:
+    for entry in list_of(given, "scenes", None, [], filled=True) if given.get("scenes") else []:
         entry = {"path": entry} if isinstance(entry, str) else entry
         if not isinstance(entry, dict) or not isinstance(entry.get("path"), str):
             raise Wrong(f"scenes: {shown(entry)} has no `path`; write {{name: a, path: /data/a}}")

@@ -33,25 +33,19 @@ def shown(value):
     return json.dumps(value, default=str)
 
 
-def filled(given, key, default, values=None):
-    """A list of any entries, not empty."""
-    values = given.get(key, default) if values is None else values
-    values = default if values is None else values
-    if not isinstance(values, list) or not values:
-        raise Wrong(f"{key}: expected a list with something in it, not {shown(values)}; take the "
-                    f"line out for {key}: {shown(default)}")
-    return values
-
-
-def list_of(given, key, kind, default, least=0):
+def list_of(given, key, kind, default, least=0, filled=False):
+    """`kind`: type of the entries; None: any, of a filled list. `least`: of numbers."""
     values = given.get(key)
     values = default if values is None else values
     # a bool is an int to Python
-    if not isinstance(values, list) or not all(type(v) is kind for v in values):
+    if kind and (not isinstance(values, list) or not all(type(v) is kind for v in values)):
         raise Wrong(f"{key}: expected a list of {'numbers' if kind is int else 'names'}, not "
                     f"{shown(values)}; write {key}: [{'1, 2' if kind is int else 'a, b'}]")
     if kind is int and any(v < least for v in values):
         raise Wrong(f"{key}: {min(values)} is too small; give numbers from {least}")
+    if filled and (not isinstance(values, list) or not values):
+        raise Wrong(f"{key}: expected a list with something in it, not {shown(values)}; take the "
+                    f"line out for {key}: {shown(default)}")
     return values
 
 

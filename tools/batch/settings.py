@@ -9,9 +9,8 @@ import subprocess
 
 import yaml
 
-import records
 from captures import Scene, read_scenes
-from checks import Wrong, check_keys, check_name, filled, list_of, nearest, number, shown
+from checks import Wrong, check_keys, check_name, list_of, nearest, number, shown
 
 KEYS = ("scenes", "captures", "presets", "seeds", "budgets", "exports", "out", "tessera", "threads",
         "gpus", "deterministic")
@@ -99,7 +98,7 @@ def read_variant(entry):
 def read_variants(given):
     variants = {}
     budgets = list_of(given, "budgets", int, [], least=1)
-    for entry in filled(given, "presets", ["balanced"]):
+    for entry in list_of(given, "presets", None, ["balanced"], filled=True):
         plain = read_variant(entry)
         wide = [dataclasses.replace(plain, name=f"{plain.name}-{n}", options=tuple(sorted(
             {**dict(plain.options), "max_gaussians": str(n)}.items()))) for n in budgets]
@@ -204,7 +203,8 @@ def load(file):
     program = str(given.get("tessera") or "tessera")
     program = os.path.join(base, program) if "/" in program else shutil.which(program) or program
     return Batch(out=base, program=program, scenes=read_scenes(given, base),
-                 variants=read_variants(given), seeds=tuple(filled(given, "seeds", [1], list_of(given, "seeds", int, [1], 0))),
+                 variants=read_variants(given),
+                 seeds=tuple(list_of(given, "seeds", int, [1], filled=True)),
                  formats=tuple(list_of(given, "exports", str, ["tessera", "html"])),
                  threads=number(given, "threads", 1, os.cpu_count()),
                  gpus=number(given, "gpus", 0, 0), deterministic=given.get("deterministic", False))

@@ -5,15 +5,15 @@ import os
 import re
 
 import records
-from settings import SESSION_OPTIONS
+from settings import SESSION_OPTIONS, dashed
 
 LEAST_GAUSSIANS = 5000
 LEAST_SHARE = 0.2  # of all memory in Gaussians; below, fewer of them do not help
 
 
 def digest(scene):
-    """Of what is in a prepared scene, by the hashes that it holds of its sources. Other masks are seen by
-    the training, which refuses the checkpoint."""
+    """Of what is in a prepared scene, by the hashes that it holds of its sources. Other masks are
+    seen by the training, which refuses the checkpoint."""
     value = hashlib.sha256()
     for name in ("transforms.json", "points.ply"):
         if os.path.exists(os.path.join(scene, name)):
@@ -66,5 +66,5 @@ def command(run, scene, variant, seed, deterministic, forecast, out_of_memory):
     records.write(state_file, now)
     options = {**variant.given(), **reduced, "seed": str(seed),
                "deterministic": "true" if deterministic else "false"}
-    words = [word for key, value in options.items() for word in ("--" + key.replace("_", "-"), value)]
+    words = [word for key, value in options.items() for word in (dashed(key), value)]
     return ["--overwrite", "--preset", variant.preset, *words, *session]
