@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "ingest/held_out_cameras.h"
 #include "ingest/llff_poses.h"

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 
 #include "ingest/transforms_values.h"
 #include "kernels/base/errors.h"

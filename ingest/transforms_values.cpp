@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/matrix.hpp>
+#include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
 

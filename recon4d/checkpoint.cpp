@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
 #include "kernels/math/environment.h"
+#include "recon4d/train_options_json.h"
 
 namespace tessera {
 namespace {
@@ -190,7 +192,7 @@ void restore_header(const json& header, Checkpoint& checkpoint) {
   model.filter_2d = header.value("filter_2d", false);
   model.time_filter = header.value("time_filter", 0.0);
   model.train_scale = header.value("train_scale", 1.0);
-  checkpoint.provenance = header.at("provenance");
+  checkpoint.provenance = header.at("provenance").dump();
   checkpoint.validation = validation_record_from_json(header.at("validation"));
 }
 

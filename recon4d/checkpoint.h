@@ -7,7 +7,7 @@
 // they are stored in the order of ShBlocks::kOrder, with the bands that each has.
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "recon4d/train_state.h"
 #include "recon4d/validation.h"
@@ -17,7 +17,7 @@ namespace tessera {
 struct Checkpoint {
   TrainState state;  // as it was between the steps: its SH may be behind (caught_up_model)
   TrainOptions options;
-  nlohmann::json provenance;  // versions, device, scene hash: what the writer knew
+  std::string provenance;  // JSON object: versions, device, scene hash: what the writer knew
   ValidationRecord validation;
 };
 

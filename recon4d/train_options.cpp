@@ -16,10 +16,6 @@ namespace {
 
 using O = TrainOptions;
 
-nlohmann::json value_of(const TrainOptions& options, const OptionRow& row) {
-  return std::visit([&](auto member) { return nlohmann::json(options.*member); }, row.member);
-}
-
 const OptionRow& row_of(const std::string& key) {
   std::vector<std::string> keys;
   for (const OptionRow& row : train_option_rows()) {
@@ -40,31 +36,38 @@ double checked(const OptionRow& row, double value) {
 struct Setter {
   TrainOptions& options;
   const OptionRow& row;
-  const nlohmann::json& value;
+  const OptionValue& value;
 
   [[noreturn]] void refuse(const char* expected) const {
-    throw InputError(fmt::format("option '{}' is {}, expected {}: {}", row.key, value.dump(),
+    throw InputError(fmt::format("option '{}' is {}, expected {}: {}", row.key, quoted_text(value),
                                  expected, row.doc));
   }
   void operator()(int64_t O::*member) const {
-    const bool whole = value.is_number_integer() ||
-                       (value.is_number_float() && std::abs(value.get<double>()) < 1e15 &&
-                        value.get<double>() == double(int64_t(value.get<double>())));
-    if (!whole) refuse("a whole number");
-    checked(row, value.get<double>());  // before the conversion: an unsigned number may not fit
-    options.*member = value.get<int64_t>();
+    if (const auto* whole = std::get_if<int64_t>(&value)) {
+      checked(row, double(*whole));
+      options.*member = *whole;
+      return;
+    }
+    const auto* number = std::get_if<double>(&value);  // 3e4
+    if (!number || !(std::abs(*number) < 1e15) || *number != std::floor(*number))
+      refuse("a whole number");
+    options.*member = int64_t(checked(row, *number));  // in range, so that it fits
   }
   void operator()(double O::*member) const {
-    if (!value.is_number()) refuse("a number");
-    options.*member = checked(row, value.get<double>());
+    if (const auto* whole = std::get_if<int64_t>(&value))
+      options.*member = checked(row, double(*whole));
+    else if (const auto* number = std::get_if<double>(&value))
+      options.*member = checked(row, *number);
+    else
+      refuse("a number");
   }
   void operator()(bool O::*member) const {
-    if (!value.is_boolean()) refuse("true or false");
-    options.*member = value.get<bool>();
+    if (!std::holds_alternative<bool>(value)) refuse("true or false");
+    options.*member = std::get<bool>(value);
   }
   void operator()(std::string O::*member) const {
-    if (!value.is_string()) refuse("text");
-    const std::string text = value.get<std::string>();
+    if (!std::holds_alternative<std::string>(value)) refuse("text");
+    const std::string& text = std::get<std::string>(value);
     const std::vector<std::string> choices(row.choices.begin(), row.choices.end());
     if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
       throw InputError(fmt::format("option '{}' is '{}'; did you mean '{}'? There are {}: {}",
@@ -76,7 +79,7 @@ struct Setter {
 
 }  // namespace
 
-void set_option(TrainOptions& options, const std::string& key, const nlohmann::json& value) {
+void set_option(TrainOptions& options, const std::string& key, const OptionValue& value) {
   const OptionRow& row = row_of(key);
   std::visit(Setter{options, row, value}, row.member);
 }
@@ -84,12 +87,11 @@ void set_option(TrainOptions& options, const std::string& key, const nlohmann::j
 void set_option_from_text(TrainOptions& options, const std::string& key, const std::string& text) {
   const OptionRow& row = row_of(key);
   if (std::holds_alternative<std::string O::*>(row.member)) return set_option(options, key, text);
-  nlohmann::json value = nlohmann::json::parse(text, nullptr, false);
-  if (value.is_discarded()) value = text;
-  char* end = nullptr;
-  const double number = std::strtod(text.c_str(), &end);  // ".5", "+1", which are not JSON
-  if (value.is_string() && !text.empty() && *end == '\0') value = number;
-  set_option(options, key, value);
+  set_option(options, key, option_value_from_text(text));
+}
+
+OptionValue option_value(const TrainOptions& options, const OptionRow& row) {
+  return std::visit([&](auto member) { return OptionValue(options.*member); }, row.member);
 }
 
 int64_t growth_limit(const TrainOptions& options) {
@@ -172,19 +174,6 @@ void validate(const TrainOptions& options) {
         "--max-gaussians N");
   if (options.opacity_reset_interval > 0)
     throw InputError("densification mcmc has no opacity resets; pass --opacity-reset-interval 0");
-}
-
-nlohmann::json to_json(const TrainOptions& options) {
-  nlohmann::json json = nlohmann::json::object();
-  for (const OptionRow& row : train_option_rows()) json[row.key] = value_of(options, row);
-  return json;
-}
-
-TrainOptions train_options_from_json(const nlohmann::json& json) {
-  if (!json.is_object()) throw InputError("options must be a JSON object of key: value");
-  TrainOptions options;
-  for (const auto& [key, value] : json.items()) set_option(options, key, value);
-  return options;
 }
 
 std::array<uint8_t, 3> parse_background(const std::string& text) {

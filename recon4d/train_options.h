@@ -2,13 +2,15 @@
 // The table makes the command line, --config, --help and checkpoint metadata.
 // Not: the command line itself (tools/) and no values that depend on the scene (schedule.h).
 #pragma once
+#include <array>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "kernels/math/bounds.h"
+#include "recon4d/option_value.h"
 
 namespace tessera {
 
@@ -91,7 +93,7 @@ struct OptionRow {
 };
 const std::vector<OptionRow>& train_option_rows();
 
-using OptionOverrides = std::vector<std::pair<const char*, nlohmann::json>>;  // applied in order
+using OptionOverrides = std::vector<std::pair<const char*, OptionValue>>;  // applied in order
 
 /// What a preset asks of a scene.
 struct SceneFacts {
@@ -116,10 +118,11 @@ const std::vector<Preset>& presets();
 
 /// Errors: InputError naming the nearest known name.
 void apply_preset(TrainOptions& options, const std::string& name, const SceneFacts& facts = {});
-/// Sets one option by key from JSON or from text. Errors: InputError: unknown key (nearest named),
-/// wrong type, out of range.
-void set_option(TrainOptions& options, const std::string& key, const nlohmann::json& value);
+/// Sets one option by key, from its value or from text. Errors: InputError: unknown key (nearest
+/// named), wrong type, out of range.
+void set_option(TrainOptions& options, const std::string& key, const OptionValue& value);
 void set_option_from_text(TrainOptions& options, const std::string& key, const std::string& text);
+OptionValue option_value(const TrainOptions& options, const OptionRow& row);
 /// What no single row can say: ranges between options. Errors: InputError.
 void validate(const TrainOptions& options);
 
@@ -127,9 +130,6 @@ void validate(const TrainOptions& options);
 int64_t growth_limit(const TrainOptions& options);
 /// Whether Gaussians are thinned out after growth.
 bool is_thinned(const TrainOptions& options);
-
-nlohmann::json to_json(const TrainOptions& options);
-TrainOptions train_options_from_json(const nlohmann::json& json);
 
 /// "black", "white", or "r,g,b" in 0–255. Errors: InputError.
 std::array<uint8_t, 3> parse_background(const std::string& text);

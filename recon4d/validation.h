@@ -4,6 +4,7 @@
 // Source: failure modes A10, D4.
 #pragma once
 #include <limits>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 #include "ingest/scene.h"

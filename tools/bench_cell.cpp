@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "ingest/files/atomic_file.h"
@@ -13,6 +14,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/evaluate.h"
 #include "recon4d/scene_facts.h"
+#include "recon4d/train_options_json.h"
 #include "tools/version.h"
 
 namespace tessera {

@@ -4,7 +4,7 @@
 // ends in +curve where the cell is scored on the way.
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

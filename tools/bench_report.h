@@ -3,7 +3,7 @@
 // Not: running cells (bench_run.h), pictures (bench_picture.h) or tables for people
 //      (bench_table_text.h).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "ingest/files/atomic_file.h"
@@ -15,6 +16,7 @@
 #include "recon4d/evaluate.h"
 #include "recon4d/model_file.h"
 #include "recon4d/render_rate.h"
+#include "recon4d/train_options_json.h"
 #include "tools/backend_choice.h"
 #include "tools/export_in_time.h"
 #include "tools/held_out_scores.h"

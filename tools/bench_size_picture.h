@@ -1,7 +1,7 @@
 // What: points of all scenes → a gnuplot script: PSNR against the bytes of the shipped file.
 // Not: points (bench_report.h), nor running gnuplot (bench_picture.h).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace tessera {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/json_file.h"

@@ -1,7 +1,7 @@
 // What: points as tables for people (Markdown), published figures beside ours.
 // Not: points (bench_report.h), nor the figures (bench_tables.h).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -355,8 +355,7 @@ std::string row_label(const BenchRow& row, bool still_scene) {
   std::string label = row_preset(row, still_scene);
   if (!row.ablation.empty()) label += "+" + row.ablation;
   for (const auto& [key, value] : row.overrides)
-    label +=
-        fmt::format("+{}={}", key, value.is_string() ? value.get<std::string>() : value.dump());
+    label += fmt::format("+{}={}", key, plain_text(value));
   if (!row.count_of.empty()) label += "+as-many-as-" + row.count_of;
   return label;
 }

@@ -23,10 +23,9 @@ enum class SceneKind { kAny, kStill, kMoving };
 
 struct BenchRow {
   std::string name;
-  std::string preset;    // empty: 3dgs for still scenes, faster-gs for moving ones
-  std::string ablation;  // over the preset; or empty
-  std::vector<std::pair<const char*, nlohmann::json>>
-      overrides;  // over both and over what is typed
+  std::string preset;         // empty: 3dgs for still scenes, faster-gs for moving ones
+  std::string ablation;       // over the preset; or empty
+  OptionOverrides overrides;  // over both and over what is typed
   SceneKind kind = SceneKind::kAny;
   std::string count_of = {};  // max_gaussians is what that row ended with
   std::vector<Published> published = {};

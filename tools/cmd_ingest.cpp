@@ -2,6 +2,8 @@
 // Not: the readers (ingest).
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/capture_layout.h"
 #include "ingest/ingest.h"
 #include "kernels/base/parallel.h"

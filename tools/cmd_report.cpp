@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "kernels/base/parallel.h"
 #include "recon4d/model_file.h"
 #include "recon4d/scene_scale.h"
+#include "recon4d/train_options_json.h"
 #include "static3d/frame_sequence.h"
 #include "static3d/world_change.h"
 #include "tools/backend_choice.h"

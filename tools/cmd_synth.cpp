@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

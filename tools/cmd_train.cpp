@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/scene_reader.h"
@@ -12,6 +13,7 @@
 #include "kernels/base/parallel.h"
 #include "recon4d/ablations.h"
 #include "recon4d/scene_facts.h"
+#include "recon4d/train_options_json.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
@@ -96,7 +98,7 @@ TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& 
     if (!json.is_object())
       throw InputError(
           fmt::format("{}: expected a JSON object of option: value", arguments.config));
-    for (const auto& [key, value] : json.items()) set_option(options, key, value);
+    for (const auto& [key, value] : json.items()) set_option_from_json(options, key, value);
   }
   for (const auto& [key, text] : arguments.given) set_option_from_text(options, key, text);
   validate(options);

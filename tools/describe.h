@@ -2,7 +2,7 @@
 // Not: text for people (cmd_info.cpp).
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace tessera {
 

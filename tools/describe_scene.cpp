@@ -2,6 +2,7 @@
 // Not: pixels: sizes come from the headers of the pictures, lengths from those of the videos.
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "ingest/capture_layout.h"

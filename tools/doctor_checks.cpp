@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/coverage.h"

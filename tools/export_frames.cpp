@@ -2,6 +2,8 @@
 // Not: frames themselves (static3d/frame_sequence.h).
 #include "tools/export_frames.h"
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/files/atomic_file.h"
 #include "static3d/frame_sequence.h"
 #include "tools/interrupt.h"

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "recon4d/hygiene.h"

@@ -1,7 +1,7 @@
 // What: `tessera export` of formats that hold the whole clip.
 // Not: the formats (static3d/tessera4d, recon4d/model_file.h).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "recon4d/gaussian_set.h"

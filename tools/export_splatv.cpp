@@ -2,6 +2,8 @@
 // Not: arguments (cmd_export.cpp).
 #include "tools/export_splatv.h"
 
+#include <nlohmann/json.hpp>
+
 #include "static3d/splatv.h"
 #include "tools/output_folder.h"
 #include "tools/rig_cameras.h"

@@ -1,7 +1,7 @@
 // What: `tessera export --format splatv`: one file that some players play in continuous time.
 // Not: its layout (static3d/splatv.h), nor the other formats (export_in_time.cpp).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "recon4d/gaussian_set.h"
 #include "tools/export_request.h"

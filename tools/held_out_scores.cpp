@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 namespace tessera {
 
 std::vector<Split> held_out_splits(const Scene& scene) {

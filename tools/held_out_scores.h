@@ -2,7 +2,7 @@
 //       `train` and `run` share.
 // Not: the metrics (recon4d/evaluate.h).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>

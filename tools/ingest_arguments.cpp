@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "ingest/capture_layout.h"
 #include "kernels/base/errors.h"

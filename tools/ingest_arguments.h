@@ -1,7 +1,7 @@
 // What: the ingest part of a command line, shared by `ingest`, `run` and `doctor`.
 // Not: the options' meaning (ingest/ingest.h).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "ingest/ingest.h"

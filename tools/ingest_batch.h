@@ -2,7 +2,7 @@
 // Not: one capture (ingest/ingest.h), nor the command line (cmd_ingest.cpp).
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -2,6 +2,8 @@
 // Not: printing.
 #include "tools/model_account.h"
 
+#include <nlohmann/json.hpp>
+
 #include "static3d/census.h"
 #include "tools/export_in_time.h"
 

@@ -1,7 +1,7 @@
 // What: the accounts and counts of a model on the command line, as `info` and `evaluate` say them.
 // Not: the arithmetic (static3d/account.h, static3d/census.h).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "tools/model_input.h"

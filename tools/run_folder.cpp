@@ -4,12 +4,17 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
+
+std::string RunFolder::scene() const {
+  return exists() ? read_config().value("scene", "") : "";
+}
 
 nlohmann::json RunFolder::read_config() const {
   nlohmann::json json = nlohmann::json::parse(read_text_file(config()), nullptr, false);

@@ -3,7 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace tessera {
 
@@ -25,7 +25,7 @@ struct RunFolder {
   /// Errors: InputError when it is missing or damaged.
   nlohmann::json read_config() const;
   /// The scene that was trained on; "" where no training has written here.
-  std::string scene() const { return exists() ? read_config().value("scene", "") : ""; }
+  std::string scene() const;
   /// Removes the files above and nothing else.
   void remove_files() const;
   /// Removes best models of other steps.

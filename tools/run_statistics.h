@@ -1,7 +1,7 @@
 // What: mean and standard deviation of scores over runs of one scene, e.g. over seeds.
 // Not: the scores (held_out_scores.h).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 

@@ -2,6 +2,8 @@
 // Not: printing.
 #include "tools/session_times.h"
 
+#include <nlohmann/json.hpp>
+
 namespace tessera {
 
 nlohmann::json WallSplit::json() const {

@@ -4,7 +4,7 @@
 // Source: failure mode D7.
 #pragma once
 #include <array>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "recon4d/trainer.h"
 

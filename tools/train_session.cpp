@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <glm/common.hpp>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
@@ -80,7 +81,8 @@ class Session {
   }
 
   void check_frames() const {
-    if (previous_->provenance.value("scene_fingerprint", "") !=
+    const nlohmann::json provenance = nlohmann::json::parse(previous_->provenance);
+    if (provenance.value("scene_fingerprint", "") !=
         config_["scene_fingerprint"].get<std::string>())
       throw InputError(
           fmt::format("{}: was trained on other frames than {} holds; resume with the "

@@ -4,7 +4,7 @@
 // also best_<step>.ply: the best model so far as it was, and model.ply then is that model.
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>

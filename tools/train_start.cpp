@@ -4,11 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/dense_cloud.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/scene_scale.h"
+#include "recon4d/train_options_json.h"
 #include "tools/version.h"
 
 namespace tessera {

@@ -3,7 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "recon4d/observer.h"
 #include "tools/terminal.h"

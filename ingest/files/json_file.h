@@ -2,7 +2,7 @@
 // Not: a schema; readers look at each value through `finite_number` and friends.
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/json_file.h"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "ingest/child_process.h"
 #include "ingest/media/pose_estimation.h"

@@ -12,6 +12,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "ingest/files/png.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <functional>
 #include <glm/vec3.hpp>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 

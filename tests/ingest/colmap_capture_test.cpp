@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
 #include "ingest/ingest.h"

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "ingest/colmap_model.h"
 #include "ingest/pose_matrix.h"

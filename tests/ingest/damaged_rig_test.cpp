@@ -3,6 +3,7 @@
 // Not: broken pictures (damaged_capture_test.cpp) or the decoder alone (video_file_test.cpp).
 #include <fmt/format.h>
 #include <unistd.h>
+#include <nlohmann/json.hpp>
 
 #include "ingest/ingest.h"
 #include "ingest/llff_poses.h"

@@ -4,6 +4,7 @@
 #include "ingest/media/mask_source.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
 #include "tests/ingest/capture_fixture.h"

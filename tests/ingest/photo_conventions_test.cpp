@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "ingest/colmap_records.h"
 #include "ingest/files/npy.h"

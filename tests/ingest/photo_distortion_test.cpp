@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "ingest/colmap_camera.h"
 #include "ingest/files/png.h"

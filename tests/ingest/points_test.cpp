@@ -1,6 +1,7 @@
 // What: initial clouds: found, checked, and refused when they are something else.
 // Not: PLY itself (ply_test.cpp).
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/ply.h"
 #include "ingest/point_cloud.h"

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/npy.h"
 #include "ingest/files/png.h"

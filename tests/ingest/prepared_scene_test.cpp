@@ -2,6 +2,8 @@
 // Not: conversion of captures (transforms_capture_test.cpp, n3dv_test.cpp).
 #include "ingest/prepared_scene.h"
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/files/png.h"
 #include "ingest/files/staged_folder.h"
 #include "ingest/llff_poses.h"

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "ingest/ingest.h"

@@ -2,6 +2,7 @@
 // Not: their use by the converters.
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "ingest/llff_poses.h"
 #include "ingest/pose_matrix.h"

@@ -3,6 +3,7 @@
 #include "ingest/scene_reader.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "ingest/alpha_composite.h"
 #include "ingest/files/png.h"

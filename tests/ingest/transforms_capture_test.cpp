@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/ply.h"
 #include "ingest/files/png.h"

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
 #include "recon4d/model_info.h"

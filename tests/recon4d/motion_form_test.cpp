@@ -4,6 +4,8 @@
 // Not: the gradients (tests/kernels/gradient_test.cpp) or the training of either.
 #include "static3d/motion_form.h"
 
+#include <nlohmann/json.hpp>
+
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
 #include "static3d/lift.h"

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "recon4d/checkpoint.h"
 #include "recon4d/sh_blocks.h"
 #include "tests/support/scratch_folder.h"
@@ -53,7 +55,7 @@ TEST(Parsimony, DecidesAtItsSteps) {
   options.size = "grown";
   EXPECT_EQ(steps_of(*backend, options), Steps{});
   EXPECT_TRUE(Parsimony(*backend, options, made_bytes).is_thinned(0));
-  for (const auto& [key, value] : {std::pair<const char*, nlohmann::json>{"max_bytes", 9},
+  for (const auto& [key, value] : {std::pair<const char*, OptionValue>{"max_bytes", 9},
                                    {"within_db", 0.5},
                                    {"max_gaussians", 100}}) {
     TrainOptions asked = options;

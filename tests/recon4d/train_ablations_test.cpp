@@ -3,10 +3,12 @@
 // Not: what the techniques do.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "kernels/base/errors.h"
 #include "recon4d/ablations.h"
+#include "recon4d/train_options_json.h"
 
 namespace tessera {
 namespace {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"

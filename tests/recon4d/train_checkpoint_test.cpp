@@ -8,10 +8,12 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
+#include "recon4d/train_options_json.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/tiny_capture.h"
 
@@ -102,11 +104,12 @@ TEST_F(CheckpointFile, BringsBackEveryBit) {
   EXPECT_EQ(loaded.state.seconds, training_.state().seconds);
   EXPECT_EQ(to_json(loaded.options), to_json(options()));
   EXPECT_EQ(loaded.options.lr_mean, 0.1 + 0.2);
-  EXPECT_EQ(loaded.provenance, json({{"device", "cpu"}}));
+  EXPECT_EQ(json::parse(loaded.provenance), json({{"device", "cpu"}}));
   EXPECT_GT(loaded.state.model.static_set.count(), 0);
   EXPECT_GT(loaded.state.model.dynamic_set.count(), 0);
 
-  save_checkpoint(folder_ / "again.ckpt", loaded.state, loaded.options, loaded.provenance);
+  save_checkpoint(folder_ / "again.ckpt", loaded.state, loaded.options,
+                  json::parse(loaded.provenance));
   EXPECT_TRUE(read_text_file(folder_ / "again.ckpt") == bytes_) << "and writes the same file";
 }
 

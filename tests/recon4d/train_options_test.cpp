@@ -2,11 +2,12 @@
 // Not: what options do to a training (train_switches_test.cpp).
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "kernels/base/errors.h"
 #include "recon4d/nearest_name.h"
-#include "recon4d/train_options.h"
+#include "recon4d/train_options_json.h"
 
 namespace tessera {
 namespace {
@@ -25,7 +26,7 @@ std::string refusal(Call&& call) {
 }
 std::string refusal_of(const std::string& key, const json& value) {
   TrainOptions options;
-  return refusal([&] { set_option(options, key, value); });
+  return refusal([&] { set_option_from_json(options, key, value); });
 }
 void expect_says(const std::string& message, std::initializer_list<std::string> parts) {
   for (const std::string& part : parts)
@@ -48,7 +49,7 @@ TEST(TrainOptions, EveryRowIsSetByJsonAndByText) {
   for (const OptionRow& row : train_option_rows()) {
     const json value = another_value(row);
     TrainOptions by_json, by_text;
-    set_option(by_json, row.key, value);
+    set_option_from_json(by_json, row.key, value);
     set_option_from_text(by_text, row.key,
                          value.is_string() ? value.get<std::string>() : value.dump());
     json expected = to_json(TrainOptions{});
@@ -68,7 +69,7 @@ TEST(TrainOptions, RowsAreDocumentedAndDistinct) {
     EXPECT_EQ(std::string(row.key).find_first_not_of("abcdefghijklmnopqrstuvwxyz_23"),
               std::string::npos);
     TrainOptions options;
-    EXPECT_NO_THROW(set_option(options, row.key, to_json(options)[row.key]))
+    EXPECT_NO_THROW(set_option_from_json(options, row.key, to_json(options)[row.key]))
         << row.key << ": the default is outside its own range";
   }
 }
@@ -129,7 +130,8 @@ TEST(TrainOptions, UnknownKeysSuggestTheNearest) {
 
 TEST(TrainOptions, JsonRoundTripsEveryBit) {
   TrainOptions options;
-  for (const OptionRow& row : train_option_rows()) set_option(options, row.key, another_value(row));
+  for (const OptionRow& row : train_option_rows())
+    set_option_from_json(options, row.key, another_value(row));
   options.lr_mean = 0.1 + 0.2;  // needs 17 digits
   const json once = to_json(options);
   EXPECT_EQ(once.size(), train_option_rows().size());
@@ -146,9 +148,9 @@ TEST(TrainOptions, PresetsApplyAndAreValid) {
       apply_preset(options, preset.name, {still, 0});
       EXPECT_NO_THROW(validate(options)) << preset.name;
       json expected = to_json(TrainOptions{});
-      for (const auto& [key, value] : preset.overrides) expected[key] = value;
+      for (const auto& [key, value] : preset.overrides) expected[key] = to_json(value);
       if (still)
-        for (const auto& [key, value] : preset.still_overrides) expected[key] = value;
+        for (const auto& [key, value] : preset.still_overrides) expected[key] = to_json(value);
       EXPECT_EQ(to_json(options), expected) << preset.name;
       EXPECT_FALSE(std::string(preset.doc).empty());
     }

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "recon4d/checkpoint.h"
 #include "recon4d/render.h"
+#include "recon4d/train_options_json.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/separate_backend.h"
 #include "tests/support/tiny_capture.h"
@@ -33,7 +35,7 @@ struct Way {
 TrainOptions options_of(const Way& way) {
   TrainOptions options = tiny_options();
   options.opacity_reset_interval = 10;
-  for (const auto& [key, value] : way.changes.items()) set_option(options, key, value);
+  for (const auto& [key, value] : way.changes.items()) set_option_from_json(options, key, value);
   return options;
 }
 

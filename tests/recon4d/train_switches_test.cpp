@@ -3,8 +3,11 @@
 // Not: what a switch does; that is the subject of the other tests.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/dense_cloud.h"
 #include "recon4d/kernel_options.h"
+#include "recon4d/train_options_json.h"
 #include "tests/support/tiny_capture.h"
 
 namespace tessera {
@@ -197,7 +200,7 @@ int64_t some_instances(const std::string& key, bool value) {
   const Scene scene = tiny_capture(capture);
   TrainOptions options = usual_options();
   if (key == "rectangular_bounds") options.tile_culling = false;  // which would make up for it
-  set_option(options, key, value);
+  set_option_from_json(options, key, value);
   Training training(scene, options);
   return training.run(options.densify_from).steps().back().instances;
 }
@@ -210,7 +213,7 @@ TEST_P(Switch, ChangesTheModel) {
   TrainOptions options = usual_options();
   for (const Alternative& row : same_models())
     if (GetParam() == row.key) {
-      set_option(options, row.key, row.value);
+      set_option_from_json(options, row.key, row.value);
       EXPECT_NE(to_json(options), to_json(usual_options()));
       EXPECT_TRUE(trained(options) == trained(usual_options()));
       return;
@@ -225,9 +228,9 @@ TEST_P(Switch, ChangesTheModel) {
   for (const Alternative& row : of_validation())
     if (GetParam() == row.key) {
       options.validation_share = 0.25, options.validate_interval = 4;
-      for (const auto& [key, value] : row.with.items()) set_option(options, key, value);
+      for (const auto& [key, value] : row.with.items()) set_option_from_json(options, key, value);
       const std::vector<uint32_t> usual = kept(options);
-      set_option(options, row.key, row.value);
+      set_option_from_json(options, row.key, row.value);
       EXPECT_TRUE(kept(options) != usual) << row.key << " = " << row.value << " is dead";
       return;
     }
@@ -235,20 +238,20 @@ TEST_P(Switch, ChangesTheModel) {
     if (GetParam() == row.key) {
       options.size = "knee", options.densify_until = 18;
       options.thin_until = 30, options.thin_rounds = 3, options.decide_interval = 6;
-      for (const auto& [key, value] : row.with.items()) set_option(options, key, value);
+      for (const auto& [key, value] : row.with.items()) set_option_from_json(options, key, value);
       const std::vector<uint32_t> usual = decided(options);
-      set_option(options, row.key, row.value);
+      set_option_from_json(options, row.key, row.value);
       EXPECT_TRUE(decided(options) != usual) << row.key << " = " << row.value << " is dead";
       return;
     }
   for (const Alternative& row : alternatives())
     if (GetParam() == row.key) {
       const bool narrow = !row.with.empty();
-      for (const auto& [key, value] : row.with.items()) set_option(options, key, value);
+      for (const auto& [key, value] : row.with.items()) set_option_from_json(options, key, value);
       options.environment = row.behind && GetParam() != "environment";
       const std::vector<uint32_t> usual = trained(options, narrow, row.behind);
       const json before = to_json(options)[row.key];
-      set_option(options, row.key, row.value);
+      set_option_from_json(options, row.key, row.value);
       EXPECT_NE(to_json(options)[row.key], before);
       EXPECT_TRUE(trained(options, narrow, row.behind) != usual)
           << row.key << " = " << row.value << " is dead";
@@ -278,7 +281,8 @@ TEST(KernelOptions, EachSwitchIsItsOwn) {
   for (size_t i = 0; i < std::size(keys); ++i) {
     TrainOptions options;
     const json before = to_json(options)[keys[i]];
-    set_option(options, keys[i], before.is_boolean() ? json(!before.get<bool>()) : json("pixel"));
+    set_option_from_json(options, keys[i],
+                         before.is_boolean() ? json(!before.get<bool>()) : json("pixel"));
     for (size_t j = 0; j < std::size(keys); ++j)
       EXPECT_EQ(bits(options)[j] != bits({})[j], i == j) << keys[i] << " at " << j;
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "tests/support/scratch_folder.h"

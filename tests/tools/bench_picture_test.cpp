@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "ingest/child_process.h"
 #include "ingest/files/atomic_file.h"

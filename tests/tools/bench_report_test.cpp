@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
 #include "tests/support/scratch_folder.h"

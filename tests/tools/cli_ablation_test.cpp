@@ -3,6 +3,8 @@
 // Not: the rows (tests/recon4d/train_ablations_test.cpp).
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/cli_workspace.h"
 
 namespace tessera::testing {

@@ -3,6 +3,8 @@
 // Not: the sums (tests/recon4d/account_test.cpp).
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/cli_workspace.h"
 
 namespace tessera::testing {

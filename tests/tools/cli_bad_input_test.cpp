@@ -2,6 +2,8 @@
 // Not: the readers' own tests (tests/ingest); here the whole program is asked.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/cli_workspace.h"
 
 namespace tessera::testing {

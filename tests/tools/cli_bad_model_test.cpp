@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/bytes.h"
 #include "ingest/files/gzip.h"

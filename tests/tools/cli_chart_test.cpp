@@ -7,6 +7,7 @@
 #include <csignal>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "ingest/child_process.h"
 #include "tests/tools/cli_workspace.h"

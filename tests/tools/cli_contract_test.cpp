@@ -4,6 +4,8 @@
 // Source: failure mode C13.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/cli_workspace.h"
 
 namespace tessera::testing {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "tests/tools/cli_workspace.h"
 #include "tests/tools/onnx_file.h"

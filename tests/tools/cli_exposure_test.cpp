@@ -2,6 +2,8 @@
 // Not: what is learnt (tests/recon4d/train_exposure_test.cpp). Source: B10.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/files/atomic_file.h"
 #include "tests/tools/cli_workspace.h"
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
 #include "tests/tools/cli_workspace.h"

@@ -3,6 +3,8 @@
 // Not: how good a training is.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/files/png.h"
 #include "tests/tools/cli_workspace.h"
 

@@ -3,6 +3,8 @@
 // Not: what moves (cli_moving_test.cpp). Source: failure mode A6.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/files/png.h"
 #include "tests/tools/cli_workspace.h"
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
 #include "recon4d/metrics.h"

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "ingest/alpha_composite.h"
 #include "ingest/files/png.h"

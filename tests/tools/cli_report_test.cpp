@@ -3,6 +3,8 @@
 // Not: what the page says (batch_report_test.cpp).
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/cli_workspace.h"
 
 namespace tessera::testing {

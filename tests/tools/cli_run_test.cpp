@@ -2,6 +2,8 @@
 // Not: the stages (their own commands' tests).
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/cli_workspace.h"
 #include "tools/player/player_page.h"
 

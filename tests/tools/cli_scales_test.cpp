@@ -2,6 +2,8 @@
 // Not: the averaging (tests/recon4d/scene_scale_test.cpp).
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/cli_workspace.h"
 
 namespace tessera::testing {

@@ -4,6 +4,8 @@
 // Source: failure modes D4, D5, D7, E5.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/files/png.h"
 #include "tests/support/random.h"
 #include "tests/tools/cli_workspace.h"

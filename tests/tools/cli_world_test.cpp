@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <nlohmann/json.hpp>
 
 #include "ingest/point_cloud.h"
 #include "tests/tools/cli_workspace.h"

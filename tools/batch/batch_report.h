@@ -3,7 +3,7 @@
 // Not: a page (report_page.h) or pictures.
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "tools/batch/batch_folder.h"
 

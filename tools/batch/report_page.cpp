@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "tools/batch/page_words.h"
 #include "tools/batch/report_template.h"

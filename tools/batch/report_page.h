@@ -1,7 +1,7 @@
 // What: what is known of a batch → one HTML page that needs no other file and no script.
 // Not: reading anything (batch_report.h) or drawing (batch_pictures.h).
 #pragma once
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <utility>
 #include <vector>

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"

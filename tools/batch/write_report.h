@@ -2,7 +2,7 @@
 // Not: what it says (batch_report.h) or how (report_page.h).
 #pragma once
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace tessera {
