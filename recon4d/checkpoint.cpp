@@ -69,8 +69,8 @@ ShBlocks blocks_in(const json& header, const char* set) {
   return blocks;
 }
 
-json make_header(const TrainState& state, const TrainOptions& options, const json& provenance,
-                 const ValidationRecord& validation) {
+json make_header(const TrainState& state, const TrainOptions& options,
+                 const std::string& provenance, const ValidationRecord& validation) {
   const GaussianModel& model = state.model;
   json header = {
       {"iteration", state.iteration},
@@ -104,7 +104,7 @@ json make_header(const TrainState& state, const TrainOptions& options, const jso
       {"exposures", state.exposure.rows()},
       {"environment_height", model.environment.height},
       {"options", to_json(options)},
-      {"provenance", provenance},
+      {"provenance", provenance.empty() ? json::object() : json::parse(provenance)},
       {"validation", to_json(validation)}};
   if (state.has_blocks())
     header["sh_blocks"] = {{"static", model.static_set.blocks().rows},
@@ -270,7 +270,7 @@ void check_sum(const std::filesystem::path& path, const std::string& bytes) {
 }  // namespace
 
 void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
-                     const TrainOptions& options, const json& provenance,
+                     const TrainOptions& options, const std::string& provenance,
                      const ValidationRecord& validation) {
   AtomicFile file(path);
   Fnv1a hash;

@@ -21,10 +21,10 @@ struct Checkpoint {
   ValidationRecord validation;
 };
 
-/// `state` in the host's memory. Errors: InputError with path and reason (disk full, folder not
-/// writable); nothing is lost then.
+/// `state` in the host's memory; `provenance`: a JSON object as text, or empty. Errors: InputError
+/// with path and reason (disk full, folder not writable); nothing is lost then.
 void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
-                     const TrainOptions& options, const nlohmann::json& provenance,
+                     const TrainOptions& options, const std::string& provenance,
                      const ValidationRecord& validation = {});
 /// Errors: InputError: not a checkpoint, another version, truncated, damaged.
 Checkpoint load_checkpoint(const std::filesystem::path& path);

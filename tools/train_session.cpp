@@ -278,7 +278,7 @@ class Session {
     const int64_t best = validation_->record().best_iteration;
     if (validation_->best() != nullptr && !std::filesystem::exists(run_.best(best)))
       save_model(run_.best(best), *validation_->best());
-    save_checkpoint(run_.checkpoint(), trainer_->host_state(), options_, config_,
+    save_checkpoint(run_.checkpoint(), trainer_->host_state(), options_, config_.dump(),
                     validation_->record());
     run_.remove_best_but(best);
   }

@@ -4,8 +4,6 @@
 // Not: the gradients (tests/kernels/gradient_test.cpp) or the training of either.
 #include "static3d/motion_form.h"
 
-#include <nlohmann/json.hpp>
-
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
 #include "static3d/lift.h"
@@ -119,7 +117,7 @@ TEST(MotionForm, FilesKeepTheForm) {
     state.set(k).ensure_moments();
     state.statistics[k].reset(state.set(k).count());
   }
-  save_checkpoint(folder / "c.ckpt", state, TrainOptions(), nlohmann::json::object());
+  save_checkpoint(folder / "c.ckpt", state, TrainOptions(), {});
   const Checkpoint checkpoint = load_checkpoint(folder / "c.ckpt");
   EXPECT_TRUE(same_bits(checkpoint.state.model.dynamic_set, model.dynamic_set));
 }

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include "recon4d/checkpoint.h"
 #include "recon4d/sh_blocks.h"
 #include "tests/support/scratch_folder.h"
