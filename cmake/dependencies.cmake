@@ -55,5 +55,4 @@ endif()
 
 if(TESSERA_TESTS)
   find_package(GTest REQUIRED)
-  include(GoogleTest)
 endif()

@@ -30,21 +30,30 @@ function(tessera_library)
   tessera_configure(tessera_${LIB_NAME})
 endfunction()
 
-# tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS slow]): one program, one
-# CTest entry per TEST().
+# tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS slow] [SHARDS 4]): one program,
+# run in as many parts. A part holds every SHARDS-th case: starting a process for each case costs
+# more than most cases.
 function(tessera_test)
-  cmake_parse_arguments(TEST "" "NAME" "SOURCES;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "" "NAME;SHARDS" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${TEST_NAME}_test ${TEST_SOURCES})
   target_link_libraries(${TEST_NAME}_test PRIVATE ${TEST_LINKS} GTest::gtest_main)
   tessera_configure(${TEST_NAME}_test)
+  # What a test checks is optimised as in the product; the test itself need not be.
+  target_compile_options(${TEST_NAME}_test PRIVATE $<IF:$<BOOL:${TESSERA_SANITIZE}>,-O0,-O1>)
   if(TESSERA_SANITIZE)
-    # Optimising what a test says takes half of the sanitized build's time.
-    target_compile_options(${TEST_NAME}_test PRIVATE -O0)
     target_sources(${TEST_NAME}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/leaks_not_ours.cpp)
   endif()
   if(NOT TEST_LABELS)
     set(TEST_LABELS cpu)
   endif()
-  gtest_discover_tests(${TEST_NAME}_test TEST_PREFIX "${TEST_NAME}/" DISCOVERY_TIMEOUT 60
-                       PROPERTIES LABELS "${TEST_LABELS}" TIMEOUT 600)
+  if(NOT TEST_SHARDS)
+    set(TEST_SHARDS 1)
+  endif()
+  math(EXPR last_shard "${TEST_SHARDS} - 1")
+  foreach(shard RANGE ${last_shard})
+    add_test(NAME ${TEST_NAME}/${shard} COMMAND ${TEST_NAME}_test)
+    set_tests_properties(${TEST_NAME}/${shard} PROPERTIES
+      LABELS "${TEST_LABELS}" TIMEOUT 1800
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${shard};GTEST_BRIEF=1")
+  endforeach()
 endfunction()

@@ -14,7 +14,8 @@ if [ ${#readers[@]} -eq 0 ]; then
   readers=(ply splat spz model tessera4d transforms)
 fi
 build=build/fuzz
-cmake -S . -B $build -G Ninja -DTESSERA_FUZZ=ON -DCMAKE_CXX_COMPILER=clang++-14 \
+compiler=$(compgen -c clang++- | grep -E '^clang\+\+-[0-9]+$' | sort -V | head -1)
+cmake -S . -B $build -G Ninja -DTESSERA_FUZZ=ON -DCMAKE_CXX_COMPILER="${compiler:-clang++}" \
   -DCMAKE_BUILD_TYPE=None -DTESSERA_INGEST=OFF -DTESSERA_CUDA=OFF -DTESSERA_TESTS=OFF >/dev/null
 ninja -C $build fuzz_seeds "${readers[@]/#/fuzz_}" >$build/ninja.log || { cat $build/ninja.log; exit 1; }
 

@@ -1,7 +1,11 @@
 #!/usr/bin/env bash
-# Installs what Tessera needs on Debian 12. Usage: install_packages.sh [build|test]
-#   build  to build and run (default); test  also what the checks of .ci/run need.
+# Installs what Tessera needs on Debian 12, Debian 13 or Ubuntu 24.04.
+# Usage: install_packages.sh [build|test|check]
+#   build  to build and run (default); test  also what scripts/test.sh needs; check  also what the
+#   other checks of .ci/run and .ci/nightly need (clang, formatters, debootstrap).
 set -euo pipefail
+purpose=${1:-build}
+. /etc/os-release
 
 packages=(
   g++ cmake ninja-build pkg-config git ca-certificates
@@ -9,12 +13,27 @@ packages=(
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev libswresample-dev
   libopenimageio-dev libopencv-dev colmap gnuplot-nox
 )
-if [ "${1:-build}" = test ]; then
-  packages+=(libgtest-dev clang-14 libclang-rt-14-dev clang-format-14 clang-tidy-14 ccache ffmpeg
-    chromium snakemake slurmctld slurmd slurm-client munge)
+case "$ID ${VERSION_ID:-}" in
+  "debian 12") clang=14 browser=chromium ;;
+  "debian 13") clang=19 browser=chromium ;;
+  "ubuntu 24.04") clang=18 browser= ;;  # chromium is a snap there: browser tests are skipped
+  *)
+    echo "install_packages.sh: knows Debian 12, Debian 13 and Ubuntu 24.04, this is ${PRETTY_NAME:-$ID};" \
+      "install the equivalents of: ${packages[*]}" >&2
+    exit 2
+    ;;
+esac
+if [ "$purpose" != build ]; then
+  packages+=(libgtest-dev libgmock-dev ccache ffmpeg $browser snakemake slurmctld slurmd slurm-client
+    munge)
+fi
+if [ "$purpose" = check ]; then
+  packages+=("clang-$clang" "libclang-rt-$clang-dev" debootstrap)
+  # other versions format otherwise
+  [ "$clang" != 14 ] || packages+=(clang-format-14 clang-tidy-14)
 fi
 if ! command -v node >/dev/null; then
-  packages+=(nodejs npm)  # the web player; a newer node than Debian's stays
+  packages+=(nodejs npm)  # the web player; a newer node than the distribution's stays
 fi
 
 missing=()

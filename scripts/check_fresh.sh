@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# Runs the README's two commands on a bare system: a root folder made by debootstrap
+# (--variant=minbase), a clone of HEAD in it and nothing else of this machine but its names of hosts
+# and its certificates. Needs root, debootstrap and about 12 GB below build/fresh.
+# Usage: check_fresh.sh [bookworm|trixie] [COMMAND]
+#   COMMAND  one shell command in the clone, in place of the two, such as 'CXX=clang++ scripts/test.sh'
+# Prints one line a command: exit code, seconds, installed packages; keeps the logs and
+# build/fresh/SUITE.json (version, commit, command, seconds, machine). Exit code 1 where one failed.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+suite=${1:-bookworm}
+shift || true
+commands=(scripts/first_run.sh scripts/test.sh)
+if [ $# -gt 0 ]; then
+  commands=("$@")
+fi
+
+work=$PWD/build/fresh
+root=$work/$suite
+mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
+mkdir -p "$work/archives"
+unmount() {
+  for point in proc dev/shm dev/pts dev sys var/cache/apt/archives; do
+    mountpoint -q "$root/$point" && umount "$root/$point"
+  done
+  return 0
+}
+trap unmount EXIT
+unmount
+rm -rf --one-file-system "$root"
+debootstrap --variant=minbase "$suite" "$root" "$mirror" >"$work/$suite.debootstrap.log"
+mkdir -p "$root/var/cache/apt/archives" "$root/opt/certificates"
+mount --bind "$work/archives" "$root/var/cache/apt/archives"  # downloads are not what is timed
+mount -t proc proc "$root/proc"
+mount -t sysfs sys "$root/sys" 2>/dev/null || true
+mount --rbind --make-slave /dev "$root/dev" 2>/dev/null || mount --bind /dev "$root/dev"
+cp /etc/resolv.conf /etc/hosts "$root/etc/"
+if [ -f /etc/ssl/certs/ca-certificates.crt ]; then
+  cp /etc/ssl/certs/ca-certificates.crt "$root/opt/certificates/"
+fi
+git clone -q --no-hardlinks . "$root/root/tessera"
+
+# git, which fetches the clone on a real machine, comes with the first command
+inside() {
+  env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
+    NODE_EXTRA_CA_CERTS=/opt/certificates/ca-certificates.crt \
+    chroot "$root" bash -c "cd /root/tessera && $1"
+}
+installed() { inside "dpkg-query -W -f='x\n' | wc -l"; }
+
+status=0
+records=()
+for i in "${!commands[@]}"; do
+  command=${commands[$i]}
+  log=$work/$suite.$i.log
+  before=$(installed)
+  start=$(date +%s)
+  code=0
+  inside "$command" >"$log" 2>&1 </dev/null || code=$?
+  seconds=$(($(date +%s) - start))
+  packages=$(($(installed) - before))
+  echo "$suite: $command: exit $code, $seconds s, $packages packages installed; log: $log"
+  records+=("{\"command\": \"${command//\"/\\\"}\", \"exit\": $code, \"seconds\": $seconds, \"packages_installed\": $packages}")
+  if [ "$code" -ne 0 ]; then
+    tail -n 20 "$log"
+    status=1
+  fi
+done
+version=$(sed -n 's/^project(tessera VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+joined=$(printf ', %s' "${records[@]}")
+cat >"$work/$suite.json" <<JSON
+{"check": "scripts/check_fresh.sh $suite", "version": "$version", "commit": "$(git rev-parse HEAD)",
+ "cores": $(nproc), "date": "$(date -u +%F)", "commands": [${joined:2}]}
+JSON
+exit $status
