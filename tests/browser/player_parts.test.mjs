@@ -212,6 +212,8 @@ test('the line of loading is by the bytes that the image in view needs', () => {
   assert.equal(loadedShare(progress), 1);
   const unknown = new Arrivals([null], () => { progress = unknown.of([0]); });
   unknown.add(0, 250000);
-  assert.equal(loadingLine(progress), 'Loading: 0.25 MB');
+  assert.equal(loadingLine(progress), 'Loading: 250 kB');
   assert.equal(loadedShare(progress), 0);
+  unknown.end(0);
+  assert.equal(loadingLine(progress), 'Preparing the first image');
 });

@@ -9,12 +9,14 @@ export interface Progress {
 /** Bytes that have arrived of several files or blocks. */
 export class Arrivals {
   private readonly arrived: number[];
+  private readonly sizes: (number | null)[];
 
-  /** `sizes`: bytes of each; null: not known. */
+  /** `sizes`: bytes of each; null: not known before it has arrived. */
   constructor(
-    private readonly sizes: readonly (number | null)[],
+    sizes: readonly (number | null)[],
     private readonly onChange: () => void,
   ) {
+    this.sizes = [...sizes];
     this.arrived = sizes.map(() => 0);
   }
 
@@ -28,7 +30,8 @@ export class Arrivals {
   }
 
   end(i: number): void {
-    this.set(i, this.sizes[i] ?? this.arrived[i]);
+    this.sizes[i] ??= this.arrived[i];
+    this.set(i, this.sizes[i]!);
   }
 
   private set(i: number, bytes: number): void {
@@ -44,13 +47,15 @@ export class Arrivals {
   }
 }
 
-const megabytes = (bytes: number) => `${(bytes / 1e6).toFixed(bytes < 1e6 ? 2 : 1)} MB`;
+function size(bytes: number): string {
+  return bytes < 1e6 ? `${Math.ceil(bytes / 1e3)} kB` : `${(bytes / 1e6).toFixed(1)} MB`;
+}
 
 /** Before the first image is on the screen. */
 export function loadingLine({ bytes, needed }: Progress): string {
-  if (needed === 0) return bytes === 0 ? "Loading" : `Loading: ${megabytes(bytes)}`;
+  if (needed === 0) return bytes === 0 ? "Loading" : `Loading: ${size(bytes)}`;
   if (bytes >= needed) return "Preparing the first image";
-  return `Loading: ${Math.floor((100 * bytes) / needed)} % of ${megabytes(needed)}`;
+  return `Loading: ${Math.floor((100 * bytes) / needed)} % of ${size(needed)}`;
 }
 
 /** Of the bar: 0 to 1. */
