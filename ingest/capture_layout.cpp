@@ -9,6 +9,7 @@
 #include <cctype>
 
 #include "ingest/colmap_model.h"
+#include "ingest/files/input_folder.h"
 #include "ingest/image_paths.h"
 #include "ingest/transforms_json.h"
 #include "kernels/base/errors.h"
@@ -61,8 +62,7 @@ bool has_pictures(const std::filesystem::path& capture) {
 }
 
 CaptureLayout detect_layout(const std::filesystem::path& capture) {
-  if (!std::filesystem::is_directory(capture))
-    throw InputError(fmt::format("{}: no such folder; check the path", capture.string()));
+  require_folder(capture);
   if (has_transforms(capture)) return CaptureLayout::kTransforms;
   const bool has_videos = !videos_in(capture).empty();
   if (has_videos && std::filesystem::exists(capture / "poses_bounds.npy"))

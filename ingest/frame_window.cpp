@@ -2,6 +2,8 @@
 // Not: libav; times come as doubles made once from rationals.
 #include "ingest/frame_window.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -61,6 +63,13 @@ TimeInterval common_interval(const std::vector<std::vector<double>>& clips) {
     common.last = std::min(common.last, clip.back());
   }
   return common;
+}
+
+void check_start(const FrameWindow& window, const TimeInterval& common, const std::string& where) {
+  const double length = common.last - common.first;
+  if (window.start > length)
+    throw InputError(fmt::format("{}: --start {} s is after the end ({:.3f} s); pass less", where,
+                                 window.start, length));
 }
 
 std::vector<size_t> choose_frames(const std::vector<double>& seconds, const FrameWindow& window,

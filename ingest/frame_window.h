@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace tessera {
@@ -22,6 +23,9 @@ struct FrameWindow {
 
 /// Latest first to earliest last frame. Each clip: its frames' times, increasing, not empty.
 TimeInterval common_interval(const std::vector<std::vector<double>>& clips);
+
+/// Errors: InputError that begins with `where`: the window starts after the end of `common`.
+void check_start(const FrameWindow& window, const TimeInterval& common, const std::string& where);
 
 /// Indices of the kept frames of one clip, increasing. `seconds`: its frames' times on the rig's
 /// clock, increasing; h: half their median distance. The window is [start − h, start + duration −

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "ingest/files/input_folder.h"
 #include "ingest/image_paths.h"
 #include "ingest/transforms_values.h"
 #include "kernels/base/errors.h"
@@ -176,8 +177,7 @@ void complete(TransformsCapture& capture) {
 }
 
 TransformsCapture read_files(const std::filesystem::path& folder, Pictures pictures) {
-  if (!std::filesystem::is_directory(folder))
-    throw InputError(fmt::format("{}: no such folder; check the path", folder.string()));
+  require_folder(folder);
   TransformsCapture capture;
   if (std::filesystem::exists(folder / kSplitFiles[0].name)) {
     for (const SplitFile& file : kSplitFiles)

@@ -1,36 +1,24 @@
-// What: the known name nearest to a mistyped one, for error messages that help.
+// What: the known names that a mistyped one may have meant, and the words that suggest them, for
+//       error messages that help.
 // Not: completion; nothing is accepted that was not typed.
 #pragma once
-#include <algorithm>
-#include <numeric>
 #include <string>
 #include <vector>
 
 namespace tessera {
 
-/// Levenshtein distance.
-inline size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<size_t> line(b.size() + 1);
-  std::iota(line.begin(), line.end(), size_t{0});
-  for (size_t i = 0; i < a.size(); ++i) {
-    size_t diagonal = line[0];
-    line[0] = i + 1;
-    for (size_t j = 0; j < b.size(); ++j) {
-      const size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = line[j + 1];
-      line[j + 1] = std::min({replaced, line[j] + 1, line[j + 1] + 1});
-    }
-  }
-  return line[b.size()];
-}
+/// Levenshtein's distance, in which two neighbours that changed places count once.
+size_t edit_distance(const std::string& a, const std::string& b);
 
-/// Errors: none; an empty list gives "".
-inline std::string nearest_name(const std::string& typed, const std::vector<std::string>& known) {
-  const auto nearest =
-      std::min_element(known.begin(), known.end(), [&](const std::string& a, const std::string& b) {
-        return edit_distance(typed, a) < edit_distance(typed, b);
-      });
-  return nearest == known.end() ? "" : *nearest;
-}
+/// The nearest name at a distance of at most a third of the typed letters (dashes in front are none
+/// of them); "" where none is as near.
+std::string nearest_name(const std::string& typed, const std::vector<std::string>& known);
+
+/// "; did you mean 'fast'?", of names that begin with what was typed, else of the nearest one;
+/// "" where there is none.
+std::string did_you_mean(const std::string& typed, const std::vector<std::string>& known);
+
+/// The same, and then all names: "; did you mean 'fast'? There are fast, best" or "; there are …".
+std::string known_names(const std::string& typed, const std::vector<std::string>& known);
 
 }  // namespace tessera

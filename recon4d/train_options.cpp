@@ -22,8 +22,7 @@ const OptionRow& row_of(const std::string& key) {
     if (key == row.key) return row;
     keys.push_back(row.key);
   }
-  throw InputError(
-      fmt::format("unknown option '{}'; did you mean '{}'?", key, nearest_name(key, keys)));
+  throw InputError(fmt::format("unknown option '{}'{}", key, did_you_mean(key, keys)));
 }
 
 double checked(const OptionRow& row, double value) {
@@ -70,9 +69,8 @@ struct Setter {
     const std::string& text = std::get<std::string>(value);
     const std::vector<std::string> choices(row.choices.begin(), row.choices.end());
     if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
-      throw InputError(fmt::format("option '{}' is '{}'; did you mean '{}'? There are {}: {}",
-                                   row.key, text, nearest_name(text, choices),
-                                   fmt::join(choices, ", "), row.doc));
+      throw InputError(fmt::format("option '{}' is '{}'{}: {}", row.key, text,
+                                   known_names(text, choices), row.doc));
     options.*member = text;
   }
 };
@@ -128,8 +126,7 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, c
     limit_by_pixels(options, row.pixels_per_gaussian, facts.camera_pixels);
     return;
   }
-  throw InputError(fmt::format("unknown {} '{}'; did you mean '{}'? There are {}", kind, name,
-                               nearest_name(name, names), fmt::join(names, ", ")));
+  throw InputError(fmt::format("unknown {} '{}'{}", kind, name, known_names(name, names)));
 }
 
 namespace {

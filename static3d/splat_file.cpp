@@ -3,7 +3,6 @@
 #include "static3d/splat_file.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <cmath>
 #include <fstream>
@@ -96,8 +95,7 @@ const SplatFormat& splat_format(const std::string& name) {
     if (name == format.name) return format;
     names.push_back(format.name);
   }
-  throw InputError(fmt::format("unknown format '{}'; did you mean '{}'? There are {}", name,
-                               nearest_name(name, names), fmt::join(names, ", ")));
+  throw InputError(fmt::format("unknown format '{}'{}", name, known_names(name, names)));
 }
 
 SplatFormat spz_format(int version) {

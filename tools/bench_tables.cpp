@@ -342,8 +342,7 @@ const BenchTable& bench_table(const std::string& name) {
     if (table.name == name) return table;
     names.push_back(table.name);
   }
-  throw InputError(fmt::format("unknown table '{}'; did you mean '{}'? There are {}", name,
-                               nearest_name(name, names), fmt::join(names, ", ")));
+  throw InputError(fmt::format("unknown table '{}'{}", name, known_names(name, names)));
 }
 
 std::string row_preset(const BenchRow& row, bool still_scene) {

@@ -113,6 +113,7 @@ void write_batch(const CLI::App& command, BatchRequest& request) {
     if (!fs::exists(file))
       throw InputError(
           fmt::format("{}: is not there; name the captures of the batch", file.string()));
+    check_engine();
     engine.gpus = command.count("--gpus") > 0 || !own.is_object() ? request.config.gpus
                                                                   : own.value("gpus", int64_t{0});
   } else {
@@ -124,6 +125,7 @@ void write_batch(const CLI::App& command, BatchRequest& request) {
     request.config.datasets = find_datasets(request.datasets, engine.out);
     complete(command, request);
     const std::string text = batch_yaml(request.config).dump(2) + "\n";
+    check_engine();
     make_folder(engine.out);
     if (engine.dry_run) engine.file = "batch.dry-run.yaml";
     if (own.dump(2) + "\n" != text || engine.dry_run)
@@ -157,7 +159,6 @@ int batch(const CLI::App& command, BatchRequest& request) {
   engine.memory_mb = machine_memory() >> 20;
   write_batch(command, request);
   const std::vector<std::string> arguments = engine_arguments(engine);
-  check_engine();
   say(shell_line(arguments));
   BatchWatch watch(engine.out);
   const int code = run_engine(arguments, interrupted, [&] { watch.tick(); });

@@ -36,13 +36,24 @@ void refuse(const CLI::App& command, const char* option, const std::string& inst
     throw InputError(fmt::format("bench: {} has no meaning here; {}", option, instead));
 }
 
+/// Options that a single mode has.
+void refuse_of_one_mode(const CLI::App& command, BenchMode mode) {
+  if (mode != BenchMode::kChart) {
+    refuse(command, "--budgets", "it goes with --chart");
+    refuse(command, "--published", "it goes with --chart");
+  }
+  if (mode != BenchMode::kCurve) refuse(command, "--at", "it goes with --curve");
+  if (mode != BenchMode::kSizes) refuse(command, "--shares", "it goes with --sizes");
+}
+
 /// What the other modes have is refused, not ignored.
 void check_options(const CLI::App& command, const BenchRequest& request, BenchMode mode) {
   const SweepRequest& sweep = request.sweep;
   if (mode == BenchMode::kStages) {
-    for (const char* option : {"--out", "--presets", "--budgets", "--at", "--shares", "--seeds",
-                               "--published", "--shard", "--plot"})
+    for (const char* option : {"--out", "--seeds", "--shard", "--plot"})
       refuse(command, option, "it goes with --chart, --curve, --table or --sizes");
+    refuse(command, "--presets", "it goes with --chart, --curve or --sizes");
+    refuse_of_one_mode(command, mode);
     if (sweep.scenes.size() != 1)
       throw InputError("bench: name one scene to time its stages, or pass --chart or --table NAME");
     return;
@@ -56,12 +67,7 @@ void check_options(const CLI::App& command, const BenchRequest& request, BenchMo
   if (mode == BenchMode::kTable)
     for (const char* option : {"--presets", "--ablation"})
       refuse(command, option, "rows have theirs");
-  if (mode != BenchMode::kChart) {
-    refuse(command, "--budgets", "it goes with --chart");
-    refuse(command, "--published", "it goes with --chart");
-  }
-  if (mode != BenchMode::kCurve) refuse(command, "--at", "it goes with --curve");
-  if (mode != BenchMode::kSizes) refuse(command, "--shares", "it goes with --sizes");
+  refuse_of_one_mode(command, mode);
   if (mode == BenchMode::kSizes)
     refuse(command, "--max-gaussians", "the budgets are shares of the reference; use --shares");
   if (mode == BenchMode::kChart) refuse(command, "--iterations", "use --budgets");

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "ingest/files/input_folder.h"
 #include "ingest/files/png.h"
 #include "ingest/mask.h"
 #include "ingest/scene_reader.h"
@@ -50,7 +51,7 @@ std::string picture_folder(const EvaluateRequest& request, double scale) {
 /// --scene, else what the run folder was trained on.
 fs::path scene_path(const EvaluateRequest& request, const fs::path& model) {
   if (!request.scene.empty()) return request.scene;
-  const RunFolder run{fs::is_directory(model) ? model : model.parent_path()};
+  const RunFolder run{fs::is_directory(model) ? run_folder_of(model) : model.parent_path()};
   const std::string scene = run.scene();
   if (scene.empty())
     throw InputError(
@@ -204,14 +205,22 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   return scores;
 }
 
-int evaluate_command(const EvaluateRequest& request) {
+/// What can be said before a model is read.
+void check_request(const EvaluateRequest& request) {
   for (const double scale : request.scales)
     if (!(scale > 0 && std::isfinite(scale)))
       throw InputError(fmt::format("--scales has {}; expected numbers above 0, as 0.5,1,2", scale));
+  if (request.models.size() > 1 && !request.images.empty())
+    throw InputError("--save-images takes one model; evaluate the runs one by one");
+  if (!request.split.empty()) parse_split(request.split);
+  if (!request.background.empty()) parse_background(request.background);
+  if (!request.moving_masks.empty()) require_folder(request.moving_masks);
+}
+
+int evaluate_command(const EvaluateRequest& request) {
+  check_request(request);
   set_thread_count(request.threads);
   const bool several = request.models.size() > 1;
-  if (several && !request.images.empty())
-    throw InputError("--save-images takes one model; evaluate the runs one by one");
   std::set<std::string> paths;
   for (const std::string& model : request.models)
     if (several) paths.insert(fs::weakly_canonical(scene_path(request, model)).string());

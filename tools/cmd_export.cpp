@@ -24,8 +24,7 @@ void check_format(const std::string& name) {
   for (const TimeFormat& format : time_formats()) names.emplace_back(format.name);
   for (const SplatFormat& format : splat_formats()) names.emplace_back(format.name);
   if (std::find(names.begin(), names.end(), name) == names.end())
-    throw InputError(fmt::format("export: unknown format '{}'; did you mean '{}'? There are {}",
-                                 name, nearest_name(name, names), fmt::join(names, ", ")));
+    throw InputError(fmt::format("export: unknown format '{}'{}", name, known_names(name, names)));
 }
 
 /// No option is there for nothing.

@@ -133,6 +133,11 @@ void check_request(RenderRequest& request) {
   request.path.fps = parse_frame_rate("render", request.fps);
   request.path.cameras = request.choice.cameras, request.path.split = request.choice.split;
   request.path.time = request.choice.time, request.path.for_video = request.mp4;
+  if (!request.path.path.empty()) check_path_choice(request.path);
+  if (!request.choice.split.empty()) parse_split(request.choice.split);
+  if (!request.background.empty()) parse_background(request.background);
+  if (const auto time = request.choice.time; time && !(*time >= 0 && *time <= 1))
+    throw InputError(fmt::format("render: --time is {}, expected 0 (first) to 1 (last)", *time));
 }
 
 int render(RenderRequest request) {

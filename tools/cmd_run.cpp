@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/input_folder.h"
 #include "ingest/ingest.h"
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
@@ -94,12 +95,6 @@ class Runner {
   }
 
   void ingest() {
-    if (!fs::exists(request_.capture))
-      throw InputError(fmt::format("{}: no such capture", request_.capture.string()));
-    if (is_folder_of_captures(request_.capture))
-      throw InputError(fmt::format(
-          "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
-          request_.capture.string(), fmt::join(captures_in(request_.capture), ", ")));
     IngestOptions options = resolve_ingest(request_.ingest);
     options.allow_static = options_.static_only;
     options.work = request_.out / "work";
@@ -218,6 +213,16 @@ class Runner {
   std::string scene_key_, train_key_;
 };
 
+/// Before anything is written. Errors: InputError: no capture, or several.
+void check_capture(const fs::path& capture) {
+  require_folder(capture);
+  if (is_folder_of_captures(capture))
+    throw InputError(fmt::format(
+        "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
+        capture.string(), fmt::join(captures_in(capture), ", ")));
+  if (!opens_as_scene(capture)) detect_layout(capture);
+}
+
 std::string player_text(const json& result) {
   if (!result.contains("player")) return "";
   const json& player = result["player"];
@@ -271,6 +276,7 @@ void add_run_command(CLI::App& app, Work& work) {
     work = [request] {
       set_thread_count(request->training.threads);
       share_exposure(*request);
+      check_capture(request->capture);
       Runner runner(*request);
       if (!runner.run()) {
         say("interrupted; run the same command again to go on");

@@ -34,8 +34,7 @@ std::vector<std::string> names_of(const Rows& rows) {
 
 [[noreturn]] void unknown(const char* what, const std::string& typed,
                           const std::vector<std::string>& names) {
-  throw InputError(fmt::format("synth: unknown {} '{}'; did you mean '{}'? There are {}", what,
-                               typed, nearest_name(typed, names), fmt::join(names, ", ")));
+  throw InputError(fmt::format("synth: unknown {} '{}'{}", what, typed, known_names(typed, names)));
 }
 
 /// "cam03=1.5" → the shift of camera 3.

@@ -7,7 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -55,7 +55,8 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
   command.add_option("--ablation", arguments.ablation,
                      "techniques taken out or added, over the preset's: full, basis, no-..., "
                      "basis+...; a wrong name lists them");
-  command.add_option("--config", arguments.config, "JSON file of options, over the preset's");
+  command.add_option("--config", arguments.config,
+                     "JSON file of options, or the config.json of a run, over the preset's");
   command
       .add_option("--backend", arguments.backend,
                   "auto (a CUDA device where there is one), cpu or cuda")
@@ -88,18 +89,24 @@ void add_option_rows(CLI::App& command, TrainArguments& arguments) {
 
 namespace {
 
+/// `file`: an object of option: value, or the config.json of a run, which has one as `options`.
+void apply_config(TrainOptions& options, const std::string& file) {
+  nlohmann::json config = read_json(file);
+  if (config.is_object() && config.contains("options")) config = nlohmann::json(config["options"]);
+  if (!config.is_object())
+    throw InputError(fmt::format("{}: expected a JSON object of option: value", file));
+  for (const auto& [key, value] : config.items()) try {
+      set_option_from_json(options, key, value);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", file, error.what()));
+    }
+}
+
 TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& facts) {
   TrainOptions options;
   apply_preset(options, arguments.preset, facts);
   if (!arguments.ablation.empty()) apply_ablation(options, arguments.ablation);
-  if (!arguments.config.empty()) {
-    const nlohmann::json json =
-        nlohmann::json::parse(read_text_file(arguments.config), nullptr, false);
-    if (!json.is_object())
-      throw InputError(
-          fmt::format("{}: expected a JSON object of option: value", arguments.config));
-    for (const auto& [key, value] : json.items()) set_option_from_json(options, key, value);
-  }
+  if (!arguments.config.empty()) apply_config(options, arguments.config);
   for (const auto& [key, text] : arguments.given) set_option_from_text(options, key, text);
   validate(options);
   return options;

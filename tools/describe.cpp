@@ -113,7 +113,7 @@ json describe_file(const fs::path& path, bool with_shipped) {
     case ModelKind::kNone:
       break;
   }
-  throw InputError(fmt::format("{}: nothing that is known; {}", path.string(), kKnown));
+  throw InputError(fmt::format("{}: unrecognised file type; {}", path.string(), kKnown));
 }
 
 json describe_run(const RunFolder& run, bool with_shipped) {
@@ -140,13 +140,14 @@ json describe_sequence(const fs::path& folder) {
 }
 
 json describe_folder(const fs::path& path, bool with_shipped) {
-  if (const RunFolder run{path}; run.exists()) return describe_run(run, with_shipped);
+  if (const RunFolder run{run_folder_of(path)}; run.exists())
+    return describe_run(run, with_shipped);
   if (has_transforms(path)) return describe_transforms(path);
   if (!videos_in(path).empty()) return describe_videos(path);
   if (is_tessera4d_folder(path)) return describe_tessera4d(path / kTessera4dManifest);
   if (fs::exists(path / "manifest.json")) return describe_sequence(path);
   if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply", with_shipped);
-  throw InputError(fmt::format("{}: nothing that is known in it; {}", path.string(), kKnown));
+  throw InputError(fmt::format("{}: holds no files of a known type; {}", path.string(), kKnown));
 }
 
 }  // namespace

@@ -78,7 +78,9 @@ TimeRange parse_time_range(const std::string& text, const TimeAxis& axis) {
 
 std::vector<double> export_times(const ExportTimes& request, const TimeAxis& axis, bool moves) {
   if (request.time) {
-    if (!std::isfinite(*request.time)) throw InputError("export: --time must be a finite number");
+    if (!(*request.time >= 0 && *request.time <= 1))
+      throw InputError(
+          fmt::format("export: --time is {}, expected 0 (first) to 1 (last)", *request.time));
     return {*request.time};
   }
   const TimeRange range =

@@ -46,7 +46,7 @@ int run_command(const Work& work) {
 int tessera_main(int argc, char** argv) {
   install_interrupt_handlers();
   CLI::App app("Tessera: multi-view video to 4D Gaussians that play", "tessera");
-  app.set_version_flag("--version", kVersionText);
+  app.set_version_flag("-V,--version", kVersionText);
   app.require_subcommand(1);
   Work work;
   add_run_command(app, work);
@@ -61,10 +61,12 @@ int tessera_main(int argc, char** argv) {
   add_synth_command(app, work);
   add_batch_command(app, work);
   add_report_command(app, work);
+  add_help_commands(app, work);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    const bool is_request = error.get_exit_code() == 0;  // --help, --version
+    if (is_request && !names_no_command(app)) return app.exit(error);
     say(usage_message(app, error));
     return kExitBadInput;
   }

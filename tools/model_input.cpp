@@ -12,6 +12,7 @@
 #include "recon4d/train_options.h"
 #include "static3d/splat_file.h"
 #include "static3d/tessera4d/tessera4d.h"
+#include "tools/run_folder.h"
 
 namespace tessera {
 namespace {
@@ -26,8 +27,9 @@ fs::path model_file_of(const fs::path& path) {
   if (!fs::exists(path))
     throw InputError(fmt::format("{}: no such file or folder; {}", path.string(), kAccepted));
   if (!fs::is_directory(path)) return path;
-  for (const char* name : {"model.ply", "checkpoint.ckpt"})
-    if (fs::exists(path / name)) return path / name;
+  for (const fs::path& folder : {path, run_folder_of(path)})
+    for (const char* name : {"model.ply", "checkpoint.ckpt"})
+      if (fs::exists(folder / name)) return folder / name;
   if (is_tessera4d_folder(path)) return path / kTessera4dManifest;
   throw InputError(fmt::format(
       "{}: has neither model.ply nor checkpoint.ckpt nor a Tessera 4D manifest.json; {}",

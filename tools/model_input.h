@@ -26,8 +26,9 @@ struct ModelInput {
 enum class ModelKind { kNone, kCheckpoint, kTesseraPly, kTessera4d, kSplats };
 ModelKind model_kind(const std::filesystem::path& file);
 
-/// A run folder gives its model.ply, or checkpoint.ckpt when training has not ended; a Tessera 4D
-/// folder itself: `file` is its manifest then.
+/// A run folder gives its model.ply, or checkpoint.ckpt when training has not ended, an OUT of
+/// `tessera run` those of the run folder in it; a Tessera 4D folder itself: `file` is its manifest
+/// then.
 /// Errors: InputError naming the path and what is accepted.
 ModelInput load_model_input(const std::filesystem::path& path);
 

@@ -27,6 +27,10 @@ constexpr int kWidth = 1280, kHeight = 720;                   // without any cam
 constexpr double kFieldOfView = 50 * std::numbers::pi / 180;  // vertical, likewise
 constexpr int64_t kMostPoints = 20000;                        // of a model, to find its depth
 
+bool has_key_frames(const PathChoice& choice) {
+  return choice.path != kOrbit && choice.path != kSpiral;
+}
+
 struct Size {
   int width = 0, height = 0;
 };
@@ -157,9 +161,6 @@ double played_time(const PathChoice& choice, const GaussianModel& model, int64_t
 }
 
 std::vector<View> views_through_keys(const PathChoice& choice, const ModelInput& input) {
-  if (!choice.cameras.empty())
-    throw InputError(
-        fmt::format("render: --path {} has its own cameras; leave --cameras out", choice.path));
   const std::vector<KeyFrame> keys = read_key_frames(choice.path, choice.split, input.model);
   if (keys.empty())
     throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
@@ -183,20 +184,25 @@ std::vector<View> views_through_keys(const PathChoice& choice, const ModelInput&
   return views;
 }
 
-void check_path(const std::string& path) {
-  if (path == kOrbit || path == kSpiral || fs::is_regular_file(path)) return;
-  throw InputError(fmt::format(
-      "render: --path '{}' is {}; expected orbit, spiral or a transforms file of key frames", path,
-      fs::is_directory(path) ? "a folder" : "no file"));
-}
-
 }  // namespace
 
-std::vector<NamedView> path_views(const PathChoice& choice, const ModelInput& input) {
-  check_path(choice.path);
+void check_path_choice(const PathChoice& choice) {
+  if (has_key_frames(choice) && !fs::is_regular_file(choice.path))
+    throw InputError(fmt::format(
+        "render: --path '{}' is {}; expected orbit, spiral or a transforms file of key frames",
+        choice.path, fs::is_directory(choice.path) ? "a folder" : "no file"));
   rate_of(choice);
+  if (!choice.size.empty()) parse_size(choice);
+  if (choice.seconds) frame_count(choice, *choice.seconds);
+  if (has_key_frames(choice) && !choice.cameras.empty())
+    throw InputError(
+        fmt::format("render: --path {} has its own cameras; leave --cameras out", choice.path));
+}
+
+std::vector<NamedView> path_views(const PathChoice& choice, const ModelInput& input) {
+  check_path_choice(choice);
   std::vector<View> views;
-  if (choice.path == kOrbit || choice.path == kSpiral) {
+  if (!has_key_frames(choice)) {
     const double seconds = choice.seconds.value_or(default_seconds(choice, input.model));
     for (const Camera& camera : curve(choice, input, frame_count(choice, seconds)))
       views.push_back({camera, played_time(choice, input.model, int64_t(views.size()))});

@@ -48,8 +48,14 @@ void RunFolder::remove_files() const {
   }
 }
 
+std::filesystem::path run_folder_of(const std::filesystem::path& path) {
+  const RunFolder inside{path / "run"};
+  return !RunFolder{path}.exists() && inside.exists() ? inside.root : path;
+}
+
 std::string scene_of_model(const std::filesystem::path& model) {
-  const std::string scene = RunFolder{is_directory(model) ? model : model.parent_path()}.scene();
+  const RunFolder run{is_directory(model) ? run_folder_of(model) : model.parent_path()};
+  const std::string scene = run.scene();
   return std::filesystem::exists(scene) ? scene : "";
 }
 

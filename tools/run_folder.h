@@ -32,6 +32,10 @@ struct RunFolder {
   void remove_best_but(int64_t iteration) const;
 };
 
+/// The run folder that `path` means: the one inside where `path` is an OUT of `tessera run`, else
+/// `path` as it is.
+std::filesystem::path run_folder_of(const std::filesystem::path& path);
+
 /// The scene that a model was trained on: `model` is a run folder or lies in one. "" where no run
 /// says so, or the scene is gone.
 std::string scene_of_model(const std::filesystem::path& model);

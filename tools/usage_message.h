@@ -1,4 +1,5 @@
-// What: one line that says what is wrong with a command line, with the nearest known name.
+// What: one line that says what is wrong with a command line, with the names that may have been
+//       meant.
 // Not: --help, which CLI11 writes.
 #pragma once
 #include <CLI/CLI.hpp>
@@ -6,7 +7,10 @@
 
 namespace tessera {
 
-/// After `app` failed to parse.
+/// Whether words were typed and none of them is a command, as in `tessera trian --help`.
+bool names_no_command(const CLI::App& app);
+
+/// After `app` failed to parse, or names no command.
 std::string usage_message(const CLI::App& app, const CLI::ParseError& error);
 
 }  // namespace tessera

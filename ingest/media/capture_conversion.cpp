@@ -8,6 +8,7 @@
 
 #include "ingest/alpha_composite.h"
 #include "ingest/capture_layout.h"
+#include "ingest/files/input_folder.h"
 #include "ingest/files/png.h"
 #include "ingest/files/staged_folder.h"
 #include "ingest/media/conversion.h"
@@ -34,6 +35,7 @@ void check_options(const IngestOptions& options) {
         fmt::format("--cloud-points is {}, expected at least 1; pass --cloud none for "
                     "no points",
                     options.cloud_points));
+  if (!options.masks.empty()) require_folder(options.masks);  // before hours of decoding
 }
 
 /// Options that some layouts alone have.

@@ -24,7 +24,9 @@ std::vector<size_t> frames_of(const RigClip& clip, const IngestOptions& options)
   for (const int64_t ticks : clip.timeline.ticks)
     seconds.push_back(clip.timeline.time_base.at(ticks));
   const FrameWindow window{options.start, options.duration, options.fps, options.frames};
-  std::vector<size_t> chosen = choose_frames(seconds, window, common_interval({seconds}));
+  const TimeInterval whole = common_interval({seconds});
+  check_start(window, whole, clip.video.string());
+  std::vector<size_t> chosen = choose_frames(seconds, window, whole);
   if (options.fps || options.duration || options.frames || chosen.size() <= kMostFrames)
     return chosen;
   std::vector<size_t> thinned;

@@ -114,6 +114,7 @@ std::vector<std::vector<size_t>> frames_of_clips(const Work& work, const RigClip
         "{}: the cameras have no moment in common; state their clocks with --offsets, or leave "
         "some out with --cameras",
         work.capture.string()));
+  check_start(window, common, work.capture.string());
   warn_of_cuts(rig, moments, common, warnings);
   std::vector<std::vector<size_t>> chosen;
   for (size_t i = 0; i < rig.clips.size(); ++i) {

@@ -6,8 +6,9 @@ import {setImmediate as turn} from 'node:timers/promises';
 import {test} from 'node:test';
 import {playerModules} from './player_modules.mjs';
 
-const {BlockCache, Clock, PlayerError, actionOf, readUrl, withValues} =
-    await playerModules('blocks', 'clock', 'keys', 'player_error', 'url_state');
+const {Arrivals, BlockCache, Clock, PlayerError, actionOf, loadedShare, loadingLine, readUrl,
+       withValues} =
+    await playerModules('blocks', 'clock', 'keys', 'loading', 'player_error', 'url_state');
 
 /** Ten segments of a tenth each and a block that is always seen; what was asked of it, in order. */
 function cacheOf({budget = 1e9, loads = () => ({memory: 10})} = {}) {
@@ -190,4 +191,29 @@ test('the address', () => {
                    {scene: 'a/b.t4d', seconds: null, camera: null, rate: null, paused: false,
                     loop: false, panels: true});
   assert.equal(withValues('http://a/b?t=1&x=2', {t: '3', x: null}), 'http://a/b?t=3');
+});
+
+// Bug put back: bytes of all blocks counted, those fetched ahead too; seen to fail.
+test('the line of loading is by the bytes that the image in view needs', () => {
+  let progress;
+  const arrivals = new Arrivals([3e6, 1e6, 5e6], () => { progress = arrivals.of([0, 1]); });
+  assert.equal(loadingLine({bytes: 0, needed: 0}), 'Loading');
+  arrivals.begin(0);
+  assert.equal(loadingLine(progress), 'Loading: 0 % of 4.0 MB');
+  arrivals.add(2, 5e6);  // fetched ahead
+  arrivals.add(0, 1e6);
+  assert.equal(loadingLine(progress), 'Loading: 25 % of 4.0 MB');
+  assert.equal(loadedShare(progress), 0.25);
+  arrivals.begin(0);  // once more
+  arrivals.end(0);
+  assert.equal(loadingLine(progress), 'Loading: 75 % of 4.0 MB');
+  arrivals.end(1);
+  assert.equal(loadingLine(progress), 'Preparing the first image');
+  assert.equal(loadedShare(progress), 1);
+  const unknown = new Arrivals([null], () => { progress = unknown.of([0]); });
+  unknown.add(0, 250000);
+  assert.equal(loadingLine(progress), 'Loading: 250 kB');
+  assert.equal(loadedShare(progress), 0);
+  unknown.end(0);
+  assert.equal(loadingLine(progress), 'Preparing the first image');
 });

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "tests/ingest/capture_fixture.h"
+
 namespace tessera {
 namespace {
 
@@ -31,6 +33,19 @@ TEST(FrameWindow, CommonIntervalIsLatestFirstToEarliestLast) {
 
 // Clocks that differ by less than half a frame lose no frame. Bug put back: no tolerance; seen to
 // fail (the early camera loses its first frame, the late one its last).
+// Bug put back: the start is not compared; seen to fail.
+TEST(FrameWindow, AStartAfterTheEndIsNamed) {
+  FrameWindow window;
+  window.start = 0.958;
+  EXPECT_NO_THROW(check_start(window, {2, 2.958}, "capture"));
+  window.start = 100;
+  expect_input_error(
+      [&] {
+        check_start(window, {2, 2.958}, "capture");
+      },
+      {"capture: --start 100 s is after the end (0.958 s)"});
+}
+
 TEST(FrameWindow, HalfAFrameOfToleranceAtBothEnds) {
   const auto early = times(30, 30, -0.4 / 30), late = times(30, 30, 0.05 / 30);
   const TimeInterval common = common_interval({early, late});

@@ -133,6 +133,18 @@ TEST_F(N3dv, OneMaskACamera) {
   EXPECT_EQ(file["tessera"]["applied"]["masks"], "black ignored");
 }
 
+// Bug put back: the folder of masks is looked at when all frames are decoded; seen to fail.
+TEST_F(N3dv, AMissingFolderOfMasksIsNamedBeforeDecoding) {
+  IngestOptions options;
+  options.masks = folder_ / "nowhere";
+  const auto decoding = [](std::string_view what, int64_t, int64_t) {
+    throw std::runtime_error(std::string(what));
+  };
+  expect_input_error(
+      [&] { ingest_capture(folder_ / "capture", folder_ / "scene", options, decoding); },
+      {"nowhere: no such folder"});
+}
+
 TEST_F(N3dv, HeldOutCamerasAreThoseNamed) {
   IngestOptions options;
   options.held_out = {"cam02", "cam01"};
@@ -169,6 +181,9 @@ TEST_F(N3dv, TheWindowIsOfTimesNotOfIndices) {
                      1e-12);
   options.cameras = {"cam05"};
   expect_input_error([&] { ingest(options); }, {"--cameras", "cam05", "cam00, cam01, cam02"});
+  options.cameras = {}, options.start = 100;
+  expect_input_error([&] { ingest(options); },
+                     {"capture: --start 100 s is after the end (0.160 s)"});
 }
 
 // Failure mode A2: what moves at one speed has one velocity, whatever the frame rate, because times

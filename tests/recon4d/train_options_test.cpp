@@ -128,6 +128,22 @@ TEST(TrainOptions, UnknownKeysSuggestTheNearest) {
   EXPECT_EQ(nearest_name("x", {}), "");
 }
 
+// Bugs put back, each seen to fail: any distance is near; neighbours that changed places are two
+// mistakes; prefixes are not looked at.
+TEST(TrainOptions, OnlyWhatIsNearIsSuggested) {
+  const std::vector<std::string> presets{"fast", "balanced", "faster-gs"};
+  EXPECT_EQ(did_you_mean("fats", presets), "; did you mean 'fast'?");
+  EXPECT_EQ(did_you_mean("bal", presets), "; did you mean 'balanced'?");
+  EXPECT_EQ(did_you_mean("fas", presets), "; did you mean one of fast, faster-gs?");
+  EXPECT_EQ(did_you_mean("f", presets), "") << "begins too many names";
+  EXPECT_EQ(did_you_mean("mcmc", presets), "");
+  EXPECT_EQ(did_you_mean("--lr", {"--help", "--out"}), "") << "dashes are no letters";
+  EXPECT_EQ(known_names("x", presets), "; there are fast, balanced, faster-gs");
+  EXPECT_EQ(known_names("bal", presets),
+            "; did you mean 'balanced'? There are fast, balanced, faster-gs");
+  EXPECT_EQ(refusal_of("zzzzz", 5), "unknown option 'zzzzz'");
+}
+
 TEST(TrainOptions, JsonRoundTripsEveryBit) {
   TrainOptions options;
   for (const OptionRow& row : train_option_rows())

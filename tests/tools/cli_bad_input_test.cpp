@@ -115,7 +115,7 @@ TEST(CliBadInput, NotAModel) {
                       {"r_000.png", "not a model", "expected a run folder"});
   work.expect_refused({"render", work.at("capture"), "--cameras", work.at("capture"), "-o", "x"},
                       {"neither model.ply nor checkpoint.ckpt"});
-  work.expect_refused({"info", picture}, {"r_000.png", "nothing that is known"});
+  work.expect_refused({"info", picture}, {"r_000.png", "unrecognised file type"});
 }
 
 // Seen to fail with size and checksum of a checkpoint not compared.

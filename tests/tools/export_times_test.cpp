@@ -72,6 +72,8 @@ TEST(ExportTimes, RefuseWhatMakesNoFrames) {
   for (const double fps : {0.0, -1.0, 1e9, nan})
     expect_input_error([&] { times_of({.fps = fps}); }, {"--fps", "--frames"});
   expect_input_error([&] { times_of({.time = nan}); }, {"--time"});
+  expect_input_error([&] { times_of({.time = 5}); }, {"--time is 5, expected 0 (first) to 1"});
+  expect_input_error([&] { times_of({.time = -0.1}); }, {"--time is -0.1"});
 }
 
 }  // namespace

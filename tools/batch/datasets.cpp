@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 
+#include "ingest/files/input_folder.h"
 #include "ingest/ingest.h"
 #include "kernels/base/errors.h"
 #include "tools/ingest_batch.h"
@@ -80,8 +81,7 @@ std::vector<Dataset> find_datasets(const std::vector<std::string>& words, const 
   std::map<std::string, fs::path> by_name;
   for (const std::string& word : words) {
     const bool pattern = !fs::exists(word) && word.find_first_of("*?[{") != std::string::npos;
-    if (!pattern && !fs::exists(word))
-      throw InputError(fmt::format("{}: no such folder; check the path", word));
+    if (!pattern) require_folder(word);
     for (const fs::path& path : pattern ? captures_of_glob(word, out) : captures_at(word, out)) {
       fs::path whole = fs::absolute(path).lexically_normal();
       if (!whole.has_filename()) whole = whole.parent_path();

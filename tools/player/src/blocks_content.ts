@@ -4,8 +4,9 @@ import { BlockCache } from "./blocks";
 import type { BlockSource } from "./container";
 import type { Content } from "./content";
 import { Decoder } from "./decoder";
+import { Arrivals } from "./loading";
 import { memoryBudget } from "./memory_budget";
-import type { Play, Progress, SceneInfo, ViewCamera } from "./scene_view";
+import type { OnProgress, Play, SceneInfo, ViewCamera } from "./scene_view";
 import { BlockSplats, Moment } from "./splat4d_shader";
 import type { Stage } from "./stage";
 
@@ -14,15 +15,15 @@ export class BlocksContent implements Content {
   private readonly moment = new Moment();
   private readonly decoder = new Decoder();
   private readonly cache: BlockCache<BlockSplats>;
+  private readonly arrivals: Arrivals;
   private t = NaN;
   private shown = "";
-  private bytes = 0;
 
   constructor(
     private readonly source: BlockSource,
     private readonly stage: Stage,
     private readonly view: ViewCamera,
-    private readonly progress: Progress,
+    onProgress: OnProgress,
     onChange: () => void,
   ) {
     const { manifest, address } = source;
@@ -37,6 +38,9 @@ export class BlocksContent implements Content {
       gaussians: manifest.gaussians.static + manifest.gaussians.dynamic,
       audio: manifest.audio && address ? new URL(manifest.audio, address).href : null,
     };
+    const sizes = manifest.blocks.map(({ bytes }) => bytes);
+    const report = () => onProgress(this.arrivals.of(this.cache.at(this.t)));
+    this.arrivals = new Arrivals(sizes, report);
     this.cache = new BlockCache<BlockSplats>(manifest.blocks, memoryBudget(), {
       load: (i, signal) => this.load(i, signal),
       release: (splats) => {
@@ -49,11 +53,10 @@ export class BlocksContent implements Content {
 
   private async load(i: number, signal: AbortSignal): Promise<BlockSplats> {
     const block = this.source.manifest.blocks[i];
-    const needed = this.cache
-      .at(Number.isNaN(this.t) ? 0 : this.t)
-      .reduce((sum, k) => sum + this.source.manifest.blocks[k].bytes, 0);
-    const onBytes = (count: number) => this.progress((this.bytes += count), needed);
+    const onBytes = (count: number) => this.arrivals.add(i, count);
+    this.arrivals.begin(i);
     const bytes = await this.source.fetchBlock(block, { signal, onBytes });
+    this.arrivals.end(i);
     return new BlockSplats(await this.decoder.decode(block, bytes), this.moment);
   }
 

@@ -5,9 +5,10 @@ import { ExtSplats, SplatFileType, SplatMesh } from "@sparkjsdev/spark";
 import { BlockCache } from "./blocks";
 import type { Content } from "./content";
 import { fetchBytes } from "./fetching";
+import { Arrivals } from "./loading";
 import { memoryBudget } from "./memory_budget";
 import { lineOf, PlayerError } from "./player_error";
-import type { Play, Progress, SceneInfo } from "./scene_view";
+import type { OnProgress, Play, SceneInfo } from "./scene_view";
 import type { Sequence } from "./sequence_manifest";
 import type { Stage } from "./stage";
 
@@ -40,13 +41,14 @@ export class FramesContent implements Content {
   readonly info: SceneInfo;
   private readonly cache: BlockCache<Frame>;
   private readonly mesh: SplatMesh;
+  private readonly arrivals: Arrivals;
   private shown: Frame | null = null;
-  private bytes = 0;
+  private t = 0;
 
   constructor(
     private readonly sequence: Sequence,
     stage: Stage,
-    private readonly progress: Progress,
+    onProgress: OnProgress,
     onChange: () => void,
   ) {
     const times = sequence.frames.map(({ t }) => t);
@@ -63,6 +65,9 @@ export class FramesContent implements Content {
     // .spz files look right, up and backwards: a half turn about x
     if (sequence.fileType === "spz") this.mesh.quaternion.set(1, 0, 0, 0);
     stage.add(this.mesh);
+    const sizes = sequence.frames.map(({ bytes }) => bytes);
+    const report = () => onProgress(this.arrivals.of(this.cache.at(this.t).slice(0, 1)));
+    this.arrivals = new Arrivals(sizes, report);
     this.cache = new BlockCache<Frame>(spansOf(times), memoryBudget(), {
       load: (i, signal) => this.load(i, signal),
       release: (frame) => {
@@ -75,9 +80,10 @@ export class FramesContent implements Content {
 
   private async load(i: number, signal: AbortSignal): Promise<Frame> {
     const { url, name } = this.sequence.frames[i];
-    const needed = this.sequence.frames[i].bytes ?? 0;
-    const onBytes = (count: number) => this.progress((this.bytes += count), needed);
+    const onBytes = (count: number) => this.arrivals.add(i, count);
+    this.arrivals.begin(i);
     const { bytes } = await fetchBytes(url, { signal, onBytes });
+    this.arrivals.end(i);
     const splats = new ExtSplats({
       fileBytes: bytes,
       fileName: name,
@@ -94,6 +100,7 @@ export class FramesContent implements Content {
   }
 
   show(t: number, play: Play, seen: boolean): boolean {
+    this.t = t;
     this.cache.update({ t, ...play });
     const index = this.cache.at(t)[0];
     const frame = index === undefined ? undefined : this.cache.get(index);

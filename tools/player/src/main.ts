@@ -3,6 +3,7 @@
 import { Clock } from "./clock";
 import { listenToKeys, type Action } from "./keys";
 import { LICENCES } from "./licences";
+import { loadedShare, loadingLine, type Progress } from "./loading";
 import { openSource, readConfig } from "./open_source";
 import { Orbit } from "./orbit";
 import { lineOf } from "./player_error";
@@ -39,8 +40,8 @@ class Page {
   private info!: SceneInfo;
   private clock!: Clock;
   private orbit!: Orbit;
-  private loaded = { bytes: 0, needed: 0 };
-  private pictured = false; // whether the first picture is complete
+  private loaded: Progress = { bytes: 0, needed: 0 };
+  private pictured = false; // whether a first image is on the screen
   private lost: string | null = null; // why there is no picture any more
   private remembered = true; // whether the address says which moment is shown
 
@@ -48,7 +49,7 @@ class Page {
     this.view = new SparkView(canvas, this.camera);
     const text = document.getElementById("tessera-config")?.textContent ?? "{}";
     const source = await openSource(readConfig(text), url.scene, location.href);
-    this.info = await this.view.load(source, (bytes, needed) => (this.loaded = { bytes, needed }));
+    this.info = await this.view.load(source, (progress) => (this.loaded = progress));
     const { time, audio, up, cameras } = this.info;
     const wall = () => performance.now() / 1000;
     this.clock = new Clock(time.duration, wall, audio === null ? null : new Audio(audio));
@@ -101,18 +102,21 @@ class Page {
     const playing = this.clock.playing;
     const ahead = playing ? this.t(AHEAD_SECONDS * Math.max(1, this.clock.rate)) : 0;
     const play = { ahead, loop: this.clock.loop };
-    const { waiting, trouble } = this.view.setTime(this.t(seconds), play);
-    if (!waiting) this.pictured = true;
+    const { waiting, complete, trouble } = this.view.setTime(this.t(seconds), play);
+    if (complete || this.lost !== null) this.pictured = true;
     // frames of a sequence are left out when they are late; blocks are waited for
-    this.clock.hold(waiting && (!this.pictured || this.info.frames === null));
-    const { bytes, needed } = this.loaded;
-    const share = needed > 0 ? bytes / needed : 0;
-    this.panels.showLoading("Loading", waiting ? (this.pictured ? 1 : share) : null, this.pictured);
+    this.clock.hold(!this.pictured || (waiting && this.info.frames === null));
+    this.showLoading(waiting);
     this.panels.showTrouble(this.lost ?? trouble);
     this.panels.showTime(seconds);
     this.panels.showPlaying(playing);
     if (!playing && !this.remembered) rememberInUrl({ t: seconds.toFixed(3), paused: "1" });
     this.remembered = !playing;
+  }
+
+  private showLoading(waiting: boolean): void {
+    if (this.pictured) return this.panels.showLoading("Loading", waiting ? 1 : null, true);
+    this.panels.showLoading(loadingLine(this.loaded), loadedShare(this.loaded), false);
   }
 
   seek(seconds: number): void {

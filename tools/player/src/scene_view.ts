@@ -2,6 +2,7 @@
 //       engine would be a second file that implements SceneView, and nothing else would change.
 // Not: the clock, controls and panels of the page (main.ts).
 import type { Bounds, Camera, Quaternion, Triple } from "./manifest";
+import type { Progress } from "./loading";
 import type { OpenedSource } from "./open_source";
 
 /** A pinhole's picture of width × height pixels; what lies beside it is shown too. */
@@ -39,17 +40,24 @@ export interface Play {
   loop: boolean;
 }
 
-/** bytes: arrived of those that the first picture needs. */
-export type Progress = (bytes: number, needed: number) => void;
+export interface Drawn {
+  waiting: boolean;
+  complete: boolean;
+  trouble: string | null;
+}
+
+/** Called as the bytes arrive that the image in view needs. */
+export type OnProgress = (progress: Progress) => void;
 
 export interface SceneView {
   /** Reads what the scene is. Throws PlayerError. */
-  load(source: OpenedSource, progress: Progress): Promise<SceneInfo>;
+  load(source: OpenedSource, onProgress: OnProgress): Promise<SceneInfo>;
   /**
    * Draws moment t (0 to 1) from the camera, if that or anything else has changed since; called
-   * for every frame of the display. Tells whether data of t is on its way, and what is missing.
+   * for every frame of the display. Tells whether data of t is on its way, whether the image on
+   * the screen is that of t (data, depth order, pixels), and what is missing.
    */
-  setTime(t: number, play: Play): { waiting: boolean; trouble: string | null };
+  setTime(t: number, play: Play): Drawn;
   /** Size of the picture in CSS pixels, and device pixels for each of them. */
   resize(width: number, height: number, dpr: number): void;
   /** Resolves when the picture of the last moment is complete: data, depth order, pixels. */

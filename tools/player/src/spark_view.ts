@@ -5,7 +5,14 @@ import type { Content } from "./content";
 import { FramesContent } from "./frames_content";
 import type { Bounds, SplatRules, Triple } from "./manifest";
 import type { OpenedSource } from "./open_source";
-import type { Play, Progress, SceneInfo, SceneView, ViewCamera } from "./scene_view";
+import type {
+  Drawn,
+  OnProgress,
+  Play,
+  SceneInfo,
+  SceneView,
+  ViewCamera,
+} from "./scene_view";
 import { Stage } from "./stage";
 
 const NEAR = 0.2; // world units, as the program renders where a file does not say
@@ -47,7 +54,7 @@ export class SparkView implements SceneView {
     this.stage = new Stage(canvas, camera, () => (this.dirty = true));
   }
 
-  async load(source: OpenedSource, progress: Progress): Promise<SceneInfo> {
+  async load(source: OpenedSource, onProgress: OnProgress): Promise<SceneInfo> {
     const drawn: { background: Triple; splat: SplatRules } =
       source.kind === "4d" ? source.blocks.manifest : source.sequence;
     this.stage.setBackground(drawn.background);
@@ -55,25 +62,29 @@ export class SparkView implements SceneView {
     const changed = () => (this.dirty = true);
     this.content =
       source.kind === "4d"
-        ? new BlocksContent(source.blocks, this.stage, this.camera, progress, changed)
-        : new FramesContent(source.sequence, this.stage, progress, changed);
+        ? new BlocksContent(source.blocks, this.stage, this.camera, onProgress, changed)
+        : new FramesContent(source.sequence, this.stage, onProgress, changed);
     this.stage.near = nearOf(this.content.info.bounds, drawn.splat);
     return this.content.info;
   }
 
-  setTime(t: number, play: Play): { waiting: boolean; trouble: string | null } {
+  setTime(t: number, play: Play): Drawn {
     this.t = t;
     this.play = play;
     const { content } = this;
-    if (content === null) return { waiting: false, trouble: null };
+    if (content === null) return { waiting: false, complete: false, trouble: null };
     const seen = this.camera.version !== this.seen;
     const changed = content.show(t, play, seen);
-    if (changed || seen || this.dirty) {
+    const due = changed || seen || this.dirty;
+    if (due) {
       this.dirty = false;
       this.seen = this.camera.version;
       this.stage.draw();
     }
-    return { waiting: content.waiting(t), trouble: content.trouble(t) };
+    const waiting = content.waiting(t);
+    // the draw before this call was the last one that was due
+    const complete = !due && !waiting && this.stage.sorted;
+    return { waiting, complete, trouble: content.trouble(t) };
   }
 
   resize(width: number, height: number, dpr: number): void {
