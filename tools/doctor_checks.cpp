@@ -85,7 +85,7 @@ void add_coverage_and_cloud(const Scene& all, const Scene& sample, DoctorReport&
 }
 
 void add_times(const ThinnedScene& scene, DoctorReport& report) {
-  const TimeRange times = check_times(scene.all);
+  const SceneTimes times = check_times(scene.all);
   add(times.findings, report);
   const double moving = dynamic_share(scene.sample);
   if (moving >= 0)

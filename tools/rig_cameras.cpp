@@ -20,12 +20,12 @@ std::string station_name(const std::string& frame) {
   return slash == std::string::npos ? frame : frame.substr(0, slash);
 }
 
-bool taken(const std::vector<RigCamera>& cameras, const std::string& name) {
+bool taken(const std::vector<PlayerCamera>& cameras, const std::string& name) {
   return std::any_of(cameras.begin(), cameras.end(), [&](const auto& c) { return c.name == name; });
 }
 
-std::vector<RigCamera> places_of(const std::vector<NamedView>& views) {
-  std::vector<RigCamera> all;
+std::vector<PlayerCamera> places_of(const std::vector<NamedView>& views) {
+  std::vector<PlayerCamera> all;
   for (const NamedView& named : views) {
     const Camera& camera = named.view.camera;
     if (std::any_of(all.begin(), all.end(), [&](const auto& c) { return c.camera == camera; }))
@@ -34,7 +34,7 @@ std::vector<RigCamera> places_of(const std::vector<NamedView>& views) {
     all.push_back({taken(all, station) ? named.name : station, camera});
   }
   if (all.size() <= kMostCameras) return all;
-  std::vector<RigCamera> some;  // a camera that moved: evenly along its way
+  std::vector<PlayerCamera> some;  // a camera that moved: evenly along its way
   for (size_t i = 0; i < kMostCameras; ++i) some.push_back(all[i * all.size() / kMostCameras]);
   return some;
 }

@@ -32,7 +32,7 @@ TEST(Checks, GapsAndOtherRanges) {
   std::erase_if(gap.frames, [](const Frame& f) {
     return f.camera_name == "cam1" && (f.frame_number == 4 || f.frame_number == 5);
   });
-  const TimeRange times = check_times(gap);
+  const SceneTimes times = check_times(gap);
   EXPECT_TRUE(has(times.findings, Severity::kWarning, "time", "cam1"));
   EXPECT_EQ(times.cameras[1].missing, 2);
   Scene late = scene;
