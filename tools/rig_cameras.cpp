@@ -3,10 +3,10 @@
 #include "tools/rig_cameras.h"
 
 #include <algorithm>
-#include <set>
 
 #include "kernels/base/errors.h"
 #include "tools/camera_views.h"
+#include "tools/export_times.h"
 #include "tools/run_folder.h"
 
 namespace tessera {
@@ -54,11 +54,9 @@ Rig rig_of(const std::string& cameras, const std::string& model_path, const Gaus
   }
   Rig rig;
   rig.cameras = places_of(views);
-  std::set<double> moments;
-  for (const NamedView& named : views) moments.insert(named.view.time);
-  const double seconds =
-      moments.empty() ? 0 : (*moments.rbegin() - *moments.begin()) * model.time_axis.duration;
-  if (seconds > 0) rig.fps = double(moments.size() - 1) / seconds;
+  CameraMoments moments;
+  for (const NamedView& named : views) moments[station_name(named.name)].insert(named.view.time);
+  rig.fps = capture_rate(moments) / model.time_axis.duration;
   return rig;
 }
 

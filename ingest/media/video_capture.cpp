@@ -40,6 +40,7 @@ PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::strin
     placed.push_back(rig.clips[i].camera.has_value());
   }
   rig.keep_only(placed);
+  leave_out_bad_lenses(work.options.strict, rig, warnings);
   if (std::all_of(rig.held_out.begin(), rig.held_out.end(), [](char held) { return held; }))
     throw InputError(fmt::format(
         "{}: only held-out cameras could be placed, none is left to train on; name others with "
