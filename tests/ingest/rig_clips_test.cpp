@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
 #include "ingest/ingest.h"
 #include "tests/ingest/capture_fixture.h"
 #include "tests/ingest/test_video.h"
