@@ -30,7 +30,8 @@ std::filesystem::path sibling(const std::filesystem::path& target, const char* p
 /// Whether `name` is ".TARGET.PID.PURPOSE" of a process that is no more.
 bool is_of_ended_process(const std::string& name, const std::filesystem::path& target,
                          const std::string& purpose) {
-  const std::string before = "." + target.filename().string() + ".", after = "." + purpose;
+  const std::string before = fmt::format(".{}.", target.filename().string());
+  const std::string after = fmt::format(".{}", purpose);
   if (!name.starts_with(before) || !name.ends_with(after) ||
       name.size() <= before.size() + after.size())
     return false;
