@@ -136,6 +136,7 @@ void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedCl
   camera.time_base = clip.timeline.time_base;
   camera.time_offset = clock.offset;
   camera.time_uncertainty = clock.uncertainty;
+  camera.time_measured = clock.measured;
   camera.time_source = clock.source;
   if (!clip.camera->lens.is_pinhole())
     camera.removed_lenses.push_back({clip.camera->lens_model, clip.camera->lens});
