@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -15,6 +16,7 @@ namespace tessera {
 namespace {
 
 constexpr double kLongestFocal = 8;  // times the camera's own; beyond it little picture is left
+constexpr double kShortestFocal = 0.125;  // of a camera whose axis does not meet its picture
 
 /// ρ / r of the projection.
 double bending(const Lens& lens, double r) {
@@ -55,14 +57,28 @@ glm::dvec2 in_pixels(const Camera& camera, const glm::dvec2& ray) {
   return {camera.fl_x * ray.x + camera.cx, camera.fl_y * ray.y + camera.cy};
 }
 
-/// Whether the ray meets the picture, and nowhere on the way there from the axis turns back.
-bool meets_picture(const Camera& camera, const Lens& lens, const glm::dvec2& ray) {
+bool has_axis_in_picture(const Camera& camera) {
+  return camera.cx >= 0 && camera.cy >= 0 && camera.cx <= camera.width &&
+         camera.cy <= camera.height;
+}
+
+/// The length of the shortest ray (z = 1) of a pixel: 0 where the axis meets the picture.
+double shortest_ray(const Camera& camera) {
+  const double x = std::clamp(camera.cx, 0.0, double(camera.width)) - camera.cx;
+  const double y = std::clamp(camera.cy, 0.0, double(camera.height)) - camera.cy;
+  return std::hypot(x / camera.fl_x, y / camera.fl_y);
+}
+
+/// Whether the ray meets the picture, and the lens does not turn back on the way there from rays of
+/// the length `from`: the picture has none shorter, and its lens was never fitted to those.
+bool meets_picture(const Camera& camera, const Lens& lens, const glm::dvec2& ray, double from) {
   constexpr int kSteps = 16;
   constexpr double kStep = 1e-4;
   const glm::dvec2 middle = lens.distorted({0, 0});
   const auto reach = [&](double part) { return glm::length(lens.distorted(ray * part) - middle); };
+  const double first = from > 0 ? std::min(1.0, from / glm::length(ray)) : 0;
   for (int i = 1; i <= kSteps; ++i) {
-    const double part = double(i) / kSteps;
+    const double part = first + (1 - first) * double(i) / kSteps;
     if (!(reach(part) > reach(part - kStep))) return false;  // NaN too
   }
   const glm::dvec2 pixel = in_pixels(camera, lens.distorted(ray));
@@ -72,14 +88,15 @@ bool meets_picture(const Camera& camera, const Lens& lens, const glm::dvec2& ray
 /// Whether the border pixels' centres of `target` all meet the picture.
 bool sees_all(const Camera& camera, const Lens& lens, const Camera& target) {
   constexpr int kSamples = 128;  // along each side; distortion is smooth
+  const double from = shortest_ray(target);
   for (int i = 0; i <= kSamples; ++i) {
     const double x = 0.5 + (target.width - 1) * double(i) / kSamples;
     const double y = 0.5 + (target.height - 1) * double(i) / kSamples;
     for (const glm::dvec2& pixel : {glm::dvec2(x, 0.5), glm::dvec2(x, target.height - 0.5),
                                     glm::dvec2(0.5, y), glm::dvec2(target.width - 0.5, y)})
-      if (!meets_picture(
-              camera, lens,
-              {(pixel.x - target.cx) / target.fl_x, (pixel.y - target.cy) / target.fl_y}))
+      if (!meets_picture(camera, lens,
+                         {(pixel.x - target.cx) / target.fl_x, (pixel.y - target.cy) / target.fl_y},
+                         from))
         return false;
   }
   return true;
@@ -88,6 +105,34 @@ bool sees_all(const Camera& camera, const Lens& lens, const Camera& target) {
 Camera with_focal(Camera camera, double factor) {
   camera.fl_x *= factor, camera.fl_y *= factor;
   return camera;
+}
+
+/// Of another focal length, with `ray` in the middle of the picture.
+Camera with_focal_about(Camera camera, double factor, const glm::dvec2& ray) {
+  camera = with_focal(camera, factor);
+  camera.cx = 0.5 * camera.width - camera.fl_x * ray.x;
+  camera.cy = 0.5 * camera.height - camera.fl_y * ray.y;
+  return camera;
+}
+
+[[noreturn]] void refuse_turning(const std::string& where) {
+  throw InputError(fmt::format(
+      "{}: its lens distortion has no undistorted picture of this size (it turns back on itself "
+      "in the picture); estimate this camera again, or run `colmap image_undistorter`",
+      where));
+}
+
+/// The shortest focal length by `camera_of` from `too_short` on whose camera sees picture alone.
+template <class CameraOf>
+Camera shortest_focal(const Camera& camera, const Lens& lens, double too_short,
+                      const CameraOf& camera_of, const std::string& where) {
+  double enough = kLongestFocal;
+  if (!sees_all(camera, lens, camera_of(enough))) refuse_turning(where);
+  for (int i = 0; i < 24; ++i) {
+    const double middle = 0.5 * (too_short + enough);
+    (sees_all(camera, lens, camera_of(middle)) ? enough : too_short) = middle;
+  }
+  return camera_of(enough);
 }
 
 }  // namespace
@@ -148,17 +193,17 @@ std::optional<glm::dvec2> Lens::undistorted(const glm::dvec2& met) const {
 
 Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where) {
   if (lens.is_pinhole() || sees_all(camera, lens, camera)) return camera;
-  double too_short = 1, enough = kLongestFocal;
-  if (!sees_all(camera, lens, with_focal(camera, enough)))
-    throw InputError(fmt::format(
-        "{}: its lens distortion has no undistorted picture of this size (it turns back on itself "
-        "in the picture); estimate this camera again, or run `colmap image_undistorter`",
-        where));
-  for (int i = 0; i < 24; ++i) {
-    const double middle = 0.5 * (too_short + enough);
-    (sees_all(camera, lens, with_focal(camera, middle)) ? enough : too_short) = middle;
-  }
-  return with_focal(camera, enough);
+  if (has_axis_in_picture(camera))
+    return shortest_focal(
+        camera, lens, 1, [&](double factor) { return with_focal(camera, factor); }, where);
+  // a cropped sensor: a longer focal length would zoom to the axis, out of the picture
+  const std::optional<glm::dvec2> ray =
+      lens.undistorted({(0.5 * camera.width - camera.cx) / camera.fl_x,
+                        (0.5 * camera.height - camera.cy) / camera.fl_y});
+  if (!ray) refuse_turning(where);
+  return shortest_focal(
+      camera, lens, kShortestFocal,
+      [&](double factor) { return with_focal_about(camera, factor, *ray); }, where);
 }
 
 }  // namespace tessera

@@ -32,10 +32,12 @@ struct Lens {
   std::optional<glm::dvec2> undistorted(const glm::dvec2& met) const;
 };
 
-/// The pinhole camera of the same size, pose and principal point whose every pixel lies in the
-/// picture that `camera` takes through `lens`: the focal length is the camera's, or as much longer
-/// as that needs. Errors: InputError that starts with `where`: no such camera, because the
-/// distortion turns back on itself within the picture.
+/// The pinhole camera of the same size and pose whose every pixel lies in the picture that `camera`
+/// takes through `lens`. The principal point is the camera's, the focal length too or as much
+/// longer as that needs. Where the camera's axis does not meet its picture (a cropped sensor) and
+/// its own focal length does not do, the middle of the picture stays in the middle, and the focal
+/// length is the shortest that sees picture alone. Errors: InputError that starts with `where`: no
+/// such camera, because the distortion turns back on itself within the picture.
 Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where);
 
 }  // namespace tessera

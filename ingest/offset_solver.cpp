@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace tessera {
@@ -91,6 +92,89 @@ Table solve_weighted(const std::vector<PairOffset>& pairs, const std::vector<dou
   return covariance;
 }
 
+constexpr double kPixels = 1;         // within which a miss agrees while the shift is sought
+constexpr size_t kFewestMisses = 24;  // that agree: 12 a parameter of a line, doubled
+constexpr double kCorrelation = 3;    // a texture's error lasts about nine frames: √9
+
+double error_of(const EpipolarMiss& m, const PairShift& at) {
+  return m.miss - m.slope * (at.shift + at.rate * m.seconds);
+}
+
+/// The best of a grid of shifts and rates within ±reach and ±rate_reach.
+PairShift most_votes(const std::vector<EpipolarMiss>& moving, double reach, double rate_reach,
+                     double frame_seconds) {
+  double longest = 0;
+  for (const EpipolarMiss& m : moving) longest = std::max(longest, std::abs(m.seconds));
+  const double step = 0.05 * frame_seconds;
+  const double rate_step = 0.25 * frame_seconds / std::max(longest, frame_seconds);
+  double best = -1;
+  PairShift found;
+  const int shifts = int(reach / step), rates = int(rate_reach / rate_step);
+  for (int k = -rates; k <= rates; ++k)
+    for (int i = -shifts; i <= shifts; ++i) {
+      const PairShift at{i * step, 0, 0, k * rate_step, 0};
+      double votes = 0;
+      for (const EpipolarMiss& m : moving) votes += cauchy_weight(error_of(m, at), kPixels);
+      const double size = std::abs(at.shift) + longest * std::abs(at.rate);
+      const double least = std::abs(found.shift) + longest * std::abs(found.rate);
+      if (votes > best || (votes == best && size < least)) best = votes, found = at;
+    }
+  return found;
+}
+
+/// The normal equations of a shift s and its rate r.
+struct ShiftEquations {
+  double ss = 0, sr = 0, rr = 0;  // left
+  double s = 0, r = 0;            // right
+  double determinant() const { return ss * rr - sr * sr; }
+  bool tells_rate() const { return determinant() > 1e-9 * ss * rr; }
+
+  void add(const EpipolarMiss& m, double error, double weight) {
+    const double by_rate = m.slope * m.seconds;
+    ss += weight * m.slope * m.slope, sr += weight * m.slope * by_rate;
+    rr += weight * by_rate * by_rate;
+    s += weight * m.slope * error, r += weight * by_rate * error;
+  }
+  void solve(bool with_rate, PairShift& at) const {
+    if (!with_rate || !tells_rate()) {
+      at.shift += s / ss;
+      return;
+    }
+    at.shift += (rr * s - sr * r) / determinant();
+    at.rate += (ss * r - sr * s) / determinant();
+  }
+};
+
+/// Iterated least squares from `at`, for the shift alone or with its rate. False where too few
+/// misses are near.
+bool refine(const std::vector<EpipolarMiss>& moving, bool with_rate, PairShift& at) {
+  double sigma = kPixels;
+  ShiftEquations equations;
+  for (int round = 0; round < 20; ++round) {
+    equations = {}, at.support = 0;
+    std::vector<double> near;
+    for (const EpipolarMiss& m : moving) {
+      const double error = error_of(m, at);
+      equations.add(m, error, cauchy_weight(error, sigma));
+      if (std::abs(error) < 3 * kPixels) near.push_back(std::abs(error));
+      at.support += std::abs(error) < kPixels ? 1 : 0;
+    }
+    if (near.size() < kFewestMisses) return false;
+    equations.solve(with_rate, at);
+    sigma = std::clamp(1.4826 * median_of(near), 0.05, kPixels);
+  }
+  at.sigma = kCorrelation * sigma / std::sqrt(equations.ss);
+  at.rate_sigma = equations.tells_rate()
+                      ? kCorrelation * sigma * std::sqrt(equations.ss / equations.determinant())
+                      : std::numeric_limits<double>::infinity();
+  return true;
+}
+
+/// Where fewer than a third agree, the matches are mostly wrong and any shift would do.
+bool is_agreed(const PairShift& at, size_t moving, double reach) {
+  return at.support >= kFewestMisses && 3 * at.support >= moving && std::abs(at.shift) <= reach;
+}
+
 }  // namespace
 
 double median_offset(std::vector<double> offsets) {
@@ -132,46 +216,45 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
   return solved;
 }
 
+std::vector<double> offset_limits(const std::vector<SolvedOffset>& solved,
+                                  const std::vector<double>& frame_seconds) {
+  constexpr double kLeast = 0.1, kMost = 0.25;  // frames
+  constexpr double kStandsOut = 5 * 1.4826;     // medians of sizes: five standard deviations
+  std::vector<double> sizes;                    // frames
+  for (size_t i = 0; i < solved.size(); ++i)
+    if (solved[i].determined)
+      sizes.push_back(std::abs(solved[i].offset) / std::max(frame_seconds[i], 1e-9));
+  const double middle = sizes.empty() ? 0 : median_of(sizes);
+  const double frames =
+      middle < kLeast ? std::max(kLeast, std::min(kStandsOut * middle, kMost)) : kLeast;
+  std::vector<double> limits;
+  for (size_t i = 0; i < solved.size(); ++i)
+    limits.push_back(solved[i].determined ? std::max(2 * solved[i].sigma, frames * frame_seconds[i])
+                                          : 0);
+  return limits;
+}
+
 std::optional<PairShift> shift_from_misses(const std::vector<EpipolarMiss>& misses, double reach,
-                                           double frame_seconds) {
-  constexpr double kPixels = 1;       // within which a miss agrees while the shift is sought
-  constexpr double kSlowest = 0.2;    // pixels a frame; slower points say nothing of time
-  constexpr size_t kFewest = 24;      // points that agree: 12 a parameter of a line, doubled
-  constexpr double kCorrelation = 3;  // a texture's error lasts about nine frames: √9
+                                           double frame_seconds, double rate_reach) {
+  constexpr double kSlowest = 0.2;  // pixels a frame; slower points say nothing of time
   std::vector<EpipolarMiss> moving;
   for (const EpipolarMiss& m : misses)
     if (std::abs(m.slope) * frame_seconds > kSlowest) moving.push_back(m);
-  if (moving.size() < kFewest) return std::nullopt;
-  double best = -1, shift = 0;
-  const double step = 0.05 * frame_seconds;
-  for (int i = -int(reach / step); i <= int(reach / step); ++i) {
-    double votes = 0;
-    for (const EpipolarMiss& m : moving)
-      votes += cauchy_weight(m.miss - m.slope * i * step, kPixels);
-    if (votes > best || (votes == best && std::abs(i * step) < std::abs(shift)))
-      best = votes, shift = i * step;
+  if (moving.size() < kFewestMisses) return std::nullopt;
+  PairShift found = most_votes(moving, reach, 0, frame_seconds);
+  bool agreed = refine(moving, false, found) && is_agreed(found, moving.size(), reach);
+  if (rate_reach > 0 && (!agreed || 5 * found.support < 3 * moving.size())) {
+    PairShift drifting = most_votes(moving, reach, rate_reach, frame_seconds);
+    if (drifting.rate != 0 && refine(moving, true, drifting) &&
+        is_agreed(drifting, moving.size(), reach) &&
+        (!agreed || 4 * drifting.support > 5 * found.support))
+      return drifting;
   }
-  double information = 0, sigma = kPixels;
-  size_t support = 0;
-  for (int round = 0; round < 20; ++round) {
-    double up = 0, down = 0;
-    information = 0, support = 0;
-    std::vector<double> near;
-    for (const EpipolarMiss& m : moving) {
-      const double error = m.miss - m.slope * shift, weight = cauchy_weight(error, sigma);
-      up += weight * m.slope * error, down += weight * m.slope * m.slope;
-      information += weight * m.slope * m.slope;
-      if (std::abs(error) < 3 * kPixels) near.push_back(std::abs(error));
-      support += std::abs(error) < kPixels ? 1 : 0;
-    }
-    if (near.size() < kFewest) return std::nullopt;
-    shift += up / down;
-    sigma = std::clamp(1.4826 * median_of(near), 0.05, kPixels);
-  }
-  // where fewer than a third agree, the matches are mostly wrong and any shift would do
-  if (support < kFewest || 3 * support < moving.size() || std::abs(shift) > reach)
-    return std::nullopt;
-  return PairShift{shift, kCorrelation * sigma / std::sqrt(information), support};
+  if (!agreed) return std::nullopt;
+  PairShift line = found;  // the constant shift stays; how far from constant it is stands beside
+  if (!refine(moving, true, line)) line.rate_sigma = std::numeric_limits<double>::infinity();
+  found.rate = line.rate, found.rate_sigma = line.rate_sigma;
+  return found;
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // What: clock offsets from measurements: of two clocks from how far each correspondence misses its
-//       epipolar line, of a whole rig from its pairs.
+//       epipolar line, of a whole rig from its pairs; and which of them are applied.
 // Not: where the measurements come from (media/sync_motion.h, media/sync_audio.h).
 // Source: least squares with Cauchy weights (Holland, Welsch 1977), iterated.
 #pragma once
@@ -28,20 +28,38 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
 /// The offset in the middle by size; of an even count the lower one, so that one clock stays.
 double median_offset(std::vector<double> offsets);
 
+/// For each clock the offset, seconds, up to which it is left at 0; 0 for those that are not
+/// determined. `frame_seconds`: of each clock's frames. An offset that is applied gives the frames
+/// of that camera times of their own, so that the scene has more timesteps, and is worth that only
+/// where it is real and matters:
+/// - it must be more than twice its standard error;
+/// - and more than a tenth of a frame, in which an object moves less than while a frame is exposed;
+/// - where most clocks agree to a tenth of a frame (one trigger drives the cameras), it must stand
+///   out from the others: by five times their scatter, or a quarter of a frame if that is less. The
+///   standard errors do not know of lenses and textures that mislead all frames of a pair alike.
+std::vector<double> offset_limits(const std::vector<SolvedOffset>& solved,
+                                  const std::vector<double>& frame_seconds);
+
 /// A moving point that two cameras see: how far it misses its epipolar line.
 struct EpipolarMiss {
-  double miss = 0;   // pixels
-  double slope = 0;  // pixels a second by which `miss` falls when the second clock is set later
+  double miss = 0;     // pixels
+  double slope = 0;    // pixels a second by which `miss` falls when the second clock is set later
+  double seconds = 0;  // of the first clock, from the middle of what is compared
 };
 
+/// The second clock is to be set later by shift + rate · seconds.
 struct PairShift {
-  double shift = 0;    // seconds the second clock is to be set later
-  double sigma = 0;    // standard error of it, seconds
-  size_t support = 0;  // moving points that agree with it
+  double shift = 0;       // seconds
+  double sigma = 0;       // standard error of it, seconds
+  size_t support = 0;     // moving points that agree with it
+  double rate = 0;        // seconds a second: how much slower the second clock runs
+  double rate_sigma = 0;  // standard error of it; infinite where nothing tells the rate
 };
 
-/// The shift within ±reach that most misses agree on; nothing where too few do.
+/// The shift within ±reach that most misses agree on, and rates of up to ±rate_reach: tried where
+/// less than 3 of 5 misses agree on a constant shift, and measured in any case. Nothing where too
+/// few agree.
 std::optional<PairShift> shift_from_misses(const std::vector<EpipolarMiss>& misses, double reach,
-                                           double frame_seconds);
+                                           double frame_seconds, double rate_reach = 0);
 
 }  // namespace tessera

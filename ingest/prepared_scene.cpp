@@ -91,6 +91,7 @@ ordered_json tessera_json(const PreparedScene& scene) {
     if (!camera.time_source.empty()) {
       cameras.back()["time_offset_source"] = camera.time_source;
       cameras.back()["time_offset_uncertainty"] = camera.time_uncertainty;
+      cameras.back()["time_offset_measured"] = camera.time_measured;
     }
     if (!camera.removed_lenses.empty())
       cameras.back()["removed_lenses"] = removed_lenses_json(camera);

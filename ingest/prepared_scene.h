@@ -32,6 +32,7 @@ struct PreparedCamera {
   Rational time_base{};         // seconds a tick
   double time_offset = 0;       // seconds added to the camera's own clock
   double time_uncertainty = 0;  // its standard error, seconds
+  double time_measured = 0;     // what was measured, of which time_offset keeps what is certain
   std::string time_source{};    // where the offset comes from: "motion", "audio", …; empty: none
   std::vector<RemovedLens> removed_lenses{};             // distinct; several where it was zoomed
   std::optional<std::array<double, 3>> exposure_gain{};  // R G B its pictures were divided by

@@ -125,24 +125,35 @@ std::map<std::string, RigCamera> read_json_cameras(const path& path) {
 
 }  // namespace
 
-std::vector<RigCamera> read_rig_cameras(const path& file, const std::vector<std::string>& names) {
-  if (file.extension() == ".npy") return read_llff_rows(file, names);
+std::vector<std::optional<RigCamera>> find_rig_cameras(const path& file,
+                                                       const std::vector<std::string>& names,
+                                                       std::string& missing) {
+  missing.clear();
+  std::vector<std::optional<RigCamera>> cameras;
+  if (file.extension() == ".npy") {
+    for (RigCamera& camera : read_llff_rows(file, names)) cameras.emplace_back(std::move(camera));
+    return cameras;
+  }
   const auto known = read_json_cameras(file);
-  std::vector<RigCamera> cameras;
-  std::vector<std::string> missing, listed;
+  std::vector<std::string> without, listed;
   for (const auto& [name, camera] : known) listed.push_back(name);
   for (const std::string& name : names) {
     const auto found = known.find(name);
-    if (found == known.end())
-      missing.push_back(name);
-    else
-      cameras.push_back(found->second);
+    if (found == known.end()) without.push_back(name);
+    cameras.push_back(found == known.end() ? std::nullopt : std::optional(found->second));
   }
-  if (!missing.empty())
-    throw InputError(
-        fmt::format("{}: has no camera for {}; it has {}: rename them alike, or leave "
-                    "those without a pose out of the capture",
-                    file.string(), listed_names(missing), listed_names(listed)));
+  if (!without.empty())
+    missing = fmt::format("{}: has no camera for {}; it has {}", file.string(),
+                          listed_names(without), listed_names(listed));
+  return cameras;
+}
+
+std::vector<RigCamera> read_rig_cameras(const path& file, const std::vector<std::string>& names) {
+  std::string missing;
+  const auto found = find_rig_cameras(file, names, missing);
+  if (!missing.empty()) throw InputError(fmt::format("{}: {}", missing, kUnposedRemedy));
+  std::vector<RigCamera> cameras;
+  for (const std::optional<RigCamera>& camera : found) cameras.push_back(*camera);
   return cameras;
 }
 

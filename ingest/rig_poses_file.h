@@ -2,6 +2,7 @@
 // Not: poses that are estimated (media/pose_estimation.h), or a picture's pixels.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,14 @@ namespace tessera {
 /// listed twice with different poses, another number of rows than of names.
 std::vector<RigCamera> read_rig_cameras(const std::filesystem::path& file,
                                         const std::vector<std::string>& names);
+
+/// As read_rig_cameras, but a name without a camera has none, and `missing`, empty otherwise, says
+/// so in one line that names file and cameras and ends before the remedy.
+std::vector<std::optional<RigCamera>> find_rig_cameras(const std::filesystem::path& file,
+                                                       const std::vector<std::string>& names,
+                                                       std::string& missing);
+inline constexpr const char* kUnposedRemedy =
+    "rename them alike, or leave those without a pose out of the capture";
 
 /// `stated` for a picture of width × height: scaled where the shape is the same. Where one side is
 /// the same and the other up to 15 pixels shorter, the picture was cut to it from whole 16-pixel

@@ -139,7 +139,8 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
   manifest["up"] = up_of(hints_.cameras);
   manifest["splat"] = splat_json(model_);
   manifest["cameras"] = nlohmann::json::array();
-  for (const RigCamera& camera : hints_.cameras) manifest["cameras"].push_back(camera_json(camera));
+  for (const PlayerCamera& camera : hints_.cameras)
+    manifest["cameras"].push_back(camera_json(camera));
   manifest["constant_ids"] = false;
   manifest["ids"] =
       "row i is not the same Gaussian in each frame: those not drawn at a time are left out";

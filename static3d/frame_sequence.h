@@ -39,7 +39,7 @@ std::string sequence_file_name(int64_t i, int64_t count, const SplatFormat& form
 
 /// What the manifest says beyond the frames.
 struct SequenceHints {
-  std::vector<RigCamera> cameras;  // in the model's world
+  std::vector<PlayerCamera> cameras;  // in the model's world
 };
 
 /// Writes frame_0000.EXTENSION … (four digits, more when needed) for `times` (normalised,

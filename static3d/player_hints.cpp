@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-nlohmann::json camera_json(const RigCamera& rig) {
+nlohmann::json camera_json(const PlayerCamera& rig) {
   const Camera& camera = rig.camera;
   const glm::dvec3 at = camera.position();
   const glm::dmat3 turn = glm::transpose(camera.cam_from_world);
@@ -37,9 +37,9 @@ nlohmann::json splat_json(const GaussianModel& rules) {
           {"far", rules.far_plane}};
 }
 
-std::array<double, 3> up_of(const std::vector<RigCamera>& cameras) {
+std::array<double, 3> up_of(const std::vector<PlayerCamera>& cameras) {
   glm::dvec3 up{0, 0, 0};
-  for (const RigCamera& rig : cameras)
+  for (const PlayerCamera& rig : cameras)
     up -= glm::transpose(rig.camera.cam_from_world) * glm::dvec3(0, 1, 0);
   const double length = glm::length(up);
   if (!(length > 1e-3 * double(cameras.size()))) return {0, -1, 0};

@@ -14,15 +14,15 @@
 namespace tessera {
 
 /// A camera of the rig, to be looked through.
-struct RigCamera {
+struct PlayerCamera {
   std::string name;
   Camera camera;  // in the world of the file
 };
 
-nlohmann::json camera_json(const RigCamera& rig);
+nlohmann::json camera_json(const PlayerCamera& rig);
 /// Dilation, cut-offs and clip planes.
 nlohmann::json splat_json(const GaussianModel& rules);
 /// Unit length: the mean direction against the cameras' down, or that of the axes (−y).
-std::array<double, 3> up_of(const std::vector<RigCamera>& cameras);
+std::array<double, 3> up_of(const std::vector<PlayerCamera>& cameras);
 
 }  // namespace tessera

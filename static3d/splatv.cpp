@@ -148,7 +148,7 @@ std::string texture_of(const GaussianModel& model, SplatvReport& report) {
 }
 
 /// Position and axes in the world, z forward, one row a line.
-nlohmann::json camera_json(size_t id, const RigCamera& named) {
+nlohmann::json camera_json(size_t id, const PlayerCamera& named) {
   const Camera& camera = named.camera;
   const glm::dvec3 eye = camera.position();
   nlohmann::json rotation = nlohmann::json::array();
@@ -167,7 +167,7 @@ nlohmann::json camera_json(size_t id, const RigCamera& named) {
 
 }  // namespace
 
-RigCamera splatv_camera(const GaussianModel& model) {
+PlayerCamera splatv_camera(const GaussianModel& model) {
   constexpr int kWidth = 1280, kHeight = 720;
   constexpr double kFocal = 1000, kDistance = 4;  // pixels; × the scene's half extent
   const SceneBox box = scene_box(model);
@@ -180,7 +180,7 @@ RigCamera splatv_camera(const GaussianModel& model) {
 }
 
 SplatvReport save_splatv(const std::filesystem::path& path, const GaussianModel& model,
-                         const std::vector<RigCamera>& cameras) {
+                         const std::vector<PlayerCamera>& cameras) {
   check(!cameras.empty(), "save_splatv: a camera, splatv_camera makes one");
   SplatvReport report;
   std::string texture = texture_of(model, report);

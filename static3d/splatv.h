@@ -19,7 +19,7 @@ struct SplatvReport {
 };
 
 /// In front of the middle of the scene, along +z.
-RigCamera splatv_camera(const GaussianModel& model);
+PlayerCamera splatv_camera(const GaussianModel& model);
 
 /// Means to floats, everything else to half floats or bytes; colours seen along no direction (SH of
 /// degree 0), those that follow time as they are at the moment where a Gaussian is brightest.
@@ -27,6 +27,6 @@ RigCamera splatv_camera(const GaussianModel& model);
 /// least one; players start at the first. Errors: InputError: more Gaussians than a texture of
 /// players holds.
 SplatvReport save_splatv(const std::filesystem::path& path, const GaussianModel& model,
-                         const std::vector<RigCamera>& cameras);
+                         const std::vector<PlayerCamera>& cameras);
 
 }  // namespace tessera

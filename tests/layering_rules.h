@@ -1,7 +1,9 @@
-// What: the rules of the source tree, on lines of text: includes, first comments, who speaks.
+// What: the rules of the source tree, on lines of text: includes, first comments, who speaks,
+//       which types are defined.
 // Not: reading files, nor the tests (layering_test.cpp). Source: the table of layers in
 //      ARCHITECTURE.md.
 #pragma once
+#include <algorithm>
 #include <map>
 #include <regex>
 #include <string>
@@ -112,6 +114,29 @@ inline std::string speech_complaint(const std::string& file, const std::string& 
       R"re(\b(exit|_Exit|quick_exit|abort|printf|fprintf|puts|putchar|perror)\s*\(|\b(cout|cerr|clog)\b)re");
   const std::string code = line.substr(0, line.find("//"));
   return std::regex_search(code, kSpeech) ? file + " speaks or ends the program: " + line : "";
+}
+
+/// Structs, classes, unions and enums that the file defines with external linkage, by their whole
+/// names, as clang-format writes them: at the beginning of a line. Not: specialisations.
+inline std::vector<std::string> defined_types(const Lines& lines) {
+  static const std::regex kOpens(R"re(^(?:inline )?namespace\s*([\w:]*)\s*\{)re");
+  static const std::regex kType(
+      R"re(^(?:struct|class|union|enum|enum class) (?:alignas\(\w+\) )?(\w+)(?: final)?(?: : [^;]*)?(?: \{.*)?$)re");
+  std::vector<std::string> scopes, types;
+  std::smatch match;
+  for (const std::string& line : lines) {
+    if (std::regex_search(line, match, kOpens) && line.find('}') == std::string::npos)
+      scopes.push_back(match[1]);
+    else if (line.starts_with("}  // namespace") && !scopes.empty())
+      scopes.pop_back();
+    else if (std::regex_match(line, match, kType) &&
+             std::find(scopes.begin(), scopes.end(), "") == scopes.end()) {
+      std::string name;
+      for (const std::string& scope : scopes) name += scope + "::";
+      types.push_back(name + match[1].str());
+    }
+  }
+  return types;
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // What: the source tree keeps its rules: who may include whom, how long files are, what each begins
-//       with, and that only tools/ speaks to a terminal.
+//       with, that only tools/ speaks to a terminal, and that types are defined once.
 // Not: a compiler: lines are read as text. The rules: layering_rules.h.
 #include <gtest/gtest.h>
 
@@ -106,6 +106,19 @@ TEST_F(Layering, OnlyToolsSpeak) {
     for (const std::string& line : lines) EXPECT_EQ(speech_complaint(file, line), "");
 }
 
+/// One definition rule: two types of one name in one program are undefined behaviour without a word
+/// from the linker. Fast; scripts/check_odr.sh asks the compiler, about the whole program.
+/// Bug put back: PlayerCamera named RigCamera, as the one of ingest/; seen to fail.
+TEST_F(Layering, TypesAreDefinedOnce) {
+  std::map<std::string, std::string> first;
+  for (const auto& [file, lines] : sources_)
+    for (const std::string& type : defined_types(lines)) {
+      const auto [known, is_new] = first.emplace(type, file);
+      EXPECT_TRUE(is_new) << type << " is defined in " << known->second << " and in " << file;
+    }
+  EXPECT_GT(first.size(), 400u);
+}
+
 TEST_F(Layering, NothingIsLeftToDo) {
   static const std::regex kLeft(
       "\\b(TO"
@@ -169,6 +182,24 @@ TEST(LayeringRules, AreSeenToRefuse) {
   for (const char* line : {"// printf(...)", "std::snprintf(text, 9, \"x\");", "on_exit_(1);"})
     EXPECT_EQ(speech_complaint("recon4d/a.cpp", line), "") << line;
   EXPECT_EQ(speech_complaint("tools/a.cpp", "std::cout << x;"), "");
+
+  const Lines file = {"namespace a {",
+                      "struct B;",
+                      "struct C {",
+                      "  struct D {",
+                      "  };",
+                      "};",
+                      "namespace {",
+                      "struct E {",
+                      "};",
+                      "}  // namespace",
+                      "class F : C {",
+                      "enum class G { kH };",
+                      "template <>",
+                      "struct I<int> {",
+                      "}  // namespace a",
+                      "struct J {};"};
+  EXPECT_EQ(defined_types(file), (std::vector<std::string>{"a::C", "a::F", "a::G", "J"}));
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
@@ -22,6 +21,7 @@
 #include "tools/backend_choice.h"
 #include "tools/command.h"
 #include "tools/export_in_time.h"
+#include "tools/export_times.h"
 #include "tools/held_out_scores.h"
 #include "tools/ingest_arguments.h"
 #include "tools/ingest_batch.h"
@@ -44,7 +44,7 @@ struct RunRequest {
   fs::path capture, out;
   IngestArguments ingest;
   TrainArguments training;
-  int64_t export_frames = 0;  // 0: one per moment of the training split, at most kMostFrames
+  int64_t export_frames = 0;  // 0: those of a training camera, at most kMostFrames
   bool json_output = false;
 };
 
@@ -147,16 +147,15 @@ class Runner {
   }
 
   std::vector<double> export_times() const {
+    if (request_.export_frames > 0)
+      return tessera::export_times({.frames = request_.export_frames}, {}, true);
     const Scene scene = load_scene(scene_, scene_options(false));
-    std::set<double> moments;
-    for (int i : scene.split_indices(Split::kTrain)) moments.insert(scene.frames[size_t(i)].time);
-    if (request_.export_frames == 0 && int64_t(moments.size()) <= kMostFrames)
-      return {moments.begin(), moments.end()};
-    const int64_t count = request_.export_frames > 0 ? request_.export_frames : kMostFrames;
-    std::vector<double> times;
-    for (int64_t i = 0; i < count; ++i)
-      times.push_back(count > 1 ? double(i) / double(count - 1) : 0);
-    return times;
+    CameraMoments moments;
+    for (int i : scene.split_indices(Split::kTrain)) {
+      const Frame& frame = scene.frames[size_t(i)];
+      moments[frame.camera_name].insert(frame.time);
+    }
+    return capture_times(moments, kMostFrames);
   }
 
   bool export_frames() {
@@ -269,7 +268,7 @@ void add_run_command(CLI::App& app, Work& work) {
           "fit: ingest divides each training camera's pictures by its gains; camera or frame: "
           "training learns gains, of cameras or of all pictures; none");
   command.add_option("--export-frames", request->export_frames,
-                     "frames of the .ply sequence; 0: one per moment, at most 60");
+                     "frames of the .ply sequence; 0: as many as a camera filmed, at most 60");
   command.add_flag("--json", request->json_output, "print one JSON object");
   add_train_options(command, request->training);
   command.callback([request, &work] {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "ingest/checks/clocks.h"
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/coverage.h"
 #include "ingest/checks/leakage.h"
@@ -85,7 +86,7 @@ void add_coverage_and_cloud(const Scene& all, const Scene& sample, DoctorReport&
 }
 
 void add_times(const ThinnedScene& scene, DoctorReport& report) {
-  const TimeRange times = check_times(scene.all);
+  const SceneTimes times = check_times(scene.all);
   add(times.findings, report);
   const double moving = dynamic_share(scene.sample);
   if (moving >= 0)
@@ -105,19 +106,24 @@ void add_times(const ThinnedScene& scene, DoctorReport& report) {
                            {"cameras", std::move(table)}};
 }
 
-/// Offsets that the preparation recorded.
-void add_clocks(const std::filesystem::path& folder, DoctorReport& report) {
+/// Offsets that the preparation recorded, and how well it knew them.
+void add_clocks(const Scene& all, const std::filesystem::path& folder, DoctorReport& report) {
   if (!is_prepared_scene(folder)) return;
   const json object = read_json(folder / "transforms.json").at("tessera");
   if (!object.contains("cameras")) return;
   json table = json::object();
   double largest = 0;
+  std::vector<RecordedClock> clocks;
   for (const json& camera : object["cameras"]) {
     const std::string where = (folder / "transforms.json").string();
     const double offset = finite_number(camera, "time_offset", where).value_or(0);
-    table[string_at(camera, "name", where)] = offset;
+    clocks.push_back({string_at(camera, "name", where),
+                      string_at(camera, "time_offset_source", where), offset,
+                      finite_number(camera, "time_offset_uncertainty", where).value_or(0)});
+    table[clocks.back().camera] = offset;
     largest = std::max(largest, std::abs(offset));
   }
+  add(check_clocks(all, clocks), report);
   if (table.size() > 1 && largest > 0)
     add({{Severity::kInfo, "sync", "",
           fmt::format("clocks were set by up to {:.4f} s when the scene was prepared", largest),
@@ -178,7 +184,7 @@ void examine(const ThinnedScene& scene, const std::filesystem::path& folder, Doc
   add_sharpness(scene.sample, report);
   add_coverage_and_cloud(scene.all, scene.sample, report);
   add_times(scene, report);
-  add_clocks(folder, report);
+  add_clocks(scene.all, folder, report);
   const Leakage leakage = check_leakage(scene.all, scene.pictures);
   add(leakage.findings, report);
   report.tables["leakage"] = {{"training_manifest", leakage.training_manifest},

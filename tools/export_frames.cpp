@@ -29,12 +29,15 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
   const SplatFormat format =
       request.format == "spz" ? spz_format(request.spz_version) : splat_format(request.format);
   if (request.page) check_page_plays(format);
+  Rig rig = rig_of(request.page ? request.cameras : "", request.model, model);
+  ExportTimes wanted = request.times;
+  if (rig.fps > 0) wanted.capture_fps = rig.fps;
   const std::vector<double> times =
-      export_times(request.times, model.time_axis, model.dynamic_set.count() > 0);
+      export_times(wanted, model.time_axis, model.dynamic_set.count() > 0);
   OutputFolder folder(request.out, "export", files_of(request, int64_t(times.size()), format),
                       request.overwrite);
   SequenceHints hints;
-  if (request.page) hints.cameras = rig_of(request.cameras, request.model, model).cameras;
+  if (request.page) hints.cameras = std::move(rig.cameras);
   SequenceReport report;
   {
     ProgressBar bar("export");

@@ -12,7 +12,7 @@ namespace tessera {
 
 nlohmann::json write_splatv(const ExportRequest& request, GaussianModel& model) {
   constexpr const char* kFile = "model.splatv";
-  std::vector<RigCamera> cameras = rig_of(request.cameras, request.model, model).cameras;
+  std::vector<PlayerCamera> cameras = rig_of(request.cameras, request.model, model).cameras;
   if (cameras.empty()) cameras.push_back(splatv_camera(model));
   OutputFolder folder(request.out, "export", {kFile}, request.overwrite);
   const SplatvReport report = save_splatv(folder.path(kFile), model, cameras);

@@ -1,4 +1,4 @@
-// What: evenly spread moments, moments at a rate, and the words of --range.
+// What: evenly spread moments, moments at a rate, the rate of cameras, and the words of --range.
 // Not: option parsing (cmd_export.cpp).
 #include "tools/export_times.h"
 
@@ -7,14 +7,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 
 #include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
 
-constexpr double kDefaultFps = 24;       // frames per unit of the capture's clock (seconds)
-constexpr int64_t kMostDefault = 300;    // frames that nobody asked for
+constexpr double kDefaultFps = 24;     // frames per unit of the capture's clock, if it is not known
+constexpr int64_t kMostDefault = 300;  // frames that nobody asked for
 constexpr int64_t kMostFrames = 100000;  // frames that anybody may ask for
 constexpr double kRounding = 1e-6;  // of a frame: a last moment that rounding puts past the end
 
@@ -39,6 +40,19 @@ std::vector<double> at_rate(double fps, double duration, const TimeRange& range)
   for (int64_t i = 0; i <= int64_t(last); ++i)
     times.push_back(std::min(range.end, range.begin + double(i) / (fps * duration)));
   return times;
+}
+
+/// Of at least two times.
+double rate_of(const std::set<double>& moments) {
+  std::vector<double> steps;
+  for (auto next = std::next(moments.begin()); next != moments.end(); ++next)
+    steps.push_back(*next - *std::prev(next));
+  std::vector<double> sorted = steps;
+  const auto middle = sorted.begin() + std::ptrdiff_t((sorted.size() - 1) / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  double frames = 0;  // the clock of a container may be coarse: the sum has no error of the median
+  for (const double step : steps) frames += std::max(1.0, std::round(step / *middle));
+  return frames / (*moments.rbegin() - *moments.begin());
 }
 
 InputError range_error(const std::string& text, const std::string& reason) {
@@ -76,6 +90,31 @@ TimeRange parse_time_range(const std::string& text, const TimeAxis& axis) {
   return range;
 }
 
+double capture_rate(const CameraMoments& cameras) {
+  std::vector<double> rates;
+  std::set<double> single;
+  for (const auto& [name, moments] : cameras) {
+    if (moments.size() > 1)
+      rates.push_back(rate_of(moments));
+    else
+      single.insert(moments.begin(), moments.end());
+  }
+  if (single.size() > 1 && rates.empty()) rates.push_back(rate_of(single));
+  if (rates.empty()) return 0;
+  const auto middle = rates.begin() + std::ptrdiff_t((rates.size() - 1) / 2);
+  std::nth_element(rates.begin(), middle, rates.end());
+  return *middle;
+}
+
+std::vector<double> capture_times(const CameraMoments& cameras, int64_t most) {
+  std::set<double> all;
+  for (const auto& [name, moments] : cameras) all.insert(moments.begin(), moments.end());
+  if (all.empty()) return {};
+  const TimeRange whole{*all.begin(), *all.rbegin()};
+  const double count = std::round(capture_rate(cameras) * (whole.end - whole.begin)) + 1;
+  return spread(int64_t(std::min(count, double(most))), whole);
+}
+
 std::vector<double> export_times(const ExportTimes& request, const TimeAxis& axis, bool moves) {
   if (request.time) {
     if (!(*request.time >= 0 && *request.time <= 1))
@@ -94,7 +133,7 @@ std::vector<double> export_times(const ExportTimes& request, const TimeAxis& axi
   if (request.fps) return at_rate(*request.fps, axis.duration, range);
   if (!moves) return {range.begin};
   const double seconds = axis.duration * (range.end - range.begin);
-  const double count = std::floor(kDefaultFps * seconds) + 1;
+  const double count = std::round(request.capture_fps.value_or(kDefaultFps) * seconds) + 1;
   return spread(int64_t(std::clamp(count, 2.0, double(kMostDefault))), range);
 }
 

@@ -3,10 +3,10 @@
 #include "tools/rig_cameras.h"
 
 #include <algorithm>
-#include <set>
 
 #include "kernels/base/errors.h"
 #include "tools/camera_views.h"
+#include "tools/export_times.h"
 #include "tools/run_folder.h"
 
 namespace tessera {
@@ -20,12 +20,12 @@ std::string station_name(const std::string& frame) {
   return slash == std::string::npos ? frame : frame.substr(0, slash);
 }
 
-bool taken(const std::vector<RigCamera>& cameras, const std::string& name) {
+bool taken(const std::vector<PlayerCamera>& cameras, const std::string& name) {
   return std::any_of(cameras.begin(), cameras.end(), [&](const auto& c) { return c.name == name; });
 }
 
-std::vector<RigCamera> places_of(const std::vector<NamedView>& views) {
-  std::vector<RigCamera> all;
+std::vector<PlayerCamera> places_of(const std::vector<NamedView>& views) {
+  std::vector<PlayerCamera> all;
   for (const NamedView& named : views) {
     const Camera& camera = named.view.camera;
     if (std::any_of(all.begin(), all.end(), [&](const auto& c) { return c.camera == camera; }))
@@ -34,7 +34,7 @@ std::vector<RigCamera> places_of(const std::vector<NamedView>& views) {
     all.push_back({taken(all, station) ? named.name : station, camera});
   }
   if (all.size() <= kMostCameras) return all;
-  std::vector<RigCamera> some;  // a camera that moved: evenly along its way
+  std::vector<PlayerCamera> some;  // a camera that moved: evenly along its way
   for (size_t i = 0; i < kMostCameras; ++i) some.push_back(all[i * all.size() / kMostCameras]);
   return some;
 }
@@ -54,11 +54,9 @@ Rig rig_of(const std::string& cameras, const std::string& model_path, const Gaus
   }
   Rig rig;
   rig.cameras = places_of(views);
-  std::set<double> moments;
-  for (const NamedView& named : views) moments.insert(named.view.time);
-  const double seconds =
-      moments.empty() ? 0 : (*moments.rbegin() - *moments.begin()) * model.time_axis.duration;
-  if (seconds > 0) rig.fps = double(moments.size() - 1) / seconds;
+  CameraMoments moments;
+  for (const NamedView& named : views) moments[station_name(named.name)].insert(named.view.time);
+  rig.fps = capture_rate(moments) / model.time_axis.duration;
   return rig;
 }
 

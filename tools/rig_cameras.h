@@ -8,8 +8,8 @@
 namespace tessera {
 
 struct Rig {
-  std::vector<RigCamera> cameras;  // in the model's world; each place once, at most 32
-  double fps = 0;                  // 0: not known
+  std::vector<PlayerCamera> cameras;  // in the model's world; each place once, at most 32
+  double fps = 0;                     // 0: not known
 };
 
 /// Of `cameras` (a scene folder or transforms file), else of the scene that the run folder

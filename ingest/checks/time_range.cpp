@@ -28,7 +28,7 @@ int64_t missing_moments(const std::vector<double>& times) {
   return missing;
 }
 
-void judge_cameras(TimeRange& range) {
+void judge_cameras(SceneTimes& range) {
   std::vector<double> firsts, lasts;
   for (const CameraTimes& camera : range.cameras)
     firsts.push_back(camera.first), lasts.push_back(camera.last);
@@ -56,8 +56,8 @@ void judge_cameras(TimeRange& range) {
 
 }  // namespace
 
-TimeRange check_times(const Scene& scene) {
-  TimeRange range;
+SceneTimes check_times(const Scene& scene) {
+  SceneTimes range;
   std::set<double> moments;
   std::map<std::string, std::set<double>> of_camera;
   for (const Frame& frame : scene.frames) {

@@ -14,7 +14,7 @@ struct CameraTimes {
   int64_t missing = 0;         // moments within its range where its frames are too far apart
 };
 
-struct TimeRange {
+struct SceneTimes {
   int64_t moments = 0;     // distinct times
   double duration = 0;     // in the capture's own unit
   bool is_static = false;  // one moment
@@ -22,7 +22,7 @@ struct TimeRange {
   Findings findings;
 };
 /// Needs no pixels; of all frames. Cameras with several poses count as one.
-TimeRange check_times(const Scene& scene);
+SceneTimes check_times(const Scene& scene);
 
 /// Share of the pixels that change by more than 10 % of white over the loaded moments, mean over
 /// the training cameras that stand still; −1 where none has two moments. Needs pixels.

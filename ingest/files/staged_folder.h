@@ -7,9 +7,10 @@ namespace tessera {
 
 class StagedFolder {
  public:
-  /// Creates a hidden sibling of `target`. `may_replace` says whether a non-empty folder that is
-  /// already there may be replaced (at `commit`, not before). Errors: InputError when it may not,
-  /// when `target` is a file, or when its parent cannot be written.
+  /// Creates a hidden sibling of `target`, and removes those of processes that were killed.
+  /// `may_replace` says whether a non-empty folder that is already there may be replaced (at
+  /// `commit`, not before). Errors: InputError when it may not, when `target` is a file, or when
+  /// its parent cannot be written.
   StagedFolder(std::filesystem::path target, bool may_replace);
   StagedFolder(const StagedFolder&) = delete;
   StagedFolder& operator=(const StagedFolder&) = delete;
@@ -21,6 +22,7 @@ class StagedFolder {
 
  private:
   std::filesystem::path target_, staging_;
+  int lock_ = -1;  // on staging_: says to others that its process lives
 };
 
 }  // namespace tessera

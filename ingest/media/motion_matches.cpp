@@ -71,9 +71,10 @@ MissTable miss_table(const glm::dmat3& f, const MovingFeatures& a, const MovingF
   return table;
 }
 
-/// Appends matches that are each other's best within the gate, clearly better than the next best.
+/// Appends matches that are each other's best within the gate, clearly better than the next best;
+/// `seconds` is their time.
 void match(const MovingFeatures& a, const MovingFeatures& b, const MissTable& table, double gate,
-           std::vector<EpipolarMiss>& misses) {
+           double seconds, std::vector<EpipolarMiss>& misses) {
   constexpr double kRatio = 0.8;  // of distances, best to second best (Lowe 2004)
   cv::Mat likeness = a.descriptor * b.descriptor.t();  // cosines
   const auto distance = [](double cosine) { return std::sqrt(std::max(0.0, 2 - 2 * cosine)); };
@@ -90,7 +91,7 @@ void match(const MovingFeatures& a, const MovingFeatures& b, const MissTable& ta
     cv::minMaxLoc(row, nullptr, &next);
     cv::minMaxLoc(likeness.col(at.x), nullptr, nullptr, nullptr, &other);
     if (other.y != i || distance(best) > kRatio * distance(next)) continue;
-    misses.push_back({table.miss.at<double>(i, at.x), table.slope.at<double>(i, at.x)});
+    misses.push_back({table.miss.at<double>(i, at.x), table.slope.at<double>(i, at.x), seconds});
   }
 }
 
@@ -124,12 +125,12 @@ void straighten(std::vector<MovingFeatures>& features, const RigCamera& camera, 
 }
 
 std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFeatures& b,
-                                          double offset, double gate) {
+                                          const ClockShift& shift, double gate) {
   std::vector<EpipolarMiss> misses;
   const glm::dmat3 f = fundamental(a.camera, b.camera);
   const double pixel = kSide / std::max(b.camera.width, b.camera.height);
   for (const MovingFeatures& frame : a.frames) {
-    const double moment = frame.seconds - offset;
+    const double moment = frame.seconds - shift.at(frame.seconds);
     const auto nearest = std::min_element(
         b.frames.begin(), b.frames.end(), [&](const MovingFeatures& x, const MovingFeatures& y) {
           return std::abs(x.seconds - moment) < std::abs(y.seconds - moment);
@@ -137,25 +138,33 @@ std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFea
     if (nearest == b.frames.end() || frame.point.empty() || nearest->point.empty() ||
         std::abs(nearest->seconds - moment) > 0.6 * b.frame_seconds)
       continue;
-    match(frame, *nearest, miss_table(f, frame, *nearest, moment, pixel), gate, misses);
+    match(frame, *nearest, miss_table(f, frame, *nearest, moment, pixel), gate,
+          frame.seconds - shift.middle, misses);
   }
   return misses;
 }
 
 std::optional<PairShift> fine_offset(const PosedFeatures& a, const PosedFeatures& b, double start) {
+  // Clocks of one make differ by 1e-4; 0.15 is a frame lost in seven.
+  constexpr double kRateReach = 0.15, kLeastRate = 0.01;
   struct Round {
     double gate, reach;  // pixels, frames
   };
+  if (a.frames.empty()) return std::nullopt;
   std::optional<PairShift> found;
-  double offset = start;
+  ClockShift shift{start, 0, 0.5 * (a.frames.front().seconds + a.frames.back().seconds)};
   const double frame_seconds = std::max(a.frame_seconds, b.frame_seconds);
   for (const Round& round : {Round{12, 4}, Round{8, 2}, Round{5, 1}, Round{5, 1}}) {
-    found = shift_from_misses(epipolar_misses(a, b, offset, round.gate),
-                              round.reach * frame_seconds, frame_seconds);
+    const bool first = !found;
+    found = shift_from_misses(epipolar_misses(a, b, shift, round.gate), round.reach * frame_seconds,
+                              frame_seconds, first ? kRateReach : 0);
     if (!found) return std::nullopt;
-    offset += found->shift;
+    shift.offset += found->shift;
+    if (std::abs(found->rate) > std::max(5 * found->rate_sigma, kLeastRate))
+      shift.rate += found->rate, found->rate = 0;
   }
-  return PairShift{offset, found->sigma, found->support};
+  return PairShift{shift.offset, found->sigma, found->support, shift.rate + found->rate,
+                   found->rate_sigma};
 }
 
 }  // namespace tessera

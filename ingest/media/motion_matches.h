@@ -22,14 +22,20 @@ struct PosedFeatures {
   double frame_seconds = 0;
 };
 
-/// Matches frames of a and b that show one instant if b's clock is set `offset` seconds later than
-/// a's, among features within `gate` of their epipolar lines. Misses and gate are in pixels of a
-/// picture of 480 pixels.
-std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFeatures& b,
-                                          double offset, double gate);
+/// By how much a clock is set later: offset + rate · (t − middle), t on another clock; seconds.
+struct ClockShift {
+  double offset = 0, rate = 0, middle = 0;
+  double at(double t) const { return offset + rate * (t - middle); }
+};
 
-/// Offset of b − a near `start`, by matching again at each better offset. Nothing where too few
-/// moving points match.
+/// Matches frames of a and b that show one instant if b's clock is set later than a's by `shift` of
+/// a's time, among features within `gate` of their epipolar lines. Misses and gate are in pixels of
+/// a picture of 480 pixels.
+std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFeatures& b,
+                                          const ClockShift& shift, double gate);
+
+/// Offset of b − a near `start`, in the middle of a's features, and its rate, by matching again at
+/// each better offset. Nothing where too few moving points match.
 std::optional<PairShift> fine_offset(const PosedFeatures& a, const PosedFeatures& b, double start);
 
 }  // namespace tessera

@@ -57,9 +57,28 @@ void pose_by_row(const fs::path& file, std::vector<RigClip>& clips) {
     clips[i].camera = RigCamera{clips[i].name, poses[i].camera, {}, "PINHOLE"};
 }
 
-void pose_by_name(const fs::path& file, std::vector<RigClip>& clips) {
-  std::vector<RigCamera> cameras = read_rig_cameras(file, names_of(clips));
-  for (size_t i = 0; i < clips.size(); ++i) clips[i].camera = std::move(cameras[i]);
+/// Takes clips out, as `seen` says. Errors: InputError `refusal`: `strict`, or fewer than two are
+/// left.
+void leave_out(const std::string& seen, const std::string& refusal, const std::vector<char>& keep,
+               bool strict, RigClips& rig, std::vector<std::string>& warnings) {
+  if (std::count(keep.begin(), keep.end(), 1) < 2) throw InputError(refusal);
+  if (strict) throw InputError(refusal + ", or leave --strict out to go on without");
+  rig.keep_only(keep);
+  warnings.push_back(
+      fmt::format("{}; the scene is made of the other {} cameras", seen, rig.clips.size()));
+}
+
+void pose_by_name(const fs::path& file, bool strict, RigClips& rig,
+                  std::vector<std::string>& warnings) {
+  std::string missing;
+  auto cameras = find_rig_cameras(file, names_of(rig.clips), missing);
+  std::vector<char> posed;
+  for (size_t i = 0; i < cameras.size(); ++i) {
+    posed.push_back(cameras[i].has_value());
+    rig.clips[i].camera = std::move(cameras[i]);
+  }
+  if (!missing.empty())
+    leave_out(missing, missing + ": " + kUnposedRemedy, posed, strict, rig, warnings);
 }
 
 /// The file that states the poses; empty where none does.
@@ -139,6 +158,25 @@ void RigClips::keep_only(const std::vector<char>& keep) {
   clips = std::move(kept.clips), held_out = std::move(kept.held_out);
 }
 
+void leave_out_bad_lenses(bool strict, RigClips& rig, std::vector<std::string>& warnings) {
+  std::string first;
+  std::vector<std::string> bad;
+  std::vector<char> good;
+  for (const RigClip& clip : rig.clips) try {
+      undistorted_camera(clip.camera->camera, clip.camera->lens,
+                         fmt::format("{} ({})", clip.video.string(), clip.camera->lens_model));
+      good.push_back(1);
+    } catch (const InputError& error) {
+      if (bad.empty()) first = error.what();
+      bad.push_back(clip.name);
+      good.push_back(0);
+    }
+  if (bad.empty()) return;
+  const std::string seen =
+      bad.size() == 1 ? first : fmt::format("{} (likewise: {})", first, listed_names(bad));
+  leave_out(seen, seen + ", or leave it out with --cameras", good, strict, rig, warnings);
+}
+
 RigClips open_rig_clips(const fs::path& capture, const IngestOptions& options,
                         std::vector<std::string>& warnings) {
   RigClips rig;
@@ -147,11 +185,14 @@ RigClips open_rig_clips(const fs::path& capture, const IngestOptions& options,
   const bool by_row = poses.filename() == kLlffFile;
   if (by_row) pose_by_row(poses, rig.clips);  // rows count the videos that are left out, too
   choose(options.cameras, rig);
-  if (!poses.empty() && !by_row) pose_by_name(poses, rig.clips);
+  if (!poses.empty() && !by_row) pose_by_name(poses, options.strict, rig, warnings);
   rig.posed = !poses.empty();
   if (rig.posed) rig.pose_files.push_back(poses);
   read_timelines(rig, options.duration || options.frames, warnings);
-  if (rig.posed) fit_sizes(rig.clips);
+  if (rig.posed) {
+    fit_sizes(rig.clips);
+    leave_out_bad_lenses(options.strict, rig, warnings);
+  }
   hold_out(options.held_out, rig, warnings);
   return rig;
 }

@@ -22,9 +22,14 @@ struct RigClips {
 
 /// The videos directly in `capture`, those of options.cameras where some are named. Poses are those
 /// of options.poses.source: "n3dv", a file, "colmap" (none stated), or empty: poses_bounds.npy
-/// where it is there. Errors: InputError: no video, two of one name, an unknown camera, rows or
-/// names that do not fit, another shape than the poses'.
+/// where it is there. Errors: InputError: no video, two of one name, an unknown camera, rows
+/// that do not fit, another shape than the poses'. Videos without a camera in a file of cameras,
+/// and those whose lens cannot be removed, are left out and named in `warnings`; they are errors
+/// under options.strict and where fewer than two are left.
 RigClips open_rig_clips(const std::filesystem::path& capture, const IngestOptions& options,
                         std::vector<std::string>& warnings);
+
+/// Leaves out the clips, all posed, whose lens has no undistorted picture (lens.h), as above.
+void leave_out_bad_lenses(bool strict, RigClips& rig, std::vector<std::string>& warnings);
 
 }  // namespace tessera

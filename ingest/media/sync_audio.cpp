@@ -128,8 +128,11 @@ std::optional<std::vector<ClipClock>> synchronise_by_audio(const std::vector<Rig
     return std::nullopt;
   }
   std::vector<ClipClock> clocks;
-  for (const SolvedOffset& s : solved)
-    clocks.push_back({s.offset, s.offset, std::max(s.sigma, kSoundPath), "audio"});
+  for (const SolvedOffset& s : solved) {
+    // within its error a clock stays: each that is moved gives the scene timesteps of its own
+    const double error = std::max(s.sigma, kSoundPath);
+    clocks.push_back({std::abs(s.offset) > error ? s.offset : 0, s.offset, error, "audio"});
+  }
   return clocks;
 }
 

@@ -19,8 +19,9 @@ struct SoundDelay {
 /// Memory: 8 MB a minute of each sound at 8 kHz.
 std::vector<SoundDelay> sound_delays(const std::vector<Sound>& sounds);
 
-/// One clock a clip, their median 0; nothing, with one line about the first camera at fault in
-/// `reason`, unless all clips have sound and clear peaks connect them all.
+/// One clock a clip, their median 0; one within its error of that stays at 0. Nothing, with one
+/// line about the first camera at fault in `reason`, unless all clips have sound and clear peaks
+/// connect them all.
 std::optional<std::vector<ClipClock>> synchronise_by_audio(const std::vector<RigClip>& clips,
                                                            const IngestProgress& progress,
                                                            std::string& reason);

@@ -9,16 +9,15 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "ingest/held_out_cameras.h"
 #include "ingest/media/motion_matches.h"
 #include "ingest/media/motion_profile.h"
 #include "ingest/offset_solver.h"
+#include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {
 namespace {
-
-// frames; less is left at 0, so that clocks that agree stay equal
-constexpr double kLeastOffset = 0.1;
 
 using Pairs = std::vector<std::pair<int, int>>;
 
@@ -140,12 +139,13 @@ class MotionSync {
       Fine unmoved = measure_fine(none);
       if (unmoved.support >= fine.support) fine = std::move(unmoved);
     }
+    refuse_drift(solve_offsets(int(clips_.size()), fine.rates));
     return clocks_from(joined(coarse, fine.pairs));
   }
 
  private:
   struct Fine {
-    std::vector<PairOffset> pairs;
+    std::vector<PairOffset> pairs, rates;
     size_t support = 0;
   };
 
@@ -170,16 +170,21 @@ class MotionSync {
       posed.frames = moving_features(pictures_[i], begin - start[i], begin + length - start[i]);
       straighten(posed.frames, *clip.camera, energies_[i].width, energies_[i].height);
     }
-    std::vector<size_t> support(clips_.size() * clips_.size());
+    std::vector<PairShift> shifts(clips_.size() * clips_.size());
     Fine fine;
     fine.pairs = measure(pairs_, [&](int a, int b) -> std::optional<PairOffset> {
       const size_t i = size_t(a), j = size_t(b);
       const auto found = fine_offset(features[i], features[j], start[j] - start[i]);
       if (!found || found->sigma > 0.5 * frame_seconds_) return std::nullopt;
-      support[i * clips_.size() + j] = found->support;
+      shifts[i * clips_.size() + j] = *found;
       return PairOffset{a, b, found->shift, found->sigma};
     });
-    for (const size_t s : support) fine.support += s;
+    for (const PairOffset& pair : fine.pairs) {
+      const PairShift& shift = shifts[size_t(pair.a) * clips_.size() + size_t(pair.b)];
+      fine.support += shift.support;
+      if (std::isfinite(shift.rate_sigma))
+        fine.rates.push_back({pair.a, pair.b, shift.rate, shift.rate_sigma});
+    }
     return fine;
   }
 
@@ -194,8 +199,30 @@ class MotionSync {
     return solve_offsets(count, pairs);
   }
 
+  /// A constant offset would be wrong everywhere but in the middle of what was compared. Errors:
+  /// InputError naming the camera whose clock runs least like the others'.
+  void refuse_drift(const std::vector<SolvedOffset>& rates) const {
+    constexpr double kLeastRate = 0.02;  // half of it is what real rigs give by chance
+    size_t worst = 0;
+    for (size_t i = 0; i < rates.size(); ++i)
+      if (std::abs(rates[i].offset) > std::abs(rates[worst].offset)) worst = i;
+    const double rate = rates[worst].offset, sigma = rates[worst].sigma;
+    if (std::abs(rate) <= std::max(kLeastRate, 5 * sigma)) return;
+    throw InputError(fmt::format(
+        "{}: its clock drifts: while the others' run 1 s, its own runs {:.3f} s (± {:.3f}; frames "
+        "lost and times rewritten?); restore its times, by `ffmpeg -itsscale {:.3f} -i {} -c copy "
+        "…` where the drift is even, leave it out with --cameras, or pass --sync none to take the "
+        "times as they are",
+        clips_[worst].name, 1 - rate, sigma, 1 / (1 - rate),
+        clips_[worst].video.filename().string()));
+  }
+
   ClipClocks clocks_from(const std::vector<SolvedOffset>& solved) const {
     ClipClocks result;
+    std::vector<double> steps;
+    for (const RigClip& clip : clips_) steps.push_back(step_of(clip));
+    const std::vector<double> limits = offset_limits(solved, steps);
+    std::vector<std::string> left;  // as measured, but not certain to be there
     for (size_t i = 0; i < solved.size(); ++i) {
       const SolvedOffset& s = solved[i];
       if (!s.determined) {
@@ -211,15 +238,21 @@ class MotionSync {
                              : "its pose is not known, without which its pictures cannot tell"));
         continue;
       }
-      const bool told =
-          std::abs(s.offset) > std::max(2 * s.sigma, kLeastOffset * step_of(clips_[i]));
+      const bool told = std::abs(s.offset) > limits[i], vague = s.sigma > 0.25 * steps[i];
       result.clocks.push_back({told ? s.offset : 0, s.offset, s.sigma, "motion"});
-      if (s.sigma > 0.25 * step_of(clips_[i]))
+      if (vague)
         result.warnings.push_back(fmt::format(
-            "{}: its clock's offset from motion, {:+.3f} s, is only known to {:.3f} s; state it "
+            "{}: its clock's offset from motion, {:+.3f} s, is only known to {:.3f} s{}; state it "
             "with --offsets FILE if you know better",
-            clips_[i].name, s.offset, s.sigma));
+            clips_[i].name, s.offset, s.sigma, told ? "" : " and is left at 0"));
+      else if (!told && std::abs(s.offset) > std::max(2 * s.sigma, 0.1 * steps[i]))
+        left.push_back(fmt::format("{} {:+.4f} s", clips_[i].name, s.offset));
     }
+    if (!left.empty())
+      result.warnings.push_back(fmt::format(
+          "clocks: the cameras agree but for {}, which does not stand out from the others' errors "
+          "and is left at 0; state what you know with --offsets FILE",
+          listed_names(left)));
     return result;
   }
 

@@ -40,6 +40,7 @@ PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::strin
     placed.push_back(rig.clips[i].camera.has_value());
   }
   rig.keep_only(placed);
+  leave_out_bad_lenses(work.options.strict, rig, warnings);
   if (std::all_of(rig.held_out.begin(), rig.held_out.end(), [](char held) { return held; }))
     throw InputError(fmt::format(
         "{}: only held-out cameras could be placed, none is left to train on; name others with "
@@ -136,6 +137,7 @@ void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedCl
   camera.time_base = clip.timeline.time_base;
   camera.time_offset = clock.offset;
   camera.time_uncertainty = clock.uncertainty;
+  camera.time_measured = clock.measured;
   camera.time_source = clock.source;
   if (!clip.camera->lens.is_pinhole())
     camera.removed_lenses.push_back({clip.camera->lens_model, clip.camera->lens});

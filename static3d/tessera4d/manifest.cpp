@@ -273,7 +273,7 @@ json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules) {
   if (!rules.prepared_from_source.is_identity())
     out["prepared_from_source"] = similarity_numbers(rules.prepared_from_source);
   if (!manifest.audio.empty()) out["audio"] = manifest.audio;
-  for (const RigCamera& camera : manifest.cameras) out["cameras"].push_back(camera_json(camera));
+  for (const PlayerCamera& camera : manifest.cameras) out["cameras"].push_back(camera_json(camera));
   for (const BlockInfo& block : manifest.blocks) out["blocks"].push_back(to_json(block));
   return out;
 }

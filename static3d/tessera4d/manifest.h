@@ -65,7 +65,7 @@ struct Tessera4dManifest {
   int64_t non_finite = 0, never_drawn = 0;           // left out
   int64_t far_outliers = 0;                          // written
   bool anchor_in_clip = true, lossless = false;
-  std::vector<RigCamera> cameras;
+  std::vector<PlayerCamera> cameras;
   std::string audio;
   std::vector<BlockInfo> blocks;
 

@@ -16,9 +16,9 @@ namespace tessera {
 struct Tessera4dOptions {
   double segment_seconds = 1;  // of level 1
   bool lossless = false;
-  double fps = 0;                  // of the capture, for players that step by frames; 0: not known
-  std::vector<RigCamera> cameras;  // in the model's world
-  std::string audio;               // beside the manifest
+  double fps = 0;  // of the capture, for players that step by frames; 0: not known
+  std::vector<PlayerCamera> cameras;  // in the model's world
+  std::string audio;                  // beside the manifest
   std::string generator = "tessera";
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ingest/checks/clocks.h"
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/coverage.h"
 #include "ingest/checks/leakage.h"
@@ -24,6 +25,27 @@ bool has(const Findings& findings, Severity severity, const std::string& check,
   });
 }
 
+// Bug put back: clocks of the source "none" passed over; seen to fail.
+TEST(Checks, ClocksThatAreNotKnownAreNamed) {
+  Scene scene = ring_scene({.cameras = 6, .moments = 31});
+  scene.time_axis.duration = 1;  // 30 frames a second
+  const Findings findings = check_clocks(scene, {{"cam0", "motion", 0, 0.001},
+                                                 {"cam1", "motion", 0, 0.02},
+                                                 {"cam2", "motion", 0.05, 0.02},
+                                                 {"cam3", "none", 0, 0.5},
+                                                 {"cam4", "none", 0, 0},
+                                                 {"cam5", "stated", 0.3, 0}});
+  ASSERT_EQ(findings.size(), 3u);
+  EXPECT_EQ(findings[0].camera, "cam1");
+  EXPECT_EQ(findings[0].measured,
+            "its clock is only known to 0.0200 s, 0.60 of a frame; it was left at 0");
+  EXPECT_NE(findings[1].measured.find("was set by +0.0500 s"), std::string::npos);
+  EXPECT_EQ(findings[2].camera, "cam3");
+  EXPECT_NE(findings[2].measured.find("could not be measured"), std::string::npos);
+  const std::vector<RecordedClock> many(9, {"cam3", "none", 0, 0.5});
+  EXPECT_EQ(check_clocks(scene, many).size(), kMostNamed + 1);
+}
+
 // Fails without the search for steps that are longer than the median one.
 TEST(Checks, GapsAndOtherRanges) {
   Scene scene = ring_scene({.cameras = 4, .moments = 11});
@@ -32,7 +54,7 @@ TEST(Checks, GapsAndOtherRanges) {
   std::erase_if(gap.frames, [](const Frame& f) {
     return f.camera_name == "cam1" && (f.frame_number == 4 || f.frame_number == 5);
   });
-  const TimeRange times = check_times(gap);
+  const SceneTimes times = check_times(gap);
   EXPECT_TRUE(has(times.findings, Severity::kWarning, "time", "cam1"));
   EXPECT_EQ(times.cameras[1].missing, 2);
   Scene late = scene;

@@ -166,5 +166,43 @@ TEST(Lens, UndistortedCameraHasNoBlankPixels) {
       {"a.jpg (RADIAL)", "turns back", "image_undistorter"});
 }
 
+// F15: a sensor of which the upper part was kept: its axis passes below the picture. A longer focal
+// length about the axis shows what lies below the picture, too. The corners of the undistorted
+// picture fall on its border (the focal length is no longer than needed) and not outside. A lens
+// that turns back where the picture has no pixels is no fault of it. Bugs put back: the principal
+// point kept; a turn looked for from the axis on; each seen to fail.
+TEST(Lens, PrincipalPointOutsideOfThePicture) {
+  const Camera camera{1920, 1048, 1400, 1400, 950, 1560, glm::dmat3(1), glm::dvec3(0)};
+  const auto hangs_over = [&](const Lens& lens, const Camera& pinhole) {
+    double most = -1e9;
+    for (int i = 0; i <= 100; ++i)
+      for (int j = 0; j <= 100; ++j) {
+        const glm::dvec2 pixel(0.5 + 19.19 * i, 0.5 + 10.47 * j);
+        const glm::dvec2 met = lens.distorted(
+            {(pixel.x - pinhole.cx) / pinhole.fl_x, (pixel.y - pinhole.cy) / pinhole.fl_y});
+        const glm::dvec2 at(950 + 1400 * met.x, 1560 + 1400 * met.y);
+        most = std::max({most, -at.x, -at.y, at.x - 1920, at.y - 1048});
+      }
+    return most;
+  };
+  const Lens barrel{.k1 = -0.27, .k2 = 0.19};
+  const Camera pinhole = undistorted_camera(camera, barrel, "test");
+  EXPECT_GT(hangs_over(barrel, camera), 5);
+  EXPECT_LE(hangs_over(barrel, pinhole), 1e-6);
+  EXPECT_GT(hangs_over(barrel, pinhole), -0.5);
+  EXPECT_NEAR(pinhole.fl_x, 1.28 * 1400, 0.02 * 1400);  // the upper corners are stretched most
+  EXPECT_EQ(pinhole.fl_x, pinhole.fl_y);
+  const auto ray = barrel.undistorted({(960 - 950) / 1400.0, (524 - 1560) / 1400.0});
+  ASSERT_TRUE(ray);
+  EXPECT_NEAR(pinhole.cx + pinhole.fl_x * ray->x, 960, 1e-9);
+  EXPECT_NEAR(pinhole.cy + pinhole.fl_y * ray->y, 524, 1e-9);
+  // r(1 − 4r² + 5.5r⁴) falls from r = 0.37 to 0.52 and grows from there on; the rays of a picture
+  // that is cut higher are longer than 0.6
+  const Lens turning{.k1 = -4, .k2 = 5.5};
+  Camera higher = camera;
+  higher.width = 400, higher.height = 200, higher.cx = 200, higher.cy = 1240;
+  EXPECT_LE(undistorted_camera(higher, turning, "test").fl_x, 8 * 1400);
+}
+
 }  // namespace
 }  // namespace tessera

@@ -105,6 +105,48 @@ TEST(PhotoDistortion, TrainingOpensPinholePicturesOnly) {
   expect_input_error([&] { load_scene(folder.path(), {}); }, {"frame 2", "k2", "tessera ingest"});
 }
 
+/// The centre of the light within `reach` of a place.
+glm::dvec2 light_near(const Image8& picture, const glm::dvec2& place, int reach) {
+  glm::dvec2 sum(0);
+  double weight = 0;
+  for (int y = int(place.y) - reach; y <= int(place.y) + reach; ++y)
+    for (int x = int(place.x) - reach; x <= int(place.x) + reach; ++x) {
+      const double value = picture.data[size_t(3 * (y * picture.width + x))];
+      sum += value * glm::dvec2(x + 0.5, y + 0.5), weight += value;
+    }
+  return sum / weight;
+}
+
+// F15: a grid of dots, filmed by a sensor of which the upper part was kept, comes back to where the
+// pinhole camera has it. Dots are round in the undistorted picture: each pixel that is filmed takes
+// its light from its ray. Bug put back: Undistortion with the camera's own principal point; seen to
+// fail.
+TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfThePicture) {
+  const Camera camera{320, 174, 233, 233, 158, 260, glm::dmat3(1), glm::dvec3(0)};
+  const Lens lens{.k1 = -0.27, .k2 = 0.19};
+  const Camera pinhole = undistorted_camera(camera, lens, "test");
+  const auto in_pinhole = [&](const glm::dvec2& ray) {
+    return glm::dvec2(pinhole.fl_x * ray.x + pinhole.cx, pinhole.fl_y * ray.y + pinhole.cy);
+  };
+  constexpr double kSpacing = 30, kSigma = 2.5;
+  Image8 filmed = constant_picture(320, 174, {0, 0, 0});
+  for (int y = 0; y < 174; ++y)
+    for (int x = 0; x < 320; ++x) {
+      const auto ray = lens.undistorted({(x + 0.5 - 158) / 233, (y + 0.5 - 260) / 233});
+      ASSERT_TRUE(ray);
+      const glm::dvec2 place = in_pinhole(*ray) / kSpacing;
+      const glm::dvec2 off = kSpacing * (place - glm::floor(place) - glm::dvec2(0.5));
+      filmed.data[size_t(3 * (y * 320 + x))] =
+          uint8_t(std::lround(250 * std::exp(-glm::dot(off, off) / (2 * kSigma * kSigma))));
+    }
+  const Image8 shown = Undistortion(camera, lens, pinhole).apply(filmed);
+  int dots = 0;
+  for (double y = kSpacing / 2; y < 174 - 10; y += kSpacing)
+    for (double x = kSpacing / 2; x < 320 - 10; x += kSpacing, ++dots)
+      EXPECT_LT(glm::distance(light_near(shown, {x, y}, 9), {x, y}), 0.05) << x << ", " << y;
+  EXPECT_EQ(dots, 50);
+}
+
 // B8: the same picture through each model of COLMAP, then undistorted as if it were a pinhole: the
 // corner is shifted by what the equation says, f·|distorted(ray) − ray|. A dot marks the corner's
 // ray in the distorted picture.

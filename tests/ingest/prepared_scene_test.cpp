@@ -2,6 +2,10 @@
 // Not: conversion of captures (transforms_capture_test.cpp, n3dv_test.cpp).
 #include "ingest/prepared_scene.h"
 
+#include <fmt/format.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
@@ -150,6 +154,31 @@ TEST(StagedFolder, ReplacesOnlyWhatItMay) {
   EXPECT_EQ(read_bytes(folder / "out/precious"), "x");
   staged.commit();
   EXPECT_TRUE(std::filesystem::is_empty(folder / "out"));
+}
+
+// Bugs put back: nothing removed; the folder of a living process removed; what another scene's
+// process left removed; the only copy of a scene removed; each seen to fail.
+TEST(StagedFolder, RemovesWhatKilledProcessesLeft) {
+  const TemporaryFolder folder;
+  const pid_t killed = ::fork();
+  if (killed == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(killed, nullptr, 0), killed);
+  const std::string partial = fmt::format(".out.{}.partial", killed);
+  const std::string replaced = fmt::format(".out.{}.replaced", killed);
+  const std::string others[] = {fmt::format(".out.{}.partial", ::getppid()),
+                                fmt::format(".out2.{}.partial", killed), ".out.x.partial"};
+  for (const std::string& name : others) std::filesystem::create_directories(folder / name);
+  for (const std::string& name : {partial, replaced}) {
+    std::filesystem::create_directories(folder / name);
+    write_bytes(folder / (name + "/half"), "x");
+  }
+  StagedFolder staged(folder / "out", true);
+  EXPECT_FALSE(std::filesystem::exists(folder / partial));
+  EXPECT_TRUE(std::filesystem::exists(folder / replaced)) << "the scene that was there before";
+  staged.commit();
+  StagedFolder(folder / "out", true);
+  EXPECT_FALSE(std::filesystem::exists(folder / replaced));
+  for (const std::string& name : others) EXPECT_TRUE(std::filesystem::exists(folder / name));
 }
 
 TEST(Llff, RoundTripAndBadRows) {

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "kernels/base/errors.h"
 #include "tests/ingest/sync_fixture.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/scratch_folder.h"
@@ -124,6 +125,39 @@ TEST(SyncMotion, RatesStartsDroppedFramesAndSizesThatDiffer) {
     EXPECT_LT(clocks.clocks[i].uncertainty, 0.1 / 30) << i;  // no pair was given up
     EXPECT_EQ(clocks.clocks[i].source, "motion");
   }
+}
+
+/// `clip` without each tenth frame, and with times as if nothing were missing.
+RigClip fast_clip(const RigClip& clip, const std::filesystem::path& video) {
+  return by_ffmpeg(clip,
+                   "-i '{}' -vf \"select='not(eq(mod(n,10),9))',setpts=N/30/TB\" -r 30 "
+                   "-c:v libx264 -crf 8",
+                   video);
+}
+
+// F13: three seconds of which one camera lost each tenth frame, so that 1 s is 0.9 s of its own. A
+// constant offset would be up to 4.5 frames wrong. Bug put back: no look at rates; seen to fail.
+TEST(SyncMotion, AClockThatDriftsIsRefused) {
+  const ScratchFolder folder;
+  SynthOptions options = room();
+  options.frames = 91;
+  make_rig(folder / "rig", options);
+  std::vector<RigClip> clips = clips_of(folder / "rig");
+  clips[2] = fast_clip(clips[2], folder / "cam02.mp4");
+  ASSERT_EQ(clips[2].timeline.ticks.size(), 82u);
+  std::string refusal;
+  try {
+    by_motion(clips);
+  } catch (const InputError& error) {
+    refusal = error.what();
+  }
+  ASSERT_EQ(refusal.rfind("cam02: its clock drifts: while the others' run 1 s, its own runs 0.", 0),
+            0u)
+      << refusal;
+  const double rate = std::stod(refusal.substr(refusal.find("its own runs ") + 13));
+  EXPECT_NEAR(rate, 0.9, 0.005) << refusal;
+  EXPECT_NE(refusal.find("--cameras"), std::string::npos);
+  EXPECT_NE(refusal.find("ffmpeg -itsscale 1.1"), std::string::npos);
 }
 
 // A room in which nothing moves: no clock is touched, and each camera's warning says so.

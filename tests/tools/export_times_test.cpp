@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "tests/ingest/capture_fixture.h"
@@ -44,6 +45,50 @@ TEST(ExportTimes, WithoutOptionsAreTwentyFourASecond) {
   EXPECT_EQ(export_times({}, {0, 0.001}, true).size(), 2u);
   EXPECT_EQ(export_times({}, kFourSeconds, false), (std::vector<double>{0}));
   EXPECT_EQ(times_of({.time = 0.3}), (std::vector<double>{0.3}));
+}
+
+/// `count` frames at `fps` frames in a unit of time from `begin` on.
+std::set<double> filmed(int count, double fps, double begin = 0) {
+  std::set<double> moments;
+  for (int i = 0; i < count; ++i) moments.insert(begin + i / fps);
+  return moments;
+}
+
+// Thirty frames of thirty cameras, the clocks of three of which were set by 3 to 5 ms: there are
+// more than thirty distinct times and still thirty frames. Bugs put back: distinct times counted;
+// a camera's mean distance of frames for its rhythm; the median distance alone, on times that are
+// rounded to milliseconds; each seen to fail.
+TEST(CaptureTimes, GoByTheRateOfTheCameras) {
+  CameraMoments cameras;
+  for (int c = 0; c < 30; ++c)
+    cameras["cam" + std::to_string(c)] = filmed(30, 29, c % 10 == 0 ? 0.002 + 0.0001 * c : 0);
+  EXPECT_NEAR(capture_rate(cameras), 29, 1e-9);
+  const std::vector<double> times = capture_times(cameras, 60);
+  ASSERT_EQ(times.size(), 30u);
+  EXPECT_EQ(times.front(), 0);
+  EXPECT_EQ(times.back(), *cameras["cam20"].rbegin());
+  EXPECT_EQ(capture_times(cameras, 8).size(), 8u);
+
+  std::set<double> with_gap = filmed(300, 30), rounded;
+  for (int i = 100; i < 150; ++i) with_gap.erase(i / 30.0);
+  EXPECT_NEAR(capture_rate({{"gap", with_gap}}), 30, 1e-9);
+  for (int i = 0; i < 300; ++i) rounded.insert(std::round(1000 * i / 30.0) / 1000);
+  EXPECT_NEAR(capture_rate({{"rounded", rounded}}), 30, 0.01);
+}
+
+TEST(CaptureTimes, OfPhotosAndOfOneMoment) {
+  EXPECT_EQ(capture_times({{"a", {0}}, {"b", {0}}}, 60), (std::vector<double>{0}));
+  EXPECT_EQ(capture_rate({{"a", {0.5}}}), 0);
+  EXPECT_TRUE(capture_times({}, 60).empty());
+  EXPECT_EQ(capture_times({{"a", {0}}, {"b", {0.5}}, {"c", {1}}}, 60),
+            (std::vector<double>{0, 0.5, 1}));
+}
+
+// Bug put back: 24 a second although the cameras' rate is known; seen to fail.
+TEST(ExportTimes, AtTheRateOfTheCaptureWhereItIsKnown) {
+  EXPECT_EQ(times_of({.capture_fps = 7.5}).size(), 31u);
+  EXPECT_EQ(times_of({.frames = 5, .capture_fps = 7.5}).size(), 5u);
+  EXPECT_EQ(times_of({.fps = 2, .capture_fps = 7.5}).size(), 9u);
 }
 
 // Bug put back: seconds counted from the clock's zero, not from the clip's first moment; seen to
