@@ -37,8 +37,8 @@ struct IngestOptions {
   std::optional<double> duration;       // videos: seconds; to the last common moment by default
   std::optional<double> fps;            // videos: frames taken per second; all by default
   std::vector<std::string> cameras;     // videos: those that are taken, by name; all by default
-  std::vector<std::string> held_out;    // camera names that become the test split (videos, photos);
-                                        // empty: the first camera, as N3DV's protocol has it
+  std::vector<std::string> held_out;    // camera names that become the test split; empty: of
+                                        // several videos the first, as N3DV's protocol has it
   bool fit_exposure = false;            // even out the training cameras' exposure and white balance
   bool allow_static = false;            // accept a capture whose times are all equal
   bool keep_world = false;              // no normalisation of the world (world_normalisation.h)
@@ -46,8 +46,10 @@ struct IngestOptions {
   std::string pictures;                 // photo sets: the folder of the photos; empty: images
   bool strict = false;                  // missing or unreadable pictures and photos without a
                                         // pose are errors; otherwise they are warned of
-  std::optional<int64_t> test_every;  // photo sets: photos 0, N, 2N … by name are the test split;
-                                      // 0: none; by default 8, as the field's protocol has it
+  // Images 0, N, 2N … by name are the test split, of photo sets, of transforms files that state no
+  // test frames, and frames of a single camera; 0: none. By default 8 for photos and for a camera
+  // that moves, as the field's protocol has it.
+  std::optional<int64_t> test_every;
   std::optional<CloudDensity> cloud;  // by default dense where three cameras share moments
   int64_t cloud_points = 100000;      // at most, found by the sweep
   std::filesystem::path masks;  // folder of masks named as pictures or cameras; it replaces those
@@ -62,6 +64,8 @@ struct IngestReport {
   CaptureLayout layout{};
   int64_t frames = 0, cameras = 0;
   int64_t points = 0;                 // size of the initial cloud that was found, 0 if none
+  int64_t test_views = 0;             // of the splits test and val
+  std::string scored;                 // what will be scored, in words (test_views.h)
   std::vector<std::string> warnings;  // one line each
 };
 

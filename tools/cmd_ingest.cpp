@@ -35,15 +35,17 @@ int ingest_all(const IngestRequest& request, const IngestOptions& options) {
 
 int ingest_one(const IngestRequest& request, const IngestOptions& options) {
   const IngestReport report = ingest_with_progress(request.capture, request.out, options, "ingest");
-  print_result(request.json,
-               {{"out", request.out},
-                {"layout", layout_name(report.layout)},
-                {"cameras", report.cameras},
-                {"frames", report.frames},
-                {"points", report.points},
-                {"warnings", report.warnings}},
-               fmt::format("{}: {} pictures of {} camera{}, {} points", request.out, report.frames,
-                           report.cameras, report.cameras == 1 ? "" : "s", report.points));
+  print_result(
+      request.json,
+      {{"out", request.out},
+       {"layout", layout_name(report.layout)},
+       {"cameras", report.cameras},
+       {"frames", report.frames},
+       {"points", report.points},
+       {"test_views", report.test_views},
+       {"warnings", report.warnings}},
+      fmt::format("{}: {} images of {} camera{}, {} points; {}", request.out, report.frames,
+                  report.cameras, report.cameras == 1 ? "" : "s", report.points, report.scored));
   return kExitDone;
 }
 

@@ -45,12 +45,15 @@ void add_frame_options(CLI::App& command, IngestOptions& options) {
       ->delimiter(',');
   command
       .add_option("--held-out", options.held_out,
-                  "cameras (or photos) of the test split, by name; default: the first camera")
+                  "cameras (or photos) of the test split, by name; default: the first of several "
+                  "cameras, of photos see --test-every")
       ->delimiter(',');
   command.add_option("--images", options.pictures,
                      "photo sets: folder of the photos, e.g. images_4; default: images");
   command.add_option("--test-every", options.test_every,
-                     "photo sets: every Nth photo is for the test; 0: none; default: 8");
+                     "every Nth image by name is a test view, of photos, of transforms files "
+                     "without test frames, of a single camera; 0: none; default: 8 for photos "
+                     "and a moving camera");
 }
 
 void add_camera_options(CLI::App& command, IngestArguments& arguments) {

@@ -48,7 +48,6 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
   const bool estimated = videos || layout == CaptureLayout::kPhotos;
   for (const Row& row :
        {Row{!o.pictures.empty(), photos, "--images", "photos"},
-        {o.test_every.has_value(), photos || videos, "--test-every", "photos"},
         {o.frames.has_value(), !photos, "--frames", "several moments"},
         {o.start != 0, videos, "--start", "videos"},
         {o.duration.has_value(), videos, "--duration", "videos"},

@@ -83,6 +83,9 @@ std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::p
                                     std::vector<std::string>& warnings) {
   std::vector<FoundPhoto> found;
   std::vector<std::string> missing;
+  std::vector<std::string> stated;
+  for (const ColmapPhoto& photo : model.photos) stated.push_back(photo.name);
+  const std::vector<Split> splits = every_nth_split(stated, test_every);
   std::set<std::string> names;
   for (size_t i = 0; i < model.photos.size(); ++i) {
     ColmapPhoto& photo = model.photos[i];
@@ -93,8 +96,7 @@ std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::p
     }
     std::string name = name_of_image(photo.name);
     if (!names.insert(name).second) names.insert(name = name_of_image(photo.name + ".png"));
-    const bool is_test = test_every > 0 && int64_t(i) % test_every == 0;
-    found.push_back({std::move(photo), file, name, is_test ? Split::kTest : Split::kTrain});
+    found.push_back({std::move(photo), file, name, splits[i]});
   }
   if (found.empty())
     throw InputError(
@@ -175,9 +177,6 @@ Converted convert_photos(const std::filesystem::path& capture,
                          const std::filesystem::path& folder, const IngestOptions& options,
                          const IngestProgress& progress) {
   const int64_t test_every = options.test_every.value_or(kTestEvery);
-  if (test_every < 0 || test_every == 1)
-    throw InputError(
-        fmt::format("--test-every is {}, expected 2 or more, or 0 to hold none out", test_every));
   IngestReport report;
   report.warnings = std::move(model.warnings);
   auto photos = find_photos(model, pictures, options.held_out.empty() ? test_every : 0,

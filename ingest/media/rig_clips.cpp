@@ -84,16 +84,14 @@ void choose(const std::vector<std::string>& wanted, RigClips& rig) {
   rig.keep_only(keep);
 }
 
-void hold_out(const std::vector<std::string>& named, RigClips& rig,
-              std::vector<std::string>& warnings) {
+/// Of a single camera frames can be held out (--test-every), not the camera.
+void hold_out(const std::vector<std::string>& named, RigClips& rig) {
   rig.held_out.assign(rig.clips.size(), 0);
   if (!named.empty()) {
     const auto splits = held_out_splits_of(names_of(rig.clips), named, "videos");
     for (size_t i = 0; i < splits.size(); ++i) rig.held_out[i] = splits[i] == Split::kTest;
   } else if (rig.clips.size() > 1) {
     rig.held_out.front() = 1;  // as N3DV's protocol has it
-  } else {
-    warnings.push_back("videos: there is one camera only, none is held out for testing");
   }
 }
 
@@ -152,7 +150,7 @@ RigClips open_rig_clips(const fs::path& capture, const IngestOptions& options,
   if (rig.posed) rig.pose_files.push_back(poses);
   read_timelines(rig, options.duration || options.frames, warnings);
   if (rig.posed) fit_sizes(rig.clips);
-  hold_out(options.held_out, rig, warnings);
+  hold_out(options.held_out, rig);
   return rig;
 }
 

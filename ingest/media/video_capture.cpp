@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "ingest/frame_window.h"
+#include "ingest/held_out_cameras.h"
 #include "ingest/media/clip_pictures.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/moving_video.h"
@@ -77,6 +78,14 @@ void describe_frames(const RigClips& rig, size_t i, const std::vector<size_t>& c
     seconds.push_back(moments[chosen[k]]);
     scene.frames.push_back(std::move(prepared));
   }
+}
+
+/// Every Nth frame of a single camera that stands still, whose pose is stated.
+void hold_out_frames(int64_t every, PreparedScene& scene) {
+  std::vector<std::string> names;
+  for (const PreparedFrame& prepared : scene.frames) names.push_back(prepared.frame.name);
+  const std::vector<Split> splits = every_nth_split(names, every);
+  for (size_t i = 0; i < names.size(); ++i) scene.frames[i].frame.split = splits[i];
 }
 
 /// Says what is lost where the cameras do not begin or end together.
@@ -180,9 +189,10 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
                                   report.warnings.end());
     return moving;
   }
-  if (options.test_every)
+  if (options.test_every && rig.clips.size() > 1)
     throw InputError(
-        "--test-every is given, but cameras are held out here, not frames; pass --held-out");
+        "--test-every is given, but of several cameras whole ones are held out; pass --held-out "
+        "with their names");
   PointCloud points = rig.posed ? find_points(capture, "", report.warnings)
                                 : place_cameras(work, rig, report.warnings);
   const ClipClocks clocks = synchronise(rig.clips, options.sync, progress);
@@ -198,6 +208,7 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   std::vector<ClipFrames> frames(rig.clips.size());
   for (size_t i = 0; i < rig.clips.size(); ++i)
     describe_frames(rig, i, chosen[i], moments[i], scene, frames[i], seconds);
+  if (options.test_every) hold_out_frames(*options.test_every, scene);
   int64_t done = 0;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
     const std::string doing = "decoding " + rig.clips[i].video.filename().string();
