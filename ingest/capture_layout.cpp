@@ -85,4 +85,31 @@ CaptureLayout detect_layout(const std::filesystem::path& capture) {
       capture.string()));
 }
 
+CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOptions& options) {
+  const std::string& poses = options.poses.source;
+  if (options.layout) return *options.layout;
+  if (poses.empty()) return detect_layout(capture);
+  const CaptureLayout detected = detect_layout(capture);
+  const bool has_videos = !videos_in(capture).empty();
+  if (poses == "llff") return CaptureLayout::kLlff;
+  if (poses == "n3dv") {
+    if (detected == CaptureLayout::kN3dv) return detected;
+    throw InputError(fmt::format(
+        "{}: has no videos with a poses_bounds.npy, which --poses n3dv reads; add the file or "
+        "leave --poses out",
+        capture.string()));
+  }
+  if (poses == "colmap") {
+    if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
+    return has_videos ? CaptureLayout::kVideos : CaptureLayout::kPhotos;
+  }
+  if (!std::filesystem::is_regular_file(poses))
+    throw InputError(fmt::format(
+        "--poses '{}': no such file; expected n3dv, llff, colmap or a file of cameras", poses));
+  if (!has_videos)
+    throw InputError(fmt::format("{}: has no videos, and --poses {} is for those; leave it out",
+                                 capture.string(), poses));
+  return CaptureLayout::kVideos;
+}
+
 }  // namespace tessera

@@ -11,6 +11,10 @@ namespace tessera {
 /// The videos directly in `folder`, sorted by name.
 std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder);
 
+/// What `capture` is read as: what `options` state, else by its files and by where the poses are to
+/// come from. Errors: as detect_layout, and where the stated poses do not fit what is there.
+CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOptions& options);
+
 /// The word for it: "transforms", "n3dv", "colmap", …
 const char* layout_name(CaptureLayout layout);
 /// True where pictures lie in `capture` itself or in a folder images… directly below it.

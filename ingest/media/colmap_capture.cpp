@@ -202,13 +202,9 @@ Converted convert_photos(const std::filesystem::path& capture,
 
 Converted convert_colmap(const std::filesystem::path& capture, const std::filesystem::path& folder,
                          const IngestOptions& options, const IngestProgress& progress) {
-  const auto model_folder = find_colmap_model(capture);
-  if (model_folder.empty())
-    throw InputError(fmt::format(
-        "{}: no COLMAP model in it; put cameras, images and points3D (.bin or .txt) into sparse/0",
-        capture.string()));
+  ColmapModel model = read_capture_model(capture);
   Converted converted = convert_photos(capture, picture_folder(capture, options.pictures),
-                                       read_colmap_model(model_folder), folder, options, progress);
+                                       std::move(model), folder, options, progress);
   converted.scene.layout = "colmap";
   return converted;
 }

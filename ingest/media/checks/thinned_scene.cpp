@@ -61,7 +61,7 @@ int width_of(const std::filesystem::path& capture, CaptureLayout layout) {
     case CaptureLayout::kVideos:
       return probe_video(videos_in(capture).front()).width;
     case CaptureLayout::kColmap:
-      return read_colmap_model(find_colmap_model(capture)).photos.front().camera.width;
+      return read_capture_model(capture).photos.front().camera.width;
     case CaptureLayout::kTransforms:
       return read_picture(read_transforms_capture(capture).frames.front().image).width;
     case CaptureLayout::kLlff:
@@ -112,7 +112,7 @@ IngestReport ingest_sample(const std::filesystem::path& capture,
   constexpr int64_t kMostPoints = 5000;  // enough for shares of what is seen
   options.allow_static = true;
   options.cloud_points = std::min(options.cloud_points, kMostPoints);
-  CaptureLayout layout = detect_layout(capture);
+  CaptureLayout layout = layout_of(capture, options);
   if (layout == CaptureLayout::kTransforms && !find_colmap_model(capture).empty())
     options.layout = layout = CaptureLayout::kColmap;  // knows its lenses
   if (!options.fps && (layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos))
