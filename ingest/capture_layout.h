@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "ingest/image_sequences.h"
 #include "ingest/ingest.h"
 
 namespace tessera {
@@ -19,5 +20,10 @@ CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOption
 const char* layout_name(CaptureLayout layout);
 /// True where pictures lie in `capture` itself or in a folder images… directly below it.
 bool has_pictures(const std::filesystem::path& capture);
+
+/// The sequences of a capture that is read as kSequences: one a camera, or with kMoving one in all.
+/// Errors: InputError: no images, or no two sequences with common numbers.
+std::vector<ImageSequence> sequences_of(const std::filesystem::path& capture,
+                                        std::optional<ImageReading> reading);
 
 }  // namespace tessera

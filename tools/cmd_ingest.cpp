@@ -43,6 +43,7 @@ int ingest_one(const IngestRequest& request, const IngestOptions& options) {
        {"frames", report.frames},
        {"points", report.points},
        {"test_views", report.test_views},
+       {"notes", report.notes},
        {"warnings", report.warnings}},
       fmt::format("{}: {} images of {} camera{}, {} points; {}", request.out, report.frames,
                   report.cameras, report.cameras == 1 ? "" : "s", report.points, report.scored));
@@ -52,8 +53,9 @@ int ingest_one(const IngestRequest& request, const IngestOptions& options) {
 int ingest(const IngestRequest& request) {
   set_thread_count(request.threads);
   const IngestOptions options = resolve_ingest(request.arguments);
-  return request.batch || is_folder_of_captures(request.capture) ? ingest_all(request, options)
-                                                                 : ingest_one(request, options);
+  return request.batch || is_folder_of_captures(request.capture, options.reading)
+             ? ingest_all(request, options)
+             : ingest_one(request, options);
 }
 
 }  // namespace

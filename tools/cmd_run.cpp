@@ -96,11 +96,12 @@ class Runner {
   void ingest() {
     if (!fs::exists(request_.capture))
       throw InputError(fmt::format("{}: no such capture", request_.capture.string()));
-    if (is_folder_of_captures(request_.capture))
+    IngestOptions options = resolve_ingest(request_.ingest);
+    if (is_folder_of_captures(request_.capture, options.reading))
       throw InputError(fmt::format(
           "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
-          request_.capture.string(), fmt::join(captures_in(request_.capture), ", ")));
-    IngestOptions options = resolve_ingest(request_.ingest);
+          request_.capture.string(),
+          fmt::join(captures_in(request_.capture, options.reading), ", ")));
     options.allow_static = options_.static_only;
     options.work = request_.out / "work";
     const bool as_it_is =

@@ -38,7 +38,8 @@ void check_options(const IngestOptions& options) {
 
 /// Options that some layouts alone have.
 void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
-  const bool videos = layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos;
+  const bool videos = layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos ||
+                      layout == CaptureLayout::kSequences;
   const bool photos = layout == CaptureLayout::kColmap || layout == CaptureLayout::kLlff ||
                       layout == CaptureLayout::kPhotos;
   struct Row {
@@ -61,12 +62,20 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
                                    row.name, layout_name(layout), row.what));
 }
 
+/// Numbers of images become seconds by --fps, which is then used up.
+void take_image_rate(IngestOptions& options) {
+  if (options.image_rate) return;
+  options.image_rate = options.fps.value_or(kImageRate);
+  options.fps.reset();
+}
+
 Converter* converter_of(CaptureLayout layout) {
   switch (layout) {
     case CaptureLayout::kTransforms:
       return convert_transforms;
     case CaptureLayout::kN3dv:
     case CaptureLayout::kVideos:
+    case CaptureLayout::kSequences:
       return convert_videos;
     case CaptureLayout::kColmap:
       return convert_colmap;
@@ -84,6 +93,8 @@ IngestReport convert_staged(const std::filesystem::path& capture, const std::fil
   check_options(options);
   const CaptureLayout layout = layout_of(capture, options);
   check_layout_options(layout, options);
+  options.layout = layout;
+  if (layout == CaptureLayout::kSequences) take_image_rate(options);
   if (options.work.empty()) options.work = std::filesystem::path(out).concat(".work");
   StagedFolder staged(out, is_prepared_scene(out));
   const IngestProgress report_progress =

@@ -9,6 +9,7 @@
 #include "ingest/colmap_model.h"
 #include "ingest/held_out_cameras.h"
 #include "ingest/image_paths.h"
+#include "ingest/image_sequences.h"
 #include "ingest/intrinsics.h"
 #include "ingest/llff_photos.h"
 #include "ingest/media/conversion.h"
@@ -218,6 +219,11 @@ Converted convert_bare_photos(const std::filesystem::path& capture,
   Converted converted = convert_photos(capture, pictures, read_colmap_model(estimate.folder),
                                        folder, options, progress);
   converted.scene.layout = "photos";
+  if (!options.reading && looks_like_video(pictures))
+    converted.report.notes.push_back(fmt::format(
+        "{}: consecutive images are read as photos of a scene that stands still; pass --layout "
+        "moving if they are frames of one camera and something moves",
+        pictures.string()));
   std::vector<std::string>& warnings = converted.report.warnings;
   warnings.insert(warnings.begin(), estimate.warnings.begin(), estimate.warnings.end());
   return converted;

@@ -10,6 +10,7 @@
 #include "ingest/capture_layout.h"
 #include "ingest/held_out_cameras.h"
 #include "ingest/llff_poses.h"
+#include "ingest/media/clip_frames.h"
 #include "ingest/rig_poses_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -36,6 +37,14 @@ std::vector<RigClip> clips_by_name(const fs::path& capture) {
         fmt::format("{}: has no videos; put one file per camera there", capture.string()));
   std::vector<RigClip> clips;
   for (const auto& [name, video] : videos) clips.push_back({name, video, {}, {}});
+  return clips;
+}
+
+/// Numbered images of several cameras, or of one that moves.
+std::vector<RigClip> clips_of_images(const fs::path& capture, std::optional<ImageReading> reading) {
+  std::vector<RigClip> clips;
+  for (ImageSequence& sequence : sequences_of(capture, reading))
+    clips.push_back({sequence.camera, sequence.path, {}, {}, std::move(sequence.images)});
   return clips;
 }
 
@@ -66,7 +75,7 @@ void pose_by_name(const fs::path& file, std::vector<RigClip>& clips) {
 fs::path pose_file(const fs::path& capture, const std::string& source) {
   const fs::path llff = capture / kLlffFile;
   if (source == "colmap" || (source.empty() && !fs::exists(llff))) return {};
-  return source.empty() || source == "n3dv" ? llff : fs::path(source);
+  return source.empty() || source == "n3dv" || source == "llff" ? llff : fs::path(source);
 }
 
 /// Only the named cameras, in order of their names.
@@ -96,11 +105,12 @@ void hold_out(const std::vector<std::string>& named, RigClips& rig) {
 }
 
 /// Clips that end early are taken only where the part that is wanted is stated (`bounded`).
-void read_timelines(RigClips& rig, bool bounded, std::vector<std::string>& warnings) {
+void read_timelines(RigClips& rig, double image_rate, bool bounded,
+                    std::vector<std::string>& warnings) {
   std::vector<std::string> errors(rig.clips.size());
   parallel_for(int64_t(rig.clips.size()), 1, [&](int64_t begin, int64_t end) {
     for (auto i = size_t(begin); i < size_t(end); ++i) try {
-        rig.clips[i].timeline = read_timeline(rig.clips[i].video);
+        rig.clips[i].timeline = read_clip_timeline(rig.clips[i], image_rate);
       } catch (const InputError& error) {
         errors[i] = error.what();
       }
@@ -140,7 +150,8 @@ void RigClips::keep_only(const std::vector<char>& keep) {
 RigClips open_rig_clips(const fs::path& capture, const IngestOptions& options,
                         std::vector<std::string>& warnings) {
   RigClips rig;
-  rig.clips = clips_by_name(capture);
+  const bool of_images = options.layout == CaptureLayout::kSequences;
+  rig.clips = of_images ? clips_of_images(capture, options.reading) : clips_by_name(capture);
   const fs::path poses = pose_file(capture, options.poses.source);
   const bool by_row = poses.filename() == kLlffFile;
   if (by_row) pose_by_row(poses, rig.clips);  // rows count the videos that are left out, too
@@ -148,7 +159,8 @@ RigClips open_rig_clips(const fs::path& capture, const IngestOptions& options,
   if (!poses.empty() && !by_row) pose_by_name(poses, rig.clips);
   rig.posed = !poses.empty();
   if (rig.posed) rig.pose_files.push_back(poses);
-  read_timelines(rig, options.duration || options.frames, warnings);
+  read_timelines(rig, options.image_rate.value_or(kImageRate), options.duration || options.frames,
+                 warnings);
   if (rig.posed) fit_sizes(rig.clips);
   hold_out(options.held_out, rig);
   return rig;

@@ -8,6 +8,7 @@
 
 #include "ingest/frame_window.h"
 #include "ingest/held_out_cameras.h"
+#include "ingest/media/clip_frames.h"
 #include "ingest/media/clip_pictures.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/moving_video.h"
@@ -30,6 +31,17 @@ struct Work {
   const IngestProgress& progress;
 };
 
+/// How numbered images are read, for people.
+std::string reading_of(const Work& work, const RigClips& rig) {
+  return fmt::format(
+      "{}: numbered images are read as those of {}, number N at N / {} s (--fps changes the rate, "
+      "--layout photos reads them as photos of a scene that stands still)",
+      work.capture.string(),
+      rig.clips.size() == 1 ? "one camera that moves"
+                            : fmt::format("{} cameras that film together", rig.clips.size()),
+      *work.options.image_rate);
+}
+
 /// Poses by COLMAP; cameras that it could not place are left out. Returns its points.
 PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::string>& warnings) {
   PoseEstimate estimate = estimate_rig(rig.clips, rig.held_out, work.options.work / "colmap",
@@ -47,6 +59,12 @@ PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::strin
         "--held-out",
         work.capture.string()));
   return std::move(estimate.points);
+}
+
+/// Images of one number are of one timestep unless a method is asked for.
+SyncOptions sync_of(bool of_images, SyncOptions sync) {
+  if (of_images && sync.method == SyncMethod::kAuto) sync.method = SyncMethod::kNone;
+  return sync;
 }
 
 /// The moments of each clip's frames on the rig's clock, seconds.
@@ -151,7 +169,7 @@ void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedCl
     if (frame.frame.camera_name == clip.name)
       frame.frame.camera = prepared.camera, frame.mask_path = prepared.mask_path;
   scene.cameras.push_back(std::move(camera));
-  scene.sources.push_back({clip.video.filename().string(), source_hash(clip.video)});
+  scene.sources.push_back({clip.video.filename().string(), clip_hash(clip)});
 }
 
 /// A few moments spread over the kept frames of the first clip, with each clip's nearest frame.
@@ -183,8 +201,10 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   const Work work{capture, folder, options, progress};
   IngestReport report;
   RigClips rig = open_rig_clips(capture, options, report.warnings);
+  if (options.layout == CaptureLayout::kSequences) report.notes.push_back(reading_of(work, rig));
   if (!rig.posed && rig.clips.size() == 1) {
     Converted moving = convert_moving_video(capture, rig.clips.front(), folder, options, progress);
+    moving.report.notes = std::move(report.notes);
     moving.report.warnings.insert(moving.report.warnings.begin(), report.warnings.begin(),
                                   report.warnings.end());
     return moving;
@@ -195,13 +215,14 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
         "with their names");
   PointCloud points = rig.posed ? find_points(capture, "", report.warnings)
                                 : place_cameras(work, rig, report.warnings);
-  const ClipClocks clocks = synchronise(rig.clips, options.sync, progress);
+  const bool of_images = !rig.clips.front().images.empty();
+  const ClipClocks clocks = synchronise(rig.clips, sync_of(of_images, options.sync), progress);
   report.warnings.insert(report.warnings.end(), clocks.warnings.begin(), clocks.warnings.end());
   const auto moments = rig_moments(rig, clocks);
   const auto chosen = frames_of_clips(work, rig, moments, report.warnings);
 
   PreparedScene scene;
-  scene.layout = rig.posed ? "n3dv" : "videos";
+  scene.layout = of_images ? "sequences" : rig.posed ? "n3dv" : "videos";
   scene.scale = options.scale;
   scene.background = "opaque";
   std::vector<double> seconds;
@@ -216,6 +237,7 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
         write_clip_pictures(rig.clips[i], frames[i], folder, options,
                             [&] { progress(doing, ++done, int64_t(scene.frames.size())); });
     record_camera(rig.clips[i], clocks.clocks[i], prepared, scene);
+    if (prepared.has_alpha) scene.background = "alpha kept";
   }
   const bool one_instant = options.allow_static || options.frames == 1;
   const NormalisedTimes times = normalise_times(seconds, one_instant, capture.string());
