@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ingest/checks/orientation.h"
 #include "ingest/frame_window.h"
 #include "ingest/held_out_cameras.h"
 #include "ingest/media/clip_frames.h"
@@ -42,10 +43,28 @@ std::string reading_of(const Work& work, const RigClips& rig) {
       *work.options.image_rate);
 }
 
+/// What the shapes of the images say where no poses could be found; empty where they are alike.
+std::string turned_hint(const RigClips& rig) {
+  std::vector<std::string> names;
+  std::vector<std::pair<int, int>> sizes;
+  for (const RigClip& clip : rig.clips) {
+    names.push_back(clip.name);
+    sizes.emplace_back(clip.timeline.width, clip.timeline.height);
+  }
+  const std::string mixed = mixed_orientation(names, sizes);
+  return mixed.empty() ? "" : "; " + mixed + ": check whether their videos lack a rotation flag";
+}
+
 /// Poses by COLMAP; cameras that it could not place are left out. Returns its points.
 PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::string>& warnings) {
-  PoseEstimate estimate = estimate_rig(rig.clips, rig.held_out, work.options.work / "colmap",
-                                       work.options.poses, work.progress);
+  PoseEstimate estimate = [&] {
+    try {
+      return estimate_rig(rig.clips, rig.held_out, work.options.work / "colmap", work.options.poses,
+                          work.progress);
+    } catch (const InputError& error) {
+      throw InputError(error.what() + turned_hint(rig));
+    }
+  }();
   warnings.insert(warnings.end(), estimate.warnings.begin(), estimate.warnings.end());
   std::vector<char> placed;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
