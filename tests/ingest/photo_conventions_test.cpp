@@ -199,7 +199,7 @@ TEST(Layouts, DamagedModelNamesThePosesBesideIt) {
   expect_input_error([&] { ingest_capture(capture, folder / "scene", {}, {}); },
                      {"images.bin", "--poses llff", "poses_bounds.npy"});
   IngestOptions options;
-  options.poses.source = "llff";
+  options.poses.source = "llff", options.cloud = CloudDensity::kNone;
   EXPECT_EQ(ingest_capture(capture, folder / "scene", options, {}).layout, CaptureLayout::kLlff);
   EXPECT_EQ(ingest_sample(capture, folder / "sample", options, {}).layout, CaptureLayout::kLlff);
   std::filesystem::remove(capture / "poses_bounds.npy");

@@ -2,6 +2,8 @@
 // Not: the scores.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/cli_workspace.h"
 
 namespace tessera::testing {
