@@ -117,6 +117,21 @@ ColmapModel read_colmap_model(const std::filesystem::path& folder) {
   return model;
 }
 
+ColmapModel read_capture_model(const std::filesystem::path& capture) {
+  const auto folder = find_colmap_model(capture);
+  if (folder.empty())
+    throw InputError(fmt::format(
+        "{}: no COLMAP model in it; put cameras, images and points3D (.bin or .txt) into sparse/0",
+        capture.string()));
+  try {
+    return read_colmap_model(folder);
+  } catch (const InputError& error) {
+    if (!std::filesystem::exists(capture / "poses_bounds.npy")) throw;
+    throw InputError(fmt::format("{}; or pass --poses llff to use the poses_bounds.npy beside it",
+                                 error.what()));
+  }
+}
+
 void sort_by_id(PointCloud& points, const std::vector<uint64_t>& ids) {
   check(ids.size() == points.position.size(), "an id for each point");
   std::vector<size_t> order(ids.size());

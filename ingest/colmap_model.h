@@ -32,5 +32,8 @@ std::filesystem::path find_colmap_model(const std::filesystem::path& capture);
 /// naming file and remedy: as of the files, no images, an image listed twice or of a camera that is
 /// not there, a pose that is no pose.
 ColmapModel read_colmap_model(const std::filesystem::path& folder);
+/// The model of a capture. Errors: as above, and where there is none; they name --poses llff where
+/// the capture has a poses_bounds.npy, too.
+ColmapModel read_capture_model(const std::filesystem::path& capture);
 
 }  // namespace tessera

@@ -1,10 +1,11 @@
-// What: the lookup of held-out names, and its two complaints.
+// What: the lookup of held-out names, and the count of every Nth.
 // Not: a pattern match: names are whole.
 #include "ingest/held_out_cameras.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "kernels/base/errors.h"
 
@@ -33,6 +34,20 @@ std::vector<Split> held_out_splits_of(const std::vector<std::string>& cameras,
   if (std::find(splits.begin(), splits.end(), Split::kTrain) == splits.end())
     throw InputError(fmt::format(
         "{}: all cameras are held out, none is left to train on; hold out fewer", layout));
+  return splits;
+}
+
+std::vector<Split> every_nth_split(const std::vector<std::string>& names, int64_t every) {
+  if (every < 0 || every == 1)
+    throw InputError(
+        fmt::format("--test-every is {}, expected 2 or more, or 0 to hold none out", every));
+  std::vector<size_t> order(names.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return names[a] < names[b]; });
+  std::vector<Split> splits(names.size(), Split::kTrain);
+  for (size_t i = 0; every > 0 && i < order.size(); i += size_t(every))
+    splits[order[i]] = Split::kTest;
   return splits;
 }
 

@@ -1,4 +1,4 @@
-// What: names of cameras that the user holds out → the split of each camera.
+// What: names of cameras that the user holds out, or every Nth image → the split of each.
 // Not: the default choice, which is each layout's own.
 #pragma once
 #include <string>
@@ -16,5 +16,9 @@ std::string listed_names(const std::vector<std::string>& names);
 std::vector<Split> held_out_splits_of(const std::vector<std::string>& cameras,
                                       const std::vector<std::string>& held_out,
                                       const std::string& layout);
+
+/// kTest for names 0, every, 2 · every … in the order of the names, kTrain for the others; 0: all
+/// train. Errors: InputError: `every` is 1 or negative.
+std::vector<Split> every_nth_split(const std::vector<std::string>& names, int64_t every);
 
 }  // namespace tessera

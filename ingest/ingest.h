@@ -9,14 +9,22 @@
 #include <string_view>
 #include <vector>
 
+#include "kernels/base/errors.h"
+
 namespace tessera {
 
-enum class CaptureLayout { kTransforms, kN3dv, kColmap, kLlff, kVideos, kPhotos };
+enum class CaptureLayout { kTransforms, kN3dv, kColmap, kLlff, kVideos, kSequences, kPhotos };
+
+/// What images without a video are: of cameras that film together, of a scene that stands still,
+/// or of one camera that moves through a scene that may move, too.
+enum class ImageReading { kRig, kPhotos, kMoving };
 
 enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
 
 /// Initial cloud of the prepared scene: none, what the capture has, or a plane sweep added to it.
 enum class CloudDensity { kNone, kSparse, kDense };
+
+inline constexpr double kImageRate = 30;  // numbers per second of images that state none
 
 struct SyncOptions {
   SyncMethod method = SyncMethod::kAuto;  // container times, else sound, else motion
@@ -37,17 +45,22 @@ struct IngestOptions {
   std::optional<double> duration;       // videos: seconds; to the last common moment by default
   std::optional<double> fps;            // videos: frames taken per second; all by default
   std::vector<std::string> cameras;     // videos: those that are taken, by name; all by default
-  std::vector<std::string> held_out;    // camera names that become the test split (videos, photos);
-                                        // empty: the first camera, as N3DV's protocol has it
+  std::vector<std::string> held_out;    // camera names that become the test split; empty: of
+                                        // several videos the first, as N3DV's protocol has it
   bool fit_exposure = false;            // even out the training cameras' exposure and white balance
   bool allow_static = false;            // accept a capture whose times are all equal
   bool keep_world = false;              // no normalisation of the world (world_normalisation.h)
   std::optional<CaptureLayout> layout;  // read it as this, where a folder can be read as several
+  std::optional<ImageReading> reading;  // of images; by default by their names
+  std::optional<double> image_rate;     // numbered images: numbers per second; by default `fps`,
+                                        // which chooses no frames of them, else 30
   std::string pictures;                 // photo sets: the folder of the photos; empty: images
   bool strict = false;                  // missing or unreadable pictures and photos without a
                                         // pose are errors; otherwise they are warned of
-  std::optional<int64_t> test_every;  // photo sets: photos 0, N, 2N … by name are the test split;
-                                      // 0: none; by default 8, as the field's protocol has it
+  // Images 0, N, 2N … by name are the test split, of photo sets, of transforms files that state no
+  // test frames, and frames of a single camera; 0: none. By default 8 for photos and for a camera
+  // that moves, as the field's protocol has it.
+  std::optional<int64_t> test_every;
   std::optional<CloudDensity> cloud;  // by default dense where three cameras share moments
   int64_t cloud_points = 100000;      // at most, found by the sweep
   std::filesystem::path masks;  // folder of masks named as pictures or cameras; it replaces those
@@ -62,14 +75,25 @@ struct IngestReport {
   CaptureLayout layout{};
   int64_t frames = 0, cameras = 0;
   int64_t points = 0;                 // size of the initial cloud that was found, 0 if none
+  int64_t test_views = 0;             // of the splits test and val
+  std::string scored;                 // what will be scored, in words (test_views.h)
   std::vector<std::string> warnings;  // one line each
+  std::vector<std::string> notes;     // how the capture was read where that was a choice, likewise
+};
+
+/// Images that can be read in two ways. The message names both and the option that decides.
+class AmbiguousCapture : public InputError {
+ public:
+  using InputError::InputError;
 };
 
 /// Called with (what is being done, done, total); may throw to stop.
 using IngestProgress = std::function<void(std::string_view, int64_t, int64_t)>;
 
-/// What the folder holds, by its files. Errors: InputError naming what was looked for.
-CaptureLayout detect_layout(const std::filesystem::path& capture);
+/// What the folder holds, by its files and by what its images are said to be. Errors: InputError
+/// naming what was looked for; AmbiguousCapture.
+CaptureLayout detect_layout(const std::filesystem::path& capture,
+                            std::optional<ImageReading> reading = std::nullopt);
 
 /// Reads `capture` and writes the prepared scene `out` (created; appears whole or not at all).
 /// Errors: InputError, one line naming file and remedy.

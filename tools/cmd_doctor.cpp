@@ -65,6 +65,8 @@ void examine_capture(const fs::path& capture, const IngestOptions& options, Doct
         bar.update(done, total, what);
       });
   bar.clear();
+  for (const std::string& note : ingested.notes)
+    report.findings.push_back({Severity::kInfo, "ingest", "", note, ""});
   for (const std::string& warning : ingested.warnings)
     report.findings.push_back({Severity::kWarning, "ingest", "", warning, ""});
   report.findings.push_back(

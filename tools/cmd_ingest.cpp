@@ -35,23 +35,27 @@ int ingest_all(const IngestRequest& request, const IngestOptions& options) {
 
 int ingest_one(const IngestRequest& request, const IngestOptions& options) {
   const IngestReport report = ingest_with_progress(request.capture, request.out, options, "ingest");
-  print_result(request.json,
-               {{"out", request.out},
-                {"layout", layout_name(report.layout)},
-                {"cameras", report.cameras},
-                {"frames", report.frames},
-                {"points", report.points},
-                {"warnings", report.warnings}},
-               fmt::format("{}: {} pictures of {} camera{}, {} points", request.out, report.frames,
-                           report.cameras, report.cameras == 1 ? "" : "s", report.points));
+  print_result(
+      request.json,
+      {{"out", request.out},
+       {"layout", layout_name(report.layout)},
+       {"cameras", report.cameras},
+       {"frames", report.frames},
+       {"points", report.points},
+       {"test_views", report.test_views},
+       {"notes", report.notes},
+       {"warnings", report.warnings}},
+      fmt::format("{}: {} images of {} camera{}, {} points; {}", request.out, report.frames,
+                  report.cameras, report.cameras == 1 ? "" : "s", report.points, report.scored));
   return kExitDone;
 }
 
 int ingest(const IngestRequest& request) {
   set_thread_count(request.threads);
   const IngestOptions options = resolve_ingest(request.arguments);
-  return request.batch || is_folder_of_captures(request.capture) ? ingest_all(request, options)
-                                                                 : ingest_one(request, options);
+  return request.batch || is_folder_of_captures(request.capture, options.reading)
+             ? ingest_all(request, options)
+             : ingest_one(request, options);
 }
 
 }  // namespace

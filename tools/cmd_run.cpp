@@ -213,13 +213,13 @@ class Runner {
 };
 
 /// Before anything is written. Errors: InputError: no capture, or several.
-void check_capture(const fs::path& capture) {
+void check_capture(const fs::path& capture, std::optional<ImageReading> reading) {
   require_folder(capture);
-  if (is_folder_of_captures(capture))
+  if (is_folder_of_captures(capture, reading))
     throw InputError(fmt::format(
         "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
-        capture.string(), fmt::join(captures_in(capture), ", ")));
-  if (!opens_as_scene(capture)) detect_layout(capture);
+        capture.string(), fmt::join(captures_in(capture, reading), ", ")));
+  if (!opens_as_scene(capture)) detect_layout(capture, reading);
 }
 
 std::string player_text(const json& result) {
@@ -275,7 +275,7 @@ void add_run_command(CLI::App& app, Work& work) {
     work = [request] {
       set_thread_count(request->training.threads);
       share_exposure(*request);
-      check_capture(request->capture);
+      check_capture(request->capture, resolve_ingest(request->ingest).reading);
       Runner runner(*request);
       if (!runner.run()) {
         say("interrupted; run the same command again to go on");

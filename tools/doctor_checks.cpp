@@ -12,6 +12,7 @@
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/coverage.h"
 #include "ingest/checks/leakage.h"
+#include "ingest/checks/orientation.h"
 #include "ingest/checks/time_range.h"
 #include "ingest/files/json_file.h"
 #include "ingest/media/checks/exposure.h"
@@ -106,6 +107,16 @@ void add_times(const ThinnedScene& scene, DoctorReport& report) {
                            {"cameras", std::move(table)}};
 }
 
+void add_orientation(const Scene& all, DoctorReport& report) {
+  const OrientationCheck orientation = check_orientation(all);
+  add(orientation.findings, report);
+  json table = json::array();
+  for (const CameraRoll& camera : orientation.cameras)
+    table.push_back({{"camera", camera.camera},
+                     {"turned_degrees", camera.known ? json(camera.degrees) : json()}});
+  report.tables["turned"] = std::move(table);
+}
+
 /// Offsets that the preparation recorded, and how well it knew them.
 void add_clocks(const Scene& all, const std::filesystem::path& folder, DoctorReport& report) {
   if (!is_prepared_scene(folder)) return;
@@ -181,6 +192,7 @@ void examine(const ThinnedScene& scene, const std::filesystem::path& folder, Doc
   for (const std::string& warning : scene.all.warnings)
     add({{Severity::kWarning, "scene", "", warning, ""}}, report);
   add_poses_and_exposure(scene.sample, report);
+  add_orientation(scene.all, report);
   add_sharpness(scene.sample, report);
   add_coverage_and_cloud(scene.all, scene.sample, report);
   add_times(scene, report);

@@ -33,24 +33,34 @@ void check_positive(const std::optional<double>& value, const char* option) {
     throw InputError(fmt::format("{} is {}, expected more than 0", option, *value));
 }
 
-void add_frame_options(CLI::App& command, IngestOptions& options) {
+void add_frame_options(CLI::App& command, IngestArguments& arguments) {
+  IngestOptions& options = arguments.options;
+  command.add_option("--layout", arguments.layout,
+                     "what images are: rig (of cameras that film together), photos (of a scene "
+                     "that stands still), moving (one camera that moves; the scene may, too); "
+                     "default: by their names");
   command.add_option("--scale", options.scale, "size of the pictures by the source's, (0, 1]")
       ->capture_default_str();
   command.add_option("--frames", options.frames, "first N instants of each camera; default: all");
   command.add_option("--start", options.start, "videos: seconds after the first common moment");
   command.add_option("--duration", options.duration, "videos: seconds to take; default: all");
-  command.add_option("--fps", options.fps, "videos: frames to take per second; default: all");
+  command.add_option("--fps", options.fps,
+                     "videos: frames to take per second; default: all; numbered images of cameras: "
+                     "numbers per second; default: 30");
   command
       .add_option("--cameras", options.cameras, "videos: cameras to take, by name; default: all")
       ->delimiter(',');
   command
       .add_option("--held-out", options.held_out,
-                  "cameras (or photos) of the test split, by name; default: the first camera")
+                  "cameras (or photos) of the test split, by name; default: the first of several "
+                  "cameras, of photos see --test-every")
       ->delimiter(',');
   command.add_option("--images", options.pictures,
                      "photo sets: folder of the photos, e.g. images_4; default: images");
   command.add_option("--test-every", options.test_every,
-                     "photo sets: every Nth photo is for the test; 0: none; default: 8");
+                     "every Nth image by name is a test view, of photos, of transforms files "
+                     "without test frames, of a single camera; 0: none; default: 8 for photos "
+                     "and a moving camera");
 }
 
 void add_camera_options(CLI::App& command, IngestArguments& arguments) {
@@ -105,7 +115,7 @@ nlohmann::json stamps_of(const std::filesystem::path& path) {
 }  // namespace
 
 void add_ingest_options(CLI::App& command, IngestArguments& arguments) {
-  add_frame_options(command, arguments.options);
+  add_frame_options(command, arguments);
   add_camera_options(command, arguments);
   add_picture_options(command, arguments);
 }
@@ -127,6 +137,11 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
   options.poses.intrinsics_per_camera = value_of<bool>({{"shared", false}, {"per-camera", true}},
                                                        arguments.intrinsics, "--intrinsics");
   options.poses.strict = options.strict;
+  if (!arguments.layout.empty())
+    options.reading = value_of<ImageReading>({{"rig", ImageReading::kRig},
+                                              {"photos", ImageReading::kPhotos},
+                                              {"moving", ImageReading::kMoving}},
+                                             arguments.layout, "--layout");
   options.fit_exposure =
       value_of<bool>({{"fit", true}, {"none", false}}, arguments.exposure, "--exposure");
   if (!arguments.cloud.empty())
@@ -145,6 +160,7 @@ nlohmann::json to_json(const IngestOptions& o) {
           {"held_out", o.held_out},
           {"static", o.allow_static},
           {"layout", o.layout ? layout_name(*o.layout) : ""},
+          {"reading", o.reading ? int(*o.reading) : -1},
           {"images", o.pictures},
           {"test_every", o.test_every.value_or(-1)},
           {"poses", {o.poses.source, stamps_of(o.poses.source)}},
@@ -168,6 +184,7 @@ IngestReport ingest_with_progress(const std::filesystem::path& capture,
         bar.update(done, total, what);
       });
   bar.clear();
+  for (const std::string& note : report.notes) say(note);
   for (const std::string& warning : report.warnings) warn(warning);
   return report;
 }

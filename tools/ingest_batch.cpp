@@ -26,9 +26,11 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-bool is_capture(const fs::path& folder) {
+bool is_capture(const fs::path& folder, std::optional<ImageReading> reading = std::nullopt) {
   try {
-    detect_layout(folder);
+    detect_layout(folder, reading);
+    return true;
+  } catch (const AmbiguousCapture&) {
     return true;
   } catch (const InputError&) {
     return false;
@@ -48,9 +50,9 @@ json report_json(const IngestReport& report) {
 
 IngestReport report_from_json(const json& stored) {
   IngestReport report;
-  for (CaptureLayout layout :
-       {CaptureLayout::kTransforms, CaptureLayout::kN3dv, CaptureLayout::kColmap,
-        CaptureLayout::kLlff, CaptureLayout::kVideos, CaptureLayout::kPhotos})
+  for (CaptureLayout layout : {CaptureLayout::kTransforms, CaptureLayout::kN3dv,
+                               CaptureLayout::kColmap, CaptureLayout::kLlff, CaptureLayout::kVideos,
+                               CaptureLayout::kSequences, CaptureLayout::kPhotos})
     if (stored.value("layout", "") == layout_name(layout)) report.layout = layout;
   report.cameras = stored.value("cameras", int64_t{0});
   report.frames = stored.value("frames", int64_t{0});
@@ -89,7 +91,8 @@ class Batch {
  private:
   void prepare_or_throw(const fs::path& capture, const std::string& place, BatchScene& scene) {
     const fs::path target = out_ / scene.name;
-    if (!options_.layout) detect_layout(capture);  // its error before the stamps of what is none
+    if (!options_.layout)
+      detect_layout(capture, options_.reading);  // its error before the stamps of what is none
     const std::string key = key_of({file_stamps(capture), to_json(options_)});
     if (ledger_.done(scene.name, key) && is_prepared_scene(target)) {
       say(fmt::format("{} ({}): done before, unchanged", scene.name, place));
@@ -150,21 +153,23 @@ std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
   return found;
 }
 
-std::vector<std::string> captures_in(const fs::path& folder) {
+std::vector<std::string> captures_in(const fs::path& folder, std::optional<ImageReading> reading) {
   std::vector<std::string> names;
   for (const fs::path& path : subfolders(folder, {}))
-    if (is_capture(path)) names.push_back(path.filename().string());
+    if (is_capture(path, reading)) names.push_back(path.filename().string());
   return names;
 }
 
-bool is_folder_of_captures(const fs::path& folder) {
-  return fs::is_directory(folder) && !is_capture(folder) && !captures_in(folder).empty();
+bool is_folder_of_captures(const fs::path& folder, std::optional<ImageReading> reading) {
+  return fs::is_directory(folder) && !is_capture(folder, reading) &&
+         !captures_in(folder, reading).empty();
 }
 
 BatchResult ingest_batch(const fs::path& folder, const fs::path& out,
                          const IngestOptions& options) {
   const std::vector<fs::path> captures = subfolders(folder, out);
-  if (std::none_of(captures.begin(), captures.end(), is_capture))
+  if (std::none_of(captures.begin(), captures.end(),
+                   [&](const fs::path& capture) { return is_capture(capture, options.reading); }))
     throw InputError(
         fmt::format("{}: none of its {} subfolders is a capture; name the folder whose subfolders "
                     "are, or one capture",

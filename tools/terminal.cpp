@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
+#include "tools/progress_text.h"
 
 namespace tessera {
 namespace {
@@ -67,18 +68,16 @@ void ProgressBar::update(int64_t done, int64_t total, std::string_view note, int
   const double since_drawn = std::chrono::duration<double>(now - drawn_).count();
   if (since_drawn < (on_terminal_ ? 0.1 : 10.0)) return;
   drawn_ = now;
-  const double elapsed = std::chrono::duration<double>(now - begin_).count();
-  const double share = total > 0 ? double(done) / double(total) : 0;
-  const std::string left =
-      done > first ? clock_time(elapsed * double(total - done) / double(done - first)) + " left"
-                   : "";
+  const Progress progress{done, total, first, std::chrono::duration<double>(now - begin_).count()};
+  const std::string text = progress_text(progress);
+  const char* blank = text.empty() ? "" : " ";
   if (!on_terminal_) {
-    fmt::print(stderr, "{} {}/{} ({:.0f} %) {} {}\n", label_, done, total, 100 * share, left, note);
+    fmt::print(stderr, "{}{}{} {}\n", label_, blank, text, note);
     return;
   }
-  const int filled = int(share * kBarWidth);
-  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{} {} {}", label_, std::string(size_t(filled), '='),
-             std::string(size_t(kBarWidth - filled), ' '), done, total, left, note);
+  const int filled = int(progress_share(progress) * kBarWidth);
+  fmt::print(stderr, "\r\033[K{} [{}{}]{}{} {}", label_, std::string(size_t(filled), '='),
+             std::string(size_t(kBarWidth - filled), ' '), blank, text, note);
   std::fflush(stderr);
   visible_ = true;
 }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
@@ -78,6 +79,7 @@ class Session {
     });
     if (aside > 0)
       say(fmt::format("{} training frames are set aside to choose the model by", aside));
+    say(test_views_of(scene_).text());
   }
 
   void check_frames() const {

@@ -40,7 +40,8 @@ void check_options(const IngestOptions& options) {
 
 /// Options that some layouts alone have.
 void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
-  const bool videos = layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos;
+  const bool videos = layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos ||
+                      layout == CaptureLayout::kSequences;
   const bool photos = layout == CaptureLayout::kColmap || layout == CaptureLayout::kLlff ||
                       layout == CaptureLayout::kPhotos;
   struct Row {
@@ -50,7 +51,6 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
   const bool estimated = videos || layout == CaptureLayout::kPhotos;
   for (const Row& row :
        {Row{!o.pictures.empty(), photos, "--images", "photos"},
-        {o.test_every.has_value(), photos || videos, "--test-every", "photos"},
         {o.frames.has_value(), !photos, "--frames", "several moments"},
         {o.start != 0, videos, "--start", "videos"},
         {o.duration.has_value(), videos, "--duration", "videos"},
@@ -64,32 +64,11 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
                                    row.name, layout_name(layout), row.what));
 }
 
-/// The layout, by the files that are there and by where poses are to come from.
-CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOptions& options) {
-  const std::string& poses = options.poses.source;
-  if (options.layout) return *options.layout;
-  if (poses.empty()) return detect_layout(capture);
-  const CaptureLayout detected = detect_layout(capture);
-  const bool has_videos = !videos_in(capture).empty();
-  if (poses == "llff") return CaptureLayout::kLlff;
-  if (poses == "n3dv") {
-    if (detected == CaptureLayout::kN3dv) return detected;
-    throw InputError(fmt::format(
-        "{}: has no videos with a poses_bounds.npy, which --poses n3dv reads; add the file or "
-        "leave --poses out",
-        capture.string()));
-  }
-  if (poses == "colmap") {
-    if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
-    return has_videos ? CaptureLayout::kVideos : CaptureLayout::kPhotos;
-  }
-  if (!std::filesystem::is_regular_file(poses))
-    throw InputError(fmt::format(
-        "--poses '{}': no such file; expected n3dv, llff, colmap or a file of cameras", poses));
-  if (!has_videos)
-    throw InputError(fmt::format("{}: has no videos, and --poses {} is for those; leave it out",
-                                 capture.string(), poses));
-  return CaptureLayout::kVideos;
+/// Numbers of images become seconds by --fps, which is then used up.
+void take_image_rate(IngestOptions& options) {
+  if (options.image_rate) return;
+  options.image_rate = options.fps.value_or(kImageRate);
+  options.fps.reset();
 }
 
 Converter* converter_of(CaptureLayout layout) {
@@ -98,6 +77,7 @@ Converter* converter_of(CaptureLayout layout) {
       return convert_transforms;
     case CaptureLayout::kN3dv:
     case CaptureLayout::kVideos:
+    case CaptureLayout::kSequences:
       return convert_videos;
     case CaptureLayout::kColmap:
       return convert_colmap;
@@ -115,6 +95,8 @@ IngestReport convert_staged(const std::filesystem::path& capture, const std::fil
   check_options(options);
   const CaptureLayout layout = layout_of(capture, options);
   check_layout_options(layout, options);
+  options.layout = layout;
+  if (layout == CaptureLayout::kSequences) take_image_rate(options);
   if (options.work.empty()) options.work = std::filesystem::path(out).concat(".work");
   StagedFolder staged(out, is_prepared_scene(out));
   const IngestProgress report_progress =

@@ -4,10 +4,10 @@
 
 #include <optional>
 
+#include "ingest/media/clip_frames.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/mask_source.h"
 #include "ingest/media/undistortion.h"
-#include "ingest/media/video_decoder.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 
@@ -63,14 +63,17 @@ PreparedClip write_clip_pictures(const RigClip& clip, const ClipFrames& frames,
   }
   PictureWriter writer(folder, options.scale, undistortion);
   size_t next = 0;
-  decode_frames(clip.video, frames.ticks, [&](VideoFrame decoded) {
+  bool has_alpha = false;
+  decode_clip(clip, frames.ticks, [&](VideoFrame decoded) {
+    has_alpha = has_alpha || decoded.image.channels == 4;
     writer.add(frames.files[next++], std::move(decoded.image));
     on_picture();
     return true;
   });
   writer.write();
   return {scaled_camera(camera, options.scale),
-          prepare_camera_mask(folder, clip.name, stated, clip.camera->lens, camera, options)};
+          prepare_camera_mask(folder, clip.name, stated, clip.camera->lens, camera, options),
+          has_alpha};
 }
 
 }  // namespace tessera

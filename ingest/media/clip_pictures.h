@@ -19,6 +19,7 @@ struct ClipFrames {
 struct PreparedClip {
   Camera camera;
   std::string mask_path;  // below the scene's folder; empty without a mask
+  bool has_alpha = false;
 };
 
 /// Decodes the frames of `clip`, whose camera is known, in order of presentation and writes them

@@ -6,18 +6,20 @@
 #include <string>
 #include <vector>
 
+#include "ingest/image_sequences.h"
 #include "ingest/ingest.h"
 #include "ingest/media/video_timeline.h"
 #include "ingest/rig_camera.h"
 
 namespace tessera {
 
-/// A camera's video, with its pose where that is known.
+/// A camera's video or numbered images, with its pose where that is known.
 struct RigClip {
-  std::string name;  // "cam02"
-  std::filesystem::path video;
+  std::string name;             // "cam02"
+  std::filesystem::path video;  // of images: their folder, or that and what their names begin with
   VideoTimeline timeline;
   std::optional<RigCamera> camera;
+  std::vector<NumberedImage> images{};  // numbers are ticks; empty for a video
 };
 
 struct ClipClock {

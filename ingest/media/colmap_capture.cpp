@@ -9,6 +9,7 @@
 #include "ingest/colmap_model.h"
 #include "ingest/held_out_cameras.h"
 #include "ingest/image_paths.h"
+#include "ingest/image_sequences.h"
 #include "ingest/intrinsics.h"
 #include "ingest/llff_photos.h"
 #include "ingest/media/conversion.h"
@@ -83,6 +84,9 @@ std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::p
                                     std::vector<std::string>& warnings) {
   std::vector<FoundPhoto> found;
   std::vector<std::string> missing;
+  std::vector<std::string> stated;
+  for (const ColmapPhoto& photo : model.photos) stated.push_back(photo.name);
+  const std::vector<Split> splits = every_nth_split(stated, test_every);
   std::set<std::string> names;
   for (size_t i = 0; i < model.photos.size(); ++i) {
     ColmapPhoto& photo = model.photos[i];
@@ -93,8 +97,7 @@ std::vector<FoundPhoto> find_photos(ColmapModel& model, const std::filesystem::p
     }
     std::string name = name_of_image(photo.name);
     if (!names.insert(name).second) names.insert(name = name_of_image(photo.name + ".png"));
-    const bool is_test = test_every > 0 && int64_t(i) % test_every == 0;
-    found.push_back({std::move(photo), file, name, is_test ? Split::kTest : Split::kTrain});
+    found.push_back({std::move(photo), file, name, splits[i]});
   }
   if (found.empty())
     throw InputError(
@@ -175,9 +178,6 @@ Converted convert_photos(const std::filesystem::path& capture,
                          const std::filesystem::path& folder, const IngestOptions& options,
                          const IngestProgress& progress) {
   const int64_t test_every = options.test_every.value_or(kTestEvery);
-  if (test_every < 0 || test_every == 1)
-    throw InputError(
-        fmt::format("--test-every is {}, expected 2 or more, or 0 to hold none out", test_every));
   IngestReport report;
   report.warnings = std::move(model.warnings);
   auto photos = find_photos(model, pictures, options.held_out.empty() ? test_every : 0,
@@ -203,13 +203,9 @@ Converted convert_photos(const std::filesystem::path& capture,
 
 Converted convert_colmap(const std::filesystem::path& capture, const std::filesystem::path& folder,
                          const IngestOptions& options, const IngestProgress& progress) {
-  const auto model_folder = find_colmap_model(capture);
-  if (model_folder.empty())
-    throw InputError(fmt::format(
-        "{}: no COLMAP model in it; put cameras, images and points3D (.bin or .txt) into sparse/0",
-        capture.string()));
+  ColmapModel model = read_capture_model(capture);
   Converted converted = convert_photos(capture, picture_folder(capture, options.pictures),
-                                       read_colmap_model(model_folder), folder, options, progress);
+                                       std::move(model), folder, options, progress);
   converted.scene.layout = "colmap";
   return converted;
 }
@@ -223,6 +219,11 @@ Converted convert_bare_photos(const std::filesystem::path& capture,
   Converted converted = convert_photos(capture, pictures, read_colmap_model(estimate.folder),
                                        folder, options, progress);
   converted.scene.layout = "photos";
+  if (!options.reading && looks_like_video(pictures))
+    converted.report.notes.push_back(fmt::format(
+        "{}: consecutive images are read as photos of a scene that stands still; pass --layout "
+        "moving if they are frames of one camera and something moves",
+        pictures.string()));
   std::vector<std::string>& warnings = converted.report.warnings;
   warnings.insert(warnings.begin(), estimate.warnings.begin(), estimate.warnings.end());
   return converted;

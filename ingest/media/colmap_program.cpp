@@ -17,9 +17,25 @@ namespace {
 constexpr const char* kRemedy =
     "install colmap 3.6 or later (Debian: apt install colmap), or pass --poses FILE";
 
+/// Where the library that COLMAP logs by keeps its files.
+std::filesystem::path glog_folder(const std::filesystem::path& log) {
+  return std::filesystem::absolute(log).parent_path() / "glog";
+}
+
 ChildCommand command_of(const std::filesystem::path& program, const std::filesystem::path& log) {
-  // its windows need no screen
-  return {{program.string()}, {{"QT_QPA_PLATFORM", "offscreen"}}, log};
+  ChildCommand command{{program.string()}, {{"QT_QPA_PLATFORM", "offscreen"}}, log};  // no screen
+  // glog writes a file of each command and level, into the folder for temporary files by default
+  if (!log.empty()) command.environment.emplace_back("GLOG_log_dir", glog_folder(log).string());
+  return command;
+}
+
+/// How many lines like this one there will be, by its own counts: n of "Matching image [1/n]", n·m
+/// of "Matching block [1/n, 1/m]"; 0 where it states none.
+int64_t stated_steps(std::string_view line) {
+  static const std::regex kCounts(R"(\[\d{1,9}/(\d{1,9})(?:, \d{1,9}/(\d{1,9}))?\])");
+  std::match_results<std::string_view::const_iterator> match;
+  if (!std::regex_search(line.begin(), line.end(), match, kCounts)) return 0;
+  return std::stoll(match[1]) * (match[2].matched ? std::stoll(match[2]) : 1);
 }
 
 }  // namespace
@@ -35,7 +51,7 @@ ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& pr
                                      ? " (from the environment variable TESSERA_COLMAP)"
                                      : " in PATH, camera poses need it",
                                  kRemedy));
-  make_folder(log_.parent_path());
+  make_folder(glog_folder(log_));
   ChildCommand command = command_of(program_, {});
   command.arguments.emplace_back("help");
   static const std::regex kVersion(R"(COLMAP (\d{1,4})\.(\d{1,4}))");
@@ -64,7 +80,10 @@ void ColmapProgram::run(const std::string& command, const ColmapOptions& options
   int64_t done = 0;
   progress_(doing, done, total);
   const ChildResult result = run_child(child, [&](std::string_view line) {
-    if (!step.empty() && line.find(step) != std::string_view::npos) ++done;
+    if (!step.empty() && line.find(step) != std::string_view::npos) {
+      if (done == 0 && total == 0) total = stated_steps(line);
+      ++done;
+    }
     progress_(doing, total > 0 ? std::min(done, total) : done, total);
   });
   if (result.exit_code != 0)

@@ -23,9 +23,10 @@ class ColmapProgram {
   const std::string& version() const { return version_; }  // "3.8"
   const std::filesystem::path& log() const { return log_; }
 
-  /// Runs it to its end. `doing` and `total` (0: not known) are for progress; one step is done with
-  /// each line that contains `step`. Errors: InputError with its last words and the log's path;
-  /// what `progress` throws, after the program and its children are gone.
+  /// Runs it to its end. `doing` and `total` (0: what the lines state, else not known) are for
+  /// progress; one step is done with each line that contains `step`. Errors: InputError with its
+  /// last words and the log's path; what `progress` throws, after the program and its children are
+  /// gone.
   void run(const std::string& command, const ColmapOptions& options, const std::string& doing,
            const std::string& step = "", int64_t total = 0,
            const std::string& remedy = "put that right, or pass --poses FILE") const;

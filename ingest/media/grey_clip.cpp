@@ -6,12 +6,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "ingest/media/video_decoder.h"
+#include "ingest/alpha_composite.h"
+#include "ingest/media/clip_frames.h"
 
 namespace tessera {
 
-GreyClip::GreyClip(std::filesystem::path video, const VideoTimeline& timeline, size_t bound)
-    : video_(std::move(video)), timeline_(timeline), kept_(timeline.ticks.size()) {
+GreyClip::GreyClip(const RigClip& clip, size_t bound)
+    : clip_(clip), kept_(clip.timeline.ticks.size()) {
+  const VideoTimeline& timeline = clip.timeline;
   const double scale = std::min(1.0, double(kGreySide) / std::max(timeline.width, timeline.height));
   size_ = {std::max(1, int(std::lround(scale * timeline.width))),
            std::max(1, int(std::lround(scale * timeline.height)))};
@@ -26,10 +28,11 @@ void GreyClip::read(size_t first, size_t last,
   };
   std::vector<int64_t> wanted;
   for (size_t frame = first; frame < last; ++frame)
-    if (kept_[frame].empty()) wanted.push_back(timeline_.ticks[frame]);
+    if (kept_[frame].empty()) wanted.push_back(clip_.timeline.ticks[frame]);
   hand_over_kept();
   const auto on_frame = [&](const VideoFrame& frame) {
-    const cv::Mat rgb(size_, CV_8UC3, const_cast<uint8_t*>(frame.image.data.data()));
+    const Image8 opaque = composite_on(frame.image, {0, 0, 0});
+    const cv::Mat rgb(size_, CV_8UC3, const_cast<uint8_t*>(opaque.data.data()));
     cv::Mat grey;
     cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
     if (room_ > 0) kept_[next] = grey, --room_;
@@ -37,8 +40,7 @@ void GreyClip::read(size_t first, size_t last,
     hand_over_kept();
     return true;
   };
-  decode_frames(video_, wanted, on_frame,
-                {Truncation::kKeepWhatIsThere, size_.width, size_.height});
+  decode_clip(clip_, wanted, on_frame, {Truncation::kKeepWhatIsThere, size_.width, size_.height});
 }
 
 }  // namespace tessera

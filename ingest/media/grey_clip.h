@@ -2,12 +2,11 @@
 // Not: colour, or what moves in them (clip_motion.h).
 #pragma once
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "ingest/media/video_timeline.h"
+#include "ingest/media/clock_sync.h"
 
 namespace tessera {
 
@@ -15,17 +14,16 @@ namespace tessera {
 /// pictures, those that were read first, and one more.
 class GreyClip {
  public:
-  GreyClip(std::filesystem::path video, const VideoTimeline& timeline, size_t bound);
+  GreyClip(const RigClip& clip, size_t bound);
 
-  const VideoTimeline& timeline() const { return timeline_; }
+  const VideoTimeline& timeline() const { return clip_.timeline; }
   /// Calls `on_picture` with the frames from `first` to before `last`, in order. Only those that
-  /// are not kept are decoded. Errors: those of decode_frames.
+  /// are not kept are decoded. Errors: those of decode_clip.
   void read(size_t first, size_t last,
             const std::function<void(size_t frame, const cv::Mat& picture)>& on_picture);
 
  private:
-  std::filesystem::path video_;
-  const VideoTimeline& timeline_;
+  const RigClip& clip_;
   cv::Size size_;
   size_t room_ = 0;            // pictures that may still be kept
   std::vector<cv::Mat> kept_;  // CV_8U by frame; empty: not kept

@@ -7,9 +7,8 @@
 #include <map>
 
 #include "ingest/frame_window.h"
+#include "ingest/media/clip_frames.h"
 #include "ingest/media/pose_estimation.h"
-#include "ingest/media/video_decoder.h"
-#include "ingest/source_hash.h"
 #include "ingest/time_normalisation.h"
 
 namespace tessera {
@@ -44,7 +43,7 @@ std::map<std::string, int64_t> write_frames(const RigClip& clip, const fs::path&
   std::vector<int64_t> wanted;
   for (const size_t frame : frames_of(clip, options)) wanted.push_back(clip.timeline.ticks[frame]);
   std::map<std::string, int64_t> times;
-  decode_frames(clip.video, wanted, [&](VideoFrame decoded) {
+  decode_clip(clip, wanted, [&](VideoFrame decoded) {
     const std::string name = fmt::format("{:06}", times.size());
     times[name] = decoded.ticks;
     write_prepared_picture(folder / (name + ".png"), std::move(decoded.image), 1);
@@ -90,9 +89,9 @@ Converted convert_moving_video(const fs::path& capture, const RigClip& clip, con
                                        folder, options, progress);
   std::vector<std::string>& warnings = converted.report.warnings;
   warnings.insert(warnings.begin(), estimate.warnings.begin(), estimate.warnings.end());
-  converted.scene.layout = "videos";
+  converted.scene.layout = clip.images.empty() ? "videos" : "sequences";
   set_times(clip, times, options.allow_static, clip.video.string(), converted.scene);
-  converted.scene.sources = {{clip.video.filename().string(), source_hash(clip.video)}};
+  converted.scene.sources = {{clip.video.filename().string(), clip_hash(clip)}};
   converted.report.cameras = 1;
   fs::remove_all(pictures);
   return converted;

@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-#include "ingest/media/video_decoder.h"
+#include "ingest/alpha_composite.h"
+#include "ingest/media/clip_frames.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 
@@ -81,8 +82,8 @@ std::vector<Image8> sample_pictures(const RigClip& clip, const std::vector<size_
   std::vector<int64_t> wanted;
   for (const size_t frame : chosen) wanted.push_back(clip.timeline.ticks.at(frame));
   std::vector<Image8> pictures;
-  decode_frames(clip.video, wanted, [&](VideoFrame decoded) {
-    pictures.push_back(std::move(decoded.image));
+  decode_clip(clip, wanted, [&](VideoFrame decoded) {
+    pictures.push_back(composite_on(decoded.image, {0, 0, 0}));
     return true;
   });
   check(pictures.size() == chosen.size(), "the timeline has more frames than the video");

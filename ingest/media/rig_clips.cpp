@@ -10,6 +10,7 @@
 #include "ingest/capture_layout.h"
 #include "ingest/held_out_cameras.h"
 #include "ingest/llff_poses.h"
+#include "ingest/media/clip_frames.h"
 #include "ingest/rig_poses_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -36,6 +37,14 @@ std::vector<RigClip> clips_by_name(const fs::path& capture) {
         fmt::format("{}: has no videos; put one file per camera there", capture.string()));
   std::vector<RigClip> clips;
   for (const auto& [name, video] : videos) clips.push_back({name, video, {}, {}});
+  return clips;
+}
+
+/// Numbered images of several cameras, or of one that moves.
+std::vector<RigClip> clips_of_images(const fs::path& capture, std::optional<ImageReading> reading) {
+  std::vector<RigClip> clips;
+  for (ImageSequence& sequence : sequences_of(capture, reading))
+    clips.push_back({sequence.camera, sequence.path, {}, {}, std::move(sequence.images)});
   return clips;
 }
 
@@ -85,7 +94,7 @@ void pose_by_name(const fs::path& file, bool strict, RigClips& rig,
 fs::path pose_file(const fs::path& capture, const std::string& source) {
   const fs::path llff = capture / kLlffFile;
   if (source == "colmap" || (source.empty() && !fs::exists(llff))) return {};
-  return source.empty() || source == "n3dv" ? llff : fs::path(source);
+  return source.empty() || source == "n3dv" || source == "llff" ? llff : fs::path(source);
 }
 
 /// Only the named cameras, in order of their names.
@@ -103,25 +112,24 @@ void choose(const std::vector<std::string>& wanted, RigClips& rig) {
   rig.keep_only(keep);
 }
 
-void hold_out(const std::vector<std::string>& named, RigClips& rig,
-              std::vector<std::string>& warnings) {
+/// Of a single camera frames can be held out (--test-every), not the camera.
+void hold_out(const std::vector<std::string>& named, RigClips& rig) {
   rig.held_out.assign(rig.clips.size(), 0);
   if (!named.empty()) {
     const auto splits = held_out_splits_of(names_of(rig.clips), named, "videos");
     for (size_t i = 0; i < splits.size(); ++i) rig.held_out[i] = splits[i] == Split::kTest;
   } else if (rig.clips.size() > 1) {
     rig.held_out.front() = 1;  // as N3DV's protocol has it
-  } else {
-    warnings.push_back("videos: there is one camera only, none is held out for testing");
   }
 }
 
 /// Clips that end early are taken only where the part that is wanted is stated (`bounded`).
-void read_timelines(RigClips& rig, bool bounded, std::vector<std::string>& warnings) {
+void read_timelines(RigClips& rig, double image_rate, bool bounded,
+                    std::vector<std::string>& warnings) {
   std::vector<std::string> errors(rig.clips.size());
   parallel_for(int64_t(rig.clips.size()), 1, [&](int64_t begin, int64_t end) {
     for (auto i = size_t(begin); i < size_t(end); ++i) try {
-        rig.clips[i].timeline = read_timeline(rig.clips[i].video);
+        rig.clips[i].timeline = read_clip_timeline(rig.clips[i], image_rate);
       } catch (const InputError& error) {
         errors[i] = error.what();
       }
@@ -180,7 +188,8 @@ void leave_out_bad_lenses(bool strict, RigClips& rig, std::vector<std::string>& 
 RigClips open_rig_clips(const fs::path& capture, const IngestOptions& options,
                         std::vector<std::string>& warnings) {
   RigClips rig;
-  rig.clips = clips_by_name(capture);
+  const bool of_images = options.layout == CaptureLayout::kSequences;
+  rig.clips = of_images ? clips_of_images(capture, options.reading) : clips_by_name(capture);
   const fs::path poses = pose_file(capture, options.poses.source);
   const bool by_row = poses.filename() == kLlffFile;
   if (by_row) pose_by_row(poses, rig.clips);  // rows count the videos that are left out, too
@@ -188,12 +197,13 @@ RigClips open_rig_clips(const fs::path& capture, const IngestOptions& options,
   if (!poses.empty() && !by_row) pose_by_name(poses, options.strict, rig, warnings);
   rig.posed = !poses.empty();
   if (rig.posed) rig.pose_files.push_back(poses);
-  read_timelines(rig, options.duration || options.frames, warnings);
+  read_timelines(rig, options.image_rate.value_or(kImageRate), options.duration || options.frames,
+                 warnings);
   if (rig.posed) {
     fit_sizes(rig.clips);
     leave_out_bad_lenses(options.strict, rig, warnings);
   }
-  hold_out(options.held_out, rig, warnings);
+  hold_out(options.held_out, rig);
   return rig;
 }
 

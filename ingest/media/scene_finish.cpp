@@ -8,6 +8,7 @@
 #include "ingest/media/exposure_conversion.h"
 #include "ingest/media/mask_source.h"
 #include "ingest/point_cloud.h"
+#include "ingest/test_views.h"
 #include "ingest/world_normalisation.h"
 
 namespace tessera {
@@ -63,6 +64,9 @@ void finish_scene(Converted& converted, CaptureLayout layout, const std::filesys
       initial_cloud(folder, scene, std::move(converted.points), options, progress, report.warnings);
   warn_of_few_cameras(scene, report.warnings);
   report.points = int64_t(converted.points.position.size());
+  TestViews test_views;
+  for (const PreparedFrame& prepared : scene.frames) test_views.add(prepared.frame);
+  report.test_views = test_views.count(), report.scored = test_views.text();
   scene.has_points = report.points > 0;
   if (scene.has_points) write_points(folder / "points.ply", converted.points);
   write_prepared_scene(folder, scene);

@@ -116,7 +116,7 @@ class MotionSync {
     constexpr size_t kBytes = size_t(512) << 20;  // of pictures, for all clips
     for (const RigClip& clip : clips) {
       frame_seconds_ = std::max(frame_seconds_, step_of(clip));
-      pictures_.emplace_back(clip.video, clip.timeline, kBytes / clips.size());
+      pictures_.emplace_back(clip, kBytes / clips.size());
     }
   }
 

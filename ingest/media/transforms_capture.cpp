@@ -2,16 +2,19 @@
 // Not: parsing (transforms_json.h); alpha is kept, the background is chosen when a scene is loaded.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
 #include "ingest/capture_times.h"
+#include "ingest/held_out_cameras.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/mask_source.h"
 #include "ingest/media/picture_intake.h"
 #include "ingest/media/undistortion.h"
 #include "ingest/point_cloud.h"
 #include "ingest/source_hash.h"
+#include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
@@ -28,6 +31,33 @@ void keep_first_instants(TransformsCapture& capture, int64_t count) {
     const std::set<double>& of_camera = instants[frame.camera_name];
     return std::distance(of_camera.begin(), of_camera.find(instant_of(frame))) >= count;
   });
+}
+
+/// The splits that --held-out or --test-every ask for. Errors: InputError: the capture states test
+/// frames itself, a wrong name or number, nothing left to train on.
+void choose_splits(TransformsCapture& capture, const IngestOptions& options) {
+  if (options.held_out.empty() && !options.test_every) return;
+  std::vector<std::string> frames, cameras;
+  for (const TransformsFrame& frame : capture.frames) {
+    frames.push_back(frame.name);
+    if (std::find(cameras.begin(), cameras.end(), frame.camera_name) == cameras.end())
+      cameras.push_back(frame.camera_name);
+    if (frame.split != Split::kTrain)
+      throw InputError(fmt::format(
+          "{}: is stated as a test frame, but {} is given; leave the option out, or remove the "
+          "stated split",
+          frame.where, options.test_every ? "--test-every" : "--held-out"));
+  }
+  if (options.test_every) {
+    const std::vector<Split> splits = every_nth_split(frames, *options.test_every);
+    for (size_t i = 0; i < frames.size(); ++i) capture.frames[i].split = splits[i];
+    return;
+  }
+  const std::vector<Split> splits = held_out_splits_of(cameras, options.held_out, "transforms");
+  for (TransformsFrame& frame : capture.frames) {
+    const auto at = std::find(cameras.begin(), cameras.end(), frame.camera_name);
+    frame.split = splits[size_t(at - cameras.begin())];
+  }
 }
 
 PreparedFrame describe(const TransformsFrame& listed, double time) {
@@ -95,6 +125,7 @@ Converted convert_transforms(const std::filesystem::path& capture_folder,
   report.warnings = std::move(capture.warnings);
   note_missing(capture_folder, capture.missing, "the transforms file", options.strict,
                report.warnings);
+  choose_splits(capture, options);
   const TimeAxis whole = times_of(capture, true).axis;
   if (options.frames) keep_first_instants(capture, *options.frames);
   const NormalisedTimes times = times_of(capture, options.allow_static);

@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ingest/checks/orientation.h"
 #include "ingest/frame_window.h"
+#include "ingest/held_out_cameras.h"
+#include "ingest/media/clip_frames.h"
 #include "ingest/media/clip_pictures.h"
 #include "ingest/media/conversion.h"
 #include "ingest/media/moving_video.h"
@@ -29,10 +32,39 @@ struct Work {
   const IngestProgress& progress;
 };
 
+/// How numbered images are read, for people.
+std::string reading_of(const Work& work, const RigClips& rig) {
+  return fmt::format(
+      "{}: numbered images are read as those of {}, number N at N / {} s (--fps changes the rate, "
+      "--layout photos reads them as photos of a scene that stands still)",
+      work.capture.string(),
+      rig.clips.size() == 1 ? "one camera that moves"
+                            : fmt::format("{} cameras that film together", rig.clips.size()),
+      *work.options.image_rate);
+}
+
+/// What the shapes of the images say where no poses could be found; empty where they are alike.
+std::string turned_hint(const RigClips& rig) {
+  std::vector<std::string> names;
+  std::vector<std::pair<int, int>> sizes;
+  for (const RigClip& clip : rig.clips) {
+    names.push_back(clip.name);
+    sizes.emplace_back(clip.timeline.width, clip.timeline.height);
+  }
+  const std::string mixed = mixed_orientation(names, sizes);
+  return mixed.empty() ? "" : "; " + mixed + ": check whether their videos lack a rotation flag";
+}
+
 /// Poses by COLMAP; cameras that it could not place are left out. Returns its points.
 PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::string>& warnings) {
-  PoseEstimate estimate = estimate_rig(rig.clips, rig.held_out, work.options.work / "colmap",
-                                       work.options.poses, work.progress);
+  PoseEstimate estimate = [&] {
+    try {
+      return estimate_rig(rig.clips, rig.held_out, work.options.work / "colmap", work.options.poses,
+                          work.progress);
+    } catch (const InputError& error) {
+      throw InputError(error.what() + turned_hint(rig));
+    }
+  }();
   warnings.insert(warnings.end(), estimate.warnings.begin(), estimate.warnings.end());
   std::vector<char> placed;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
@@ -47,6 +79,12 @@ PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::strin
         "--held-out",
         work.capture.string()));
   return std::move(estimate.points);
+}
+
+/// Images of one number are of one timestep unless a method is asked for.
+SyncOptions sync_of(bool of_images, SyncOptions sync) {
+  if (of_images && sync.method == SyncMethod::kAuto) sync.method = SyncMethod::kNone;
+  return sync;
 }
 
 /// The moments of each clip's frames on the rig's clock, seconds.
@@ -78,6 +116,14 @@ void describe_frames(const RigClips& rig, size_t i, const std::vector<size_t>& c
     seconds.push_back(moments[chosen[k]]);
     scene.frames.push_back(std::move(prepared));
   }
+}
+
+/// Every Nth frame of a single camera that stands still, whose pose is stated.
+void hold_out_frames(int64_t every, PreparedScene& scene) {
+  std::vector<std::string> names;
+  for (const PreparedFrame& prepared : scene.frames) names.push_back(prepared.frame.name);
+  const std::vector<Split> splits = every_nth_split(names, every);
+  for (size_t i = 0; i < names.size(); ++i) scene.frames[i].frame.split = splits[i];
 }
 
 /// Says what is lost where the cameras do not begin or end together.
@@ -145,7 +191,7 @@ void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedCl
     if (frame.frame.camera_name == clip.name)
       frame.frame.camera = prepared.camera, frame.mask_path = prepared.mask_path;
   scene.cameras.push_back(std::move(camera));
-  scene.sources.push_back({clip.video.filename().string(), source_hash(clip.video)});
+  scene.sources.push_back({clip.video.filename().string(), clip_hash(clip)});
 }
 
 /// A few moments spread over the kept frames of the first clip, with each clip's nearest frame.
@@ -177,30 +223,35 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   const Work work{capture, folder, options, progress};
   IngestReport report;
   RigClips rig = open_rig_clips(capture, options, report.warnings);
+  if (options.layout == CaptureLayout::kSequences) report.notes.push_back(reading_of(work, rig));
   if (!rig.posed && rig.clips.size() == 1) {
     Converted moving = convert_moving_video(capture, rig.clips.front(), folder, options, progress);
+    moving.report.notes = std::move(report.notes);
     moving.report.warnings.insert(moving.report.warnings.begin(), report.warnings.begin(),
                                   report.warnings.end());
     return moving;
   }
-  if (options.test_every)
+  if (options.test_every && rig.clips.size() > 1)
     throw InputError(
-        "--test-every is given, but cameras are held out here, not frames; pass --held-out");
+        "--test-every is given, but of several cameras whole ones are held out; pass --held-out "
+        "with their names");
   PointCloud points = rig.posed ? find_points(capture, "", report.warnings)
                                 : place_cameras(work, rig, report.warnings);
-  const ClipClocks clocks = synchronise(rig.clips, options.sync, progress);
+  const bool of_images = !rig.clips.front().images.empty();
+  const ClipClocks clocks = synchronise(rig.clips, sync_of(of_images, options.sync), progress);
   report.warnings.insert(report.warnings.end(), clocks.warnings.begin(), clocks.warnings.end());
   const auto moments = rig_moments(rig, clocks);
   const auto chosen = frames_of_clips(work, rig, moments, report.warnings);
 
   PreparedScene scene;
-  scene.layout = rig.posed ? "n3dv" : "videos";
+  scene.layout = of_images ? "sequences" : rig.posed ? "n3dv" : "videos";
   scene.scale = options.scale;
   scene.background = "opaque";
   std::vector<double> seconds;
   std::vector<ClipFrames> frames(rig.clips.size());
   for (size_t i = 0; i < rig.clips.size(); ++i)
     describe_frames(rig, i, chosen[i], moments[i], scene, frames[i], seconds);
+  if (options.test_every) hold_out_frames(*options.test_every, scene);
   int64_t done = 0;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
     const std::string doing = "decoding " + rig.clips[i].video.filename().string();
@@ -208,6 +259,7 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
         write_clip_pictures(rig.clips[i], frames[i], folder, options,
                             [&] { progress(doing, ++done, int64_t(scene.frames.size())); });
     record_camera(rig.clips[i], clocks.clocks[i], prepared, scene);
+    if (prepared.has_alpha) scene.background = "alpha kept";
   }
   const bool one_instant = options.allow_static || options.frames == 1;
   const NormalisedTimes times = normalise_times(seconds, one_instant, capture.string());

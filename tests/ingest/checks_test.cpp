@@ -10,6 +10,7 @@
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/coverage.h"
 #include "ingest/checks/leakage.h"
+#include "ingest/checks/orientation.h"
 #include "ingest/checks/time_range.h"
 #include "tests/ingest/checks_fixture.h"
 #include "tests/support/scratch_folder.h"
@@ -64,6 +65,45 @@ TEST(Checks, GapsAndOtherRanges) {
 }
 
 // B18. Fails with pictures compared by name, or poses without their moments.
+/// Turns the camera about its viewing direction.
+void roll(Scene& scene, const std::string& camera, double degrees) {
+  const double c = std::cos(degrees * 3.14159265358979 / 180);
+  const double s = std::sin(degrees * 3.14159265358979 / 180);
+  const glm::dmat3 turn(c, s, 0, -s, c, 0, 0, 0, 1);  // by columns
+  for (Frame& frame : scene.frames)
+    if (frame.camera_name == camera) {
+      frame.camera.cam_from_world = turn * frame.camera.cam_from_world;
+      frame.camera.translation = turn * frame.camera.translation;
+    }
+}
+
+// Bugs put back, each seen to fail: the first camera's up direction taken for the rig's; angles
+// without their sign; photos, of which one is held upright, judged as a rig.
+TEST(Checks, CamerasOnTheirSide) {
+  Scene scene = ring_scene({.cameras = 6, .moments = 3});
+  for (int c = 0; c < 6; ++c) roll(scene, "cam" + std::to_string(c), c % 2 == 0 ? 15 : -15);
+  EXPECT_TRUE(check_orientation(scene).findings.empty());
+  roll(scene, "cam0", 75), roll(scene, "cam3", -75), roll(scene, "cam4", 165);
+  const OrientationCheck check = check_orientation(scene);
+  ASSERT_EQ(check.findings.size(), 3u);
+  for (const char* camera : {"cam0", "cam3", "cam4"})
+    EXPECT_TRUE(has(check.findings, Severity::kWarning, "turned", camera)) << camera;
+  EXPECT_NEAR(std::abs(check.cameras[0].degrees), 90, 20);  // "up" is a mean of tilted cameras
+  EXPECT_LT(check.cameras[0].degrees * check.cameras[3].degrees, 0);
+  EXPECT_NE(check.findings[0].measured.find("against 3 of 6 cameras"), std::string::npos);
+  EXPECT_NE(check.findings[2].measured.find("upside down"), std::string::npos);
+  std::erase_if(scene.frames, [](const Frame& frame) { return frame.frame_number > 0; });
+  EXPECT_TRUE(check_orientation(scene).findings.empty());
+}
+
+TEST(Checks, ImagesOfMixedShape) {
+  const std::vector<std::string> names{"a", "b", "c"};
+  EXPECT_EQ(mixed_orientation(names, {{640, 360}, {360, 640}, {640, 360}}),
+            "b is higher than wide (360x640), 2 others are wider than high");
+  EXPECT_EQ(mixed_orientation(names, {{640, 360}, {640, 480}, {300, 300}}), "");
+  EXPECT_EQ(mixed_orientation(names, {{360, 640}, {360, 640}, {360, 640}}), "");
+}
+
 TEST(Checks, Leakage) {
   const ScratchFolder folder;
   Scene scene = ring_scene({.cameras = 3, .moments = 2});

@@ -165,8 +165,8 @@ TEST_F(ColmapCapture, LayoutIsFoundOrStated) {
   write_bytes(capture_ / "transforms.json", "{}");
   EXPECT_EQ(detect_layout(capture_), CaptureLayout::kTransforms);
   IngestOptions options;
-  options.test_every = 2;
-  expect_refused(options, {"--test-every", "(transforms) has no photos"});
+  options.pictures = "images";
+  expect_refused(options, {"--images", "(transforms) has no photos"});
   options.layout = CaptureLayout::kColmap;
   EXPECT_EQ(ingest(options).frames, 2);
   std::filesystem::remove_all(capture_ / "sparse");

@@ -145,6 +145,27 @@ TEST(FeatureChecks, GainsOfPictures) {
   }
 }
 
+// Cameras that see other things than the rest: cam2 as bright as the rest, cam5 a stop darker. Bug
+// put back: cameras without matches only counted; seen to fail.
+TEST(FeatureChecks, ExposureWithoutSharedFeatures) {
+  Scene scene = textured_rig();
+  for (Frame& frame : scene.frames) {
+    if (frame.camera_name != "cam2" && frame.camera_name != "cam5") continue;
+    const double gain = frame.camera_name == "cam5" ? 0.7 : 1;
+    std::vector<uint8_t> other = frame.image.data;  // upside down and mirrored: nothing matches
+    std::reverse(other.begin(), other.end());
+    for (uint8_t& value : other) value = uint8_t(std::lround(gain * (220 - value)));
+    frame.image.data = std::move(other);
+  }
+  const ExposureCheck check = check_exposure(match_stations(scene));
+  std::vector<std::string> named;
+  for (const Finding& finding : check.findings)
+    if (finding.severity == Severity::kWarning) named.push_back(finding.camera);
+  EXPECT_EQ(named, std::vector<std::string>{"cam5"});
+  EXPECT_LT(check.gains[5].pairs, 20);
+  EXPECT_LT(check.gains[2].pairs, 20);
+}
+
 // Fails with the Laplacian at one size alone, which follows contrast: cam2 has half of it.
 TEST(FeatureChecks, BlurredCamera) {
   Scene scene = textured_rig();

@@ -14,6 +14,7 @@
 #include "ingest/files/npy.h"
 #include "ingest/files/png.h"
 #include "ingest/ingest.h"
+#include "ingest/media/checks/thinned_scene.h"
 #include "tests/ingest/colmap_fixture.h"
 
 namespace tessera {
@@ -184,6 +185,30 @@ TEST(Layouts, PhotosByWhatLiesBesideThem) {
   EXPECT_EQ(detect_layout(folder / "a"), CaptureLayout::kLlff);
   write_colmap_bin(folder / "a/sparse/0", cube_model());
   EXPECT_EQ(detect_layout(folder / "a"), CaptureLayout::kColmap);
+}
+
+// Bugs put back: the model's error alone; the sample of `doctor` sized by the model that --poses
+// llff does without; each seen to fail.
+TEST(Layouts, DamagedModelNamesThePosesBesideIt) {
+  const TemporaryFolder folder;
+  const path capture = folder / "a";
+  write_cube_llff(capture);
+  write_colmap_bin(capture / "sparse/0", cube_model());
+  const std::string bytes = read_bytes(capture / "sparse/0/images.bin");
+  write_bytes(capture / "sparse/0/images.bin", bytes.substr(0, bytes.size() / 2));
+  expect_input_error([&] { ingest_capture(capture, folder / "scene", {}, {}); },
+                     {"images.bin", "--poses llff", "poses_bounds.npy"});
+  IngestOptions options;
+  options.poses.source = "llff", options.cloud = CloudDensity::kNone;
+  EXPECT_EQ(ingest_capture(capture, folder / "scene", options, {}).layout, CaptureLayout::kLlff);
+  EXPECT_EQ(ingest_sample(capture, folder / "sample", options, {}).layout, CaptureLayout::kLlff);
+  std::filesystem::remove(capture / "poses_bounds.npy");
+  try {
+    ingest_capture(capture, folder / "other", {}, {});
+    ADD_FAILURE() << "a damaged model without an error";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).find("llff"), std::string::npos) << error.what();
+  }
 }
 
 /// Median over points and colours of |pixel − colour|, of pictures[(i + shift) % n] by camera i.

@@ -55,6 +55,8 @@ void check_any(const std::vector<Dataset>& datasets) {
     try {
       detect_layout(dataset.path);
       return;
+    } catch (const AmbiguousCapture&) {  // its ingest options may decide
+      return;
     } catch (const InputError& error) {
       if (why.empty()) why = error.what();
     }

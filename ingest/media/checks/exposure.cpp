@@ -112,6 +112,55 @@ void apply_exposure(Image8& picture, const std::array<double, 3>& gain) {
     }
 }
 
+namespace {
+
+/// Mean of the image by channel, 8-bit values.
+std::array<double, 3> mean_colour(const Image8& picture) {
+  std::array<double, 3> sum{};
+  for (size_t p = 0; p + 2 < picture.data.size(); p += 3)
+    for (size_t k = 0; k < 3; ++k) sum[k] += picture.data[p + k];
+  for (double& of_channel : sum)
+    of_channel = std::max(1.0, of_channel * 3) / double(picture.data.size());
+  return sum;
+}
+
+/// Cameras without enough matches, by their whole images against the median of all: coarse, as what
+/// they see differs, too.
+void judge_whole_images(const MatchedStations& matched, ExposureCheck& check) {
+  constexpr double kFar = 1.35;  // of a ratio: one stop of light, 2^(1/2.2) in display values
+  std::vector<std::array<double, 3>> means;  // [gains]
+  for (size_t s = 0; s < matched.stations.size(); ++s)
+    if (matched.stations[s].split == Split::kTrain)
+      means.push_back(mean_colour(matched.pictures[s]));
+  std::array<double, 3> median{};
+  for (size_t k = 0; k < 3; ++k) {
+    std::vector<double> values;
+    for (const auto& mean : means) values.push_back(mean[k]);
+    const auto middle = values.begin() + std::ptrdiff_t((values.size() - 1) / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    median[k] = *middle;
+  }
+  size_t named = 0;
+  for (size_t c = 0; c < means.size(); ++c) {
+    if (check.gains[c].pairs >= kLeastPairs) continue;
+    std::array<double, 3> ratio{};
+    double most = 1;
+    for (size_t k = 0; k < 3; ++k) {
+      ratio[k] = means[c][k] / median[k];
+      most = std::max({most, ratio[k], 1 / ratio[k]});
+    }
+    if (most < kFar || ++named > kMostNamed) continue;
+    check.findings.push_back(
+        {Severity::kWarning, "exposure", check.gains[c].camera,
+         fmt::format("its images have {:.2f} {:.2f} {:.2f} (R G B) of the median camera's level, "
+                     "and share too few features with others to tell exposure from content",
+                     ratio[0], ratio[1], ratio[2]),
+         "compare its images by eye; where the exposure differs, train with --exposure camera"});
+  }
+}
+
+}  // namespace
+
 ExposureCheck check_exposure(const MatchedStations& matched) {
   ExposureCheck check{fit_exposure(matched), {}};
   std::vector<std::pair<double, size_t>> worst;
@@ -131,6 +180,7 @@ ExposureCheck check_exposure(const MatchedStations& matched) {
                                           camera.gain[0], camera.gain[1], camera.gain[2]),
                               "prepare with --exposure fit"});
   }
+  if (known < check.gains.size() && !matched.moving_camera) judge_whole_images(matched, check);
   if (known < check.gains.size())
     check.findings.push_back({Severity::kInfo, "exposure", "",
                               fmt::format("{} of {} cameras share too few features to compare",

@@ -55,32 +55,42 @@ void load_pixels(Frame& frame, const std::filesystem::path& file, const Thinning
   frame.image = std::move(picture);
 }
 
-int width_of(const std::filesystem::path& capture, CaptureLayout layout) {
+int width_of(const std::filesystem::path& capture, CaptureLayout layout,
+             const IngestOptions& options) {
   switch (layout) {
     case CaptureLayout::kN3dv:
     case CaptureLayout::kVideos:
       return probe_video(videos_in(capture).front()).width;
     case CaptureLayout::kColmap:
-      return read_colmap_model(find_colmap_model(capture)).photos.front().camera.width;
+      return read_capture_model(capture).photos.front().camera.width;
     case CaptureLayout::kTransforms:
       return read_picture(read_transforms_capture(capture).frames.front().image).width;
     case CaptureLayout::kLlff:
       return read_llff_poses(capture / "poses_bounds.npy").front().camera.width;
+    case CaptureLayout::kSequences:
+      return read_picture(sequences_of(capture, options.reading).front().images.front().file).width;
     case CaptureLayout::kPhotos:
       return 0;
   }
   return 0;
 }
 
-/// A rate that takes a handful of moments of the shortest video.
-double moments_per_second(const std::filesystem::path& capture, const IngestOptions& options) {
+/// A rate that takes a handful of moments of the shortest clip.
+double moments_per_second(const std::filesystem::path& capture, CaptureLayout layout,
+                          const IngestOptions& options) {
   constexpr double kMoments = 5;
   double seconds = options.duration.value_or(1e9);
-  for (const auto& video : videos_in(capture)) {
-    const VideoTimeline timeline = read_timeline(video);
-    seconds =
-        std::min(seconds, timeline.time_base.at(timeline.ticks.back() - timeline.ticks.front()));
-  }
+  if (layout == CaptureLayout::kSequences)
+    for (const ImageSequence& sequence : sequences_of(capture, options.reading))
+      seconds =
+          std::min(seconds, double(sequence.images.back().number - sequence.images.front().number) /
+                                *options.image_rate);
+  else
+    for (const auto& video : videos_in(capture)) {
+      const VideoTimeline timeline = read_timeline(video);
+      seconds =
+          std::min(seconds, timeline.time_base.at(timeline.ticks.back() - timeline.ticks.front()));
+    }
   return (kMoments - 0.5) / std::max(1e-3, seconds);
 }
 
@@ -112,12 +122,15 @@ IngestReport ingest_sample(const std::filesystem::path& capture,
   constexpr int64_t kMostPoints = 5000;  // enough for shares of what is seen
   options.allow_static = true;
   options.cloud_points = std::min(options.cloud_points, kMostPoints);
-  CaptureLayout layout = detect_layout(capture);
+  CaptureLayout layout = layout_of(capture, options);
   if (layout == CaptureLayout::kTransforms && !find_colmap_model(capture).empty())
     options.layout = layout = CaptureLayout::kColmap;  // knows its lenses
-  if (!options.fps && (layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos))
-    options.fps = moments_per_second(capture, options);
-  options.scale *= std::min(1.0, double(kWidest) / std::max(1, width_of(capture, layout)));
+  const bool sequences = layout == CaptureLayout::kSequences;
+  if (sequences) options.image_rate = options.fps.value_or(kImageRate);
+  if (sequences ||
+      (!options.fps && (layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos)))
+    options.fps = moments_per_second(capture, layout, options);
+  options.scale *= std::min(1.0, double(kWidest) / std::max(1, width_of(capture, layout, options)));
   return ingest_capture(capture, folder, options, progress);
 }
 

@@ -1,0 +1,50 @@
+// What: numbered images of a folder as sequences: one a camera of a rig, or all of one camera.
+// Not: their pixels, and not the decision what a capture is (capture_layout.h).
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+struct NumberedImage {
+  int64_t number = 0;  // of the frame
+  std::filesystem::path file;
+};
+
+struct ImageSequence {
+  std::string camera;  // "cam02": the name of its folder, or what its files' names begin with
+  std::filesystem::path path;         // its folder, or the folder of all and its name, for messages
+  std::vector<NumberedImage> images;  // numbers increase
+};
+
+/// Whether images are those of several cameras that film together.
+enum class RigEvidence {
+  kNone,     // there are no two sequences, or their numbers have nothing to do with each other
+  kUnclear,  // equal numbers under names that are no cameras', or cameras with other numbers
+  kRig       // names of cameras, and at least nine tenths of the numbers are of all of them
+};
+
+struct ImageSequences {
+  std::vector<ImageSequence> cameras;  // by name
+  RigEvidence evidence = RigEvidence::kNone;
+  std::string seen;         // "3 folders of numbered images (a, b, c), 8 numbers in all of them"
+  bool in_folders = false;  // one folder a sequence; false: all lie in one folder
+};
+
+/// Of images directly in `capture` or its `images`, by their names: cam00_0001.png,
+/// camera_3_img_0001.jpg, 0001_cam00.png. Without such images, of sub-folders of `capture` or its
+/// `images`, `ims`, `frames` or `rgb`: cam00/0001.png, 3/000001.jpg, cam00/images/0001.png;
+/// capture/images… are sizes of one photo set, never cameras.
+ImageSequences find_image_sequences(const std::filesystem::path& capture);
+
+/// All images of `folder` as one sequence: by the numbers that their names end with, where these
+/// differ, else counted in the order of names.
+ImageSequence single_sequence(const std::filesystem::path& folder);
+
+/// Whether the images of `folder` are numbered from 0 or 1 without a gap, twenty or more, as a
+/// video that was cut into images is.
+bool looks_like_video(const std::filesystem::path& folder);
+
+}  // namespace tessera
