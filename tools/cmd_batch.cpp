@@ -155,9 +155,9 @@ int batch(const CLI::App& command, BatchRequest& request) {
   engine.out = fs::absolute(engine.out).lexically_normal();
   engine.cores = std::max(1u, std::thread::hardware_concurrency());
   engine.memory_mb = machine_memory() >> 20;
+  check_engine();
   write_batch(command, request);
   const std::vector<std::string> arguments = engine_arguments(engine);
-  check_engine();
   say(shell_line(arguments));
   BatchWatch watch(engine.out);
   const int code = run_engine(arguments, interrupted, [&] { watch.tick(); });

@@ -38,7 +38,7 @@ std::map<std::string, int64_t> write_frames(const RigClip& clip, const fs::path&
                                             const IngestOptions& options,
                                             const IngestProgress& progress) {
   fs::remove_all(folder);
-  fs::create_directories(folder);
+  make_folder(folder);
   std::vector<int64_t> wanted;
   for (const size_t frame : frames_of(clip, options)) wanted.push_back(clip.timeline.ticks[frame]);
   std::map<std::string, int64_t> times;
