@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/evaluate.h"
@@ -45,6 +46,15 @@ Split split_of(const std::string& name) {
   return Split::kTrain;
 }
 
+/// Whether the run folder holds the begun training of this cell, or one of its options by hand.
+bool can_resume(const RunFolder& run, const TrainRequest& request) {
+  if (!run.exists() || !fs::exists(run.checkpoint())) return false;
+  const std::string made_for = run.made_for();
+  if (!made_for.empty() && made_for != request.made_for) return false;
+  const json config = json::parse(read_text_file(run.config()), nullptr, false);
+  return config.is_object() && config.value("options", json()) == to_json(request.options);
+}
+
 TrainRequest request_of(const BenchRunOptions& options, const BenchCell& cell,
                         const RunFolder& run) {
   TrainRequest request;
@@ -56,7 +66,7 @@ TrainRequest request_of(const BenchRunOptions& options, const BenchCell& cell,
   request.evaluate_at = cell.at, request.evaluate_end = false;
   request.overwrite = true;
   request.made_for = cell_fingerprint(cell);
-  request.resume = run.made_for() == request.made_for && fs::exists(run.checkpoint());
+  request.resume = can_resume(run, request);
   return request;
 }
 

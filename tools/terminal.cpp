@@ -10,7 +10,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "kernels/base/errors.h"
+#include "ingest/files/write_failure.h"
 
 namespace tessera {
 namespace {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "ingest/colmap_model.h"
+#include "ingest/files/atomic_file.h"
 #include "ingest/image_paths.h"
 #include "ingest/media/colmap_workspace.h"
 #include "ingest/media/pose_estimation.h"

@@ -6,6 +6,7 @@
 
 #include <map>
 
+#include "ingest/files/atomic_file.h"
 #include "ingest/frame_window.h"
 #include "ingest/media/pose_estimation.h"
 #include "ingest/media/video_decoder.h"

@@ -1,6 +1,5 @@
-// What: the kinds of failure: the user's data (InputError), the disk (WriteError), the device
-// (DeviceError), the numbers (NumericalError), our bug (check).
-// Not: exit codes; only tools/ turns these into 2 and 1.
+// What: the three kinds of failure: the user's data (InputError), the device (DeviceError), our bug
+// (check). Not: exit codes; only tools/ turns these into 2, 1 and 1.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -9,13 +8,6 @@ namespace tessera {
 
 /// The user's data or usage is wrong. The message names the thing and the remedy, in one line.
 class InputError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// What had to be written could not be: the disk is full or broken. The message names the file,
-/// what the system reported and the remedy, in one line.
-class WriteError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
