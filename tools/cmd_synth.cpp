@@ -13,7 +13,6 @@
 #include "tools/interrupt.h"
 #include "tools/output_place.h"
 #include "tools/scene_lock.h"
-#include "tools/synth/ground_truth.h"
 #include "tools/synth/synth.h"
 #include "tools/terminal.h"
 
@@ -87,8 +86,7 @@ int synth(SynthRequest request) {
   for (const std::string& shift : request.shifts) parse_shift(shift, request.options.shifts);
   set_thread_count(request.threads);
   const std::filesystem::path out = request.out;
-  check_may_replace(out, "a made capture", std::filesystem::exists(out / synth::kTruthFile),
-                    request.overwrite);
+  check_may_replace(out, "a made capture", is_made_capture(out), request.overwrite);
   const SceneLock replaced(out, SceneLock::Use::kReplace);
 
   SynthReport report;
