@@ -17,6 +17,7 @@
 #include <memory>
 #include <thread>
 
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 extern char** environ;
@@ -158,10 +159,7 @@ class ChildOutput {
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  [[noreturn]] void fail() const {
-    throw InputError(fmt::format("{}: cannot be written ({}); check the folder and the free space",
-                                 name_, std::strerror(errno)));
-  }
+  [[noreturn]] void fail() const { fail_to_write(name_, errno); }
 
   const std::function<void(std::string_view)>& on_line_;
   std::string name_, line_, last_line_;

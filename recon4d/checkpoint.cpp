@@ -113,7 +113,7 @@ json make_header(const TrainState& state, const TrainOptions& options,
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
-  throw InputError(fmt::format("{}: {}", path.string(), why));
+  throw CheckpointRefused(fmt::format("{}: {}", path.string(), why));
 }
 
 bool holds_filter_sizes(const json& header) {

@@ -9,10 +9,17 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
+#include "kernels/base/errors.h"
 #include "recon4d/train_state.h"
 #include "recon4d/validation.h"
 
 namespace tessera {
+
+/// The file is there and was read, but is no checkpoint that a training could go on from.
+class CheckpointRefused : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 struct Checkpoint {
   TrainState state;  // as it was between the steps: its SH may be behind (caught_up_model)
@@ -21,12 +28,13 @@ struct Checkpoint {
   ValidationRecord validation;
 };
 
-/// `state` in the host's memory; `provenance`: a JSON object as text, or empty. Errors: InputError
-/// with path and reason (disk full, folder not writable); nothing is lost then.
+/// `state` in the host's memory; `provenance`: a JSON object as text, or empty. Errors: as
+/// AtomicFile: the disk is full, the folder not writable; nothing is lost then.
 void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
                      const TrainOptions& options, const std::string& provenance,
                      const ValidationRecord& validation = {});
-/// Errors: InputError: not a checkpoint, another version, truncated, damaged.
+/// Errors: CheckpointRefused: not a checkpoint, another version, truncated, damaged; InputError:
+/// the file cannot be read.
 Checkpoint load_checkpoint(const std::filesystem::path& path);
 /// The header alone, for `tessera info`.
 nlohmann::json read_checkpoint_header(const std::filesystem::path& path);

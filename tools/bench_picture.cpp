@@ -9,7 +9,6 @@
 #include <optional>
 #include <vector>
 
-#include "ingest/child_process.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
@@ -189,21 +188,6 @@ std::string gnuplot_script(const json& scene, const PictureRequest& request) {
                          gnuplot_string(title), logarithmic_tics(),
                          plot(left, series, request, !knee.empty(), !published.empty()),
                          plot(right, series, request, false, !published.empty())));
-}
-
-std::string draw_picture(const std::filesystem::path& folder, const std::string& stem,
-                         const std::string& script) {
-  const std::filesystem::path file = folder / (stem + ".gp");
-  write_text_file(file, script);
-  const std::filesystem::path program = find_program("gnuplot");
-  if (program.empty())
-    return "no gnuplot found, so no pictures; install it (Debian: gnuplot-nox) and use --plot";
-  const ChildResult result = run_child(
-      {{program.string(), "-e", "cd " + gnuplot_string(folder.string()), stem + ".gp"}, {}, {}},
-      [](std::string_view) {});
-  if (result.exit_code != 0)
-    return fmt::format("{}: gnuplot failed: {}", file.string(), result.last_line);
-  return "";
 }
 
 }  // namespace tessera

@@ -12,7 +12,9 @@
 #include <sstream>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
+#include "recon4d/checkpoint.h"
 #include "recon4d/evaluate.h"
 #include "recon4d/model_file.h"
 #include "recon4d/render_rate.h"
@@ -22,6 +24,7 @@
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
+#include "tools/scene_lock.h"
 #include "tools/terminal.h"
 #include "tools/train_session.h"
 #include "tools/train_start.h"
@@ -43,11 +46,13 @@ Split split_of(const std::string& name) {
   return Split::kTrain;
 }
 
-/// Whether the run folder holds the begun training of these options.
-bool can_resume(const RunFolder& run, const TrainOptions& options) {
+/// Whether the run folder holds the begun training of this cell, or one of its options by hand.
+bool can_resume(const RunFolder& run, const TrainRequest& request) {
   if (!run.exists() || !fs::exists(run.checkpoint())) return false;
+  const std::string made_for = run.made_for();
+  if (!made_for.empty() && made_for != request.made_for) return false;
   const json config = json::parse(read_text_file(run.config()), nullptr, false);
-  return config.is_object() && config.value("options", json()) == to_json(options);
+  return config.is_object() && config.value("options", json()) == to_json(request.options);
 }
 
 TrainRequest request_of(const BenchRunOptions& options, const BenchCell& cell,
@@ -60,7 +65,8 @@ TrainRequest request_of(const BenchRunOptions& options, const BenchCell& cell,
   request.checkpoint_every = options.checkpoint_every;
   request.evaluate_at = cell.at, request.evaluate_end = false;
   request.overwrite = true;
-  request.resume = can_resume(run, cell.options);
+  request.made_for = cell_fingerprint(cell);
+  request.resume = can_resume(run, request);
   return request;
 }
 
@@ -69,8 +75,10 @@ json train(TrainRequest request) {
   if (!request.resume) return train_session(request);
   try {
     return train_session(request);
-  } catch (const InputError& error) {
-    warn(fmt::format("{}; starts anew", error.what()));
+  } catch (const CheckpointRefused& error) {
+    const fs::path aside = RunFolder{request.run}.set_checkpoint_aside();
+    warn(fmt::format("{}; it is {} now, and the training starts anew", error.what(),
+                     aside.string()));
     request.resume = false;
     return train_session(request);
   }
@@ -145,6 +153,7 @@ void score(const BenchRunOptions& options, const BenchCell& cell, const RunFolde
 json run_cell(const BenchRunOptions& options, const BenchCell& cell) {
   const RunFolder run{cell_folder(options.root, cell)};
   const fs::path result_file = run.root / "result.json";
+  const SceneLock in_use(cell.scene.path, SceneLock::Use::kRead);
   make_folder(run.root);
   fs::remove(result_file);
   const TrainRequest request = request_of(options, cell, run);
@@ -177,6 +186,8 @@ json run_or_record(const BenchRunOptions& options, const BenchCell& cell) {
     return run_cell(options, cell);
   } catch (const Interrupted&) {
     throw;
+  } catch (const WriteError&) {
+    throw;  // the next cell would fail as well, and its record
   } catch (const std::bad_alloc&) {
     record["error"] = "out of memory";
   } catch (const std::exception& error) {

@@ -17,6 +17,7 @@
 #include "tools/bench_run.h"
 #include "tools/bench_size_picture.h"
 #include "tools/bench_table_text.h"
+#include "tools/output_place.h"
 #include "tools/terminal.h"
 #include "tools/version.h"
 
@@ -198,6 +199,7 @@ Sweep run(const SweepRequest& request) {
   Sweep done;
   if (!request.published.empty()) done.published = read_published(request.published);
   const std::vector<BenchScene> scenes = open_bench_scenes(request.scenes);
+  for (const BenchScene& scene : scenes) check_output_apart(request.out, scene.path);
   const BenchPlan plan = plan_of(request, scenes);
   done.skipped = plan.skipped;
   for (const std::string& line : plan.skipped) say(line);

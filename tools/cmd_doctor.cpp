@@ -2,9 +2,11 @@
 // Not: the checks (doctor_checks.h), and no change to what it looks at.
 #include <stdlib.h>
 
+#include <cerrno>
 #include <chrono>
 
 #include "ingest/colmap_model.h"
+#include "ingest/files/write_failure.h"
 #include "ingest/media/checks/thinned_scene.h"
 #include "ingest/scene_reader.h"
 #include "ingest/transforms_json.h"
@@ -14,6 +16,7 @@
 #include "tools/doctor_checks.h"
 #include "tools/ingest_arguments.h"
 #include "tools/interrupt.h"
+#include "tools/scene_lock.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -33,8 +36,10 @@ class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string name = (fs::temp_directory_path() / "tessera_doctor_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
+    if (mkdtemp(name.data()) == nullptr) {
+      if (!path_is_at_fault(errno)) fail_to_write(fs::temp_directory_path(), errno);
       throw InputError(name + ": cannot be made; set TMPDIR to a folder that can be written");
+    }
     path_ = name;
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
@@ -82,6 +87,7 @@ int doctor(const DoctorRequest& request) {
   DoctorReport report;
   report.path = request.path;
   if (is_scene(request.path)) {
+    const SceneLock in_use(request.path, SceneLock::Use::kRead);
     report.kind = "scene";
     examine(thinned_scene(request.path, {}), request.path, report);
   } else {

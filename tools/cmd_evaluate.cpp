@@ -23,9 +23,11 @@
 #include "tools/lpips/lpips.h"
 #include "tools/model_account.h"
 #include "tools/output_folder.h"
+#include "tools/output_place.h"
 #include "tools/picture_files.h"
 #include "tools/run_folder.h"
 #include "tools/run_statistics.h"
+#include "tools/scene_lock.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -184,7 +186,10 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   ModelInput input = load_model_input(path);
   for (const std::string& warning : input.warnings) warn(warning);
   replace_background(request.background, input.model);
-  const Scene scene = scene_for(input.model, scene_path(request, path));
+  const fs::path folder = scene_path(request, path);
+  if (!request.images.empty()) check_output_of_model(request.images, path, folder);
+  const SceneLock in_use(folder, SceneLock::Use::kRead);
+  const Scene scene = scene_for(input.model, folder);
   for (const std::string& warning : scene.warnings) warn(warning);
   const std::vector<Split> splits = chosen_splits(request, scene);
   json scores = score(request, input, scene, splits, lpips, backend);

@@ -14,6 +14,7 @@
 #include "tools/export_frames.h"
 #include "tools/export_in_time.h"
 #include "tools/model_input.h"
+#include "tools/output_place.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -88,6 +89,7 @@ void check_places(const ExportRequest& request, const std::filesystem::path& mod
                                   missing))
     throw InputError(
         fmt::format("{}: is the folder of the model itself; choose another folder", request.out));
+  check_output_of_model(request.out, request.model, request.cameras);
 }
 
 int export_command(const ExportRequest& request) {

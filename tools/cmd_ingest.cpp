@@ -6,11 +6,13 @@
 
 #include "ingest/capture_layout.h"
 #include "ingest/ingest.h"
+#include "ingest/transforms_json.h"
 #include "kernels/base/parallel.h"
 #include "tools/command.h"
 #include "tools/ingest_arguments.h"
 #include "tools/ingest_batch.h"
 #include "tools/interrupt.h"
+#include "tools/output_place.h"
 #include "tools/terminal.h"
 
 namespace tessera {
@@ -20,11 +22,11 @@ struct IngestRequest {
   IngestArguments arguments;
   std::string capture, out;
   int threads = 0;
-  bool batch = false, json = false;
+  bool batch = false, overwrite = false, json = false;
 };
 
 int ingest_all(const IngestRequest& request, const IngestOptions& options) {
-  const BatchResult result = ingest_batch(request.capture, request.out, options);
+  const BatchResult result = ingest_batch(request.capture, request.out, options, request.overwrite);
   print_result(request.json, batch_json(result, request.out), batch_table(result));
   if (result.interrupted) {
     say("interrupted; run the same command again to go on");
@@ -34,6 +36,9 @@ int ingest_all(const IngestRequest& request, const IngestOptions& options) {
 }
 
 int ingest_one(const IngestRequest& request, const IngestOptions& options) {
+  check_output_apart(request.out, request.capture);
+  check_may_replace(request.out, "a prepared scene", is_prepared_scene(request.out),
+                    request.overwrite);
   const IngestReport report = ingest_with_progress(request.capture, request.out, options, "ingest");
   print_result(
       request.json,
@@ -74,6 +79,8 @@ void add_ingest_command(CLI::App& app, Work& work) {
                     "accept times that are all equal as one moment");
   command->add_flag("--batch", request->batch,
                     "prepare every subfolder, also where the folder is a capture itself");
+  command->add_flag("--overwrite", request->overwrite,
+                    "replace a prepared scene that is there and that no program has in use");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json,
                     "print one JSON object; for a folder of captures, an array");

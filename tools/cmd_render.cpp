@@ -16,8 +16,10 @@
 #include "tools/interrupt.h"
 #include "tools/model_input.h"
 #include "tools/output_folder.h"
+#include "tools/output_place.h"
 #include "tools/path_views.h"
 #include "tools/picture_files.h"
+#include "tools/scene_lock.h"
 #include "tools/terminal.h"
 #include "tools/video/video_encoder.h"
 
@@ -120,6 +122,7 @@ nlohmann::json write_video(const RenderRequest& request, Renderer& renderer,
   OutputFolder folder(out, "render", {"video.mp4"}, request.overwrite);
   nlohmann::json result = encode_views(renderer, views, request.path.fps, folder.path("video.mp4"));
   folder.finish();
+  result["file"] = (out / "video.mp4").string();
   return result;
 }
 
@@ -144,6 +147,8 @@ int render(RenderRequest request) {
   check_request(request);
   set_thread_count(request.threads);
   ModelInput input = load_model_input(request.model);
+  check_output_of_model(request.out, request.model, request.choice.cameras);
+  const SceneLock in_use(request.choice.cameras, SceneLock::Use::kRead);
   for (const std::string& warning : input.warnings) warn(warning);
   replace_background(request.background, input.model);
   const std::vector<NamedView> views = request.path.path.empty()

@@ -13,6 +13,7 @@
 #include "ingest/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "recon4d/checkpoint.h"
 #include "recon4d/model_file.h"
 #include "recon4d/scene_scale.h"
 #include "recon4d/train_options_json.h"
@@ -26,9 +27,12 @@
 #include "tools/ingest_arguments.h"
 #include "tools/ingest_batch.h"
 #include "tools/interrupt.h"
+#include "tools/output_folder.h"
+#include "tools/output_place.h"
 #include "tools/player/player_page.h"
 #include "tools/player_files.h"
 #include "tools/run_folder.h"
+#include "tools/scene_lock.h"
 #include "tools/stage_ledger.h"
 #include "tools/terminal.h"
 #include "tools/train_arguments.h"
@@ -61,11 +65,12 @@ class Runner {
       : request_(request),
         options_(resolve_options(request.training, SceneFacts{})),
         run_{request.out / "run"},
-        ledger_((make_folder(request.out), request.out / "stages.json")) {}
+        ledger_(request.out / "stages.json") {}
 
   /// False when interrupted; what is done is kept.
   bool run() {
     ingest();
+    const SceneLock in_use(scene_, SceneLock::Use::kRead);
     options_ = resolve_options(request_.training, scene_);
     return train() && evaluate_model() && export_frames() && write_player();
   }
@@ -113,6 +118,19 @@ class Runner {
     ledger_.finish("ingest", key, result);
   }
 
+  /// Goes on where an earlier call stopped, from the beginning where its checkpoint is of no use.
+  json train_or_restart(TrainRequest train) {
+    try {
+      return train_session(train);
+    } catch (const CheckpointRefused& error) {
+      const fs::path aside = run_.set_checkpoint_aside();
+      warn(fmt::format("{}; it is {} now, and the training starts anew", error.what(),
+                       aside.string()));
+      train.resume = false;
+      return train_session(train);
+    }
+  }
+
   bool train() {
     train_key_ = key_of({scene_key_, to_json(options_), request_.training.backend});
     if (!must_run("train", train_key_, run_.model())) return true;
@@ -122,10 +140,11 @@ class Runner {
     train.backend = request_.training.backend;
     train.evaluate_every = request_.training.evaluate_every;
     train.checkpoint_every = request_.training.checkpoint_every;
-    train.resume = ledger_.begun("train", train_key_) && fs::exists(run_.checkpoint());
+    train.made_for = train_key_;
+    train.resume = run_.made_for() == train_key_ && fs::exists(run_.checkpoint());
     train.overwrite = true;
     ledger_.begin("train", train_key_);
-    json result = train_session(train);
+    json result = train_or_restart(std::move(train));
     if (interrupted()) return false;
     result.erase("scores");  // the evaluate stage has them
     ledger_.finish("train", train_key_, result);
@@ -158,6 +177,13 @@ class Runner {
     return capture_times(moments, kMostFrames);
   }
 
+  static std::vector<std::string> sequence_files(size_t count) {
+    std::vector<std::string> files{"manifest.json"};
+    for (size_t i = 0; i < count; ++i)
+      files.push_back(sequence_file_name(int64_t(i), int64_t(count), splat_format("ply")));
+    return files;
+  }
+
   bool export_frames() {
     const std::string key = key_of({train_key_, "export", request_.export_frames});
     const fs::path folder = request_.out / "frames";
@@ -166,12 +192,15 @@ class Runner {
     const GaussianModel model = model_in_source_world(load_model(run_.model()));
     if (model.environment.height > 0)
       warn("the environment is not in the frames, which are 3DGS files; the model keeps it");
+    const std::vector<double> times = export_times();
+    OutputFolder output(folder, "run", sequence_files(times.size()), true);
     ProgressBar bar("export");
     const SequenceReport report = export_sequence(
-        model, folder, export_times(), splat_format("ply"), [&](int64_t done, int64_t total) {
+        model, output.staging(), times, splat_format("ply"), [&](int64_t done, int64_t total) {
           stop_if_interrupted();
           bar.update(done, total);
         });
+    output.finish();
     ledger_.finish(
         "export", key,
         {{"folder", folder.string()}, {"frames", report.frames.size()}, {"bytes", report.bytes}});
@@ -247,6 +276,18 @@ std::string run_text(const json& result) {
       player_text(result));
 }
 
+/// What can be refused before anything is written.
+void check_places(const RunRequest& request) {
+  const fs::path& capture = request.capture;
+  if (!fs::exists(capture)) throw InputError(fmt::format("{}: no such capture", capture.string()));
+  if (is_folder_of_captures(capture))
+    throw InputError(fmt::format(
+        "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
+        capture.string(), fmt::join(captures_in(capture), ", ")));
+  check_output_apart(request.out, capture);
+  if (!opens_as_scene(capture)) detect_layout(capture);
+}
+
 /// --exposure of a run: fit is ingest's, camera and frame are the training's.
 void share_exposure(RunRequest& request) {
   std::string& word = request.ingest.exposure;
@@ -276,6 +317,7 @@ void add_run_command(CLI::App& app, Work& work) {
       set_thread_count(request->training.threads);
       share_exposure(*request);
       check_capture(request->capture, resolve_ingest(request->ingest).reading);
+      check_places(*request);
       Runner runner(*request);
       if (!runner.run()) {
         say("interrupted; run the same command again to go on");

@@ -11,6 +11,8 @@
 #include "recon4d/nearest_name.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
+#include "tools/output_place.h"
+#include "tools/scene_lock.h"
 #include "tools/synth/synth.h"
 #include "tools/terminal.h"
 
@@ -22,7 +24,7 @@ struct SynthRequest {
   std::string scene, layout = "n3dv", fps = "24", out;
   std::vector<std::string> shifts;
   int threads = 0;
-  bool list = false, json = false;
+  bool list = false, overwrite = false, json = false;
 };
 
 template <class Rows>
@@ -82,6 +84,9 @@ int synth(SynthRequest request) {
   request.options.fps = parse_frame_rate("synth", request.fps);
   for (const std::string& shift : request.shifts) parse_shift(shift, request.options.shifts);
   set_thread_count(request.threads);
+  const std::filesystem::path out = request.out;
+  check_may_replace(out, "a made capture", is_made_capture(out), request.overwrite);
+  const SceneLock replaced(out, SceneLock::Use::kReplace);
 
   SynthReport report;
   {
@@ -138,6 +143,7 @@ void add_synth_command(CLI::App& app, Work& work) {
       "--moving-share", options.moving_share,
       "patch: share of the picture in which something moves, 0.005 to 0.3; 0: 0.05");
   command->add_option("--points", options.points, "static surface points of truth");
+  command->add_flag("--overwrite", request->overwrite, "replace a made capture that is there");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return synth(*request); }; });

@@ -12,11 +12,13 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/ablations.h"
+#include "recon4d/checkpoint.h"
 #include "recon4d/scene_facts.h"
 #include "recon4d/train_options_json.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
+#include "tools/output_place.h"
 #include "tools/terminal.h"
 #include "tools/time_limit.h"
 #include "tools/train_arguments.h"
@@ -140,6 +142,23 @@ std::string training_text(const nlohmann::json& result) {
   return text + (checks.empty() ? "" : "\n" + checks) + (scores.empty() ? "" : "\n" + scores);
 }
 
+namespace {
+
+/// The exit code.
+int train_and_report(const TrainRequest& request, bool as_json) {
+  try {
+    const nlohmann::json result = train_session(request);
+    print_result(as_json, result, training_text(result));
+    if (interrupted()) return stop_code();
+    return result["left"].get<bool>() ? kExitNotFinished : kExitDone;
+  } catch (const CheckpointRefused& error) {
+    say(fmt::format("tessera: {}", error.what()));
+    return kExitCheckpointRefused;
+  }
+}
+
+}  // namespace
+
 void add_train_command(CLI::App& app, Work& work) {
   struct Parsed {
     TrainRequest request;
@@ -168,6 +187,7 @@ void add_train_command(CLI::App& app, Work& work) {
       if (!parsed->time_limit.empty()) request.time_limit = parse_duration(parsed->time_limit);
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
+      check_output_apart(request.run, request.scene);
       request.options = resolve_options(arguments, request.scene);
       request.preset = arguments.preset, request.ablation = arguments.ablation;
       request.backend = arguments.backend;
@@ -179,10 +199,7 @@ void add_train_command(CLI::App& app, Work& work) {
         throw InputError(
             "--resume goes on with the options of the checkpoint; drop the training options or "
             "start a new run folder");
-      const nlohmann::json result = train_session(request);
-      print_result(parsed->json, result, training_text(result));
-      if (interrupted()) return stop_code();
-      return result["left"].get<bool>() ? int(kExitNotFinished) : int(kExitDone);
+      return train_and_report(request, parsed->json);
     };
   });
 }

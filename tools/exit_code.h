@@ -8,7 +8,8 @@ enum ExitCode : int {
   kExitDone = 0,
   kExitFailed = 1,
   kExitBadInput = 2,
-  kExitNotFinished = 75,  // asked to leave by a scheduler or a time limit: run again to go on
+  kExitCheckpointRefused = 65,  // train --resume: the checkpoint does not fit this scene or program
+  kExitNotFinished = 75,        // asked to leave by a scheduler or a time limit: run again to go on
   kExitInterrupted = 130
 };
 

@@ -45,7 +45,7 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
       stop_if_interrupted();
       bar.update(done, total);
     };
-    report = export_sequence(model, request.out, times, format, progress, hints);
+    report = export_sequence(model, folder.staging(), times, format, progress, hints);
   }
   if (request.page) write_text_file(folder.path(kPageFile), page_of_folder());
   folder.finish();

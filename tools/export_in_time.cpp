@@ -63,7 +63,7 @@ json write_folder(const ExportRequest& request, GaussianModel& model, bool page)
   OutputFolder folder(request.out, "export", files, request.overwrite);
   if (!audio.empty()) write_text_file(folder.path(audio), sound);
   if (page) write_text_file(folder.path(kPageFile), html);
-  write_tessera4d_folder(request.out, file);
+  write_tessera4d_folder(folder.staging(), file);
   folder.finish();
   return result_of(file, int64_t(files.size()),
                    file.bytes() + int64_t(html.size()) + int64_t(sound.size()));
@@ -104,11 +104,10 @@ json write_model(const ExportRequest& request, GaussianModel& model) {
   const int64_t dropped = drop_unsound(model.static_set) + drop_unsound(model.dynamic_set);
   OutputFolder folder(request.out, "export", {"model.ply"}, request.overwrite);
   save_model(folder.path("model.ply"), model);
+  const auto bytes = fs::file_size(folder.path("model.ply"));
   folder.finish();
-  return {{"frames", 1},
-          {"bytes", fs::file_size(folder.path("model.ply"))},
-          {"max_gaussians", model.count()},
-          {"non_finite", dropped}};
+  return {
+      {"frames", 1}, {"bytes", bytes}, {"max_gaussians", model.count()}, {"non_finite", dropped}};
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "ingest/capture_layout.h"
 #include "kernels/base/errors.h"
 #include "tools/interrupt.h"
+#include "tools/scene_lock.h"
 #include "tools/stage_ledger.h"
 #include "tools/terminal.h"
 
@@ -177,6 +178,7 @@ nlohmann::json to_json(const IngestOptions& o) {
 IngestReport ingest_with_progress(const std::filesystem::path& capture,
                                   const std::filesystem::path& out, const IngestOptions& options,
                                   const std::string& label) {
+  const SceneLock replaced(out, SceneLock::Use::kReplace);
   ProgressBar bar(label);
   const IngestReport report = ingest_capture(
       capture, out, options, [&](std::string_view what, int64_t done, int64_t total) {

@@ -16,6 +16,7 @@
 #include "kernels/base/errors.h"
 #include "tools/ingest_arguments.h"
 #include "tools/interrupt.h"
+#include "tools/output_place.h"
 #include "tools/stage_ledger.h"
 #include "tools/terminal.h"
 
@@ -63,9 +64,10 @@ IngestReport report_from_json(const json& stored) {
 
 class Batch {
  public:
-  Batch(fs::path out, const IngestOptions& options)
+  Batch(fs::path out, const IngestOptions& options, bool overwrite)
       : out_(std::move(out)),
         options_(options),
+        overwrite_(overwrite),
         ledger_((make_folder(out_), out_ / "scenes.json")) {}
 
   /// `place`: "2/5".
@@ -100,6 +102,8 @@ class Batch {
       scene.outcome = BatchOutcome::kUnchanged;
       return;
     }
+    check_may_replace(target, "a prepared scene",
+                      is_prepared_scene(target) && !ledger_.knows(scene.name), overwrite_);
     ledger_.begin(scene.name, key);
     say(fmt::format("{} ({}): begins", scene.name, place));
     scene.report = ingest_with_progress(capture, target, options_,
@@ -110,6 +114,7 @@ class Batch {
 
   fs::path out_;
   const IngestOptions& options_;
+  const bool overwrite_;
   StageLedger ledger_;
 };
 
@@ -165,8 +170,8 @@ bool is_folder_of_captures(const fs::path& folder, std::optional<ImageReading> r
          !captures_in(folder, reading).empty();
 }
 
-BatchResult ingest_batch(const fs::path& folder, const fs::path& out,
-                         const IngestOptions& options) {
+BatchResult ingest_batch(const fs::path& folder, const fs::path& out, const IngestOptions& options,
+                         bool overwrite) {
   const std::vector<fs::path> captures = subfolders(folder, out);
   if (std::none_of(captures.begin(), captures.end(),
                    [&](const fs::path& capture) { return is_capture(capture, options.reading); }))
@@ -174,7 +179,9 @@ BatchResult ingest_batch(const fs::path& folder, const fs::path& out,
         fmt::format("{}: none of its {} subfolders is a capture; name the folder whose subfolders "
                     "are, or one capture",
                     folder.string(), captures.size()));
-  Batch batch(out, options);
+  for (const fs::path& capture : captures)
+    if (is_capture(capture)) check_output_apart(out / capture.filename(), capture);
+  Batch batch(out, options, overwrite);
   BatchResult result;
   try {
     for (size_t i = 0; i < captures.size(); ++i) {

@@ -46,10 +46,11 @@ bool is_folder_of_captures(const std::filesystem::path& folder,
 
 /// Prepares every subfolder of `folder` into out/NAME. A bad one is reported and the next begun;
 /// one that was prepared before from the same files with the same options is left alone
-/// (out/scenes.json keeps the keys). Errors: InputError when no subfolder is a capture, or `out`
-/// cannot be written.
+/// (out/scenes.json keeps the keys). `overwrite`: also scenes of those names that it did not
+/// prepare are replaced. Errors: InputError when no subfolder is a capture, `out` lies in one of
+/// them or cannot be written.
 BatchResult ingest_batch(const std::filesystem::path& folder, const std::filesystem::path& out,
-                         const IngestOptions& options);
+                         const IngestOptions& options, bool overwrite);
 
 std::string batch_table(const BatchResult& result);
 nlohmann::json batch_json(const BatchResult& result, const std::filesystem::path& out);

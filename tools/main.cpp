@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
@@ -30,7 +31,7 @@ int run_command(const Work& work) {
   } catch (const std::filesystem::filesystem_error& error) {
     say(fmt::format("tessera: {}: cannot be reached ({}); check this path and its permissions",
                     error.path1().string(), error.code().message()));
-    return kExitBadInput;
+    return path_is_at_fault(error.code().value()) ? kExitBadInput : kExitFailed;
   } catch (const Interrupted&) {
     say("tessera: interrupted; nothing half-written was left");
     return stop_code();
@@ -38,7 +39,7 @@ int run_command(const Work& work) {
     say("tessera: out of memory; try a smaller --scale, fewer --init-points or --max-gaussians");
     return kExitFailed;
   } catch (const std::exception& error) {
-    say(fmt::format("tessera: {}", error.what()));
+    say(fmt::format("tessera: {}", one_line(error.what())));
     return kExitFailed;
   }
 }

@@ -8,6 +8,7 @@
 #include <regex>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -39,13 +40,39 @@ void RunFolder::remove_best_but(int64_t iteration) const {
   }
 }
 
+std::string RunFolder::made_for() const {
+  if (!exists()) return "";
+  const nlohmann::json config =
+      nlohmann::json::parse(read_text_file(this->config()), nullptr, false);
+  return config.is_object() ? config.value("made_for", "") : "";
+}
+
+void RunFolder::remove_leftovers() const {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_regular_file(ignored) && name.starts_with(".") && name.ends_with(".partial"))
+      std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
+std::filesystem::path RunFolder::set_checkpoint_aside() const {
+  std::filesystem::path aside = root / "checkpoint.refused";
+  for (int i = 2; std::filesystem::exists(aside); ++i)
+    aside = root / fmt::format("checkpoint.refused.{}", i);
+  std::error_code reason;
+  std::filesystem::rename(checkpoint(), aside, reason);
+  if (reason) fail_to_write(aside, reason.value());
+  return aside;
+}
+
 void RunFolder::remove_files() const {
-  remove_best_but(-1);
   for (const std::filesystem::path& file :
        {config(), log(), checkpoint(), model(), exposure(), metrics()}) {
     std::error_code ignored;  // what cannot be removed fails with its reason when it is written
     std::filesystem::remove(file, ignored);
   }
+  remove_best_but(-1);
 }
 
 std::filesystem::path run_folder_of(const std::filesystem::path& path) {

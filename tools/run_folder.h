@@ -26,8 +26,16 @@ struct RunFolder {
   nlohmann::json read_config() const;
   /// The scene that was trained on; "" where no training has written here.
   std::string scene() const;
-  /// Removes the files above and nothing else.
+  /// What `made_for` of the training's request was (train_session.h); "" where no training has
+  /// written here, or its config.json is damaged.
+  std::string made_for() const;
+  /// Removes the files above, config.json first, and nothing else.
   void remove_files() const;
+  /// Removes parts of files that killed programs have left; the caller has the run's lock.
+  void remove_leftovers() const;
+  /// Renames a checkpoint that was refused to checkpoint.refused (.2, .3, … where there is one);
+  /// returns the name. Errors: InputError or WriteError.
+  std::filesystem::path set_checkpoint_aside() const;
   /// Removes best models of other steps.
   void remove_best_but(int64_t iteration) const;
 };

@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -13,30 +12,20 @@
 #include <cstring>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/host_name.h"
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
+#include "tools/locked_file.h"
 #include "tools/terminal.h"
 
 namespace tessera {
 namespace {
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  if (::gethostname(name.data(), name.size() - 1) != 0) return "unknown host";
-  return name.data();
-}
 
 /// What the holder wrote of itself.
 std::string holder(int descriptor) {
   std::array<char, 256> text{};
   const ssize_t bytes = ::pread(descriptor, text.data(), text.size() - 1, 0);
   return bytes > 0 ? std::string(text.data(), size_t(bytes)) : "another program";
-}
-
-bool is_file_of_name(int descriptor, const std::filesystem::path& file) {
-  struct stat locked {
-  }, named{};
-  return ::fstat(descriptor, &locked) == 0 && ::stat(file.c_str(), &named) == 0 &&
-         locked.st_ino == named.st_ino && locked.st_dev == named.st_dev;
 }
 
 }  // namespace
@@ -55,9 +44,7 @@ RunLock::RunLock(const std::filesystem::path& folder)
 /// False when the file was removed by its holder in the meantime.
 bool RunLock::take() {
   descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor_ < 0)
-    throw InputError(fmt::format("{}: cannot be written ({}); check the folder and its permissions",
-                                 file_.string(), std::strerror(errno)));
+  if (descriptor_ < 0) fail_to_write(file_, errno);
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) {
       const std::string who = holder(descriptor_);

@@ -31,11 +31,6 @@ bool StageLedger::done(const std::string& stage, const std::string& key) const {
          entries_[stage].value("done", false);
 }
 
-bool StageLedger::begun(const std::string& stage, const std::string& key) const {
-  return entries_.contains(stage) && entries_[stage].value("key", "") == key &&
-         !entries_[stage].value("done", false);
-}
-
 void StageLedger::set(const std::string& stage, nlohmann::json entry) {
   entries_[stage] = std::move(entry);
   write_text_file(file_, entries_.dump(2, ' ', false, kReplace));

@@ -14,8 +14,8 @@ class StageLedger {
 
   /// Whether the stage was finished with this key.
   bool done(const std::string& stage, const std::string& key) const;
-  /// Whether it was begun with this key and not finished.
-  bool begun(const std::string& stage, const std::string& key) const;
+  /// Whether it was begun with whatever key.
+  bool knows(const std::string& stage) const { return entries_.contains(stage); }
   void begin(const std::string& stage, const std::string& key);
   void finish(const std::string& stage, const std::string& key, const nlohmann::json& result);
   /// What the finished stage returned.

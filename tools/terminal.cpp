@@ -10,7 +10,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "kernels/base/errors.h"
+#include "ingest/files/write_failure.h"
 #include "tools/progress_text.h"
 
 namespace tessera {
@@ -19,11 +19,17 @@ namespace {
 constexpr int kBarWidth = 28;  // characters
 ProgressBar* current_bar = nullptr;
 
+/// A message that cannot be written (standard error is a file on a full disk) is lost: what it
+/// reports, and the exit code, matter more than an error of its own.
+void print_message(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+}
+
 }  // namespace
 
 void say(const std::string& line) {
   if (current_bar != nullptr) current_bar->clear();
-  fmt::print(stderr, "{}\n", line);
+  print_message(line + "\n");
 }
 
 void warn(const std::string& line) {
@@ -31,10 +37,11 @@ void warn(const std::string& line) {
 }
 
 void print_result(bool as_json, const nlohmann::json& json, const std::string& text) {
-  fmt::print("{}\n",
-             as_json ? json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) : text);
-  if (std::fflush(stdout) != 0)
-    throw InputError(fmt::format("standard output cannot be written ({})", std::strerror(errno)));
+  const std::string result =
+      as_json ? json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) : text;
+  if (std::fwrite(result.data(), 1, result.size(), stdout) != result.size() ||
+      std::fputc('\n', stdout) == EOF || std::fflush(stdout) != 0)
+    throw WriteError(fmt::format("standard output cannot be written ({})", std::strerror(errno)));
 }
 
 std::string clock_time(double seconds) {
@@ -57,7 +64,7 @@ ProgressBar::~ProgressBar() {
 }
 
 void ProgressBar::clear() {
-  if (visible_) fmt::print(stderr, "\r\033[K");
+  if (visible_) print_message("\r\033[K");
   visible_ = false;
 }
 
@@ -72,12 +79,12 @@ void ProgressBar::update(int64_t done, int64_t total, std::string_view note, int
   const std::string text = progress_text(progress);
   const char* blank = text.empty() ? "" : " ";
   if (!on_terminal_) {
-    fmt::print(stderr, "{}{}{} {}\n", label_, blank, text, note);
+    print_message(fmt::format("{}{}{} {}\n", label_, blank, text, note));
     return;
   }
   const int filled = int(progress_share(progress) * kBarWidth);
-  fmt::print(stderr, "\r\033[K{} [{}{}]{}{} {}", label_, std::string(size_t(filled), '='),
-             std::string(size_t(kBarWidth - filled), ' '), blank, text, note);
+  print_message(fmt::format("\r\033[K{} [{}{}]{}{} {}", label_, std::string(size_t(filled), '='),
+                            std::string(size_t(kBarWidth - filled), ' '), blank, text, note));
   std::fflush(stderr);
   visible_ = true;
 }

@@ -24,6 +24,7 @@
 #include "tools/interrupt.h"
 #include "tools/run_folder.h"
 #include "tools/run_lock.h"
+#include "tools/scene_lock.h"
 #include "tools/session_times.h"
 #include "tools/train_start.h"
 #include "tools/training_log.h"
@@ -41,7 +42,9 @@ class Session {
         limit_(request.time_limit, request.stopwatch),
         run_{request.run},
         lock_(request.run),
+        scene_lock_(request.scene, SceneLock::Use::kRead),
         previous_(wall_.time(WallSplit::kLoad, [&] { return previous_state(request, run_); })) {
+    run_.remove_leftovers();
     options_ = previous_ ? previous_->options : request.options;
     complete_contract();
     validate(options_);
@@ -86,7 +89,7 @@ class Session {
     const nlohmann::json provenance = nlohmann::json::parse(previous_->provenance);
     if (provenance.value("scene_fingerprint", "") !=
         config_["scene_fingerprint"].get<std::string>())
-      throw InputError(
+      throw CheckpointRefused(
           fmt::format("{}: was trained on other frames than {} holds; resume with the "
                       "scene it was started on",
                       run_.checkpoint().string(), request_.scene.string()));
@@ -100,7 +103,7 @@ class Session {
     std::string source = "checkpoint";
     TrainState state =
         previous_ ? std::move(previous_->state) : initial_state(scene_, options_, source);
-    if (!previous_) write_text_file(run_.config(), config_.dump(2));
+    if (!previous_) replace_previous_run();
     log_.emplace(run_.log(), options_.iterations, state.iteration);
     log_->event("start", {{"iteration", state.iteration}, {"initialisation", source}});
     say(fmt::format("{} training frames, initialised from {}, on {}",
@@ -113,9 +116,20 @@ class Session {
     stages_.emplace(*backend_);
   }
 
+  /// A run that was here goes when there is something to put in its place, not before: a scene that
+  /// cannot be read or a full disk costs nothing. config.json comes last, so that a checkpoint
+  /// beside it is one of its training.
+  void replace_previous_run() {
+    AtomicFile config(run_.config());
+    config.write(config_.dump(2));
+    config.sync();
+    run_.remove_files();
+    config.commit();
+  }
+
   void restore_best(const std::filesystem::path& file) {
     if (!std::filesystem::exists(file))
-      throw InputError(
+      throw CheckpointRefused(
           fmt::format("{}: is gone, the best model so far of this run; train again with "
                       "--overwrite",
                       file.string()));
@@ -364,6 +378,7 @@ class Session {
   TimeLimit limit_;
   const RunFolder run_;
   const RunLock lock_;
+  const SceneLock scene_lock_;
   std::optional<Checkpoint> previous_;
   TrainOptions options_;
   Scene scene_;

@@ -23,6 +23,7 @@ struct TrainRequest {
   bool overwrite = false;             // an existing run folder may be replaced
   int64_t evaluate_every = 0;         // steps; 0: only at the end
   std::vector<int64_t> evaluate_at;   // steps, besides
+  std::string made_for;               // what the caller knows the training by; in config.json
   bool evaluate_end = true;           // false: `scores` stay empty
   int64_t checkpoint_every = 1000;    // steps
   std::optional<int64_t> stop_after;  // steps of this call
@@ -31,11 +32,12 @@ struct TrainRequest {
 };
 
 /// Trains until the end, an interrupt, the time limit or stop_after; writes the run folder, whose
-/// lock it holds meanwhile. The object has `left` (by interrupt or time limit: to be resumed),
-/// `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`, `stage_ms`, `stage_gbytes`,
-/// `stage_gb_per_s`, `finished`, `scores`, `bytes` (of model.ply), `wall_seconds` {load, init,
-/// train, evaluate, save}, `validation` (null without), …. Errors: InputError (among them: another
-/// training has the folder; a time limit that leaves room for no step), NumericalError.
+/// lock it holds meanwhile, and a reader's of the scene. The object has `left` (by interrupt or
+/// time limit: to be resumed), `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`,
+/// `stage_ms`, `stage_gbytes`, `stage_gb_per_s`, `finished`, `scores`, `bytes` (of model.ply),
+/// `wall_seconds` {load, init, train, evaluate, save}, `validation` (null without), …. Errors:
+/// InputError (among them: another training has the folder; a time limit that leaves room for no
+/// step), CheckpointRefused (with `resume` alone), WriteError, NumericalError.
 nlohmann::json train_session(const TrainRequest& request);
 
 }  // namespace tessera

@@ -41,11 +41,15 @@ std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunF
   }
   if (request.resume && std::filesystem::exists(run.checkpoint()))
     return load_checkpoint(run.checkpoint());
+  if (request.resume && std::filesystem::exists(run.model()))
+    throw InputError(fmt::format(
+        "{}: has a model and no checkpoint.ckpt to go on from; pass --overwrite to train "
+        "it anew",
+        run.root.string()));
   if (!request.resume && !request.overwrite)
     throw InputError(fmt::format(
         "{}: holds a run already; pass --resume to go on with it or --overwrite to replace it",
         run.root.string()));
-  run.remove_files();
   return std::nullopt;
 }
 
@@ -60,7 +64,8 @@ json make_config(const TrainRequest& request, const TrainOptions& options, const
           {"train_frames", scene.split_indices(Split::kTrain).size()},
           {"validation_frames", scene.split_indices(Split::kAside).size()},
           {"device", device},
-          {"seed", options.seed}};
+          {"seed", options.seed},
+          {"made_for", request.made_for}};
 }
 
 Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options) {

@@ -4,22 +4,39 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <nlohmann/json.hpp>
 
-#include "kernels/base/errors.h"
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
 
 namespace tessera {
 
+namespace {
+
+/// A full disk or a kill may have left part of a line, to which the next would be added.
+void cut_half_written_line(const std::filesystem::path& path) {
+  std::error_code absent;
+  if (std::filesystem::file_size(path, absent) == 0 || absent) return;
+  const std::string text = read_text_file(path);
+  std::filesystem::resize_file(path, text.rfind('\n') + 1);  // npos + 1 is 0
+}
+
+}  // namespace
+
 TrainingLog::TrainingLog(const std::filesystem::path& path, int64_t total, int64_t first)
-    : path_(path), file_(path, std::ios::app), total_(total), first_(first), bar_("train") {
-  if (!file_) throw InputError(fmt::format("{}: cannot be written", path.string()));
+    : path_(path), file_(nullptr, std::fclose), total_(total), first_(first), bar_("train") {
+  cut_half_written_line(path);
+  file_.reset(std::fopen(path.c_str(), "ab"));
+  if (file_ == nullptr) fail_to_write(path_, errno);
 }
 
 void TrainingLog::event(const std::string& name, nlohmann::json fields) {
   fields["event"] = name;
-  file_ << fields.dump() << '\n' << std::flush;
-  if (!file_)
-    throw InputError(fmt::format("{}: cannot be written; is the disk full?", path_.string()));
+  const std::string line = fields.dump() + "\n";
+  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() ||
+      std::fflush(file_.get()) != 0)
+    fail_to_write(path_, errno);
 }
 
 void TrainingLog::on_step(const StepReport& report) {

@@ -1,8 +1,9 @@
 // What: a training as seen from outside: the progress bar, and one JSON object a line in log.jsonl.
 // Not: decisions; it is an Observer.
 #pragma once
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 
 #include "recon4d/observer.h"
@@ -12,7 +13,8 @@ namespace tessera {
 
 class TrainingLog final : public Observer {
  public:
-  /// `total` and `first`: steps in all and done before. An existing log is continued.
+  /// `total` and `first`: steps in all and done before. An existing log is continued, without a
+  /// last line that was only half written. Errors: InputError or WriteError, of `event` too.
   TrainingLog(const std::filesystem::path& path, int64_t total, int64_t first);
 
   void on_step(const StepReport& report) override;
@@ -26,7 +28,7 @@ class TrainingLog final : public Observer {
   static constexpr int64_t kStepsPerLine = 50;
 
   std::filesystem::path path_;
-  std::ofstream file_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   int64_t total_, first_;
   ProgressBar bar_;
   StepReport last_;

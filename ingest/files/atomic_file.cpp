@@ -8,9 +8,11 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <deque>
 #include <system_error>
 #include <utility>
 
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -21,11 +23,6 @@ std::filesystem::path temporary_beside(const std::filesystem::path& target) {
   static std::atomic<int64_t> counter{0};
   return target.parent_path() /
          fmt::format(".{}.{}-{}.partial", target.filename().string(), ::getpid(), counter++);
-}
-
-[[noreturn]] void fail_to_write(const std::filesystem::path& path, int reason) {
-  throw InputError(fmt::format("{}: cannot be written ({}); free space or choose another folder",
-                               path.string(), std::strerror(reason)));
 }
 
 }  // namespace
@@ -48,10 +45,14 @@ void AtomicFile::write(const void* bytes, size_t count) {
   if (count > 0 && std::fwrite(bytes, 1, count, file_) != count) fail_to_write(target_, errno);
 }
 
-void AtomicFile::commit() {
-  check(file_ != nullptr, "AtomicFile::commit twice");
+void AtomicFile::sync() {
+  check(file_ != nullptr, "AtomicFile::sync after commit");
   if (std::ferror(file_) != 0) fail_to_write(target_, EIO);
   if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) fail_to_write(target_, errno);
+}
+
+void AtomicFile::commit() {
+  sync();
   std::FILE* const closing = std::exchange(file_, nullptr);
   if (std::fclose(closing) != 0) fail_to_write(target_, errno);
   if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail_to_write(target_, errno);
@@ -62,6 +63,16 @@ void write_text_file(const std::filesystem::path& path, std::string_view text) {
   AtomicFile file(path);
   file.write(text);
   file.commit();
+}
+
+void write_together(const std::vector<std::pair<std::filesystem::path, std::string>>& texts) {
+  std::deque<AtomicFile> files;
+  for (const auto& [path, text] : texts) {
+    files.emplace_back(path);
+    files.back().write(text);
+    files.back().sync();
+  }
+  for (AtomicFile& file : files) file.commit();
 }
 
 std::string read_text_file(const std::filesystem::path& path) {
@@ -89,9 +100,10 @@ void make_folder(const std::filesystem::path& path) {
   std::filesystem::create_directories(path, reason);
   if (!reason && !std::filesystem::is_directory(path, reason))
     reason = std::make_error_code(std::errc::not_a_directory);
-  if (reason)
-    throw InputError(fmt::format("{}: folder cannot be created ({}); choose another place",
-                                 path.string(), reason.message()));
+  if (!reason) return;
+  if (!path_is_at_fault(reason.value())) fail_to_write(path, reason.value());
+  throw InputError(fmt::format("{}: folder cannot be created ({}); choose another place",
+                               path.string(), reason.message()));
 }
 
 }  // namespace tessera

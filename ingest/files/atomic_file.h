@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace tessera {
 
 /// A file that becomes visible under its name only on `commit`; a destroyed one leaves no trace
-/// and the previous file intact. Errors (InputError, path and reason named): the folder cannot be
-/// created or written, the disk is full.
+/// and the previous file intact. Errors (path and reason named): InputError: the folder cannot be
+/// created or written; WriteError: the disk is full (write_failure.h).
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path target);
@@ -20,6 +22,8 @@ class AtomicFile {
 
   void write(const void* bytes, size_t count);
   void write(std::string_view text) { write(text.data(), text.size()); }
+  /// All bytes are on the disk: `commit` needs no more room. Errors: as the constructor.
+  void sync();
   void commit();
 
   /// Where the bytes go until `commit`, for libraries that insist on a path or FILE.
@@ -33,9 +37,11 @@ class AtomicFile {
 
 /// Writes `text` as the whole of `path`, atomically.
 void write_text_file(const std::filesystem::path& path, std::string_view text);
+/// The same for several files that belong together: none is replaced before all are on the disk.
+void write_together(const std::vector<std::pair<std::filesystem::path, std::string>>& texts);
 /// The whole of `path`. Errors: InputError when it is missing or unreadable.
 std::string read_text_file(const std::filesystem::path& path);
-/// Creates a folder and its parents. Errors: InputError with the reason.
+/// Creates a folder and its parents. Errors: InputError or WriteError with the reason.
 void make_folder(const std::filesystem::path& path);
 
 }  // namespace tessera

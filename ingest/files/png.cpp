@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -26,6 +27,7 @@ constexpr int kCompressionLevel = 3;        // of 9: half again the size at a qu
 
 struct Failure {
   char text[200] = "unknown libpng error";
+  int reason = 0;  // errno of a write
 };
 
 [[noreturn]] void on_error(png_structp png, png_const_charp text) {
@@ -52,7 +54,9 @@ void read_bytes(png_structp png, png_bytep to, size_t count) {
 
 void write_bytes(png_structp png, png_bytep from, size_t count) {
   auto* file = static_cast<std::FILE*>(png_get_io_ptr(png));
-  if (std::fwrite(from, 1, count, file) != count) png_error(png, std::strerror(errno));
+  if (std::fwrite(from, 1, count, file) == count) return;
+  static_cast<Failure*>(png_get_error_ptr(png))->reason = errno;
+  png_error(png, std::strerror(errno));
 }
 
 void flush_nothing(png_structp) {}
@@ -192,9 +196,8 @@ void write_png(const std::filesystem::path& path, const Image8& image) {
       png_write_row(state.png, image.data.data() + size_t(y) * stride);
     png_write_end(state.png, nullptr);
   });
-  if (!written)
-    throw InputError(fmt::format("{}: cannot be written ({}); free space or choose another folder",
-                                 path.string(), state.failure.text));
+  if (!written && state.failure.reason != 0) fail_to_write(path, state.failure.reason);
+  check(written, state.failure.text);
   file.commit();
 }
 

@@ -4,11 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <regex>
 
 #include "ingest/child_process.h"
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -78,14 +81,20 @@ void ColmapProgram::run(const std::string& command, const ColmapOptions& options
   child.arguments.push_back(command);
   for (const auto& [name, value] : options) child.arguments.push_back(name + "=" + value);
   int64_t done = 0;
+  bool disk_is_full = false;
   progress_(doing, done, total);
   const ChildResult result = run_child(child, [&](std::string_view line) {
+    disk_is_full |= line.find("disk is full") != std::string_view::npos ||
+                    line.find(std::strerror(ENOSPC)) != std::string_view::npos;
     if (!step.empty() && line.find(step) != std::string_view::npos) {
       if (done == 0 && total == 0) total = stated_steps(line);
       ++done;
     }
     progress_(doing, total > 0 ? std::min(done, total) : done, total);
   });
+  // COLMAP looks at no write of a model: what it says of a full disk may be nothing
+  disk_is_full |= std::filesystem::space(log_.parent_path()).available == 0;
+  if (disk_is_full) fail_to_write(log_.parent_path(), ENOSPC);
   if (result.exit_code != 0)
     throw InputError(fmt::format("colmap {} failed (exit code {}): {} (log: {}); {}", command,
                                  result.exit_code, result.last_line, log_.string(), remedy));

@@ -45,7 +45,8 @@ PointCloud triangulate_set(const PosedStills& set, const std::vector<RigClip>& c
   const ColmapWorkspace work(folder);
   const auto out = work.folder / "points" / "model";
   const std::string key = key_of(set, clips, colmap.version());
-  if (!work.holds(key)) {
+  const bool is_known = work.holds(key);
+  if (!is_known) {
     work.clear();
     std::vector<PosedPicture> posed;
     double max_error = 1;
@@ -56,9 +57,10 @@ PointCloud triangulate_set(const PosedStills& set, const std::vector<RigClip>& c
     work.find_matches(colmap, {"SIMPLE_RADIAL", true}, posed.size());
     write_posed_model(work.folder / "points" / "posed", posed);
     work.triangulate(colmap, work.folder / "points" / "posed", out, max_error);
-    work.store_key(key);
   }
-  return read_colmap_model(out).points;
+  PointCloud points = read_colmap_model(out).points;
+  if (!is_known) work.store_key(key);  // not before it was read: its files may be incomplete
+  return points;
 }
 
 void append(PointCloud& all, const PointCloud& some, double time, bool still) {

@@ -69,7 +69,6 @@ std::string write_prepared_mask(const std::filesystem::path& folder, const std::
                                 const Image8& mask, double scale) {
   if (mask.data.empty()) return {};
   const std::string path = "masks/" + name + ".png";
-  std::filesystem::create_directories((folder / path).parent_path());
   write_png(folder / path, cut_at_half(scale_picture(mask, scaled_side(mask.width, scale),
                                                      scaled_side(mask.height, scale))));
   return path;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "ingest/colmap_model.h"
+#include "ingest/files/atomic_file.h"
 #include "ingest/image_paths.h"
 #include "ingest/media/colmap_workspace.h"
 #include "ingest/media/pose_estimation.h"
@@ -42,7 +43,8 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, 
   key.add(fmt::format("moving 1, colmap {}, {} {} {}", colmap.version(), lens,
                       options.intrinsics_per_camera, in_order));
   for (const auto& file : files) key.add(file.string() + " " + source_hash(file) + "\n");
-  if (!work.holds(key.hex())) {
+  const bool is_known = work.holds(key.hex());
+  if (!is_known) {
     work.clear();
     const std::string source = std::filesystem::absolute(pictures).string();
     const std::string database = work.database.string();
@@ -58,14 +60,13 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, 
                                                    {"--SequentialMatching.overlap", kNeighbours}});
     else
       colmap.match_features("exhaustive_matcher", {{"--database_path", database}});
-    std::filesystem::create_directories(work.sparse);
+    make_folder(work.sparse);
     colmap.run("mapper",
                {{"--database_path", database},
                 {"--image_path", source},
                 {"--output_path", work.sparse.string()}},
                "colmap: registering pictures", "Registering image", int64_t(files.size()),
                "take more pictures, each seeing much of what the one before saw");
-    work.store_key(key.hex());
   }
   MovingCameraModel result;
   result.folder = largest_colmap_model(work.sparse, result.warnings);
@@ -75,6 +76,8 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, 
                     "each seeing much of what the one before saw",
                     pictures.string(), colmap.log().string()));
   const size_t registered = read_colmap_model(result.folder).photos.size();
+  // not before the model was read: its files may be incomplete
+  if (!is_known) work.store_key(key.hex());
   const std::string seen = fmt::format("{}: COLMAP registered {} of {} pictures", pictures.string(),
                                        registered, files.size());
   if (registered < files.size() && options.strict)

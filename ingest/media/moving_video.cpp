@@ -6,6 +6,7 @@
 
 #include <map>
 
+#include "ingest/files/atomic_file.h"
 #include "ingest/frame_window.h"
 #include "ingest/media/clip_frames.h"
 #include "ingest/media/pose_estimation.h"
@@ -39,7 +40,7 @@ std::map<std::string, int64_t> write_frames(const RigClip& clip, const fs::path&
                                             const IngestOptions& options,
                                             const IngestProgress& progress) {
   fs::remove_all(folder);
-  fs::create_directories(folder);
+  make_folder(folder);
   std::vector<int64_t> wanted;
   for (const size_t frame : frames_of(clip, options)) wanted.push_back(clip.timeline.ticks[frame]);
   std::map<std::string, int64_t> times;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "ingest/colmap_model.h"
+#include "ingest/files/atomic_file.h"
 #include "ingest/image_paths.h"
 #include "ingest/media/colmap_workspace.h"
 #include "ingest/media/pose_estimation.h"
@@ -49,7 +50,7 @@ size_t RigSolver::clip_of(const std::string& name) const {
 
 /// Registers cameras one after the other; models into work.sparse.
 void RigSolver::map() const {
-  std::filesystem::create_directories(work.sparse);
+  make_folder(work.sparse);
   colmap.run("mapper",
              {{"--database_path", work.database.string()},
               {"--image_path", work.pictures.string()},
@@ -80,7 +81,7 @@ std::filesystem::path RigSolver::refine(const ColmapModel& start, const std::str
   for (int round = 0; round < kRounds; ++round) {
     const auto points = folder / fmt::format("points{}", round);
     const auto adjusted = folder / fmt::format("adjusted{}", round);
-    std::filesystem::create_directories(adjusted);
+    make_folder(adjusted);
     work.triangulate(colmap, model, points, max_error);
     colmap.run("bundle_adjuster",
                {{"--input_path", points.string()},
@@ -177,8 +178,10 @@ void RigSolver::triangulate_training(const std::vector<char>& held_out,
   for (PosedPicture& picture : posed_pictures(read_colmap_model(chosen())))
     if (!held_out[clip_of(picture.name)]) training.push_back(std::move(picture));
   write_posed_model(points.folder / "posed", training);
-  if (training.size() > 1)
+  if (training.size() > 1) {
     work.triangulate(colmap, points.folder / "posed", points.folder / "model", 2 * max_error);
+    read_colmap_model(points.folder / "model");  // its files may be incomplete
+  }
   points.store_key(key);
 }
 

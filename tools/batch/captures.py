@@ -25,6 +25,9 @@ def read_scenes(given, base):
         if name in scenes:
             raise Wrong(f"scenes: two are named '{name}' ({scenes[name].path} and {path}); give one "
                         "of them another `name`")
+        if os.path.isdir(path) and (within(base, path) or within(path, base)):
+            raise Wrong(f"scenes: {path} and the folder of results, {base}, lie in each other; captures "
+                        "are never written to: move one of them")
         scenes[name] = Scene(name, path.rstrip("/"), tuple(ingest))
 
     for entry in list_of(given, "scenes", None, [], filled=True) if given.get("scenes") else []:

@@ -12,6 +12,7 @@
 #include "ingest/ingest.h"
 #include "kernels/base/errors.h"
 #include "tools/ingest_batch.h"
+#include "tools/output_place.h"
 
 namespace tessera {
 namespace {
@@ -91,6 +92,7 @@ std::vector<Dataset> find_datasets(const std::vector<std::string>& words, const 
       check_name(dataset);
       const auto [known, is_new] = by_name.emplace(dataset.name, whole);
       if (is_new) {
+        check_output_apart(out, whole);
         datasets.push_back(dataset);
       } else if (!fs::equivalent(known->second, whole)) {
         throw InputError(

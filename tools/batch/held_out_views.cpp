@@ -18,6 +18,7 @@
 #include "recon4d/scene_scale.h"
 #include "tools/camera_views.h"
 #include "tools/run_folder.h"
+#include "tools/scene_lock.h"
 
 namespace tessera {
 namespace {
@@ -72,6 +73,7 @@ std::vector<HeldOutView> held_out_views(Backend& backend, const fs::path& run, i
   if (path.empty() || !fs::exists(path))
     throw InputError(fmt::format("{}: its scene '{}' is gone, so that no view of it can be drawn",
                                  run.string(), path));
+  const SceneLock in_use(path, SceneLock::Use::kRead);
   const Scene scene = scaled_scene(scene_for(model, path, count), model.train_scale);
   make_folder(folder);
   json list = json::array();

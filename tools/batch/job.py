@@ -22,7 +22,7 @@ import settings
 import training
 
 RULES = ("ingest", "doctor", "train", "evaluate", "export", "report")
-FAILED, BAD_INPUT = 1, 2  # exit codes
+FAILED, BAD_INPUT, CHECKPOINT_REFUSED = 1, 2, 65  # exit codes
 UNFINISHED = ("ended without a word: out of memory or time, or its machine was lost "
               "(or it still runs)")
 
@@ -67,8 +67,8 @@ class Job:
 
     def ingest(self, _):
         scene = self.batch.scenes[self.given.scene]
-        return (["ingest", scene.path, "-o", self.scene, *scene.ingest, *self.threads, "--json"],
-                self.scene + ".json")
+        return (["ingest", scene.path, "-o", self.scene, "--overwrite", *scene.ingest, *self.threads,
+                 "--json"], self.scene + ".json")
 
     def doctor_(self, _):
         return ["doctor", self.scene, *self.threads, "--json"], self.doctor
@@ -174,8 +174,9 @@ def perform(job, log):
     part = output + ".part"
     begin = os.fstat(log.fileno()).st_size
     code = run(job, words, part, log)
-    if code == BAD_INPUT and "--resume" in words:  # a checkpoint of another program or scene
-        os.remove(os.path.join(job.run, "checkpoint.ckpt"))
+    if code == CHECKPOINT_REFUSED:  # of another version of the program or of the scene
+        print(time.strftime("%F %T"), "set aside:", training.set_checkpoint_aside(job.run), file=log,
+              flush=True)
         begin = os.fstat(log.fileno()).st_size
         code = run(job, job.words(before)[0], part, log)
     if not accepted(job, code, part):
@@ -209,11 +210,14 @@ def main():
         if code == 0:
             os.remove(job.failure)
         else:
+            print(f"{job.name}: {message}", file=sys.stderr)
             job.record(code, message)
             print(time.strftime("%F %T"), "exit", code, message, file=log, flush=True)
-            print(f"{job.name}: {message}", file=sys.stderr)
     return code
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except OSError as problem:  # a full disk: not even a record of it could be written
+        sys.exit(f"job.py: {problem}")

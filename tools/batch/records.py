@@ -14,8 +14,13 @@ def read(file):
 
 def write(file, value):
     part = f"{file}.{socket.gethostname()}.{os.getpid()}.part"
-    with open(part, "w") as text:
-        json.dump(value, text, indent=1)
-        text.flush()
-        os.fsync(text.fileno())
-    os.replace(part, file)
+    try:
+        with open(part, "w") as text:
+            json.dump(value, text, indent=1)
+            text.flush()
+            os.fsync(text.fileno())
+        os.replace(part, file)
+    except OSError:  # a full disk
+        if os.path.exists(part):
+            os.remove(part)
+        raise

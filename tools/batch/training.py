@@ -13,13 +13,26 @@ LEAST_SHARE = 0.2  # of all memory in Gaussians; below, fewer of them do not hel
 
 def digest(scene):
     """Of what is in a prepared scene, by the hashes that it holds of its sources. Other masks are
-    seen by the training, which refuses the checkpoint."""
+    seen by the training, which refuses the checkpoint. Errors: OSError: one that cannot be read is
+    not another one, for which the checkpoint would be of no use."""
     value = hashlib.sha256()
     for name in ("transforms.json", "points.ply"):
-        if os.path.exists(os.path.join(scene, name)):
+        if name == "transforms.json" or os.path.exists(os.path.join(scene, name)):
             with open(os.path.join(scene, name), "rb") as file:
                 value.update(file.read())
     return value.hexdigest()
+
+
+def set_checkpoint_aside(run):
+    """A refused checkpoint may be hours of work for another version of the program or of the scene:
+    it is renamed to checkpoint.refused (.2, .3, ... where there is one). Returns the name."""
+    first = aside = os.path.join(run, "checkpoint.refused")
+    number = 2
+    while os.path.exists(aside):
+        aside = f"{first}.{number}"
+        number += 1
+    os.rename(os.path.join(run, "checkpoint.ckpt"), aside)
+    return aside
 
 
 def died_of_memory(failure, slurm_state):

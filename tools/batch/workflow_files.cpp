@@ -42,9 +42,8 @@ const std::vector<WorkflowFile>& workflow_files() {
 void write_workflow(const fs::path& folder) {
   for (const WorkflowFile& file : workflow_files()) {
     const fs::path target = folder / file.path;
-    if (fs::is_regular_file(target) && read_text_file(target) == file.bytes) continue;
-    make_folder(target.parent_path());
-    write_text_file(target, file.bytes);
+    if (!fs::is_regular_file(target) || read_text_file(target) != file.bytes)
+      write_text_file(target, file.bytes);
     if (file.bytes.starts_with("#!"))
       fs::permissions(target,
                       fs::perms::owner_exec | fs::perms::group_exec | fs::perms::others_exec,

@@ -105,10 +105,10 @@ json write_report(const ReportRequest& request) {
   ReportPictures pictures;
   draw_charts(report, folder, pictures);
   if (request.pictures > 0) draw_views(request, report, pictures);
-  write_text_file(folder / "report.csv", csv_of(report["scenes"]));
   constexpr auto kReplace = json::error_handler_t::replace;
-  write_text_file(folder / "report.json", report.dump(1, ' ', false, kReplace) + "\n");
-  write_text_file(folder / "index.html", report_page(report, pictures));
+  write_together({{folder / "report.csv", csv_of(report["scenes"])},
+                  {folder / "report.json", report.dump(1, ' ', false, kReplace) + "\n"},
+                  {folder / "index.html", report_page(report, pictures)}});
   return report;
 }
 

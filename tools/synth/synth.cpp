@@ -13,6 +13,11 @@
 
 namespace tessera {
 
+bool is_made_capture(const std::filesystem::path& folder) {
+  std::error_code ignored;  // a folder that cannot be read is refused by StagedFolder
+  return std::filesystem::exists(folder / synth::kTruthFile, ignored);
+}
+
 SynthReport make_capture(const SynthOptions& options, const std::filesystem::path& out,
                          const SynthProgress& progress) {
   const SynthOptions full = resolve_synth_options(options);
@@ -20,8 +25,7 @@ SynthReport make_capture(const SynthOptions& options, const std::filesystem::pat
   const synth::World world =
       synth::build_world(full.scene, full.seed, full.specular,
                          full.scene == SynthScene::kPatch ? synth::patch_radius(full) : 0);
-  std::error_code ignored;  // a folder that cannot be read is refused by StagedFolder
-  StagedFolder pending(out, std::filesystem::exists(out / synth::kTruthFile, ignored));
+  StagedFolder pending(out, is_made_capture(out));
   make_folder(pending.path() / synth::kTruthFolder);
 
   const bool dnerf = full.layout == SynthLayout::kDnerf;

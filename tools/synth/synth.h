@@ -66,8 +66,11 @@ struct SynthReport {
 /// Called with (what is being done, done, total); may throw to stop.
 using SynthProgress = std::function<void(std::string_view, int64_t, int64_t)>;
 
-/// Renders the capture and writes it as the folder `out`, which appears whole or not at all. A
-/// folder that holds a ground_truth.json is replaced. Errors: InputError, one line with the remedy:
+/// Whether the folder is a capture that make_capture has written: it has a ground_truth.json.
+bool is_made_capture(const std::filesystem::path& folder);
+
+/// Renders the capture and writes it as the folder `out`, which appears whole or not at all. A made
+/// capture that is there is replaced. Errors: InputError, one line with the remedy:
 /// an option out of range, odd size of a video, no video encoder in this build, `out` exists and is
 /// not ours, cannot be written.
 SynthReport make_capture(const SynthOptions& options, const std::filesystem::path& out,

@@ -12,6 +12,7 @@ extern "C" {
 #include <string>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -19,6 +20,7 @@ namespace {
 
 constexpr int kHighDefinitionLines = 720;  // from here on players assume BT.709
 constexpr int kEncoderThreads = 4;         // fixed: x264's bytes depend on it
+constexpr int kMostErrno = 4096;           // FFmpeg's own codes are beyond
 
 struct Release {
   void operator()(AVFormatContext* c) const {
@@ -54,8 +56,10 @@ struct VideoEncoder::State {
   AVStream* stream = nullptr;  // of file
   int64_t count = 0;
 
-  /// Throws for a negative FFmpeg result.
+  /// Throws for a negative FFmpeg result: errno is in those of writing.
   void require(int result, const char* what) const {
+    if (result < 0 && !path_is_at_fault(AVUNERROR(result)) && AVUNERROR(result) < kMostErrno)
+      fail_to_write(path, AVUNERROR(result));
     if (result < 0)
       throw InputError(path + ": cannot be written (" + what + ": " + reason(result) +
                        "); free space or choose another folder");
@@ -178,7 +182,10 @@ void VideoEncoder::add(const Image8& picture) {
 void VideoEncoder::finish() {
   state_->encode(nullptr);
   state_->require(av_write_trailer(state_->file.get()), "trailer");
+  avio_flush(state_->file->pb);
+  const int written = state_->file->pb->error;  // avio_closep may not return it
   const int closed = avio_closep(&state_->file->pb);
+  state_->require(written, "writing");
   state_->require(closed, "closing");
   state_->whole.commit();
 }
