@@ -98,8 +98,7 @@ void check_header(const CheckpointReader& file, const json& header) {
   const auto scalars = [&](Form form, int64_t count, const ShBlocks& blocks) {
     const int sets = form == Form::kStatic ? 1 : 1 + levels;
     const int64_t all = blocks.mixed() ? blocks.coefficients() : count * coefficients;
-    return count * (int64_t{3} * geometry_scalars(form) + 3 + parts.filter_sizes) +
-           9 * all * sets;
+    return count * (int64_t{3} * geometry_scalars(form) + 3 + parts.filter_sizes) + 9 * all * sets;
   };
   const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
   constexpr int64_t kMost = int64_t{1} << 40;
@@ -116,11 +115,10 @@ void check_header(const CheckpointReader& file, const json& header) {
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse_checkpoint(file.path(), "damaged checkpoint: impossible numbers in its header");
-  const auto promised =
-      uint64_t(kScalar * (scalars(Form::kStatic, statics, of_static) +
-                          scalars(dynamic_form(header), dynamics, of_dynamic) +
-                          3 * dynamics * parts.anchor + kExposureScalars * parts.exposures +
-                          3 * environment_scalars(environment)));
+  const auto promised = uint64_t(
+      kScalar * (scalars(Form::kStatic, statics, of_static) +
+                 scalars(dynamic_form(header), dynamics, of_dynamic) + 3 * dynamics * parts.anchor +
+                 kExposureScalars * parts.exposures + 3 * environment_scalars(environment)));
   if (file.array_bytes() != promised)
     refuse_checkpoint(file.path(),
                       fmt::format("truncated checkpoint: {} bytes, its header promises {}",
@@ -130,7 +128,7 @@ void check_header(const CheckpointReader& file, const json& header) {
 }  // namespace
 
 json checkpoint_header(const TrainState& state, const TrainOptions& options, const json& provenance,
-                 const ValidationRecord& validation) {
+                       const ValidationRecord& validation) {
   const GaussianModel& model = state.model;
   json header = {
       {"iteration", state.iteration},

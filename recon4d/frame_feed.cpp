@@ -25,9 +25,10 @@ int64_t aligned(size_t bytes) {
 
 void require_frames(const Scene& scene, const std::vector<int>& frames) {
   if (frames.empty())
-    throw InputError(fmt::format("{}: none of its {} frames belongs to the training split; "
-                                 "training needs at least one",
-                                 scene.path, scene.frames.size()));
+    throw InputError(
+        fmt::format("{}: none of its {} frames belongs to the training split; "
+                    "training needs at least one",
+                    scene.path, scene.frames.size()));
 }
 
 /// What a frame takes: its mask lies behind its picture.

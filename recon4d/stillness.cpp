@@ -76,7 +76,7 @@ void squares(const ResidualPass& pass, Buffer<float>& out) {
 /// What the last look has more of than `before`, [pixels], in the first channel, [3·pixels] as
 /// ResidualPass::sums takes it; zeros in the others.
 void added_squares(const ResidualPass& pass, const Buffer<float>& before, Buffer<float>& now,
-                    Buffer<float>& x) {
+                   Buffer<float>& x) {
   squares(pass, now);
   x.resize(3 * now.size());
   for (const ViewArgs<float>& view : pass.views().views) {

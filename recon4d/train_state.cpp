@@ -104,8 +104,7 @@ GaussianModel caught_up_model(TrainState&& state, const TrainOptions& options) {
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state.set(k);
     if (filtered) host->edit_by_filter(FilterEdit::kBake, state.filtered_values(k), 0);
-    if (behind)
-      host->catch_up(lazy_sh(state, k, options, {table.data(), int64_t(table.size())}));
+    if (behind) host->catch_up(lazy_sh(state, k, options, {table.data(), int64_t(table.size())}));
     for (int g = 0; g < set.groups(); ++g) drop_moments(set.group(Group(g)));
     if (set.blocks().mixed()) set = padded(set);
   }

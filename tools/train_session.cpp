@@ -64,7 +64,7 @@ class Session {
   void prepare() {
     wall_.time(WallSplit::kLoad, [&] {
       scene_ = load_training_scene(request_.scene, options_);
-      for (const std::string& warning : scene_.warnings) warn(warning);
+      for (const std::string& warning : training_warnings(scene_, options_)) warn(warning);
     });
     // before anything looks at the training split
     const int64_t aside = set_aside(scene_, options_.validation_share, uint64_t(options_.seed));

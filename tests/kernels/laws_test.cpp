@@ -37,8 +37,8 @@ void expect_batch_law(double tolerance) {  // C16
 }
 
 TEST(Laws, BatchIsTheMeanOfItsViews) {
-  // Bugs put back, each seen to fail: photometric scale without 1/B; regularisers in full where some
-  // of the views draw a Gaussian.
+  // Bugs put back, each seen to fail: photometric scale without 1/B; regularisers in full where
+  // some of the views draw a Gaussian.
   expect_batch_law<float>(1e-5);
   expect_batch_law<double>(1e-13);
 }
