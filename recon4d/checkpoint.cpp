@@ -47,7 +47,7 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
 }  // namespace
 
 void save_checkpoint(const std::filesystem::path& path, const TrainState& state,
-                     const TrainOptions& options, const json& provenance,
+                     const TrainOptions& options, const std::string& provenance,
                      const ValidationRecord& validation) {
   CheckpointWriter file(path, checkpoint_header(state, options, provenance, validation).dump());
   for_each_array(state, parts_of(state), [&](const auto& buffer, int64_t scalars) {

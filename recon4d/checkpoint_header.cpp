@@ -10,6 +10,7 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/math/environment.h"
+#include "recon4d/train_options_json.h"
 
 namespace tessera {
 namespace {
@@ -127,8 +128,8 @@ void check_header(const CheckpointReader& file, const json& header) {
 
 }  // namespace
 
-json checkpoint_header(const TrainState& state, const TrainOptions& options, const json& provenance,
-                       const ValidationRecord& validation) {
+json checkpoint_header(const TrainState& state, const TrainOptions& options,
+                       const std::string& provenance, const ValidationRecord& validation) {
   const GaussianModel& model = state.model;
   json header = {
       {"iteration", state.iteration},
@@ -162,7 +163,7 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options, con
       {"exposures", state.exposure.rows()},
       {"environment_height", model.environment.height},
       {"options", to_json(options)},
-      {"provenance", provenance},
+      {"provenance", provenance.empty() ? json::object() : json::parse(provenance)},
       {"validation", to_json(validation)}};
   if (state.has_blocks())
     header["sh_blocks"] = {{"static", model.static_set.blocks().rows},
@@ -190,7 +191,7 @@ Checkpoint restored_without_arrays(const CheckpointReader& file, const json& hea
   try {
     check_header(file, header);
     checkpoint.options = restore_options(file.path(), header);
-    checkpoint.provenance = header.at("provenance");
+    checkpoint.provenance = header.at("provenance").dump();
     checkpoint.validation = validation_record_from_json(header.at("validation"));
     restore_progress(header, checkpoint.state);
     restore_model(header, checkpoint.state.model);

@@ -10,8 +10,7 @@
 namespace tessera {
 
 nlohmann::json checkpoint_header(const TrainState& state, const TrainOptions& options,
-                                 const nlohmann::json& provenance,
-                                 const ValidationRecord& validation);
+                                 const std::string& provenance, const ValidationRecord& validation);
 
 /// Of the arrays that not every state has.
 struct CheckpointParts {

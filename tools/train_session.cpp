@@ -93,8 +93,8 @@ class Session {
   void start() {
     validation_.emplace(*backend_, scene_, options_,
                         previous_ ? previous_->validation : ValidationRecord{});
-    if (const int64_t best = validation_->record().best_iteration; best > 0)
-      restore_best(run_.best(best));
+    kept_best_ = validation_->record().best_iteration;
+    if (kept_best_ > 0) restore_best(run_.best(kept_best_));
     std::string source = "checkpoint";
     TrainState state =
         previous_ ? std::move(previous_->state) : initial_state(scene_, options_, source);
@@ -276,8 +276,10 @@ class Session {
   /// The best model before the checkpoint that names it; older ones after it.
   void write_checkpoint() {
     const int64_t best = validation_->record().best_iteration;
-    if (validation_->best() != nullptr && !std::filesystem::exists(run_.best(best)))
+    if (validation_->best() != nullptr && best != kept_best_) {
       save_model(run_.best(best), *validation_->best());
+      kept_best_ = best;
+    }
     save_checkpoint(run_.checkpoint(), trainer_->host_state(), options_, config_.dump(),
                     validation_->record());
     run_.remove_best_but(best);
@@ -374,7 +376,8 @@ class Session {
   std::optional<Validation> validation_;
   std::optional<Parsimony> parsimony_;
   std::optional<GaussianModel> shipped_;
-  bool left_ = false;  // before the end, to be resumed
+  bool left_ = false;      // before the end, to be resumed
+  int64_t kept_best_ = 0;  // step of the best model whose file this run has written or read
 };
 
 }  // namespace
