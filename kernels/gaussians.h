@@ -191,14 +191,14 @@ struct LazySh {
   }
 };
 
-/// Terms of the loss that each Gaussian adds by its parameters alone: means over the Gaussians of
-/// both sets, or of the dynamic one alone. The losses that are reported do not contain them
-/// [method B, D.8].
+/// Terms of the loss that each Gaussian adds by its parameters alone, not in the losses that are
+/// reported: means over the Gaussians of both sets, or of the dynamic one alone. A view's loss has
+/// those in opacity and scale of what it draws; the others are there whether a view draws a Gaussian
+/// or not, but for IdleUpdate::kSkip  [method B, D.8].
 struct RegulariserWeights {
-  // a view's loss has them of the Gaussians that it draws; the batch's is the mean of its views'
-  double opacity = 0;  // of Σ σ(logit) / N
-  double scale = 0;    // of Σ e^{s̃} / 3N, world units, over the three axes in space of each
-  // of the dynamic set, whether a view draws a Gaussian or not, but for IdleUpdate::kSkip
+  double opacity = 0;  // of mean σ(logit)
+  double scale = 0;    // of mean e^{s̃}, world units, over the three axes in space of each
+  // of the dynamic set
   double motion = 0;    // of mean √(‖v‖² + slow²), world units per clip
   double extent = 0;    // of mean max(0, ln 1/σ_t), σ_t in clip lengths
   double rigidity = 0;  // of MotionPairs
