@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "recon4d/checkpoint.h"
 #include "tests/support/scratch_folder.h"

@@ -89,7 +89,7 @@ TEST(Stillness, TheErrorIsOfWhatIsLeft) {
     dynamic.push_back({{0.4 * n - 0.6, -0.2, 0}, {0.4, 0.8, 0.1}, 0.1, 0.8});  // these last
   const GaussianModel model = model_with(Form::kPair, dynamic);
   const double all = tried(model, 1e6).error;
-  const StillTrial one_round = tried(model, 0.6 * all, 1);
+  const StillTrial one_round = tried(model, 0.25 * all, 1);
   EXPECT_EQ(one_round.rows, (std::vector<int64_t>{1, 2, 3, 4}));
   EXPECT_LT(one_round.error, 0.1 * all);
 }

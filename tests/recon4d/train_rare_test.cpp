@@ -78,26 +78,27 @@ struct RareCapture {
   }
 };
 
-/// Mean opacity of the pixels of the views that see the object, after two rounds of all views.
+/// Mean opacity of the pixels of the views that see the object, after four rounds of all views.
 double opacity_of_the_rare(const RareCapture& capture, double weight) {
   TrainOptions options;
   apply_preset(options, "mcmc");
   options.max_gaussians = int64_t(capture.scene.points.position.size());
   options.init_scale_factor = 1;  // there are few points
-  options.mcmc_noise = 0;         // of schedules of 30,000 steps and scenes of a million Gaussians
+  options.mcmc_noise = 0;         // made for scenes of a million Gaussians
+  options.lr_opacity = 0.005;     // so that momentum after a view is not what is measured
   options.opacity_weight = options.scale_weight = weight;
   Training training(capture.scene, options);
-  training.run(2 * kViews);
+  training.run(4 * kViews);
   double sum = 0;
   for (const View& view : capture.rare) sum += coverage(render_one(training.model(), view)) / kRare;
   return sum;
 }
 
-// Bug put back: Gaussians that no view draws are regularised too; seen to fail.
+// Bug put back: Gaussians that no view draws are regularised too; seen to fail: 0.0003 of 0.043.
 TEST(RareObject, KeepsItsOpacityUnderRegularisers) {
   const RareCapture capture;
   const double without = opacity_of_the_rare(capture, 0), with = opacity_of_the_rare(capture, 0.01);
-  EXPECT_GT(without, 0.02) << "it is there";
+  EXPECT_GT(without, 0.03) << "it is there: 0.049 in the truth";
   EXPECT_GE(with, 0.9 * without);
 }
 
