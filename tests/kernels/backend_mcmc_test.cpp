@@ -83,8 +83,7 @@ TEST_P(BackendMcmc, NoiseIsTheCpus) {
 }
 
 TEST_P(BackendMcmc, RegularisedGradientsAreTheOracles) {
-  // Bugs put back, each seen to fail: Gaussians that no view draws too; N of one set; in full where
-  // some of the views draw one.
+  // Bug put back: Gaussians that no view draws too; seen to fail.
   TestScene<double> scene = random_scene(90, 110, 0.15, 97);
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
     for (int64_t n = 0; n < 20; ++n) set->at(kMean, n)[1] = 500;
