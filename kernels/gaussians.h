@@ -191,10 +191,10 @@ struct LazySh {
   }
 };
 
-/// Terms of the loss that each Gaussian adds by its parameters alone, whether a view draws it or
-/// not: means over the Gaussians of both sets, or of the dynamic one alone. Gaussians that
-/// IdleUpdate::kSkip leaves alone are the exception. The losses that are reported do not contain
-/// them  [method B, D.8].
+/// Terms of the loss that each Gaussian adds by its parameters alone, not in the losses that are
+/// reported: means over the Gaussians of both sets, or of the dynamic one alone. A view's loss has
+/// those in opacity and scale of what it draws; the others are there whether any view draws a
+/// Gaussian or not, but for IdleUpdate::kSkip  [method B, D.8].
 struct RegulariserWeights {
   double opacity = 0;  // of mean σ(logit)
   double scale = 0;    // of mean e^{s̃}, world units, over the three axes in space of each

@@ -2,6 +2,8 @@
 // Not: the copy itself, which is the memory's.
 #include "recon4d/frame_feed.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -21,6 +23,14 @@ int64_t aligned(size_t bytes) {
   return (int64_t(bytes) + kAlignment - 1) / kAlignment * kAlignment;
 }
 
+void require_frames(const Scene& scene, const std::vector<int>& frames) {
+  if (frames.empty())
+    throw InputError(
+        fmt::format("{}: none of its {} frames belongs to the training split; "
+                    "training needs at least one",
+                    scene.path, scene.frames.size()));
+}
+
 /// What a frame takes: its mask lies behind its picture.
 int64_t bytes_of(const Frame& frame) {
   return aligned(frame.image.data.size()) + aligned(frame.mask.data.size());
@@ -38,9 +48,16 @@ void append_copied(const Frame& frame, const uint8_t* at, FedTruth& fed) {
 
 }  // namespace
 
+std::vector<int> training_frames(const Scene& scene) {
+  std::vector<int> frames = scene.split_indices(Split::kTrain);
+  require_frames(scene, frames);
+  return frames;
+}
+
 FrameFeed::FrameFeed(Memory& memory, const Scene& scene, std::vector<int> frames, int64_t budget,
                      int64_t batch)
     : memory_(memory), scene_(scene), frames_(std::move(frames)), resident_(memory) {
+  require_frames(scene_, frames_);
   if (&memory_ == &host_memory()) return;
   int64_t all = 0, largest = 0;
   for (int64_t i = 0; i < int64_t(frames_.size()); ++i) {

@@ -16,10 +16,14 @@ struct FedTruth {
   std::vector<Span<const uint8_t>> masks;     // [B] each [height, width], or empty: no mask
 };
 
+/// Places of the training frames in a scene. Errors: InputError: there are none.
+std::vector<int> training_frames(const Scene& scene);
+
 class FrameFeed {
  public:
   /// `frames`: places of the training frames in the scene, which must outlive the feed. `budget`:
-  /// bytes for frames; 0: what is free but for a reserve. `batch`: frames of a step.
+  /// bytes for frames; 0: what is free but for a reserve. `batch`: frames of a step. Errors:
+  /// InputError: no frames.
   FrameFeed(Memory& memory, const Scene& scene, std::vector<int> frames, int64_t budget,
             int64_t batch);
   FrameFeed(const FrameFeed&) = delete;

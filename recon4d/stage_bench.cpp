@@ -96,13 +96,12 @@ class Load {
       : backend_(backend),
         scene_(scene),
         options_(options),
-        frames_(scene.split_indices(Split::kTrain)),
+        frames_(training_frames(scene)),
         feed_(backend.memory(), scene, frames_, 0, options.batch),
         pipeline_(backend),
         gradients_{{Form::kStatic, 1}, {Form::kPair, 1}},
         table_(backend.memory()),
         d_environment_(backend.memory()) {
-    if (frames_.empty()) throw InputError(scene.path + ": no frame belongs to the training split");
     state_.model = bench.model ? bench.model->clone_values() : initial_load(scene, options, bench);
     for (int k = 0; k < 2; ++k) {
       state_.set(k).ensure_moments();

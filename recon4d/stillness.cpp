@@ -59,17 +59,31 @@ void for_each_batch(const LookedAt& at, Look&& look) {
     look(begin, std::min(begin + kBatch, at.count()));
 }
 
-/// Squared error of every pixel of the last look: the sum over RGB in the first channel,
-/// [3·pixels], zeros in the others.
+/// Squared error of every pixel of the last look: the sum over RGB, [pixels].
 void squares(const ResidualPass& pass, Buffer<float>& out) {
   const Buffer<float>& residual = pass.residual();
-  out.resize(residual.size());
+  out.resize(residual.size() / 3);
   for (const ViewArgs<float>& view : pass.views().views) {
-    const int64_t pixels = int64_t(view.width) * view.height, first = 3 * view.first_pixel;
-    const float *r = residual.data() + first, *g = r + pixels, *b = g + pixels;
-    float* to = out.data() + first;
+    const int64_t pixels = int64_t(view.width) * view.height;
+    const float *r = residual.data() + 3 * view.first_pixel, *g = r + pixels, *b = g + pixels;
+    float* to = out.data() + view.first_pixel;
     parallel_for(pixels, kPixelGrain, [&](int64_t begin, int64_t end) {
       for (int64_t p = begin; p < end; ++p) to[p] = r[p] * r[p] + g[p] * g[p] + b[p] * b[p];
+    });
+  }
+}
+
+/// What the last look has more of than `before`, [pixels], in the first channel, [3·pixels] as
+/// ResidualPass::sums takes it; zeros in the others.
+void added_squares(const ResidualPass& pass, const Buffer<float>& before, Buffer<float>& now,
+                   Buffer<float>& x) {
+  squares(pass, now);
+  x.resize(3 * now.size());
+  for (const ViewArgs<float>& view : pass.views().views) {
+    const int64_t pixels = int64_t(view.width) * view.height, first = view.first_pixel;
+    float* to = x.data() + 3 * first;
+    parallel_for(pixels, kPixelGrain, [&](int64_t begin, int64_t end) {
+      for (int64_t p = begin; p < end; ++p) to[p] = now[first + p] - before[first + p];
       std::fill(to + pixels + begin, to + pixels + end, 0.0f);
       std::fill(to + 2 * pixels + begin, to + 2 * pixels + end, 0.0f);
     });
@@ -101,14 +115,12 @@ Added added_error(Backend& backend, const GaussianModel& trial, int64_t candidat
   added.of.assign(size_t(candidates), 0);
   const int64_t first = trial.static_set.count() - candidates;
   ResidualPass pass(backend, trial);
-  Buffer<float> x;
+  Buffer<float> now, x;
   for_each_batch(at, [&](int64_t begin, int64_t end) {
     pass.look(at, begin, end);
-    squares(pass, x);
-    const Buffer<float>& base = before[size_t(begin / kBatch)];
+    added_squares(pass, before[size_t(begin / kBatch)], now, x);
     std::vector<double> parts(size_t(x.size() / kPixelGrain + 1), 0.0);
     parallel_for(x.size(), kPixelGrain, [&](int64_t from, int64_t to) {
-      for (int64_t p = from; p < to; ++p) x[p] -= base[p];
       parts[size_t(from / kPixelGrain)] = std::accumulate(x.begin() + from, x.begin() + to, 0.0);
     });
     added.total += std::accumulate(parts.begin(), parts.end(), 0.0);
@@ -140,15 +152,14 @@ GaussianSet still_form(const GaussianModel& model, const SetWorth& worth) {
 }
 
 StillTrial try_still(Backend& backend, const GaussianModel& model, const Worth& worth,
-                     const LookedAt& at, double allowed) {
-  constexpr int kRounds = 4;
+                     const LookedAt& at, double allowed, int rounds) {
   StillTrial trial;
   const SetWorth& of = worth.sets[1];
   for (size_t n = 0; n < of.weight.size(); ++n)
     if (of.weight[n] > 0) trial.rows.push_back(int64_t(n));
   const GaussianSet still = still_form(model, of);
   const std::vector<Buffer<float>> before = squares_of(backend, model, at);
-  for (int round = 0; round < kRounds && !trial.rows.empty(); ++round) {
+  for (int round = 0; round < rounds && !trial.rows.empty(); ++round) {
     const GaussianSet candidates = select_rows(still, trial.rows);
     const Added added =
         added_error(backend, tried(model, candidates, trial.rows), candidates.count(), before, at);
@@ -165,12 +176,14 @@ StillTrial try_still(Backend& backend, const GaussianModel& model, const Worth& 
       std::stable_sort(accepted.begin(), accepted.end());
       accepted.resize(accepted.size() / 2);
     }
-    if (round + 1 == kRounds && !together) accepted.clear();
-    trial.rows.clear();
-    for (const auto& [error, row] : accepted) trial.rows.push_back(row);
+    if (round + 1 == rounds && !together) accepted.clear();
+    trial.rows.clear(), trial.error = 0;
+    for (const auto& [error, row] : accepted) {
+      trial.rows.push_back(row);
+      trial.error += error;
+    }
     std::sort(trial.rows.begin(), trial.rows.end());
   }
-  if (trial.rows.empty()) trial.error = 0;
   trial.still = select_rows(still, trial.rows);
   return trial;
 }

@@ -15,10 +15,13 @@ GaussianSet still_form(const GaussianModel& model, const SetWorth& worth);
 struct StillTrial {
   std::vector<int64_t> rows;  // of the dynamic set that may be static, ascending
   GaussianSet still{Form::kStatic, kMaxShCoefficients};  // [rows] what they become
-  double error = 0;                                      // squared error that all of them add
+  /// Squared error that all of them add; where the last round has taken some away, the sum of the
+  /// shares that the others had in it.
+  double error = 0;
 };
-/// `allowed`: squared error that one of them may add. The model lies in the host's memory.
+/// `allowed`: squared error that one of them may add; `rounds`: how often those that are left are
+/// tried, at most. The model lies in the host's memory.
 StillTrial try_still(Backend& backend, const GaussianModel& model, const Worth& worth,
-                     const LookedAt& at, double allowed);
+                     const LookedAt& at, double allowed, int rounds = 4);
 
 }  // namespace tessera

@@ -66,40 +66,49 @@ bool is_behind(const TrainState& state, const TrainOptions& options) {
 
 namespace {
 
-/// The values with all SH up to date and the 3D filter baked.
-GaussianModel model_of_blocks(const TrainState& state, const TrainOptions& options) {
-  const std::unique_ptr<Backend> host = make_cpu_backend();
-  TrainState copy;  // what catching up and baking write
+void drop_moments(ParameterGroup& group) {
+  group.moment1 = Buffer<float>();
+  group.moment2 = Buffer<float>();
+}
+
+/// What caught_up_model reads of a state.
+TrainState needed_of(const TrainState& state, const TrainOptions& options) {
+  TrainState copy;
   copy.iteration = state.iteration;
   copy.model = state.model.clone_values();
-  if (is_filtered(state, options))
-    for (int k = 0; k < 2; ++k) {
-      copy.statistics[k].filter_size.copy_from(state.statistics[k].filter_size);
-      host->edit_by_filter(FilterEdit::kBake, copy.filtered_values(k), 0);
-    }
-  if (!is_behind(state, options)) return std::move(copy.model);
-  const std::vector<double> table = lazy_adam_table(state.iteration);
+  const bool filtered = is_filtered(state, options), behind = is_behind(state, options);
   for (int k = 0; k < 2; ++k) {
+    if (filtered) copy.statistics[k].filter_size.copy_from(state.statistics[k].filter_size);
+    if (!behind) continue;
+    copy.statistics[k].sh_step.copy_from(state.statistics[k].sh_step);
     for (const Group g : {kSh, kShTime}) {
       copy.set(k).group(g).moment1.copy_from(state.set(k).group(g).moment1);
       copy.set(k).group(g).moment2.copy_from(state.set(k).group(g).moment2);
     }
-    copy.statistics[k].sh_step.copy_from(state.statistics[k].sh_step);
-    host->catch_up(lazy_sh(copy, k, options, {table.data(), int64_t(table.size())}));
-    for (const Group g : {kSh, kShTime})
-      for (auto moment : {&ParameterGroup::moment1, &ParameterGroup::moment2})
-        copy.set(k).group(g).*moment = Buffer<float>();
   }
-  return std::move(copy.model);
+  return copy;
 }
 
 }  // namespace
 
 GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options) {
-  GaussianModel model = model_of_blocks(state, options);
-  for (GaussianSet* set : {&model.static_set, &model.dynamic_set})
-    if (set->blocks().mixed()) *set = padded(*set);
-  return model;
+  return caught_up_model(needed_of(state, options), options);
+}
+
+GaussianModel caught_up_model(TrainState&& state, const TrainOptions& options) {
+  const std::unique_ptr<Backend> host = make_cpu_backend();
+  const bool filtered = is_filtered(state, options), behind = is_behind(state, options);
+  const std::vector<double> table =
+      behind ? lazy_adam_table(state.iteration) : std::vector<double>();
+  drop_moments(state.model.environment.map);
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state.set(k);
+    if (filtered) host->edit_by_filter(FilterEdit::kBake, state.filtered_values(k), 0);
+    if (behind) host->catch_up(lazy_sh(state, k, options, {table.data(), int64_t(table.size())}));
+    for (int g = 0; g < set.groups(); ++g) drop_moments(set.group(Group(g)));
+    if (set.blocks().mixed()) set = padded(set);
+  }
+  return std::move(state.model);
 }
 
 }  // namespace tessera

@@ -53,5 +53,7 @@ bool is_filtered(const TrainState& state, const TrainOptions& options);
 /// A copy of the model of a state in the host's memory, with all SH up to date, the 3D filter baked
 /// and rows that are alike.
 GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options);
+/// The same of a state that nobody needs any longer: in its own memory.
+GaussianModel caught_up_model(TrainState&& state, const TrainOptions& options);
 
 }  // namespace tessera

@@ -23,13 +23,6 @@
 namespace tessera {
 namespace {
 
-std::vector<int> training_frames(const Scene& scene) {
-  std::vector<int> frames = scene.split_indices(Split::kTrain);
-  if (frames.empty())
-    throw InputError(fmt::format("{}: no frame belongs to the training split", scene.path));
-  return frames;
-}
-
 /// Mean distance between two moments of the training frames, in clip lengths; 0 for one moment.
 double distance_of_moments(const Scene& scene, const std::vector<int>& frames) {
   std::set<double> times;

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <iterator>
 
 #include "kernels/base/errors.h"
@@ -68,9 +68,10 @@ double range_end(const std::string& word, double when_absent, const std::string&
   if (word.empty()) return when_absent;
   const bool seconds = word.back() == 's';
   const std::string digits = seconds ? word.substr(0, word.size() - 1) : word;
-  char* stopped = nullptr;
-  const double value = std::strtod(digits.c_str(), &stopped);
-  if (digits.empty() || *stopped != '\0' || !std::isfinite(value))
+  const char* const end = digits.data() + digits.size();
+  double value = 0;
+  const auto [stopped, error] = std::from_chars(digits.data(), end, value);  // in no locale
+  if (error != std::errc() || stopped != end || !std::isfinite(value))
     throw range_error(text, fmt::format("'{}' is no moment", word));
   return seconds ? value / axis.duration : value;
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <utility>
 
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
@@ -65,8 +66,8 @@ ModelInput load_model_input(const fs::path& path) {
   input.file = model_file_of(path);
   switch (model_kind(input.file)) {
     case ModelKind::kCheckpoint: {
-      const Checkpoint checkpoint = load_checkpoint(input.file);
-      input.model = caught_up_model(checkpoint.state, checkpoint.options);
+      Checkpoint checkpoint = load_checkpoint(input.file);
+      input.model = caught_up_model(std::move(checkpoint.state), checkpoint.options);
       input.with_optimizer = true;
       break;
     }

@@ -68,7 +68,7 @@ class Session {
   void prepare() {
     wall_.time(WallSplit::kLoad, [&] {
       scene_ = load_training_scene(request_.scene, options_);
-      for (const std::string& warning : scene_.warnings) warn(warning);
+      for (const std::string& warning : training_warnings(scene_, options_)) warn(warning);
     });
     // before anything looks at the training split
     const int64_t aside = set_aside(scene_, options_.validation_share, uint64_t(options_.seed));
@@ -98,8 +98,8 @@ class Session {
   void start() {
     validation_.emplace(*backend_, scene_, options_,
                         previous_ ? previous_->validation : ValidationRecord{});
-    if (const int64_t best = validation_->record().best_iteration; best > 0)
-      restore_best(run_.best(best));
+    kept_best_ = validation_->record().best_iteration;
+    if (kept_best_ > 0) restore_best(run_.best(kept_best_));
     std::string source = "checkpoint";
     TrainState state =
         previous_ ? std::move(previous_->state) : initial_state(scene_, options_, source);
@@ -292,8 +292,10 @@ class Session {
   /// The best model before the checkpoint that names it; older ones after it.
   void write_checkpoint() {
     const int64_t best = validation_->record().best_iteration;
-    if (validation_->best() != nullptr && !std::filesystem::exists(run_.best(best)))
+    if (validation_->best() != nullptr && best != kept_best_) {
       save_model(run_.best(best), *validation_->best());
+      kept_best_ = best;
+    }
     save_checkpoint(run_.checkpoint(), trainer_->host_state(), options_, config_.dump(),
                     validation_->record());
     run_.remove_best_but(best);
@@ -391,7 +393,8 @@ class Session {
   std::optional<Validation> validation_;
   std::optional<Parsimony> parsimony_;
   std::optional<GaussianModel> shipped_;
-  bool left_ = false;  // before the end, to be resumed
+  bool left_ = false;      // before the end, to be resumed
+  int64_t kept_best_ = 0;  // step of the best model whose file this run has written or read
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "ingest/dense_cloud.h"
 #include "ingest/files/fnv1a.h"
@@ -73,6 +74,19 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
   scene_options.background = parse_background(options.background);
   scene_options.allow_static = options.static_only;
   return scaled_scene(load_scene(path, scene_options), options.train_scale);
+}
+
+std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options) {
+  std::vector<std::string> warnings = scene.warnings;
+  std::set<double> timesteps;
+  for (const int i : scene.split_indices(Split::kTrain))
+    timesteps.insert(scene.frames[size_t(i)].time);
+  if (options.static_only && timesteps.size() > 1)
+    warnings.push_back(fmt::format(
+        "{}: has {} timesteps, and static_only makes one static scene of them all, in which what "
+        "moves is blurred; for a moving scene choose another preset, for instance balanced",
+        scene.path, timesteps.size()));
+  return warnings;
 }
 
 void complete_cloud(Scene& scene, const TrainOptions& options) {

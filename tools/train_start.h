@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "recon4d/checkpoint.h"
 #include "tools/run_folder.h"
@@ -15,6 +16,10 @@ namespace tessera {
 /// The scene as a training with these options sees it: its background, one moment allowed or not.
 /// Errors: as load_scene.
 Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options);
+
+/// What a user of these options on this scene may not expect, one line each; with what the scene
+/// itself warns of.
+std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options);
 
 /// Gives a scene without a cloud the one that `tessera ingest` would have: options.init_points
 /// points found by a plane sweep, unless options.sweep is off.

@@ -1,4 +1,4 @@
-// What: 64-bit FNV-1a: the one hash of checkpoints, source files, stage keys and fingerprints.
+// What: 64-bit FNV-1a: the one hash of source files, stage keys and fingerprints.
 // Not: cryptographic; it notices change, not malice.
 // Source: Fowler, Noll, Vo; offset basis and prime of the 64-bit variant.
 #pragma once

@@ -108,7 +108,8 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Rea
     std::fill_n(gradient.sh_time, params.width(kShTime), Real(0));
     if (first < last || terms.template in_spacetime<form>())
       gaussian_gradient<form>(args, block, rules, colours, terms, n, first, last, gradient);
-    add_regulariser<form>(terms, params, n, gradient.geometry);
+    const Real share = Real(last - first) / Real(args.forward.batch->views.size());
+    add_regulariser<form>(terms, params, n, share, gradient.geometry);
     bad |= gradient.bad | gradient.geometry.template non_finite<form>();
     sink.template accept<form>(n, gradient.geometry);
     if (idle == IdleUpdate::kLazy) {

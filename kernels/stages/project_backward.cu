@@ -83,10 +83,10 @@ __global__ void __launch_bounds__(kThreads)
   if (begin == end && a.idle == IdleUpdate::kSkip) return;
   GeometryGradient<float> gradient;
   GaussianState<float> g;
+  int seen = 0;
   const bool regularised = a.regulariser.in_spacetime<form>();
   if ((begin < end || regularised) && load_gaussian<form>(a.set, n, g)) {
     ViewSums<float> sums;
-    int seen = 0;
     for (int64_t s = begin; s < end; ++s) {
       sums += view_sums[s];
       seen += a.tiles[s] > 0;
@@ -99,7 +99,7 @@ __global__ void __launch_bounds__(kThreads)
       a.statistics.count[n] += 1.0f;
     }
   }
-  add_regulariser<form>(a.regulariser, a.set, n, gradient);
+  add_regulariser<form>(a.regulariser, a.set, n, float(seen) / float(a.view_count), gradient);
   const unsigned bad = gradient.template non_finite<form>();
   if (bad != 0) atomicOr(&a.counters->bad_groups, bad);
   sink.template accept<form>(n, gradient);

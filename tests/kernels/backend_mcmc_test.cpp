@@ -83,8 +83,7 @@ TEST_P(BackendMcmc, NoiseIsTheCpus) {
 }
 
 TEST_P(BackendMcmc, RegularisedGradientsAreTheOracles) {
-  // Bugs put back, each seen to fail: only Gaussians that are seen; N of one set.
-  // Bug put back: only Gaussians that are seen; seen to fail.
+  // Bug put back: Gaussians that no view draws too; seen to fail.
   TestScene<double> scene = random_scene(90, 110, 0.15, 97);
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
     for (int64_t n = 0; n < 20; ++n) set->at(kMean, n)[1] = 500;
@@ -99,13 +98,8 @@ TEST_P(BackendMcmc, RegularisedGradientsAreTheOracles) {
     expect_group(actual.moving.group[group], expected.moving.group[group], kGradientBounds,
                  "dynamic");
   }
-  for (int64_t n = 0; n < 20; ++n) {  // of these there is nothing but the terms, N = 200
-    const double o = sigmoid(*rough.moving.at(kOpacityLogit, n));
-    EXPECT_NEAR(*actual.moving.at(kOpacityLogit, n), 0.5 * o * (1 - o) / 200, 1e-9);
-    for (int k = 0; k < 3; ++k)
-      EXPECT_NEAR(actual.moving.at(kLogScale, n)[k],
-                  0.8 * std::exp(rough.moving.at(kLogScale, n)[k]) / 600, 1e-9);
-  }
+  for (int64_t n = 0; n < 20; ++n)
+    EXPECT_EQ(*actual.moving.at(kOpacityLogit, n), 0) << "out of sight";
 }
 
 TEST_P(BackendMcmc, RegularisersReachTheFusedOptimizer) {

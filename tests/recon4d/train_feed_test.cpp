@@ -2,8 +2,10 @@
 // Not: training with it (train_separate_test.cpp).
 #include <gtest/gtest.h>
 
+#include "kernels/base/errors.h"
 #include "recon4d/batch_sampler.h"
 #include "recon4d/frame_feed.h"
+#include "recon4d/stage_bench.h"
 #include "tests/support/separate_backend.h"
 
 namespace tessera {
@@ -100,6 +102,28 @@ TEST(FrameFeed, TheBudgetDecides) {
   EXPECT_FALSE(ring(0, kAll)) << "what was asked for is not second-guessed";
   EXPECT_TRUE(ring(0, kPictures)) << "masks are counted";
   EXPECT_TRUE(ring(int64_t{1} << 40, 100));
+}
+
+// Bug put back: the feed is made before anyone looks; seen to fail: a crash with a separate memory.
+TEST(FrameFeed, WithoutFramesIsRefused) {
+  Scene scene = patterned();
+  scene.path = "patterned";
+  const auto refusal = [&](const auto& make) -> std::string {
+    try {
+      make();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  SeparateMemory memory;
+  const std::string expected =
+      "patterned: none of its 11 frames belongs to the training split; training needs at least one";
+  EXPECT_EQ(refusal([&] { FrameFeed(memory, scene, {}, 0, 1); }), expected);
+  EXPECT_EQ(refusal([&] { FrameFeed(host_memory(), scene, {}, 0, 1); }), expected);
+  for (Frame& frame : scene.frames) frame.split = Split::kTest;
+  testing::SeparateBackend backend;
+  EXPECT_EQ(refusal([&] { bench_stages(backend, scene, {}, {}); }), expected);
 }
 
 /// As the trainer drives it: truth, then the two batches to come.

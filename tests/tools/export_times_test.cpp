@@ -109,8 +109,9 @@ TEST(ExportTimes, RangesHaveEitherUnitAndEitherEnd) {
 
 TEST(ExportTimes, RefuseWhatMakesNoFrames) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const char* text : {"0.5", "a:b", "0:1x", "1:0", "0.5:0.5", "-1:1", "0:2", "0s:5s", "s:1s",
-                           "nan:1", "0:inf", "0:1:2"})
+  // Bug put back: ends read by strtod, in the locale's way and with all that C reads; seen to fail.
+  for (const char* text : {"0.5", "a:b", "0x0:1", " 0:1", "0:1x", "1:0", "0.5:0.5", "-1:1", "0:2",
+                           "0s:5s", "s:1s", "nan:1", "0:inf", "0:1:2"})
     expect_input_error([&] { times_of({.range = text}); }, {"--range", text, "expected A:B"});
   expect_input_error([&] { times_of({.frames = 0}); }, {"--frames", "0"});
   expect_input_error([&] { times_of({.frames = 100001}); }, {"--frames", "100001"});
