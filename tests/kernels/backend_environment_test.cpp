@@ -53,8 +53,7 @@ TEST_P(BackendEnvironment, EqualInputsGiveEqualBits) {
   EXPECT_EQ(one.rendered.colour, other.rendered.colour);
 }
 
-// On a device the sum is in fixed point, where NaN + NaN is 0 and infinity is a number.
-// Bugs put back: NaN converted to fixed point (device); adam_values reports nothing (both).
+// For a device's kernel: its sum is in fixed point, where NaN + NaN is 0 and infinity is a number.
 TEST_P(BackendEnvironment, ANonFinitePictureGradientReachesItsTexelsAndIsReported) {
   TestScene<float> scene = scene_before_a_map(95).as<float>();
   for (const float bad :
