@@ -9,6 +9,10 @@ function(tessera_configure target)
   if(TESSERA_NATIVE)
     list(APPEND cxx_flags -march=native)
   endif()
+  list(LENGTH CMAKE_CUDA_ARCHITECTURES cards)
+  if(cards GREATER 1)
+    list(APPEND cuda_flags --threads=4)  # one file for several cards at once
+  endif()
   if(TESSERA_WERROR)
     list(APPEND cxx_flags -Werror)
     list(APPEND cuda_flags -Werror all-warnings)
@@ -19,6 +23,13 @@ function(tessera_configure target)
     target_compile_options(${target} PUBLIC -fsanitize=address,undefined -fno-omit-frame-pointer
                                             -fno-sanitize-recover=undefined)
     target_link_options(${target} PUBLIC -fsanitize=address,undefined)
+  endif()
+endfunction()
+
+# Sources of this folder that run before it is known what the CPU can execute.
+function(tessera_for_any_cpu)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -march=x86-64)
   endif()
 endfunction()
 

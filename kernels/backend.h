@@ -99,6 +99,7 @@ struct FilterArgs {
 struct StepOutcome {
   std::vector<ViewLoss> losses;      // of the last photometric
   unsigned bad_groups = 0;           // a bit (1 << Group) per group with a non-finite gradient
+  bool bad_values = false;           // adam_values met a non-finite gradient
   std::vector<Vec3<double>> d_gain;  // [B] of the mean loss by each gain; empty: there were none
 };
 
@@ -121,7 +122,8 @@ class BackendOf {
   /// colour += transmittance · environment along the pixel. After `blend`, whose background then is
   /// black; before `photometric` and `blend_backward`, which so see what shows through Gaussians.
   virtual void environment(const EnvironmentArgs<Real>& args, Images<Real>& images) = 0;
-  /// d_map [H, 2H, 3] is written; equal inputs give equal bits.
+  /// d_map [H, 2H, 3] is written; equal inputs give equal bits. Texels that a non-finite gradient
+  /// falls on are not finite.
   virtual void environment_backward(const EnvironmentArgs<Real>& args, const Images<Real>& images,
                                     Span<const Real> d_colour, Span<Real> d_map) = 0;
   /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted), by the picture
@@ -141,12 +143,14 @@ class BackendOf {
   virtual void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) = 0;
   /// Splat gradients → parameter gradients, summed over views, into the sinks.
   virtual void project_backward(const ProjectBackwardArgs<Real>& args) = 0;
-  /// Of the last photometric and project_backward; waits for these two, not for what came after.
+  /// Of the last photometric and project_backward, and of adam_values after it; waits for these,
+  /// not for what came after.
   virtual StepOutcome outcome() = 0;
 
   /// Adam over stored gradients: what the fused sink does, as a stage of its own.
   virtual void adam(const SinkArgs<Real>& args) = 0;
-  /// A step of Adam of values that belong to no Gaussian.
+  /// A step of Adam of values that belong to no Gaussian; `outcome` says whether the gradient was
+  /// finite.
   virtual void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam,
                            Span<Real> value, Span<Real> moment1, Span<Real> moment2) = 0;
   /// Every Gaussian's SH coefficients and moments take the steps they are behind.
@@ -186,7 +190,8 @@ using Backend = BackendOf<float>;
 
 std::unique_ptr<Backend> make_cpu_backend();
 std::unique_ptr<BackendOf<double>> make_oracle_backend();
-/// Errors: DeviceError when this build or machine has no CUDA device.
-std::unique_ptr<Backend> make_cuda_backend();
+/// On the device of that number, which becomes the calling thread's; device_probe.h tells what is
+/// there. Errors: DeviceError when this build or machine has no such CUDA device.
+std::unique_ptr<Backend> make_cuda_backend(int device = 0);
 
 }  // namespace tessera

@@ -2,13 +2,35 @@
 // Not: culling or any choice of views.
 #include "kernels/batch.h"
 
+#include <string>
+
+#include "kernels/base/errors.h"
+
 namespace tessera {
+namespace {
+
+/// Tiles of a view are numbered in 32 bits, and in 16 bits along each side (TileRect).
+void check_size(const Camera& camera) {
+  constexpr int64_t kMostAlong = int64_t{UINT16_MAX} * kTileSize;
+  constexpr int64_t kMostPixels = int64_t{INT32_MAX} * kTileSize * kTileSize;
+  const int64_t width = camera.width, height = camera.height;
+  if (width <= kMostAlong && height <= kMostAlong &&
+      (width + kTileSize) * (height + kTileSize) <= kMostPixels)
+    return;
+  throw InputError("a view of " + std::to_string(width) + " by " + std::to_string(height) +
+                   " pixels is too large: at most " + std::to_string(kMostAlong) +
+                   " along a side and " + std::to_string(kMostPixels) +
+                   " in all are supported; use a smaller size");
+}
+
+}  // namespace
 
 template <class Real>
 ViewBatch<Real> make_view_batch(const std::vector<View>& views) {
   ViewBatch<Real> batch;
   for (const View& view : views) {
     const Camera& c = view.camera;
+    check_size(c);
     ViewArgs<Real> v;
     v.fl_x = Real(c.fl_x), v.fl_y = Real(c.fl_y), v.cx = Real(c.cx), v.cy = Real(c.cy);
     v.cam_from_world = Mat3<Real>(c.cam_from_world);

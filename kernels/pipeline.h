@@ -52,6 +52,8 @@ class Pipeline {
         d_colour_(backend.memory()),
         d_splats_(backend.memory()),
         sensitivity_(backend.memory()) {}
+  Pipeline(const Pipeline&) = delete;  // what is kept of a forward pass points into its members
+  Pipeline& operator=(const Pipeline&) = delete;
 
   /// project → bin → blend → environment. The pictures stay valid until the next call.
   const Images<Real>& forward(const ForwardArgs<Real>& args);

@@ -1,5 +1,6 @@
 // What: how long each stage of the pipeline takes and how many bytes it had to move.
 // Not: a profiler: a backend measures as its device can, the host's clock or the device's events.
+// Timers may nest: the time of the inner one then is in both stages.
 #pragma once
 #include <array>
 #include <chrono>
@@ -10,7 +11,7 @@ namespace tessera {
 enum Stage : int {
   kProject,
   kBin,
-  kBlend,
+  kBlend,  // and the environment behind
   kPhotometric,
   kBlendBackward,
   kProjectBackward,
@@ -32,27 +33,38 @@ class StageClock {
  public:
   virtual ~StageClock() = default;
   virtual void begin(Stage stage) = 0;
-  virtual void end(Stage stage) = 0;
+  /// Ends what the last open `begin(stage)` began. Destructors call it, also while the error of a
+  /// stage is on its way to the caller: a span that cannot be measured is dropped.
+  void end(Stage stage) noexcept {
+    try {
+      measure(stage);
+    } catch (...) {  // the stage's own error is the one to report
+    }
+  }
   void add_bytes(Stage stage, double bytes) { totals_[size_t(stage)].bytes += bytes; }
   /// Waits for what is still being measured.
   virtual const std::array<StageTotals, kStages>& totals() = 0;
 
  protected:
+  /// What `end` does. May throw.
+  virtual void measure(Stage stage) = 0;
+
   std::array<StageTotals, kStages> totals_{};
 };
 
 /// A stage ends when its function returns.
 class HostStageClock final : public StageClock {
  public:
-  void begin(Stage) override { begin_ = std::chrono::steady_clock::now(); }
-  void end(Stage stage) override {
-    totals_[size_t(stage)].seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-  }
+  void begin(Stage stage) override { begin_[stage] = std::chrono::steady_clock::now(); }
   const std::array<StageTotals, kStages>& totals() override { return totals_; }
 
  private:
-  std::chrono::steady_clock::time_point begin_;
+  void measure(Stage stage) override {
+    totals_[size_t(stage)].seconds +=
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_[stage]).count();
+  }
+
+  std::chrono::steady_clock::time_point begin_[kStages];
 };
 
 /// Measures the block it lives in.

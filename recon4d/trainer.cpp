@@ -39,6 +39,13 @@ std::string group_names(unsigned bits, Form form) {
   return names;
 }
 
+/// "the loss", "the gradient of mean, environment".
+std::string what_is_bad(const StepOutcome& outcome, Form form) {
+  std::string names = group_names(outcome.bad_groups, form);
+  if (outcome.bad_values) names += names.empty() ? "environment" : ", environment";
+  return names.empty() ? "the loss" : "the gradient of " + names;
+}
+
 /// Those that may see a set: every frame, or every camera once where moments do not matter.
 std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frames, bool moving) {
   std::vector<View> views;
@@ -363,16 +370,13 @@ void Trainer::complete_pending() {
     report.ssim += loss.ssim / double(outcome.losses.size());
   }
   const unsigned bad = outcome.bad_groups;
-  if (!std::isfinite(report.loss) || bad != 0) {
+  if (!std::isfinite(report.loss) || bad != 0 || outcome.bad_values) {
     state_.iteration = report.iteration - 1;
     throw NumericalError(fmt::format(
         "step {}: {} not finite; the last checkpoint is intact; lower the learning rates or look "
         "for broken frames",
         report.iteration,
-        bad == 0
-            ? "the loss is"
-            : "the gradient of " +
-                  group_names(bad, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
+        what_is_bad(outcome, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
   }
   if (!gains_.empty()) {
     step_exposure(pending_rows_, outcome.d_gain, schedule_.exposure_rate(report.iteration - 1),

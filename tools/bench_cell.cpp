@@ -129,8 +129,8 @@ json recorded_cell(const fs::path& root, json described) {
   std::error_code unreachable;
   if (!fs::is_regular_file(file, unreachable)) return described;
   json result = json::parse(read_text_file(file), nullptr, false);
-  if (!result.is_object() || result.value("fingerprint", "") != described["fingerprint"])
-    return described;
+  const std::string fingerprint = described["fingerprint"];
+  if (!result.is_object() || result.value("fingerprint", "") != fingerprint) return described;
   described.erase("error");
   result.erase("row");  // cells of several tables are one
   described.update(result);

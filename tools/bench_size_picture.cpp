@@ -47,11 +47,14 @@ std::string budget_rows(const json& scene) {
 /// Labels of the points without a share, over all scenes.
 std::vector<std::string> preset_labels(const json& scenes) {
   std::vector<std::string> labels;
-  for (const json& scene : scenes)
-    for (const json& point : scene.at("points"))
+  for (const json& scene : scenes) {
+    for (const json& point : scene.at("points")) {
+      const std::string label = point["label"];
       if (!point.contains("share") && is_sized(point) &&
-          std::find(labels.begin(), labels.end(), point["label"]) == labels.end())
-        labels.push_back(point["label"]);
+          std::find(labels.begin(), labels.end(), label) == labels.end())
+        labels.push_back(label);
+    }
+  }
   return labels;
 }
 

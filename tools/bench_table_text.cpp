@@ -119,7 +119,7 @@ std::string scene_table(const json& scene, const std::vector<std::string>& colum
   const json& points = scene["points"];
   std::vector<std::string> devices;
   for (const json& point : points)
-    for (const json& device : point["devices"])
+    for (const std::string device : point["devices"])
       if (std::find(devices.begin(), devices.end(), device) == devices.end())
         devices.push_back(device);
   std::string text = fmt::format("**{}**, split {}{}{}\n\n", scene["scene"].get<std::string>(),

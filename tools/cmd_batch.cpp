@@ -72,10 +72,6 @@ void refuse_settings(const CLI::App& command) {
   }
 }
 
-bool has_device() {
-  return !make_backend("auto")->name().starts_with("cpu");
-}
-
 /// --exposure is ingest's or the training's, as in `run`.
 void complete(const CLI::App& command, BatchRequest& request) {
   BatchConfig& config = request.config;
@@ -91,7 +87,8 @@ void complete(const CLI::App& command, BatchRequest& request) {
   const int64_t jobs = std::max<int64_t>(request.engine.jobs, 1);
   if (command.count("--threads") == 0)
     config.threads = std::max<int64_t>(request.engine.cores / jobs, 1);
-  if (command.count("--gpus") == 0) config.gpus = runs_here(request.engine) && has_device() ? 1 : 0;
+  if (command.count("--gpus") == 0)
+    config.gpus = runs_here(request.engine) && is_cuda_chosen("auto") ? 1 : 0;
   request.engine.gpus = config.gpus;
   if (command.count("--exports") == 0 && !carries_player_page()) config.exports = {"tessera"};
 }

@@ -283,8 +283,7 @@ void add_evaluate_command(CLI::App& app, Work& work) {
       "`tessera synth patch` makes them in ground_truth/moving");
   command->add_option("--save-images", request->images, "folder for the rendered pictures");
   command->add_flag("--overwrite", request->overwrite, "save among files that are not ours");
-  command->add_option("--backend", request->backend,
-                      "auto (a CUDA device where there is one), cpu or cuda");
+  add_backend_options(*command, request->backend);
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_option("--lpips", request->lpips,
                       "ONNX file: LPIPS by its network: two inputs [1, 3, height, width], RGB in "

@@ -226,8 +226,7 @@ void add_render_command(CLI::App& app, Work& work) {
   command->add_flag("--float", request->floats, "also unclamped floats as .pfm");
   add_path_options(*command, *request);
   command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");
-  command->add_option("--backend", request->backend,
-                      "auto (a CUDA device where there is one), cpu or cuda");
+  add_backend_options(*command, request->backend);
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return render(*request); }; });

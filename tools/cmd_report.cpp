@@ -7,6 +7,7 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "tools/backend_choice.h"
 #include "tools/batch/write_report.h"
 #include "tools/command.h"
 #include "tools/terminal.h"
@@ -28,8 +29,7 @@ void add_report_command(CLI::App& app, Work& work) {
       "--pictures", parsed->request.pictures,
       "held-out views of each scene beside the truth (of each of more than 100 one); "
       "they are drawn once. 0: none");
-  command.add_option("--backend", parsed->request.backend,
-                     "auto (a CUDA device where there is one), cpu or cuda");
+  add_backend_options(command, parsed->request.backend);
   command.add_option("--threads", parsed->threads, "CPU threads; 0: all");
   command.add_flag("--json", parsed->json, "print what report.json holds");
   command.callback([parsed, &work] {

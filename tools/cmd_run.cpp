@@ -21,6 +21,7 @@
 #include "static3d/world_change.h"
 #include "tools/backend_choice.h"
 #include "tools/command.h"
+#include "tools/device_choice.h"
 #include "tools/export_in_time.h"
 #include "tools/export_times.h"
 #include "tools/held_out_scores.h"
@@ -132,7 +133,8 @@ class Runner {
   }
 
   bool train() {
-    train_key_ = key_of({scene_key_, to_json(options_), request_.training.backend});
+    const std::string backend = parse_backend(request_.training.backend).name;
+    train_key_ = key_of({scene_key_, to_json(options_), backend});
     if (!must_run("train", train_key_, run_.model())) return true;
     TrainRequest train;
     train.scene = scene_, train.run = run_.root, train.options = options_;
@@ -318,6 +320,7 @@ void add_run_command(CLI::App& app, Work& work) {
       share_exposure(*request);
       check_capture(request->capture, resolve_ingest(request->ingest).reading);
       check_places(*request);
+      is_cuda_chosen(request->training.backend);  // its errors now, not after hours of ingest
       Runner runner(*request);
       if (!runner.run()) {
         say("interrupted; run the same command again to go on");

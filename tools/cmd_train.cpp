@@ -15,6 +15,7 @@
 #include "recon4d/checkpoint.h"
 #include "recon4d/scene_facts.h"
 #include "recon4d/train_options_json.h"
+#include "tools/backend_choice.h"
 #include "tools/command.h"
 #include "tools/held_out_scores.h"
 #include "tools/interrupt.h"
@@ -59,10 +60,7 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
                      "basis+...; a wrong name lists them");
   command.add_option("--config", arguments.config,
                      "JSON file of options, or the config.json of a run, over the preset's");
-  command
-      .add_option("--backend", arguments.backend,
-                  "auto (a CUDA device where there is one), cpu or cuda")
-      ->capture_default_str();
+  add_backend_options(command, arguments.backend);
   command.add_option("--threads", arguments.threads, "CPU threads; 0: all")->capture_default_str();
   command.add_option("--evaluate-every", arguments.evaluate_every,
                      "steps between two evaluations of the held-out splits; 0: at the end only");

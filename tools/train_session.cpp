@@ -74,7 +74,8 @@ class Session {
     const int64_t aside = set_aside(scene_, options_.validation_share, uint64_t(options_.seed));
     wall_.time(WallSplit::kInit, [&] {
       if (!previous_) complete_cloud(scene_, options_);
-      backend_ = make_backend(request_.backend);
+      chosen_ = choose_backend(request_.backend);
+      backend_ = std::move(chosen_.backend);
       config_ = make_config(request_, options_, scene_, backend_->name());
       if (previous_) check_frames();
       make_folder(run_.root);
@@ -106,8 +107,9 @@ class Session {
     if (!previous_) replace_previous_run();
     log_.emplace(run_.log(), options_.iterations, state.iteration);
     log_->event("start", {{"iteration", state.iteration}, {"initialisation", source}});
-    say(fmt::format("{} training frames, initialised from {}, on {}",
-                    config_["train_frames"].dump(), source, backend_->name()));
+    const std::string why = chosen_.kind == "cpu" ? fmt::format(" ({})", chosen_.reason) : "";
+    say(fmt::format("{} training frames, initialised from {}, on {}{}",
+                    config_["train_frames"].dump(), source, backend_->name(), why));
     end_ = request_.stop_after
                ? std::min(options_.iterations, state.iteration + *request_.stop_after)
                : options_.iterations;
@@ -364,6 +366,8 @@ class Session {
                    {"num_static", shipped.static_set.count()},
                    {"num_dynamic", shipped.dynamic_set.count()},
                    {"device", backend_->name()},
+                   {"backend", chosen_.kind},
+                   {"backend_reason", chosen_.reason},
                    {"wall_seconds", wall_.json()},
                    {"validation", validation_result()},
                    {"exposure", exposure_result()},
@@ -384,6 +388,7 @@ class Session {
   std::optional<Checkpoint> previous_;
   TrainOptions options_;
   Scene scene_;
+  ChosenBackend chosen_;
   std::unique_ptr<Backend> backend_;
   json config_, scores_ = json::object();
   int64_t end_ = 0;  // of this call, steps

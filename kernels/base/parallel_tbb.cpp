@@ -11,7 +11,11 @@
 namespace tessera {
 namespace {
 
-std::unique_ptr<tbb::global_control> limit;
+/// Never destroyed: at exit oneTBB may be gone before it.
+std::unique_ptr<tbb::global_control>& limit() {
+  static auto* const kept = new std::unique_ptr<tbb::global_control>;
+  return *kept;
+}
 
 }  // namespace
 
@@ -25,10 +29,10 @@ void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t
 }
 
 void set_thread_count(int count) {
-  limit.reset();
+  limit().reset();
   if (count > 0)
-    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                  size_t(count));
+    limit() = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                    size_t(count));
 }
 
 int thread_count() {

@@ -2,6 +2,7 @@
 // Not: any stage.
 #include "kernels/cuda/cuda_backend.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "kernels/base/errors.h"
@@ -25,19 +26,18 @@ template class PinnedArray<StepCounters>;
 template class PinnedArray<float>;
 template class PinnedArray<double>;
 
-CudaBackend::Stream::Stream() {
+CudaBackend::Stream::Stream(int device) {
   int devices = 0;
   const cudaError_t found = cudaGetDeviceCount(&devices);
   if (found != cudaSuccess || devices == 0)
     throw DeviceError(std::string("no CUDA device: ") +
                       (found != cudaSuccess ? cudaGetErrorString(found) : "none is present") +
                       "; use --backend cpu");
+  check_device(cudaSetDevice(device), "cudaSetDevice");
   check_device(cudaStreamCreateWithFlags(&handle, cudaStreamNonBlocking), "cudaStreamCreate");
 }
 
-CudaBackend::CudaBackend() {
-  int device = 0;
-  check_device(cudaGetDevice(&device), "cudaGetDevice");
+CudaBackend::CudaBackend(int device) : own_stream_(device) {
   cudaDeviceProp properties{};
   check_device(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
   processors_ = properties.multiProcessorCount;
@@ -45,6 +45,7 @@ CudaBackend::CudaBackend() {
   for (cudaEvent_t* event : {&reported_, &views_copied_, &target_copied_})
     check_device(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "cudaEventCreate");
   counters_.resize(1);
+  check_device(cudaMemsetAsync(counters_.data(), 0, sizeof(StepCounters), stream_), "memset");
   counters_host_.reserve(2);
 }
 
@@ -56,7 +57,7 @@ CudaBackend::~CudaBackend() {
 const ViewArgs<float>* CudaBackend::views_of(const ViewBatch<float>& batch) {
   const size_t count = batch.views.size(), bytes = sizeof(ViewArgs<float>) * count;
   if (int64_t(count) == views_.size() &&
-      std::memcmp(views_host_.data(), batch.views.data(), bytes) == 0)
+      std::equal(batch.views.begin(), batch.views.end(), views_host_.data()))
     return views_.data();
   check_device(cudaEventSynchronize(views_copied_), "waiting for the last copy of views");
   std::memcpy(views_host_.reserve(int64_t(count)), batch.views.data(), bytes);
@@ -85,6 +86,7 @@ StepOutcome CudaBackend::outcome() {
   check_device(cudaEventSynchronize(reported_), "waiting for a step");
   StepOutcome outcome;
   outcome.bad_groups = counters_host_.data()[1].bad_groups;
+  outcome.bad_values = counters_host_.data()[1].bad_values != 0;
   for (size_t b = 0; b < loss_views_.size(); ++b) {
     const double samples = 3.0 * loss_views_[b].width * loss_views_[b].height;
     const double l1 = loss_sums_host_.data()[2 * b] / samples;
@@ -97,8 +99,8 @@ StepOutcome CudaBackend::outcome() {
   return outcome;
 }
 
-std::unique_ptr<Backend> make_cuda_backend() {
-  return std::make_unique<CudaBackend>();
+std::unique_ptr<Backend> make_cuda_backend(int device) {
+  return std::make_unique<CudaBackend>(device);
 }
 
 }  // namespace tessera

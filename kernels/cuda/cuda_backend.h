@@ -13,7 +13,7 @@ namespace tessera {
 /// What kernels of a step count, copied back as one block.
 struct StepCounters {
   unsigned long long splats, instances;
-  unsigned invalid, bad_groups;
+  unsigned invalid, bad_groups, bad_values;
 };
 
 /// Memory of the host that the device can write to while the host goes on.
@@ -50,7 +50,7 @@ struct BlendBackward;  // blend_backward_args.cuh
 
 class CudaBackend final : public Backend {
  public:
-  CudaBackend();
+  explicit CudaBackend(int device = 0);
   ~CudaBackend() override;
   std::string name() const override { return name_; }
   Memory& memory() override { return memory_; }
@@ -92,7 +92,7 @@ class CudaBackend final : public Backend {
  private:
   struct Stream {
     cudaStream_t handle = nullptr;
-    Stream();
+    explicit Stream(int device);
     ~Stream() { cudaStreamDestroy(handle); }
   };
 
@@ -110,10 +110,10 @@ class CudaBackend final : public Backend {
   DeviceTarget target_of(const std::vector<Span<const uint8_t>>& truth,
                          const std::vector<Span<const uint8_t>>& mask,
                          const std::vector<Vec3<double>>& gain);
-  /// Enqueues the copy of losses and bad groups to the host.
+  /// Enqueues the copy of losses and of what was not finite to the host.
   void report();
 
-  Stream own_stream_;  // before everything that frees memory on it
+  Stream own_stream_;  // on the device; before everything that frees memory on it
   cudaStream_t stream_ = own_stream_.handle;
   DeviceMemory memory_{stream_};
   DeviceStageClock clock_{stream_};

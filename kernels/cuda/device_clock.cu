@@ -4,53 +4,76 @@
 
 #include <nvtx3/nvToolsExt.h>
 
-#include "kernels/cuda/device_error.h"
+#include <utility>
 
 namespace tessera {
 
 DeviceStageClock::~DeviceStageClock() {
-  for (const Span& span : pending_) cudaEventDestroy(span.begin), cudaEventDestroy(span.end);
+  for (const Span& span : pending_) forget(span);
   for (cudaEvent_t event : spare_) cudaEventDestroy(event);
 }
 
+void DeviceStageClock::forget(const Span& span) {
+  cudaEventDestroy(span.begin);
+  if (span.end != nullptr) cudaEventDestroy(span.end);
+}
+
 cudaEvent_t DeviceStageClock::event() {
-  cudaEvent_t result;
-  if (spare_.empty()) {
-    check_device(cudaEventCreate(&result), "cudaEventCreate");
-  } else {
+  cudaEvent_t result = nullptr;
+  if (!spare_.empty()) {
     result = spare_.back();
     spare_.pop_back();
+  } else if (cudaEventCreate(&result) != cudaSuccess) {
+    cudaGetLastError();
+    return nullptr;
   }
-  check_device(cudaEventRecord(result, stream_), "cudaEventRecord");
-  return result;
+  if (cudaEventRecord(result, stream_) == cudaSuccess) return result;
+  cudaGetLastError();
+  cudaEventDestroy(result);
+  return nullptr;
 }
 
 void DeviceStageClock::begin(Stage stage) {
   nvtxRangePushA(kStageNames[stage]);
   // rare stages are measured every time
   const int64_t every = stage == kDensity || stage == kUpdate ? 1 : kEvery;
-  open_ = calls_[stage]++ % every == 0;
-  if (open_) pending_.push_back({stage, double(every), event(), nullptr});
+  if (calls_[stage]++ % every != 0) return;
+  if (const cudaEvent_t begun = event()) pending_.push_back({stage, double(every), begun, nullptr});
 }
 
-void DeviceStageClock::end(Stage) {
+void DeviceStageClock::measure(Stage stage) {
   nvtxRangePop();
-  if (open_) pending_.back().end = event();
-  open_ = false;
+  for (size_t i = pending_.size(); i-- > 0;) {
+    Span& span = pending_[i];
+    if (span.stage != stage || span.end != nullptr) continue;
+    span.end = event();
+    if (span.end == nullptr) {
+      forget(span);
+      pending_.erase(pending_.begin() + std::ptrdiff_t(i));
+    }
+    break;
+  }
   constexpr size_t kMany = 64;
   if (pending_.size() > kMany) collect(false);
 }
 
 void DeviceStageClock::collect(bool wait) {
   std::vector<Span> rest;
-  for (const Span& span : pending_) {
-    if (wait) check_device(cudaEventSynchronize(span.end), "cudaEventSynchronize");
-    if (cudaEventQuery(span.end) == cudaErrorNotReady) {
+  for (const Span& span : std::exchange(pending_, {})) {
+    const cudaError_t state = span.end == nullptr ? cudaErrorNotReady
+                              : wait              ? cudaEventSynchronize(span.end)
+                                                  : cudaEventQuery(span.end);
+    if (state == cudaErrorNotReady) {
       rest.push_back(span);
       continue;
     }
     float milliseconds = 0;
-    check_device(cudaEventElapsedTime(&milliseconds, span.begin, span.end), "cudaEventElapsedTime");
+    if (state != cudaSuccess ||
+        cudaEventElapsedTime(&milliseconds, span.begin, span.end) != cudaSuccess) {
+      forget(span);
+      cudaGetLastError();
+      continue;
+    }
     totals_[size_t(span.stage)].seconds += 1e-3 * double(milliseconds) * span.weight;
     spare_.push_back(span.begin), spare_.push_back(span.end);
   }

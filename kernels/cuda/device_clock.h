@@ -1,6 +1,7 @@
 // What: stage times by the device's own events, and NVTX ranges of the same names.
 // Not: exact for every step: one step in `kEvery` is measured and stands for the others, because
-// events between kernels cost a few microseconds.
+// events between kernels cost a few microseconds. Nor a place where a training fails: what the
+// device does not measure is left out, and the stages report its errors.
 #pragma once
 #include <cuda_runtime.h>
 
@@ -15,22 +16,24 @@ class DeviceStageClock final : public StageClock {
   explicit DeviceStageClock(cudaStream_t stream) : stream_(stream) {}
   ~DeviceStageClock() override;
   void begin(Stage stage) override;
-  void end(Stage stage) override;
   const std::array<StageTotals, kStages>& totals() override;
 
  private:
   struct Span {
     Stage stage;
     double weight;
-    cudaEvent_t begin, end;
+    cudaEvent_t begin, end;  // end: null while it is open
   };
+  void measure(Stage stage) override;
+  /// Recorded on the stream. Null: the device refused, and its error is cleared where it can be.
   cudaEvent_t event();
+  /// Adds up the spans that have ended, or all of them after waiting; drops those that failed.
   void collect(bool wait);
+  void forget(const Span& span);
 
   static constexpr int64_t kEvery = 8;
   cudaStream_t stream_;
   int64_t calls_[kStages] = {};
-  bool open_ = false;
   std::vector<Span> pending_;
   std::vector<cudaEvent_t> spare_;
 };

@@ -70,6 +70,7 @@ struct BoundsOptions {
 struct TileRect {
   uint16_t x0, y0, x1, y1;
   TESSERA_HD bool empty() const { return x0 >= x1 || y0 >= y1; }
+  /// Fits: make_view_batch refuses views with more tiles.
   TESSERA_HD int area() const { return (x1 - x0) * (y1 - y0); }
 };
 

@@ -18,6 +18,8 @@ struct ViewArgs {
   int tiles_x, tiles_y;    // tiles that cover the picture
   int64_t first_tile;      // index of this view's first tile in the batch
   int64_t first_pixel;     // index of this view's first pixel in the batch
+
+  bool operator==(const ViewArgs&) const = default;
 };
 
 /// Added to the diagonal of Σ2 so that a splat is at least about a pixel wide  [3DGS code].

@@ -3,6 +3,7 @@
 // Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.9.
 #include <type_traits>
 
+#include "kernels/base/count_limit.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
@@ -32,6 +33,7 @@ template <class Real>
 void CpuBackend<Real>::bin(const BinArgs<Real>& args, TileInstances<Real>& out) {
   const ViewBatch<Real>& batch = *args.batch;
   const Splats<Real>& splats = *args.splats;
+  check_splat_count(splats.count);
   // z > 0, so the bits of a depth order as the depth does; equal depths keep the order of Gaussians
   radix_order(reinterpret_cast<const KeyOf<Real>*>(splats.depth.data()), splats.count,
               out.depth_order);

@@ -2,6 +2,7 @@
 // Not: the tile test (math/bounds.h, walked in cuda/tile_walk.cuh), which project has counted with.
 // Compiled without contraction to fused multiply-adds, as project.cu.
 // Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.8, A.9.
+#include "kernels/base/count_limit.h"
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
@@ -175,6 +176,7 @@ void CudaBackend::order_tiles(TileInstances<float>& out) {
 void CudaBackend::bin(const BinArgs<float>& args, TileInstances<float>& out) {
   const Splats<float>& splats = *args.splats;
   const bool slots = args.for_backward && args.options.kernels.deterministic;
+  check_splat_count(splats.count);
   out.count = splats.instances;
   if (out.count > INT32_MAX)
     throw DeviceError("the splats of this batch touch " + std::to_string(out.count) +

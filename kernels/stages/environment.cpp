@@ -6,6 +6,8 @@
 #include "kernels/math/environment.h"
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -91,10 +93,16 @@ template <class Real>
 void CpuBackend<Real>::adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam,
                                    Span<Real> value, Span<Real> moment1, Span<Real> moment2) {
   constexpr int64_t kGrain = 4096;  // scalars per task
+  std::atomic<bool> bad = false;
   parallel_for(value.size, kGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i)
+    bool finite = true;
+    for (int64_t i = begin; i < end; ++i) {
+      finite &= std::isfinite(gradient[i]);
       adam_step(adam, gradient[i], value[i], moment1[i], moment2[i]);
+    }
+    if (!finite) bad = true;
   });
+  outcome_.bad_values |= bad;
 }
 
 #define TESSERA_INSTANTIATE(Real)                                                           \

@@ -1,12 +1,16 @@
 // What: the environment behind every picture, and the gradient by its texels, on the device.
 // Not: equations (math/environment.h).
-// Pixels add to a texel in fixed point: whatever their order, the sum has the same bits.
+// Pixels add to a texel in fixed point: whatever their order, the sum has the same bits. What has
+// no place in fixed point (NaN, infinity) is kept beside it.
 // Source: method D.8.
 #include "kernels/math/environment.h"
+
+#include <math_constants.h>
 
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/scratch.h"
 #include "kernels/math/adam.h"
 
 namespace tessera {
@@ -15,6 +19,7 @@ namespace {
 constexpr int kThreads = 256;
 /// Gradients of a mean over all pixels are of order 1 or less; the sum of a texel may reach 2^19.
 constexpr float kFixedPoint = 17592186044416.0f;  // 2^44
+constexpr float kMost = 9223372036854775808.0f;   // 2^63
 
 struct Rays {
   const ViewArgs<float>* views;  // [B]
@@ -50,31 +55,39 @@ __global__ void __launch_bounds__(kThreads)
 
 __global__ void __launch_bounds__(kThreads)
     add_gradients(Rays rays, const float* transmittance, const float* d_colour,
-                  unsigned long long* sums) {
+                  unsigned long long* sums, uint32_t* bad) {
   Ray ray;
   if (!ray.load(rays)) return;
   const float T = transmittance[ray.first + ray.plane];
   for (int c = 0; c < 3; ++c) {
     const float g = T * d_colour[3 * ray.first + c * ray.pixels + ray.plane];
     for (int k = 0; k < 4; ++k) {
-      const long long fixed = __float2ll_rn(ray.tap.share[k] * g * kFixedPoint);
-      if (fixed != 0)
-        atomicAdd(sums + 3 * ray.tap.texel[k] + c, static_cast<unsigned long long>(fixed));
+      const float scaled = ray.tap.share[k] * g * kFixedPoint;
+      const int64_t at = 3 * ray.tap.texel[k] + c;
+      if (!(fabsf(scaled) < kMost)) {  // fixed point has no NaN
+        bad[at] = 1;
+        continue;
+      }
+      const long long fixed = __float2ll_rn(scaled);
+      if (fixed != 0) atomicAdd(sums + at, static_cast<unsigned long long>(fixed));
     }
   }
 }
 
 __global__ void __launch_bounds__(kThreads)
-    to_floats(const unsigned long long* sums, Span<float> d_map) {
+    to_floats(const unsigned long long* sums, const uint32_t* bad, Span<float> d_map) {
   const int64_t i = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  if (i < d_map.size) d_map[i] = float(static_cast<long long>(sums[i])) / kFixedPoint;
+  if (i >= d_map.size) return;
+  d_map[i] = bad[i] != 0 ? CUDART_NAN_F : float(static_cast<long long>(sums[i])) / kFixedPoint;
 }
 
 __global__ void __launch_bounds__(kThreads)
-    adam_all(Span<const float> gradient, AdamScalars<float> adam, float* value, float* m,
-             float* v) {
+    adam_all(Span<const float> gradient, AdamScalars<float> adam, float* value, float* m, float* v,
+             StepCounters* counters) {
   const int64_t i = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  if (i < gradient.size) adam_step(adam, gradient[i], value[i], m[i], v[i]);
+  if (i >= gradient.size) return;
+  adam_step(adam, gradient[i], value[i], m[i], v[i]);
+  if (!isfinite(gradient[i])) counters->bad_values = 1;  // all who write it write the same
 }
 
 /// One thread a pixel of the largest view, one row of blocks a view.
@@ -101,15 +114,20 @@ void CudaBackend::environment_backward(const EnvironmentArgs<float>& args,
                                        const Images<float>& images, Span<const float> d_colour,
                                        Span<float> d_map) {
   check(d_map.size == environment_scalars(args.height), "environment: size of the gradient");
-  const size_t bytes = sizeof(unsigned long long) * size_t(d_map.size);
-  scratch_.resize(int64_t(bytes));
-  auto* const sums = reinterpret_cast<unsigned long long*>(scratch_.data());
-  check_device(cudaMemsetAsync(sums, 0, bytes, stream_), "memset");
+  Scratch scratch(scratch_);
+  scratch.plan<unsigned long long>(d_map.size), scratch.plan<uint32_t>(d_map.size);
+  scratch.allocate();
+  const Span<unsigned long long> sums = scratch.take<unsigned long long>(d_map.size);
+  const Span<uint32_t> bad = scratch.take<uint32_t>(d_map.size);  // 1: not finite
+  check_device(cudaMemsetAsync(sums.data, 0, sizeof(*sums.data) * size_t(sums.size), stream_),
+               "memset");
+  check_device(cudaMemsetAsync(bad.data, 0, sizeof(*bad.data) * size_t(bad.size), stream_),
+               "memset");
   if (args.batch->pixels > 0)
     add_gradients<<<grid_of_views(*args.batch), kThreads, 0, stream_>>>(
         Rays{views_of(*args.batch), args.map_from_world, args.height}, images.transmittance.data(),
-        d_colour.data, sums);
-  to_floats<<<grid_of(d_map.size, kThreads), kThreads, 0, stream_>>>(sums, d_map);
+        d_colour.data, sums.data, bad.data);
+  to_floats<<<grid_of(d_map.size, kThreads), kThreads, 0, stream_>>>(sums.data, bad.data, d_map);
   check_launch("environment_backward");
   clock_.add_bytes(kBlendBackward, 16.0 * double(args.batch->pixels));
 }
@@ -117,9 +135,10 @@ void CudaBackend::environment_backward(const EnvironmentArgs<float>& args,
 void CudaBackend::adam_values(Span<const float> gradient, const AdamScalars<float>& adam,
                               Span<float> value, Span<float> moment1, Span<float> moment2) {
   if (value.empty()) return;
-  adam_all<<<grid_of(value.size, kThreads), kThreads, 0, stream_>>>(gradient, adam, value.data,
-                                                                    moment1.data, moment2.data);
+  adam_all<<<grid_of(value.size, kThreads), kThreads, 0, stream_>>>(
+      gradient, adam, value.data, moment1.data, moment2.data, counters_.data());
   check_launch("adam_values");
+  report();  // once more: project_backward's came before
   clock_.add_bytes(kUpdate, 28.0 * double(value.size));
 }
 

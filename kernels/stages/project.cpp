@@ -2,6 +2,7 @@
 // Not: equations (math/splat.h).
 #include <vector>
 
+#include "kernels/base/count_limit.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/math/splat.h"
@@ -108,6 +109,7 @@ void store(const Record<Real>& r, int64_t s, Splats<Real>& splats) {
 template <class Real>
 void CpuBackend<Real>::project(const ProjectArgs<Real>& args, Splats<Real>& splats) {
   const int64_t gaussians = args.sets[0].count + args.sets[1].count;
+  check_gaussian_count(gaussians);
   const std::vector<Run> runs = runs_of(args);
   std::vector<Chunk<Real>> chunks(runs.size());
   parallel_for(int64_t(chunks.size()), 1, [&](int64_t c, int64_t) {

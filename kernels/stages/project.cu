@@ -4,7 +4,7 @@
 // Not: equations (math/splat.h). Compiled without contraction to fused multiply-adds: the passes
 // must decide alike, and so must the tile test here and in bin.cu.
 // Source: method A.5–A.8; order of the splats without atomics: method 0.27.
-#include "kernels/base/errors.h"
+#include "kernels/base/count_limit.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/lazy_sh.h"
@@ -184,6 +184,7 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
 
 void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats) {
   const int64_t gaussians = args.sets[0].count + args.sets[1].count;
+  check_gaussian_count(gaussians);  // list_splats writes their numbers in 32 bits
   const int words = int(args.batch->views.size() + 31) / 32;
   visible_.resize(gaussians);
   seen_by_.resize(gaussians * words);

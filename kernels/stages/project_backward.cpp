@@ -144,7 +144,7 @@ unsigned backward_block(const ProjectBackwardArgs<Real>& args, const BlockArgs<R
 
 template <class Real>
 void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
-  outcome_.bad_groups = 0;
+  outcome_.bad_groups = 0, outcome_.bad_values = false;
   const GaussianSpans<const Real>&fixed = args.forward.sets[0], &moving = args.forward.sets[1];
   velocities_.resize(args.pairs.first.empty() ? 0 : 3 * moving.count);
   if (!args.pairs.first.empty()) find_velocities(moving, velocities_.data());

@@ -10,6 +10,7 @@
 #include "recon4d/metrics.h"
 #include "recon4d/model_file.h"
 #include "recon4d/render.h"
+#include "tests/support/faulty_backend.h"
 #include "tests/support/resume.h"
 #include "tests/support/separate_backend.h"
 
@@ -145,6 +146,24 @@ TEST(TrainEnvironment, ModelFileReloadsBitEqual) {
   model.environment = {};
   save_model(folder / "none.ply", model);
   EXPECT_EQ(load_model(folder / "none.ply").environment.height, 0);
+}
+
+// Bug put back: adam_values reports nothing; seen to fail: the training ends with NaN in its map.
+TEST(TrainEnvironment, ANonFiniteGradientStopsTheStepAndIsNamed) {
+  GaussianModel truth;
+  const Scene scene = before_sky({}, truth);
+  const TrainOptions options = sky_options();
+  FaultyBackend backend(Fault::kTexel, 15);
+  Training training(scene, options, first_state(scene, options), backend);
+  try {
+    training.run();
+    ADD_FAILURE() << "NaN went unnoticed";
+  } catch (const NumericalError& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("step 15: the gradient of environment is not finite"), std::string::npos)
+        << message;
+  }
+  EXPECT_EQ(training.state().iteration, 14);
 }
 
 // Bug put back: frames with alpha taken; seen to fail.

@@ -8,8 +8,9 @@
 
 namespace tessera::testing {
 
-/// Where the NaN goes: into the gradient of the first splat, or into the loss of the first view.
-enum class Fault { kMean2d, kConic, kOpacity, kColour, kLoss };
+/// Where the NaN goes: into the gradient of the first splat, into that of the first texel of the
+/// environment, or into the loss of the first view.
+enum class Fault { kMean2d, kConic, kOpacity, kColour, kTexel, kLoss };
 
 class FaultyBackend final : public Backend {
  public:
@@ -35,6 +36,7 @@ class FaultyBackend final : public Backend {
   void environment_backward(const EnvironmentArgs<float>& args, const Images<float>& images,
                             Span<const float> d_colour, Span<float> d_map) override {
     cpu_->environment_backward(args, images, d_colour, d_map);
+    if (strikes(Fault::kTexel)) d_map[0] = kNan;
   }
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
     cpu_->photometric(args, d_colour);

@@ -1,0 +1,40 @@
+// What: what this build and the machine have of CUDA, and whether a device can be worked with.
+// Not: a choice (tools/device_choice.h), nor anything that stays allocated but the device's
+// context.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+struct CudaDevice {
+  std::string name;      // "NVIDIA H200"
+  int architecture = 0;  // 90: sm_90
+};
+
+/// What stands between the program and a device, the first that does.
+enum class CudaFailure {
+  kNone,
+  kNotBuilt,   // the program has no CUDA backend
+  kNoDriver,   // no driver library was found
+  kOldDriver,  // it is older than the CUDA of this build
+  kNoDevice,   // the driver shows none
+  kNoKernels,  // the program has none for this card
+  kNoMemory,   // not even for the device's context
+  kOther,
+};
+
+struct CudaProbe {
+  CudaFailure failure = CudaFailure::kNotBuilt;
+  std::string error;                            // CUDA's own words, where there are any
+  int runtime_version = 0, driver_version = 0;  // 13000: CUDA 13.0; 0: none
+  std::vector<int> architectures;               // with kernels in this build; 90: sm_90
+  std::vector<CudaDevice> devices;              // that the driver shows
+  int tried = 0;                                // whose failure this is
+};
+
+/// Counts the devices and tries the one of that number, which makes its context and loads a kernel
+/// on it. Throws nothing of CUDA's. With another number than there are devices nothing is tried.
+CudaProbe probe_cuda(int device);
+
+}  // namespace tessera
