@@ -39,7 +39,7 @@ CameraRoll roll_of(const Station& station, const glm::dvec3& up) {
   const double along_up = glm::dot(up, up_of(station.camera));
   const double along_right = glm::dot(up, right_of(station.camera));
   CameraRoll roll{station.name, 0, std::hypot(along_up, along_right) > kInSight};
-  roll.degrees = -std::atan2(along_right, along_up) * 180 / std::numbers::pi;
+  roll.degrees = std::atan2(along_right, along_up) * 180 / std::numbers::pi;
   return roll;
 }
 
@@ -88,14 +88,18 @@ OrientationCheck check_orientation(const Scene& scene) {
   for (const CameraRoll& roll : check.cameras) {
     const double turn = std::abs(roll.degrees);
     if (!roll.known || turn < kAlike || ++named > kMostNamed) continue;
+    const long quarter = 90 * std::lround(roll.degrees / 90);
     check.findings.push_back(
         {Severity::kWarning, "turned", roll.camera,
          turn > 180 - kAlike
              ? fmt::format("is upside down against {} of {} cameras", upright, cameras.size())
-             : fmt::format("lies on its side against {} of {} cameras, turned by {:.0f} degrees",
+             : fmt::format("lies on its side against {} of {} cameras, turned clockwise by {:.0f} "
+                           "degrees",
                            upright, cameras.size(), roll.degrees),
-         "where that is not how it was mounted, set the rotation flag of its video (ffmpeg "
-         "-display_rotation ANGLE -i IN -c copy OUT) and prepare again"});
+         fmt::format("where that is not how it was mounted, turn its images back, e.g. by its "
+                     "video's rotation flag (ffmpeg -display_rotation {} -i IN -c copy OUT), and "
+                     "prepare again",
+                     quarter)});
   }
   return check;
 }

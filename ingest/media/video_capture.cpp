@@ -35,8 +35,8 @@ struct Work {
 /// How numbered images are read, for people.
 std::string reading_of(const Work& work, const RigClips& rig) {
   return fmt::format(
-      "{}: numbered images are read as those of {}, number N at N / {} s (--fps changes the rate, "
-      "--layout photos reads them as photos of a scene that stands still)",
+      "{}: numbered images are read as those of {}, number N at N / {} s (--fps changes the rate; "
+      "pass --layout photos if they are photos of a scene that stands still)",
       work.capture.string(),
       rig.clips.size() == 1 ? "one camera that moves"
                             : fmt::format("{} cameras that film together", rig.clips.size()),
