@@ -131,13 +131,19 @@ class MotionSync {
     });
     const std::vector<double> none(clips_.size());
     const std::vector<double> start = offsets_of(solve_offsets(int(clips_.size()), coarse));
-    Fine fine = measure_fine(start);
+    Fine fine = measure_fine(start, busiest_begin(energies_, start, compared_seconds()));
     const bool moved = std::any_of(start.begin(), start.end(), [&](double offset) {
       return std::abs(offset) > frame_seconds_;
     });
     if (moved) {  // a mistaken coarse offset must not win over clocks that agree
-      Fine unmoved = measure_fine(none);
+      Fine unmoved = measure_fine(none, busiest_begin(energies_, none, compared_seconds()));
       if (unmoved.support >= fine.support) fine = std::move(unmoved);
+    }
+    if (!all_determined(fine.pairs)) {
+      // what was compared may lie where a clock that drifts is seconds off; videos begin together
+      Fine first = measure_fine(none, first_moment());
+      fine.pairs.insert(fine.pairs.end(), first.pairs.begin(), first.pairs.end());
+      fine.rates.insert(fine.rates.end(), first.rates.begin(), first.rates.end());
     }
     refuse_drift(solve_offsets(int(clips_.size()), fine.rates));
     return clocks_from(joined(coarse, fine.pairs));
@@ -155,11 +161,30 @@ class MotionSync {
     if (progress_) progress_(what, int64_t(done), int64_t(clips_.size()));
   }
 
-  Fine measure_fine(const std::vector<double>& start) {
+  double compared_seconds() const {
     constexpr double kFrames = 72;  // three seconds: hundreds of matches a pair
+    return kFrames * frame_seconds_;
+  }
+
+  /// The latest beginning of a clip.
+  double first_moment() const {
+    double first = -std::numeric_limits<double>::infinity();
+    for (const MotionEnergy& energy : energies_)
+      if (!energy.seconds.empty()) first = std::max(first, energy.seconds.front());
+    return std::isfinite(first) ? first : 0;
+  }
+
+  bool all_determined(const std::vector<PairOffset>& pairs) const {
+    const std::vector<SolvedOffset> solved = solve_offsets(int(clips_.size()), pairs);
+    for (size_t i = 0; i < solved.size(); ++i)
+      if (clips_[i].camera && !solved[i].determined) return false;
+    return true;
+  }
+
+  /// From `begin` on, in the rig's time by the offsets `start`.
+  Fine measure_fine(const std::vector<double>& start, double begin) {
     std::vector<PosedFeatures> features;
-    const double length = kFrames * frame_seconds_;
-    const double begin = busiest_begin(energies_, start, length);
+    const double length = compared_seconds();
     for (size_t i = 0; i < clips_.size(); ++i) {
       report("moving features", i);
       const RigClip& clip = clips_[i];
