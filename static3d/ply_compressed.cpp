@@ -14,8 +14,6 @@
 namespace tessera {
 namespace {
 
-constexpr int64_t kChunk = 256;  // splats that share a range
-
 const std::vector<double>& values_of(const std::filesystem::path& path, const PlyElement& element,
                                      const std::string& name) {
   if (const PlyColumn* const column = element.find(name)) return column->values;
@@ -97,9 +95,9 @@ bool is_compressed_splat(const PlyFile& file) {
 
 GaussianSet decode_compressed_splat(const std::filesystem::path& path, const PlyFile& file) {
   const PlyElement &chunks = *file.find("chunk"), &vertex = *file.find("vertex");
-  if (chunks.rows * kChunk < vertex.rows)
+  if (chunks.rows * kSplatsPerChunk < vertex.rows)
     throw InputError(fmt::format("{}: {} chunks for {} splats, expected one per {}; export again",
-                                 path.string(), chunks.rows, vertex.rows, kChunk));
+                                 path.string(), chunks.rows, vertex.rows, kSplatsPerChunk));
   const Range mean = range_of(path, chunks, {"x", "y", "z"});
   const Range scale = range_of(path, chunks, {"scale_x", "scale_y", "scale_z"});
   const bool ranged_colour = chunks.find("min_r") != nullptr;  // absent before SuperSplat 1.9
@@ -112,7 +110,7 @@ GaussianSet decode_compressed_splat(const std::filesystem::path& path, const Ply
   set.resize(vertex.rows);
   const GaussianSpans<float> to = set.values();
   for (int64_t n = 0; n < vertex.rows; ++n) {
-    const int64_t chunk = n / kChunk;
+    const int64_t chunk = n / kSplatsPerChunk;
     decode_vector(uint32_t(position[size_t(n)]), mean, chunk, to.at(kMean, n));
     decode_vector(uint32_t(scales[size_t(n)]), scale, chunk, to.at(kLogScale, n));
     quaternion_of(uint32_t(rotation[size_t(n)]), to.at(kRotation, n));

@@ -3,12 +3,15 @@
 // Not: the way back from its quantum (11-10-11 bits in a chunk).
 // Source: formats 1.2 (the PlayCanvas engine's, MIT), written from its layout.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 
 #include "ingest/files/ply.h"
 #include "recon4d/gaussian_set.h"
 
 namespace tessera {
+
+constexpr int64_t kSplatsPerChunk = 256;  // share their ranges
 
 /// Whether the file has the elements of this format.
 bool is_compressed_splat(const PlyFile& file);

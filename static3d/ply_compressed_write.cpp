@@ -16,8 +16,6 @@
 namespace tessera {
 namespace {
 
-constexpr int64_t kChunk = 256;
-
 /// The nine numbers of a splat that have ranges, as they are stored: mean, ln scale, colour.
 std::array<float, 9> ranged(const GaussianSpans<const float>& set, int64_t n) {
   constexpr float kMostLog = 20;
@@ -62,7 +60,7 @@ uint32_t packed_colour(const ChunkRange& range, const std::array<float, 9>& v, f
 
 std::string header(int64_t count, int rest) {
   std::string text = fmt::format("ply\nformat binary_little_endian 1.0\nelement chunk {}\n",
-                                 (count + kChunk - 1) / kChunk);
+                                 (count + kSplatsPerChunk - 1) / kSplatsPerChunk);
   for (const char* group : {"x y z", "scale_x scale_y scale_z", "r g b"})
     for (const char* end : {"min", "max"}) {
       std::string_view names = group;
@@ -87,7 +85,7 @@ void append_range(std::string& bytes, const ChunkRange& range) {
 }
 
 /// Channel by channel, as the reference stores them.
-void append_sh(std::string& bytes, const float* sh, int rest) {
+void append_sh_channels(std::string& bytes, const float* sh, int rest) {
   for (int c = 0; c < 3; ++c)
     for (int i = 1; i <= rest; ++i)
       append(bytes,
@@ -103,8 +101,8 @@ void save_compressed_splat(const std::filesystem::path& path, const GaussianSet&
   const int64_t count = ordered.count();
   const int rest = sh_coefficients(sh_degree) - 1;
   std::string bytes = header(count, rest), splats, sh;
-  for (int64_t begin = 0; begin < count; begin += kChunk) {
-    const int64_t end = std::min(begin + kChunk, count);
+  for (int64_t begin = 0; begin < count; begin += kSplatsPerChunk) {
+    const int64_t end = std::min(begin + kSplatsPerChunk, count);
     const ChunkRange range(values, begin, end);
     append_range(bytes, range);
     for (int64_t n = begin; n < end; ++n) {
@@ -113,7 +111,7 @@ void save_compressed_splat(const std::filesystem::path& path, const GaussianSet&
       append(splats, smallest_three(values.at(kRotation, n)));
       append(splats, packed_vector(range, v, 3));
       append(splats, packed_colour(range, v, *values.at(kOpacityLogit, n)));
-      append_sh(sh, values.at(kSh, n), rest);
+      append_sh_channels(sh, values.at(kSh, n), rest);
     }
   }
   write_text_file(path, bytes + splats + sh);

@@ -20,8 +20,8 @@
 namespace tessera {
 namespace {
 
-constexpr uint32_t kMagic = 0x5053474e;   // "NGSP"
-constexpr uint32_t kVersion4Header = 32;  // bytes
+constexpr uint32_t kSpzMagic = 0x5053474e;  // "NGSP"
+constexpr uint32_t kVersion4Header = 32;    // bytes
 constexpr int kFractionBits = 12;
 constexpr int kGzipLevel = 6;  // 9 takes four times as long for a hundredth of the bytes
 constexpr double kColourScale = 0.15;
@@ -32,7 +32,7 @@ constexpr uint64_t kMostPacked = 2000;    // bytes that one of zstd may promise;
 constexpr uint64_t kMostUnasked = 64 << 20;  // bytes that may be promised by as few as there are
 
 struct SpzHeader {
-  uint32_t magic = kMagic, version = 3, count = 0;
+  uint32_t magic = kSpzMagic, version = 3, count = 0;
   uint8_t sh_degree = 0, fraction_bits = kFractionBits, flags = 0, streams = 0;
 };
 
@@ -47,7 +47,7 @@ SpzHeader read_header(ByteReader& bytes, const std::filesystem::path& path) {
   header.count = bytes.number<uint32_t>();
   header.sh_degree = bytes.number<uint8_t>(), header.fraction_bits = bytes.number<uint8_t>();
   header.flags = bytes.number<uint8_t>(), header.streams = bytes.number<uint8_t>();
-  if (header.magic != kMagic)
+  if (header.magic != kSpzMagic)
     throw InputError(fmt::format("{}: no .spz inside; export it again", path.string()));
   if (header.version < 2 || header.version > 4)
     throw InputError(fmt::format("{}: .spz of version {}, read are 2, 3 and 4; convert it",

@@ -11,6 +11,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/json_file.h"
+#include "kernels/base/byte_units.h"
 #include "kernels/base/errors.h"
 #include "tools/gnuplot_words.h"
 
@@ -18,8 +19,6 @@ namespace tessera {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kMiB = 1 << 20;
 
 /// Columns: 1-3 seconds, 4-6 PSNR, 7-9 SSIM, 10-12 MiB, 13 steps; blocks $s0, $s1, … by label.
 struct Series {

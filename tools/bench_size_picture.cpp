@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "kernels/base/byte_units.h"
 #include "tools/gnuplot_words.h"
 
 namespace tessera {
@@ -16,7 +17,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMiB = 1 << 20;
 constexpr int kMarks[] = {5, 9, 13, 11, 15};  // squares, triangles, diamonds, …
 
 bool is_sized(const json& point) {

@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "kernels/base/byte_units.h"
+
 namespace tessera {
 namespace {
 
@@ -21,7 +23,6 @@ struct Column {
 };
 
 Column column_of(const std::string& metric) {
-  constexpr double kMiB = 1 << 20;
   static const std::map<std::string, Column> known = {
       {"psnr", {"PSNR dB", "{} dB", 1, 2}},
       {"ssim", {"SSIM", "SSIM {}", 1, 4}},

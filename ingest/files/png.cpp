@@ -83,7 +83,7 @@ struct WriteState {
   ~WriteState() { png_destroy_write_struct(&png, &info); }
 };
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& seen) {
+[[noreturn]] void refuse_image(const std::filesystem::path& path, const std::string& seen) {
   throw InputError(fmt::format("{}: {}; copy or render this picture again", path.string(), seen));
 }
 
@@ -95,24 +95,26 @@ uint32_t big_endian_32(const uint8_t* bytes) {
 void check_header(const std::filesystem::path& path, std::FILE* file) {
   uint8_t start[33] = {};  // signature, IHDR
   const size_t count = std::fread(start, 1, sizeof start, file);
-  if (std::ferror(file) != 0) fail(path, fmt::format("cannot be read ({})", std::strerror(errno)));
-  if (count == 0) fail(path, "is an empty file, expected a PNG");
-  if (png_sig_cmp(start, 0, std::min<size_t>(8, count)) != 0) fail(path, "is not a PNG");
-  if (count < sizeof start) fail(path, fmt::format("PNG truncated after {} bytes", count));
+  if (std::ferror(file) != 0)
+    refuse_image(path, fmt::format("cannot be read ({})", std::strerror(errno)));
+  if (count == 0) refuse_image(path, "is an empty file, expected a PNG");
+  if (png_sig_cmp(start, 0, std::min<size_t>(8, count)) != 0) refuse_image(path, "is not a PNG");
+  if (count < sizeof start) refuse_image(path, fmt::format("PNG truncated after {} bytes", count));
   const int64_t width = big_endian_32(start + 16), height = big_endian_32(start + 20);
   if (width == 0 || height == 0)
-    fail(path, fmt::format("has size {}x{}, expected at least 1x1 pixel", width, height));
+    refuse_image(path, fmt::format("has size {}x{}, expected at least 1x1 pixel", width, height));
   if (width > kMaxSide || height > kMaxSide)
-    fail(path, fmt::format("states a size of {}x{}, more than {} a side", width, height, kMaxSide));
+    refuse_image(
+        path, fmt::format("states a size of {}x{}, more than {} a side", width, height, kMaxSide));
   constexpr int kChannelsOfColourType[7] = {1, 0, 3, 1, 2, 0, 4};
   const int depth = start[24], colour_type = start[25];
-  if (depth > 16 || colour_type > 6) fail(path, "has a damaged PNG header");
+  if (depth > 16 || colour_type > 6) refuse_image(path, "has a damaged PNG header");
   const int64_t pixel_bits = depth * kChannelsOfColourType[colour_type];
   const int64_t least_bytes = (width * pixel_bits + 7) / 8 * height;
   const auto file_bytes = int64_t(std::filesystem::file_size(path));
   if (least_bytes / kDeflateMaxRatio > file_bytes)
-    fail(path, fmt::format("states {}x{} pixels, which {} bytes cannot hold (truncated)", width,
-                           height, file_bytes));
+    refuse_image(path, fmt::format("states {}x{} pixels, which {} bytes cannot hold (truncated)",
+                                   width, height, file_bytes));
   std::rewind(file);
 }
 
@@ -132,7 +134,8 @@ using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 /// Opens, checks, and reads up to the pixels; the result has its size and no data.
 Image8 read_start(const std::filesystem::path& path, ReadState& state, File& file) {
   file = File(std::fopen(path.c_str(), "rb"), std::fclose);
-  if (file == nullptr) fail(path, fmt::format("cannot be opened ({})", std::strerror(errno)));
+  if (file == nullptr)
+    refuse_image(path, fmt::format("cannot be opened ({})", std::strerror(errno)));
   check_header(path, file.get());
   if (state.info == nullptr) throw std::bad_alloc();
   const bool read = guarded(state.png, [&] {
@@ -141,7 +144,7 @@ Image8 read_start(const std::filesystem::path& path, ReadState& state, File& fil
     png_read_info(state.png, state.info);
     set_transforms(state.png, state.info);
   });
-  if (!read) fail(path, fmt::format("unreadable PNG header ({})", state.failure.text));
+  if (!read) refuse_image(path, fmt::format("unreadable PNG header ({})", state.failure.text));
   return {int(png_get_image_width(state.png, state.info)),
           int(png_get_image_height(state.png, state.info)),
           png_get_channels(state.png, state.info),
@@ -169,7 +172,7 @@ Image8 read_png(const std::filesystem::path& path) {
     png_read_image(state.png, rows.data());
     png_read_end(state.png, nullptr);
   });
-  if (!read) fail(path, fmt::format("unreadable PNG ({})", state.failure.text));
+  if (!read) refuse_image(path, fmt::format("unreadable PNG ({})", state.failure.text));
   return image;
 }
 

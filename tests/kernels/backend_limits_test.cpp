@@ -86,8 +86,9 @@ std::string refusal(Work&& work) {
   return "";
 }
 
-// Lists hold the numbers of Gaussians and of splats in 32 bits. The spans are empty: what is refused
-// must not have been read. Bugs put back, each seen to crash on the CPU: no check in project; in bin.
+// Lists hold the numbers of Gaussians and of splats in 32 bits. The spans are empty: what is
+// refused must not have been read. Bugs put back, each seen to crash on the CPU: no check in
+// project; in bin.
 TEST_P(BackendLimits, CountsBeyond31BitsAreRefusedByNumber) {
   constexpr int64_t kTooMany = int64_t{1} << 31;
   const ViewBatch<float> batch = make_view_batch<float>({front_view()});

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "kernels/base/byte_units.h"
 #include "tools/batch/page_words.h"
 #include "tools/batch/report_template.h"
 
@@ -15,8 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-constexpr double kMiB = 1 << 20;
 
 std::string cell(const std::string& html) {
   return fmt::format("<td>{}</td>", html);

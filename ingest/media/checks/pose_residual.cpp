@@ -2,6 +2,7 @@
 // Not: matching. A camera that is wrong spoils one pair of each neighbour: the median over pairs
 //      leaves the neighbours out of it.
 #include "ingest/media/checks/pose_residual.h"
+#include "kernels/base/median.h"
 
 #include <fmt/format.h>
 
@@ -15,12 +16,6 @@ constexpr size_t kLeastMatches = 12;    // of a pair
 constexpr int64_t kLeastFeatures = 60;  // of a picture
 constexpr double kSuspicious = 0.0015;  // of the diagonal: 0.9 pixels at 480 × 360
 constexpr double kWrong = 0.0035;       // of the diagonal: 2.1 pixels at 480 × 360
-
-double median(std::vector<double> values) {
-  const auto half = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
-}
 
 double diagonal(const Camera& camera) {
   return std::hypot(double(camera.width), double(camera.height));

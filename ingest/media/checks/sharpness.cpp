@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "ingest/checks/stations.h"
+#include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {
@@ -24,12 +25,6 @@ double laplacian_deviation(const cv::Mat& grey) {
   cv::Scalar mean, deviation;
   cv::meanStdDev(laplacian, mean, deviation);
   return deviation[0];
-}
-
-double median(std::vector<double> values) {
-  const auto half = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
 }
 
 std::map<std::string, std::vector<size_t>> frames_by_camera(const Scene& scene) {
