@@ -165,8 +165,8 @@ TEST(MovingCamera, PhotosWithoutAModelGetOne) {
   EXPECT_LE(error.centre, 0.01);
 }
 
-// Numbered images as a rig's, and as those of one camera that moves. Bugs put back, each seen to
-// fail: images read as photos, which stand still; times by place in place of number.
+// Numbered images as a rig's, and as those of one camera that moves. Bug put back: the latter read
+// as photos, which stand still; seen to fail.
 TEST(ImageSequencesPosed, RigAndMovingCamera) {
   if (!has_colmap()) GTEST_SKIP() << "no colmap in PATH";
   const TemporaryFolder folder;
