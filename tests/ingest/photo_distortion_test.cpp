@@ -119,8 +119,7 @@ glm::dvec2 light_near(const Image8& picture, const glm::dvec2& place, int reach)
 
 // F15: a grid of dots, filmed by a sensor of which the upper part was kept, comes back to where the
 // pinhole camera has it. Dots are round in the undistorted picture: each pixel that is filmed takes
-// its light from its ray. Bug put back: Undistortion with the camera's own principal point; seen to
-// fail.
+// its light from its ray. Bug put back: the principal point kept; seen to fail.
 TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfThePicture) {
   const Camera camera{320, 174, 233, 233, 158, 260, glm::dmat3(1), glm::dvec3(0)};
   const Lens lens{.k1 = -0.27, .k2 = 0.19};
