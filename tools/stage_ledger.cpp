@@ -16,7 +16,7 @@ namespace tessera {
 
 namespace fs = std::filesystem;
 // File names need not be UTF-8.
-constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
+constexpr auto kReplaceInvalid = nlohmann::json::error_handler_t::replace;
 
 StageLedger::StageLedger(fs::path file) : file_(std::move(file)) {
   if (!fs::exists(file_)) return;
@@ -33,7 +33,7 @@ bool StageLedger::done(const std::string& stage, const std::string& key) const {
 
 void StageLedger::set(const std::string& stage, nlohmann::json entry) {
   entries_[stage] = std::move(entry);
-  write_text_file(file_, entries_.dump(2, ' ', false, kReplace));
+  write_text_file(file_, entries_.dump(2, ' ', false, kReplaceInvalid));
 }
 
 void StageLedger::begin(const std::string& stage, const std::string& key) {
@@ -51,7 +51,7 @@ const nlohmann::json& StageLedger::result(const std::string& stage) const {
 
 std::string key_of(const nlohmann::json& inputs) {
   Fnv1a hash;
-  hash.add(inputs.dump(-1, ' ', false, kReplace));
+  hash.add(inputs.dump(-1, ' ', false, kReplaceInvalid));
   return hash.hex();
 }
 

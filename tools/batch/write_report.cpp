@@ -105,9 +105,9 @@ json write_report(const ReportRequest& request) {
   ReportPictures pictures;
   draw_charts(report, folder, pictures);
   if (request.pictures > 0) draw_views(request, report, pictures);
-  constexpr auto kReplace = json::error_handler_t::replace;
+  constexpr auto kReplaceInvalid = json::error_handler_t::replace;
   write_together({{folder / "report.csv", csv_of(report["scenes"])},
-                  {folder / "report.json", report.dump(1, ' ', false, kReplace) + "\n"},
+                  {folder / "report.json", report.dump(1, ' ', false, kReplaceInvalid) + "\n"},
                   {folder / "index.html", report_page(report, pictures)}});
   return report;
 }
