@@ -10,6 +10,7 @@
 #include "recon4d/checkpoint.h"
 #include "recon4d/sh_blocks.h"
 #include "tests/recon4d/small_models.h"
+#include "tests/support/checkpoint_bytes.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/separate_backend.h"
 #include "tests/support/sh_degrees.h"
@@ -72,12 +73,7 @@ TEST(TrainingOfBlocks, RefusesBlocksThatDoNotFit) {
   const auto refused = [&](const nlohmann::json& blocks) {
     nlohmann::json changed = header;
     changed["sh_blocks"]["static"] = blocks;
-    const std::string text = changed.dump();
-    const uint64_t length = text.size();
-    std::string file = good.substr(0, 12);
-    file.append(reinterpret_cast<const char*>(&length), sizeof(length));
-    file += text + good.substr(20 + header.dump().size());
-    std::ofstream(folder / "bad.ckpt", std::ios::binary) << file;
+    std::ofstream(folder / "bad.ckpt", std::ios::binary) << with_header(good, changed);
     try {
       load_checkpoint(folder / "bad.ckpt");
     } catch (const InputError& error) {

@@ -3,10 +3,8 @@
 // Not: that resuming trains the same (train_loop_test.cpp). Source: failure modes E5, E6.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <zlib.h>
 
 #include <csignal>
-#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +12,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/train_options_json.h"
+#include "tests/support/checkpoint_bytes.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/tiny_capture.h"
 
@@ -27,8 +26,6 @@ using testing::tiny_capture;
 using testing::tiny_options;
 using testing::TinyCapture;
 using testing::Training;
-
-constexpr size_t kSumAt = 12, kLengthAt = 16, kHeaderAt = 24;  // after "TESSCKPT" and the version
 
 class CheckpointFile : public ::testing::Test {
  protected:
@@ -67,22 +64,9 @@ class CheckpointFile : public ::testing::Test {
     return "";
   }
 
-  json header() const {
-    uint64_t length = 0;
-    std::memcpy(&length, bytes_.data() + kLengthAt, sizeof(length));
-    return json::parse(bytes_.substr(kHeaderAt, length));
-  }
-  /// The file with another header, whose checksum fits.
+  json header() const { return testing::header_of(bytes_); }
   std::string with_header(const json& changed) const {
-    uint64_t length = 0;
-    std::memcpy(&length, bytes_.data() + kLengthAt, sizeof(length));
-    const std::string text = changed.dump();
-    const uint64_t new_length = text.size();
-    const auto sum = uint32_t(crc32_z(0, reinterpret_cast<const Bytef*>(text.data()), text.size()));
-    std::string file = bytes_.substr(0, kSumAt);
-    file.append(reinterpret_cast<const char*>(&sum), sizeof(sum));
-    file.append(reinterpret_cast<const char*>(&new_length), sizeof(new_length));
-    return file + text + bytes_.substr(kHeaderAt + length);
+    return testing::with_header(bytes_, changed);
   }
 
   ScratchFolder folder_;
@@ -139,7 +123,7 @@ TEST_F(CheckpointFile, TruncatedAnywhere) {
   for (size_t length = 0; length < bytes_.size(); length += stride(length)) {
     const std::string message = refusal(bytes_.substr(0, length));
     ASSERT_NE(message, "") << "loads with " << length << " of " << bytes_.size() << " bytes";
-    if (length >= kHeaderAt) expect_says(message, "truncated");
+    if (length >= testing::kHeaderAt) expect_says(message, "truncated");
   }
   expect_says(refusal(bytes_ + "x"), "its header promises");
 }
@@ -163,7 +147,7 @@ TEST_F(CheckpointFile, ForeignFiles) {
   older[8] = 3;
   expect_says(refusal(older), "checkpoint version 3, this program reads version 4; resume it");
   std::string endless = bytes_;
-  for (size_t i = 0; i < 8; ++i) endless[kLengthAt + i] = char(0xff);
+  for (size_t i = 0; i < 8; ++i) endless[testing::kHeaderBytesAt + i] = char(0xff);
   expect_says(refusal(endless), "header incomplete");
   EXPECT_THROW(load_checkpoint(folder_ / "absent.ckpt"), InputError);
   EXPECT_THROW(load_checkpoint(folder_.path()), InputError);
