@@ -52,9 +52,11 @@ void add_backend_options(CLI::App& command, std::string& backend) {
       .add_option("--backend", backend, "auto (a CUDA device where one can be used), cpu or cuda")
       ->default_str(backend);
   // after --backend: options are taken in this order
-  command.add_option_function<std::string>(
-      "--gpu", [&backend](const std::string& number) { backend += ":" + number; },
-      "number of the CUDA device, of those that CUDA_VISIBLE_DEVICES shows; default: 0");
+  command
+      .add_option_function<std::string>(
+          "--gpu", [&backend](const std::string& number) { backend += ":" + number; },
+          "number of the CUDA device, of those that CUDA_VISIBLE_DEVICES shows; default: 0")
+      ->type_name("N");
 }
 
 ChosenBackend choose_backend(const std::string& backend) {

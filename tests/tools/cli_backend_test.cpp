@@ -2,6 +2,8 @@
 // Not: the cases of a machine (device_choice_test.cpp).
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/cli_workspace.h"
 
 namespace tessera::testing {
