@@ -39,7 +39,7 @@ TEST(FrameWindow, AStartAfterTheEndIsNamed) {
   window.start = 0.958;
   EXPECT_NO_THROW(check_start(window, {2, 2.958}, "capture"));
   window.start = 100;
-  expect_input_error(
+  testing::expect_input_error(
       [&] {
         check_start(window, {2, 2.958}, "capture");
       },

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "tests/tools/cli_workspace.h"
 
@@ -30,8 +31,7 @@ void run_once(const CliWorkspace& work) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
 }
 
-// Bugs put back, each seen to fail: help without a command looks for ""; the name of the program
-// left out of a command's usage.
+// Bug put back: the name of the program left out of a command's usage; seen to fail.
 TEST(CliUsage, HelpAndVersionAreCommandsToo) {
   const CliWorkspace work;
   const auto output = [&](const std::vector<std::string>& arguments) {
@@ -62,15 +62,15 @@ TEST(CliUsage, UnknownCommands) {
   work.expect_refused({}, {"no command", "run, ingest"});
 }
 
-// Bugs put back, each seen to fail: the nearest name at any distance; no names that begin alike;
-// no advice.
+// Bug put back: no advice; seen to fail. Distances and prefixes: train_options_test.cpp.
 TEST(CliUsage, UnknownOptions) {
   const CliWorkspace work;
   const auto refused = [&](std::vector<std::string> arguments, const std::string& part) {
     arguments.insert(arguments.begin() + 1, {work.at("capture"), "-o", work.at("x")});
     work.expect_refused(arguments, {part});
   };
-  refused({"train", "--lr", "0.01"}, "unknown option '--lr'; did you mean one of --lr-mean, --lr-");
+  refused({"train", "--lr", "0.01"},
+          "unknown option '--lr'; did you mean one of --lr-environment, ");
   refused({"train", "--iter", "5"}, "did you mean '--iterations'?");
   refused({"train", "--max_gaussians", "5"}, "did you mean '--max-gaussians'?");
   refused({"run", "-p", "fast"}, "unknown option '-p'; did you mean '--preset'?");
@@ -116,7 +116,7 @@ TEST(CliUsage, AFileWhereAFolderIsExpected) {
   EXPECT_FALSE(fs::exists(work / "out"));
 }
 
-// Bug put back: model_file_of and scene_path look in OUT alone; seen to fail.
+// Bug put back: run_folder_of returns OUT itself; seen to fail.
 TEST(CliUsage, TheFolderOfARunStandsForItsModel) {
   const CliWorkspace work;
   run_once(work);
@@ -149,8 +149,8 @@ TEST(CliUsage, ArgumentsAreCheckedBeforeTheModelIsRead) {
   refused({"evaluate", "--moving-masks", "masks"}, "masks: no such folder");
 }
 
-// Bugs put back, each seen to fail: `options` taken for an option; the parser's reason left out;
-// the file not named; a number that no double holds shown as null.
+// Bugs put back, each seen to fail: `options` taken for an option; the parser's reason left out; the
+// file not named.
 TEST(CliUsage, ConfigFiles) {
   const CliWorkspace work;
   ASSERT_EQ(work.train("first", {"--seed", "7", "--sh-degree", "1"}).exit_code, 0);
