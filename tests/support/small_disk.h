@@ -26,12 +26,13 @@ class SmallDisk {
   }
 
   bool works() const { return works_; }
-  /// From now on there is room for so many bytes more, in pages. False where that cannot be set.
+  /// From now on there is room for so many bytes more, in pages; something must be there, for a size
+  /// of 0 is none. False where that cannot be set.
   bool leave(int64_t bytes) const {
     struct statvfs now {};
     if (::statvfs(place_.c_str(), &now) != 0) return false;
     const auto used = int64_t((now.f_blocks - now.f_bfree) * now.f_frsize);
-    return resize(used + bytes);
+    return used + bytes > 0 && resize(used + bytes);
   }
   bool clear() const { return resize(int64_t{256} << 20); }
 
