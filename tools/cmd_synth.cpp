@@ -57,18 +57,18 @@ void parse_shift(const std::string& text, std::vector<double>& shifts) {
 }
 
 int list_scenes(bool as_json) {
-  nlohmann::json json;
+  nlohmann::json lists;
   std::string text;
   const auto add = [&](const char* what, const auto& rows) {
     text += fmt::format("{}{}:", text.empty() ? "" : "\n", what);
     for (const auto& row : rows) {
-      json[what].push_back({{"name", row.name}, {"doc", row.doc}});
+      lists[what].push_back({{"name", row.name}, {"doc", row.doc}});
       text += fmt::format("\n  {:<12} {}", row.name, row.doc);
     }
   };
   add("scenes", synth_scenes());
   add("layouts", synth_layouts());
-  print_result(as_json, json, text);
+  print_result(as_json, lists, text);
   return kExitDone;
 }
 

@@ -18,11 +18,11 @@ std::string RunFolder::scene() const {
 }
 
 nlohmann::json RunFolder::read_config() const {
-  nlohmann::json json = nlohmann::json::parse(read_text_file(config()), nullptr, false);
-  if (!json.is_object())
+  nlohmann::json config_file = nlohmann::json::parse(read_text_file(config()), nullptr, false);
+  if (!config_file.is_object())
     throw InputError(
         fmt::format("{}: not valid JSON; train again with --overwrite", config().string()));
-  return json;
+  return config_file;
 }
 
 std::filesystem::path RunFolder::best(int64_t iteration) const {

@@ -22,9 +22,9 @@ using Offsets = std::map<std::string, double>;
 
 Offsets from_json(const std::filesystem::path& path) {
   Offsets offsets;
-  const nlohmann::json json = read_json(path);
-  for (const auto& [name, value] : json.items())
-    offsets[name] = *finite_number(json, name.c_str(), path.string());
+  const nlohmann::json stated = read_json(path);
+  for (const auto& [name, value] : stated.items())
+    offsets[name] = *finite_number(stated, name.c_str(), path.string());
   return offsets;
 }
 

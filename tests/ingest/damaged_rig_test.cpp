@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr int kCameras = 3;
 
-struct Damage {
+struct RigDamage {
   const char* name;
   void (*apply)(const fs::path& file);
 };
@@ -29,7 +29,7 @@ void replace(const fs::path& file, const std::string& bytes) {
   write_bytes(file, bytes);
 }
 
-const Damage kDamages[] = {
+const RigDamage kDamages[] = {
     {"corrupt",
      [](const fs::path& file) {
        std::string bytes = read_bytes(file);
@@ -90,7 +90,7 @@ class DamagedRig : public ::testing::Test {
 
 // Bug put back: clips that end early taken without a word; seen to fail ("truncated").
 TEST_F(DamagedRig, EveryKindInEveryPositionIsNamedInOneLine) {
-  for (const Damage& damage : kDamages) {
+  for (const RigDamage& damage : kDamages) {
     if (std::string(damage.name) == "unreadable" && geteuid() == 0) continue;  // root reads all
     for (int c = 0; c < kCameras; ++c) {
       const std::string whole = read_bytes(video(c));

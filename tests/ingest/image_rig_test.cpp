@@ -22,14 +22,14 @@ using namespace tessera::testing;
 using nlohmann::json;
 using std::filesystem::path;
 
-constexpr int kWidth = 32, kHeight = 24;
+constexpr int kRigWidth = 32, kRigHeight = 24;
 
 json entry_of(const std::string& name, int camera) {
   return {
       {"name", name}, {"transform_matrix", gl_matrix(looking_at_origin({4.0, 0.5 * camera, 1.0}))},
       {"fl_x", 50},   {"fl_y", 50},
       {"cx", 16},     {"cy", 12},
-      {"w", kWidth},  {"h", kHeight}};
+      {"w", kRigWidth},  {"h", kRigHeight}};
 }
 
 /// Images numbered 100 … of cameras 0, 1, 2, each of one grey, and their poses beside them.
@@ -41,7 +41,7 @@ class ImageRig : public ::testing::Test {
       for (int n = 0; n < 5; ++n) {
         const path file = file_of(pattern, c, n);
         std::filesystem::create_directories(file.parent_path());
-        write_png(file, constant_picture(kWidth, kHeight, pixel(c, n, channels)));
+        write_png(file, constant_picture(kRigWidth, kRigHeight, pixel(c, n, channels)));
       }
       cameras.push_back(entry_of(std::to_string(c), c));
     }
@@ -134,7 +134,7 @@ TEST_F(ImageRig, BadImagesAndMissingCamerasAreNamed) {
     for (json& camera : file["cameras"]) camera["name"] = "cam" + camera["name"].get<std::string>();
   });
   const path file = file_of("cam{c}/{t:06}.png", 2, 3);
-  write_png(file, constant_picture(kWidth, kHeight / 2, {1, 2, 3}));
+  write_png(file, constant_picture(kRigWidth, kRigHeight / 2, {1, 2, 3}));
   expect_input_error([&] { ingest(); }, {file.string(), "is 32x12", "camera cam2 is 32x24"});
   write_bytes(file, "no image");
   expect_input_error([&] { ingest(); }, {file.string()});
@@ -150,7 +150,7 @@ TEST_F(ImageRig, RowsOfPosesBounds) {
     PoseRows rows{};
     for (size_t r = 0; r < 3; ++r)
       for (size_t c = 0; c < 4; ++c) rows[r][c] = matrix[r][c];
-    Camera camera{2 * kWidth, 2 * kHeight, 100, 100, kWidth, kHeight, {}, {}};
+    Camera camera{2 * kRigWidth, 2 * kRigHeight, 100, 100, kRigWidth, kRigHeight, {}, {}};
     set_pose(camera, rows, "test");
     poses.push_back({camera, 1, 9});
   }
@@ -159,7 +159,7 @@ TEST_F(ImageRig, RowsOfPosesBounds) {
   options.keep_world = true, options.cloud = CloudDensity::kNone;
   EXPECT_EQ(ingest_capture(folder_ / "capture", folder_ / "scene", options, {}).frames, 15);
   const Scene scene = this->scene();
-  expect_same_camera(scene.frames[14].camera, poses[2].camera.resized(kWidth, kHeight), 1e-12);
+  expect_same_camera(scene.frames[14].camera, poses[2].camera.resized(kRigWidth, kRigHeight), 1e-12);
 }
 
 // The real layout: ims/C/TTTTTT.jpg, cameras by the names of their folders.

@@ -22,7 +22,7 @@
 namespace tessera::testing {
 namespace {
 
-const IngestProgress kQuiet = [](std::string_view, int64_t, int64_t) {};
+const IngestProgress kNoProgress = [](std::string_view, int64_t, int64_t) {};
 
 bool has_colmap() {
   return !find_program("colmap").empty();
@@ -88,9 +88,9 @@ TEST(RigPoses, MovingTextureIsMaskedAndAllCamerasComeOutRight) {
   write_video(videos / "blank.mp4", blank);
   clips.push_back(clip_of(videos / "blank.mp4"));
   std::vector<char> held_out(clips.size(), 0);
-  const auto all = estimate_rig(clips, held_out, videos / "-work", {}, kQuiet);
+  const auto all = estimate_rig(clips, held_out, videos / "-work", {}, kNoProgress);
   held_out[0] = 1;
-  const auto estimate = estimate_rig(clips, held_out, videos / "-work", {}, kQuiet);
+  const auto estimate = estimate_rig(clips, held_out, videos / "-work", {}, kNoProgress);
   EXPECT_GT(blue_points(all), 30);  // seen: 79 and 7, what coding does to colour at edges
   EXPECT_LT(5 * blue_points(estimate), blue_points(all));
   ASSERT_EQ(cameras_of(estimate).size(), size_t(rig.cameras));
@@ -100,7 +100,7 @@ TEST(RigPoses, MovingTextureIsMaskedAndAllCamerasComeOutRight) {
       << estimate.warnings[0];
   PoseOptions strict;
   strict.strict = true;
-  EXPECT_THROW(estimate_rig(clips, held_out, videos / "-work", strict, kQuiet), InputError);
+  EXPECT_THROW(estimate_rig(clips, held_out, videos / "-work", strict, kNoProgress), InputError);
   const RigError error = rig_error(cameras_of(estimate), true_cameras(rig));
   RecordProperty("rotation", std::to_string(error.rotation));
   RecordProperty("centre", std::to_string(error.centre));
@@ -123,7 +123,7 @@ TEST(KnownPosePoints, StillAndMovingPointsLieOnTheirSurfaces) {
   const std::vector<RigInstant> instants{{0.25, std::vector<std::optional<size_t>>(5, 1)},
                                          {1.0, std::vector<std::optional<size_t>>(5, 6)}};
   const PointCloud points =
-      triangulate_instants(clips, std::vector<char>(5, 0), instants, folder / "work", {}, kQuiet);
+      triangulate_instants(clips, std::vector<char>(5, 0), instants, folder / "work", {}, kNoProgress);
   ASSERT_EQ(points.time.size(), points.position.size());
   ASSERT_EQ(points.still.size(), points.position.size());
   int still = 0, off = 0, moving[2] = {0, 0}, off_panel = 0;
@@ -154,7 +154,7 @@ TEST(MovingCamera, PhotosWithoutAModelGetOne) {
     write_png(folder / "my photos" / ("p " + std::to_string(i) + ".png"),
               rendered_picture(rig, i, 0));
   const auto found =
-      estimate_moving_camera(folder / "my photos", false, folder / "work", {}, kQuiet);
+      estimate_moving_camera(folder / "my photos", false, folder / "work", {}, kNoProgress);
   EXPECT_TRUE(found.warnings.empty());
   const ColmapModel model = read_colmap_model(found.folder);
   ASSERT_EQ(model.photos.size(), 6u);
@@ -183,13 +183,13 @@ TEST(ImageSequencesPosed, RigAndMovingCamera) {
   }
   IngestOptions options;
   options.cloud = CloudDensity::kSparse;
-  const IngestReport report = ingest_capture(folder / "rig", folder / "scene", options, kQuiet);
+  const IngestReport report = ingest_capture(folder / "rig", folder / "scene", options, kNoProgress);
   EXPECT_EQ(report.layout, CaptureLayout::kSequences);
   EXPECT_GE(report.cameras, 3);
   EXPECT_FALSE(load_scene(folder / "scene", {}).is_static);
 
   options.reading = ImageReading::kMoving, options.fps = 10;
-  const IngestReport moving = ingest_capture(folder / "moving", folder / "walk", options, kQuiet);
+  const IngestReport moving = ingest_capture(folder / "moving", folder / "walk", options, kNoProgress);
   EXPECT_EQ(moving.layout, CaptureLayout::kSequences);
   EXPECT_TRUE(moving.scored.starts_with("will be scored: 1 test view (1 of the ")) << moving.scored;
   const Scene scene = load_scene(folder / "walk", {});

@@ -16,24 +16,24 @@ namespace {
 using nlohmann::ordered_json;
 
 ordered_json options_json(const SynthOptions& options) {
-  ordered_json json{{"scene", name_of(options.scene)},
-                    {"layout", name_of(options.layout)},
-                    {"cameras", options.cameras},
-                    {"frames", options.frames},
-                    {"held_out_frames", options.held_out_frames},
-                    {"width", options.width},
-                    {"height", options.height},
-                    {"fps", {options.fps.numerator, options.fps.denominator}},
-                    {"seed", options.seed},
-                    {"supersampling", options.supersampling},
-                    {"specular", options.specular},
-                    {"video_quality", options.video_quality},
-                    {"noise_sigma", options.noise_sigma},
-                    {"exposure_wobble", options.exposure_wobble},
-                    {"moving_share", options.moving_share},
-                    {"points", options.points}};
-  if (!options.shifts.empty()) json["shifts"] = options.shifts;
-  return json;
+  ordered_json object{{"scene", name_of(options.scene)},
+                      {"layout", name_of(options.layout)},
+                      {"cameras", options.cameras},
+                      {"frames", options.frames},
+                      {"held_out_frames", options.held_out_frames},
+                      {"width", options.width},
+                      {"height", options.height},
+                      {"fps", {options.fps.numerator, options.fps.denominator}},
+                      {"seed", options.seed},
+                      {"supersampling", options.supersampling},
+                      {"specular", options.specular},
+                      {"video_quality", options.video_quality},
+                      {"noise_sigma", options.noise_sigma},
+                      {"exposure_wobble", options.exposure_wobble},
+                      {"moving_share", options.moving_share},
+                      {"points", options.points}};
+  if (!options.shifts.empty()) object["shifts"] = options.shifts;
+  return object;
 }
 
 /// Solids that are there only for a while, with the frames that show them.
