@@ -4,11 +4,13 @@
 # and nothing that an older run has left in the folder may pass for a result of the new one, neither
 # right after the kill nor in the end.
 # Usage: check_kill.sh [N]     N kills of each, default 20
-# TESSERA: the program (build/release/tessera); SEED: of the instants (default: a new one, printed).
+# TESSERA: the program (default: that of build/release, else of build/ci); SEED: of the instants (default: a new one, printed).
 # Exit code 1 where something differs; 77 without the program. Batches are left out without snakemake.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-TESSERA=$(realpath "${TESSERA:-build/release/tessera}")
+built=build/release/tessera
+[[ -x $built ]] || built=build/ci/tessera
+TESSERA=$(realpath "${TESSERA:-$built}")
 [[ -x $TESSERA ]] || { echo "$TESSERA: no such program; build it or set TESSERA" >&2 && exit 77; }
 export TESSERA SEED=${SEED:-$RANDOM}
 exec python3 - "${1:-20}" <<'PYTHON'

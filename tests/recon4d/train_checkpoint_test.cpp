@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 #include "recon4d/checkpoint.h"
 #include "recon4d/train_options_json.h"
@@ -220,7 +221,7 @@ TEST_F(CheckpointFile, FailedWriteLeavesThePreviousIntact) {
     const FullDisk full(2000);
     try {
       save_checkpoint(path(), training_.state(), options(), {});
-    } catch (const InputError& error) {
+    } catch (const WriteError& error) {
       message = error.what();
     }
   }

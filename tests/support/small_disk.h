@@ -26,8 +26,8 @@ class SmallDisk {
   }
 
   bool works() const { return works_; }
-  /// From now on there is room for so many bytes more, in pages; something must be there, for a size
-  /// of 0 is none. False where that cannot be set.
+  /// From now on there is room for so many bytes more, in pages; something must be there, for a
+  /// size of 0 is none. False where that cannot be set.
   bool leave(int64_t bytes) const {
     struct statvfs now {};
     if (::statvfs(place_.c_str(), &now) != 0) return false;

@@ -148,8 +148,9 @@ TEST_F(CliResume, ARefusedCheckpointHasAnExitCodeOfItsOwn) {
 
   const std::string model = work.read("run/model.ply");
   fs::remove(work / "run/checkpoint.ckpt");
-  work.expect_refused({"train", work.at("capture"), "-o", work.at("run"), "--resume"},
-                      {"no checkpoint.ckpt", "--overwrite"});
+  work.expect_refused(
+      {"train", work.at("capture"), "-o", work.at("run"), "--resume", "--stop-after", "1"},
+      {"no checkpoint.ckpt", "--overwrite"});
   EXPECT_EQ(work.read("run/model.ply"), model);
 }
 

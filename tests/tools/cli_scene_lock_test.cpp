@@ -65,11 +65,11 @@ TEST_F(CliSceneLock, NorACaptureThatIsAScene) {
 TEST_F(CliSceneLock, ASceneThatIsBeingReplacedIsNotRead) {
   const int scene = ::open(work.at("scene/transforms.json").c_str(), O_RDWR | O_CLOEXEC);
   ASSERT_EQ(::flock(scene, LOCK_EX), 0);
-  work.expect_refused(train("scene"), {work.at("scene"), "process " + std::to_string(::getpid()),
-                                       "is replacing this scene"});
-  ASSERT_EQ(::flock(scene, LOCK_SH), 0);
   std::vector<std::string> short_training = train("scene");
   short_training.insert(short_training.end(), {"--stop-after", "1"});
+  work.expect_refused(short_training, {work.at("scene"), "process " + std::to_string(::getpid()),
+                                       "is replacing this scene"});
+  ASSERT_EQ(::flock(scene, LOCK_SH), 0);
   EXPECT_EQ(work.run(short_training).exit_code, 0) << "readers do not disturb each other";
   ::close(scene);
 }
