@@ -65,6 +65,7 @@ class Runner {
   explicit Runner(const RunRequest& request)
       : request_(request),
         options_(resolve_options(request.training, SceneFacts{})),
+        ingest_options_(resolve_ingest(request.ingest)),
         run_{request.out / "run"},
         ledger_(request.out / "stages.json") {}
 
@@ -101,7 +102,7 @@ class Runner {
   }
 
   void ingest() {
-    IngestOptions options = resolve_ingest(request_.ingest);
+    IngestOptions options = ingest_options_;
     options.allow_static = options_.static_only;
     options.work = request_.out / "work";
     const bool as_it_is =
@@ -237,6 +238,7 @@ class Runner {
 
   const RunRequest& request_;
   TrainOptions options_;
+  IngestOptions ingest_options_;
   RunFolder run_;
   StageLedger ledger_;
   fs::path scene_;

@@ -113,6 +113,8 @@ TEST(CliUsage, AFileWhereAFolderIsExpected) {
                       {"nowhere: no such folder; check the path"});
   fs::create_directory(work / "empty");
   work.expect_refused({"run", work.at("empty"), "-o", work.at("out")}, {"empty", "no videos"});
+  work.expect_refused({"run", work.at("capture"), "-o", work.at("out"), "--frames", "0"},
+                      {"--frames is 0"});
   EXPECT_FALSE(fs::exists(work / "out"));
 }
 
@@ -149,8 +151,8 @@ TEST(CliUsage, ArgumentsAreCheckedBeforeTheModelIsRead) {
   refused({"evaluate", "--moving-masks", "masks"}, "masks: no such folder");
 }
 
-// Bugs put back, each seen to fail: `options` taken for an option; the parser's reason left out; the
-// file not named.
+// Bugs put back, each seen to fail: `options` taken for an option; the parser's reason left out;
+// the file not named.
 TEST(CliUsage, ConfigFiles) {
   const CliWorkspace work;
   ASSERT_EQ(work.train("first", {"--seed", "7", "--sh-degree", "1"}).exit_code, 0);
