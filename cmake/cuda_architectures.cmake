@@ -4,6 +4,7 @@
 # for newer ones. Of these as many as this nvcc knows.
 function(tessera_every_card result)
   execute_process(COMMAND ${CMAKE_CUDA_COMPILER} --list-gpu-arch OUTPUT_VARIABLE known)
+  set(cards)
   foreach(card 75 80 86 89 90 100 120)
     if(known MATCHES "compute_${card}[^0-9]")
       list(APPEND cards ${card})

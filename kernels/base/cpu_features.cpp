@@ -6,10 +6,6 @@
 namespace tessera {
 namespace {
 
-#define TESSERA_NAME(name, macro) name,
-constexpr const char* kNames[kCpuFeatures + 1] = {TESSERA_CPU_FEATURES(TESSERA_NAME) nullptr};
-#undef TESSERA_NAME
-
 class Line {
  public:
   Line(char* text, size_t size) : text_(text), size_(size) {
@@ -43,7 +39,7 @@ void write_cpu_mismatch(const CpuFeatureSet& compiled, const CpuFeatureSet& supp
   for (size_t i = 0; i < kCpuFeatures; ++i) {
     if (!compiled.has[i] || supported.has[i]) continue;
     line.add(any ? ", " : "tessera: this program was compiled for a CPU with ");
-    line.add(kNames[i]);
+    line.add(kCpuFeatureNames[i]);
     any = true;
   }
   if (any)

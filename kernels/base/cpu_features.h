@@ -44,7 +44,6 @@
   X("avx512cd", __AVX512CD__)               \
   X("avx512dq", __AVX512DQ__)               \
   X("avx512vl", __AVX512VL__)               \
-  X("avx512er", __AVX512ER__)               \
   X("avx512ifma", __AVX512IFMA__)           \
   X("avx512vbmi", __AVX512VBMI__)           \
   X("avx512vbmi2", __AVX512VBMI2__)         \
@@ -59,9 +58,10 @@
 
 namespace tessera {
 
-#define TESSERA_COUNT(name, macro) +1
-inline constexpr size_t kCpuFeatures = 0 TESSERA_CPU_FEATURES(TESSERA_COUNT);
-#undef TESSERA_COUNT
+#define TESSERA_NAME(name, macro) name,
+inline constexpr const char* kCpuFeatureNames[] = {TESSERA_CPU_FEATURES(TESSERA_NAME) nullptr};
+#undef TESSERA_NAME
+inline constexpr size_t kCpuFeatures = sizeof(kCpuFeatureNames) / sizeof(kCpuFeatureNames[0]) - 1;
 
 /// In the order of the list. Constant data: no code runs to make it.
 struct CpuFeatureSet {

@@ -1,5 +1,5 @@
-// What: a program that was compiled for every feature in the list, which no CPU has together
-// (avx512er left with Xeon Phi, sse4a is AMD's). It reports when anything of its own runs.
+// What: a program that was compiled for every feature in the list, which no CPU has together (AMD
+// dropped xop before it had avx512f). It reports when anything of its own runs.
 // Not: a test (cpu_guard_test.cpp).
 #include <cstdio>
 

@@ -11,13 +11,10 @@
 namespace tessera::testing {
 namespace {
 
-#define TESSERA_NAME(name, macro) name,
-constexpr const char* kNames[kCpuFeatures + 1] = {TESSERA_CPU_FEATURES(TESSERA_NAME) nullptr};
-
 CpuFeatureSet all_but(const std::vector<std::string>& missing) {
   CpuFeatureSet set{};
   for (size_t i = 0; i < kCpuFeatures; ++i)
-    set.has[i] = std::find(missing.begin(), missing.end(), kNames[i]) == missing.end();
+    set.has[i] = std::find(missing.begin(), missing.end(), kCpuFeatureNames[i]) == missing.end();
   return set;
 }
 
@@ -62,7 +59,9 @@ TEST_F(CpuGuard, EndsTheProgramBeforeAnythingOfItRuns) {
   const ChildResult result = program.wait();
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_EQ(result.out, "");
-  EXPECT_NE(result.err.find("avx512er"), std::string::npos) << result.err;
+  const bool names_one = result.err.find("xop") != std::string::npos ||
+                         result.err.find("avx512f") != std::string::npos;
+  EXPECT_TRUE(names_one) << result.err;
   EXPECT_NE(result.err.find("-DTESSERA_NATIVE=OFF"), std::string::npos) << result.err;
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
 }

@@ -1,0 +1,55 @@
+# What: the cards that CUDA code is compiled for by default, by what an nvcc knows.
+# Not: a compilation. Run by `cmake -P` with -DSOURCE_DIR.
+# Bugs put back, each seen to fail: one architecture as the default; preset gpu with sm_90 alone.
+cmake_minimum_required(VERSION 3.25)
+include(${SOURCE_DIR}/cmake/cuda_architectures.cmake)
+
+function(expect what actual expected)
+  if(NOT actual STREQUAL expected)
+    message(SEND_ERROR "${what}: ${actual}, expected ${expected}")
+  endif()
+endfunction()
+
+# An nvcc that names these and does nothing else.
+function(make_nvcc)
+  list(TRANSFORM ARGN PREPEND "echo compute_")
+  list(JOIN ARGN "\n" lines)
+  set(folder ${CMAKE_CURRENT_BINARY_DIR}/cuda_architectures_test)
+  file(WRITE ${folder}/nvcc "#!/bin/sh\n${lines}\n")
+  file(CHMOD ${folder}/nvcc PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
+  set(CMAKE_CUDA_COMPILER ${folder}/nvcc PARENT_SCOPE)
+endfunction()
+
+set(TESSERA_CUDA_CARDS ALL)
+make_nvcc(75 80 86 87 88 89 90 100 110 103 120 121)
+tessera_cuda_architectures(cards)
+expect("nvcc 13.0" "${cards}" "75-real;80-real;86-real;89-real;90-real;100-real;120")
+make_nvcc(50 52 60 61 70 75 80 86 87 89 90 90a)
+tessera_cuda_architectures(cards)
+expect("nvcc 12.4" "${cards}" "75-real;80-real;86-real;89-real;90")
+set(TESSERA_CUDA_CARDS AUTO)
+tessera_cuda_architectures(cards)
+if(NOT EXISTS /dev/nvidia0 AND NOT EXISTS /dev/dxg)
+  expect("without a card" "${cards}" "75-real;80-real;86-real;89-real;90")
+else()
+  expect("with a card" "${cards}" "native")
+endif()
+
+file(READ ${SOURCE_DIR}/CMakePresets.json presets)
+string(JSON count LENGTH "${presets}" configurePresets)
+math(EXPR last "${count} - 1")
+foreach(i RANGE ${last})
+  string(JSON name GET "${presets}" configurePresets ${i} name)
+  string(JSON cards ERROR_VARIABLE none GET "${presets}" configurePresets ${i} cacheVariables
+         TESSERA_CUDA_CARDS)
+  string(JSON one ERROR_VARIABLE not_one GET "${presets}" configurePresets ${i} cacheVariables
+         CMAKE_CUDA_ARCHITECTURES)
+  if(name STREQUAL "gpu" OR name STREQUAL "release-cuda")
+    expect("preset ${name}" "${cards}" "ALL")
+    if(NOT one MATCHES "NOTFOUND$")
+      message(SEND_ERROR "preset ${name} is for ${one} alone")
+    endif()
+  elseif(name STREQUAL "gpu-quick" OR name STREQUAL "ci")
+    expect("preset ${name}" "${one}" "90")
+  endif()
+endforeach()
