@@ -41,22 +41,24 @@ function(tessera_library)
   tessera_configure(tessera_${LIB_NAME})
 endfunction()
 
-# tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS slow] [SHARDS 4] [SINGLY]): one
-# program, run in as many parts. SINGLY: files with names of their own, not for unity builds. A part holds every SHARDS-th case: starting a process for each case costs
+# tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS slow] [SHARDS 4] [EXACT]): one
+# program, run in as many parts. EXACT: compiled as the product is and file by file, for
+# comparisons to the bit. A part holds every SHARDS-th case: starting a process for each case costs
 # more than most cases.
 function(tessera_test)
-  cmake_parse_arguments(TEST "SINGLY" "NAME;SHARDS" "SOURCES;LINKS;LABELS" ${ARGN})
+  cmake_parse_arguments(TEST "EXACT" "NAME;SHARDS" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${TEST_NAME}_test ${TEST_SOURCES})
   target_link_libraries(${TEST_NAME}_test PRIVATE ${TEST_LINKS} GTest::gtest_main)
   tessera_configure(${TEST_NAME}_test)
-  if(TEST_SINGLY)
+  if(TEST_EXACT)
     set_target_properties(${TEST_NAME}_test PROPERTIES UNITY_BUILD OFF)
+  else()
+    # What a test checks is optimised as in the product; the test itself need not be. Beside each
+    # other in a unity build, tests shadow each other's names.
+    target_compile_options(${TEST_NAME}_test PRIVATE -O1 -Wno-shadow)
   endif()
-  # What a test checks is optimised as in the product; the test itself need not be. Beside each other
-  # in a unity build, tests shadow each other's names.
-  target_compile_options(${TEST_NAME}_test PRIVATE $<IF:$<BOOL:${TESSERA_SANITIZE}>,-O0,-O1>
-                         $<$<COMPILE_LANGUAGE:CXX>:-Wno-shadow>)
   if(TESSERA_SANITIZE)
+    target_compile_options(${TEST_NAME}_test PRIVATE -O0)
     target_sources(${TEST_NAME}_test PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/leaks_not_ours.cpp)
   endif()
   if(NOT TEST_LABELS)

@@ -90,7 +90,8 @@ ColmapCameras read_colmap_cameras_bin(const std::filesystem::path& path) {
   for (uint64_t left = file.take_count(kLeastBytes); left > 0; --left) {
     file.begin_record();
     const auto id = file.take<uint32_t>();
-    const ColmapCameraModel& model = colmap_camera_model(file.take<int32_t>(), file.where());
+    const std::string where = file.where();
+    const ColmapCameraModel& model = colmap_camera_model(file.take<int32_t>(), where);
     const auto width = file.take<uint64_t>();
     const auto height = file.take<uint64_t>();
     std::vector<double> parameters(model.parameter_count());

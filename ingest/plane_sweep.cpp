@@ -109,7 +109,7 @@ struct PlaneSweep::Search {
 
   /// The best plane, if no other valley is nearly as deep.
   std::optional<int> best_plane() const {
-    std::array<float, kMostPlanes> costs;
+    std::array<float, kMostPlanes> costs{};
     for (int k = 0; k < planes; ++k) costs[size_t(k)] = coarse(k);
     const int best = int(std::min_element(costs.begin(), costs.begin() + planes) - costs.begin());
     const float least = costs[size_t(best)];

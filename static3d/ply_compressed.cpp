@@ -25,7 +25,8 @@ const std::vector<double>& values_of(const std::filesystem::path& path, const Pl
 
 /// Words of 32 bits.
 const std::vector<double>& words_of(const std::filesystem::path& path, const PlyElement& vertex,
-                                    const std::string& name) {
+                                    const char* property) {
+  const std::string name = property;
   const std::vector<double>& words = values_of(path, vertex, name);
   if (vertex.find(name)->type == PlyType::kUint32) return words;
   throw InputError(fmt::format(
@@ -62,8 +63,8 @@ void decode_sh(const std::filesystem::path& path, const PlyFile& file,
                const GaussianSpans<float>& set) {
   const int rest = set.coefficients - 1;
   for (int i = 0; i < 3 * rest; ++i) {
-    const std::vector<double>& column =
-        values_of(path, *file.find("sh"), fmt::format("f_rest_{}", i));
+    const std::string name = fmt::format("f_rest_{}", i);
+    const std::vector<double>& column = values_of(path, *file.find("sh"), name);
     for (int64_t n = 0; n < set.count; ++n) {
       const double byte = column[size_t(n)];
       const double f = byte == 0 ? 0 : byte == 255 ? 1 : (byte + 0.5) / 256;

@@ -3,6 +3,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/npy.h"
 #include "ingest/files/png.h"
+#include "ingest/files/write_failure.h"
 #include "tests/ingest/capture_fixture.h"
 
 namespace tessera {
@@ -41,7 +42,13 @@ TEST(AtomicFile, FullDiskIsNamed) {
   AtomicFile file(folder / "a.bin");
   if (std::freopen("/dev/full", "wb", file.file()) == nullptr) GTEST_SKIP() << "no /dev/full";
   file.write("does not fit");
-  expect_input_error([&] { file.commit(); }, {"a.bin", "No space left on device"});
+  try {
+    file.commit();
+    FAIL() << "no error";
+  } catch (const WriteError& error) {
+    EXPECT_NE(std::string(error.what()).find("a.bin"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("No space left on device"), std::string::npos);
+  }
 }
 
 TEST(AtomicFile, ReadingWhatIsNotThere) {

@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "ingest/files/host_name.h"
 #include "ingest/files/png.h"
 #include "ingest/files/staged_folder.h"
 #include "ingest/llff_poses.h"
@@ -157,27 +158,22 @@ TEST(StagedFolder, ReplacesOnlyWhatItMay) {
 }
 
 // Bugs put back: nothing removed; the folder of a living process removed; what another scene's
-// process left removed; the only copy of a scene removed; each seen to fail.
+// process left removed; each seen to fail.
 TEST(StagedFolder, RemovesWhatKilledProcessesLeft) {
   const TemporaryFolder folder;
   const pid_t killed = ::fork();
   if (killed == 0) ::_exit(0);
   ASSERT_EQ(::waitpid(killed, nullptr, 0), killed);
-  const std::string partial = fmt::format(".out.{}.partial", killed);
-  const std::string replaced = fmt::format(".out.{}.replaced", killed);
-  const std::string others[] = {fmt::format(".out.{}.partial", ::getppid()),
-                                fmt::format(".out2.{}.partial", killed), ".out.x.partial"};
+  const std::string partial = fmt::format(".out.{}.{}.partial", host_name(), killed);
+  const std::string others[] = {fmt::format(".out.{}.{}.partial", host_name(), ::getppid()),
+                                fmt::format(".out.elsewhere.{}.partial", killed),
+                                fmt::format(".out2.{}.{}.partial", host_name(), killed),
+                                fmt::format(".out.{}.x.partial", host_name())};
   for (const std::string& name : others) std::filesystem::create_directories(folder / name);
-  for (const std::string& name : {partial, replaced}) {
-    std::filesystem::create_directories(folder / name);
-    write_bytes(folder / (name + "/half"), "x");
-  }
-  StagedFolder staged(folder / "out", true);
-  EXPECT_FALSE(std::filesystem::exists(folder / partial));
-  EXPECT_TRUE(std::filesystem::exists(folder / replaced)) << "the scene that was there before";
-  staged.commit();
+  std::filesystem::create_directories(folder / partial);
+  write_bytes(folder / (partial + "/half"), "x");
   StagedFolder(folder / "out", true);
-  EXPECT_FALSE(std::filesystem::exists(folder / replaced));
+  EXPECT_FALSE(std::filesystem::exists(folder / partial));
   for (const std::string& name : others) EXPECT_TRUE(std::filesystem::exists(folder / name));
 }
 

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
 #include "recon4d/model_file.h"
 #include "static3d/frame_sequence.h"
 #include "static3d/lift.h"
@@ -274,7 +275,7 @@ End write_limited(const std::function<void()>& write, rlim_t limit, bool kill) {
     int status = 0;
     try {
       write();
-    } catch (const InputError&) {
+    } catch (const WriteError&) {
       status = 3;
     }
     ::_exit(status);

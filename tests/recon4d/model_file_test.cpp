@@ -1,6 +1,7 @@
 // What: the Tessera 4D .ply: bit-equal reload, refusals, writes that fail; facts of a model.
 // Not: the 3DGS file (ply_3dgs_test.cpp). Failure modes C1, E2, E6.
 #include "recon4d/model_file.h"
+#include "ingest/files/write_failure.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -103,7 +104,7 @@ int save_with_limit(const std::filesystem::path& path, const GaussianModel& mode
     int status = 0;
     try {
       save_model(path, model);
-    } catch (const InputError& error) {
+    } catch (const WriteError& error) {
       const std::string message = error.what();
       status = message.find(path.filename().string()) != std::string::npos ? 3 : 4;
     }
