@@ -116,7 +116,7 @@ TEST_F(CliValidation, TwoHalvesAreTheWhole) {
   EXPECT_EQ(work.read("ended/model.ply"), model);
   fs::remove(work / best_of("ended"));
   work.expect_refused({"train", work.at("six"), "-o", work.at("ended"), "--resume"},
-                      {"best_", "best model so far", "--overwrite"});
+                      {"best_", "best model so far", "--overwrite"}, 65);
 }
 
 // A run that was killed between its best model and the checkpoint that names it leaves a file that

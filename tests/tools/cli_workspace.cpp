@@ -60,9 +60,9 @@ void CliWorkspace::film_object(const std::string& name, int frames, int size) co
 }
 
 void CliWorkspace::expect_refused(const std::vector<std::string>& arguments,
-                                  const std::vector<std::string>& parts) const {
+                                  const std::vector<std::string>& parts, int exit_code) const {
   const ChildResult result = run(arguments);
-  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_EQ(result.exit_code, exit_code) << result.err;
   EXPECT_EQ(result.out, "");
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   for (const std::string& part : parts)

@@ -35,9 +35,9 @@ class CliWorkspace {
   /// `tessera synth object -o name`: a capture of `frames` training views and one held out.
   void film_object(const std::string& name, int frames, int size) const;
 
-  /// Exit code 2, nothing on stdout, one line on stderr that contains every part.
+  /// `exit_code`, nothing on stdout, one line on stderr that contains every part.
   void expect_refused(const std::vector<std::string>& arguments,
-                      const std::vector<std::string>& parts) const;
+                      const std::vector<std::string>& parts, int exit_code = 2) const;
   /// Changes a JSON file of the workspace.
   void edit_json(const std::string& name, const std::function<void(nlohmann::json&)>& change) const;
   void write(const std::string& name, const std::string& bytes) const;
