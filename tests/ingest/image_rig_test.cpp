@@ -25,11 +25,14 @@ using std::filesystem::path;
 constexpr int kRigWidth = 32, kRigHeight = 24;
 
 json entry_of(const std::string& name, int camera) {
-  return {
-      {"name", name}, {"transform_matrix", gl_matrix(looking_at_origin({4.0, 0.5 * camera, 1.0}))},
-      {"fl_x", 50},   {"fl_y", 50},
-      {"cx", 16},     {"cy", 12},
-      {"w", kRigWidth},  {"h", kRigHeight}};
+  return {{"name", name},
+          {"transform_matrix", gl_matrix(looking_at_origin({4.0, 0.5 * camera, 1.0}))},
+          {"fl_x", 50},
+          {"fl_y", 50},
+          {"cx", 16},
+          {"cy", 12},
+          {"w", kRigWidth},
+          {"h", kRigHeight}};
 }
 
 /// Images numbered 100 … of cameras 0, 1, 2, each of one grey, and their poses beside them.
@@ -159,7 +162,8 @@ TEST_F(ImageRig, RowsOfPosesBounds) {
   options.keep_world = true, options.cloud = CloudDensity::kNone;
   EXPECT_EQ(ingest_capture(folder_ / "capture", folder_ / "scene", options, {}).frames, 15);
   const Scene scene = this->scene();
-  expect_same_camera(scene.frames[14].camera, poses[2].camera.resized(kRigWidth, kRigHeight), 1e-12);
+  expect_same_camera(scene.frames[14].camera, poses[2].camera.resized(kRigWidth, kRigHeight),
+                     1e-12);
 }
 
 // The real layout: ims/C/TTTTTT.jpg, cameras by the names of their folders.

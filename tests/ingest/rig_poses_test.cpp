@@ -122,8 +122,8 @@ TEST(KnownPosePoints, StillAndMovingPointsLieOnTheirSurfaces) {
     clips[i].camera = RigCamera{clips[i].name, truth[i], {}, "PINHOLE"};
   const std::vector<RigInstant> instants{{0.25, std::vector<std::optional<size_t>>(5, 1)},
                                          {1.0, std::vector<std::optional<size_t>>(5, 6)}};
-  const PointCloud points =
-      triangulate_instants(clips, std::vector<char>(5, 0), instants, folder / "work", {}, kNoProgress);
+  const PointCloud points = triangulate_instants(clips, std::vector<char>(5, 0), instants,
+                                                 folder / "work", {}, kNoProgress);
   ASSERT_EQ(points.time.size(), points.position.size());
   ASSERT_EQ(points.still.size(), points.position.size());
   int still = 0, off = 0, moving[2] = {0, 0}, off_panel = 0;
@@ -183,13 +183,15 @@ TEST(ImageSequencesPosed, RigAndMovingCamera) {
   }
   IngestOptions options;
   options.cloud = CloudDensity::kSparse;
-  const IngestReport report = ingest_capture(folder / "rig", folder / "scene", options, kNoProgress);
+  const IngestReport report =
+      ingest_capture(folder / "rig", folder / "scene", options, kNoProgress);
   EXPECT_EQ(report.layout, CaptureLayout::kSequences);
   EXPECT_GE(report.cameras, 3);
   EXPECT_FALSE(load_scene(folder / "scene", {}).is_static);
 
   options.reading = ImageReading::kMoving, options.fps = 10;
-  const IngestReport moving = ingest_capture(folder / "moving", folder / "walk", options, kNoProgress);
+  const IngestReport moving =
+      ingest_capture(folder / "moving", folder / "walk", options, kNoProgress);
   EXPECT_EQ(moving.layout, CaptureLayout::kSequences);
   EXPECT_TRUE(moving.scored.starts_with("will be scored: 1 test view (1 of the ")) << moving.scored;
   const Scene scene = load_scene(folder / "walk", {});
