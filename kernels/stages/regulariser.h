@@ -75,24 +75,26 @@ TESSERA_HD inline void add_spacetime_regulariser(const RegulariserTerms<Real>& t
   if (terms.rigidity != Real(0)) d.velocity += terms.rigidity * pairs_backward(terms, n);
 }
 
-/// Adds the terms in stored parameters of Gaussian n, which `share` of the batch's views draw. They
-/// are terms of a view's loss, as what the pixels add is: where no view draws a Gaussian, nothing
-/// speaks for it, and Adam would make full steps of however small a gradient. Parameters are read
-/// for terms that there are.
-// Deviation: [3DGS-MCMC] adds them to every Gaussian in every step; one that few of many views
-// see then fades between those views.
+/// Adds the terms in stored parameters of Gaussian n, which `share` of the batch's views draw. Of a
+/// static Gaussian they are terms of a view's loss, as what the pixels add is: where no view draws
+/// it, nothing speaks for it, and Adam would make full steps of however small a gradient. A dynamic
+/// Gaussian is drawn near its own time alone, however many cameras there are: it has them in every
+/// step. Parameters are read for terms that there are.
+// Deviation: [3DGS-MCMC] adds them to every Gaussian in every step; a static one that few of many
+// views see then fades between those views.
 template <Form form, class Real>
 TESSERA_HD inline void add_regulariser(const RegulariserTerms<Real>& terms,
                                        const GaussianSpans<const Real>& set, int64_t n, Real share,
                                        GeometryGradient<Real>& gradient) {
-  if (share == Real(0)) return;
+  const Real weight = form == Form::kStatic ? share : Real(1);
+  if (weight == Real(0)) return;
   if (terms.opacity != Real(0)) {
     const Real o = sigmoid(*set.at(kOpacityLogit, n));
-    gradient.opacity_logit += share * terms.opacity * o * (Real(1) - o);
+    gradient.opacity_logit += weight * terms.opacity * o * (Real(1) - o);
   }
   if (terms.scale != Real(0)) {
     const Vec3<Real> s = load3(set.at(kLogScale, n));
-    for (int k = 0; k < 3; ++k) gradient.log_scale[k] += share * terms.scale * exp(s[k]);
+    for (int k = 0; k < 3; ++k) gradient.log_scale[k] += weight * terms.scale * exp(s[k]);
   }
 }
 
