@@ -20,10 +20,11 @@ root=$work/$suite
 mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
 mkdir -p "$work/archives"
 unmount() {
-  for point in proc dev/shm dev/pts dev sys var/cache/apt/archives; do
-    mountpoint -q "$root/$point" && umount "$root/$point"
+  for point in proc dev sys var/cache/apt/archives; do
+    if mountpoint -q "$root/$point"; then
+      umount -R -l "$root/$point"  # lazily: what a killed command left running may still hold it
+    fi
   done
-  return 0
 }
 trap unmount EXIT
 unmount
