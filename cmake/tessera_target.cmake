@@ -42,9 +42,8 @@ function(tessera_library)
 endfunction()
 
 # tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS slow] [SHARDS 4] [EXACT]): one
-# program, run in as many parts. EXACT: compiled as the product is and file by file, for
-# comparisons to the bit. A part holds every SHARDS-th case: starting a process for each case costs
-# more than most cases.
+# program, run in as many parts, each of every SHARDS-th case: starting a process for each case costs
+# more than most cases. EXACT: compiled as the product is and file by file, for comparisons to the bit.
 function(tessera_test)
   cmake_parse_arguments(TEST "EXACT" "NAME;SHARDS" "SOURCES;LINKS;LABELS" ${ARGN})
   add_executable(${TEST_NAME}_test ${TEST_SOURCES})

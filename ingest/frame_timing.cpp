@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "kernels/base/median.h"
+
 namespace tessera {
 namespace {
 
@@ -33,9 +35,7 @@ std::string variable_rate(const std::string& camera, const std::vector<int64_t>&
 int64_t median_distance(const std::vector<int64_t>& ticks) {
   std::vector<int64_t> distances = distances_of(ticks);
   if (distances.empty()) return 0;
-  const auto middle = distances.begin() + ptrdiff_t(distances.size() - 1) / 2;
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return lower_median(std::move(distances));
 }
 
 std::vector<std::string> gap_warnings(const std::string& camera, const std::vector<int64_t>& ticks,

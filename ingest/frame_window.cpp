@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/median.h"
 
 namespace tessera {
 namespace {
@@ -18,9 +19,7 @@ double half_distance(const std::vector<double>& seconds) {
   std::vector<double> distances;
   for (size_t i = 1; i < seconds.size(); ++i) distances.push_back(seconds[i] - seconds[i - 1]);
   if (distances.empty()) return 0;
-  const auto middle = distances.begin() + ptrdiff_t(distances.size() - 1) / 2;
-  std::nth_element(distances.begin(), middle, distances.end());
-  return 0.5 * *middle;
+  return 0.5 * lower_median(std::move(distances));
 }
 
 size_t nearest(const std::vector<double>& seconds, double instant) {

@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "kernels/base/median.h"
+
 namespace tessera {
 namespace {
 
@@ -15,12 +17,6 @@ constexpr double kCauchy = 2.385;  // 95 % efficient where errors are normal
 double cauchy_weight(double error, double sigma) {
   const double e = error / (kCauchy * sigma);
   return 1 / (1 + e * e);
-}
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Which clocks the pairs connect with the largest group.
@@ -161,7 +157,7 @@ bool refine(const std::vector<EpipolarMiss>& moving, bool with_rate, PairShift& 
     }
     if (near.size() < kFewestMisses) return false;
     equations.solve(with_rate, at);
-    sigma = std::clamp(1.4826 * median_of(near), 0.05, kPixels);
+    sigma = std::clamp(1.4826 * median(near), 0.05, kPixels);
   }
   at.sigma = kCorrelation * sigma / std::sqrt(equations.ss);
   at.rate_sigma = equations.tells_rate()
@@ -178,10 +174,7 @@ bool is_agreed(const PairShift& at, size_t moving, double reach) {
 }  // namespace
 
 double median_offset(std::vector<double> offsets) {
-  if (offsets.empty()) return 0;
-  const auto middle = offsets.begin() + std::ptrdiff_t((offsets.size() - 1) / 2);
-  std::nth_element(offsets.begin(), middle, offsets.end());
-  return *middle;
+  return offsets.empty() ? 0 : lower_median(std::move(offsets));
 }
 
 std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>& pairs) {
@@ -201,7 +194,7 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
     std::vector<double> relative;
     for (size_t p = 0; p < pairs.size(); ++p)
       relative.push_back(std::abs(misfit[p]) / pairs[p].sigma);
-    spread = std::max(1.0, 1.4826 * median_of(relative));
+    spread = std::max(1.0, 1.4826 * median(relative));
     for (size_t p = 0; p < pairs.size(); ++p)
       weights[p] =
           cauchy_weight(misfit[p], spread * pairs[p].sigma) / (pairs[p].sigma * pairs[p].sigma);
@@ -224,7 +217,7 @@ std::vector<double> offset_limits(const std::vector<SolvedOffset>& solved,
   for (size_t i = 0; i < solved.size(); ++i)
     if (solved[i].determined)
       sizes.push_back(std::abs(solved[i].offset) / std::max(frame_seconds[i], 1e-9));
-  const double middle = sizes.empty() ? 0 : median_of(sizes);
+  const double middle = sizes.empty() ? 0 : median(sizes);
   const double frames =
       middle < kLeast ? std::max(kLeast, std::min(kStandsOut * middle, kMost)) : kLeast;
   std::vector<double> limits;

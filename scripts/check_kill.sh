@@ -15,7 +15,6 @@ TESSERA=$(realpath "${TESSERA:-$built}")
 export TESSERA SEED=${SEED:-$RANDOM}
 exec python3 - "${1:-20}" <<'PYTHON'
 import filecmp
-import json
 import os
 import random
 import shutil
@@ -24,6 +23,9 @@ import subprocess
 import sys
 import tempfile
 import time
+
+sys.path.insert(0, "tools/batch")
+import records  # noqa: E402
 
 PROGRAM = os.environ["TESSERA"]
 TINY = ["--preset", "fast", "--init-points", "300", "--peak-gaussians", "600", "--deterministic",
@@ -61,14 +63,6 @@ def kill(process):
     process.wait()
 
 
-def read(file):
-    try:
-        with open(file) as text:
-            return json.load(text)
-    except (OSError, ValueError):
-        return {}
-
-
 def same_files(one, other):
     if os.path.isfile(one):
         return os.path.isfile(other) and filecmp.cmp(one, other, shallow=False)
@@ -89,7 +83,7 @@ class Run:
 
     def claimed(self, out, whole):
         """What the folder says is done for the new command: pairs of files there and in `whole`."""
-        stages, new = read(f"{out}/stages.json"), read(f"{whole}/stages.json")
+        stages, new = records.read(f"{out}/stages.json"), records.read(f"{whole}/stages.json")
         return [(f"{whole}/{file}", f"{out}/{file}") for stage, file in self.products.items()
                 if stage in new and stages.get(stage, {}).get("done") and
                 stages[stage]["key"] == new[stage]["key"]]
@@ -98,7 +92,7 @@ class Run:
         return [file for file in self.products.values() if os.path.exists(f"{whole}/{file}")]
 
     def where(self, out):
-        stages = read(f"{out}/stages.json")
+        stages = records.read(f"{out}/stages.json")
         return next((s for s, e in stages.items() if not e["done"]), "between stages")
 
 
@@ -123,7 +117,7 @@ class Batch:
         return pairs
 
     def is_new(self, out):
-        return read(f"{out}/{self.run}/config.json").get("options", {}).get("iterations") == 300
+        return records.read(f"{out}/{self.run}/config.json").get("options", {}).get("iterations") == 300
 
     def results(self, whole):
         return [f"{self.run}/model.ply", "exports/capture/fast/seed-1/tessera", "scenes/capture"]

@@ -5,16 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/base/median.h"
+
 namespace tessera {
-namespace {
-
-float median(std::vector<float>& values) {
-  const auto middle = values.begin() + int64_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-}  // namespace
 
 bool SceneBox::is_far(const Vec3<float>& mean, float factor) const {
   if (!(half_extent > 0)) return false;
@@ -32,9 +25,9 @@ SceneBox scene_box(const GaussianModel& model) {
       for (int64_t n = 0; n < set->count(); ++n)
         if (const float x = set->values().at(kMean, n)[axis]; std::isfinite(x)) values.push_back(x);
     if (values.empty()) return box;
-    box.centre[axis] = median(values);
+    box.centre[axis] = median_in_place(values);
     for (float& x : values) x = std::abs(x - box.centre[axis]);
-    box.half_extent = std::max(box.half_extent, 2 * median(values));
+    box.half_extent = std::max(box.half_extent, 2 * median_in_place(values));
   }
   return box;
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "ingest/capture_layout.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/input_folder.h"
 #include "ingest/ingest.h"
@@ -245,16 +246,6 @@ class Runner {
   std::string scene_key_, train_key_;
 };
 
-/// Before anything is written. Errors: InputError: no capture, or several.
-void check_capture(const fs::path& capture, std::optional<ImageReading> reading) {
-  require_folder(capture);
-  if (is_folder_of_captures(capture, reading))
-    throw InputError(fmt::format(
-        "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
-        capture.string(), fmt::join(captures_in(capture, reading), ", ")));
-  if (!opens_as_scene(capture)) detect_layout(capture, reading);
-}
-
 std::string player_text(const json& result) {
   if (!result.contains("player")) return "";
   const json& player = result["player"];
@@ -280,16 +271,18 @@ std::string run_text(const json& result) {
       player_text(result));
 }
 
-/// What can be refused before anything is written.
-void check_places(const RunRequest& request) {
+/// What can be refused before anything is written, and not only after hours.
+void check_request(const RunRequest& request) {
   const fs::path& capture = request.capture;
-  if (!fs::exists(capture)) throw InputError(fmt::format("{}: no such capture", capture.string()));
-  if (is_folder_of_captures(capture))
+  const IngestOptions options = resolve_ingest(request.ingest);
+  require_folder(capture);
+  if (is_folder_of_captures(capture, options.reading))
     throw InputError(fmt::format(
         "{}: holds several captures ({}); name one of them, or prepare all with `tessera ingest`",
-        capture.string(), fmt::join(captures_in(capture), ", ")));
+        capture.string(), fmt::join(captures_in(capture, options.reading), ", ")));
   check_output_apart(request.out, capture);
-  if (!opens_as_scene(capture)) detect_layout(capture);
+  if (!opens_as_scene(capture)) layout_of(capture, options);
+  is_cuda_chosen(request.training.backend);
 }
 
 /// --exposure of a run: fit is ingest's, camera and frame are the training's.
@@ -320,9 +313,7 @@ void add_run_command(CLI::App& app, Work& work) {
     work = [request] {
       set_thread_count(request->training.threads);
       share_exposure(*request);
-      check_capture(request->capture, resolve_ingest(request->ingest).reading);
-      check_places(*request);
-      is_cuda_chosen(request->training.backend);  // its errors now, not after hours of ingest
+      check_request(*request);
       Runner runner(*request);
       if (!runner.run()) {
         say("interrupted; run the same command again to go on");

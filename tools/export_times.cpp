@@ -10,6 +10,7 @@
 #include <iterator>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/median.h"
 
 namespace tessera {
 namespace {
@@ -47,11 +48,9 @@ double rate_of(const std::set<double>& moments) {
   std::vector<double> steps;
   for (auto next = std::next(moments.begin()); next != moments.end(); ++next)
     steps.push_back(*next - *std::prev(next));
-  std::vector<double> sorted = steps;
-  const auto middle = sorted.begin() + std::ptrdiff_t((sorted.size() - 1) / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double usual = lower_median(steps);
   double frames = 0;  // the clock of a container may be coarse: the sum has no error of the median
-  for (const double step : steps) frames += std::max(1.0, std::round(step / *middle));
+  for (const double step : steps) frames += std::max(1.0, std::round(step / usual));
   return frames / (*moments.rbegin() - *moments.begin());
 }
 
@@ -101,10 +100,7 @@ double capture_rate(const CameraMoments& cameras) {
       single.insert(moments.begin(), moments.end());
   }
   if (single.size() > 1 && rates.empty()) rates.push_back(rate_of(single));
-  if (rates.empty()) return 0;
-  const auto middle = rates.begin() + std::ptrdiff_t((rates.size() - 1) / 2);
-  std::nth_element(rates.begin(), middle, rates.end());
-  return *middle;
+  return rates.empty() ? 0 : lower_median(std::move(rates));
 }
 
 std::vector<double> capture_times(const CameraMoments& cameras, int64_t most) {

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-bool is_capture(const fs::path& folder, std::optional<ImageReading> reading = std::nullopt) {
+bool is_capture(const fs::path& folder, std::optional<ImageReading> reading) {
   try {
     detect_layout(folder, reading);
     return true;
@@ -180,7 +180,7 @@ BatchResult ingest_batch(const fs::path& folder, const fs::path& out, const Inge
                     "are, or one capture",
                     folder.string(), captures.size()));
   for (const fs::path& capture : captures)
-    if (is_capture(capture)) check_output_apart(out / capture.filename(), capture);
+    if (is_capture(capture, options.reading)) check_output_apart(out / capture.filename(), capture);
   Batch batch(out, options, overwrite);
   BatchResult result;
   try {

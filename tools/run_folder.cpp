@@ -41,10 +41,11 @@ void RunFolder::remove_best_but(int64_t iteration) const {
 }
 
 std::string RunFolder::made_for() const {
-  if (!exists()) return "";
-  const nlohmann::json config =
-      nlohmann::json::parse(read_text_file(this->config()), nullptr, false);
-  return config.is_object() ? config.value("made_for", "") : "";
+  try {
+    return exists() ? read_config().value("made_for", "") : "";
+  } catch (const InputError&) {
+    return "";
+  }
 }
 
 void RunFolder::remove_leftovers() const {

@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "kernels/base/median.h"
+
 namespace tessera {
 namespace {
 
@@ -21,9 +23,7 @@ std::map<std::string, double> frame_seconds_of(const Scene& scene) {
     for (auto next = moments.begin(), at = next++; next != moments.end(); at = next++)
       steps.push_back(*next - *at);
     if (steps.empty()) continue;
-    const auto middle = steps.begin() + std::ptrdiff_t((steps.size() - 1) / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    seconds[camera] = *middle * scene.time_axis.duration;
+    seconds[camera] = lower_median(std::move(steps)) * scene.time_axis.duration;
   }
   return seconds;
 }

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "ingest/checks/stations.h"
+#include "kernels/base/median.h"
 
 namespace tessera {
 namespace {
@@ -48,10 +49,7 @@ void count_places(const Scene& scene, const std::vector<Station>& stations, Clou
     health.unseen += seen == 0, health.seen_by_one += seen == 1;
   }
   if (distances.empty()) return;
-  std::vector<double> sorted = distances;
-  const auto half = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
-  std::nth_element(sorted.begin(), half, sorted.end());
-  const double far = 10 * *half;
+  const double far = 10 * median(distances);
   health.far = std::count_if(distances.begin(), distances.end(), [=](double d) { return d > far; });
 }
 

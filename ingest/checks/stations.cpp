@@ -8,6 +8,8 @@
 #include <set>
 #include <tuple>
 
+#include "kernels/base/median.h"
+
 namespace tessera {
 namespace {
 
@@ -57,12 +59,10 @@ Image8 median_picture(const Scene& scene, const Station& station) {
   Image8 median = scene.frames[size_t(station.frames.front())].image;
   if (station.frames.size() < 3) return median;
   std::vector<uint8_t> values(station.frames.size());
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
   for (size_t k = 0; k < median.data.size(); ++k) {
     for (size_t i = 0; i < values.size(); ++i)
       values[i] = scene.frames[size_t(station.frames[i])].image.data[k];
-    std::nth_element(values.begin(), middle, values.end());
-    median.data[k] = *middle;
+    median.data[k] = median_in_place(values);
   }
   return median;
 }

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "ingest/checks/stations.h"
+#include "kernels/base/median.h"
 
 namespace tessera {
 namespace {
@@ -19,12 +20,10 @@ int64_t missing_moments(const std::vector<double>& times) {
   if (times.size() < 3) return 0;
   std::vector<double> steps;
   for (size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
-  std::vector<double> sorted = steps;
-  const auto half = sorted.begin() + std::ptrdiff_t(sorted.size() / 2);
-  std::nth_element(sorted.begin(), half, sorted.end());
+  const double usual = median(steps);
   int64_t missing = 0;
-  if (*half > 0)
-    for (const double step : steps) missing += std::max<int64_t>(0, std::llround(step / *half) - 1);
+  if (usual > 0)
+    for (const double step : steps) missing += std::max<int64_t>(0, std::llround(step / usual) - 1);
   return missing;
 }
 

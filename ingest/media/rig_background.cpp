@@ -8,6 +8,7 @@
 #include "ingest/alpha_composite.h"
 #include "ingest/media/clip_frames.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {
@@ -51,9 +52,7 @@ cv::Mat steady_deviation(const std::vector<Image8>& pictures, const Image8& medi
 
 float median_of(const cv::Mat& values) {
   std::vector<float> sorted(values.begin<float>(), values.end<float>());
-  const auto middle = sorted.begin() + ptrdiff_t(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return *middle;
+  return median_in_place(sorted);
 }
 
 cv::Mat widened(const cv::Mat& moving) {
@@ -97,9 +96,7 @@ StillPicture still_picture(const std::vector<Image8>& pictures) {
     std::vector<uint8_t> values(pictures.size());
     for (auto at = size_t(begin); at < size_t(end); ++at) {
       for (size_t k = 0; k < pictures.size(); ++k) values[k] = pictures[k].data[at];
-      const auto middle = values.begin() + ptrdiff_t(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      median.data[at] = *middle;
+      median.data[at] = median_in_place(values);
     }
   });
   const cv::Mat deviation = steady_deviation(pictures, median);

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "kernels/base/median.h"
+
 namespace tessera {
 namespace {
 
@@ -53,9 +55,7 @@ CameraRig make_camera_rig(const std::vector<Camera>& cameras) {
     largest_tangent = std::max(
         {largest_tangent, 0.5 * camera.width / camera.fl_x, 0.5 * camera.height / camera.fl_y});
   }
-  std::nth_element(distances.begin(), distances.begin() + long(distances.size() / 2),
-                   distances.end());
-  rig.distance = std::max(distances[distances.size() / 2], 1e-6);
+  rig.distance = std::max(median(std::move(distances)), 1e-6);
   rig.half_view = rig.distance * largest_tangent;
   return rig;
 }

@@ -15,6 +15,7 @@
 #include "ingest/files/png.h"
 #include "ingest/ingest.h"
 #include "ingest/media/checks/thinned_scene.h"
+#include "kernels/base/median.h"
 #include "tests/ingest/colmap_fixture.h"
 
 namespace tessera {
@@ -223,9 +224,7 @@ double median_colour_error(const std::vector<Camera>& cameras, const std::vector
         errors.push_back(std::abs(int(rgb[c]) - int(points.colour[p][c])));
     }
   if (errors.size() < 1000) return -1;
-  const auto middle = errors.begin() + ptrdiff_t(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
+  return median(std::move(errors));
 }
 
 /// Points lie on their colours with the right pictures, and not with those of the neighbours.

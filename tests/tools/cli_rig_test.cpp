@@ -1,5 +1,6 @@
 // What: rigs of videos through the whole program, where all layers share one address space.
 // Not: the converter alone (tests/ingest/rig_clips_test.cpp).
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -40,6 +41,27 @@ TEST(CliRig, AVideoWithoutAPose) {
   const json report = work.run_json(ingest);
   EXPECT_EQ(report["cameras"], 3);
   EXPECT_NE(report["warnings"].dump().find("no camera for cam01"), std::string::npos);
+}
+
+// Bug put back: `run` looked at the folder without the options of ingest; seen to fail.
+TEST(CliRig, RunTakesWhatDecidesBetweenRigAndPhotos) {
+  const CliWorkspace work;
+  for (const char* camera : {"kitchen0x", "kitchen1x"})
+    for (int number = 0; number < 9; ++number)
+      work.write(fmt::format("rig/{}/{:04}.png", camera, number), "no PNG");
+  const std::vector<std::string> plain{"run", work.at("rig"), "-o", work.at("out")};
+  work.expect_refused(plain, {"--layout rig", "--layout photos"});
+  const auto expect_read = [&](const std::vector<std::string>& more, const std::string& reason) {
+    std::vector<std::string> command = plain;
+    command.insert(command.end(), more.begin(), more.end());
+    const ChildResult result = work.run(command);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_NE(result.err.find("ingest: begins"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(reason), std::string::npos) << result.err;
+  };
+  expect_read({"--layout", "rig"}, "kitchen0x/0000.png: is not a PNG");
+  work.write("cameras.json", "{}");
+  expect_read({"--poses", work.at("cameras.json")}, "cameras.json: has no list");
 }
 
 }  // namespace

@@ -77,6 +77,7 @@ void CliWorkspace::edit_json(const std::string& name,
 }
 
 void CliWorkspace::write(const std::string& name, const std::string& bytes) const {
+  std::filesystem::create_directories((folder_ / name).parent_path());
   std::ofstream(folder_ / name, std::ios::binary) << bytes;
 }
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "kernels/base/median.h"
+
 namespace tessera {
 namespace {
 
@@ -40,17 +42,15 @@ cv::Mat solve(const std::vector<LogRatio>& ratios, const std::vector<double>& we
 }
 
 std::vector<double> log_gains(const std::vector<LogRatio>& ratios, int cameras) {
-  std::vector<double> weights(ratios.size(), 1.0), sizes(ratios.size());
+  std::vector<double> weights(ratios.size(), 1.0);
   cv::Mat gains;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     gains = solve(ratios, weights, cameras);
     std::vector<double> residuals;
     for (const auto& [a, b, value] : ratios)
       residuals.push_back(std::abs(value - gains.at<double>(a) + gains.at<double>(b)));
-    sizes = residuals;
-    const auto half = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
-    std::nth_element(sizes.begin(), half, sizes.end());
-    const double huber = std::max(1e-6, 1.345 * 1.4826 * *half);  // 95 % efficient for a normal
+    // 95 % efficient for a normal
+    const double huber = std::max(1e-6, 1.345 * 1.4826 * median(residuals));
     for (size_t i = 0; i < weights.size(); ++i)
       weights[i] = residuals[i] <= huber ? 1 : huber / residuals[i];
   }
@@ -132,13 +132,11 @@ void judge_whole_images(const MatchedStations& matched, ExposureCheck& check) {
   for (size_t s = 0; s < matched.stations.size(); ++s)
     if (matched.stations[s].split == Split::kTrain)
       means.push_back(mean_colour(matched.pictures[s]));
-  std::array<double, 3> median{};
+  std::array<double, 3> usual{};
   for (size_t k = 0; k < 3; ++k) {
     std::vector<double> values;
     for (const auto& mean : means) values.push_back(mean[k]);
-    const auto middle = values.begin() + std::ptrdiff_t((values.size() - 1) / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[k] = *middle;
+    usual[k] = lower_median(std::move(values));
   }
   size_t named = 0;
   for (size_t c = 0; c < means.size(); ++c) {
@@ -146,7 +144,7 @@ void judge_whole_images(const MatchedStations& matched, ExposureCheck& check) {
     std::array<double, 3> ratio{};
     double most = 1;
     for (size_t k = 0; k < 3; ++k) {
-      ratio[k] = means[c][k] / median[k];
+      ratio[k] = means[c][k] / usual[k];
       most = std::max({most, ratio[k], 1 / ratio[k]});
     }
     if (most < kFar || ++named > kMostNamed) continue;

@@ -2,12 +2,13 @@
 // Not: matching. A camera that is wrong spoils one pair of each neighbour: the median over pairs
 //      leaves the neighbours out of it.
 #include "ingest/media/checks/pose_residual.h"
-#include "kernels/base/median.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "kernels/base/median.h"
 
 namespace tessera {
 namespace {
