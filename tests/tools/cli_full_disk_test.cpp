@@ -121,6 +121,7 @@ TEST_F(CliFullDisk, Synth) {
 }
 
 TEST_F(CliFullDisk, Ingest) {
+  TESSERA_SKIP_WITHOUT_INGEST();
   replaces("scene", {"ingest", work.at("capture")}, {}, {"--scale", "0.5", "--overwrite"});
 }
 
@@ -244,6 +245,7 @@ TEST_F(CliFullDisk, Bench) {
 }
 
 TEST_F(CliFullDisk, Run) {
+  TESSERA_SKIP_WITHOUT_INGEST();
   const auto run = [&](const std::string& seed, const std::string& out) {
     Words words = work.train_arguments(out, {"--seed", seed, "--scale", "0.5"});
     words[0] = "run";
@@ -265,7 +267,7 @@ TEST_F(CliFullDisk, Run) {
 
 // Videos: a scene of them, and what doctor looks at among the temporary files.
 TEST_F(CliFullDisk, VideosAndDoctor) {
-  if (!TESSERA_HAS_INGEST) GTEST_SKIP() << "the trainer-only build decodes no videos";
+  TESSERA_SKIP_WITHOUT_INGEST();
   ASSERT_EQ(
       work.run({"synth", "room", "-o", work.at("videos"), "--layout", "n3dv", "--cameras", "3",
                 "--frames", "3", "--width", "64", "--height", "48", "--supersampling", "1"})

@@ -73,6 +73,7 @@ TEST(CliJson, InfoTellsEveryKindApart) {
 }
 
 TEST(CliJson, IngestRenderAndExportSayWhatTheyWrote) {
+  TESSERA_SKIP_WITHOUT_INGEST();
   const CliWorkspace work;
   ASSERT_EQ(work.train("run").exit_code, 0);
   const json ingested = work.run_json({"ingest", work.at("capture"), "-o", work.at("scene")});

@@ -106,6 +106,7 @@ TEST_F(CliOutputPlace, WhatIsMadeOfAModelNeither) {
 // Bugs put back, one each: a prepared scene replaced without a word; a made capture likewise; the
 // record of what `ingest` has made of several captures not looked at; each seen to fail.
 TEST_F(CliOutputPlace, WhatTookHoursIsReplacedWithOverwriteOnly) {
+  TESSERA_SKIP_WITHOUT_INGEST();
   const Words ingest{"ingest", work.at("capture"), "-o", work.at("scene")};
   ASSERT_EQ(work.run(ingest).exit_code, 0);
   refused(ingest, {"scene", "--overwrite"});

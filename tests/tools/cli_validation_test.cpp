@@ -27,7 +27,7 @@ class CliValidation : public ::testing::Test {
         "--schedule-iterations", "60", "--init-points", "300", "--batch", "2",
         "--densify-until", "0", "--reorder-interval", "0",
         "--validation-share", "0.34", "--validate-interval", "3", "--checkpoint-every", "4",
-        "--lr-scale", "0.3", "--lr-mean", "0.05", "--lr-mean-final", "0.05", "--lr-sh", "0.3"};
+        "--lr-scale", "0.3", "--lr-mean", "0.05", "--lr-mean-final", "0.05", "--lr-sh", "0.3", "--deterministic", "true"};
     // clang-format on
     arguments.insert(arguments.end(), more.begin(), more.end());
     return work.run_json(arguments);

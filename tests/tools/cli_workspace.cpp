@@ -36,8 +36,10 @@ nlohmann::json CliWorkspace::run_json(std::vector<std::string> arguments) const 
 std::vector<std::string> CliWorkspace::train_arguments(const std::string& run,
                                                        const std::vector<std::string>& more) const {
   std::vector<std::string> arguments{"train", at("capture"), "-o", at(run)};
-  const std::pair<const char*, const char*> tiny[] = {
-      {"--iterations", "20"}, {"--init-points", "300"}, {"--batch", "2"}};
+  const std::pair<const char*, const char*> tiny[] = {{"--iterations", "20"},
+                                                      {"--init-points", "300"},
+                                                      {"--batch", "2"},
+                                                      {"--deterministic", "true"}};
   for (const auto& [option, value] : tiny)
     if (std::find(more.begin(), more.end(), option) == more.end())
       arguments.insert(arguments.end(), {option, value});

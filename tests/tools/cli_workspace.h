@@ -12,6 +12,10 @@
 
 namespace tessera::testing {
 
+/// At the beginning of a test that prepares captures.
+#define TESSERA_SKIP_WITHOUT_INGEST() \
+  if (!TESSERA_HAS_INGEST) GTEST_SKIP() << "the trainer-only build prepares no captures"
+
 /// Files by when they were written.
 using WrittenFiles = std::map<std::string, std::filesystem::file_time_type>;
 
@@ -27,7 +31,8 @@ class CliWorkspace {
   ChildResult run(const std::vector<std::string>& arguments, const ChildLimits& limits = {}) const;
   /// The one JSON object on stdout; fails the test when the command does or when there is more.
   nlohmann::json run_json(std::vector<std::string> arguments) const;
-  /// `tessera train capture -o run` with the options of a tiny training in front of `more`.
+  /// `tessera train capture -o run` with the options of a tiny training in front of `more`, whose
+  /// bytes are the same on every call.
   std::vector<std::string> train_arguments(const std::string& run,
                                            const std::vector<std::string>& more = {}) const;
   ChildResult train(const std::string& run, const std::vector<std::string>& more = {}) const;
