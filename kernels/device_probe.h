@@ -1,5 +1,5 @@
 // What: what this build and the machine have of CUDA, and whether a device can be worked with.
-// Not: a choice (tools/device_choice.h), nor anything that stays allocated but the device's
+// Not: a choice (tools/session/device_choice.h), nor anything that stays allocated but the device's
 // context.
 #pragma once
 #include <string>

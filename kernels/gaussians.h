@@ -1,5 +1,5 @@
 // What: the parameters of a set of Gaussians as kernels see them: named groups of spans.
-// Not: an owner (recon4d/gaussian_set.h), and no schedule or learning rate.
+// Not: an owner (recon4d/model/gaussian_set.h), and no schedule or learning rate.
 #pragma once
 #include <cassert>
 #include <cstdint>

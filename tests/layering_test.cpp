@@ -39,9 +39,9 @@ std::map<std::string, Lines> sources() {
   return files;
 }
 
-// Each was seen to fail: recon4d/schedule.cpp with an include of tools/, an include of nothing,
-// std::cout, 600 lines more, no first line; a .cu file in recon4d/; a header without its pragma;
-// stages/bin.cu with 600 lines more, cuda/tile_walk.cuh without its first line.
+// Each was seen to fail: recon4d/training/schedule.cpp with an include of tools/, an include of
+// nothing, std::cout, 600 lines more, no first line; a .cu file in recon4d/; a header without its
+// pragma; stages/bin.cu with 600 lines more, cuda/tile_walk.cuh without its first line.
 class Layering : public ::testing::Test {
  protected:
   const std::map<std::string, Lines> sources_ = sources();
@@ -134,15 +134,15 @@ TEST_F(Layering, NothingIsLeftToDo) {
 /// The rules themselves: each of these must be refused.
 TEST(LayeringRules, AreSeenToRefuse) {
   const std::pair<const char*, const char*> wrong[] = {
-      {"kernels/stages/a.cpp", "#include \"recon4d/trainer.h\""},
+      {"kernels/stages/a.cpp", "#include \"recon4d/training/trainer.h\""},
       {"kernels/stages/a.cpp", "#include \"ingest/scene.h\""},
       {"kernels/math/a.h", "#include \"kernels/stages/gradient_sink.h\""},
       {"kernels/math/a.h", "#include \"kernels/backend.h\""},
       {"kernels/base/a.h", "#include \"kernels/math/scalar.h\""},
       {"kernels/a.cpp", "#include <nlohmann/json.hpp>"},
-      {"ingest/a.cpp", "#include \"recon4d/gaussian_set.h\""},
-      {"recon4d/a.cpp", "#include \"ingest/scene_reader.h\""},
-      {"recon4d/a.cpp", "#include \"static3d/lift.h\""},
+      {"ingest/a.cpp", "#include \"recon4d/model/gaussian_set.h\""},
+      {"recon4d/a.cpp", "#include \"ingest/layouts/scene_reader.h\""},
+      {"recon4d/a.cpp", "#include \"static3d/transform/lift.h\""},
       {"recon4d/a.cpp", "#include <cuda_runtime.h>"},
       {"recon4d/a.cpp", "#include <cuda.h>"},
       {"recon4d/a.cpp", "#include \"kernels/cuda/device_memory.h\""},
@@ -153,11 +153,11 @@ TEST(LayeringRules, AreSeenToRefuse) {
       {"kernels/stages/a.cpp", "#include \"kernels/cuda/sort.h\""},
       {"kernels/cpu_backend.cpp", "#include \"kernels/cuda/scratch.h\""},
       {"kernels/cuda/a.cu", "#include <cuda.h>"},
-      {"kernels/stages/a.cu", "#include \"recon4d/trainer.h\""},
+      {"kernels/stages/a.cu", "#include \"recon4d/training/trainer.h\""},
       {"kernels/stages/a.cpp", "#include <nvtx3/nvToolsExt.h>"},
       {"recon4d/a.cpp", "#  include  \"tests/support/random.h\""},
-      {"static3d/a.cpp", "#include \"tools/terminal.h\""},
-      {"static3d/a.cpp", "#include \"ingest/media/conversion.h\""},
+      {"static3d/a.cpp", "#include \"tools/cli/terminal.h\""},
+      {"static3d/a.cpp", "#include \"ingest/media/layouts/conversion.h\""},
       {"tools/a.cpp", "#include \"tests/support/random.h\""},
       {"tools/a.cpp", "#include <opencv2/core.hpp>"},
       {"elsewhere/a.cpp", "#include \"kernels/batch.h\""},
@@ -165,7 +165,7 @@ TEST(LayeringRules, AreSeenToRefuse) {
   for (const auto& [file, line] : wrong) EXPECT_NE(include_complaint(file, line), "") << line;
   EXPECT_EQ(include_complaint("recon4d/a.cpp", "#include \"ingest/scene.h\""), "");
   EXPECT_EQ(include_complaint("recon4d/a.cpp", "#include \"ingest/files/ply.h\""), "");
-  EXPECT_EQ(include_complaint("recon4d/a.cpp", "// no #include \"tools/terminal.h\" here"), "");
+  EXPECT_EQ(include_complaint("recon4d/a.cpp", "// no #include \"tools/cli/terminal.h\" here"), "");
   for (const char* file : {"kernels/cuda/a.h", "kernels/stages/a.cu", "kernels/stages/a.cuh"})
     for (const char* line : {"#include <cuda_runtime.h>", "#include <cub/device/device_scan.cuh>",
                              "#include \"kernels/cuda/sort.h\"", "#include \"kernels/batch.h\""})

@@ -6,10 +6,10 @@
 
 #include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
-#include "tools/command.h"
-#include "tools/interrupt.h"
-#include "tools/terminal.h"
-#include "tools/usage_message.h"
+#include "tools/cli/command.h"
+#include "tools/cli/terminal.h"
+#include "tools/cli/usage_message.h"
+#include "tools/session/interrupt.h"
 #include "tools/version.h"
 
 namespace tessera {

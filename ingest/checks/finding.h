@@ -1,5 +1,5 @@
 // What: one line of a diagnosis: how bad, which check, which camera, what was seen, what to do.
-// Not: the checks, and not the text of a report (tools/doctor_report.h).
+// Not: the checks, and not the text of a report (tools/commands/doctor_report.h).
 #pragma once
 #include <string>
 #include <vector>

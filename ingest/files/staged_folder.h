@@ -1,5 +1,5 @@
 // What: a prepared scene's folder appears whole or not at all: built beside its place, renamed.
-// Not: a lock against two programs that write the same scene (tools/scene_lock.h).
+// Not: a lock against two programs that write the same scene (tools/session/scene_lock.h).
 #pragma once
 #include <filesystem>
 

@@ -1,6 +1,6 @@
 // What: names of folders in which a result is built before it takes its place, and what is left of
 //       them by programs that were killed.
-// Not: the exchange (staged_folder.h, tools/output_folder.h).
+// Not: the exchange (staged_folder.h, tools/export/output_folder.h).
 #pragma once
 #include <filesystem>
 #include <string>

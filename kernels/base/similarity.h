@@ -1,6 +1,7 @@
 // What: a change of world: rotation, uniform scale and translation of points and of cameras, in
 //       double. Prepared scenes and models carry the one that leads from the source's world.
-// Not: Gaussians (static3d/world_change.h) and not how it is chosen (ingest/world_normalisation.h).
+// Not: Gaussians (static3d/transform/world_change.h) and not how it is chosen
+// (ingest/poses/world_normalisation.h).
 #pragma once
 #include <array>
 #include <glm/geometric.hpp>

@@ -1,5 +1,5 @@
 // What: CUDA's return codes on the way to a device → what stands in that way.
-// Not: what is made of it (tools/device_choice.h).
+// Not: what is made of it (tools/session/device_choice.h).
 #include "kernels/device_probe.h"
 
 #include <cuda_runtime.h>

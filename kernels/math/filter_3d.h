@@ -1,9 +1,8 @@
 // What: the 3D filter: no Gaussian finer than the training views could sample. Its size φ; the
 // scales and the opacity that follow from it, their gradient; what density control and the end of a
 // training do to stored parameters because of it.
-// Not: when φ is measured (recon4d/schedule.h), nor which of the two versions is on: `smooth` acts
-// where a set has its φ with it.
-// Source: [Mip-Splatting], [Faster-GS]; method C.1.
+// Not: when φ is measured (recon4d/training/schedule.h), nor which of the two versions is on:
+// `smooth` acts where a set has its φ with it. Source: [Mip-Splatting], [Faster-GS]; method C.1.
 #pragma once
 #include "kernels/gaussians.h"
 #include "kernels/math/ewa.h"

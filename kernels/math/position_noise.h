@@ -1,5 +1,5 @@
 // What: the random step of one Gaussian's mean, along its own covariance, the larger the fainter.
-// Not: its size over the training (recon4d/schedule.h).
+// Not: its size over the training (recon4d/training/schedule.h).
 // Source: method B  [3DGS-MCMC].
 #pragma once
 #include "kernels/math/random.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "recon4d/gaussian_set.h"
+#include "recon4d/model/gaussian_set.h"
 #include "static3d/tessera4d/manifest.h"
 
 namespace tessera {

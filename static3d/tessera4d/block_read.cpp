@@ -7,10 +7,10 @@
 
 #include "ingest/files/gzip.h"
 #include "kernels/base/errors.h"
-#include "static3d/splat_quanta.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/sh_streams.h"
 #include "static3d/tessera4d/stream.h"
+#include "static3d/transform/splat_quanta.h"
 
 namespace tessera {
 namespace {

@@ -11,12 +11,12 @@
 #include "kernels/base/parallel.h"
 #include "kernels/base/quantile.h"
 #include "kernels/math/splat.h"
-#include "recon4d/hygiene.h"
-#include "static3d/morton_order.h"
-#include "static3d/splat_quanta.h"
+#include "recon4d/model/hygiene.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/sh_streams.h"
 #include "static3d/tessera4d/stream.h"
+#include "static3d/transform/morton_order.h"
+#include "static3d/transform/splat_quanta.h"
 
 namespace tessera {
 namespace {

@@ -13,8 +13,8 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/base/similarity.h"
-#include "recon4d/gaussian_set.h"
-#include "static3d/player_hints.h"
+#include "recon4d/model/gaussian_set.h"
+#include "static3d/tessera4d/player_hints.h"
 
 namespace tessera {
 

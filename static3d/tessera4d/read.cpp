@@ -10,7 +10,7 @@
 #include "ingest/files/bytes.h"
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
-#include "recon4d/hygiene.h"
+#include "recon4d/model/hygiene.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/tessera4d.h"
 

@@ -1,14 +1,14 @@
 // What: the Tessera 4D file: a model in continuous time, cut into pieces that a player fetches as
 //       it needs them; out and in.
 // Not: training's own file, which keeps pairs, environments and levels of time
-// (recon4d/model_file.h). Source: docs/format.md.
+// (recon4d/model/model_file.h). Source: docs/format.md.
 #pragma once
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "recon4d/gaussian_set.h"
+#include "recon4d/model/gaussian_set.h"
 #include "static3d/tessera4d/manifest.h"
 
 namespace tessera {

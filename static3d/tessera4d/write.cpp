@@ -12,13 +12,13 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/math/splat.h"
-#include "recon4d/hygiene.h"
-#include "recon4d/render.h"
-#include "static3d/motion_form.h"
-#include "static3d/scene_box.h"
+#include "recon4d/evaluation/render.h"
+#include "recon4d/model/hygiene.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/tessera4d.h"
+#include "static3d/transform/motion_form.h"
+#include "static3d/transform/scene_box.h"
 
 namespace tessera {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/math/spherical_harmonics.h"
-#include "recon4d/model_file.h"
+#include "recon4d/model/model_file.h"
 #include "tests/support/random.h"
 
 namespace tessera::testing {

@@ -1,6 +1,6 @@
 // What: the Tessera 4D .ply, out of any bytes.
 // Not: a unit test; see scripts/fuzz.sh.
-#include "recon4d/model_file.h"
+#include "recon4d/model/model_file.h"
 #include "tests/fuzz/hostile_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

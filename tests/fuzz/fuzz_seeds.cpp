@@ -12,8 +12,8 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
 #include "ingest/files/gzip.h"
-#include "recon4d/model_file.h"
-#include "static3d/splat_file.h"
+#include "recon4d/model/model_file.h"
+#include "static3d/formats/splat_file.h"
 #include "static3d/tessera4d/block.h"
 
 namespace tessera::testing {

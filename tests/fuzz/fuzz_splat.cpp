@@ -1,6 +1,6 @@
 // What: .splat, out of any bytes.
 // Not: a unit test; see scripts/fuzz.sh.
-#include "static3d/splat_file.h"
+#include "static3d/formats/splat_file.h"
 #include "tests/fuzz/hostile_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "ingest/files/gzip.h"
-#include "static3d/splat_file.h"
+#include "static3d/formats/splat_file.h"
 #include "tests/fuzz/hostile_file.h"
 
 extern "C" {

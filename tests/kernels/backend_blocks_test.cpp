@@ -1,6 +1,6 @@
 // What: sets whose rows differ in SH degree, on every backend, against sets of full rows whose
 // missing bands are zero and held at zero: bit for bit, because the arithmetic is the same.
-// Not: how rows come into blocks (tests/recon4d/train_blocks_test.cpp).
+// Not: how rows come into blocks (tests/recon4d/model/train_blocks_test.cpp).
 #include "kernels/lazy_schedule.h"
 #include "tests/support/backends.h"
 #include "tests/support/optimised.h"

@@ -1,6 +1,6 @@
 // What: where directions fall in the map of an environment; the whole chain's gradient by its
 //       texels and, through the light that Gaussians leave, by opacities.
-// Not: a training (tests/recon4d/train_environment_test.cpp). Source: method D.8, A.11.
+// Not: a training (tests/recon4d/training/train_environment_test.cpp). Source: method D.8, A.11.
 #include "kernels/math/environment.h"
 
 #include <utility>

@@ -1,6 +1,6 @@
 // What: gains of the pictures in the loss, in double: their gradient and those of opacities behind
 //       them against central differences of the whole chain; a gain of 1 is none.
-// Not: what a training makes of them (tests/recon4d/train_exposure_test.cpp). Source: B10.
+// Not: what a training makes of them (tests/recon4d/model/train_exposure_test.cpp). Source: B10.
 #include "tests/support/difference.h"
 
 namespace tessera::testing {

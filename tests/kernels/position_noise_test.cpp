@@ -1,5 +1,5 @@
 // What: the noise of means: its moments, its gate, and that draws do not repeat.
-// Not: its size over a training (tests/recon4d/train_mcmc_test.cpp).
+// Not: its size over a training (tests/recon4d/density/train_mcmc_test.cpp).
 #include "kernels/math/position_noise.h"
 
 #include "kernels/base/parallel.h"

@@ -1,6 +1,6 @@
 // What: n Gaussians in place of one: opacity and size against the source's double sum, against the
 // integral they come from and in pictures; who is drawn, and how often.
-// Not: rows of a training (tests/recon4d/train_mcmc_test.cpp), nor a device
+// Not: rows of a training (tests/recon4d/density/train_mcmc_test.cpp), nor a device
 // (backend_mcmc_test.cpp).
 #include "kernels/math/relocation.h"
 

@@ -1,5 +1,5 @@
 // What: the header of a checkpoint in its bytes, read and replaced.
-// Not: the reader that is tested (recon4d/checkpoint_file.h, where the layout is described).
+// Not: the reader that is tested (recon4d/model/checkpoint_file.h, where the layout is described).
 #pragma once
 #include <zlib.h>
 

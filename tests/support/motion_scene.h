@@ -1,5 +1,5 @@
 // What: scenes for the terms in velocities and lives: some Gaussians out of sight, pairs of some.
-// Not: how pairs are found (recon4d/rigidity.h).
+// Not: how pairs are found (recon4d/training/rigidity.h).
 #pragma once
 #include "tests/support/render.h"
 

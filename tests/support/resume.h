@@ -1,9 +1,9 @@
 // What: a training that goes on from a checkpoint, against one that was never stopped.
-// Not: what a checkpoint's file is made of (tests/recon4d/train_checkpoint_test.cpp).
+// Not: what a checkpoint's file is made of (tests/recon4d/model/train_checkpoint_test.cpp).
 #pragma once
 #include <gtest/gtest.h>
 
-#include "recon4d/checkpoint.h"
+#include "recon4d/model/checkpoint.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/tiny_capture.h"
 

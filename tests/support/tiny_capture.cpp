@@ -5,8 +5,8 @@
 #include <bit>
 #include <cmath>
 
-#include "recon4d/metrics.h"
-#include "recon4d/render.h"
+#include "recon4d/evaluation/metrics.h"
+#include "recon4d/evaluation/render.h"
 #include "tests/support/test_scene.h"
 
 namespace tessera::testing {

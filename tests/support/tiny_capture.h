@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "recon4d/parsimony.h"
-#include "recon4d/trainer.h"
-#include "recon4d/validation.h"
+#include "recon4d/reduction/parsimony.h"
+#include "recon4d/training/trainer.h"
+#include "recon4d/training/validation.h"
 
 namespace tessera::testing {
 

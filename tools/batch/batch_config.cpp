@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
-#include "recon4d/ablations.h"
-#include "recon4d/train_options.h"
-#include "static3d/splat_file.h"
-#include "tools/export_in_time.h"
-#include "tools/named_once.h"
+#include "recon4d/options/ablations.h"
+#include "recon4d/options/train_options.h"
+#include "static3d/formats/splat_file.h"
+#include "tools/cli/named_once.h"
+#include "tools/export/in_time.h"
 
 namespace tessera {
 namespace {

@@ -1,5 +1,5 @@
 // What: what `tessera batch` was asked for → batch.yaml, checked before anything is run.
-// Not: the command line (cmd_batch.cpp) nor the workflow, which checks again (settings.py): a
+// Not: the command line (commands/batch.cpp) nor the workflow, which checks again (settings.py): a
 //      person may have written the file.
 #pragma once
 #include <filesystem>

@@ -11,7 +11,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
-#include "tools/exit_code.h"
+#include "tools/cli/exit_code.h"
 
 namespace tessera {
 namespace {

@@ -1,5 +1,5 @@
 // What: metrics.json, train.json and config.json of every run, gathered.
-// Not: medians and frontiers (bench_report.h).
+// Not: medians and frontiers (bench/report.h).
 #include "tools/batch/batch_report.h"
 
 #include <fmt/format.h>
@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "tools/bench_report.h"
+#include "tools/bench/report.h"
 
 namespace tessera {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
-#include "tools/terminal.h"
+#include "tools/cli/terminal.h"
 
 namespace tessera {
 

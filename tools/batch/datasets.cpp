@@ -11,8 +11,8 @@
 #include "ingest/files/input_folder.h"
 #include "ingest/ingest.h"
 #include "kernels/base/errors.h"
-#include "tools/ingest_batch.h"
-#include "tools/output_place.h"
+#include "tools/batch/ingest_batch.h"
+#include "tools/session/output_place.h"
 
 namespace tessera {
 namespace {

@@ -15,7 +15,7 @@
 #include <cstring>
 #include <thread>
 
-#include "ingest/child_process.h"
+#include "ingest/files/child_process.h"
 #include "kernels/base/errors.h"
 
 extern char** environ;

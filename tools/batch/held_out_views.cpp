@@ -1,5 +1,5 @@
 // What: which frames, their renders, and the folder that keeps them.
-// Not: rendering (recon4d/render.h).
+// Not: rendering (recon4d/evaluation/render.h).
 #include "tools/batch/held_out_views.h"
 
 #include <fmt/format.h>
@@ -12,13 +12,13 @@
 #include "ingest/files/fnv1a.h"
 #include "ingest/files/png.h"
 #include "kernels/base/errors.h"
-#include "recon4d/metrics.h"
-#include "recon4d/model_file.h"
-#include "recon4d/render.h"
-#include "recon4d/scene_scale.h"
-#include "tools/camera_views.h"
-#include "tools/run_folder.h"
-#include "tools/scene_lock.h"
+#include "recon4d/evaluation/metrics.h"
+#include "recon4d/evaluation/render.h"
+#include "recon4d/model/model_file.h"
+#include "recon4d/training/scene_scale.h"
+#include "tools/camera_paths/camera_views.h"
+#include "tools/session/run_folder.h"
+#include "tools/session/scene_lock.h"
 
 namespace tessera {
 namespace {

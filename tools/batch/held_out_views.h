@@ -1,6 +1,6 @@
 // What: a few held-out views of a run as small pictures beside the truth, drawn once, in
 //       RUN/held_out/.
-// Not: scores (tools/held_out_scores.h).
+// Not: scores (tools/session/held_out_scores.h).
 #pragma once
 #include <filesystem>
 #include <string>

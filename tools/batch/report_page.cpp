@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/byte_units.h"
-#include "tools/batch/page_words.h"
 #include "tools/batch/report_template.h"
+#include "tools/player/page_words.h"
 
 namespace tessera {
 namespace {

@@ -10,14 +10,14 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
-#include "tools/backend_choice.h"
 #include "tools/batch/batch_report.h"
 #include "tools/batch/held_out_views.h"
 #include "tools/batch/report_page.h"
-#include "tools/bench_picture.h"
-#include "tools/bench_report.h"
-#include "tools/interrupt.h"
-#include "tools/terminal.h"
+#include "tools/bench/picture.h"
+#include "tools/bench/report.h"
+#include "tools/cli/terminal.h"
+#include "tools/session/backend_choice.h"
+#include "tools/session/interrupt.h"
 
 namespace tessera {
 namespace {

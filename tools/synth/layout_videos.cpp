@@ -7,7 +7,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
-#include "ingest/llff_poses.h"
+#include "ingest/poses/llff_poses.h"
 #include "kernels/base/parallel.h"
 #include "tools/synth/layouts.h"
 #include "tools/synth/moving_masks.h"

@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <numbers>
 
-#include "ingest/pose_matrix.h"
+#include "ingest/poses/pose_matrix.h"
 #include "tools/synth/hash.h"
 
 namespace tessera::synth {

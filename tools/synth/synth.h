@@ -1,6 +1,7 @@
 // What: makes a textured dynamic capture with exact cameras and ground truth, seeded; the one door
 //       to this folder: options in, a folder on disk out.
-// Not: command-line parsing or printing (tools/cmd_synth.cpp), and nothing that training includes.
+// Not: command-line parsing or printing (tools/commands/synth.cpp), and nothing that training
+// includes.
 #pragma once
 #include <cstdint>
 #include <filesystem>

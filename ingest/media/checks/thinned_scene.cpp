@@ -4,18 +4,18 @@
 
 #include <algorithm>
 
-#include "ingest/alpha_composite.h"
-#include "ingest/capture_layout.h"
 #include "ingest/checks/stations.h"
-#include "ingest/colmap_model.h"
 #include "ingest/files/png.h"
-#include "ingest/llff_poses.h"
-#include "ingest/media/image_source.h"
-#include "ingest/media/picture_scale.h"
-#include "ingest/media/video_decoder.h"
-#include "ingest/media/video_timeline.h"
-#include "ingest/scene_reader.h"
-#include "ingest/transforms_json.h"
+#include "ingest/images/alpha_composite.h"
+#include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/scene_reader.h"
+#include "ingest/layouts/transforms_json.h"
+#include "ingest/media/images/image_source.h"
+#include "ingest/media/images/picture_scale.h"
+#include "ingest/media/video/video_decoder.h"
+#include "ingest/media/video/video_timeline.h"
+#include "ingest/poses/colmap_model.h"
+#include "ingest/poses/llff_poses.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {

@@ -1,0 +1,253 @@
+// What: robust least squares on the graph of pairs, and on the misses of one pair.
+// Not: media.
+#include "ingest/clocks/offset_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "kernels/base/median.h"
+
+namespace tessera {
+namespace {
+
+constexpr double kCauchy = 2.385;  // 95 % efficient where errors are normal
+
+double cauchy_weight(double error, double sigma) {
+  const double e = error / (kCauchy * sigma);
+  return 1 / (1 + e * e);
+}
+
+/// Which clocks the pairs connect with the largest group.
+std::vector<bool> largest_group(int count, const std::vector<PairOffset>& pairs) {
+  std::vector<int> group(static_cast<size_t>(count));
+  std::iota(group.begin(), group.end(), 0);
+  for (const PairOffset& pair : pairs) {
+    const int from = group[size_t(pair.b)], to = group[size_t(pair.a)];
+    std::replace(group.begin(), group.end(), from, to);
+  }
+  int best = 0;
+  int64_t most = 0;
+  for (const int candidate : group)
+    if (const int64_t n = std::count(group.begin(), group.end(), candidate); n > most)
+      most = n, best = candidate;
+  std::vector<bool> inside;
+  for (const int g : group) inside.push_back(most > 1 && g == best);
+  return inside;
+}
+
+using Table = std::vector<std::vector<double>>;
+
+/// Inverse of a symmetric positive matrix by Gauss and Jordan.
+Table inverse(Table m) {
+  const size_t n = m.size();
+  Table result(n, std::vector<double>(n));
+  for (size_t i = 0; i < n; ++i) result[i][i] = 1;
+  for (size_t column = 0; column < n; ++column) {
+    const double pivot = m[column][column];
+    for (size_t k = 0; k < n; ++k) m[column][k] /= pivot, result[column][k] /= pivot;
+    for (size_t row = 0; row < n; ++row) {
+      if (row == column) continue;
+      const double factor = m[row][column];
+      for (size_t k = 0; k < n; ++k) {
+        m[row][k] -= factor * m[column][k];
+        result[row][k] -= factor * result[column][k];
+      }
+    }
+  }
+  return result;
+}
+
+/// Covariance of offsets whose mean is held at 0 (the weak spring on the mean fixes the gauge and
+/// touches no difference), and the offsets themselves.
+Table solve_weighted(const std::vector<PairOffset>& pairs, const std::vector<double>& weights,
+                     const std::vector<bool>& inside, std::vector<double>& offsets) {
+  const size_t n = inside.size();
+  const double spring = *std::max_element(weights.begin(), weights.end());
+  Table normal(n, std::vector<double>(n));
+  std::vector<double> right(n);
+  for (size_t i = 0; i < n; ++i)
+    for (size_t j = 0; j < n; ++j)
+      if (inside[i] && inside[j]) normal[i][j] = spring;
+  for (size_t i = 0; i < n; ++i)
+    if (!inside[i]) normal[i][i] = 1;
+  for (size_t p = 0; p < pairs.size(); ++p) {
+    const size_t a = size_t(pairs[p].a), b = size_t(pairs[p].b);
+    if (!inside[a]) continue;
+    normal[a][a] += weights[p], normal[b][b] += weights[p];
+    normal[a][b] -= weights[p], normal[b][a] -= weights[p];
+    right[b] += weights[p] * pairs[p].offset, right[a] -= weights[p] * pairs[p].offset;
+  }
+  Table covariance = inverse(std::move(normal));
+  const double group = double(std::count(inside.begin(), inside.end(), true));
+  for (size_t i = 0; i < n; ++i)
+    offsets[i] = std::inner_product(right.begin(), right.end(), covariance[i].begin(), 0.0);
+  for (size_t i = 0; i < n; ++i)
+    covariance[i][i] -= 1 / (spring * group * group);  // the mean's own
+  return covariance;
+}
+
+constexpr double kPixels = 1;         // within which a miss agrees while the shift is sought
+constexpr size_t kFewestMisses = 24;  // that agree: 12 a parameter of a line, doubled
+constexpr double kCorrelation = 3;    // a texture's error lasts about nine frames: √9
+
+double error_of(const EpipolarMiss& m, const PairShift& at) {
+  return m.miss - m.slope * (at.shift + at.rate * m.seconds);
+}
+
+/// The best of a grid of shifts and rates within ±reach and ±rate_reach.
+PairShift most_votes(const std::vector<EpipolarMiss>& moving, double reach, double rate_reach,
+                     double frame_seconds) {
+  double longest = 0;
+  for (const EpipolarMiss& m : moving) longest = std::max(longest, std::abs(m.seconds));
+  const double step = 0.05 * frame_seconds;
+  const double rate_step = 0.25 * frame_seconds / std::max(longest, frame_seconds);
+  double best = -1;
+  PairShift found;
+  const int shifts = int(reach / step), rates = int(rate_reach / rate_step);
+  for (int k = -rates; k <= rates; ++k)
+    for (int i = -shifts; i <= shifts; ++i) {
+      const PairShift at{i * step, 0, 0, k * rate_step, 0};
+      double votes = 0;
+      for (const EpipolarMiss& m : moving) votes += cauchy_weight(error_of(m, at), kPixels);
+      const double size = std::abs(at.shift) + longest * std::abs(at.rate);
+      const double least = std::abs(found.shift) + longest * std::abs(found.rate);
+      if (votes > best || (votes == best && size < least)) best = votes, found = at;
+    }
+  return found;
+}
+
+/// The normal equations of a shift s and its rate r.
+struct ShiftEquations {
+  double ss = 0, sr = 0, rr = 0;  // left
+  double s = 0, r = 0;            // right
+  double determinant() const { return ss * rr - sr * sr; }
+  bool tells_rate() const { return determinant() > 1e-9 * ss * rr; }
+
+  void add(const EpipolarMiss& m, double error, double weight) {
+    const double by_rate = m.slope * m.seconds;
+    ss += weight * m.slope * m.slope, sr += weight * m.slope * by_rate;
+    rr += weight * by_rate * by_rate;
+    s += weight * m.slope * error, r += weight * by_rate * error;
+  }
+  void solve(bool with_rate, PairShift& at) const {
+    if (!with_rate || !tells_rate()) {
+      at.shift += s / ss;
+      return;
+    }
+    at.shift += (rr * s - sr * r) / determinant();
+    at.rate += (ss * r - sr * s) / determinant();
+  }
+};
+
+/// Iterated least squares from `at`, for the shift alone or with its rate. False where too few
+/// misses are near.
+bool refine(const std::vector<EpipolarMiss>& moving, bool with_rate, PairShift& at) {
+  double sigma = kPixels;
+  ShiftEquations equations;
+  for (int round = 0; round < 20; ++round) {
+    equations = {}, at.support = 0;
+    std::vector<double> near;
+    for (const EpipolarMiss& m : moving) {
+      const double error = error_of(m, at);
+      equations.add(m, error, cauchy_weight(error, sigma));
+      if (std::abs(error) < 3 * kPixels) near.push_back(std::abs(error));
+      at.support += std::abs(error) < kPixels ? 1 : 0;
+    }
+    if (near.size() < kFewestMisses) return false;
+    equations.solve(with_rate, at);
+    sigma = std::clamp(1.4826 * median(near), 0.05, kPixels);
+  }
+  at.sigma = kCorrelation * sigma / std::sqrt(equations.ss);
+  at.rate_sigma = equations.tells_rate()
+                      ? kCorrelation * sigma * std::sqrt(equations.ss / equations.determinant())
+                      : std::numeric_limits<double>::infinity();
+  return true;
+}
+
+/// Where fewer than a third agree, the matches are mostly wrong and any shift would do.
+bool is_agreed(const PairShift& at, size_t moving, double reach) {
+  return at.support >= kFewestMisses && 3 * at.support >= moving && std::abs(at.shift) <= reach;
+}
+
+}  // namespace
+
+double median_offset(std::vector<double> offsets) {
+  return offsets.empty() ? 0 : lower_median(std::move(offsets));
+}
+
+std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>& pairs) {
+  constexpr int kRounds = 30;
+  std::vector<SolvedOffset> solved(static_cast<size_t>(count));
+  if (pairs.empty()) return solved;
+  const std::vector<bool> inside = largest_group(count, pairs);
+  std::vector<double> offsets(solved.size()), weights;
+  for (const PairOffset& pair : pairs) weights.push_back(1 / (pair.sigma * pair.sigma));
+  Table covariance;
+  double spread = 1;  // how much worse the pairs agree than their errors say
+  for (int round = 0; round < kRounds; ++round) {
+    covariance = solve_weighted(pairs, weights, inside, offsets);
+    std::vector<double> misfit;
+    for (const PairOffset& pair : pairs)
+      misfit.push_back(pair.offset - (offsets[size_t(pair.b)] - offsets[size_t(pair.a)]));
+    std::vector<double> relative;
+    for (size_t p = 0; p < pairs.size(); ++p)
+      relative.push_back(std::abs(misfit[p]) / pairs[p].sigma);
+    spread = std::max(1.0, 1.4826 * median(relative));
+    for (size_t p = 0; p < pairs.size(); ++p)
+      weights[p] =
+          cauchy_weight(misfit[p], spread * pairs[p].sigma) / (pairs[p].sigma * pairs[p].sigma);
+  }
+  std::vector<double> known;
+  for (size_t i = 0; i < solved.size(); ++i)
+    if (inside[i]) known.push_back(offsets[i]);
+  const double middle = median_offset(known);
+  for (size_t i = 0; i < solved.size(); ++i)
+    if (inside[i])
+      solved[i] = {offsets[i] - middle, spread * std::sqrt(std::max(0.0, covariance[i][i])), true};
+  return solved;
+}
+
+std::vector<double> offset_limits(const std::vector<SolvedOffset>& solved,
+                                  const std::vector<double>& frame_seconds) {
+  constexpr double kLeast = 0.1, kMost = 0.25;  // frames
+  constexpr double kStandsOut = 5 * 1.4826;     // medians of sizes: five standard deviations
+  std::vector<double> sizes;                    // frames
+  for (size_t i = 0; i < solved.size(); ++i)
+    if (solved[i].determined)
+      sizes.push_back(std::abs(solved[i].offset) / std::max(frame_seconds[i], 1e-9));
+  const double middle = sizes.empty() ? 0 : median(sizes);
+  const double frames =
+      middle < kLeast ? std::max(kLeast, std::min(kStandsOut * middle, kMost)) : kLeast;
+  std::vector<double> limits;
+  for (size_t i = 0; i < solved.size(); ++i)
+    limits.push_back(solved[i].determined ? std::max(2 * solved[i].sigma, frames * frame_seconds[i])
+                                          : 0);
+  return limits;
+}
+
+std::optional<PairShift> shift_from_misses(const std::vector<EpipolarMiss>& misses, double reach,
+                                           double frame_seconds, double rate_reach) {
+  constexpr double kSlowest = 0.2;  // pixels a frame; slower points say nothing of time
+  std::vector<EpipolarMiss> moving;
+  for (const EpipolarMiss& m : misses)
+    if (std::abs(m.slope) * frame_seconds > kSlowest) moving.push_back(m);
+  if (moving.size() < kFewestMisses) return std::nullopt;
+  PairShift found = most_votes(moving, reach, 0, frame_seconds);
+  bool agreed = refine(moving, false, found) && is_agreed(found, moving.size(), reach);
+  if (rate_reach > 0 && (!agreed || 5 * found.support < 3 * moving.size())) {
+    PairShift drifting = most_votes(moving, reach, rate_reach, frame_seconds);
+    if (drifting.rate != 0 && refine(moving, true, drifting) &&
+        is_agreed(drifting, moving.size(), reach) &&
+        (!agreed || 4 * drifting.support > 5 * found.support))
+      return drifting;
+  }
+  if (!agreed) return std::nullopt;
+  PairShift line = found;  // the constant shift stays; how far from constant it is stands beside
+  if (!refine(moving, true, line)) line.rate_sigma = std::numeric_limits<double>::infinity();
+  found.rate = line.rate, found.rate_sigma = line.rate_sigma;
+  return found;
+}
+
+}  // namespace tessera

@@ -1,0 +1,78 @@
+// What: random pixels in rounds until there are enough points; one still point a voxel, one moving
+//       point a voxel and moment.
+// Not: the depth of a pixel (plane_sweep.h).
+#include "ingest/cloud/dense_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "ingest/cloud/plane_sweep.h"
+#include "kernels/base/parallel.h"
+#include "kernels/math/random.h"
+
+namespace tessera {
+namespace {
+
+/// Cells of one to two pixels where the point was found: 2^level world units wide.
+class Voxels {
+ public:
+  /// Whether nothing was there before.
+  bool take(const SweptPoint& point) {
+    const int level = int(std::floor(std::log2(point.pixel))) + 1;
+    const auto cell = [&](float x) { return int64_t(std::floor(std::ldexp(double(x), -level))); };
+    const float time = point.still ? -1 : point.time;
+    return taken_
+        .emplace(level, cell(point.position.x), cell(point.position.y), cell(point.position.z),
+                 time)
+        .second;
+  }
+
+ private:
+  std::set<std::tuple<int, int64_t, int64_t, int64_t, float>> taken_;
+};
+
+std::optional<SweptPoint> attempt(const Scene& scene, const PlaneSweep& sweep, uint64_t seed,
+                                  int64_t number) {
+  const RandomBlock random = philox(seed, RandomStream::kInitialise, uint64_t(number), 2);
+  const int frame = sweep.frames()[random.word[0] % uint32_t(sweep.frames().size())];
+  const Image8& image = scene.frames[size_t(frame)].image;
+  return sweep.find(frame, int(uniform(random.word[1]) * float(image.width)),
+                    int(uniform(random.word[2]) * float(image.height)));
+}
+
+void append(const SweptPoint& point, PointCloud& cloud) {
+  cloud.position.push_back(point.position);
+  cloud.colour.push_back(point.colour);
+  cloud.time.push_back(point.time);
+  cloud.still.push_back(point.still);
+}
+
+}  // namespace
+
+PointCloud dense_cloud(const Scene& scene, const CloudOptions& options) {
+  constexpr int64_t kRound = 8192, kGrain = 64;  // pixels
+  PointCloud cloud;
+  if (scene.training_cameras().empty()) return cloud;
+  const PlaneSweep sweep(scene);
+  if (sweep.frames().empty()) return cloud;
+  Voxels voxels;
+  std::vector<std::optional<SweptPoint>> found;
+  const int64_t tries = kTriesAPoint * options.points;
+  for (int64_t begin = 0; begin < tries; begin += kRound) {
+    found.resize(size_t(std::min(kRound, tries - begin)));
+    if (options.progress) options.progress(int64_t(cloud.position.size()));
+    parallel_for(int64_t(found.size()), kGrain, [&](int64_t from, int64_t to) {
+      for (int64_t i = from; i < to; ++i)
+        found[size_t(i)] = attempt(scene, sweep, options.seed, begin + i);
+    });
+    for (const std::optional<SweptPoint>& point : found) {
+      if (int64_t(cloud.position.size()) == options.points) return cloud;
+      if (point && voxels.take(*point)) append(*point, cloud);
+    }
+  }
+  return cloud;
+}
+
+}  // namespace tessera

@@ -1,0 +1,111 @@
+// What: whether a capture is a rig, a thinned load of the prepared scene, the sweep on it.
+// Not: files: points.ply is written with the scene.
+// Source: scores with few cameras: failure mode B12.
+#include "ingest/cloud/initial_cloud.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "ingest/clocks/moments.h"
+#include "ingest/cloud/dense_cloud.h"
+#include "ingest/files/point_cloud.h"
+#include "ingest/layouts/scene_reader.h"
+
+namespace tessera {
+namespace {
+
+constexpr int64_t kFewestCameras = 3;  // that a depth is agreed on by
+
+std::vector<Moment> training_moments(const PreparedScene& scene) {
+  std::vector<FrameTime> times;
+  for (size_t i = 0; i < scene.frames.size(); ++i) {
+    const Frame& frame = scene.frames[i].frame;
+    if (frame.split == Split::kTrain) times.push_back({frame.camera_name, frame.time, int(i)});
+  }
+  return group_moments(times);
+}
+
+/// Moments whose training pictures fit into the memory that the sweep may take.
+int64_t instants_in_memory(const PreparedScene& scene) {
+  constexpr int64_t kBytes = int64_t{1} << 30, kMost = 8, kFewest = 2;
+  int64_t largest = 1;
+  for (const Moment& moment : training_moments(scene)) {
+    int64_t bytes = 0;
+    for (int i : moment.frames) {
+      const Camera& camera = scene.frames[size_t(i)].frame.camera;
+      bytes += int64_t{3} * camera.width * camera.height;
+    }
+    largest = std::max(largest, bytes);
+  }
+  return std::clamp(kBytes / largest, kFewest, kMost);
+}
+
+/// Dense by itself for rigs; photo sets have their COLMAP points, and far too many pictures a
+/// moment.
+CloudDensity density(const PreparedScene& scene, const PointCloud& sparse,
+                     const IngestOptions& options) {
+  if (scene.layout == "transforms" && !sparse.still.empty() && options.cloud != CloudDensity::kNone)
+    return CloudDensity::kSparse;
+  if (options.cloud) return *options.cloud;
+  return scene.layout != "colmap" && cameras_of_a_moment(scene) >= kFewestCameras
+             ? CloudDensity::kDense
+             : CloudDensity::kSparse;
+}
+
+}  // namespace
+
+int64_t cameras_of_a_moment(const PreparedScene& scene) {
+  size_t most = 0;
+  for (const Moment& moment : training_moments(scene)) {
+    std::set<std::string> names;
+    for (int i : moment.frames) names.insert(scene.frames[size_t(i)].frame.camera_name);
+    most = std::max(most, names.size());
+  }
+  return int64_t(most);
+}
+
+PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScene& scene,
+                         PointCloud sparse, const IngestOptions& options,
+                         const IngestProgress& progress, std::vector<std::string>& warnings) {
+  switch (density(scene, sparse, options)) {
+    case CloudDensity::kNone:
+      return {};
+    case CloudDensity::kSparse:
+      return sparse;
+    case CloudDensity::kDense:
+      break;
+  }
+  SceneOptions thinned;
+  thinned.allow_static = true;
+  thinned.instants = instants_in_memory(scene);
+  CloudOptions cloud;
+  cloud.points = options.cloud_points;
+  cloud.progress = [&](int64_t done) { progress("initial cloud", done, options.cloud_points); };
+  cloud.progress(0);
+  const PointCloud found = dense_cloud(load_scene(folder, thinned), cloud);
+  if (found.position.empty())
+    warnings.push_back(
+        fmt::format("no dense cloud: {}; the training starts from {}",
+                    cameras_of_a_moment(scene) < kFewestCameras
+                        ? "no three training cameras show the same moment"
+                        : "the cameras agree on the depth of no pixel, check their poses",
+                    sparse.position.empty() ? "random points" : "the sparse points"));
+  progress("initial cloud", options.cloud_points, options.cloud_points);
+  add_points(sparse, found);
+  return sparse;
+}
+
+void warn_of_few_cameras(const PreparedScene& scene, std::vector<std::string>& warnings) {
+  constexpr int64_t kFew = 6;
+  const int64_t cameras = cameras_of_a_moment(scene);
+  const bool monocular = scene.layout == "transforms" ? cameras < 2 : scene.cameras.size() < 2;
+  if (scene.layout == "colmap" || monocular || cameras >= kFew) return;
+  warnings.push_back(fmt::format(
+      "{} training camera{}: new views will be poor; published methods lose 10 to 14 dB "
+      "on N3DV with 4 cameras instead of all; {} or more are advised",
+      cameras, cameras == 1 ? "" : "s", kFew));
+}
+
+}  // namespace tessera

@@ -1,0 +1,253 @@
+// What: the search along a pixel's ray, the check from another camera, and what changes over time.
+// Not: patches (patch.h) or moments (moments.h).
+#include "ingest/cloud/plane_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "ingest/clocks/moments.h"
+
+namespace tessera {
+namespace {
+
+constexpr double kNearest = 0.25, kFarthest = 4;  // of the distance to the rig's focus
+constexpr size_t kNeighbours = 8;                 // cameras that a pixel is compared with
+constexpr double kPixelsAPlane = 1.5;             // most that a pixel moves in a median neighbour
+constexpr int kFewestPlanes = 48, kMostPlanes = 256;
+constexpr int kValley = 3;             // planes on either side of the best that belong to it
+constexpr double kFineStep = 0.25;     // of a plane
+constexpr float kLeastTexture = 2;     // of a patch, levels
+constexpr float kMostDifference = 12;  // of agreeing patches, levels
+constexpr float kMostUnlike = 0.7f;    // of agreeing patches, by their texture
+constexpr float kMostGain = 48;        // difference of their brightness, levels
+constexpr float kDistinct = 1.15f;     // second valley ÷ best
+constexpr float kNoAgreement = 1e9f;
+constexpr double kSamePoint = 1.5;   // pixels between a point and where the other camera has it
+constexpr float kStill = 4;          // change over time of a still pixel, levels
+constexpr size_t kStillMoments = 8;  // moments at which a pixel is looked at
+
+bool is_ignored(const Image8& mask, int x, int y) {
+  return !mask.data.empty() && mask.data[size_t(y) * size_t(mask.width) + size_t(x)] == 0;
+}
+
+/// A camera along another's ray: pixel position at inverse depth w of that ray, (a + w b) / z.
+struct Line {
+  const Image8 *image, *mask;
+  const GreyImage* grey;
+  const Camera* camera;
+  int frame;
+  glm::dvec3 a, b;
+
+  /// False behind the camera, outside its picture, or where its mask ignores the pixel.
+  bool at(double w, double& u, double& v) const {
+    const glm::dvec3 p = a + w * b;
+    if (p.z <= 0) return false;
+    u = camera->fl_x * p.x / p.z + camera->cx, v = camera->fl_y * p.y / p.z + camera->cy;
+    if (!(u >= 0 && v >= 0 && u < image->width && v < image->height)) return false;
+    return has_patch(*image, int(u), int(v)) && !is_ignored(*mask, int(u), int(v));
+  }
+};
+
+}  // namespace
+
+struct PlaneSweep::Depth {
+  double inverse;    // of the depth along the camera's axis
+  int best;          // frame that agrees most
+  glm::dvec3 point;  // world units
+};
+
+struct PlaneSweep::Search {
+  Patch patch;
+  GreyPatch grey;
+  std::vector<Line> lines;
+  double farthest, step;  // inverse depth of plane 0, and from one plane to the next
+  int planes;
+
+  double inverse(double plane) const { return farthest + step * plane; }
+
+  using Costs = std::array<std::pair<float, int>, kNeighbours>;  // with the frame
+
+  /// Mean over the better half of the other cameras, so that occluded ones have no say.
+  static float better_half(Costs& costs, size_t count) {
+    if (count < 2) return kNoAgreement;
+    const size_t half = std::max<size_t>(2, (count + 1) / 2);
+    std::partial_sort(costs.begin(), costs.begin() + long(half), costs.begin() + long(count));
+    float sum = 0;
+    for (size_t i = 0; i < half; ++i) sum += costs[i].first;
+    return sum / float(half);
+  }
+  /// In grey, at whole pixels.
+  float coarse(double plane) const {
+    Costs costs{};
+    size_t count = 0;
+    double u, v;
+    for (const Line& line : lines) {
+      if (!line.at(inverse(plane), u, v)) continue;
+      const GreyPatch other = grey_patch_at(*line.grey, int(u), int(v));
+      if (std::abs(grey.sum - other.sum) > kMostGain * Patch::kPixels) continue;
+      costs[count++] = {difference(grey, other), line.frame};
+    }
+    return better_half(costs, count);
+  }
+  /// In colour, between pixels; `best` becomes the frame that agrees most.
+  float fine(double plane, int& best) const {
+    Costs costs{};
+    size_t count = 0;
+    double u, v;
+    for (const Line& line : lines) {
+      if (!line.at(inverse(plane), u, v)) continue;
+      const Patch other = patch_between(*line.image, u, v);
+      if (brightness_difference(patch, other) > kMostGain) continue;
+      costs[count++] = {difference(patch, other), line.frame};
+    }
+    const float cost = better_half(costs, count);
+    best = costs[0].second;
+    return cost;
+  }
+
+  /// The best plane, if no other valley is nearly as deep.
+  std::optional<int> best_plane() const {
+    std::array<float, kMostPlanes> costs{};
+    for (int k = 0; k < planes; ++k) costs[size_t(k)] = coarse(k);
+    const int best = int(std::min_element(costs.begin(), costs.begin() + planes) - costs.begin());
+    const float least = costs[size_t(best)];
+    if (least >= kNoAgreement) return std::nullopt;
+    for (int k = 0; k < planes; ++k)
+      if (std::abs(k - best) > kValley && costs[size_t(k)] < kDistinct * least) return std::nullopt;
+    return best;
+  }
+
+  /// Between planes: bilinear patches in fine steps, then the vertex of the parabola through the
+  /// best and its neighbours.
+  double refined(int plane) const {
+    constexpr int kSteps = 4;  // on either side
+    std::array<float, size_t(2 * kSteps + 1)> costs;
+    int agreeing;
+    for (int i = 0; i <= 2 * kSteps; ++i)
+      costs[size_t(i)] = fine(plane + kFineStep * (i - kSteps), agreeing);
+    const int best = int(std::min_element(costs.begin(), costs.end()) - costs.begin());
+    double vertex = 0;
+    if (best > 0 && best < 2 * kSteps && costs[size_t(best) - 1] < kNoAgreement &&
+        costs[size_t(best) + 1] < kNoAgreement) {
+      const double a = costs[size_t(best) - 1], b = costs[size_t(best)],
+                   c = costs[size_t(best) + 1];
+      if (a - 2 * b + c > 0) vertex = 0.5 * (a - c) / (a - 2 * b + c);
+    }
+    return plane + kFineStep * (best - kSteps + vertex);
+  }
+};
+
+PlaneSweep::PlaneSweep(const Scene& scene)
+    : scene_(scene), rig_(make_camera_rig(scene.training_cameras())) {
+  std::vector<FrameTime> times;
+  for (int i : scene.split_indices(Split::kTrain)) {
+    const Frame& frame = scene.frames[size_t(i)];
+    times.push_back({frame.camera_name, frame.time, i});
+    cameras_[frame.camera_name].push_back(i);
+  }
+  for (const Moment& moment : group_moments(times))
+    if (moment.frames.size() >= 3) choose_neighbours(moment.frames);
+}
+
+/// The cameras that stand nearest: the more they differ, the less they see of the same side.
+void PlaneSweep::choose_neighbours(const std::vector<int>& frames) {
+  for (int frame : frames) {
+    const glm::dvec3 eye = scene_.frames[size_t(frame)].camera.position();
+    std::vector<std::pair<double, int>> others;
+    for (int other : frames)
+      if (other != frame)
+        others.emplace_back(glm::distance(eye, scene_.frames[size_t(other)].camera.position()),
+                            other);
+    std::sort(others.begin(), others.end());
+    others.resize(std::min(others.size(), kNeighbours));
+    for (const auto& [distance, other] : others) neighbours_[frame].push_back(other);
+    usable_.push_back(frame);
+    grey_.emplace(frame, grey_image(scene_.frames[size_t(frame)].image));
+  }
+}
+
+std::optional<PlaneSweep::Depth> PlaneSweep::search(int index, int x, int y) const {
+  const Frame& frame = scene_.frames[size_t(index)];
+  if (!has_patch(frame.image, x, y) || is_ignored(frame.mask, x, y)) return std::nullopt;
+  Search search;
+  search.patch = patch_at(frame.image, x, y);
+  search.grey = grey_patch_at(grey_.at(index), x, y);
+  const float structure = texture(search.patch);
+  if (structure < kLeastTexture) return std::nullopt;
+  const Camera& camera = frame.camera;
+  const glm::dmat3 world_from_cam = glm::transpose(camera.cam_from_world);
+  const glm::dvec3 eye = camera.position();
+  const glm::dvec3 ray = world_from_cam * glm::dvec3((x + 0.5 - camera.cx) / camera.fl_x,
+                                                     (y + 0.5 - camera.cy) / camera.fl_y, 1);
+  const std::vector<int>& others = neighbours_.at(index);
+  for (int i : others) {
+    const Frame& other = scene_.frames[size_t(i)];
+    search.lines.push_back({&other.image, &other.mask, &grey_.at(i), &other.camera, i,
+                            other.camera.cam_from_world * ray,
+                            other.camera.cam_from_world * eye + other.camera.translation});
+  }
+  search.farthest = 1 / (kFarthest * rig_.distance);
+  const double range = 1 / (kNearest * rig_.distance) - search.farthest;
+  const Camera& median = scene_.frames[size_t(others[others.size() / 2])].camera;
+  const double shift = median.fl_x * glm::distance(median.position(), eye) * range;  // pixels
+  search.planes = std::clamp(int(shift / kPixelsAPlane), kFewestPlanes, kMostPlanes);
+  search.step = range / (search.planes - 1);
+
+  const std::optional<int> plane = search.best_plane();
+  if (!plane) return std::nullopt;
+  const double fine = search.refined(*plane);
+  int best = -1;
+  if (!(search.fine(fine, best) < std::min(kMostDifference, kMostUnlike * structure)))
+    return std::nullopt;
+  const double inverse = search.inverse(fine);
+  if (!(inverse > 0)) return std::nullopt;
+  return Depth{inverse, best, eye + ray / inverse};
+}
+
+/// Whether the search from the other camera's pixel ends at the same place, as `frame` sees it.
+bool PlaneSweep::confirmed(int frame, const glm::dvec3& point, int by) const {
+  const auto pixel = [&](const Camera& camera, const glm::dvec3& p) {
+    const glm::dvec3 q = camera.cam_from_world * p + camera.translation;
+    return glm::dvec2(camera.fl_x * q.x / q.z + camera.cx, camera.fl_y * q.y / q.z + camera.cy);
+  };
+  const glm::dvec2 there = pixel(scene_.frames[size_t(by)].camera, point);
+  const std::optional<Depth> back = search(by, int(there.x), int(there.y));
+  if (!back) return false;
+  const Camera& camera = scene_.frames[size_t(frame)].camera;
+  return glm::distance(pixel(camera, back->point), pixel(camera, point)) <= kSamePoint;
+}
+
+bool PlaneSweep::still(int index, int x, int y) const {
+  const Frame& frame = scene_.frames[size_t(index)];
+  const Patch patch = patch_at(frame.image, x, y);
+  const std::vector<int>& frames = cameras_.at(frame.camera_name);
+  const size_t count = std::min(frames.size(), kStillMoments), last = frames.size() - 1;
+  for (size_t i = 0; i < count; ++i) {  // the first and the last are among them
+    const size_t moment = count > 1 ? i * last / (count - 1) : 0;
+    const Frame& other = scene_.frames[size_t(frames[moment])];
+    if (other.camera.cam_from_world != frame.camera.cam_from_world ||
+        other.camera.translation != frame.camera.translation)
+      return true;  // the camera moves: the pixel tells nothing
+    const Patch then = patch_at(other.image, x, y);
+    if (difference(patch, then) > kStill || brightness_difference(patch, then) > kStill)
+      return false;
+  }
+  return true;
+}
+
+std::optional<SweptPoint> PlaneSweep::find(int index, int x, int y) const {
+  const std::optional<Depth> depth = search(index, x, y);
+  if (!depth || !confirmed(index, depth->point, depth->best)) return std::nullopt;
+  const Frame& frame = scene_.frames[size_t(index)];
+  const uint8_t* rgb =
+      frame.image.data.data() + 3 * (size_t(y) * size_t(frame.image.width) + size_t(x));
+  return SweptPoint{glm::vec3(depth->point),
+                    {rgb[0], rgb[1], rgb[2]},
+                    float(frame.time),
+                    still(index, x, y),
+                    float(1 / (depth->inverse * frame.camera.fl_x))};
+}
+
+}  // namespace tessera

@@ -1,0 +1,53 @@
+// What: the depth of a pixel where the other cameras of its moment agree with it.
+// Not: which pixels are tried and how many points are kept (dense_cloud.h), and no monocular
+//      captures: there no two cameras share a moment.
+// Source: plane sweep after [Collins96]; the cross-camera check is stereo's left-right check.
+#pragma once
+#include <map>
+#include <optional>
+
+#include "ingest/cloud/patch.h"
+#include "ingest/scene.h"
+#include "kernels/base/camera_rig.h"
+
+namespace tessera {
+
+/// A point with what the pictures say about it.
+struct SweptPoint {
+  glm::vec3 position;             // world units
+  std::array<uint8_t, 3> colour;  // of the picture it was found in
+  float time;                     // normalised moment of that picture
+  bool still;                     // that pixel looks the same at other moments of the clip
+  float pixel;                    // size of a pixel there, world units
+};
+
+/// Takes a byte for each pixel of `scene`. Depths between a quarter of and four times the cameras'
+/// distance to what they look at.
+class PlaneSweep {
+ public:
+  /// Looks at the training frames only. `scene` must outlive this.
+  explicit PlaneSweep(const Scene& scene);
+  /// Frames with at least two others of their moment, indices into Scene::frames.
+  const std::vector<int>& frames() const { return usable_; }
+  /// None where a mask ignores the pixel, or without texture, agreement, a distinct best depth, or
+  /// the other camera's consent.
+  std::optional<SweptPoint> find(int frame, int x, int y) const;
+
+ private:
+  struct Depth;   // what a search along a ray found
+  struct Search;  // a pixel with the cameras that it is compared with
+
+  std::optional<Depth> search(int frame, int x, int y) const;
+  bool confirmed(int frame, const glm::dvec3& point, int by) const;
+  bool still(int frame, int x, int y) const;
+  void choose_neighbours(const std::vector<int>& frames);
+
+  const Scene& scene_;
+  CameraRig rig_;
+  std::vector<int> usable_;
+  std::map<int, std::vector<int>> neighbours_;       // frame → the nearest of its moment
+  std::map<std::string, std::vector<int>> cameras_;  // camera → its training frames
+  std::map<int, GreyImage> grey_;                    // of usable_
+};
+
+}  // namespace tessera

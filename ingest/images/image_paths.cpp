@@ -1,0 +1,79 @@
+// What: the rules for picture files that transforms files leave implicit.
+// Not: a search through folders: only the stated path and its extensions are tried.
+#include "ingest/images/image_paths.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string_view>
+
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::array<std::string_view, 8> kExtensions{".png",  ".jpg", ".jpeg", ".webp",
+                                                      ".tiff", ".tif", ".bmp",  ".exr"};
+
+std::filesystem::path with_slashes(std::string file_path) {
+  std::replace(file_path.begin(), file_path.end(), '\\', '/');
+  return file_path;
+}
+
+}  // namespace
+
+bool is_picture_name(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+}
+
+bool is_file(const std::filesystem::path& path) {
+  std::error_code unreachable;
+  return std::filesystem::is_regular_file(path, unreachable);
+}
+
+std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> pictures;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (is_file(entry.path()) && is_picture_name(entry.path()) &&
+        !entry.path().filename().string().starts_with('.'))
+      pictures.push_back(entry.path());
+  std::sort(pictures.begin(), pictures.end());
+  return pictures;
+}
+
+std::filesystem::path find_image(const std::filesystem::path& folder,
+                                 const std::string& file_path) {
+  const std::filesystem::path stated = folder / with_slashes(file_path);
+  const auto with = [&](std::string_view extension) {
+    std::filesystem::path path = stated;
+    return path += extension;
+  };
+  if (const auto png = with(".png"); is_file(png)) return png;
+  if (is_file(stated)) return stated;
+  for (const std::string_view extension : kExtensions)
+    if (const auto path = with(extension); is_file(path)) return path;
+  return {};
+}
+
+std::filesystem::path require_image(const std::filesystem::path& folder,
+                                    const std::string& file_path, const std::string& where) {
+  if (auto found = find_image(folder, file_path); !found.empty()) return found;
+  const std::filesystem::path stated = folder / with_slashes(file_path);
+  throw InputError(fmt::format("{}: no such picture as {}{}; restore it or remove the frame", where,
+                               stated.string(), is_picture_name(stated) ? "" : "(.png)"));
+}
+
+std::string name_of_image(const std::string& file_path) {
+  const std::filesystem::path stated = with_slashes(file_path);
+  std::filesystem::path name;
+  for (const std::filesystem::path& part : stated.relative_path().lexically_normal())
+    if (part != "." && part != ".." && !part.empty()) name /= part;
+  if (is_picture_name(name)) name.replace_extension();
+  return name.generic_string();
+}
+
+}  // namespace tessera

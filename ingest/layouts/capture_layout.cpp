@@ -1,0 +1,182 @@
+// What: a capture's layout by the files that are there.
+// Not: a look inside them; a broken file is its reader's to report.
+#include "ingest/layouts/capture_layout.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include "ingest/files/input_folder.h"
+#include "ingest/images/image_paths.h"
+#include "ingest/layouts/transforms_json.h"
+#include "ingest/poses/colmap_model.h"
+#include "ingest/poses/llff_poses.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder) {
+  constexpr std::array<const char*, 5> kExtensions{".mp4", ".mkv", ".mov", ".avi", ".webm"};
+  std::vector<std::filesystem::path> videos;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    std::string extension = entry.path().extension().string();
+    for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
+    const bool is_video =
+        std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+    const bool is_hidden = entry.path().filename().string().front() == '.';
+    std::error_code unreachable;  // a link to itself is opened later, and named then
+    if (is_video && !is_hidden && !entry.is_directory(unreachable)) videos.push_back(entry.path());
+  }
+  std::sort(videos.begin(), videos.end());
+  return videos;
+}
+
+const char* layout_name(CaptureLayout layout) {
+  switch (layout) {
+    case CaptureLayout::kTransforms:
+      return "transforms";
+    case CaptureLayout::kN3dv:
+      return "n3dv";
+    case CaptureLayout::kColmap:
+      return "colmap";
+    case CaptureLayout::kLlff:
+      return "llff";
+    case CaptureLayout::kVideos:
+      return "videos";
+    case CaptureLayout::kSequences:
+      return "sequences";
+    case CaptureLayout::kPhotos:
+      return "photos";
+  }
+  return "";
+}
+
+bool has_pictures(const std::filesystem::path& capture) {
+  if (!pictures_in(capture).empty()) return true;
+  for (const auto& entry : std::filesystem::directory_iterator(capture)) {
+    std::error_code unreachable;
+    if (entry.path().filename().string().starts_with("images") && entry.is_directory(unreachable) &&
+        !pictures_in(entry.path()).empty())
+      return true;
+  }
+  return false;
+}
+
+namespace {
+
+/// Rows of the capture's poses_bounds.npy; 0 where it cannot be read, which its reader reports.
+size_t llff_rows(const std::filesystem::path& capture) {
+  try {
+    return read_llff_poses(capture / "poses_bounds.npy").size();
+  } catch (const InputError&) {
+    return 0;
+  }
+}
+
+/// Whether the images are those of a rig. Poses of photos decide where there are some: LLFF has a
+/// row a picture, a rig a row a camera. Errors: AmbiguousCapture.
+bool has_image_rig(const std::filesystem::path& capture, std::optional<ImageReading> reading) {
+  if (reading) return *reading == ImageReading::kRig;
+  const ImageSequences found = find_image_sequences(capture);
+  if (found.evidence == RigEvidence::kNone) return false;
+  const bool posed = std::filesystem::exists(capture / "poses_bounds.npy");
+  if (posed && !found.in_folders) return llff_rows(capture) == found.cameras.size();
+  if (posed || found.evidence == RigEvidence::kRig) return true;
+  throw AmbiguousCapture(fmt::format(
+      "{}: has {}: one moving scene filmed by {} cameras, or photos of {}; pass --layout rig for "
+      "the former, --layout photos for the latter",
+      capture.string(), found.seen, found.cameras.size(),
+      found.in_folders
+          ? fmt::format("{} scenes that stand still, each a capture", found.cameras.size())
+          : "one scene that stands still"));
+}
+
+bool is_sequences(std::optional<ImageReading> reading) {
+  return reading && *reading != ImageReading::kPhotos;
+}
+
+}  // namespace
+
+CaptureLayout detect_layout(const std::filesystem::path& capture,
+                            std::optional<ImageReading> reading) {
+  require_folder(capture);
+  if (is_sequences(reading)) return CaptureLayout::kSequences;
+  if (has_transforms(capture)) return CaptureLayout::kTransforms;
+  const bool has_videos = !videos_in(capture).empty();
+  if (has_videos && std::filesystem::exists(capture / "poses_bounds.npy"))
+    return CaptureLayout::kN3dv;
+  if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
+  if (!has_videos && has_image_rig(capture, reading)) return CaptureLayout::kSequences;
+  const bool has_photos = has_pictures(capture);
+  if (has_photos && std::filesystem::exists(capture / "poses_bounds.npy"))
+    return CaptureLayout::kLlff;
+  if (has_videos) return CaptureLayout::kVideos;
+  if (has_photos && std::filesystem::exists(capture / "sparse"))
+    throw InputError(fmt::format(
+        "{}: holds no COLMAP model (cameras.bin or cameras.txt, in it or in sparse/0); restore it, "
+        "or remove the folder to have poses estimated",
+        (capture / "sparse").string()));
+  if (has_photos) return CaptureLayout::kPhotos;
+  throw InputError(fmt::format(
+      "{}: no transforms.json, no transforms_train.json, no COLMAP model (sparse/0 or sparse with "
+      "cameras.bin or cameras.txt), no videos (*.mp4, *.mkv, *.mov, *.avi, *.webm) and no pictures "
+      "(in images or beside each other) in it; name the folder that holds the capture",
+      capture.string()));
+}
+
+CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOptions& options) {
+  const std::string& poses = options.poses.source;
+  if (options.layout) return *options.layout;
+  const bool of_cameras = !poses.empty() && poses != "colmap" && poses != "llff";
+  std::optional<ImageReading> reading = options.reading;
+  // poses of cameras are no photos': images that could be either are a rig's
+  if (of_cameras && !reading && std::filesystem::is_directory(capture) &&
+      videos_in(capture).empty() && find_image_sequences(capture).evidence != RigEvidence::kNone)
+    reading = ImageReading::kRig;
+  const CaptureLayout detected = detect_layout(capture, reading);
+  if (poses.empty() || detected == CaptureLayout::kSequences) return detected;
+  const bool has_videos = !videos_in(capture).empty();
+  if (poses == "llff") return CaptureLayout::kLlff;
+  if (poses == "n3dv") {
+    if (detected == CaptureLayout::kN3dv) return detected;
+    throw InputError(fmt::format(
+        "{}: has no videos with a poses_bounds.npy, which --poses n3dv reads; add the file or "
+        "leave --poses out",
+        capture.string()));
+  }
+  if (poses == "colmap") {
+    if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
+    return has_videos ? CaptureLayout::kVideos : CaptureLayout::kPhotos;
+  }
+  if (!std::filesystem::is_regular_file(poses))
+    throw InputError(fmt::format(
+        "--poses '{}': no such file; expected n3dv, llff, colmap or a file of cameras", poses));
+  if (!has_videos)
+    throw InputError(fmt::format(
+        "{}: has neither videos nor numbered images of several cameras, and --poses {} is for "
+        "those; leave it out",
+        capture.string(), poses));
+  return CaptureLayout::kVideos;
+}
+
+std::vector<ImageSequence> sequences_of(const std::filesystem::path& capture,
+                                        std::optional<ImageReading> reading) {
+  if (reading == ImageReading::kMoving) {
+    for (const auto& folder : {capture, capture / "images"})
+      if (std::filesystem::is_directory(folder) && !pictures_in(folder).empty())
+        return {single_sequence(folder)};
+    throw InputError(fmt::format(
+        "{}: has no images, in it or in images, which --layout moving reads", capture.string()));
+  }
+  ImageSequences found = find_image_sequences(capture);
+  if (found.cameras.size() < 2)
+    throw InputError(fmt::format(
+        "{}: --layout rig is given, but there are no numbered images of several cameras; expected "
+        "a folder a camera (cam00/000000.jpg) or names like cam00_000000.jpg",
+        capture.string()));
+  return std::move(found.cameras);
+}
+
+}  // namespace tessera

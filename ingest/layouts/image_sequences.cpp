@@ -1,0 +1,210 @@
+// What: names → camera and number, the groups these make, and how much they look like a rig.
+// Not: a search below the folders that are named in the header.
+#include "ingest/layouts/image_sequences.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+
+#include "ingest/held_out_cameras.h"
+#include "ingest/images/image_paths.h"
+#include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/transforms_json.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct NumberedName {
+  std::string camera;  // may be empty
+  int64_t number = 0;
+};
+
+constexpr auto kNoCase = std::regex::ECMAScript | std::regex::icase | std::regex::optimize;
+
+/// "cam00", "Camera_B1", "3", "00_12": what folders or names of cameras are called.
+bool is_camera_name(const std::string& name) {
+  static const std::regex kCamera(
+      R"((?:(?:cam|camera|kinect|gopro|view|device|sensor|cn|hd|vga)[ _-]?[a-z]?|c|v)?)"
+      R"(\d{1,5}(?:[_-]\d{1,3})?)",
+      kNoCase);
+  return std::regex_match(name, kCamera);
+}
+
+/// The stem's last number, and what stands before it without separators and the word "frame" or
+/// the like; nothing where the stem ends with no number, or one that is no frame's.
+std::optional<NumberedName> parse_stem(const std::string& stem) {
+  static const std::regex kCameraLast(
+      R"((?:(?:frame|img|image|f|t)[_-]?)?(\d{1,9})[_-]((?:cam|camera|view)[_-]?[a-z]?\d{1,4}))",
+      kNoCase);
+  static const std::regex kNumberLast(R"((.*?)(\d{1,9}))", kNoCase);
+  static const std::regex kWordOfFrames(R"((?:(.*\d)|(?:(.*)[ ._-])|)(?:img|image|frame|f|t))",
+                                        kNoCase);
+  std::smatch match;
+  if (std::regex_match(stem, match, kCameraLast))
+    return NumberedName{match[2], std::stoll(match[1])};
+  if (!std::regex_match(stem, match, kNumberLast)) return std::nullopt;
+  NumberedName name{match[1], std::stoll(match[2])};
+  const auto strip = [&] {
+    while (!name.camera.empty() &&
+           std::string(" ._-").find(name.camera.back()) != std::string::npos)
+      name.camera.pop_back();
+  };
+  strip();
+  const std::string words = name.camera;
+  if (std::regex_match(words, match, kWordOfFrames)) {
+    name.camera = match[1].matched ? match[1] : match[2];
+    strip();
+  }
+  return name;
+}
+
+/// The images by camera; nothing where one is not numbered or a number comes twice.
+std::map<std::string, ImageSequence> sequences_by_name(const fs::path& folder) {
+  std::map<std::string, ImageSequence> cameras;
+  for (const fs::path& file : pictures_in(folder)) {
+    const auto name = parse_stem(file.stem().string());
+    if (!name) return {};
+    ImageSequence& camera = cameras[name->camera];
+    camera.camera = name->camera, camera.path = folder / name->camera;
+    camera.images.push_back({name->number, file});
+  }
+  for (auto& [name, camera] : cameras) {
+    const auto by_number = [](const NumberedImage& a, const NumberedImage& b) {
+      return a.number < b.number;
+    };
+    std::stable_sort(camera.images.begin(), camera.images.end(), by_number);
+    const auto twice = std::adjacent_find(
+        camera.images.begin(), camera.images.end(),
+        [](const NumberedImage& a, const NumberedImage& b) { return a.number == b.number; });
+    if (twice != camera.images.end()) return {};
+  }
+  return cameras;
+}
+
+std::vector<fs::path> folders_in(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  std::error_code unreachable;
+  for (const auto& entry : fs::directory_iterator(folder, unreachable)) {
+    std::error_code unresolved;
+    const std::string name = entry.path().filename().string();
+    if (entry.is_directory(unresolved) && !name.starts_with('.') && !name.starts_with("images"))
+      folders.push_back(entry.path());
+  }
+  return folders;
+}
+
+/// A folder with poses is a capture, not a camera of one.
+bool is_posed_capture(const fs::path& folder) {
+  return has_transforms(folder) || fs::exists(folder / "sparse") ||
+         fs::exists(folder / "poses_bounds.npy");
+}
+
+/// The sub-folders that hold one sequence each; only those named as cameras where two are.
+std::vector<ImageSequence> sequences_by_folder(const fs::path& folder) {
+  std::vector<ImageSequence> cameras;
+  for (const fs::path& candidate : folders_in(folder)) {
+    if (is_posed_capture(candidate)) continue;
+    const fs::path inner = candidate / "images";
+    const fs::path place = fs::is_directory(inner) ? inner : candidate;
+    auto sequences = sequences_by_name(place);
+    if (sequences.size() != 1) continue;
+    ImageSequence& camera = cameras.emplace_back(std::move(sequences.begin()->second));
+    camera.camera = candidate.filename().string(), camera.path = candidate;
+  }
+  const auto is_camera = [](const ImageSequence& s) { return is_camera_name(s.camera); };
+  if (std::count_if(cameras.begin(), cameras.end(), is_camera) > 1)
+    std::erase_if(cameras, [&](const ImageSequence& s) { return !is_camera(s); });
+  std::sort(cameras.begin(), cameras.end(),
+            [](const ImageSequence& a, const ImageSequence& b) { return a.camera < b.camera; });
+  return cameras;
+}
+
+std::set<int64_t> numbers_of(const ImageSequence& sequence) {
+  std::set<int64_t> numbers;
+  for (const NumberedImage& image : sequence.images) numbers.insert(image.number);
+  return numbers;
+}
+
+/// The numbers that all sequences have.
+size_t common_numbers(const std::vector<ImageSequence>& cameras) {
+  std::set<int64_t> common = numbers_of(cameras.front());
+  for (const ImageSequence& camera : cameras) {
+    const std::set<int64_t> numbers = numbers_of(camera);
+    std::erase_if(common, [&](int64_t number) { return !numbers.contains(number); });
+  }
+  return common.size();
+}
+
+ImageSequences judged(std::vector<ImageSequence> cameras, bool in_folders) {
+  constexpr size_t kTelling = 8;  // equal numbers in names that are no cameras'; brackets are fewer
+  ImageSequences found{std::move(cameras), RigEvidence::kNone, "", in_folders};
+  if (found.cameras.size() < 2) return found;
+  const size_t common = common_numbers(found.cameras);
+  size_t most = 0;
+  bool named = true;
+  std::vector<std::string> names;
+  for (const ImageSequence& camera : found.cameras) {
+    most = std::max(most, camera.images.size());
+    named = named && is_camera_name(camera.camera);
+    names.push_back(camera.camera);
+  }
+  found.seen = fmt::format("{} {} ({}), {} numbers in all of them", names.size(),
+                           in_folders ? "folders of numbered images" : "series of numbered images",
+                           listed_names(names), common);
+  const bool alike = 10 * common >= 9 * most;
+  if (named && alike && common > 1)
+    found.evidence = RigEvidence::kRig;
+  else if ((named && common > 1) || (alike && common >= (in_folders ? 2 : kTelling)))
+    found.evidence = RigEvidence::kUnclear;
+  return found;
+}
+
+}  // namespace
+
+ImageSequences find_image_sequences(const fs::path& capture) {
+  for (const fs::path& folder : {capture, capture / "images"}) {
+    if (!fs::is_directory(folder) || pictures_in(folder).empty()) continue;
+    std::vector<ImageSequence> cameras;
+    for (auto& [name, camera] : sequences_by_name(folder)) cameras.push_back(std::move(camera));
+    return judged(std::move(cameras), false);
+  }
+  if (has_pictures(capture)) return {};  // images_4 and the like: a photo set
+  ImageSequences best;
+  for (const fs::path& folder :
+       {capture, capture / "images", capture / "ims", capture / "frames", capture / "rgb"}) {
+    if (!fs::is_directory(folder)) continue;
+    ImageSequences found = judged(sequences_by_folder(folder), true);
+    if (found.evidence > best.evidence || best.cameras.empty()) best = std::move(found);
+  }
+  return best;
+}
+
+ImageSequence single_sequence(const fs::path& folder) {
+  auto sequences = sequences_by_name(folder);
+  if (sequences.size() == 1) {
+    ImageSequence all = std::move(sequences.begin()->second);
+    all.camera = folder.filename().string(), all.path = folder;
+    return all;
+  }
+  ImageSequence all{folder.filename().string(), folder, {}};
+  for (const fs::path& file : pictures_in(folder))
+    all.images.push_back({int64_t(all.images.size()), file});
+  return all;
+}
+
+bool looks_like_video(const fs::path& folder) {
+  constexpr int64_t kLeast = 20;
+  const auto sequences = sequences_by_name(folder);
+  if (sequences.size() != 1) return false;
+  const std::vector<NumberedImage>& images = sequences.begin()->second.images;
+  const int64_t first = images.front().number, count = int64_t(images.size());
+  return first <= 1 && count >= kLeast && images.back().number == first + count - 1;
+}
+
+}  // namespace tessera

@@ -1,0 +1,61 @@
+// What: transforms*.json of D-NeRF, NeRF-synthetic, Nerfstudio and prepared scenes → a list of
+//       frames with poses, stated intrinsics and source times.
+// Not: pixels: picture sizes are not known here, so intrinsics stay as stated (intrinsics.h).
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/poses/intrinsics.h"
+#include "ingest/poses/stated_lens.h"
+#include "ingest/scene.h"
+
+namespace tessera {
+
+struct TransformsFrame {
+  std::string where;            // "transforms_train.json, frame 3 (./train/r_3)", for messages
+  std::filesystem::path image;  // an existing file
+  std::filesystem::path mask;   // mask_path, an existing file; empty: none is stated
+  std::string name;             // file_path without "./", ".." and extension; unique
+  std::string camera_name;
+  int64_t frame_number = 0;
+  Split split = Split::kTrain;
+  std::optional<double> time;   // capture's own unit; normalised already in a prepared scene
+  StatedIntrinsics intrinsics;  // of the frame, else of the file
+  StatedLens lens;              // likewise; a pinhole where read_transforms read it
+  Camera camera;                // pose only
+};
+
+struct TransformsCapture {
+  std::vector<std::filesystem::path> files;  // the json files, in reading order
+  std::vector<TransformsFrame> frames;       // never empty; all have a time or none has
+  std::string points_file;                   // ply_file_path, empty when not stated
+  std::optional<TimeAxis> prepared_axis;     // set where a `tessera` object is present
+  bool prepared_static = false;
+  Similarity prepared_from_source;   // of the poses' world; identity without a `tessera` object
+  std::vector<std::string> missing;  // file_path of frames without a picture, left out
+  std::vector<std::string> warnings;
+};
+
+/// Reads what can be trained on as it is from `folder`: transforms_train/val/test.json where
+/// transforms_train.json is there, else transforms.json. Errors: InputError naming file, frame and
+/// remedy; also for a picture that is missing and for lens distortion.
+TransformsCapture read_transforms(const std::filesystem::path& folder);
+
+/// The same of a capture that is to be prepared: lenses are read, and frames whose picture is not
+/// there are listed and left out. Errors: as above, and where no picture is there.
+TransformsCapture read_transforms_capture(const std::filesystem::path& folder);
+
+/// One transforms file as a camera path: the pictures it names need not be there (TransformsFrame::
+/// image is empty), and a frame without file_path is named by its number. Errors: as above.
+TransformsCapture read_camera_path(const std::filesystem::path& file);
+
+/// True when `folder` has a file that read_transforms would read.
+bool has_transforms(const std::filesystem::path& folder);
+/// True when `folder` holds a transforms.json with a `tessera` object.
+bool is_prepared_scene(const std::filesystem::path& folder);
+
+}  // namespace tessera

@@ -1,0 +1,26 @@
+// What: the picture that a pinhole camera would have taken, resampled from one through a lens.
+// Not: the choice of that camera (lens.h).
+#pragma once
+#include <opencv2/core/mat.hpp>
+
+#include "ingest/poses/lens.h"
+#include "ingest/scene.h"
+
+namespace tessera {
+
+/// Computed once for a camera, then applied to each of its pictures, also by several threads.
+class Undistortion {
+ public:
+  /// Pictures are taken by `camera` through `lens`; results have the size of `pinhole`, whose pose
+  /// is the same.
+  Undistortion(const Camera& camera, const Lens& lens, const Camera& pinhole);
+  /// Bilinear; with alpha, colours are weighted by it; beyond the border it repeats. A picture of
+  /// another size than the camera's is a bug of the caller.
+  Image8 apply(const Image8& picture) const;
+
+ private:
+  int width_, height_;  // of the camera
+  cv::Mat place_;       // [height, width] of the pinhole picture: where in the camera's, pixels
+};
+
+}  // namespace tessera

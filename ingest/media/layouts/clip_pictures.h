@@ -1,0 +1,32 @@
+// What: the wanted frames of one video → prepared pictures on disk: lens removed, scaled, PNG.
+// Not: the choice of frames (frame_window.h).
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "ingest/media/clocks/clock_sync.h"
+
+namespace tessera {
+
+struct ClipFrames {
+  std::vector<int64_t> ticks;      // increasing, in the clip's time base
+  std::vector<std::string> files;  // below the scene's folder; one a frame
+};
+
+/// What the pictures of a clip share.
+struct PreparedClip {
+  Camera camera;
+  std::string mask_path;  // below the scene's folder; empty without a mask
+  bool has_alpha = false;
+};
+
+/// Decodes the frames of `clip`, whose camera is known, in order of presentation and writes them
+/// below `folder`, and the camera's mask where there is one. In memory: two pictures a thread
+/// beside the decoder's (video_decoder.h). Errors: InputError naming the video.
+PreparedClip write_clip_pictures(const RigClip& clip, const ClipFrames& frames,
+                                 const std::filesystem::path& folder, const IngestOptions& options,
+                                 const std::function<void()>& on_picture);
+
+}  // namespace tessera

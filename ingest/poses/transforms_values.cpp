@@ -1,0 +1,109 @@
+// What: the values of a transforms file or of one of its frames: intrinsics, pose, distortion.
+// Not: the file's structure (transforms_json.cpp).
+#include "ingest/poses/transforms_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/matrix.hpp>
+#include <nlohmann/json.hpp>
+
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+using nlohmann::json;
+
+namespace {
+
+std::optional<int> pixels_at(const json& object, const char* key, const std::string& where) {
+  const auto value = finite_number(object, key, where);
+  if (!value) return std::nullopt;
+  if (*value < 1 || *value > (1 << 20) || *value != double(int(*value)))
+    throw InputError(fmt::format("{}: {} is {}, expected a whole number of pixels; correct it",
+                                 where, key, *value));
+  return int(*value);
+}
+
+}  // namespace
+
+bool is_true(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_boolean() && found->get<bool>();
+}
+
+StatedIntrinsics intrinsics_of(const json& object, const std::string& where) {
+  StatedIntrinsics stated;
+  stated.fl_x = finite_number(object, "fl_x", where);
+  stated.fl_y = finite_number(object, "fl_y", where);
+  stated.cx = finite_number(object, "cx", where);
+  stated.cy = finite_number(object, "cy", where);
+  stated.camera_angle_x = finite_number(object, "camera_angle_x", where);
+  stated.camera_angle_y = finite_number(object, "camera_angle_y", where);
+  stated.w = pixels_at(object, "w", where);
+  stated.h = pixels_at(object, "h", where);
+  return stated;
+}
+
+void refuse_distortion(const json& object, const std::string& where) {
+  constexpr const char* kRemedy =
+      "run `tessera ingest`, which undistorts the pictures, and open its result";
+  for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
+    if (const auto value = finite_number(object, key, where); value.value_or(0) != 0)
+      throw InputError(
+          fmt::format("{}: lens distortion {} = {} is not supported, expected "
+                      "pinhole pictures; {}",
+                      where, key, *value, kRemedy));
+  const bool fisheye =
+      is_true(object, "is_fisheye") ||
+      string_at(object, "camera_model", where).find("FISHEYE") != std::string::npos;
+  if (fisheye)
+    throw InputError(fmt::format(
+        "{}: fisheye cameras are not supported, expected pinhole pictures; {}", where, kRemedy));
+}
+
+PoseRows pose_rows(const json& frame, const std::string& where) {
+  const auto matrix = frame.find("transform_matrix");
+  const bool has_rows =
+      matrix != frame.end() && matrix->is_array() && (matrix->size() == 3 || matrix->size() == 4) &&
+      std::all_of(matrix->begin(), matrix->end(),
+                  [](const json& row) { return row.is_array() && row.size() == 4; });
+  if (!has_rows)
+    throw InputError(fmt::format(
+        "{}: transform_matrix is missing or not 4x4; add the camera-to-world matrix", where));
+  PoseRows rows{};
+  for (size_t r = 0; r < 3; ++r)
+    for (size_t c = 0; c < 4; ++c) {
+      const json& value = (*matrix)[r][c];
+      if (!value.is_number())
+        throw InputError(fmt::format(
+            "{}: transform_matrix has {} in row {}, column {}; correct this pose or remove the "
+            "frame",
+            where, value.is_null() ? "NaN, an infinity or null" : value.type_name(), r, c));
+      rows[r][c] = value.get<double>();
+    }
+  return rows;
+}
+
+Similarity world_transform_of(const json& object, const std::string& where) {
+  const auto applied = object.find("applied");
+  if (applied == object.end() || !applied->contains("world_transform")) return {};
+  const std::string place = where + ": tessera.applied.world_transform";
+  const PoseRows rows = pose_rows({{"transform_matrix", (*applied)["world_transform"]}}, place);
+  Similarity world;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) world.rotation[c][r] = rows[size_t(r)][size_t(c)];
+    world.translation[r] = rows[size_t(r)][3];
+  }
+  world.scale = std::cbrt(glm::determinant(world.rotation));
+  world.rotation /= world.scale;
+  const glm::dmat3 residual = glm::transpose(world.rotation) * world.rotation - glm::dmat3(1.0);
+  for (int c = 0; c < 3; ++c)
+    if (!(world.scale > 0) || !(glm::length(residual[c]) < 1e-9))
+      throw InputError(
+          fmt::format("{} is no rotation times a scale above 0; prepare the capture again", place));
+  return world;
+}
+
+}  // namespace tessera

@@ -1,0 +1,163 @@
+// What: density control as rows chosen by the backend and gathered buffer by buffer.
+// Not: gradients or schedules, and no arithmetic: that is the backend's.
+#include "recon4d/density/density.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "kernels/base/errors.h"
+#include "recon4d/model/row_moves.h"
+
+namespace tessera {
+namespace {
+
+/// Row i becomes row index[i]; −1 and rows from `inherited` on: zeros. One copy of one buffer at a
+/// time.
+void gather(Backend& backend, Span<const int64_t> index, int width, int64_t inherited,
+            Buffer<float>& buffer) {
+  Buffer<float> to(index.size * width, backend.memory());
+  backend.gather_rows(std::as_const(buffer).span(), index, width, inherited, to.span());
+  buffer = std::move(to);
+  // the old rows of a large group are not kept beside the new ones of the next
+  constexpr int64_t kLarge = int64_t{1} << 22;
+  if (buffer.size() > kLarge) backend.memory().trim();
+}
+
+/// Rows of the values and of the moments; moments of places ≥ `inherited` become zero.
+void gather(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
+            int64_t inherited, GaussianSet& set) {
+  const bool has_moments = set.has_moments();
+  for (int g = 0; g < set.groups(); ++g) {
+    ParameterGroup& group = set.group(Group(g));
+    const int width = set.width(Group(g));
+    gather(backend, values, width, values.size, group.value);
+    if (!has_moments) continue;
+    gather(backend, moments, width, inherited, group.moment1);
+    gather(backend, moments, width, inherited, group.moment2);
+  }
+  set.set_count(values.size);
+}
+
+void gather(Backend& backend, Span<const int64_t> index, int64_t inherited, GaussianSet& set) {
+  gather(backend, index, index, inherited, set);
+}
+
+DensityRule rule_of(const DensityContext& context) {
+  const TrainOptions& options = context.options;
+  DensityRule rule;
+  rule.threshold = options.densify_threshold;
+  rule.prune_opacity = options.prune_opacity;
+  rule.largest_clone = options.dense_fraction * context.extent;
+  if (context.prune_large) rule.largest_kept = options.prune_extent * context.extent;
+  rule.room = context.room;
+  return rule;
+}
+
+void set_steps(Buffer<int32_t>& steps, int64_t count, int64_t step) {
+  Buffer<int32_t> filled(count);
+  std::fill(filled.begin(), filled.end(), int32_t(step));
+  steps.copy_from(filled);
+}
+
+}  // namespace
+
+void SetStatistics::reset(int64_t gaussians, int64_t step) {
+  check(&count.memory() == &host_memory(), "SetStatistics: a device is reset by its backend");
+  for (Buffer<float>* values : {&gradient_sum, &count}) {
+    values->resize(gaussians);
+    std::fill(values->begin(), values->end(), 0.0f);
+  }
+  set_steps(sh_step, gaussians, step);
+  filter_size.resize(0), anchor.resize(0);
+}
+
+void SetStatistics::reset(Backend& backend, int64_t gaussians, int64_t step) {
+  for (Buffer<float>* values : {&gradient_sum, &count}) {
+    values->resize(gaussians);
+    backend.fill_zero(values->span());
+  }
+  set_steps(sh_step, gaussians, step);
+  filter_size.resize(0), anchor.resize(0);
+}
+
+SetStatistics SetStatistics::clone_to(Memory& memory) const {
+  SetStatistics copy(memory);
+  copy.gradient_sum.copy_from(gradient_sum);
+  copy.count.copy_from(count);
+  copy.sh_step.copy_from(sh_step);
+  copy.filter_size.copy_from(filter_size);
+  copy.anchor.copy_from(anchor);
+  return copy;
+}
+
+void take_rows(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
+               GaussianSet& set) {
+  check(!set.blocks().mixed(), "take_rows: of a set of several SH degrees");
+  check(values.size == moments.size, "take_rows: as many rows of moments as of values");
+  gather(backend, values, moments, moments.size, set);
+}
+
+DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,
+                              SetStatistics& statistics) {
+  check(!set.blocks().mixed(), "control_density: of a set of several SH degrees");
+  const StageTimer timer(backend.clock(), kDensity);
+  const int64_t before = set.count();
+  DensityRows rows(backend.memory());
+  backend.select_rows(std::as_const(set).values(), std::as_const(statistics).spans(),
+                      rule_of(context), rows);
+  gather(backend, std::as_const(rows.index).span(), rows.survivors, set);
+  backend.place_children(set.values(), rows.survivors + rows.clones,
+                         uint64_t(context.options.seed) ^ uint64_t(context.step) << 20);
+  statistics.reset(backend, set.count(), context.step);
+  return {rows.clones, rows.parents, rows.pruned, before, set.count()};
+}
+
+void reset_opacity(Backend& backend, GaussianSet& set, Span<float> filter_size) {
+  constexpr float kResetOpacity = 0.01f, kResetLogit = -4.595119953155518f;  // its logit  [3DGS]
+  const StageTimer timer(backend.clock(), kDensity);
+  ParameterGroup& group = set.group(kOpacityLogit);
+  if (filter_size.empty()) {
+    backend.limit_values(group.value.span(), kResetLogit);
+  } else {
+    GaussianSpans<float> filtered = set.values();
+    filtered.filter_size = filter_size;
+    backend.edit_by_filter(FilterEdit::kLimitOpacity, filtered, kResetOpacity);
+  }
+  backend.fill_zero(group.moment1.span());
+  backend.fill_zero(group.moment2.span());
+}
+
+void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics) {
+  if (set.count() == 0) return;
+  const StageTimer timer(backend.clock(), kDensity);
+  std::vector<RowMove> moves;
+  for_each_block(set, [&](const ShBlock& block) {
+    moves.push_back({block, block.coefficients, Buffer<int64_t>(backend.memory())});
+    backend.locality_order(std::as_const(set).values().block(block), moves.back().index);
+  });
+  move_rows(backend, moves, set, statistics);
+}
+
+int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics, int64_t step,
+                        double least) {
+  const StageTimer timer(backend.clock(), kDensity);
+  DensityRule rule;
+  rule.threshold = std::numeric_limits<double>::infinity();
+  rule.prune_opacity = least;
+  std::vector<RowMove> moves;
+  int64_t pruned = 0;
+  for_each_block(set, [&](const ShBlock& block) {
+    DensityRows rows(backend.memory());
+    backend.select_rows(std::as_const(set).values().block(block),
+                        std::as_const(statistics).spans().block(block), rule, rows);
+    moves.push_back({block, block.coefficients, std::move(rows.index)});
+    pruned += rows.pruned;
+  });
+  if (pruned > 0) move_rows(backend, moves, set, statistics);
+  statistics.reset(backend, set.count(), step);
+  return pruned;
+}
+
+}  // namespace tessera

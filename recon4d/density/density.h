@@ -1,0 +1,69 @@
+// What: adaptive density control of a set: clone, split, prune as index lists and one gather per
+//       parameter group; opacity reset; order for locality. On any backend.
+// Not: when (schedule.h), nor the rule for one Gaussian (kernels/math/density.h).
+// Source: method A.13, A.14, D.7.
+#pragma once
+#include "kernels/backend.h"
+#include "recon4d/model/gaussian_set.h"
+#include "recon4d/options/train_options.h"
+
+namespace tessera {
+
+/// What a set has gathered since the last density control, and how far its colours have come.
+struct SetStatistics {
+  explicit SetStatistics(Memory& memory = host_memory())
+      : gradient_sum(memory), count(memory), sh_step(memory), filter_size(memory), anchor(memory) {}
+
+  Buffer<float> gradient_sum, count;  // [N] as DensityStatistics
+  Buffer<int32_t> sh_step;            // [N] as LazySh::last_step; used where SH may be behind
+  /// [N] φ of the 3D filter, world units; empty: there is none, or it is to be measured.
+  Buffer<float> filter_size;
+  /// [N, 3] the means from which neighbours were last told, world units; empty: there are none, or
+  /// they are to be found.
+  Buffer<float> anchor;
+
+  /// Nothing gathered or measured, all colours at `step`. The first is for the host's memory.
+  void reset(int64_t gaussians, int64_t step = 0);
+  void reset(Backend& backend, int64_t gaussians, int64_t step);
+  SetStatistics clone_to(Memory& memory) const;
+  DensityStatistics<float> spans() { return {gradient_sum.span(), count.span()}; }
+  DensityStatistics<const float> spans() const { return {gradient_sum.span(), count.span()}; }
+};
+
+struct DensityReport {
+  int64_t cloned = 0, split = 0, pruned = 0, before = 0, after = 0;
+  int64_t relocated = 0, added = 0;  // by mcmc, which does none of the first three
+};
+
+struct DensityContext {
+  const TrainOptions& options;
+  double extent;     // E, world units
+  bool prune_large;  // prune_extent holds
+  int64_t room;      // Gaussians that may be added; < 0: no limit
+  int64_t step;      // steps done; names the random numbers of the split
+};
+
+/// All of these want a set whose SH coefficients are not behind (Backend::catch_up).
+
+/// Row i of every group becomes its row values[i], of the moments row moments[i]; −1: zeros.
+void take_rows(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
+               GaussianSet& set);
+
+/// Clones, splits and prunes; new Gaussians have zero moments; statistics are reset.
+DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,
+                              SetStatistics& statistics);
+
+/// logit ← min(logit, logit 0.01), moments of the opacity zeroed. `filter_size`: of the 3D filter
+/// where it dims: then what is 0.01 at most is the opacity after it.
+void reset_opacity(Backend& backend, GaussianSet& set, Span<float> filter_size = {});
+
+/// Morton order of the means; a dynamic set then stably by 32 bins of its temporal means. Of a set
+/// of several SH degrees inside each block.
+void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics);
+
+/// Removes what can never be drawn: opacity below `least` (Cutoff), a quaternion without length.
+/// Returns how many. For the end of a training, after `step` steps.
+int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics, int64_t step,
+                        double least = 1.0 / 255);
+
+}  // namespace tessera

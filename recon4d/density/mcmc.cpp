@@ -1,0 +1,73 @@
+// What: relocation and growth of both sets as rows chosen by the backend.
+// Not: arithmetic on Gaussians: that is the backend's.
+#include "recon4d/density/mcmc.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+/// One draw for the dead of a set, or for rows that are added to it.
+RelocationRows relocate(Backend& backend, const RelocationRule& rule, GaussianSet& set) {
+  RelocationRows rows(backend.memory());
+  backend.relocate_rows(set.values(), rule, rows);
+  if (rows.moved > 0 || rule.added > 0)
+    take_rows(backend, std::as_const(rows.values).span(), std::as_const(rows.moments).span(), set);
+  return rows;
+}
+
+}  // namespace
+
+std::array<int64_t, 2> shares_of(int64_t total, const std::array<int64_t, 2>& weights) {
+  const double all = double(weights[0]) + double(weights[1]);
+  if (all == 0) return {0, 0};
+  const int64_t first = std::llround(double(total) * (double(weights[0]) / all));
+  return {first, total - first};
+}
+
+int64_t grown_count(int64_t count, double growth, int64_t limit) {
+  const double grown = std::min(std::floor(growth * double(count)), double(limit));
+  return std::max(count, int64_t(grown));
+}
+
+std::array<DensityReport, 2> control_mcmc(Backend& backend, const TrainOptions& options,
+                                          TrainState& state) {
+  const StageTimer timer(backend.clock(), kDensity);
+  constexpr double kNobody = -1;  // nobody is dead at this opacity
+  const uint64_t seed = uint64_t(options.seed) ^ uint64_t(state.iteration) << 20;
+  const auto rule = [&](int k, double dead_opacity, int64_t added) {
+    return RelocationRule{dead_opacity, options.prune_opacity, added, seed ^ uint64_t(k) << 62};
+  };
+  std::array<DensityReport, 2> reports;
+  std::array<int64_t, 2> weights{};
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state.set(k);
+    reports[size_t(k)].before = set.count();
+    const RelocationRows rows = relocate(backend, rule(k, options.prune_opacity, 0), set);
+    reports[size_t(k)].relocated = rows.moved, weights[size_t(k)] = rows.weight;
+  }
+  const int64_t count = state.model.count();
+  if (count > 0 && weights[0] + weights[1] == 0)
+    throw NumericalError(
+        fmt::format("step {}: all Gaussians are fainter than prune_opacity {}; start with more "
+                    "opaque ones (--init-opacity 0.5) or lower opacity_weight or mcmc_noise",
+                    state.iteration, options.prune_opacity));
+  const std::array<int64_t, 2> shares =
+      shares_of(grown_count(count, options.mcmc_growth, growth_limit(options)) - count, weights);
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state.set(k);
+    DensityReport& report = reports[size_t(k)];
+    report.added = shares[size_t(k)];
+    if (report.added > 0) relocate(backend, rule(k, kNobody, report.added), set);
+    report.after = set.count();
+    state.statistics[k].reset(backend, set.count(), state.iteration);
+  }
+  return reports;
+}
+
+}  // namespace tessera

@@ -1,0 +1,263 @@
+// What: batches of a split through the renderer, one score a view.
+// Not: the metrics (metrics.h) or the JSON of a report (evaluation_json.cpp).
+#include "recon4d/evaluation/evaluate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "recon4d/evaluation/metrics.h"
+
+namespace tessera {
+namespace {
+
+/// What training saw: moments and cameras.
+class TrainingCoverage {
+ public:
+  explicit TrainingCoverage(const Scene& scene) {
+    for (const Frame& frame : scene.frames) {
+      if (frame.split != Split::kTrain && frame.split != Split::kAside) continue;
+      times_.insert(frame.time);
+      cameras_.insert(frame.camera_name);
+    }
+  }
+  bool has_time(double time) const {
+    constexpr double kSameMoment = 1e-9;  // of the normalised range
+    const auto next = times_.lower_bound(time - kSameMoment);
+    return next != times_.end() && *next <= time + kSameMoment;
+  }
+  bool has_camera(const std::string& camera) const { return cameras_.count(camera) > 0; }
+
+ private:
+  std::set<double> times_;
+  std::set<std::string> cameras_;
+};
+
+void check_background(const GaussianModel& model, const Scene& scene) {
+  const auto &m = model.background, &s = scene.background;
+  if (scene.had_alpha && m != s)
+    throw InputError(fmt::format(
+        "{}: frames were composited on {},{},{}, the model was trained on {},{},{}; load the scene "
+        "on the model's background",
+        scene.path, s[0], s[1], s[2], m[0], m[1], m[2]));
+}
+
+/// Mean of a member over the views that have it.
+std::optional<double> mean_of(const std::vector<ViewScore>& views,
+                              const std::function<std::optional<double>(const ViewScore&)>& value) {
+  double sum = 0;
+  int64_t count = 0;
+  for (const ViewScore& view : views)
+    if (const std::optional<double> v = value(view)) sum += *v, ++count;
+  return count > 0 ? std::optional<double>(sum / double(count)) : std::nullopt;
+}
+
+/// The frames of a split that have a pixel to be compared.
+std::vector<int> scored_frames(const Scene& scene, Split split) {
+  std::vector<int> indices = scene.split_indices(split);
+  if (indices.empty())
+    throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
+                                 scene.path, split_name(split)));
+  std::erase_if(indices, [&](int i) {
+    const std::vector<uint8_t>& mask = scene.frames[size_t(i)].mask.data;
+    return !mask.empty() && std::all_of(mask.begin(), mask.end(), [](uint8_t m) { return m == 0; });
+  });
+  if (indices.empty())
+    throw InputError(fmt::format(
+        "{}: the masks of split '{}' ignore every pixel (0: ignored); turn them with `tessera "
+        "ingest --invert-masks`, or choose another split",
+        scene.path, split_name(split)));
+  return indices;
+}
+
+MeanScore mean_of_those(const std::vector<ViewScore>& views,
+                        const std::function<bool(const ViewScore&)>& belongs) {
+  std::vector<ViewScore> chosen;
+  std::copy_if(views.begin(), views.end(), std::back_inserter(chosen), belongs);
+  return mean_score(chosen);
+}
+
+void add_means(EvaluationReport& report) {
+  const std::vector<ViewScore>& views = report.views;
+  report.all = mean_score(views);
+  if (report.split == Split::kTrain || report.split == Split::kAside) return;
+  // a held-out view is one whose moment was seen, a held-out time one whose camera was
+  const auto group = [&](bool time_seen, bool camera_seen) {
+    return mean_of_those(views, [=](const ViewScore& view) {
+      return view.held_out_view == time_seen && view.held_out_time == camera_seen;
+    });
+  };
+  report.held_out_views =
+      mean_of_those(views, [](const ViewScore& view) { return view.held_out_view; });
+  report.held_out_times =
+      mean_of_those(views, [](const ViewScore& view) { return view.held_out_time; });
+  report.novel_view = group(true, false), report.novel_time = group(false, true);
+  report.novel_view_and_time = group(false, false), report.withheld = group(true, true);
+}
+
+/// `drawn` where the mask of the frame uses it, the truth elsewhere.
+Image8 only_used(const Image8& drawn, const Frame& frame) {
+  Image8 merged = drawn;
+  for (size_t i = 0; i < merged.data.size() && !frame.mask.data.empty(); ++i)
+    if (frame.mask.data[i / 3] == 0) merged.data[i] = frame.image.data[i];
+  return merged;
+}
+
+/// PSNR over the pixels of a region that the frame's mask uses.
+std::optional<double> psnr_within(const Image8& drawn, const Frame& frame,
+                                  std::vector<uint8_t> region) {
+  for (size_t p = 0; p < frame.mask.data.size(); ++p)
+    if (frame.mask.data[p] == 0) region[p] = 0;
+  if (std::count(region.begin(), region.end(), uint8_t{0}) == int64_t(region.size()))
+    return std::nullopt;
+  return psnr_of_mse(
+      mean_squared_error(drawn, frame.image, {region.data(), int64_t(region.size())}));
+}
+
+/// What a view's score has of the pixels that move and of the others.
+void add_regions(DynamicRegions& regions, const Frame& frame, const Picture& picture,
+                 ViewScore& score) {
+  std::vector<uint8_t> moves = regions.of(frame);
+  if (moves.empty()) return;
+  const Image8 drawn = quantise(picture.planar(), picture.width, picture.height);
+  score.psnr_dynamic = psnr_within(drawn, frame, moves);
+  for (uint8_t& value : moves) value = uint8_t(255 - value);
+  score.psnr_static = psnr_within(drawn, frame, std::move(moves));
+}
+
+/// The light of the dynamic set against what moves, where the options say what does.
+class MovingRegionMeter {
+ public:
+  MovingRegionMeter(Backend& backend, const GaussianModel& model, const EvaluateOptions& options)
+      : mask_(options.moving_mask) {
+    if (!mask_) return;
+    white_.emplace(dynamic_set_white(model));
+    renderer_.emplace(backend, *white_);
+    score_.emplace();
+  }
+  void add(const std::vector<View>& views, const Scene& scene, const int* indices) {
+    if (!mask_) return;
+    for (Picture& picture : renderer_->render(views)) {
+      const Frame& frame = scene.frames[size_t(*indices++)];
+      picture.rgb.resize(picture.alpha.size());  // all channels are equal
+      score_->add(picture.rgb, mask_(frame).data, frame.mask.data);
+    }
+  }
+  const std::optional<MovingRegionScore>& score() const { return score_; }
+
+ private:
+  const std::function<Image8(const Frame&)>& mask_;
+  std::optional<GaussianModel> white_;
+  std::optional<Renderer> renderer_;
+  std::optional<MovingRegionScore> score_;
+};
+
+}  // namespace
+
+MeanScore mean_score(const std::vector<ViewScore>& views) {
+  MeanScore mean;
+  mean.views = int64_t(views.size());
+  mean.psnr = mean_of(views, [](const ViewScore& v) { return v.psnr; });
+  mean.psnr_float = mean_of(views, [](const ViewScore& v) { return v.psnr_float; });
+  for (auto member : {&StructureScores::reflect, &StructureScores::zero, &StructureScores::inside,
+                      &StructureScores::inside_range2, &StructureScores::multi_scale})
+    mean.structure.*member =
+        mean_of(views, [member](const ViewScore& v) { return v.structure.*member; });
+  mean.lpips = mean_of(views, [](const ViewScore& v) { return v.lpips; });
+  mean.psnr_dynamic = mean_of(views, [](const ViewScore& v) { return v.psnr_dynamic; });
+  mean.psnr_static = mean_of(views, [](const ViewScore& v) { return v.psnr_static; });
+  mean.dynamic_views = std::count_if(views.begin(), views.end(),
+                                     [](const ViewScore& v) { return v.psnr_dynamic.has_value(); });
+  if (const auto mse = mean_of(views, [](const ViewScore& v) { return v.mse; }))
+    mean.psnr_of_mean_mse = psnr_of_mse(*mse);
+  return mean;
+}
+
+ViewScore score_view(const Frame& frame, const Picture& picture, const EvaluateOptions& options) {
+  ViewScore score;
+  score.name = frame.name, score.camera = frame.camera_name, score.time = frame.time;
+  score.width = picture.width, score.height = picture.height;
+  const Image8 drawn = quantise(picture.planar(), picture.width, picture.height);
+  const Span<const uint8_t> mask{frame.mask.data.data(), int64_t(frame.mask.data.size())};
+  score.masked = !mask.empty();
+  score.mse = mean_squared_error(drawn, frame.image, mask);
+  score.psnr = psnr_of_mse(score.mse);
+  score.psnr_float = psnr_float(picture.planar(), frame.image, mask);
+  if (options.structure == StructureDetail::kAll)
+    score.structure = structure_scores(drawn, frame.image, mask);
+  else if (options.structure == StructureDetail::kSsim)
+    score.structure.reflect = ssim(drawn, frame.image, SsimPadding::kReflect, mask);
+  if (options.lpips) score.lpips = options.lpips(only_used(drawn, frame), frame.image);
+  return score;
+}
+
+EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Scene& scene,
+                          Split split, const EvaluateOptions& options,
+                          const ScoredCallback& scored) {
+  check(options.batch >= 1, "evaluate: a batch of at least one view");
+  const std::vector<int> indices = scored_frames(scene, split);
+  check_background(model, scene);
+  const TrainingCoverage training(scene);
+  EvaluationReport report;
+  report.split = split;
+  Renderer renderer(backend, model);
+  MovingRegionMeter moving(backend, model, options);
+  FlickerMeter flicker;
+  DynamicRegions regions(scene);
+  for (size_t begin = 0; begin < indices.size(); begin += size_t(options.batch)) {
+    const size_t end = std::min(begin + size_t(options.batch), indices.size());
+    std::vector<View> views;
+    for (size_t i = begin; i < end; ++i) {
+      const Frame& frame = scene.frames[size_t(indices[i])];
+      views.push_back({frame.camera, frame.time});
+    }
+    moving.add(views, scene, indices.data() + begin);
+    const std::vector<Picture> pictures = renderer.render(views);
+    std::vector<ViewScore> scores(pictures.size());
+    // a network scores one pair at a time
+    parallel_for(int64_t(scores.size()), options.lpips ? int64_t(scores.size()) : 1,
+                 [&](int64_t first, int64_t last) {
+                   for (int64_t k = first; k < last; ++k)
+                     scores[size_t(k)] =
+                         score_view(scene.frames[size_t(indices[begin + size_t(k)])],
+                                    pictures[size_t(k)], options);
+                 });
+    for (size_t i = begin; i < end; ++i) {
+      const Frame& frame = scene.frames[size_t(indices[i])];
+      ViewScore& score = scores[i - begin];
+      if (options.temporal) {
+        add_regions(regions, frame, pictures[i - begin], score);
+        flicker.add(frame, pictures[i - begin]);
+      }
+      const bool held_out = split == Split::kVal || split == Split::kTest;
+      score.held_out_view = held_out && training.has_time(frame.time);
+      score.held_out_time = held_out && training.has_camera(frame.camera_name);
+      report.views.push_back(score);
+      if (scored)
+        scored(frame, pictures[i - begin], score, int64_t(i + 1), int64_t(indices.size()));
+    }
+  }
+  add_means(report);
+  report.flicker = flicker.scores();
+  report.moving = moving.score();
+  return report;
+}
+
+const char* split_name(Split split) {
+  switch (split) {
+    case Split::kTrain:
+      return "train";
+    case Split::kVal:
+      return "val";
+    case Split::kTest:
+      return "test";
+    case Split::kAside:
+      return "aside";
+  }
+  return "";
+}
+
+}  // namespace tessera

@@ -1,0 +1,96 @@
+// What: the score of a model on a split of a scene: every view, and means under their names.
+// Not: printing or files; pictures and progress go to a callback.
+// Source: method A.15 (8-bit pictures, mean of PSNR); failure modes A9, A14, D1–D3.
+#pragma once
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recon4d/evaluation/dynamic_share.h"
+#include "recon4d/evaluation/structure_scores.h"
+#include "recon4d/evaluation/temporal_scores.h"
+
+namespace tessera {
+
+struct ViewScore {
+  std::string name, camera;
+  double time = 0;  // normalised
+  int width = 0, height = 0;
+  double psnr = 0, psnr_float = 0;  // dB: 8-bit, un-quantised
+  double mse = 0;                   // 8-bit, range 1
+  StructureScores structure;        // nothing where undefined or not asked for
+  std::optional<double> lpips;      // where a network was given
+  /// Over the pixels that move and the others (DynamicRegions); nothing where the camera moves or
+  /// there is no such pixel.
+  std::optional<double> psnr_dynamic, psnr_static;
+  /// Of a frame outside training: its moment was trained on, from other cameras / its camera was,
+  /// at other moments. A frame can be both (one picture was withheld) or neither (D-NeRF).
+  bool held_out_view = false, held_out_time = false;
+  bool masked = false;  // the frame has a mask: the numbers above are of the pixels it uses
+};
+
+/// Means over some views; nothing where there is none. All but PSNR: over the views that have one.
+struct MeanScore {
+  int64_t views = 0;
+  std::optional<double> psnr, psnr_float;
+  std::optional<double> psnr_of_mean_mse;  // not the mean of PSNR
+  StructureScores structure;
+  std::optional<double> lpips, psnr_dynamic, psnr_static;
+  int64_t dynamic_views = 0;  // that have a psnr_dynamic
+};
+
+MeanScore mean_score(const std::vector<ViewScore>& views);
+
+struct EvaluationReport {
+  Split split = Split::kTest;
+  std::vector<ViewScore> views;  // in the order of the scene
+  MeanScore all, held_out_views, held_out_times;
+  /// Frames outside training apart: the camera is new, the moment is, both are, neither is (one
+  /// picture of a rig was withheld).
+  MeanScore novel_view, novel_time, novel_view_and_time, withheld;
+  std::vector<FlickerScore> flicker;        // of the cameras that have one
+  std::optional<MovingRegionScore> moving;  // where masks of what moves were given
+  std::optional<int64_t> bytes;             // of the model's file; set by the caller
+};
+
+/// How much of the structure is scored: each step costs seconds where the one before costs tenths.
+enum class StructureDetail { kNone, kSsim, kAll };  // kSsim: the reflected mean alone
+
+struct EvaluateOptions {
+  int batch = 4;  // views rendered at once
+  StructureDetail structure = StructureDetail::kAll;
+  bool temporal = true;  // flicker, moving and still pixels apart
+  /// LPIPS of two RGB pictures of one size; empty: none. Where a mask ignores, both are alike.
+  std::function<double(const Image8& drawn, const Image8& truth)> lpips;
+  /// What moves in a frame, one channel, of its size: values as MovingRegionScore has them; empty:
+  /// not known.
+  std::function<Image8(const Frame&)> moving_mask;
+};
+
+/// Each scored view with its picture, in order; throwing stops the evaluation.
+using ScoredCallback = std::function<void(const Frame& frame, const Picture& picture,
+                                          const ViewScore& score, int64_t done, int64_t total)>;
+
+/// Pixels that a frame's mask ignores do not count (metrics.h); frames without a used pixel are
+/// left out. Errors: InputError: no frame in the split, or none with a used pixel; frames
+/// composited on another background than the model's.
+EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Scene& scene,
+                          Split split, const EvaluateOptions& options,
+                          const ScoredCallback& scored = {});
+
+/// Score of one picture against a frame; the held-out flags are left false.
+ViewScore score_view(const Frame& frame, const Picture& picture, const EvaluateOptions& options);
+
+const char* split_name(Split split);  // "train", "val", "test"
+
+/// psnr, psnr_float, psnr_of_mean_mse, ssim (reflect), ssim_zero, ssim_inside, ssim_inside_range2,
+/// ms_ssim, dssim, lpips, psnr_dynamic, psnr_static, dynamic_weight_inside, moving_pixels_covered,
+/// definitions, num_gaussians, num_static,
+/// num_dynamic, bytes, split, background, width, height (null when views differ), views,
+/// held_out_views, held_out_times, novel_view, novel_time, novel_view_and_time, withheld, flicker,
+/// per_view (with `masked`). What is undefined is null.
+nlohmann::json to_json(const EvaluationReport& report, const GaussianModel& model);
+
+}  // namespace tessera

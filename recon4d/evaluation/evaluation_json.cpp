@@ -1,0 +1,144 @@
+// What: an EvaluationReport as the JSON object of `evaluate --json` and metrics.json.
+// Not: any arithmetic.
+#include <nlohmann/json.hpp>
+
+#include "recon4d/evaluation/evaluate.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+template <class T>
+json or_null(const std::optional<T>& value) {
+  return value ? json(*value) : json(nullptr);
+}
+
+void put_structure(const StructureScores& scores, json& object) {
+  object["ssim"] = or_null(scores.reflect);
+  object["ssim_zero"] = or_null(scores.zero);
+  object["ssim_inside"] = or_null(scores.inside);
+  object["ssim_inside_range2"] = or_null(scores.inside_range2);
+  object["ms_ssim"] = or_null(scores.multi_scale);
+  object["dssim"] = scores.reflect ? json((1 - *scores.reflect) / 2) : json(nullptr);
+}
+
+void put_means(const MeanScore& mean, json& object) {
+  object["psnr"] = or_null(mean.psnr);
+  object["psnr_float"] = or_null(mean.psnr_float);
+  object["psnr_of_mean_mse"] = or_null(mean.psnr_of_mean_mse);
+  put_structure(mean.structure, object);
+  object["lpips"] = or_null(mean.lpips);
+  object["psnr_dynamic"] = or_null(mean.psnr_dynamic);
+  object["psnr_static"] = or_null(mean.psnr_static);
+  object["dynamic_views"] = mean.dynamic_views;
+  object["views"] = mean.views;
+}
+
+/// What the names of `put_means` mean: the same pictures score differently by definition.
+json definitions() {
+  return {{"psnr", "mean over views of 10 log10(1/MSE), 8-bit pictures, all channels"},
+          {"psnr_float", "the same, rendered values clamped and not rounded"},
+          {"psnr_of_mean_mse", "of the mean MSE over views"},
+          {"ssim", "11 taps, sigma 1.5, range 1, reflected, mean of the full map"},
+          {"ssim_zero", "as ssim, zeros outside the picture (3DGS)"},
+          {"ssim_inside", "as ssim, windows inside the picture alone (scikit-image, Gaussian)"},
+          {"ssim_inside_range2", "as ssim_inside with the constants of range 2"},
+          {"ms_ssim",
+           "five scales, weights .0448 .2856 .3001 .2363 .1333, 2x2 means, reflected; "
+           "null below 161 pixels or with a mask"},
+          {"dssim", "(1 - ssim) / 2, of ssim at range 1"},
+          {"lpips", "of the network that was given; inputs in [-1, 1]"},
+          {"psnr_dynamic",
+           "as psnr, pixels that differ from the camera's median over time by more "
+           "than 10/255 in a channel; psnr_static: the others"},
+          {"dynamic_weight_inside",
+           "of the blending weight of dynamic Gaussians over all pixels, the share in pixels where "
+           "the mask says that something ever moves in that view (values from 128)"},
+          {"moving_pixels_covered",
+           "of the pixels that move at that moment over half of them or more (values from 192), "
+           "those where dynamic Gaussians have half of the light or more"},
+          {"flicker",
+           "change_error: mean |change of the render - change of the truth| between "
+           "moments, in 1/255; still_deviation: mean standard deviation over time of "
+           "the render where that of the truth is below 2/255"}};
+}
+
+json flicker_json(const std::vector<FlickerScore>& cameras) {
+  if (cameras.empty()) return nullptr;
+  json object = {{"cameras", json::array()}};
+  double change = 0, still = 0;
+  size_t with_still = 0;
+  for (const FlickerScore& score : cameras) {
+    object["cameras"].push_back({{"camera", score.camera},
+                                 {"moments", score.moments},
+                                 {"change_error", score.change_error},
+                                 {"still_share", score.still_share},
+                                 {"still_deviation", or_null(score.still_deviation)},
+                                 {"still_deviation_truth", or_null(score.still_deviation_truth)}});
+    change += score.change_error;
+    still += score.still_deviation.value_or(0), with_still += score.still_deviation.has_value();
+  }
+  object["change_error"] = change / double(cameras.size());
+  object["still_deviation"] = with_still > 0 ? json(still / double(with_still)) : json(nullptr);
+  return object;
+}
+
+json view_json(const ViewScore& view) {
+  json object = {{"name", view.name},
+                 {"camera", view.camera},
+                 {"time", view.time},
+                 {"width", view.width},
+                 {"height", view.height},
+                 {"psnr", view.psnr},
+                 {"psnr_float", view.psnr_float},
+                 {"lpips", or_null(view.lpips)},
+                 {"psnr_dynamic", or_null(view.psnr_dynamic)},
+                 {"psnr_static", or_null(view.psnr_static)},
+                 {"held_out_view", view.held_out_view},
+                 {"held_out_time", view.held_out_time},
+                 {"masked", view.masked}};
+  put_structure(view.structure, object);
+  return object;
+}
+
+/// The size all views share, or null.
+json shared_size(const std::vector<ViewScore>& views, int ViewScore::*size) {
+  if (views.empty()) return nullptr;
+  for (const ViewScore& view : views)
+    if (view.*size != views.front().*size) return nullptr;
+  return views.front().*size;
+}
+
+}  // namespace
+
+json to_json(const EvaluationReport& report, const GaussianModel& model) {
+  json object;
+  put_means(report.all, object);
+  object["ssim_padding"] = "reflect";
+  object["definitions"] = definitions();
+  object["num_gaussians"] = model.count();
+  object["num_static"] = model.static_set.count();
+  object["num_dynamic"] = model.dynamic_set.count();
+  object["bytes"] = or_null(report.bytes);
+  object["split"] = split_name(report.split);
+  object["background"] = model.background;
+  object["width"] = shared_size(report.views, &ViewScore::width);
+  object["height"] = shared_size(report.views, &ViewScore::height);
+  put_means(report.held_out_views, object["held_out_views"]);
+  put_means(report.held_out_times, object["held_out_times"]);
+  put_means(report.novel_view, object["novel_view"]);
+  put_means(report.novel_time, object["novel_time"]);
+  put_means(report.novel_view_and_time, object["novel_view_and_time"]);
+  put_means(report.withheld, object["withheld"]);
+  object["flicker"] = flicker_json(report.flicker);
+  if (report.moving) {
+    object["dynamic_weight_inside"] = or_null(report.moving->dynamic_weight_inside());
+    object["moving_pixels_covered"] = or_null(report.moving->moving_pixels_covered());
+  }
+  object["per_view"] = json::array();
+  for (const ViewScore& view : report.views) object["per_view"].push_back(view_json(view));
+  return object;
+}
+
+}  // namespace tessera

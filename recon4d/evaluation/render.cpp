@@ -1,0 +1,90 @@
+// What: forward through the pipeline, pictures out of the backend's memory.
+// Not: any pixel arithmetic but alpha = 1 − transmittance.
+#include "recon4d/evaluation/render.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tessera {
+
+RenderOptions render_options(const GaussianModel& model) {
+  RenderOptions options;
+  options.sh_degree = model.sh_degree;
+  options.sh_time_degree = model.sh_time_degree, options.sh_time_period = model.sh_time_period;
+  for (size_t c = 0; c < 3; ++c) options.background[c] = model.background[c] / 255.0;
+  if (model.environment.height > 0) std::fill_n(options.background, 3, 0.0);  // it is behind all
+  options.near_plane = model.near_plane, options.far_plane = model.far_plane;
+  options.sliced_direction = model.sliced_direction;
+  options.truncation_sigma = model.truncation_sigma;
+  options.truncation_by_falloff = model.truncation_by_falloff;
+  options.filter_2d = model.filter_2d, options.time_filter = model.time_filter;
+  return options;
+}
+
+EnvironmentArgs<float> environment_of(const GaussianModel& model, Span<const float> map) {
+  if (map.empty()) map = model.environment.map.value.span();
+  return {nullptr, map, model.environment.height, Mat3<float>(model.environment.map_from_world)};
+}
+
+Renderer::Renderer(Backend& backend, const GaussianModel& model)
+    : backend_(backend),
+      model_(model),
+      options_(render_options(model)),
+      pipeline_(backend),
+      environment_(backend.memory()) {
+  refresh();
+}
+
+void Renderer::draw_no_background() {
+  background_ = false;
+  std::fill_n(options_.background, 3, 0.0);
+}
+
+void Renderer::refresh() {
+  for (int k = 0; k < 2; ++k) {
+    const GaussianSet& own = k == 0 ? model_.static_set : model_.dynamic_set;
+    copies_[k].reset();
+    if (&own.memory() != &backend_.memory()) copies_[k] = own.clone_values(backend_.memory());
+  }
+  const Buffer<float>& map = model_.environment.map.value;
+  if (!map.empty() && &map.memory() != &backend_.memory()) environment_.copy_from(map);
+}
+
+const GaussianSet& Renderer::set(int k) const {
+  return copies_[k] ? *copies_[k] : k == 0 ? model_.static_set : model_.dynamic_set;
+}
+
+const Images<float>& Renderer::draw(const std::vector<View>& views) {
+  ForwardArgs<float> args{{set(0).values(), set(1).values()}, views, options_, {}};
+  if (background_) args.environment = environment_of(model_, std::as_const(environment_).span());
+  return pipeline_.forward(args);
+}
+
+std::vector<Picture> Renderer::render(const std::vector<View>& views) {
+  std::vector<Picture> pictures;
+  if (views.empty()) return pictures;
+  const Images<float>& images = draw(views);
+  const float *colour = images.colour.data(), *transmittance = images.transmittance.data();
+  if (&backend_.memory() != &host_memory()) {
+    colour_.copy_from(images.colour), transmittance_.copy_from(images.transmittance);
+    colour = colour_.data(), transmittance = transmittance_.data();
+  }
+  for (const ViewArgs<float>& view : pipeline_.batch().views) {
+    const int64_t pixels = int64_t(view.width) * view.height;
+    Picture picture{view.width, view.height, {}, {}};
+    const float* rgb = colour + 3 * view.first_pixel;
+    const float* light = transmittance + view.first_pixel;
+    picture.rgb.assign(rgb, rgb + 3 * pixels);
+    picture.alpha.assign(light, light + pixels);
+    for (float& value : picture.alpha) value = 1.0f - value;
+    pictures.push_back(std::move(picture));
+  }
+  return pictures;
+}
+
+std::vector<Picture> render_views(Backend& backend, const GaussianModel& model,
+                                  const std::vector<View>& views) {
+  return Renderer(backend, model).render(views);
+}
+
+}  // namespace tessera

@@ -1,0 +1,63 @@
+// What: pictures of a model: a pipeline with the model's own background, clip planes and SH degree.
+// Not: training (trainer.h has its own pipeline) and not files of pictures (tools/).
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "kernels/pipeline.h"
+#include "recon4d/model/gaussian_set.h"
+
+namespace tessera {
+
+/// As rendered: not clamped, not quantised (metrics.h does that).
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<float> rgb;    // [3, height, width] background included
+  std::vector<float> alpha;  // [height, width] 1 − transmittance
+
+  Span<const float> planar() const { return {rgb.data(), int64_t(rgb.size())}; }
+};
+
+/// How a model says it wants to be drawn.
+RenderOptions render_options(const GaussianModel& model);
+/// Its environment for a forward pass; the map lies where the model's does, or at `map`.
+EnvironmentArgs<float> environment_of(const GaussianModel& model, Span<const float> map = {});
+
+/// Keeps the buffers of a pipeline between calls. Backend and model must outlive it. A set that is
+/// not in the backend's memory is brought there once.
+class Renderer {
+ public:
+  Renderer(Backend& backend, const GaussianModel& model);
+
+  /// One picture per view, all through the kernels as one batch.
+  std::vector<Picture> render(const std::vector<View>& views);
+  /// The same without taking the pictures out: for timing.
+  const Images<float>& draw(const std::vector<View>& views);
+  /// To be called when the model's values have changed.
+  void refresh();
+  /// Of the last call: splats, instances, Gaussians that are none.
+  PipelineReport report() const { return pipeline_.report(); }
+  /// To be changed between calls.
+  RenderOptions& options() { return options_; }
+  /// From the next call on the Gaussians alone, without background or environment.
+  void draw_no_background();
+
+ private:
+  /// Set k where the backend can read it.
+  const GaussianSet& set(int k) const;
+
+  Backend& backend_;
+  const GaussianModel& model_;
+  RenderOptions options_;
+  Pipeline<float> pipeline_;
+  std::optional<GaussianSet> copies_[2];
+  Buffer<float> environment_;  // where the model's is in another memory
+  bool background_ = true;
+  Buffer<float> colour_, transmittance_;  // of a batch, on the host
+};
+
+/// For a single call.
+std::vector<Picture> render_views(Backend& backend, const GaussianModel& model,
+                                  const std::vector<View>& views);
+
+}  // namespace tessera

@@ -1,0 +1,74 @@
+// What: scores of cameras that stand still: flicker, and which of their pixels ever change.
+// Not: scores of single pictures (metrics.h). Cameras that move have none of these.
+// Source: failure modes A14; masked PSNR of the dynamic-scene literature.
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recon4d/evaluation/render.h"
+
+namespace tessera {
+
+/// Of one camera over its scored frames. Units: steps of 8-bit values, pictures clamped to [0, 1]
+/// and not rounded.
+struct FlickerScore {
+  std::string camera;
+  int64_t moments = 0;
+  /// Mean of |(r(t+1) − r(t)) − (g(t+1) − g(t))|, r: rendered, g: ground truth.
+  double change_error = 0;
+  /// Where g never changes (its standard deviation over time is below kStillDeviation): share of
+  /// the values, mean standard deviation of r and, as what noise alone makes, of g.
+  double still_share = 0;
+  std::optional<double> still_deviation, still_deviation_truth;
+
+  static constexpr double kStillDeviation = 2;
+};
+
+/// Takes the frames of a split one after another. A camera counts when its scored frames show it in
+/// one place at two moments or more and come in the order of time.
+class FlickerMeter {
+ public:
+  void add(const Frame& frame, const Picture& picture);
+  std::vector<FlickerScore> scores() const;  // by name of camera
+
+ private:
+  struct Sums {
+    const Frame* last = nullptr;
+    std::vector<float> previous;            // [3, height, width] of the last picture, 8-bit units
+    std::vector<float> mean[2], square[2];  // rendered, truth: Welford's running sums
+    std::vector<uint8_t> used;              // [height, width] by all masks so far
+    double change_sum = 0;
+    int64_t change_count = 0, moments = 0;
+    bool broken = false;
+  };
+  void start(Sums& sums, const Frame& frame) const;
+  static FlickerScore score(const std::string& camera, const Sums& sums);
+
+  std::map<std::string, Sums> cameras_;
+};
+
+/// Which pixels of a camera that stands still show something that moves: those whose truth differs
+/// from its median over time, in some channel, by more than kThreshold.
+class DynamicRegions {
+ public:
+  static constexpr int kThreshold = 10;   // 8-bit units
+  static constexpr size_t kMoments = 31;  // the median is of at most so many, spread over time
+  static constexpr size_t kLeastMoments = 3;
+
+  /// Medians are of all frames of the scene, which must outlive this.
+  explicit DynamicRegions(const Scene& scene) : scene_(scene) {}
+
+  /// [height, width] 255 where it moves, 0 elsewhere; empty: the camera moves, or has fewer than
+  /// three moments.
+  std::vector<uint8_t> of(const Frame& frame);
+
+ private:
+  const std::vector<uint8_t>& median_of(const Frame& frame);
+
+  const Scene& scene_;
+  std::map<std::string, std::vector<uint8_t>> medians_;  // [height, width, 3], or empty
+};
+
+}  // namespace tessera

@@ -1,0 +1,205 @@
+// What: a state's numbers → JSON and back, checked.
+// Not: the arrays (checkpoint.cpp).
+#include "recon4d/model/checkpoint_header.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "kernels/base/errors.h"
+#include "kernels/math/environment.h"
+#include "recon4d/options/train_options_json.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+constexpr int64_t kScalar = 4;            // bytes, of float32 and int32
+constexpr int64_t kExposureScalars = 10;  // of a row
+
+/// Rows by SH degree of a set in the header; absent where they are alike.
+ShBlocks blocks_in(const json& header, const char* set) {
+  ShBlocks blocks;
+  const auto all = header.find("sh_blocks");
+  if (all == header.end()) return blocks;
+  const auto rows = all->at(set).get<std::array<int64_t, kMaxShDegree + 1>>();
+  std::copy(rows.begin(), rows.end(), blocks.rows);
+  return blocks;
+}
+
+Form dynamic_form(const json& header) {
+  return header.at("motion_form") == "velocity" ? Form::kVelocity : Form::kPair;
+}
+
+void restore_sets(const json& header, GaussianModel& model) {
+  const int coefficients = header.at("sh_coefficients");
+  model.static_set = GaussianSet(Form::kStatic, coefficients);
+  model.static_set.resize(header.at("num_static"), blocks_in(header, "static"));
+  model.dynamic_set = GaussianSet(dynamic_form(header), coefficients, host_memory(),
+                                  header.at("sh_time").at("levels"));
+  model.dynamic_set.resize(header.at("num_dynamic"), blocks_in(header, "dynamic"));
+  model.environment.height = header.at("environment_height");
+}
+
+void restore_model(const json& header, GaussianModel& model) {
+  const json &sh_time = header.at("sh_time"), &time_axis = header.at("time_axis");
+  model.sh_degree = header.at("sh_degree");
+  model.sh_time_degree = sh_time.at("degree"), model.sh_time_period = sh_time.at("period");
+  model.time_axis = {time_axis.at("origin"), time_axis.at("duration")};
+  model.prepared_from_source = similarity_from_numbers(header.at("prepared_from_source"));
+  model.background = header.at("background");
+  model.near_plane = header.at("near_plane"), model.far_plane = header.at("far_plane");
+  model.sliced_direction = header.at("sliced_direction");
+  model.truncation_sigma = header.at("truncation_sigma");
+  model.truncation_by_falloff = header.at("truncation_by_falloff");
+  model.filter_2d = header.at("filter_2d");
+  model.time_filter = header.at("time_filter");
+  model.train_scale = header.at("train_scale");
+}
+
+void restore_progress(const json& header, TrainState& state) {
+  state.iteration = header.at("iteration"), state.finished = header.at("finished");
+  state.seconds = header.at("seconds");
+  state.decided = header.at("decided"), state.goal = header.at("goal");
+  state.sampler_epoch = header.at("sampler").at("epoch");
+  state.sampler_position = header.at("sampler").at("position");
+}
+
+TrainOptions restore_options(const std::filesystem::path& path, const json& header) {
+  try {
+    return train_options_from_json(header.at("options"));
+  } catch (const InputError& error) {
+    refuse_checkpoint(path, fmt::format("checkpoint of another version: {}", error.what()));
+  }
+}
+
+/// Whether blocks are of so many rows, with at most so many coefficients each.
+bool blocks_fit(const ShBlocks& blocks, int64_t count, int coefficients) {
+  int64_t left = count;  // no sum that overflows
+  for (int degree = 0; degree <= kMaxShDegree; ++degree) {
+    const int64_t rows = blocks.rows[degree];
+    if (rows < 0 || rows > left) return false;
+    if (rows > 0 && sh_coefficients(degree) > coefficients) return false;
+    left -= rows;
+  }
+  return left == 0 || left == count;
+}
+
+/// Numbers of the header against each other and the size of the file, before any memory is taken.
+void check_header(const CheckpointReader& file, const json& header) {
+  const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
+  const json &sh_time = header.at("sh_time"), &sampler = header.at("sampler");
+  const CheckpointParts parts = parts_of(header);
+  const int64_t environment = header.at("environment_height");
+  const int coefficients = header.at("sh_coefficients"), levels = sh_time.at("levels");
+  // values and two moments each; statistics and sh_step, filter size where kept, four bytes like
+  // all
+  const auto scalars = [&](Form form, int64_t count, const ShBlocks& blocks) {
+    const int sets = form == Form::kStatic ? 1 : 1 + levels;
+    const int64_t all = blocks.mixed() ? blocks.coefficients() : count * coefficients;
+    return count * (int64_t{3} * geometry_scalars(form) + 3 + parts.filter_sizes) + 9 * all * sets;
+  };
+  const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
+  constexpr int64_t kMost = int64_t{1} << 40;
+  const auto within = [](int64_t value, int64_t low, int64_t high) {
+    return value >= low && value <= high;
+  };
+  if (!within(statics, 0, kMost) || !within(dynamics, 0, kMost) ||
+      !within(parts.exposures, 0, kMost) || !within(environment, 0, int64_t{1} << 16) ||
+      !within(coefficients, 1, kMaxShCoefficients) ||
+      !blocks_fit(of_static, statics, coefficients) ||
+      !blocks_fit(of_dynamic, dynamics, coefficients) ||
+      !within(header.at("sh_degree"), 0, kMaxShDegree) || !within(levels, 0, kMaxTimeLevels) ||
+      !within(sh_time.at("degree"), 0, kMaxTimeLevels) || !(sh_time.at("period") > 0.0) ||
+      !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
+      !within(sampler.at("position"), 0, kMost))
+    refuse_checkpoint(file.path(), "damaged checkpoint: impossible numbers in its header");
+  const auto promised = uint64_t(
+      kScalar * (scalars(Form::kStatic, statics, of_static) +
+                 scalars(dynamic_form(header), dynamics, of_dynamic) + 3 * dynamics * parts.anchor +
+                 kExposureScalars * parts.exposures + 3 * environment_scalars(environment)));
+  if (file.array_bytes() != promised)
+    refuse_checkpoint(file.path(),
+                      fmt::format("truncated checkpoint: {} bytes, its header promises {}",
+                                  file.bytes(), file.bytes() - file.array_bytes() + promised));
+}
+
+}  // namespace
+
+json checkpoint_header(const TrainState& state, const TrainOptions& options,
+                       const std::string& provenance, const ValidationRecord& validation) {
+  const GaussianModel& model = state.model;
+  json header = {
+      {"iteration", state.iteration},
+      {"finished", state.finished},
+      {"seconds", state.seconds},
+      {"decided", state.decided},
+      {"goal", state.goal},
+      {"sampler", {{"epoch", state.sampler_epoch}, {"position", state.sampler_position}}},
+      {"num_static", model.static_set.count()},
+      {"num_dynamic", model.dynamic_set.count()},
+      {"motion_form", model.dynamic_set.form() == Form::kVelocity ? "velocity" : "pair"},
+      {"sh_coefficients", model.static_set.coefficients()},
+      {"sh_degree", model.sh_degree},
+      {"sh_time",
+       {{"degree", model.sh_time_degree},
+        {"levels", model.dynamic_set.time_levels()},
+        {"period", model.sh_time_period}}},
+      {"time_axis", {{"origin", model.time_axis.origin}, {"duration", model.time_axis.duration}}},
+      {"prepared_from_source", similarity_numbers(model.prepared_from_source)},
+      {"background", model.background},
+      {"near_plane", model.near_plane},
+      {"far_plane", model.far_plane},
+      {"sliced_direction", model.sliced_direction},
+      {"truncation_sigma", model.truncation_sigma},
+      {"truncation_by_falloff", model.truncation_by_falloff},
+      {"filter_2d", model.filter_2d},
+      {"time_filter", model.time_filter},
+      {"train_scale", model.train_scale},
+      {"filter_sizes", state.has_filter_sizes()},
+      {"anchor", state.has_anchor()},
+      {"exposures", state.exposure.rows()},
+      {"environment_height", model.environment.height},
+      {"options", to_json(options)},
+      {"provenance", provenance.empty() ? json::object() : json::parse(provenance)},
+      {"validation", to_json(validation)}};
+  if (state.has_blocks())
+    header["sh_blocks"] = {{"static", model.static_set.blocks().rows},
+                           {"dynamic", model.dynamic_set.blocks().rows}};
+  return header;
+}
+
+CheckpointParts parts_of(const TrainState& state) {
+  return {state.has_filter_sizes(), state.has_anchor(), state.exposure.rows()};
+}
+
+CheckpointParts parts_of(const json& header) {
+  return {header.at("filter_sizes"), header.at("anchor"), header.at("exposures")};
+}
+
+json parse_checkpoint_header(const CheckpointReader& file) {
+  json header = json::parse(file.header(), nullptr, false);
+  if (header.is_discarded())
+    refuse_checkpoint(file.path(), "damaged checkpoint: its header is not JSON");
+  return header;
+}
+
+Checkpoint restored_without_arrays(const CheckpointReader& file, const json& header) {
+  Checkpoint checkpoint;
+  try {
+    check_header(file, header);
+    checkpoint.options = restore_options(file.path(), header);
+    checkpoint.provenance = header.at("provenance").dump();
+    checkpoint.validation = validation_record_from_json(header.at("validation"));
+    restore_progress(header, checkpoint.state);
+    restore_model(header, checkpoint.state.model);
+    restore_sets(header, checkpoint.state.model);
+  } catch (const json::exception& error) {
+    refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", error.what()));
+  }
+  return checkpoint;
+}
+
+}  // namespace tessera

@@ -1,0 +1,130 @@
+// What: sizes and copies of parameter groups.
+// Not: initial values (initialise.cpp) or density control.
+#include "recon4d/model/gaussian_set.h"
+
+#include <algorithm>
+
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+GaussianSet::GaussianSet(Form form, int coefficients, Memory& memory, int time_levels)
+    : form_(form), coefficients_(coefficients), time_levels_(time_levels), memory_(&memory) {
+  check(time_levels == 0 || form != Form::kStatic, "GaussianSet: a static set with levels of time");
+  for (ParameterGroup& group : groups_) group = ParameterGroup(memory);
+}
+
+int GaussianSet::width(Group group) const {
+  check(!blocks_.mixed() || (group != kSh && group != kShTime),
+        "GaussianSet: rows of a set of several SH degrees have no common width");
+  return group_width(group, coefficients_, form_, time_levels_);
+}
+
+int64_t GaussianSet::scalars(Group group, int64_t count, const ShBlocks& blocks) const {
+  if (!blocks.mixed() || (group != kSh && group != kShTime))
+    return count * group_width(group, coefficients_, form_, time_levels_);
+  return blocks.coefficients() * group_width(group, 1, form_, time_levels_);
+}
+
+void GaussianSet::set_layout(int64_t count, const ShBlocks& blocks) {
+  check(!blocks.mixed() || blocks.count() == count, "GaussianSet: rows of the blocks");
+  const int degree = sh_degree_of(coefficients_);
+  for (int above = degree + 1; above <= kMaxShDegree; ++above)
+    check(blocks.rows[above] == 0, "GaussianSet: a block of more coefficients than the set");
+  const bool alike = coefficients_ == sh_coefficients(degree) && blocks.rows[degree] == count;
+  count_ = count, blocks_ = alike ? ShBlocks{} : blocks;
+}
+
+void GaussianSet::resize(int64_t count, const ShBlocks& blocks) {
+  set_layout(count, blocks);
+  for (int g = 0; g < groups(); ++g) {
+    ParameterGroup& group = groups_[size_t(g)];
+    group.value.resize(scalars(Group(g)));
+    group.moment1 = Buffer<float>(*memory_);
+    group.moment2 = Buffer<float>(*memory_);
+  }
+}
+
+void GaussianSet::set_count(int64_t count, const ShBlocks& blocks) {
+  for (int g = 0; g < groups(); ++g)
+    check(groups_[size_t(g)].value.size() == scalars(Group(g), count, blocks),
+          "GaussianSet: rows of a group");
+  set_layout(count, blocks);
+}
+
+void GaussianSet::ensure_moments() {
+  if (has_moments()) return;
+  check(memory_ == &host_memory(), "GaussianSet: moments are made on the host");
+  for (int g = 0; g < groups(); ++g) {
+    ParameterGroup& group = groups_[size_t(g)];
+    group.moment1.resize(group.value.size());
+    group.moment2.resize(group.value.size());
+    std::fill(group.moment1.begin(), group.moment1.end(), 0.0f);
+    std::fill(group.moment2.begin(), group.moment2.end(), 0.0f);
+  }
+}
+
+GaussianSet GaussianSet::clone_to(Memory& memory) const {
+  GaussianSet copy = clone_values(memory);
+  for (int g = 0; g < groups(); ++g) {
+    copy.groups_[size_t(g)].moment1.copy_from(groups_[size_t(g)].moment1);
+    copy.groups_[size_t(g)].moment2.copy_from(groups_[size_t(g)].moment2);
+  }
+  return copy;
+}
+
+GaussianSet GaussianSet::clone_values(Memory& memory) const {
+  GaussianSet copy = like(memory);
+  copy.count_ = count_, copy.blocks_ = blocks_;
+  for (int g = 0; g < groups(); ++g)
+    copy.groups_[size_t(g)].value.copy_from(groups_[size_t(g)].value);
+  return copy;
+}
+
+int64_t GaussianSet::value_bytes() const {
+  int64_t sum = 0;
+  for (int g = 0; g < groups(); ++g) sum += scalars(Group(g));
+  return sum * int64_t(sizeof(float));
+}
+
+EnvironmentLight EnvironmentLight::clone_to(Memory& memory, bool moments) const {
+  EnvironmentLight copy(memory);
+  copy.height = height, copy.map_from_world = map_from_world;
+  copy.map.value.copy_from(map.value);
+  if (!moments) return copy;
+  copy.map.moment1.copy_from(map.moment1), copy.map.moment2.copy_from(map.moment2);
+  return copy;
+}
+
+namespace {
+
+GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set, GaussianSet dynamic_set,
+                        EnvironmentLight environment) {
+  GaussianModel model;
+  model.environment = std::move(environment);
+  model.static_set = std::move(static_set), model.dynamic_set = std::move(dynamic_set);
+  model.sh_degree = like.sh_degree, model.time_axis = like.time_axis;
+  model.sh_time_degree = like.sh_time_degree, model.sh_time_period = like.sh_time_period;
+  model.prepared_from_source = like.prepared_from_source;
+  model.background = like.background, model.sliced_direction = like.sliced_direction;
+  model.near_plane = like.near_plane, model.far_plane = like.far_plane;
+  model.truncation_sigma = like.truncation_sigma;
+  model.truncation_by_falloff = like.truncation_by_falloff;
+  model.time_filter = like.time_filter;
+  model.filter_2d = like.filter_2d, model.train_scale = like.train_scale;
+  return model;
+}
+
+}  // namespace
+
+GaussianModel GaussianModel::clone_to(Memory& memory) const {
+  return with_sets(*this, static_set.clone_to(memory), dynamic_set.clone_to(memory),
+                   environment.clone_to(memory, true));
+}
+
+GaussianModel GaussianModel::clone_values(Memory& memory) const {
+  return with_sets(*this, static_set.clone_values(memory), dynamic_set.clone_values(memory),
+                   environment.clone_to(memory, false));
+}
+
+}  // namespace tessera

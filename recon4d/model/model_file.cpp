@@ -1,0 +1,243 @@
+// What: comments and elements of the Tessera 4D .ply.
+// Not: the columns (splat_columns.h).
+#include "recon4d/model/model_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "ingest/files/ply_header.h"
+#include "kernels/base/errors.h"
+#include "kernels/math/environment.h"
+#include "recon4d/model/splat_columns.h"
+
+namespace tessera {
+namespace {
+
+constexpr int kFormatVersion = 1;
+constexpr const char* kVersionKey = "tessera_4d_version";
+constexpr const char* kStaticElement = "vertex";
+constexpr const char* kDynamicElement = "vertex_dynamic";
+constexpr const char* kEnvironmentElement = "environment";
+
+/// Numbers behind `key` in the comments; none when it is not there. fmt writes the shortest text
+/// that reads back bit-equal.
+std::vector<double> numbers_if_any(const std::filesystem::path& path,
+                                   const std::vector<std::string>& comments, const std::string& key,
+                                   size_t count) {
+  for (const std::string& comment : comments) {
+    if (comment.rfind(key + " ", 0) != 0) continue;
+    std::vector<double> numbers;
+    const char* at = comment.data() + key.size();
+    const char* const end = comment.data() + comment.size();
+    while (at < end && *at == ' ') {
+      double value = 0;
+      const auto parsed = std::from_chars(at + 1, end, value);
+      if (parsed.ec != std::errc() || !std::isfinite(value)) break;
+      numbers.push_back(value);
+      at = parsed.ptr;
+    }
+    if (numbers.size() == count && at == end) return numbers;
+    throw InputError(
+        fmt::format("{}: comment '{}' is malformed, expected {} numbers, finite; export again",
+                    path.string(), comment, count));
+  }
+  return {};
+}
+
+/// The same, of a comment that every file has.
+std::vector<double> numbers_of(const std::filesystem::path& path,
+                               const std::vector<std::string>& comments, const std::string& key,
+                               size_t count) {
+  std::vector<double> numbers = numbers_if_any(path, comments, key, count);
+  if (!numbers.empty()) return numbers;
+  throw InputError(fmt::format(
+      "{}: no comment '{}', expected a Tessera 4D .ply; a 3DGS .ply is read as a static model",
+      path.string(), key));
+}
+
+/// How it is to be drawn beyond what every file says.
+void read_rules(const std::filesystem::path& path, const std::vector<std::string>& comments,
+                GaussianModel& model) {
+  const auto truncation = numbers_if_any(path, comments, "truncation", 2);
+  if (!truncation.empty()) {
+    if (!(truncation[0] > 0))
+      throw InputError(fmt::format("{}: truncation {}, expected a number above 0; export again",
+                                   path.string(), truncation[0]));
+    model.truncation_sigma = truncation[0], model.truncation_by_falloff = truncation[1] != 0;
+  }
+  const auto filter = numbers_if_any(path, comments, "filter_2d", 1);
+  if (!filter.empty()) model.filter_2d = filter[0] != 0;
+  const auto time_filter = numbers_if_any(path, comments, "time_filter", 1);
+  if (!time_filter.empty()) {
+    if (!(time_filter[0] >= 0))
+      throw InputError(
+          fmt::format("{}: time_filter {}, expected a number of at least 0; export again",
+                      path.string(), time_filter[0]));
+    model.time_filter = time_filter[0];
+  }
+  const auto sh_time = numbers_if_any(path, comments, "sh_time", 2);
+  if (!sh_time.empty()) {
+    if (!(sh_time[0] >= 0 && sh_time[0] <= kMaxTimeLevels && sh_time[1] > 0))
+      throw InputError(
+          fmt::format("{}: sh_time {} {}, expected 0 to {} levels and a period above 0; export "
+                      "again",
+                      path.string(), sh_time[0], sh_time[1], kMaxTimeLevels));
+    model.sh_time_degree = int(sh_time[0]), model.sh_time_period = sh_time[1];
+  }
+  const auto scale = numbers_if_any(path, comments, "train_scale", 1);
+  if (scale.empty()) return;
+  if (!(scale[0] > 0))
+    throw InputError(fmt::format("{}: train_scale {}, expected a number above 0; export again",
+                                 path.string(), scale[0]));
+  model.train_scale = scale[0];
+}
+
+void read_comments(const std::filesystem::path& path, const std::vector<std::string>& comments,
+                   GaussianModel& model) {
+  const double version = numbers_of(path, comments, kVersionKey, 1)[0];
+  if (version != kFormatVersion)
+    throw InputError(
+        fmt::format("{}: format version {}, this program reads {}; use the program "
+                    "that wrote it or export again",
+                    path.string(), version, kFormatVersion));
+  const auto axis = numbers_of(path, comments, "time_axis", 2);
+  if (!(axis[1] > 0))
+    throw InputError(fmt::format("{}: a clip of {} seconds, expected more than 0; export again",
+                                 path.string(), axis[1]));
+  model.time_axis = {axis[0], axis[1]};
+  const double degree = numbers_of(path, comments, "sh_degree", 1)[0];
+  if (!(degree >= 0 && degree <= kMaxShDegree))
+    throw InputError(fmt::format("{}: sh_degree {}, expected 0 to {}; export again", path.string(),
+                                 degree, kMaxShDegree));
+  model.sh_degree = int(degree);
+  const auto background = numbers_of(path, comments, "background", 3);
+  for (size_t c = 0; c < 3; ++c) {
+    if (!(background[c] >= 0 && background[c] <= 255))
+      throw InputError(fmt::format("{}: background {}, expected 0 to 255; export again",
+                                   path.string(), background[c]));
+    model.background[c] = uint8_t(background[c]);
+  }
+  const auto planes = numbers_of(path, comments, "clip_planes", 2);
+  if (!(planes[0] > 0 && planes[1] > planes[0]))
+    throw InputError(
+        fmt::format("{}: clip planes {} and {}, expected one before the other; export "
+                    "again",
+                    path.string(), planes[0], planes[1]));
+  model.near_plane = planes[0], model.far_plane = planes[1];
+  const auto sliced = numbers_if_any(path, comments, "sliced_direction", 1);  // absent: older file
+  if (!sliced.empty()) model.sliced_direction = sliced[0] != 0;
+  read_rules(path, comments, model);
+  const auto world = numbers_if_any(path, comments, "prepared_from_source", kSimilarityNumbers);
+  if (world.empty()) return;  // older file: the source's own world
+  if (!(world[0] > 0))
+    throw InputError(fmt::format("{}: a world of scale {}, expected a number above 0; export again",
+                                 path.string(), world[0]));
+  SimilarityNumbers numbers{};
+  std::copy(world.begin(), world.end(), numbers.begin());
+  model.prepared_from_source = similarity_from_numbers(numbers);
+}
+
+}  // namespace
+
+void save_model(const std::filesystem::path& path, const GaussianModel& model) {
+  const auto& rgb = model.background;
+  std::vector<std::string> comments = {
+      fmt::format("{} {}", kVersionKey, kFormatVersion),
+      fmt::format("time_axis {} {}", model.time_axis.origin, model.time_axis.duration),
+      fmt::format("sh_degree {}", model.sh_degree),
+      fmt::format("background {} {} {}", rgb[0], rgb[1], rgb[2]),
+      fmt::format("clip_planes {} {}", model.near_plane, model.far_plane),
+      fmt::format("sliced_direction {}", int(model.sliced_direction)),
+      fmt::format("truncation {} {}", model.truncation_sigma, int(model.truncation_by_falloff)),
+      fmt::format("filter_2d {}", int(model.filter_2d)),
+      fmt::format("time_filter {}", model.time_filter),
+      fmt::format("train_scale {}", model.train_scale),
+      fmt::format("prepared_from_source {}",
+                  fmt::join(similarity_numbers(model.prepared_from_source), " "))};
+  if (model.dynamic_set.time_levels() > 0)
+    comments.push_back(fmt::format("sh_time {} {}", model.sh_time_degree, model.sh_time_period));
+  // A model without movement is a file that any viewer of static splats opens.
+  std::vector<SplatElement> elements = {
+      {kStaticElement, &model.static_set, model.static_set.coefficients()}};
+  if (model.dynamic_set.count() > 0)
+    elements.push_back({kDynamicElement, &model.dynamic_set, model.dynamic_set.coefficients()});
+  std::vector<FloatElement> others;
+  const EnvironmentLight& environment = model.environment;
+  if (environment.height > 0) {
+    const Similarity turn{1, environment.map_from_world, {}};
+    comments.push_back(fmt::format("environment {} {}", environment.height,
+                                   fmt::join(similarity_numbers(turn), " ")));
+    others.push_back({kEnvironmentElement, {"red", "green", "blue"}, environment.map.value.span()});
+  }
+  write_splats(path, comments, elements, others);
+}
+
+namespace {
+
+EnvironmentLight read_environment(const std::filesystem::path& path, const PlyFile& file) {
+  EnvironmentLight environment;
+  const auto numbers =
+      numbers_if_any(path, file.comments, kEnvironmentElement, 1 + kSimilarityNumbers);
+  if (numbers.empty()) return environment;
+  const PlyElement* const element = file.find(kEnvironmentElement);
+  const bool plausible = numbers[0] >= 1 && numbers[0] <= 1 << 16;
+  environment.height = plausible ? int(numbers[0]) : 0;
+  const int64_t scalars = environment_scalars(environment.height);
+  if (!plausible || element == nullptr || 3 * element->rows != scalars)
+    throw InputError(
+        fmt::format("{}: element '{}' does not have the {} rows of its comment's map; "
+                    "export again",
+                    path.string(), kEnvironmentElement, scalars / 3));
+  SimilarityNumbers turn{};
+  std::copy(numbers.begin() + 1, numbers.end(), turn.begin());
+  environment.map_from_world = similarity_from_numbers(turn).rotation;
+  environment.map.value.resize(scalars);
+  int64_t c = 0;
+  for (const char* name : {"red", "green", "blue"}) {
+    const PlyColumn* const column = element->find(name);
+    if (column == nullptr)
+      throw InputError(fmt::format("{}: element '{}' has no scalar property '{}'; export again",
+                                   path.string(), kEnvironmentElement, name));
+    for (int64_t i = 0; i < element->rows; ++i)
+      environment.map.value[3 * i + c] = float(column->values[size_t(i)]);
+    ++c;
+  }
+  return environment;
+}
+
+}  // namespace
+
+GaussianModel load_model(const std::filesystem::path& path) {
+  const PlyFile file = read_ply(path);
+  GaussianModel model;
+  read_comments(path, file.comments, model);
+  model.environment = read_environment(path, file);
+  const PlyElement* const static_element = file.find(kStaticElement);
+  if (static_element == nullptr)
+    throw InputError(fmt::format("{}: no element '{}', expected a Tessera 4D .ply; export again",
+                                 path.string(), kStaticElement));
+  model.static_set = read_splats(path, *static_element, Form::kStatic);
+  if (const PlyElement* const dynamic_element = file.find(kDynamicElement))
+    model.dynamic_set = read_splats(path, *dynamic_element, dynamic_form_of(*dynamic_element));
+  return model;
+}
+
+bool is_tessera_model(const std::filesystem::path& path) {
+  constexpr size_t kHeaderBytes = 1 << 14;  // the comments come first
+  std::FILE* const file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr)
+    throw InputError(
+        fmt::format("{}: cannot be read; check the path and its permissions", path.string()));
+  std::string head(kHeaderBytes, '\0');
+  head.resize(std::fread(head.data(), 1, head.size(), file));
+  std::fclose(file);
+  const std::string_view header = std::string_view(head).substr(0, head.find("\nend_header"));
+  return header.rfind("ply", 0) == 0 &&
+         header.find(fmt::format("\ncomment {} ", kVersionKey)) != std::string_view::npos;
+}
+
+}  // namespace tessera

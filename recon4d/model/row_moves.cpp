@@ -1,0 +1,111 @@
+// What: every buffer of a set and its statistics, gathered move by move.
+// Not: a rule about rows or degrees.
+#include "recon4d/model/row_moves.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+/// The rows `index` of the moves as rows of one coefficient each, RGB: the first `wanted` of
+/// `stored`, in each of `levels`.
+Buffer<int64_t> coefficient_rows(Memory& memory, const Buffer<int64_t>& index, int stored,
+                                 int wanted, int levels) {
+  Buffer<int64_t> rows, out(index.size() * levels * wanted);
+  rows.copy_from(index);
+  int64_t at = 0;
+  for (const int64_t row : rows)
+    for (int64_t level = row * levels; level < (row + 1) * levels; ++level)
+      for (int k = 0; k < wanted; ++k) out[at++] = level * stored + k;
+  Buffer<int64_t> there(memory);
+  there.copy_from(out);
+  return there;
+}
+
+/// A buffer of a group in its next state. `scalars`: of a row, or, of colours, by coefficient.
+class Gatherer {
+ public:
+  Gatherer(Backend& backend, const std::vector<RowMove>& moves, int scalars, bool colours)
+      : backend_(backend), moves_(moves), scalars_(scalars), colours_(colours) {
+    for (const RowMove& move : moves_) {
+      size_ += move.index.size() * width(move.coefficients);
+      shorter_.emplace_back(backend.memory());
+      if (colours && move.coefficients < move.from.coefficients)
+        shorter_.back() = coefficient_rows(backend.memory(), move.index, move.from.coefficients,
+                                           move.coefficients, scalars / 3);
+    }
+  }
+
+  void operator()(Buffer<float>& buffer) const {
+    Buffer<float> to(size_, backend_.memory());
+    int64_t at = 0;
+    for (size_t i = 0; i < moves_.size(); ++i) {
+      const RowMove& move = moves_[i];
+      const int stored = width(move.from.coefficients);
+      const Span<const float> from = part_of(
+          std::as_const(buffer).span(),
+          (colours_ ? move.from.sh_first : move.from.first) * scalars_, move.from.count * stored);
+      const bool whole = shorter_[i].empty();
+      const Span<const int64_t> index = whole ? move.index.span() : shorter_[i].span();
+      const int width = whole ? stored : 3;
+      backend_.gather_rows(from, index, width, index.size,
+                           part_of(to.span(), at, index.size * width));
+      at += index.size * width;
+    }
+    buffer = std::move(to);
+    // the old rows of a large group are not kept beside the new ones of the next
+    constexpr int64_t kLarge = int64_t{1} << 22;
+    if (buffer.size() > kLarge) backend_.memory().trim();
+  }
+
+ private:
+  int width(int coefficients) const { return colours_ ? coefficients * scalars_ : scalars_; }
+
+  Backend& backend_;
+  const std::vector<RowMove>& moves_;
+  int scalars_;
+  bool colours_;
+  int64_t size_ = 0;
+  std::vector<Buffer<int64_t>> shorter_;  // by move, where coefficients are dropped
+};
+
+/// The layout that the moves lead to.
+ShBlocks next_blocks(const std::vector<RowMove>& moves, const GaussianSet& set) {
+  ShBlocks blocks;
+  for (const RowMove& move : moves)
+    blocks.rows[sh_degree_of(move.coefficients)] += move.index.size();
+  const bool alike = std::all_of(moves.begin(), moves.end(), [&](const RowMove& move) {
+    return move.coefficients == set.coefficients();
+  });
+  return alike ? ShBlocks{} : blocks;
+}
+
+}  // namespace
+
+void move_rows(Backend& backend, const std::vector<RowMove>& moves, GaussianSet& set,
+               SetStatistics& statistics) {
+  int64_t count = 0;
+  for (const RowMove& move : moves) count += move.index.size();
+  const ShBlocks blocks = next_blocks(moves, set);
+  const bool has_moments = set.has_moments();
+  for (int g = 0; g < set.groups(); ++g) {
+    const bool colours = g == kSh || g == kShTime;
+    const int scalars = group_width(Group(g), 1, set.form(), set.time_levels());
+    const Gatherer gather(backend, moves, scalars, colours);
+    ParameterGroup& group = set.group(Group(g));
+    gather(group.value);
+    if (has_moments) gather(group.moment1), gather(group.moment2);
+  }
+  set.set_count(count, blocks);
+  const Gatherer gather(backend, moves, 1, false);
+  for (Buffer<float>* values :
+       {&statistics.gradient_sum, &statistics.count, &statistics.filter_size})
+    if (!values->empty()) gather(*values);
+  statistics.sh_step.resize(count);  // one number throughout
+  statistics.anchor.resize(0);
+}
+
+}  // namespace tessera

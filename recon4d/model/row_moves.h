@@ -1,0 +1,29 @@
+// What: rows of a set gathered block by block into its next state: a part of them, or another
+//       order, or fewer SH coefficients.
+// Not: the choice of rows (density.cpp, sh_blocks.cpp), nor growth: no row is taken twice.
+#pragma once
+#include <vector>
+
+#include "recon4d/density/density.h"
+
+namespace tessera {
+
+/// Rows of a block that follow one another in the next state of a set.
+struct RowMove {
+  ShBlock from;
+  int coefficients;       // K of the rows in the next state, at most that of the block
+  Buffer<int64_t> index;  // rows of the block, in the backend's memory
+};
+
+/// The rows of all moves become the set, with their moments and statistics; the anchor is
+/// forgotten. Moves are in the order of storage: that of ShBlocks::kOrder, by `coefficients`.
+void move_rows(Backend& backend, const std::vector<RowMove>& moves, GaussianSet& set,
+               SetStatistics& statistics);
+
+/// Calls visit(block) for the blocks of a set that have rows.
+template <class Visit>
+void for_each_block(const GaussianSet& set, Visit&& visit) {
+  for_each_block(set.blocks(), set.count(), set.coefficients(), visit);
+}
+
+}  // namespace tessera

@@ -1,0 +1,59 @@
+// What: everything a training needs to go on exactly as if it had not stopped, and the model in it.
+// Not: the steps (trainer.h) or the file (checkpoint.h).
+#pragma once
+#include "kernels/backend.h"
+#include "recon4d/density/density.h"
+#include "recon4d/model/exposure.h"
+#include "recon4d/model/gaussian_set.h"
+#include "recon4d/options/train_options.h"
+
+namespace tessera {
+
+struct TrainState {
+  GaussianModel model;          // in any memory; its SH may be behind, see LazySh
+  SetStatistics statistics[2];  // static, dynamic
+  ExposureState exposure;       // on the host
+  int64_t iteration = 0;        // steps done
+  int64_t sampler_epoch = 0, sampler_position = 0;
+  double seconds = 0;     // spent in steps and decisions
+  int64_t decided = 0;    // steps done at the last decision of Parsimony
+  int64_t goal = 0;       // Gaussians that its thinning is to leave; 0: not known yet
+  bool finished = false;  // the last clean-up is done
+
+  GaussianSet& set(int k) { return k == 0 ? model.static_set : model.dynamic_set; }
+  const GaussianSet& set(int k) const { return k == 0 ? model.static_set : model.dynamic_set; }
+  TrainState clone_to(Memory& memory) const;
+  bool has_filter_sizes() const {
+    return !statistics[0].filter_size.empty() || !statistics[1].filter_size.empty();
+  }
+  /// Whether rows of a set differ in their SH degree (sh_blocks.h).
+  bool has_blocks() const {
+    return model.static_set.blocks().mixed() || model.dynamic_set.blocks().mixed();
+  }
+  bool has_anchor() const { return !statistics[1].anchor.empty(); }
+  /// Values of set k with the sizes of the 3D filter, for Backend::edit_by_filter.
+  GaussianSpans<float> filtered_values(int k);
+};
+
+/// The SH of set k as they may be behind; empty where the options do not let them. `table`:
+/// lazy_adam_table in the state's memory.
+LazySh<float> lazy_sh(TrainState& state, int k, const TrainOptions& options,
+                      Span<const double> table);
+
+/// Whether SH of a state in the host's memory are behind its steps.
+bool is_behind(const TrainState& state, const TrainOptions& options);
+
+/// Values of set k as they are to be drawn: with the 3D filter where the options say so.
+GaussianSpans<const float> drawn_values(const TrainState& state, int k,
+                                        const TrainOptions& options);
+
+/// Whether the model of a state still has a 3D filter to be baked.
+bool is_filtered(const TrainState& state, const TrainOptions& options);
+
+/// A copy of the model of a state in the host's memory, with all SH up to date, the 3D filter baked
+/// and rows that are alike.
+GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options);
+/// The same of a state that nobody needs any longer: in its own memory.
+GaussianModel caught_up_model(TrainState&& state, const TrainOptions& options);
+
+}  // namespace tessera

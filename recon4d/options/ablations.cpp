@@ -1,0 +1,122 @@
+// What: the techniques as data rows; the two families of ablations follow from them.
+// Not: code paths: an ablation only changes what any user could set by hand.
+// Source: the ablations of [Faster-GS]; `skip-invisible` is [Taming].
+#include "recon4d/options/ablations.h"
+
+#include <fmt/format.h>
+
+#include "recon4d/options/option_overrides.h"
+
+namespace tessera {
+namespace {
+
+/// Options of the full method and of the basis, which has none of the techniques.
+const OptionOverrides kFull = {{"idle_updates", "lazy"}};
+const OptionOverrides kBasis = {
+    {"idle_updates", "dense"},  {"rectangular_bounds", false}, {"opacity_bounds", false},
+    {"tile_culling", false},    {"row_intervals", false},      {"balanced_instances", false},
+    {"separate_sort", false},   {"warp_culling", false},       {"backward", "pixel"},
+    {"fused_optimizer", false}, {"reorder_interval", 0}};
+
+/// `without`: on top of full; `with`: on top of basis; empty where there is no such row.
+struct Technique {
+  const char* without_name;
+  OptionOverrides without;
+  const char* with_name;
+  OptionOverrides with;
+  const char* doc;
+};
+
+const std::vector<Technique>& techniques() {
+  static const std::vector<Technique> rows = {
+      {"no-rectangular-bounds",
+       {{"rectangular_bounds", false}},
+       "rectangular-bounds",
+       {{"rectangular_bounds", true}},
+       "boxes as wide and high as the splat, not squares"},
+      {"no-opacity-bounds",
+       {{"opacity_bounds", false}},
+       "opacity-bounds",
+       {{"opacity_bounds", true}},
+       "faint splats reach less far"},
+      {"no-tile-culling",
+       {{"tile_culling", false}},
+       "tile-culling",
+       {{"tile_culling", true}},
+       "an exact test of each tile of the box"},
+      {"no-balanced-instances",
+       {{"balanced_instances", false}},
+       "balanced-instances",
+       {{"balanced_instances", true}},
+       "large splats are written by whole warps"},
+      {"no-separate-sort",
+       {{"separate_sort", false}},
+       "separate-sort",
+       {{"separate_sort", true}},
+       "depth is sorted once, then tiles"},
+      {"no-warp-culling",
+       {{"warp_culling", false}},
+       "warp-culling",
+       {{"warp_culling", true}},
+       "a warp skips splats that miss its part of the tile"},
+      {"pixel-backward",
+       {{"backward", "pixel"}},
+       "sub-tile-backward",
+       {{"backward", "sub-tile"}},
+       "gradients by parts of a tile that splats miss, not by pixels"},
+      {"no-fused-optimizer",
+       {{"fused_optimizer", false}, {"idle_updates", "dense"}},
+       "fused-optimizer",
+       {{"fused_optimizer", true}},
+       "Adam inside the backward pass"},
+      {"no-z-order",
+       {{"reorder_interval", 0}},
+       "z-order",
+       {{"reorder_interval", TrainOptions{}.reorder_interval}},
+       "neighbours in space are neighbours in memory"},
+      {"dense-idle",
+       {{"idle_updates", "dense"}},
+       "lazy-idle",
+       {{"fused_optimizer", true}, {"idle_updates", "lazy"}},
+       "colours of Gaussians out of sight catch up when they are seen"},
+      {"per-gaussian-backward",
+       {{"backward", "per-gaussian"}},
+       "per-gaussian-backward",
+       {{"backward", "per-gaussian"}},
+       "instead of by parts of a tile: lanes are splats, pixels pass through"},
+      {"skip-invisible",
+       {{"idle_updates", "skip"}},
+       "skip-invisible",
+       {{"fused_optimizer", true}, {"idle_updates", "skip"}},
+       "instead of catching up: Gaussians out of sight do nothing"},
+      {"row-intervals",
+       {{"row_intervals", true}},
+       "row-intervals",
+       {{"tile_culling", true}, {"row_intervals", true}},
+       "instead of a test for each tile: an interval of each row"},
+  };
+  return rows;
+}
+
+}  // namespace
+
+const std::vector<Ablation>& ablations() {
+  static const std::vector<Ablation> rows = [] {
+    std::vector<Ablation> made = {{"full", "every technique", kFull},
+                                  {"basis", "none of the techniques", kBasis}};
+    for (const Technique& t : techniques())
+      made.push_back(
+          {t.without_name, fmt::format("full but for: {}", t.doc), joined(kFull, t.without)});
+    for (const Technique& t : techniques())
+      made.push_back({fmt::format("basis+{}", t.with_name), fmt::format("basis and: {}", t.doc),
+                      joined(kBasis, t.with)});
+    return made;
+  }();
+  return rows;
+}
+
+void apply_ablation(TrainOptions& options, const std::string& name) {
+  apply_named(options, ablations(), "ablation", name);
+}
+
+}  // namespace tessera

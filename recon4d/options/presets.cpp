@@ -1,0 +1,89 @@
+// What: named sets of options, as data rows.
+// Not: code paths: a preset only changes what any user could set by hand.
+#include "recon4d/options/option_overrides.h"
+
+namespace tessera {
+
+namespace {
+
+/// No more than a scene needs: what moves and how many there are follows from the pictures.
+const OptionOverrides kParsimony = {
+    {"size", "knee"}, {"decide_motion", true}, {"decide_colour", true}};
+/// What is large stays: walls are.
+const OptionOverrides kBalanced = joined(kParsimony, {{"iterations", 7000},
+                                                      {"idle_updates", "lazy"},
+                                                      {"init_points", 50000},
+                                                      {"peak_gaussians", 400000},
+                                                      {"prune_extent", 0},
+                                                      {"sweep", true},
+                                                      {"split_by_motion", true}});
+/// Rigs of few cameras fit noise with more: 108,000 for ten of 480 × 360.
+constexpr int64_t kPixelsPerGaussian = 16;
+/// Photos of a place: what is seen far behind it is part of it.
+const OptionOverrides kStill = {{"far_plane", 1e4}};
+/// The chain's own settings  [3DGS-MCMC].
+const OptionOverrides kMcmc = {{"densification", "mcmc"},
+                               {"densify_until", 24900},
+                               {"opacity_weight", 0.01},
+                               {"scale_weight", 0.01},
+                               {"init_opacity", 0.5}};
+
+}  // namespace
+
+const std::vector<Preset>& presets() {
+  static const std::vector<Preset> rows = {
+      {"fast",
+       "minutes on a CPU: few initial points, short schedule",
+       {{"iterations", 2000},
+        {"schedule_iterations", 30000},
+        {"init_points", 20000},
+        {"peak_gaussians", 40000},
+        {"look_frames", 64},
+        {"thin_rounds", 3},
+        {"prune_extent", 0},
+        {"sweep", true},
+        {"split_by_motion", true}},
+       kStill},
+      {"balanced", "the default: 7,000 steps, what does not move becomes static", kBalanced, kStill,
+       kPixelsPerGaussian},
+      {"best",
+       "balanced as a Markov chain of 200,000 Gaussians before they are thinned out; of one "
+       "timestep 30,000 steps, a million",
+       joined(joined(kBalanced, kMcmc),
+              {{"peak_gaussians", 200000}, {"mcmc_noise", 5e4}, {"thin_until", 28000}}),
+       joined(kStill, {{"iterations", 30000},
+                       {"peak_gaussians", 1000000},
+                       {"mcmc_noise", 5e5},
+                       {"size", "grown"}}),
+       kPixelsPerGaussian},
+      {"faster-gs",
+       "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
+       {{"opacity_reset_interval", 3000}, {"idle_updates", "lazy"}}},
+      {"yang4d",
+       "Yang's N3DV protocol with plain SH: opacity reset every 3000 steps, no carving",
+       {{"opacity_reset_interval", 3000}, {"carve", false}}},
+      {"3dgs",
+       "static 3DGS: one view a step, opacity reset, one timestep",
+       {{"static_only", true},
+        {"idle_updates", "lazy"},
+        {"batch", 1},
+        {"lr_opacity", 0.025},
+        {"opacity_reset_interval", 3000},
+        {"far_plane", 1e4}}},
+      {"mcmc", "static 3DGS as a Markov chain: exactly max_gaussians, no opacity reset",
+       joined(kMcmc, {{"static_only", true},
+                      {"idle_updates", "lazy"},
+                      {"batch", 1},
+                      {"far_plane", 1e4},
+                      {"lr_opacity", 0.05},
+                      {"max_gaussians", 1000000},
+                      {"init_scale_factor", 0.1}})},
+  };
+  return rows;
+}
+
+void apply_preset(TrainOptions& options, const std::string& name, const SceneFacts& facts) {
+  apply_named(options, presets(), "preset", name, facts);
+}
+
+}  // namespace tessera

@@ -1,0 +1,193 @@
+// What: setting options by name, with the checks of their rows; what pairs of them must satisfy.
+// Not: the table (train_option_rows.cpp), nor any use of the values.
+#include "recon4d/options/train_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "kernels/base/errors.h"
+#include "recon4d/options/nearest_name.h"
+
+namespace tessera {
+namespace {
+
+using O = TrainOptions;
+
+const OptionRow& row_of(const std::string& key) {
+  std::vector<std::string> keys;
+  for (const OptionRow& row : train_option_rows()) {
+    if (key == row.key) return row;
+    keys.push_back(row.key);
+  }
+  throw InputError(fmt::format("unknown option '{}'{}", key, did_you_mean(key, keys)));
+}
+
+double checked(const OptionRow& row, double value) {
+  if (!(value >= row.low && value <= row.high))
+    throw InputError(fmt::format("option '{}' is {}, expected {} to {}: {}", row.key, value,
+                                 row.low, row.high, row.doc));
+  return value;
+}
+
+struct Setter {
+  TrainOptions& options;
+  const OptionRow& row;
+  const OptionValue& value;
+
+  [[noreturn]] void refuse(const char* expected) const {
+    throw InputError(fmt::format("option '{}' is {}, expected {}: {}", row.key, quoted_text(value),
+                                 expected, row.doc));
+  }
+  void operator()(int64_t O::*member) const {
+    if (const auto* whole = std::get_if<int64_t>(&value)) {
+      checked(row, double(*whole));
+      options.*member = *whole;
+      return;
+    }
+    const auto* number = std::get_if<double>(&value);  // 3e4
+    if (!number || !(std::abs(*number) < 1e15) || *number != std::floor(*number))
+      refuse("a whole number");
+    options.*member = int64_t(checked(row, *number));  // in range, so that it fits
+  }
+  void operator()(double O::*member) const {
+    if (const auto* whole = std::get_if<int64_t>(&value))
+      options.*member = checked(row, double(*whole));
+    else if (const auto* number = std::get_if<double>(&value))
+      options.*member = checked(row, *number);
+    else
+      refuse("a number");
+  }
+  void operator()(bool O::*member) const {
+    if (!std::holds_alternative<bool>(value)) refuse("true or false");
+    options.*member = std::get<bool>(value);
+  }
+  void operator()(std::string O::*member) const {
+    if (!std::holds_alternative<std::string>(value)) refuse("text");
+    const std::string& text = std::get<std::string>(value);
+    const std::vector<std::string> choices(row.choices.begin(), row.choices.end());
+    if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
+      throw InputError(fmt::format("option '{}' is '{}'{}: {}", row.key, text,
+                                   known_names(text, choices), row.doc));
+    options.*member = text;
+  }
+};
+
+}  // namespace
+
+void set_option(TrainOptions& options, const std::string& key, const OptionValue& value) {
+  const OptionRow& row = row_of(key);
+  std::visit(Setter{options, row, value}, row.member);
+}
+
+void set_option_from_text(TrainOptions& options, const std::string& key, const std::string& text) {
+  const OptionRow& row = row_of(key);
+  if (std::holds_alternative<std::string O::*>(row.member)) return set_option(options, key, text);
+  set_option(options, key, option_value_from_text(text));
+}
+
+OptionValue option_value(const TrainOptions& options, const OptionRow& row) {
+  return std::visit([&](auto member) { return OptionValue(options.*member); }, row.member);
+}
+
+int64_t growth_limit(const TrainOptions& options) {
+  if (options.peak_gaussians == 0) return options.max_gaussians;
+  return std::max(options.peak_gaussians, options.max_gaussians);
+}
+
+bool is_thinned(const TrainOptions& options) {
+  if (options.max_bytes > 0 || options.within_db > 0 || options.size == "knee") return true;
+  return options.max_gaussians > 0 && growth_limit(options) > options.max_gaussians;
+}
+
+namespace {
+
+/// Few cameras say little of where things are: more Gaussians than that fit their noise.
+void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t pixels) {
+  constexpr int64_t kLeastLimit = 10000;
+  if (pixels_per_gaussian == 0 || pixels == 0) return;
+  const int64_t limit = std::max(kLeastLimit, pixels / pixels_per_gaussian);
+  if (options.peak_gaussians == 0 || options.peak_gaussians > limit) options.peak_gaussians = limit;
+}
+
+}  // namespace
+
+void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, const char* kind,
+                 const std::string& name, const SceneFacts& facts) {
+  std::vector<std::string> names;
+  for (const NamedOptions& row : rows) {
+    names.push_back(row.name);
+    if (name != row.name) continue;
+    for (const auto& [key, value] : row.overrides) set_option(options, key, value);
+    if (facts.still)
+      for (const auto& [key, value] : row.still_overrides) set_option(options, key, value);
+    limit_by_pixels(options, row.pixels_per_gaussian, facts.camera_pixels);
+    return;
+  }
+  throw InputError(fmt::format("unknown {} '{}'{}", kind, name, known_names(name, names)));
+}
+
+namespace {
+
+/// What is never drawn has no gradient: Gaussians must not start, nor be reset, below the cut-off.
+void check_truncation(const TrainOptions& options) {
+  constexpr double kResetOpacity = 0.01;  // reset_opacity
+  const double least =
+      make_cutoff<double>(options.truncation_sigma, options.truncation_by_falloff).least_alpha;
+  const bool starts = least < options.init_opacity;
+  if (starts && !(options.opacity_reset_interval > 0 && least >= kResetOpacity)) return;
+  throw InputError(
+      fmt::format("truncation_sigma {} draws no opacity below {:.4f}, but Gaussians {} {}; pass "
+                  "--truncation-by-falloff true or a larger --truncation-sigma",
+                  options.truncation_sigma, least, starts ? "are reset to" : "start with",
+                  starts ? kResetOpacity : options.init_opacity));
+}
+
+}  // namespace
+
+void validate(const TrainOptions& options) {
+  if (options.near_plane >= options.far_plane)
+    throw InputError(fmt::format("near_plane {} must be smaller than far_plane {}",
+                                 options.near_plane, options.far_plane));
+  parse_background(options.background);
+  check_truncation(options);
+  if (!options.fused_optimizer && options.idle_updates != "dense")
+    throw InputError(fmt::format(
+        "idle_updates {} needs the fused optimizer; pass --fused-optimizer true or --idle-updates "
+        "dense",
+        options.idle_updates));
+  const int contracts =
+      (options.max_gaussians > 0) + (options.max_bytes > 0) + (options.within_db > 0);
+  if (contracts > 1)
+    throw InputError(
+        "max_gaussians, max_bytes and within_db each say how large the model may be; pass one of "
+        "them");
+  if (options.densification != "mcmc") return;
+  if (growth_limit(options) == 0)
+    throw InputError(
+        "densification mcmc needs a number of Gaussians to reach; pass --peak-gaussians N or "
+        "--max-gaussians N");
+  if (options.opacity_reset_interval > 0)
+    throw InputError("densification mcmc has no opacity resets; pass --opacity-reset-interval 0");
+}
+
+std::array<uint8_t, 3> parse_background(const std::string& text) {
+  if (text == "black") return {0, 0, 0};
+  if (text == "white") return {255, 255, 255};
+  std::array<uint8_t, 3> rgb{};
+  const char *at = text.data(), *const end = at + text.size();
+  bool good = true;
+  for (size_t c = 0; c < 3 && good; ++c) {
+    const auto [rest, error] = std::from_chars(at, end, rgb[c]);
+    good = error == std::errc() && (c == 2 ? rest == end : rest != end && *rest == ',');
+    if (c < 2) at = rest + 1;
+  }
+  if (!good)
+    throw InputError(
+        fmt::format("background '{}': expected black, white or r,g,b with 0 to 255", text));
+  return rgb;
+}
+
+}  // namespace tessera

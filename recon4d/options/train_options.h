@@ -1,0 +1,137 @@
+// What: every knob of training, as plain data, and the table that names, documents and bounds each.
+// The table makes the command line, --config, --help and checkpoint metadata.
+// Not: the command line itself (tools/) and no values that depend on the scene (schedule.h).
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "kernels/math/bounds.h"
+#include "recon4d/options/option_value.h"
+
+namespace tessera {
+
+// Grouped by meaning, not by size.
+struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
+  // steps
+  int64_t iterations = 30000, schedule_iterations = 30000, batch = 4, seed = 1;
+  // scene
+  bool static_only = false;
+  std::string motion_form = "pair";
+  std::string background = "black";
+  double near_plane = 0.2, far_plane = 100, train_scale = 1;
+  // initial Gaussians
+  int64_t init_points = 100000;
+  double init_extent = 0, init_opacity = 0.1, init_scale_factor = 1;
+  double init_time_scale = 0.4472135955, static_fraction = 0;
+  bool carve = true, sweep = false, split_by_motion = false;
+  // frames set aside to choose the model by
+  double validation_share = 0;
+  int64_t validate_interval = 500, stop_patience = 0;
+  // colour
+  int64_t sh_degree = 3, sh_interval = 1000, sh_time_degree = 0;
+  bool sliced_direction = true;
+  // aliasing, and where splats end
+  bool filter_2d = false;
+  std::string filter_2d_gradient = "detached", filter_3d = "none";
+  double truncation_sigma = kTruncationSigma;
+  bool truncation_by_falloff = false;
+  double time_filter = 0;
+  // loss
+  double lambda_dssim = 0.2, opacity_weight = 0, scale_weight = 0, time_noise = 0;
+  double motion_weight = 0, extent_weight = 0, rigidity_weight = 0;
+  // light from beyond the scene
+  bool environment = false;
+  int64_t environment_size = 256;
+  double lr_environment = 2.5e-3;
+  // exposure of the training pictures
+  std::string exposure = "none";
+  double lr_exposure = 0.01;
+  // learning rates
+  double lr_mean = 1.6e-4, lr_mean_final = 1.6e-6;
+  double lr_mean_time = 1.6e-4, mean_time_decay = 1;
+  double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3, lr_velocity = 5e-4;
+  double lr_opacity = 0.05, lr_sh = 2.5e-3, lr_sh_rest = 1.25e-4;
+  bool fused_optimizer = true;
+  std::string idle_updates = "dense";
+  // density control
+  std::string densification = "adc";
+  int64_t densify_from = 600, densify_until = 14900, densify_interval = 100;
+  double densify_threshold = 2e-4, dense_fraction = 0.01;
+  double prune_opacity = 0.005, prune_extent = 0.1;
+  int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
+  int64_t reorder_interval = 5000;
+  double mcmc_noise = 5e5, mcmc_growth = 1.05;
+  // no more than the scene needs (docs/parsimony.md)
+  std::string size = "grown";
+  int64_t peak_gaussians = 0, max_bytes = 0;
+  double within_db = 0;
+  int64_t thin_rounds = 4, thin_until = 25000, look_frames = 400;
+  bool decide_motion = false, decide_colour = false;
+  int64_t decide_interval = 3000;
+  // how kernels work (KernelSwitches); none changes what is drawn
+  bool rectangular_bounds = true, opacity_bounds = true, tile_culling = true;
+  bool row_intervals = false, balanced_instances = true, separate_sort = true;
+  bool warp_culling = true;
+  std::string backward = "sub-tile";
+  bool deterministic = false;
+  int64_t feed_bytes = 0;
+};
+
+struct OptionRow {
+  const char* key;  // snake_case in JSON, dashes on the command line
+  std::variant<int64_t TrainOptions::*, double TrainOptions::*, bool TrainOptions::*,
+               std::string TrainOptions::*>
+      member;
+  double low, high;                       // numbers: inclusive range
+  const char* doc;                        // one line: meaning and unit
+  const char* source;                     // where the default comes from
+  std::vector<const char*> choices = {};  // text: what it may be; empty: anything
+};
+const std::vector<OptionRow>& train_option_rows();
+
+using OptionOverrides = std::vector<std::pair<const char*, OptionValue>>;  // applied in order
+
+/// What a preset asks of a scene.
+struct SceneFacts {
+  bool still = false;         // one timestep
+  int64_t camera_pixels = 0;  // of the distinct training cameras together; 0: not known
+};
+
+/// A set of options under a name: a preset on top of the defaults, an ablation on top of that.
+struct NamedOptions {
+  std::string name, doc;
+  OptionOverrides overrides;
+  OptionOverrides still_overrides = {};  // over those, where the scene has one timestep
+  /// Lowers peak_gaussians where cameras have fewer pixels than so many for each; 0: never.
+  int64_t pixels_per_gaussian = 0;
+};
+/// `kind`: "preset", for the message. Errors: InputError naming the nearest known name.
+void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, const char* kind,
+                 const std::string& name, const SceneFacts& facts = {});
+
+using Preset = NamedOptions;
+const std::vector<Preset>& presets();
+
+/// Errors: InputError naming the nearest known name.
+void apply_preset(TrainOptions& options, const std::string& name, const SceneFacts& facts = {});
+/// Sets one option by key, from its value or from text. Errors: InputError: unknown key (nearest
+/// named), wrong type, out of range.
+void set_option(TrainOptions& options, const std::string& key, const OptionValue& value);
+void set_option_from_text(TrainOptions& options, const std::string& key, const std::string& text);
+OptionValue option_value(const TrainOptions& options, const OptionRow& row);
+/// What no single row can say: ranges between options. Errors: InputError.
+void validate(const TrainOptions& options);
+
+/// Most Gaussians while they grow; 0: no limit.
+int64_t growth_limit(const TrainOptions& options);
+/// Whether Gaussians are thinned out after growth.
+bool is_thinned(const TrainOptions& options);
+
+/// "black", "white", or "r,g,b" in 0–255. Errors: InputError.
+std::array<uint8_t, 3> parse_background(const std::string& text);
+
+}  // namespace tessera

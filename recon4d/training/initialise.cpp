@@ -1,0 +1,209 @@
+// What: points → Gaussians: scales from neighbours, grey or coloured, spread over time.
+// Not: how points are found in pictures (ingest).
+#include "recon4d/training/initialise.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <optional>
+
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "kernels/math/random.h"
+#include "recon4d/options/kernel_options.h"
+#include "recon4d/training/nearest_points.h"
+
+namespace tessera {
+namespace {
+
+/// A point and what is known of it.
+struct InitialPoint {
+  glm::vec3 position;
+  std::array<uint8_t, 3> colour;
+  std::optional<float> time;  // normalised moment at which it was seen
+  std::optional<bool> still;  // whether it never moves
+};
+
+/// Uniform in the box around the focus: an object whose surroundings are known to be empty.
+glm::dvec3 point_in_box(const CameraRig& rig, double half, const RandomBlock& random) {
+  const glm::dvec3 unit(uniform(random.word[0]), uniform(random.word[1]), uniform(random.word[2]));
+  return rig.focus + half * (2.0 * unit - 1.0);
+}
+
+/// In the view of a random camera, uniform in inverse depth between a quarter of and four times
+/// the distance to the focus: a room that surrounds what is looked at.
+glm::dvec3 point_in_view(const CameraRig& rig, const RandomBlock& random) {
+  constexpr double kNearest = 0.25, kFarthest = 4;
+  const Camera& camera = rig.cameras[size_t(uniform(random.word[0]) * float(rig.cameras.size()))];
+  const double inverse = (1 - uniform(random.word[1])) / (kNearest * rig.distance) +
+                         uniform(random.word[1]) / (kFarthest * rig.distance);
+  const double x = (uniform(random.word[2]) * camera.width - camera.cx) / camera.fl_x;
+  const double y = (uniform(random.word[3]) * camera.height - camera.cy) / camera.fl_y;
+  const glm::dvec3 in_cam = glm::dvec3(x, y, 1) / inverse;
+  return glm::transpose(camera.cam_from_world) * (in_cam - camera.translation);
+}
+
+void add_random_points(const Scene& scene, const CameraRig& rig, const TrainOptions& options,
+                       int64_t count, std::vector<InitialPoint>& points) {
+  const bool boxed = options.init_extent > 0 || scene.had_alpha;
+  const double half = options.init_extent > 0 ? options.init_extent : rig.half_view;
+  for (int64_t i = 0; i < count; ++i) {
+    const RandomBlock random =
+        philox(uint64_t(options.seed), RandomStream::kInitialise, uint64_t(i));
+    const glm::dvec3 p = boxed ? point_in_box(rig, half, random) : point_in_view(rig, random);
+    const bool seen =
+        std::any_of(rig.cameras.begin(), rig.cameras.end(),
+                    [&](const Camera& camera) { return sees(camera, p, options.near_plane); });
+    if (seen || !options.carve) points.push_back({glm::vec3(p), {128, 128, 128}, {}, {}});
+  }
+}
+
+std::vector<InitialPoint> random_points(const Scene& scene, const CameraRig& rig,
+                                        const TrainOptions& options, std::string& source) {
+  std::vector<InitialPoint> points;
+  add_random_points(scene, rig, options, options.init_points, points);
+  if (points.empty() && options.init_points > 0)
+    throw InputError(
+        "no initial point lies in the view of a training camera; pass --init-extent with the half "
+        "size of the scene in world units, or give a point cloud");
+  source = fmt::format("random, {} points", points.size());
+  return points;
+}
+
+InitialPoint point_of(const PointCloud& cloud, size_t i) {
+  InitialPoint point{cloud.position[i], cloud.colour[i], {}, {}};
+  if (!cloud.time.empty() && std::isfinite(cloud.time[i])) point.time = cloud.time[i];
+  if (!cloud.still.empty() && cloud.still[i] != PointCloud::kStillUnknown)
+    point.still = cloud.still[i] == 1;
+  return point;
+}
+
+/// At most init_points of the cloud, evenly strided, so that no point is taken twice. A cloud that
+/// was found in pictures lacks what has no texture: a share of random points is added to it.
+std::vector<InitialPoint> cloud_points(const Scene& scene, const CameraRig& rig,
+                                       const TrainOptions& options, std::string& source) {
+  constexpr double kRandomShare = 0.1;
+  const PointCloud& cloud = scene.points;
+  const auto count = int64_t(cloud.position.size());
+  const int64_t taken = std::min(count, options.init_points);
+  std::vector<InitialPoint> points;
+  for (int64_t i = 0; i < taken; ++i) points.push_back(point_of(cloud, size_t(i * count / taken)));
+  source = fmt::format("point cloud, {} of {} points", taken, count);
+  if (cloud.still.empty()) return points;
+  add_random_points(scene, rig, options, std::llround(kRandomShare * double(taken)), points);
+  source += fmt::format(", and {} at random", int64_t(points.size()) - taken);
+  return points;
+}
+
+/// Keeps at most `limit` of the points, evenly strided.
+void thin_out(std::vector<InitialPoint>& points, int64_t limit, std::string& source) {
+  const int64_t count = int64_t(points.size());
+  if (count <= limit) return;
+  for (int64_t i = 0; i < limit; ++i) points[size_t(i)] = points[size_t(i * count / limit)];
+  points.resize(size_t(limit));
+  source += fmt::format(", thinned out to {}", limit);
+}
+
+/// Fills Gaussian n of `set`.
+void place(const InitialPoint& point, float squared_distance, const TrainOptions& options,
+           GaussianSet& set, int64_t n) {
+  constexpr float kMinSquaredDistance = 1e-7f;  // [3DGS]
+  const GaussianSpans<float> v = set.values();
+  const float log_scale = 0.5f * std::log(std::max(kMinSquaredDistance, squared_distance)) +
+                          float(std::log(options.init_scale_factor));
+  for (int k = 0; k < 3; ++k) {
+    v.at(kMean, n)[k] = point.position[k];
+    v.at(kLogScale, n)[k] = log_scale;
+    v.at(kSh, n)[k] = (float(point.colour[size_t(k)]) / 255.0f - 0.5f) / float(kSh0);
+  }
+  std::fill_n(v.at(kSh, n) + 3, set.width(kSh) - 3, 0.0f);
+  const float identity[4] = {1, 0, 0, 0};
+  std::copy_n(identity, 4, v.at(kRotation, n));
+  *v.at(kOpacityLogit, n) = logit(options.init_opacity);
+  if (set.dim() != 4) return;
+  std::fill_n(v.at(kShTime, n), set.width(kShTime), 0.0f);
+  if (set.form() == Form::kPair)
+    std::copy_n(identity, 4, v.at(kRotationRight, n));
+  else
+    std::fill_n(v.at(kVelocity, n), 3, 0.0f);
+  // when it was seen, else uniform over the clip and a tenth beyond either end  [method D.4]
+  const RandomBlock random =
+      philox(uint64_t(options.seed), RandomStream::kInitialise, uint64_t(n), 1);
+  *v.at(kMeanTime, n) = point.time.value_or(1.2f * uniform(random.word[0]) - 0.1f);
+  *v.at(kLogScaleTime, n) = float(std::log(options.init_time_scale));
+}
+
+/// Share of the points of which nothing is known that start static: that of still ones among those
+/// of which it is, where motion is looked at; no less than options.static_fraction.
+double static_share(const std::vector<InitialPoint>& points, const TrainOptions& options) {
+  int64_t known = 0, still = 0;
+  for (const InitialPoint& point : points)
+    if (point.still) ++known, still += *point.still;
+  if (known == 0 || !options.split_by_motion) return options.static_fraction;
+  return std::max(options.static_fraction, double(still) / double(known));
+}
+
+/// 1 for points of the static set: all of a static scene; still points; else an even share of the
+/// rest.
+std::vector<char> static_choice(const std::vector<InitialPoint>& points, const Scene& scene,
+                                const TrainOptions& options) {
+  const bool all = options.static_only || scene.is_static;
+  std::vector<char> chosen(points.size(), 0);
+  const double share = static_share(points, options);
+  double due = 0;  // static points owed by the share so far
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (all || (options.split_by_motion && points[i].still)) {
+      chosen[i] = all || *points[i].still;
+      continue;
+    }
+    due += share;
+    chosen[i] = due >= 1 - 1e-9;
+    if (chosen[i]) due -= 1;
+  }
+  return chosen;
+}
+
+}  // namespace
+
+Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
+                                const TrainOptions& options) {
+  Initialisation result;
+  std::vector<InitialPoint> points = scene.points.position.empty()
+                                         ? random_points(scene, rig, options, result.source)
+                                         : cloud_points(scene, rig, options, result.source);
+  if (growth_limit(options) > 0) thin_out(points, growth_limit(options), result.source);
+  std::vector<glm::vec3> positions;
+  for (const InitialPoint& point : points) positions.push_back(point.position);
+  const std::vector<float> squared = mean_squared_neighbour_distance(positions);
+  const std::vector<char> is_static = static_choice(points, scene, options);
+
+  GaussianModel& model = result.model;
+  const int stored = sh_coefficients(int(options.sh_degree));
+  model.static_set = GaussianSet(Form::kStatic, stored);
+  model.dynamic_set =
+      GaussianSet(dynamic_form(options), stored, host_memory(), int(options.sh_time_degree));
+  const int64_t statics = std::count(is_static.begin(), is_static.end(), char(1));
+  model.static_set.resize(statics);
+  model.dynamic_set.resize(int64_t(points.size()) - statics);
+  int64_t placed[2] = {0, 0};
+  for (size_t i = 0; i < points.size(); ++i) {
+    GaussianSet& set = is_static[i] ? model.static_set : model.dynamic_set;
+    place(points[i], squared[i], options, set, placed[size_t(is_static[i])]++);
+  }
+  model.time_axis = scene.time_axis;
+  model.prepared_from_source = scene.prepared_from_source;
+  model.background = scene.background;
+  model.near_plane = options.near_plane, model.far_plane = options.far_plane;
+  model.sliced_direction = options.sliced_direction;
+  model.truncation_sigma = options.truncation_sigma;
+  model.truncation_by_falloff = options.truncation_by_falloff;
+  model.time_filter = options.time_filter;
+  model.filter_2d = options.filter_2d, model.train_scale = options.train_scale;
+  model.sh_degree = 0;
+  return result;
+}
+
+}  // namespace tessera

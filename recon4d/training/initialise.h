@@ -1,0 +1,24 @@
+// What: the first Gaussians of a training, from a point cloud or at random.
+// Not: density control.
+// Source: method A.2, D.4.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "kernels/base/camera_rig.h"
+#include "recon4d/model/gaussian_set.h"
+#include "recon4d/options/train_options.h"
+
+namespace tessera {
+
+struct Initialisation {
+  GaussianModel model;
+  std::string source;  // "point cloud, 1,656 points" or "random, 20,000 points in view"
+};
+
+/// Dim 4 Gaussians unless the scene or the options are static. Errors: InputError when no point
+/// remains (all carved away).
+Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
+                                const TrainOptions& options);
+
+}  // namespace tessera

@@ -1,0 +1,134 @@
+// What: k-d tree by median splits over an index array; exact nearest neighbours.
+// Not: approximate.
+#include "recon4d/training/nearest_points.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+constexpr int64_t kLeaf = 8;      // points that are scanned rather than split
+constexpr int64_t kGrain = 1024;  // points per task
+
+/// The K nearest met so far and their squared distances, ascending.
+template <int K>
+struct Nearest {
+  std::array<float, K> squared;
+  std::array<int32_t, K> point;
+  int found = 0;
+
+  void offer(float value, int32_t other) {
+    if (found == K && value >= squared[K - 1]) return;
+    int place = std::min(found, K - 1);
+    while (place > 0 && squared[size_t(place - 1)] > value) {
+      squared[size_t(place)] = squared[size_t(place - 1)];
+      point[size_t(place)] = point[size_t(place - 1)];
+      --place;
+    }
+    squared[size_t(place)] = value, point[size_t(place)] = other;
+    found = std::min(found + 1, K);
+  }
+  bool reaches(float plane_squared) const { return found < K || plane_squared < squared[K - 1]; }
+};
+
+class Tree {
+ public:
+  explicit Tree(const std::vector<glm::vec3>& points) : points_(points), order_(points.size()) {
+    std::iota(order_.begin(), order_.end(), 0);
+    axis_.resize(points.size());
+    split(0, int64_t(points.size()));
+  }
+
+  template <int K>
+  Nearest<K> query(int32_t i) const {
+    Nearest<K> nearest;
+    search(0, int64_t(order_.size()), i, nearest);
+    return nearest;
+  }
+  int32_t at(int64_t position) const { return order_[size_t(position)]; }
+
+ private:
+  void split(int64_t begin, int64_t end) {
+    if (end - begin <= kLeaf) return;
+    glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
+    for (int64_t k = begin; k < end; ++k)
+      for (int a = 0; a < 3; ++a) {
+        low[a] = std::min(low[a], points_[size_t(at(k))][a]);
+        high[a] = std::max(high[a], points_[size_t(at(k))][a]);
+      }
+    const glm::vec3 size = high - low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+    const int64_t middle = (begin + end) / 2;
+    std::nth_element(
+        order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+        [&](int32_t a, int32_t b) { return points_[size_t(a)][axis] < points_[size_t(b)][axis]; });
+    axis_[size_t(middle)] = int8_t(axis);
+    split(begin, middle);
+    split(middle + 1, end);
+  }
+
+  template <int K>
+  void offer(int64_t position, int32_t i, Nearest<K>& nearest) const {
+    const int32_t other = at(position);
+    if (other == i) return;
+    const glm::vec3 d = points_[size_t(other)] - points_[size_t(i)];
+    nearest.offer(d.x * d.x + d.y * d.y + d.z * d.z, other);
+  }
+
+  template <int K>
+  void search(int64_t begin, int64_t end, int32_t i, Nearest<K>& nearest) const {
+    if (end - begin <= kLeaf) {
+      for (int64_t k = begin; k < end; ++k) offer(k, i, nearest);
+      return;
+    }
+    const int64_t middle = (begin + end) / 2;
+    const int axis = axis_[size_t(middle)];
+    const float offset = points_[size_t(i)][axis] - points_[size_t(at(middle))][axis];
+    const bool below = offset < 0;
+    search(below ? begin : middle + 1, below ? middle : end, i, nearest);
+    offer(middle, i, nearest);
+    if (nearest.reaches(offset * offset))
+      search(below ? middle + 1 : begin, below ? end : middle, i, nearest);
+  }
+
+  const std::vector<glm::vec3>& points_;
+  std::vector<int32_t> order_;
+  std::vector<int8_t> axis_;
+};
+
+}  // namespace
+
+std::vector<float> mean_squared_neighbour_distance(const std::vector<glm::vec3>& points) {
+  std::vector<float> result(points.size(), 0.0f);
+  const Tree tree(points);
+  parallel_for(int64_t(points.size()), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const auto nearest = tree.query<3>(tree.at(k));
+      float sum = 0;
+      for (int j = 0; j < nearest.found; ++j) sum += nearest.squared[size_t(j)];
+      result[size_t(tree.at(k))] = nearest.found > 0 ? sum / float(nearest.found) : 0.0f;
+    }
+  });
+  return result;
+}
+
+std::vector<std::vector<Neighbour>> nearest_neighbours(const std::vector<glm::vec3>& points) {
+  std::vector<std::vector<Neighbour>> result(points.size());
+  const Tree tree(points);
+  parallel_for(int64_t(points.size()), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t k = begin; k < end; ++k) {
+      const auto nearest = tree.query<kNeighbours>(tree.at(k));
+      for (size_t j = 0; j < size_t(nearest.found); ++j)
+        result[size_t(tree.at(k))].push_back({nearest.point[j], nearest.squared[j]});
+    }
+  });
+  return result;
+}
+
+}  // namespace tessera

@@ -1,0 +1,106 @@
+// What: step counts scaled to the length of the training; learning rates.
+// Not: any state: every answer follows from the step.
+#include "recon4d/training/schedule.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tessera {
+
+int64_t scaled_steps(const TrainOptions& options, int64_t steps) {
+  return std::llround(double(steps) * double(options.iterations) /
+                      double(options.schedule_iterations));
+}
+
+Schedule::Schedule(const TrainOptions& options, double extent)
+    : options_(options),
+      extent_(extent),
+      densify_from_(scaled(options.densify_from)),
+      densify_until_(scaled(options.densify_until)),
+      prune_large_from_(scaled(options.prune_large_from)),
+      sh_interval_(std::max<int64_t>(1, scaled(options.sh_interval))),
+      opacity_reset_interval_(scaled(options.opacity_reset_interval)),
+      reorder_interval_(scaled(options.reorder_interval)) {}
+
+int Schedule::sh_degree(int64_t i) const {
+  return int(std::min(options_.sh_degree, i / sh_interval_));
+}
+
+int Schedule::sh_time_degree(int64_t i) const {
+  return int(
+      std::clamp<int64_t>(i / sh_interval_ - options_.sh_degree, 0, options_.sh_time_degree));
+}
+
+bool Schedule::densify(int64_t i) const {
+  return i > 0 && i >= densify_from_ && i <= densify_until_ && i % options_.densify_interval == 0;
+}
+
+bool Schedule::reset_opacity(int64_t i) const {
+  if (opacity_reset_interval_ <= 0 || i <= 0 || i >= densify_until_) return false;
+  // early on a bright background is modelled by haze; one more reset removes it  [method A.3]
+  constexpr int64_t kHazeReset = 500;
+  const bool haze = parse_background(options_.background) != std::array<uint8_t, 3>{0, 0, 0} &&
+                    i == scaled(kHazeReset);
+  return haze || i % opacity_reset_interval_ == 0;
+}
+
+bool Schedule::reorder(int64_t i) const {
+  // once more after the set has stopped growing
+  return reorder_interval_ > 0 && i < densify_until_ + reorder_interval_ &&
+         i % reorder_interval_ == 0;
+}
+
+double Schedule::time_noise(int64_t i) const {
+  const double end = 2.0 / 3 * double(options_.iterations);
+  return options_.time_noise * std::max(0.0, 1 - double(i) / std::max(1.0, end));
+}
+
+bool Schedule::measure_filter(int64_t i) const {
+  if (options_.filter_3d == "none") return false;
+  if (i == 0 || densify(i)) return true;
+  const int64_t interval = options_.densify_interval;
+  return i > densify_until_ && i % interval == 0 && i + interval <= options_.iterations;
+}
+
+double Schedule::decayed(double first, double last, int64_t i) const {
+  if (first == last) return first;
+  const double u =
+      std::clamp(double(i + 1) / double(std::max<int64_t>(1, options_.iterations)), 0.0, 1.0);
+  return std::exp((1 - u) * std::log(std::max(first, 1e-300)) +
+                  u * std::log(std::max(last, 1e-300)));
+}
+
+double Schedule::mean_rate(int64_t i) const {
+  return extent_ * decayed(options_.lr_mean, options_.lr_mean_final, i);
+}
+
+double Schedule::exposure_rate(int64_t i) const {
+  constexpr double kFinal = 0.01;  // of the rate at the start: gains come to rest
+  return options_.lr_exposure *
+         std::pow(kFinal, double(i + 1) / double(std::max<int64_t>(1, options_.iterations)));
+}
+
+AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
+  const int64_t step = i + 1;
+  AdamGroups<float> groups;
+  const auto set = [&](Group group, double rate) {
+    groups.group[group] = adam_scalars<float>(rate, step);
+  };
+  set(kMean, mean_rate(i));
+  set(kLogScale, options_.lr_scale);
+  set(kRotation, options_.lr_rotation);
+  set(kOpacityLogit, options_.lr_opacity);
+  set(kSh, options_.lr_sh);
+  groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
+  if (form == Form::kStatic) return groups;
+  set(kMeanTime, extent_ * decayed(options_.lr_mean_time,
+                                   options_.mean_time_decay * options_.lr_mean_time, i));
+  set(kLogScaleTime, options_.lr_scale_time);
+  if (form == Form::kPair)
+    set(kRotationRight, options_.lr_rotation);
+  else  // a velocity decays as the means do: it moves them
+    set(kVelocity, mean_rate(i) * options_.lr_velocity / std::max(options_.lr_mean, 1e-300));
+  return groups;
+}
+
+}  // namespace tessera

@@ -1,0 +1,52 @@
+// What: when things happen in a training and how large its steps are: options × scene extent.
+// Not: doing them (trainer.cpp).
+// Source: method A.3, A.4, C.1, D.5, D.7.
+#pragma once
+#include "kernels/gaussians.h"
+#include "recon4d/options/train_options.h"
+
+namespace tessera {
+
+/// A count of steps that refers to schedule_iterations, scaled to the length of the training.
+int64_t scaled_steps(const TrainOptions& options, int64_t steps);
+
+class Schedule {
+ public:
+  /// `extent`: E, world units (scene_extent).
+  Schedule(const TrainOptions& options, double extent);
+
+  /// Steps are counted from 0; these hold before step i.
+  int sh_degree(int64_t i) const;
+  /// Levels of time: one by one, when all degrees are there.
+  int sh_time_degree(int64_t i) const;
+  bool densify(int64_t i) const;
+  bool gathers_statistics(int64_t i) const { return !is_mcmc() && i < densify_until_; }
+  bool prunes_large(int64_t i) const { return i > prune_large_from_; }
+  bool reset_opacity(int64_t i) const;
+  bool reorder(int64_t i) const;
+  /// The sizes of the 3D filter: at the start, after density control, and on from its end.
+  bool measure_filter(int64_t i) const;
+  /// What time_noise is multiplied by: 1 at the start, 0 from two thirds of the training on.
+  double time_noise(int64_t i) const;
+  /// Learning rate of the means at step i, world units.
+  double mean_rate(int64_t i) const;
+  /// Learning rate of log gains at step i.
+  double exposure_rate(int64_t i) const;
+  /// Scale of the means' noise after step i; 0: none (PositionNoise::scale).
+  double noise_scale(int64_t i) const { return is_mcmc() ? options_.mcmc_noise * mean_rate(i) : 0; }
+  /// Step sizes of step i for a set of that form.
+  AdamGroups<float> adam(int64_t i, Form form) const;
+
+ private:
+  /// Log-linear from first to last over the whole training.
+  double decayed(double first, double last, int64_t i) const;
+  int64_t scaled(int64_t steps) const { return scaled_steps(options_, steps); }
+  bool is_mcmc() const { return options_.densification == "mcmc"; }
+
+  const TrainOptions options_;
+  double extent_;
+  int64_t densify_from_, densify_until_, prune_large_from_, sh_interval_;
+  int64_t opacity_reset_interval_, reorder_interval_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,405 @@
+// What: one step after another.
+// Not: equations, schedules or density rules: those have files of their own.
+#include "recon4d/training/trainer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "kernels/base/errors.h"
+#include "kernels/lazy_schedule.h"
+#include "kernels/math/random.h"
+#include "recon4d/density/mcmc.h"
+#include "recon4d/evaluation/render.h"
+#include "recon4d/options/kernel_options.h"
+#include "recon4d/training/environment.h"
+#include "recon4d/training/initialise.h"
+
+namespace tessera {
+namespace {
+
+/// Mean distance between two moments of the training frames, in clip lengths; 0 for one moment.
+double distance_of_moments(const Scene& scene, const std::vector<int>& frames) {
+  std::set<double> times;
+  for (const int f : frames) times.insert(scene.frames[size_t(f)].time);
+  if (times.size() < 2) return 0;
+  return (*times.rbegin() - *times.begin()) / double(times.size() - 1);
+}
+
+std::string group_names(unsigned bits, Form form) {
+  std::string names;
+  for (int g = 0; g < kGroupCount; ++g)
+    if (bits >> g & 1)
+      names += (names.empty() ? "" : ", ") + std::string(group_name(Group(g), form));
+  return names;
+}
+
+/// "the loss", "the gradient of mean, environment".
+std::string what_is_bad(const StepOutcome& outcome, Form form) {
+  std::string names = group_names(outcome.bad_groups, form);
+  if (outcome.bad_values) names += names.empty() ? "environment" : ", environment";
+  return names.empty() ? "the loss" : "the gradient of " + names;
+}
+
+/// Those that may see a set: every frame, or every camera once where moments do not matter.
+std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frames, bool moving) {
+  std::vector<View> views;
+  std::map<std::array<double, 3>, std::vector<size_t>> at;  // views by where their cameras stand
+  for (const int i : frames) {
+    const Frame& frame = scene.frames[size_t(i)];
+    const glm::dvec3& t = frame.camera.translation;
+    std::vector<size_t>& here = at[{t[0], t[1], t[2]}];
+    if (!moving && std::any_of(here.begin(), here.end(),
+                               [&](size_t v) { return views[v].camera == frame.camera; }))
+      continue;
+    here.push_back(views.size());
+    views.push_back({frame.camera, frame.time});
+  }
+  return views;
+}
+
+}  // namespace
+
+TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source) {
+  const ExposureRows exposed = exposure_rows(scene, training_frames(scene), options);
+  TrainState state;
+  state.exposure.reset(int64_t(exposed.names.size()));
+  Initialisation first =
+      initialise_model(scene, make_camera_rig(scene.training_cameras()), options);
+  source = first.source;
+  state.model = std::move(first.model);
+  if (options.environment) state.model.environment = first_environment(scene, options);
+  state.model.static_set.ensure_moments();
+  state.model.dynamic_set.ensure_moments();
+  state.statistics[0].reset(state.model.static_set.count());
+  state.statistics[1].reset(state.model.dynamic_set.count());
+  return state;
+}
+
+Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& options,
+                 TrainState state, Observer& observer)
+    : backend_(backend),
+      scene_(scene),
+      options_(options),
+      state_(std::move(state)),
+      observer_(observer),
+      train_frames_(training_frames(scene)),
+      moment_distance_(distance_of_moments(scene, train_frames_)),
+      rig_(make_camera_rig(scene.training_cameras())),
+      schedule_(options, rig_.extent),
+      sampler_(int64_t(train_frames_.size()), uint64_t(options.seed)),
+      feed_(backend.memory(), scene, train_frames_, options.feed_bytes, options.batch),
+      pipeline_(backend),
+      gradients_{state_.model.static_set.like(backend.memory()),
+                 state_.model.dynamic_set.like(backend.memory())},
+      table_(backend.memory()),
+      neighbours_(backend.memory()),
+      d_environment_(backend.memory()),
+      exposed_(exposure_rows(scene, train_frames_, options_)) {
+  validate(options_);
+  const auto exposures = int64_t(exposed_.names.size());
+  if (state_.exposure.rows() == 0) state_.exposure.reset(exposures);
+  check(state_.exposure.rows() == exposures, "Trainer: gains of other frames");
+  gains_ = gains_of(state_.exposure);
+  sampler_.restore(state_.sampler_epoch, state_.sampler_position);
+  for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
+  if (options_.filter_3d != "none")
+    for (int k = 0; k < 2; ++k)
+      filter_views_[k] = make_view_batch<float>(filter_views(scene, train_frames_, k == 1));
+  if (idle_update(options_) == IdleUpdate::kLazy) {
+    const std::vector<double> table = lazy_adam_table(options_.iterations);
+    table_.resize(int64_t(table.size()));
+    backend.memory().copy(table_.data(), table.data(), table.size() * sizeof(double));
+  }
+  if (&backend.memory() != &host_memory()) state_ = state_.clone_to(backend.memory());
+}
+
+void Trainer::run(int64_t iteration, const std::function<bool()>& stop) {
+  const int64_t last = std::min(iteration, options_.iterations);
+  reported_ = std::chrono::steady_clock::now();
+  while (state_.iteration < last && !(stop && stop())) step();
+  complete_pending();
+  if (state_.iteration >= options_.iterations && !state_.finished) finish();
+}
+
+const TrainState& Trainer::host_state() {
+  if (&backend_.memory() == &host_memory()) return state_;
+  if (!host_state_) host_state_ = state_.clone_to(host_memory());
+  return *host_state_;
+}
+
+const GaussianModel& Trainer::host_model() {
+  const TrainState& state = host_state();
+  if (!is_behind(state, options_) && !is_filtered(state, options_) && !state.has_blocks())
+    return state.model;
+  if (!host_model_) host_model_ = caught_up_model(state, options_);
+  return *host_model_;
+}
+
+void Trainer::rework(const std::function<void(TrainState&)>& change) {
+  complete_pending();
+  catch_up();
+  forget_copies();
+  pipeline_.release();
+  if (&backend_.memory() == &host_memory()) {
+    change(state_);
+  } else {
+    TrainState state = state_.clone_to(host_memory());
+    change(state);
+    state_ = TrainState();  // its memory is free before the next is taken
+    state_ = state.clone_to(backend_.memory());
+  }
+  neighbours_ = RigidityLists(backend_.memory());
+  for (int k = 0; k < 2 && options_.filter_3d != "none"; ++k) measure_filter(k);
+}
+
+LookedAt Trainer::looked_at(int64_t most) const {
+  LookedAt at = look_at_training(scene_, most);
+  at.kernels = kernel_switches(options_);
+  if (gains_.empty()) return at;
+  for (const int frame : at.frames) {
+    const auto found = std::find(train_frames_.begin(), train_frames_.end(), frame);
+    at.gain.push_back(gains_[size_t(exposed_.of_frame[size_t(found - train_frames_.begin())])]);
+  }
+  return at;
+}
+
+int64_t Trainer::room_of(int k) const {
+  const int64_t limit = growth_limit(options_);
+  if (limit == 0) return -1;
+  const GaussianModel& model = state_.model;
+  const int64_t room = std::max<int64_t>(0, limit - model.count());
+  // the static set comes first and must leave the dynamic one its share
+  return k == 1 || room == 0 ? room : room * model.static_set.count() / model.count();
+}
+
+void Trainer::catch_up() {
+  if (idle_update(options_) != IdleUpdate::kLazy) return;
+  const StageTimer timer(backend_.clock(), kUpdate);
+  for (int k = 0; k < 2; ++k) backend_.catch_up(lazy(k));
+}
+
+void Trainer::control() {
+  const int64_t i = state_.iteration;
+  GaussianModel& model = state_.model;
+  const int degree = schedule_.sh_degree(i), time_degree = schedule_.sh_time_degree(i);
+  const bool ramps = degree != model.sh_degree || time_degree != model.sh_time_degree;
+  const bool densifies = schedule_.densify(i), reorders = schedule_.reorder(i);
+  if (densifies) {
+    complete_pending();  // it waits for the backend anyway
+    // the copies of density control and the buffers of a step need not exist at once
+    if (&backend_.memory() != &host_memory()) pipeline_.release();
+    backend_.memory().trim();
+  }
+  if (densifies || reorders || ramps) catch_up();
+  model.sh_degree = degree, model.sh_time_degree = time_degree;
+  if (densifies) densify();
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state_.set(k);
+    if (set.count() == 0) continue;
+    if (reorders) reorder(backend_, set, state_.statistics[k]);
+    if (schedule_.measure_filter(i)) measure_filter(k);
+    if (schedule_.reset_opacity(i))
+      reset_opacity(
+          backend_, set,
+          is_filtered(state_, options_) ? state_.statistics[k].filter_size.span() : Span<float>());
+  }
+}
+
+double Trainer::training_time(double time, int64_t index) const {
+  const double deviation = schedule_.time_noise(state_.iteration) * moment_distance_;
+  if (deviation == 0) return time;
+  const RandomBlock random = philox(uint64_t(options_.seed), RandomStream::kTime,
+                                    uint64_t(state_.iteration), uint32_t(index));
+  return time + deviation * double(normals(random)[0]);
+}
+
+void Trainer::measure_filter(int k) {
+  const StageTimer timer(backend_.clock(), kDensity);
+  const ViewBatch<float>& views = filter_views_[k];
+  float focal = 0;
+  for (const ViewArgs<float>& view : views.views) focal = std::max({focal, view.fl_x, view.fl_y});
+  Buffer<float>& sizes = state_.statistics[k].filter_size;
+  sizes.resize(state_.set(k).count());
+  backend_.filter_sizes({&views, std::as_const(state_).set(k).values(), float(options_.near_plane),
+                         focal, float(state_.model.time_filter)},
+                        sizes.span());
+}
+
+void Trainer::densify() {
+  const int64_t i = state_.iteration;
+  const bool mcmc = options_.densification == "mcmc";
+  std::array<DensityReport, 2> reports;
+  if (mcmc) reports = control_mcmc(backend_, options_, state_);
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state_.set(k);
+    if (set.count() == 0) continue;
+    if (!mcmc)
+      reports[size_t(k)] = control_density(
+          backend_, {options_, rig_.extent, schedule_.prunes_large(i), room_of(k), i}, set,
+          state_.statistics[k]);
+    observer_.on_density(i, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
+  }
+}
+
+void Trainer::step() {
+  forget_copies();
+  control();
+  const std::vector<int64_t> batch = sampler_.next(options_.batch);
+  ForwardArgs<float> args{{drawn_values(state_, 0, options_), drawn_values(state_, 1, options_)},
+                          {},
+                          render_options(state_.model),
+                          {lazy(0), lazy(1)},
+                          true};
+  args.environment = environment_of(std::as_const(state_).model);
+  args.options.kernels = kernel_switches(options_);
+  args.options.filter_2d_full_gradient = options_.filter_2d_gradient == "full";
+  for (const int64_t index : batch) {
+    const Frame& frame = scene_.frames[size_t(train_frames_[size_t(index)])];
+    args.views.push_back({frame.camera, training_time(frame.time, index)});
+  }
+  pipeline_.forward(args);
+  complete_pending();  // the forward pass has waited for that step
+
+  const PipelineReport counts = pipeline_.report();
+  StepReport report;
+  report.iteration = state_.iteration + 1;
+  report.num_static = state_.model.static_set.count();
+  report.num_dynamic = state_.model.dynamic_set.count();
+  report.splats = counts.splats, report.instances = counts.instances;
+  report.invalid_gaussians = counts.invalid_gaussians;
+  report.peak_bytes = backend_.memory().peak_bytes();
+  const FedTruth fed = feed_.truth(batch);
+  pipeline_.loss(
+      {fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks, gains(batch)},
+      true);
+  backward();
+  prefetch();
+  ++state_.iteration;
+  state_.sampler_epoch = sampler_.epoch(), state_.sampler_position = sampler_.position();
+  pending_ = report;
+}
+
+std::vector<Vec3<double>> Trainer::gains(const std::vector<int64_t>& batch) {
+  std::vector<Vec3<double>> gains;
+  if (gains_.empty()) return gains;
+  pending_rows_.clear();
+  for (const int64_t index : batch) {
+    pending_rows_.push_back(exposed_.of_frame[size_t(index)]);
+    gains.push_back(gains_[size_t(pending_rows_.back())]);
+  }
+  return gains;
+}
+
+void Trainer::find_neighbours() {
+  constexpr int64_t kInterval = 500;  // steps, where density control does not ask for it earlier
+  const GaussianSet& set = std::as_const(state_).set(1);
+  if (options_.rigidity_weight == 0 || set.count() == 0) {
+    neighbours_ = RigidityLists(backend_.memory());
+    return;
+  }
+  Buffer<float>& anchor = state_.statistics[1].anchor;
+  const bool due = anchor.empty() || state_.iteration % kInterval == 0;
+  if (!due && !neighbours_.first.empty()) return;
+  const StageTimer timer(backend_.clock(), kDensity);
+  if (due) anchor.copy_from(set.group(kMean).value);
+  std::vector<glm::vec3> means(static_cast<size_t>(set.count()));
+  backend_.memory().copy(means.data(), anchor.data(), means.size() * sizeof(glm::vec3));
+  neighbours_ = rigidity_lists(means, backend_.memory());
+}
+
+void Trainer::backward() {
+  const int64_t i = state_.iteration;
+  BackwardArgs<float> args;
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state_.set(k);
+    SinkArgs<float>& sink = args.sinks[k];
+    sink.fused = options_.fused_optimizer;
+    sink.value = set.values(), sink.moment1 = set.moments1();
+    sink.moment2 = set.moments2(), sink.adam = schedule_.adam(i, set.form());
+    sink.idle = idle_update(options_), sink.lazy = lazy(k);
+    if (!sink.fused) {
+      gradients_[k].resize(set.count(), set.blocks());
+      sink.gradient = gradients_[k].values();
+    }
+    if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();
+  }
+  find_neighbours();
+  args.pairs = neighbours_.pairs();
+  constexpr double kSlow = 1e-3;  // scene extents per clip
+  args.regulariser = {options_.opacity_weight, options_.scale_weight,    options_.motion_weight,
+                      options_.extent_weight,  options_.rigidity_weight, kSlow * rig_.extent};
+  ParameterGroup& environment = state_.model.environment.map;
+  d_environment_.resize(environment.value.size());
+  args.d_environment = d_environment_.span();
+  pipeline_.backward(args);
+  const StageTimer timer(backend_.clock(), kUpdate);
+  if (!environment.value.empty())
+    backend_.adam_values(
+        std::as_const(d_environment_).span(), adam_scalars<float>(options_.lr_environment, i + 1),
+        environment.value.span(), environment.moment1.span(), environment.moment2.span());
+  if (!options_.fused_optimizer)
+    for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
+  if (options_.filter_3d == "clamp")
+    for (int k = 0; k < 2; ++k)
+      backend_.edit_by_filter(FilterEdit::kRaiseScales, state_.filtered_values(k), 0);
+  const double noise = schedule_.noise_scale(i);
+  for (int k = 0; k < 2 && noise > 0; ++k)
+    backend_.add_position_noise(state_.set(k).values(), {noise, uint64_t(options_.seed), i});
+}
+
+void Trainer::prefetch() {
+  std::vector<std::vector<int64_t>> upcoming;
+  for (int64_t skip = 0; skip < feed_.ahead(); ++skip)
+    upcoming.push_back(sampler_.peek(skip, options_.batch));
+  if (!upcoming.empty()) feed_.prefetch(upcoming);
+}
+
+void Trainer::complete_pending() {
+  if (!pending_) return;
+  StepReport report = *std::exchange(pending_, std::nullopt);
+  const StepOutcome outcome = pipeline_.outcome();
+  for (const ViewLoss& loss : outcome.losses) {
+    report.loss += loss.total / double(outcome.losses.size());
+    report.l1 += loss.l1 / double(outcome.losses.size());
+    report.ssim += loss.ssim / double(outcome.losses.size());
+  }
+  const unsigned bad = outcome.bad_groups;
+  if (!std::isfinite(report.loss) || bad != 0 || outcome.bad_values) {
+    state_.iteration = report.iteration - 1;
+    throw NumericalError(fmt::format(
+        "step {}: {} not finite; the last checkpoint is intact; lower the learning rates or look "
+        "for broken frames",
+        report.iteration,
+        what_is_bad(outcome, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
+  }
+  if (!gains_.empty()) {
+    step_exposure(pending_rows_, outcome.d_gain, schedule_.exposure_rate(report.iteration - 1),
+                  state_.exposure);
+    gains_ = gains_of(state_.exposure);
+  }
+  const auto now = std::chrono::steady_clock::now();
+  report.seconds = std::chrono::duration<double>(now - std::exchange(reported_, now)).count();
+  state_.seconds += report.seconds;
+  observer_.on_step(report);
+}
+
+void Trainer::finish() {
+  forget_copies();
+  catch_up();
+  const bool filtered = is_filtered(state_, options_);
+  for (int k = 0; k < 2; ++k) {
+    if (filtered) backend_.edit_by_filter(FilterEdit::kBake, state_.filtered_values(k), 0);
+    prune_invisible(backend_, state_.set(k), state_.statistics[k], state_.iteration,
+                    state_.model.cutoff<double>().least_alpha);
+    reorder(backend_, state_.set(k), state_.statistics[k]);
+  }
+  state_.finished = true;
+}
+
+}  // namespace tessera

@@ -1,0 +1,109 @@
+// What: the training loop: schedule, batch, forward, loss, backward with the optimizer as its sink.
+// Not: files, printing, evaluation (tools/ drives those between calls of `run`).
+// Source: method A.3 and D.6 for the order of events in a step.
+#pragma once
+#include <chrono>
+#include <functional>
+#include <optional>
+
+#include "kernels/base/camera_rig.h"
+#include "kernels/pipeline.h"
+#include "recon4d/evaluation/residual_pass.h"
+#include "recon4d/model/train_state.h"
+#include "recon4d/training/batch_sampler.h"
+#include "recon4d/training/frame_feed.h"
+#include "recon4d/training/observer.h"
+#include "recon4d/training/rigidity.h"
+#include "recon4d/training/schedule.h"
+
+namespace tessera {
+
+class Trainer {
+ public:
+  /// Takes the state, in the host's memory, into the backend's. `scene` must outlive the trainer.
+  /// Errors: InputError: no training frames.
+  Trainer(Backend& backend, const Scene& scene, const TrainOptions& options, TrainState state,
+          Observer& observer);
+
+  /// Steps until `iteration` steps are done in all, or `stop` says so (asked before each step).
+  /// At options.iterations the model is cleaned up and `finished` set. All steps are reported
+  /// before it returns.
+  /// Errors: NumericalError naming step and parameter when a gradient or the loss is not finite;
+  /// the state then is not to be used: the optimizer has already taken the step.
+  void run(int64_t iteration, const std::function<bool()>& stop = {});
+
+  /// As it is, in the backend's memory: for its numbers.
+  const TrainState& state() const { return state_; }
+  /// The same in the host's memory, e.g. for a checkpoint. Valid until the next step.
+  const TrainState& host_state();
+  /// The model in the host's memory with all SH up to date, e.g. for evaluation. Valid until the
+  /// next step.
+  const GaussianModel& host_model();
+  /// Lets `change` work on the state in the host's memory, all SH up to date; Gaussians may be
+  /// fewer or more after it, statistics must fit them.
+  void rework(const std::function<void(TrainState&)>& change);
+  /// Notes that a decision was made after the steps that are done: what it leaves to be thinned to,
+  /// and the time it took.
+  void note_decision(int64_t goal, double seconds) {
+    state_.decided = state_.iteration, state_.goal = goal, state_.seconds += seconds;
+    forget_copies();
+  }
+  /// Training frames with the gains they have now; at most `most`, 0: all.
+  LookedAt looked_at(int64_t most) const;
+  const TrainOptions& options() const { return options_; }
+  /// What state().exposure has a gain for.
+  const ExposureRows& exposed() const { return exposed_; }
+
+ private:
+  void step();
+  void control();
+  void measure_filter(int k);
+  void densify();
+  /// Neighbours of the dynamic Gaussians, from their means now or from those kept in the state.
+  void find_neighbours();
+  /// Gaussians that set k may grow by; −1: no limit.
+  int64_t room_of(int k) const;
+  void catch_up();
+  /// The frame's moment with the noise of this step.
+  double training_time(double time, int64_t index) const;
+  void backward();
+  /// Gains of the views of a batch, which are noted for the step of the gains; empty: none.
+  std::vector<Vec3<double>> gains(const std::vector<int64_t>& batch);
+  void prefetch();
+  /// Reports the last step once the backend knows how it went.
+  void complete_pending();
+  void finish();
+  void forget_copies() { host_state_.reset(), host_model_.reset(); }
+  LazySh<float> lazy(int k) { return lazy_sh(state_, k, options_, table_.span()); }
+
+  Backend& backend_;
+  const Scene& scene_;
+  TrainOptions options_;
+  TrainState state_;
+  Observer& observer_;
+  std::vector<int> train_frames_;  // before the rig, which needs one
+  double moment_distance_;         // mean, of the training frames, in clip lengths
+  CameraRig rig_;
+  Schedule schedule_;
+  BatchSampler sampler_;
+  FrameFeed feed_;
+  Pipeline<float> pipeline_;
+  GaussianSet gradients_[2];  // only with a separate optimizer
+  Buffer<double> table_;      // only with lazy updates
+  RigidityLists neighbours_;  // only with rigidity
+  /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
+  ViewBatch<float> filter_views_[2];
+  Buffer<float> d_environment_;
+  ExposureRows exposed_;
+  std::vector<Vec3<double>> gains_;    // [R] of the next step
+  std::vector<int32_t> pending_rows_;  // [B] of gains, of the last step
+  std::optional<StepReport> pending_;
+  std::chrono::steady_clock::time_point reported_;  // until when time is accounted for
+  std::optional<TrainState> host_state_;
+  std::optional<GaussianModel> host_model_;
+};
+
+/// The state before step 0. Errors: as initialise_model and exposure_rows.
+TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source);
+
+}  // namespace tessera

@@ -1,0 +1,90 @@
+// What: frames set aside from the training split to judge a model by, and what follows from their
+//       scores: the best model so far and the end of the training.
+// Not: the held-out splits, whose pixels nothing here reads; no schedule of steps (trainer.h).
+// Source: failure modes A10, D4.
+#pragma once
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "ingest/scene.h"
+#include "recon4d/evaluation/render.h"
+#include "recon4d/options/train_options.h"
+
+namespace tessera {
+
+/// Moves a share of the training frames, at least one, to Split::kAside and says how many: spread
+/// over cameras and moments, ends of a camera's sequence left where there are others; the same for
+/// the same seed. Share 0: none. Errors: InputError: fewer than two training frames.
+int64_t set_aside(Scene& scene, double share, uint64_t seed);
+
+/// What a training has learnt from its checks; a checkpoint keeps it.
+struct ValidationRecord {
+  int64_t checks = 0;          // so far
+  int64_t last_iteration = 0;  // of the last check
+  double last_psnr = 0;        // dB, mean over the frames set aside, 8 bit
+  int64_t best_iteration = 0;  // 0: no check yet
+  double best_psnr = 0;        // of the best check
+  int64_t best_gaussians = 0;  // of its model
+  double peak_psnr = 0;        // the best that any check has seen, also of larger models
+  double best_seconds = 0;     // of training until then
+  double reference_psnr = 0;   // what the next gain is counted from
+  int64_t without_gain = 0;    // checks since the reference
+  bool stopped = false;        // patience has run out
+
+  /// A gain counts towards patience when it is larger, dB.
+  static constexpr double kLeastGain = 0.02;
+
+  /// Takes the score of a model after `iteration` steps; whether it is the best so far: of the
+  /// highest PSNR, or, with `within_db` > 0, of the fewest Gaussians among those within so many dB
+  /// of the peak.
+  bool add(int64_t iteration, double seconds, double psnr, int64_t gaussians, int64_t patience,
+           double within_db = 0);
+  /// The best is to be found anew: models so far are larger than what may be shipped.
+  void restart();
+};
+nlohmann::json to_json(const ValidationRecord& record);
+/// Errors: nlohmann::json::exception.
+ValidationRecord validation_record_from_json(const nlohmann::json& json);
+
+/// The checks of one training.
+class Validation {
+ public:
+  /// Of the frames of `scene` that are set aside; without any there are no checks. Backend and
+  /// scene must outlive it.
+  Validation(Backend& backend, const Scene& scene, const TrainOptions& options,
+             ValidationRecord record = {});
+
+  bool on() const { return frames_ > 0; }
+  int64_t frames() const { return frames_; }
+  /// The first step after `iteration` at which a check is due: every validate_interval steps,
+  /// scaled as the schedule is, and the last.
+  int64_t next_after(int64_t iteration) const;
+  /// Whether a check is due after `iteration` steps and has not been made.
+  bool due(int64_t iteration) const;
+  /// Scores the model, in the host's memory, and keeps a copy when it is the best so far.
+  void check(const GaussianModel& model, int64_t iteration, double seconds);
+  /// PSNR on the frames set aside, dB. Errors: std::logic_error where there are none.
+  double psnr(const GaussianModel& model) const;
+  /// From now on models have the size that is asked for: only these are shipped.
+  void restart() { record_.restart(), best_.reset(); }
+
+  /// Whether training is to end.
+  bool stops() const { return record_.stopped; }
+  const ValidationRecord& record() const { return record_; }
+  /// Null before the first check, or when only the record was brought back.
+  const GaussianModel* best() const { return best_ ? &*best_ : nullptr; }
+  void restore_best(GaussianModel model) { best_ = std::move(model); }
+  /// The best model without what can never be drawn, as a training's end leaves it.
+  GaussianModel shipped() const;
+
+ private:
+  Backend& backend_;
+  const Scene& scene_;
+  int64_t frames_, interval_, iterations_, patience_, batch_;
+  double within_db_;
+  ValidationRecord record_;
+  std::optional<GaussianModel> best_;
+};
+
+}  // namespace tessera

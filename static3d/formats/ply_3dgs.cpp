@@ -1,0 +1,60 @@
+// What: other people's columns ↔ Gaussians.
+// Not: the columns of ours (recon4d/model/splat_columns.h).
+#include "static3d/formats/ply_3dgs.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "kernels/base/errors.h"
+#include "recon4d/model/splat_columns.h"
+#include "static3d/formats/ply_compressed.h"
+
+namespace tessera {
+namespace {
+
+/// Properties of `vertex` that mean nothing here.
+std::vector<std::string> unknown_properties(const PlyElement& vertex, int coefficients) {
+  const std::vector<SplatColumn> known = splat_columns(Form::kStatic, coefficients);
+  std::vector<std::string> unknown;
+  for (const PlyColumn& column : vertex.columns)
+    if (std::none_of(known.begin(), known.end(),
+                     [&](const SplatColumn& k) { return k.name == column.name; }))
+      unknown.push_back(column.name);
+  return unknown;
+}
+
+GaussianSet read_plain(const std::filesystem::path& path, const PlyFile& file,
+                       std::vector<std::string>& warnings) {
+  const PlyElement* const vertex = file.find("vertex");
+  if (vertex == nullptr)
+    throw InputError(fmt::format("{}: no element 'vertex', expected a 3DGS .ply; export it again",
+                                 path.string()));
+  GaussianSet set = read_splats(path, *vertex, Form::kStatic);
+  const auto unknown = unknown_properties(*vertex, set.coefficients());
+  if (!unknown.empty())
+    warnings.push_back(
+        fmt::format("{}: unknown properties ignored: {}", path.string(), fmt::join(unknown, ", ")));
+  for (const PlyElement& element : file.elements)
+    if (element.name != "vertex")
+      warnings.push_back(fmt::format("{}: element '{}' ignored ({} rows)", path.string(),
+                                     element.name, element.rows));
+  return set;
+}
+
+}  // namespace
+
+SplatFile load_ply_splats(const std::filesystem::path& path) {
+  const PlyFile file = read_ply(path);
+  SplatFile result;
+  result.set = is_compressed_splat(file) ? decode_compressed_splat(path, file)
+                                         : read_plain(path, file, result.warnings);
+  return result;
+}
+
+void save_ply_3dgs(const std::filesystem::path& path, const GaussianSet& set, int sh_degree) {
+  write_splats(path, {}, {{"vertex", &set, sh_coefficients(sh_degree)}});
+}
+
+}  // namespace tessera

@@ -1,0 +1,130 @@
+// What: bit fields → stored parameters of a static set.
+// Not: the PLY itself (ingest/files/ply.h).
+#include "static3d/formats/ply_compressed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/base/errors.h"
+#include "kernels/math/spherical_harmonics.h"
+#include "static3d/transform/splat_quanta.h"
+
+namespace tessera {
+namespace {
+
+const std::vector<double>& values_of(const std::filesystem::path& path, const PlyElement& element,
+                                     const std::string& name) {
+  if (const PlyColumn* const column = element.find(name)) return column->values;
+  throw InputError(
+      fmt::format("{}: element '{}' has no property '{}', expected a compressed splat .ply; export "
+                  "it again",
+                  path.string(), element.name, name));
+}
+
+/// Words of 32 bits.
+const std::vector<double>& words_of(const std::filesystem::path& path, const PlyElement& vertex,
+                                    const char* property) {
+  const std::string name = property;
+  const std::vector<double>& words = values_of(path, vertex, name);
+  if (vertex.find(name)->type == PlyType::kUint32) return words;
+  throw InputError(fmt::format(
+      "{}: property '{}' is not of type uint, expected a compressed splat .ply; export it again",
+      path.string(), name));
+}
+
+/// Three ranges of a chunk: [min, max] of three columns.
+struct Range {
+  const std::vector<double>*low[3], *high[3];
+  double at(int axis, int64_t chunk, double f) const {
+    const double a = (*low[axis])[size_t(chunk)], b = (*high[axis])[size_t(chunk)];
+    return a + f * (b - a);
+  }
+};
+
+Range range_of(const std::filesystem::path& path, const PlyElement& chunks,
+               const std::array<const char*, 3>& names) {
+  Range range;
+  for (size_t k = 0; k < 3; ++k) {
+    range.low[k] = &values_of(path, chunks, fmt::format("min_{}", names[k]));
+    range.high[k] = &values_of(path, chunks, fmt::format("max_{}", names[k]));
+  }
+  return range;
+}
+
+void decode_vector(uint32_t word, const Range& range, int64_t chunk, float* out) {
+  const double f[3] = {fraction_of(word, 21, 11), fraction_of(word, 11, 10),
+                       fraction_of(word, 0, 11)};
+  for (int k = 0; k < 3; ++k) out[k] = float(range.at(k, chunk, f[k]));
+}
+
+void decode_sh(const std::filesystem::path& path, const PlyFile& file,
+               const GaussianSpans<float>& set) {
+  const int rest = set.coefficients - 1;
+  for (int i = 0; i < 3 * rest; ++i) {
+    const std::string name = fmt::format("f_rest_{}", i);
+    const std::vector<double>& column = values_of(path, *file.find("sh"), name);
+    for (int64_t n = 0; n < set.count; ++n) {
+      const double byte = column[size_t(n)];
+      const double f = byte == 0 ? 0 : byte == 255 ? 1 : (byte + 0.5) / 256;
+      set.at(kSh, n)[3 * (i % rest + 1) + i / rest] = float(8 * (f - 0.5));
+    }
+  }
+}
+
+int coefficients_of(const std::filesystem::path& path, const PlyFile& file) {
+  const PlyElement* const sh = file.find("sh");
+  if (sh == nullptr) return 1;
+  for (int degree = 1; degree <= kMaxShDegree; ++degree)
+    if (int(sh->columns.size()) == 3 * (sh_coefficients(degree) - 1) &&
+        sh->rows == file.find("vertex")->rows)
+      return sh_coefficients(degree);
+  throw InputError(fmt::format(
+      "{}: element 'sh' has {} columns and {} rows, expected 9, 24 or 45 and one per vertex; "
+      "export it again",
+      path.string(), sh->columns.size(), sh->rows));
+}
+
+}  // namespace
+
+bool is_compressed_splat(const PlyFile& file) {
+  const PlyElement* const vertex = file.find("vertex");
+  return file.find("chunk") != nullptr && vertex != nullptr &&
+         vertex->find("packed_position") != nullptr;
+}
+
+GaussianSet decode_compressed_splat(const std::filesystem::path& path, const PlyFile& file) {
+  const PlyElement &chunks = *file.find("chunk"), &vertex = *file.find("vertex");
+  if (chunks.rows * kSplatsPerChunk < vertex.rows)
+    throw InputError(fmt::format("{}: {} chunks for {} splats, expected one per {}; export again",
+                                 path.string(), chunks.rows, vertex.rows, kSplatsPerChunk));
+  const Range mean = range_of(path, chunks, {"x", "y", "z"});
+  const Range scale = range_of(path, chunks, {"scale_x", "scale_y", "scale_z"});
+  const bool ranged_colour = chunks.find("min_r") != nullptr;  // absent before SuperSplat 1.9
+  const Range colour = ranged_colour ? range_of(path, chunks, {"r", "g", "b"}) : Range{};
+  const auto& position = words_of(path, vertex, "packed_position");
+  const auto& rotation = words_of(path, vertex, "packed_rotation");
+  const auto& scales = words_of(path, vertex, "packed_scale");
+  const auto& rgba = words_of(path, vertex, "packed_color");
+  GaussianSet set(Form::kStatic, coefficients_of(path, file));
+  set.resize(vertex.rows);
+  const GaussianSpans<float> to = set.values();
+  for (int64_t n = 0; n < vertex.rows; ++n) {
+    const int64_t chunk = n / kSplatsPerChunk;
+    decode_vector(uint32_t(position[size_t(n)]), mean, chunk, to.at(kMean, n));
+    decode_vector(uint32_t(scales[size_t(n)]), scale, chunk, to.at(kLogScale, n));
+    quaternion_of(uint32_t(rotation[size_t(n)]), to.at(kRotation, n));
+    const uint32_t word = uint32_t(rgba[size_t(n)]);
+    *to.at(kOpacityLogit, n) = logit_of_byte(double(word & 255));
+    for (int c = 0; c < 3; ++c) {
+      const double f = fraction_of(word, 24 - 8 * c, 8);
+      const double linear = ranged_colour ? colour.at(c, chunk, f) : f;
+      to.at(kSh, n)[c] = float((linear - 0.5) / kSh0);
+    }
+  }
+  decode_sh(path, file, to);
+  return set;
+}
+
+}  // namespace tessera

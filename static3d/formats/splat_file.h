@@ -1,0 +1,45 @@
+// What: the static formats of other programs behind one door: read by what a file is, written by
+//       name.
+// Not: time (ply_sequence.h), and no layout (the format's own file).
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "recon4d/model/gaussian_set.h"
+
+namespace tessera {
+
+/// What a file of splats holds.
+struct SplatFile {
+  GaussianSet set{Form::kStatic, kMaxShCoefficients};
+  int sh_degree = 0;
+  std::vector<std::string> warnings;  // unknown properties, quaternions that were normalised, …
+};
+
+struct SplatFormat {
+  const char* name;       // of --format
+  const char* extension;  // ".ply"
+  const char* doc;        // one line: what is lost, who reads it
+  /// Of sound Gaussians with unit quaternions. Errors: InputError: what the format cannot hold.
+  void (*save)(const std::filesystem::path&, const GaussianSet&, int sh_degree);
+  bool is_read = true;  // by load_splat_file
+};
+const std::vector<SplatFormat>& splat_formats();
+/// Errors: InputError naming the nearest known name.
+const SplatFormat& splat_format(const std::string& name);
+/// .spz of version 3 (that of splat_formats) or 4. Errors: InputError: another version.
+SplatFormat spz_format(int version);
+
+/// Whether load_splat_file knows what a file with that name and these first bytes is.
+bool is_splat_file(const std::filesystem::path& path, std::string_view head);
+/// 3DGS .ply, compressed .ply, .spz of versions 2 to 4, .splat. Only sound Gaussians, unit
+/// quaternions. Errors: InputError naming the file, what is wrong and the remedy.
+SplatFile load_splat_file(const std::filesystem::path& path);
+
+/// Writes the first `sh_degree` degrees. Non-finite Gaussians are left out; returns how many were.
+int64_t save_splat_file(const SplatFormat& format, const std::filesystem::path& path,
+                        const GaussianSet& set, int sh_degree);
+
+}  // namespace tessera

@@ -1,0 +1,28 @@
+// What: what a player needs besides Gaussians: the rig's cameras, which way is up, how splats are
+//       drawn. The same words in every manifest.
+// Not: a manifest (tessera4d/manifest.h, frame_sequence.h).
+// Source: docs/format.md, section 3.
+#pragma once
+#include <array>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "kernels/base/camera.h"
+#include "recon4d/model/gaussian_set.h"
+
+namespace tessera {
+
+/// A camera of the rig, to be looked through.
+struct PlayerCamera {
+  std::string name;
+  Camera camera;  // in the world of the file
+};
+
+nlohmann::json camera_json(const PlayerCamera& rig);
+/// Dilation, cut-offs and clip planes.
+nlohmann::json splat_json(const GaussianModel& rules);
+/// Unit length: the mean direction against the cameras' down, or that of the axes (−y).
+std::array<double, 3> up_of(const std::vector<PlayerCamera>& cameras);
+
+}  // namespace tessera

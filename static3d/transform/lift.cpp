@@ -1,0 +1,37 @@
+// What: Dim 3 → Dim 4 by two quaternions that undo each other in time; Dim 4 → Dim 3 by a Slicer.
+// Not: the arithmetic of a slice (slicer.cpp).
+#include "static3d/transform/lift.h"
+
+#include <algorithm>
+
+#include "kernels/math/splat.h"
+#include "static3d/transform/slicer.h"
+
+namespace tessera {
+
+GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time, Form form) {
+  constexpr float kMeanTimeOfLifted = 0.5f;
+  GaussianSet lifted(form, static_set.coefficients());
+  lifted.resize(static_set.count());
+  const GaussianSpans<const float> from = static_set.values();
+  const GaussianSpans<float> to = lifted.values();
+  for (int g = 0; g < kStaticGroups; ++g)
+    std::copy_n(from.group[g].data, from.group[g].size, to.group[g].data);
+  for (int64_t n = 0; n < lifted.count(); ++n) {
+    *to.at(kMeanTime, n) = kMeanTimeOfLifted;
+    *to.at(kLogScaleTime, n) = log_scale_time;
+    if (form == Form::kVelocity) {
+      std::fill_n(to.at(kVelocity, n), 3, 0.0f);
+      continue;
+    }
+    const Vec4<float> right = conjugate(load4(from.at(kRotation, n)));
+    for (int k = 0; k < 4; ++k) to.at(kRotationRight, n)[k] = right[k];
+  }
+  return lifted;
+}
+
+GaussianSet slice_model(const GaussianModel& model, double time) {
+  return Slicer(model).at(time);
+}
+
+}  // namespace tessera

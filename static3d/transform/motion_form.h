@@ -1,0 +1,12 @@
+// What: the two forms of dynamic Gaussians into each other: both describe the same family.
+// Not: which form a training uses (TrainOptions::motion_form).
+#pragma once
+#include "recon4d/model/gaussian_set.h"
+
+namespace tessera {
+
+/// A dynamic set stored in `form` (kPair or kVelocity); values only, no moments. It renders as
+/// before to rounding. Unsound Gaussians (recon4d/model/hygiene.h) are left out.
+GaussianSet in_form(const GaussianSet& dynamic_set, Form form);
+
+}  // namespace tessera

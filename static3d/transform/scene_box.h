@@ -1,0 +1,23 @@
+// What: where a scene is, by medians, so that a few stray Gaussians do not move it.
+// Not: the bounds of all means (model_info.h).
+// Source: failure mode E3.
+#pragma once
+#include "recon4d/model/gaussian_set.h"
+
+namespace tessera {
+
+/// Half extents beyond which a Gaussian counts as an outlier  [failure mode E3].
+inline constexpr float kFarFactor = 10;
+
+struct SceneBox {
+  Vec3<float> centre{};   // median of the finite means, per axis, world units
+  float half_extent = 0;  // largest axis of twice the median distance to the centre
+
+  /// Beyond `factor` half extents on some axis. A box without extent has no outliers.
+  bool is_far(const Vec3<float>& mean, float factor) const;
+};
+
+/// Of the means of both sets.
+SceneBox scene_box(const GaussianModel& model);
+
+}  // namespace tessera

@@ -1,0 +1,40 @@
+// What: what the dynamic Gaussians of a model are at every moment: one shape each, found once.
+// Not: rendering; a slice is an ordinary static set.
+// Source: kernels/math/spacetime.h; [Yang24] Eqs. 8–10: Σ_c and the velocity do not depend on t.
+#pragma once
+#include <vector>
+
+#include "kernels/math/spacetime.h"
+#include "recon4d/model/gaussian_set.h"
+
+namespace tessera {
+
+/// A dynamic Gaussian as motion of a static one: mean + velocity·(t − mean_time), and opacity
+/// σ(logit)·exp(−½ (t − mean_time)²·precision_time), without a temporal filter.
+struct MovingGaussian {
+  int64_t source;              // index in the dynamic set
+  Spacetime<float> spacetime;  // as the renderer computes it
+  Vec3<float> mean;            // at mean_time, world units
+  float opacity;               // σ(logit)
+  Vec3<float> log_scale;       // axes of Σ_c
+  Vec4<float> rotation;        // unit quaternion w,x,y,z
+};
+
+/// Model must outlive the slicer and stay as it is.
+class Slicer {
+ public:
+  explicit Slicer(const GaussianModel& model);
+
+  /// The model at normalised time t, see slice_model (lift.h).
+  GaussianSet at(double time) const;
+  /// Valid dynamic Gaussians, in their order.
+  const std::vector<MovingGaussian>& moving() const { return moving_; }
+  /// Dynamic Gaussians that the renderer refuses: not finite, or a quaternion without length.
+  int64_t invalid() const { return model_.dynamic_set.count() - int64_t(moving_.size()); }
+
+ private:
+  const GaussianModel& model_;
+  std::vector<MovingGaussian> moving_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,109 @@
+// What: each parameter group of a set under a similarity, Gaussian by Gaussian, in double.
+// Not: spherical harmonics (sh_rotation.h).
+#include "static3d/transform/world_change.h"
+
+#include <cmath>
+
+#include "kernels/base/parallel.h"
+#include "kernels/math/eigen3.h"
+#include "kernels/math/splat.h"
+#include "static3d/transform/four_rotation.h"
+#include "static3d/transform/sh_rotation.h"
+
+namespace tessera {
+namespace {
+
+constexpr int64_t kGrain = 4096;
+
+void store4(const Vec4<double>& from, float* to) {
+  for (int k = 0; k < 4; ++k) to[k] = float(from[k]);
+}
+
+/// What all Gaussians of a change share.
+struct Change {
+  explicit Change(const Similarity& b_from_a)
+      : world(b_from_a),
+        quaternion(quaternion_from_rotation(b_from_a.rotation)),
+        log_scale(std::log(b_from_a.scale)),
+        sh(b_from_a.rotation) {}
+
+  Similarity world;
+  Vec4<double> quaternion;  // of the rotation
+  double log_scale;
+  ShRotation sh;
+};
+
+/// Quaternions and scales of one dynamic Gaussian.
+void change_shape4(const Change& change, const GaussianSpans<float>& v, int64_t n) {
+  const Vec4<double> left = product(change.quaternion, Vec4<double>(load4(v.at(kRotation, n))));
+  const Vec4<double> right =
+      product(Vec4<double>(load4(v.at(kRotationRight, n))), conjugate(change.quaternion));
+  float* const log_scale = v.at(kLogScale, n);
+  float* const log_scale_time = v.at(kLogScaleTime, n);
+  const double sigma[4] = {std::exp(double(*log_scale_time)), std::exp(double(log_scale[0])),
+                           std::exp(double(log_scale[1])), std::exp(double(log_scale[2]))};
+  Shape4 shape{left, right, {sigma[0], sigma[1], sigma[2], sigma[3]}};
+  if (scale_space(change.world.scale, shape)) {
+    *log_scale_time = float(std::log(shape.sigma[0]));
+    for (int k = 0; k < 3; ++k) log_scale[k] = float(std::log(shape.sigma[k + 1]));
+  } else {
+    for (int k = 0; k < 3; ++k) log_scale[k] = float(double(log_scale[k]) + change.log_scale);
+  }
+  store4(shape.left, v.at(kRotation, n));
+  store4(shape.right, v.at(kRotationRight, n));
+}
+
+/// A velocity is a difference of places.
+void change_velocity(const Change& change, float* velocity) {
+  const glm::dvec3 turned =
+      change.world.rotation *
+      glm::dvec3(double(velocity[0]), double(velocity[1]), double(velocity[2]));
+  for (int k = 0; k < 3; ++k) velocity[k] = float(change.world.scale * turned[k]);
+}
+
+void change_gaussian(const Change& change, const GaussianSpans<float>& v, int64_t n) {
+  float* const mean = v.at(kMean, n);
+  const glm::dvec3 moved = change.world({double(mean[0]), double(mean[1]), double(mean[2])});
+  for (int k = 0; k < 3; ++k) mean[k] = float(moved[k]);
+  if (v.form == Form::kPair) {
+    change_shape4(change, v, n);
+  } else {
+    float* const log_scale = v.at(kLogScale, n);
+    for (int k = 0; k < 3; ++k) log_scale[k] = float(double(log_scale[k]) + change.log_scale);
+    store4(product(change.quaternion, Vec4<double>(load4(v.at(kRotation, n)))), v.at(kRotation, n));
+  }
+  if (v.form == Form::kVelocity) change_velocity(change, v.at(kVelocity, n));
+  change.sh.apply(v.coefficients, v.at(kSh, n));
+  for (int level = 0; level < v.time_levels; ++level)
+    change.sh.apply(v.coefficients, v.at(kShTime, n) + level * v.width(kSh));
+}
+
+void change_set(const Change& change, GaussianSet& set) {
+  const GaussianSpans<float> values = set.values();
+  parallel_for(set.count(), kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t n = begin; n < end; ++n) change_gaussian(change, values, n);
+  });
+}
+
+}  // namespace
+
+GaussianModel model_in_world(const Similarity& b_from_a, const GaussianModel& model) {
+  GaussianModel moved = model.clone_values();
+  if (b_from_a.is_identity()) return moved;
+  const Change change(b_from_a);
+  change_set(change, moved.static_set);
+  change_set(change, moved.dynamic_set);
+  moved.environment.map_from_world =
+      model.environment.map_from_world * glm::transpose(b_from_a.rotation);
+  moved.near_plane *= b_from_a.scale, moved.far_plane *= b_from_a.scale;
+  moved.prepared_from_source = compose(b_from_a, model.prepared_from_source);
+  return moved;
+}
+
+GaussianModel model_in_source_world(const GaussianModel& model) {
+  GaussianModel moved = model_in_world(inverse(model.prepared_from_source), model);
+  moved.prepared_from_source = {};
+  return moved;
+}
+
+}  // namespace tessera

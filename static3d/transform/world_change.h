@@ -1,0 +1,22 @@
+// What: a model moved to another world by a similarity: the renderer sees no difference from moved
+//       cameras. Exports use it to give the source's world back.
+// Not: the choice of the similarity (ingest/poses/world_normalisation.h).
+// Source: μ' = s·R·μ + t. A rotation q of space turns x ↦ l·x·r into (q·l)·x·(r·q̄), time being the
+//         real axis. A scale of space alone is no scale of a moving Gaussian's axes, which mix
+//         space and time: Σ₄' = D Σ₄ D, D = diag(1, s, s, s), is taken apart anew, by one-sided
+//         Jacobi rotations of D·R₄·diag(σ) [GolubVanLoan]; where the axes do not mix, ln s is
+//         added.
+#pragma once
+#include "kernels/base/similarity.h"
+#include "recon4d/model/gaussian_set.h"
+
+namespace tessera {
+
+/// Values in another world; spherical harmonics turn along, opacities, moments of life and their
+/// lengths stay, clip planes scale. Without Adam moments. The identity leaves every bit.
+GaussianModel model_in_world(const Similarity& b_from_a, const GaussianModel& model);
+
+/// The model in the world of its capture's source; prepared_from_source is the identity then.
+GaussianModel model_in_source_world(const GaussianModel& model);
+
+}  // namespace tessera

@@ -1,0 +1,235 @@
+// What: transforms captures → prepared scene → the Scene that the capture itself gives.
+// Not: the parser (transforms_test.cpp) or the loader (scene_reader_test.cpp).
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/ply.h"
+#include "ingest/files/png.h"
+#include "ingest/files/point_cloud.h"
+#include "ingest/ingest.h"
+#include "ingest/layouts/scene_reader.h"
+#include "ingest/media/images/image_source.h"
+#include "ingest/media/images/picture_scale.h"
+#include "tests/ingest/layouts/capture_fixture.h"
+
+namespace tessera {
+namespace {
+
+using namespace tessera::testing;
+using nlohmann::json;
+
+void expect_same_scene(const Scene& one, const Scene& other) {
+  ASSERT_EQ(one.frames.size(), other.frames.size());
+  EXPECT_EQ(one.is_static, other.is_static);
+  EXPECT_EQ(one.had_alpha, other.had_alpha);
+  EXPECT_EQ(one.time_axis.origin, other.time_axis.origin);
+  EXPECT_EQ(one.time_axis.duration, other.time_axis.duration);
+  EXPECT_EQ(one.points.position, other.points.position);
+  for (size_t i = 0; i < one.frames.size(); ++i) {
+    EXPECT_EQ(one.frames[i].name, other.frames[i].name);
+    EXPECT_EQ(one.frames[i].camera_name, other.frames[i].camera_name);
+    EXPECT_EQ(one.frames[i].frame_number, other.frames[i].frame_number);
+    EXPECT_EQ(one.frames[i].time, other.frames[i].time);
+    EXPECT_EQ(one.frames[i].split, other.frames[i].split);
+    EXPECT_EQ(one.frames[i].image.data, other.frames[i].image.data);
+    expect_same_camera(one.frames[i].camera, other.frames[i].camera, 1e-14);
+  }
+}
+
+// Bug put back: alpha composited while converting; seen to fail (white background).
+TEST(TransformsCapture, PreparedSceneLoadsLikeTheCapture) {
+  const TemporaryFolder folder;
+  SmallCapture capture;
+  capture.time = [](double t) { return 100 + 3 * t; };
+  write_dnerf(folder / "capture", capture);
+  write_points(folder / "capture/points3d.ply", {{{1, 2, 3}}, {{{9, 8, 7}}}, {}, {}});
+  const IngestReport report = ingest_capture(folder / "capture", folder / "scene", {}, {});
+  EXPECT_EQ(report.layout, CaptureLayout::kTransforms);
+  EXPECT_EQ(report.frames, 6);
+  EXPECT_EQ(report.cameras, 2);
+  EXPECT_EQ(report.points, 1);
+  SceneOptions white;
+  white.background = {255, 255, 255};
+  for (const SceneOptions& options : {SceneOptions{}, white})
+    expect_same_scene(load_scene(folder / "capture", options),
+                      load_scene(folder / "scene", options));
+  // Preparing what is prepared changes nothing, in place too.
+  ingest_capture(folder / "scene", folder / "scene", {}, {});
+  expect_same_scene(load_scene(folder / "capture", {}), load_scene(folder / "scene", {}));
+}
+
+TEST(TransformsCapture, StaticCapturesStayStatic) {
+  const TemporaryFolder folder;
+  SmallCapture capture;
+  capture.with_times = false;
+  write_dnerf(folder / "none", capture);
+  ingest_capture(folder / "none", folder / "scene", {}, {});
+  EXPECT_TRUE(load_scene(folder / "scene", {}).is_static);
+  capture.with_times = true;
+  capture.time = [](double) { return 0.5; };
+  write_dnerf(folder / "equal", capture);
+  IngestOptions options;
+  expect_input_error([&] { ingest_capture(folder / "equal", folder / "scene", options, {}); },
+                     {"all 6 frames have time 0.5", "--static"});
+  options.allow_static = true;
+  ingest_capture(folder / "equal", folder / "scene", options, {});
+  EXPECT_TRUE(load_scene(folder / "scene", {}).is_static);
+}
+
+// B7. Bug put back: the size scaled and the intrinsics not (scaled_camera); seen to fail.
+TEST(TransformsCapture, ScaledPicturesHaveTheSameRays) {
+  const TemporaryFolder folder;
+  write_dnerf(folder / "capture", {});
+  IngestOptions options;
+  options.scale = 0.5;
+  ingest_capture(folder / "capture", folder / "scene", options, {});
+  const Scene full = load_scene(folder / "capture", {}), half = load_scene(folder / "scene", {});
+  EXPECT_EQ(half.frames[0].image.width, 4);
+  for (size_t i = 0; i < full.frames.size(); ++i)
+    EXPECT_LT(glm::distance(ray_through(full.frames[i].camera, 7, 1),
+                            ray_through(half.frames[i].camera, 3.5, 0.5)),
+              1e-9);
+}
+
+std::string test_names(const std::filesystem::path& scene) {
+  std::string names;
+  for (const Frame& frame : load_scene(scene, {}).frames)
+    if (frame.split == Split::kTest) names += frame.name + " ";
+  return names;
+}
+
+// Bug put back: the options passed over for transforms files, as they were; seen to fail.
+TEST(TransformsCapture, FramesAreHeldOutWhereNoneAreStated) {
+  const TemporaryFolder folder;
+  SmallCapture capture;
+  capture.train = 5, capture.test = 0;
+  write_dnerf(folder / "capture", capture);
+  const auto ingest = [&](const IngestOptions& options) {
+    return ingest_capture(folder / "capture", folder / "scene", options, {});
+  };
+  IngestReport report = ingest({});
+  EXPECT_EQ(report.test_views, 0);
+  EXPECT_TRUE(report.scored.starts_with("nothing will be scored")) << report.scored;
+  IngestOptions options;
+  options.test_every = 3;
+  report = ingest(options);
+  EXPECT_EQ(test_names(folder / "scene"), "train/r_000 train/r_003 ");
+  EXPECT_EQ(report.scored, "will be scored: 2 test views (2 of the 5 of camera train)");
+  options.test_every = 1;
+  expect_input_error([&] { ingest(options); }, {"--test-every is 1"});
+
+  edit_json(folder / "capture/transforms_train.json", [](json& file) {
+    for (size_t i = 0; i < 2; ++i) file["frames"][i]["tessera"] = {{"camera", "left"}};
+  });
+  options.test_every.reset(), options.held_out = {"left"};
+  report = ingest(options);
+  EXPECT_EQ(test_names(folder / "scene"), "train/r_000 train/r_001 ");
+  EXPECT_EQ(report.scored, "will be scored: 2 test views (camera left)");
+  options.held_out = {"right"};
+  expect_input_error([&] { ingest(options); }, {"no camera 'right'", "left, train"});
+}
+
+// Bug put back: stated test frames turned into training frames; seen to fail.
+TEST(TransformsCapture, StatedTestFramesAreNotChosenAgain) {
+  const TemporaryFolder folder;
+  write_dnerf(folder / "capture", {});
+  IngestOptions options;
+  options.test_every = 2;
+  expect_input_error([&] { ingest_capture(folder / "capture", folder / "scene", options, {}); },
+                     {"test/r_000", "--test-every", "leave the option out"});
+}
+
+TEST(TransformsCapture, FirstInstantsOfEachCamera) {
+  const TemporaryFolder folder;
+  write_dnerf(folder / "capture", {});
+  IngestOptions options;
+  options.frames = 3;
+  EXPECT_EQ(ingest_capture(folder / "capture", folder / "scene", options, {}).frames, 5);
+  const Scene scene = load_scene(folder / "scene", {});
+  EXPECT_EQ(scene.frames[2].name, "train/r_002");
+  EXPECT_EQ(scene.frames[3].name, "test/r_000");
+}
+
+TEST(TransformsCapture, BadPicturesAreNamedAndNothingIsLeft) {
+  const TemporaryFolder folder;
+  write_dnerf(folder / "capture", {});
+  const std::string bytes = read_bytes(folder / "capture/train/r_002.png");
+  write_bytes(folder / "capture/train/r_002.png", bytes.substr(0, bytes.size() - 20));
+  IngestOptions strict;  // otherwise it is left out (damaged_capture_test.cpp)
+  strict.strict = true;
+  expect_input_error([&] { ingest_capture(folder / "capture", folder / "scene", strict, {}); },
+                     {"r_002.png", "1 of 6 pictures", "--strict"});
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(TransformsCapture, OtherFormatsBecomePng) {
+  const TemporaryFolder folder;
+  write_dnerf(folder / "capture", {});
+  std::string pixels;
+  for (int i = 0; i < 8 * 6 * 3; ++i) pixels += char(i);
+  write_bytes(folder / "capture/train/a.ppm", "P6\n8 6\n255\n" + pixels);
+  edit_json(folder / "capture/transforms_train.json",
+            [](json& file) { file["frames"][0]["file_path"] = "train/a.ppm"; });
+  ingest_capture(folder / "capture", folder / "scene", {}, {});
+  const Image8 png = read_png(folder / "scene/train/a.ppm.png");
+  EXPECT_EQ(png.channels, 3);
+  EXPECT_EQ(std::string(png.data.begin(), png.data.end()), pixels);
+}
+
+// Bug put back: the high byte taken for the rounded value; seen to fail (two of four values).
+TEST(Picture, SixteenBitIsReducedWithRounding) {
+  const TemporaryFolder folder;
+  const std::string values("\x00\x00\x00\x81\x80\x90\xff\xff", 8);  // 0, 0.502, 128.06+, 65535
+  write_bytes(folder / "a.pgm", "P5\n4 1\n65535\n" + values);
+  const Image8 grey = read_picture(folder / "a.pgm");
+  EXPECT_EQ(grey.channels, 1);
+  EXPECT_EQ(grey.data, (std::vector<uint8_t>{0, 1, 128, 255}));
+  write_bytes(folder / "bad.jpg", "no picture");
+  expect_input_error([&] { read_picture(folder / "bad.jpg"); }, {"bad.jpg"});
+  expect_input_error([&] { read_picture(folder / "none.jpg"); }, {"none.jpg"});
+}
+
+// Bug put back: colours averaged without their alpha; seen to fail (green 191).
+// B16. Bug put back: the marker not looked for, so that libjpeg fills the rest with grey; seen to
+// fail.
+TEST(Picture, TruncatedJpegIsNamed) {
+  // clang-format off
+  const std::array<unsigned char, 202> jpeg{
+    0xff, 0xd8, 0xff, 0xe0, 0x00, 0x10, 0x4a, 0x46, 0x49, 0x46, 0x00, 0x01, 0x02, 0x00, 0x00, 0x01,
+    0x00, 0x01, 0x00, 0x00, 0xff, 0xdb, 0x00, 0x43, 0x00, 0x08, 0x04, 0x04, 0x04, 0x04, 0x04, 0x05,
+    0x05, 0x05, 0x05, 0x05, 0x05, 0x06, 0x06, 0x06, 0x06, 0x06, 0x06, 0x06, 0x06, 0x06, 0x06, 0x06,
+    0x06, 0x06, 0x07, 0x07, 0x07, 0x08, 0x08, 0x08, 0x07, 0x07, 0x07, 0x06, 0x06, 0x07, 0x07, 0x08,
+    0x08, 0x08, 0x08, 0x09, 0x09, 0x09, 0x08, 0x08, 0x08, 0x08, 0x09, 0x09, 0x0a, 0x0a, 0x0a, 0x0c,
+    0x0c, 0x0b, 0x0b, 0x0e, 0x0e, 0x0e, 0x11, 0x11, 0x14, 0xff, 0xc4, 0x00, 0x4a, 0x00, 0x01, 0x00,
+    0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x01,
+    0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+    0x00, 0x10, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+    0x00, 0x00, 0x00, 0x11, 0x01, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00,
+    0x00, 0x00, 0x00, 0x00, 0x00, 0xff, 0xc0, 0x00, 0x11, 0x08, 0x00, 0x08, 0x00, 0x08, 0x03, 0x01,
+    0x12, 0x00, 0x02, 0x12, 0x00, 0x03, 0x12, 0x00, 0xff, 0xda, 0x00, 0x0c, 0x03, 0x01, 0x00, 0x02,
+    0x11, 0x03, 0x11, 0x00, 0x3f, 0x00, 0x00, 0x0f, 0xff, 0xd9};  // 8 × 8, grey
+  // clang-format on
+  const std::string whole(jpeg.begin(), jpeg.end());
+  const TemporaryFolder folder;
+  write_bytes(folder / "whole.jpg", whole);
+  EXPECT_EQ(read_picture(folder / "whole.jpg").width, 8);
+  for (size_t cut : {size_t{2}, size_t{8}, whole.size() / 2}) {
+    write_bytes(folder / "cut.jpg", whole.substr(0, whole.size() - cut));
+    expect_input_error([&] { read_picture(folder / "cut.jpg"); }, {"cut.jpg", "truncated JPEG"});
+  }
+}
+
+TEST(Picture, ScalingWeighsColoursByAlpha) {
+  Image8 picture = constant_picture(2, 2, {0, 255, 0, 0});
+  std::copy_n(constant_picture(1, 1, {255, 10, 20, 255}).data.begin(), 4, picture.data.begin());
+  EXPECT_EQ(scale_picture(picture, 1, 1).data, (std::vector<uint8_t>{255, 10, 20, 64}));
+  Image8 grey{2, 2, 1, {0, 100, 50, 51}};
+  EXPECT_EQ(scale_picture(grey, 1, 1).data, (std::vector<uint8_t>{50}));
+  EXPECT_EQ(scale_picture(constant_picture(3, 3, {0, 255, 0, 0}), 2, 2).data,
+            constant_picture(2, 2, {0, 0, 0, 0}).data);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,193 @@
+// What: lenses of transforms files: read, removed at ingest, recorded; and what a wrong one costs.
+// Not: the lens equations (lens_test.cpp) or COLMAP's captures (colmap_capture_test.cpp).
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/png.h"
+#include "ingest/ingest.h"
+#include "ingest/layouts/transforms_json.h"
+#include "ingest/media/images/undistortion.h"
+#include "ingest/poses/colmap_camera.h"
+#include "ingest/poses/stated_lens.h"
+#include "tests/ingest/layouts/capture_fixture.h"
+
+namespace tessera {
+namespace {
+
+using namespace tessera::testing;
+using nlohmann::json;
+
+// Bug put back: the file's coefficients over the frame's; seen to fail.
+TEST(StatedLens, FrameBeforeFile) {
+  const json file{{"camera_model", "OPENCV"}, {"k1", 0.1}, {"k2", 0.2}, {"p1", 0.01}, {"p2", 0.02}};
+  StatedLens lens = stated_lens(json::object(), file, "t");
+  EXPECT_EQ(lens.model, "OPENCV");
+  EXPECT_EQ(lens.lens, (Lens{.k1 = 0.1, .k2 = 0.2, .p1 = 0.01, .p2 = 0.02}));
+  lens = stated_lens({{"k1", 0.3}, {"k3", -0.1}}, file, "t");
+  EXPECT_EQ(lens.lens, (Lens{.k1 = 0.3, .k3 = -0.1}));
+  lens = stated_lens({{"camera_model", "OPENCV_FISHEYE"}, {"k4", 0.5}}, file, "t");
+  EXPECT_EQ(lens.lens, (Lens{.projection = Lens::Projection::kFisheye, .k4 = 0.5}));
+  EXPECT_EQ(lens.model, "OPENCV_FISHEYE");
+  EXPECT_EQ(stated_lens(json::object(), {{"is_fisheye", true}}, "t").model, "OPENCV_FISHEYE");
+  EXPECT_EQ(stated_lens(json::object(), {{"camera_model", "SIMPLE_RADIAL"}, {"k1", 1}}, "t").model,
+            "SIMPLE_RADIAL");
+  EXPECT_EQ(stated_lens(json::object(), {{"camera_model", "PINHOLE"}, {"k1", 1}}, "t").model,
+            "OPENCV");
+  EXPECT_TRUE(stated_lens({{"k1", 0}}, file, "t").lens.is_pinhole());
+}
+
+TEST(StatedLens, WhatItCannotMean) {
+  const auto refused = [](const json& frame, const std::vector<std::string>& parts) {
+    expect_input_error([&] { stated_lens(frame, json::object(), "frame 3"); }, parts);
+  };
+  refused({{"k4", 0.1}}, {"frame 3", "k4 = 0.1", "perspective", "undistort"});
+  refused({{"k5", 0.1}}, {"k5"});
+  refused({{"camera_model", "OPENCV_FISHEYE"}, {"p1", 0.1}}, {"p1", "fisheye"});
+  refused({{"camera_model", "EQUIRECTANGULAR"}}, {"'EQUIRECTANGULAR'", "OPENCV_FISHEYE"});
+  refused({{"k1", "x"}}, {"k1 is string"});
+}
+
+// The picture is the ramp, so that an undistorted pixel shows where the lens equation, written out
+// here, has its ray. Bugs put back: the lens of the file for that of the frame; removed lenses not
+// recorded; each seen to fail.
+TEST(PhotoDistortion, TransformsAreUndistortedAndRecorded) {
+  const TemporaryFolder folder;
+  SmallCapture small;
+  small.train = 2, small.test = 0, small.width = 200, small.height = 160, small.with_times = false;
+  write_dnerf(folder / "capture", small);
+  for (const char* name : {"r_000.png", "r_001.png"})
+    write_png(folder / "capture/train" / name, ramp(200, 160));
+  edit_json(folder / "capture/transforms_train.json", [](json& file) {
+    for (json& frame : file["frames"])
+      frame["fl_x"] = frame["fl_y"] = 150, frame["cx"] = 98, frame["cy"] = 83;
+    file["k1"] = 0.15, file["p1"] = 0.01;
+    file["frames"][1]["camera_model"] = "OPENCV_FISHEYE";
+    file["frames"][1]["k1"] = 0.02;
+  });
+  ingest_capture(folder / "capture", folder / "scene", {}, {});
+  const Scene scene = load_scene(folder / "scene", {});
+  const auto met = [](int frame, double x, double y) {
+    const double r2 = x * x + y * y, r = std::sqrt(r2), a = std::atan(r);
+    return frame == 0 ? glm::dvec2(x * (1 + 0.15 * r2) + 0.02 * x * y,
+                                   y * (1 + 0.15 * r2) + 0.01 * (r2 + 2 * y * y))
+                      : glm::dvec2(x, y) * (a * (1 + 0.02 * a * a) / r);
+  };
+  for (int f = 0; f < 2; ++f) {
+    const Frame& frame = scene.frames[size_t(f)];
+    const Camera& camera = frame.camera;
+    double worst = 0;
+    for (int y = 1; y < 159; ++y)
+      for (int x = 1; x < 199; ++x) {
+        const uint8_t* rgb = frame.image.data.data() + 3 * (y * 200 + x);
+        const glm::dvec2 place = 150.0 * met(f, (x + 0.5 - camera.cx) / camera.fl_x,
+                                             (y + 0.5 - camera.cy) / camera.fl_y) +
+                                 glm::dvec2(98, 83);
+        if (place.x > 0.5 && place.x < 199.5 && place.y > 0.5 && place.y < 159.5)
+          worst =
+              std::max({worst, std::abs(rgb[0] + 0.5 - place.x), std::abs(rgb[1] + 0.5 - place.y)});
+      }
+    EXPECT_LT(worst, 0.5 + 1 / 32.0) << f;  // 8-bit rounding, OpenCV's steps of 1/32 pixel
+  }
+  const json applied = json::parse(read_bytes(folder / "scene/transforms.json"))["tessera"];
+  EXPECT_EQ(applied["applied"]["undistortion"], "OPENCV, OPENCV_FISHEYE");
+  EXPECT_EQ(applied["applied"]["crop"], "zoomed to valid pixels");
+  const json removed = {{{"model", "OPENCV"}, {"k1", 0.15}, {"p1", 0.01}},
+                        {{"model", "OPENCV_FISHEYE"}, {"k1", 0.02}}};
+  EXPECT_EQ(applied["cameras"][0]["removed_lenses"], removed);
+}
+
+TEST(PhotoDistortion, TrainingOpensPinholePicturesOnly) {
+  const TemporaryFolder folder;
+  write_dnerf(folder.path(), {});
+  edit_json(folder / "transforms_train.json", [](json& file) { file["frames"][2]["k2"] = 0.1; });
+  expect_input_error([&] { load_scene(folder.path(), {}); }, {"frame 2", "k2", "tessera ingest"});
+}
+
+/// The centre of the light within `reach` of a place.
+glm::dvec2 light_near(const Image8& picture, const glm::dvec2& place, int reach) {
+  glm::dvec2 sum(0);
+  double weight = 0;
+  for (int y = int(place.y) - reach; y <= int(place.y) + reach; ++y)
+    for (int x = int(place.x) - reach; x <= int(place.x) + reach; ++x) {
+      const double value = picture.data[size_t(3 * (y * picture.width + x))];
+      sum += value * glm::dvec2(x + 0.5, y + 0.5), weight += value;
+    }
+  return sum / weight;
+}
+
+// F15: a grid of dots, filmed by a sensor of which the upper part was kept, comes back to where the
+// pinhole camera has it. Dots are round in the undistorted picture: each pixel that is filmed takes
+// its light from its ray. Bug put back: the principal point kept; seen to fail.
+TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfThePicture) {
+  const Camera camera{320, 174, 233, 233, 158, 260, glm::dmat3(1), glm::dvec3(0)};
+  const Lens lens{.k1 = -0.27, .k2 = 0.19};
+  const Camera pinhole = undistorted_camera(camera, lens, "test");
+  const auto in_pinhole = [&](const glm::dvec2& ray) {
+    return glm::dvec2(pinhole.fl_x * ray.x + pinhole.cx, pinhole.fl_y * ray.y + pinhole.cy);
+  };
+  constexpr double kSpacing = 30, kSigma = 2.5;
+  Image8 filmed = constant_picture(320, 174, {0, 0, 0});
+  for (int y = 0; y < 174; ++y)
+    for (int x = 0; x < 320; ++x) {
+      const auto ray = lens.undistorted({(x + 0.5 - 158) / 233, (y + 0.5 - 260) / 233});
+      ASSERT_TRUE(ray);
+      const glm::dvec2 place = in_pinhole(*ray) / kSpacing;
+      const glm::dvec2 off = kSpacing * (place - glm::floor(place) - glm::dvec2(0.5));
+      filmed.data[size_t(3 * (y * 320 + x))] =
+          uint8_t(std::lround(250 * std::exp(-glm::dot(off, off) / (2 * kSigma * kSigma))));
+    }
+  const Image8 shown = Undistortion(camera, lens, pinhole).apply(filmed);
+  int dots = 0;
+  for (double y = kSpacing / 2; y < 174 - 10; y += kSpacing)
+    for (double x = kSpacing / 2; x < 320 - 10; x += kSpacing, ++dots)
+      EXPECT_LT(glm::distance(light_near(shown, {x, y}, 9), {x, y}), 0.05) << x << ", " << y;
+  EXPECT_EQ(dots, 50);
+}
+
+// B8: the same picture through each model of COLMAP, then undistorted as if it were a pinhole: the
+// corner is shifted by what the equation says, f·|distorted(ray) − ray|. A dot marks the corner's
+// ray in the distorted picture.
+TEST(PhotoDistortion, TheWrongModelShiftsTheCornerAsPredicted) {
+  const std::vector<std::pair<std::string, std::vector<double>>> models{
+      {"SIMPLE_RADIAL", {150, 100, 80, -0.1}},
+      {"RADIAL", {150, 100, 80, -0.1, 0.02}},
+      {"OPENCV", {150, 150, 100, 80, -0.1, 0.02, 0.003, -0.002}},
+      {"OPENCV_FISHEYE", {150, 150, 100, 80, 0.02, 0.01, 0, 0}},
+      {"FULL_OPENCV", {150, 150, 100, 80, -0.1, 0.02, 0.003, -0.002, 0.01, 0.02, 0.01, 0}},
+      {"FOV", {150, 150, 100, 80, 0.7}},
+      {"SIMPLE_RADIAL_FISHEYE", {150, 100, 80, 0.02}},
+      {"RADIAL_FISHEYE", {150, 100, 80, 0.02, 0.01}},
+      {"THIN_PRISM_FISHEYE", {150, 150, 100, 80, 0.02, 0.01, 0.003, -0.002, 0, 0, 0.001, -0.001}}};
+  for (const auto& [name, parameters] : models) {
+    const ColmapCamera camera =
+        make_colmap_camera(colmap_camera_model(name, "t"), 200, 160, parameters, "t");
+    const glm::dvec2 ray(0.5, 0.4);  // of the ideal pixel (175, 140)
+    const glm::dvec2 met = 150.0 * camera.lens.distorted(ray) + glm::dvec2(100, 80);
+    Image8 picture = constant_picture(200, 160, {0, 0, 0});
+    for (int y = 0; y < 160; ++y)  // a cone of light around `met`
+      for (int x = 0; x < 200; ++x)
+        picture.data[size_t(3 * (y * 200 + x))] = uint8_t(std::lround(
+            std::max(0.0, 200 * (1 - glm::distance(glm::dvec2(x + 0.5, y + 0.5), met) / 4))));
+    const auto light = [&](const Lens& lens) {
+      const Image8 shown = Undistortion(camera.camera, lens, camera.camera).apply(picture);
+      glm::dvec2 sum(0);
+      double weight = 0;
+      for (int y = 0; y < 160; ++y)
+        for (int x = 0; x < 200; ++x) {
+          const double value = shown.data[size_t(3 * (y * 200 + x))];
+          sum += value * glm::dvec2(x + 0.5, y + 0.5), weight += value;
+        }
+      return sum / weight;
+    };
+    // The lens bends the cone a little, by its radius squared: 0.06 pixel at 4, 0.13 at 6.
+    EXPECT_LT(glm::distance(light(camera.lens), {175, 140}), 0.1) << name;
+    const glm::dvec2 shift = light(Lens{}) - glm::dvec2(175, 140);
+    EXPECT_LT(glm::distance(shift, met - glm::dvec2(175, 140)), 0.05) << name;
+    EXPECT_GT(glm::length(shift), 2) << name;
+  }
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,224 @@
+// What: gains of cameras and of pictures learnt in a training: recovered, gauge fixed, kept by a
+//       checkpoint, refused where they mean nothing.
+// Not: their gradient (tests/kernels/exposure_test.cpp). Source: failure mode B10.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "kernels/base/errors.h"
+#include "recon4d/model/exposure.h"
+#include "tests/support/random.h"
+#include "tests/support/resume.h"
+#include "tests/support/separate_backend.h"
+
+namespace tessera::testing {
+namespace {
+
+using Gains = std::vector<Vec3<double>>;
+
+TinyCapture ring() {
+  TinyCapture capture;
+  capture.cameras = 5, capture.moments = 3, capture.size = 24;
+  return capture;
+}
+
+/// Every picture times the gain of its row, of pictures darkened so that none is clipped.
+Scene gained(const TinyCapture& capture, const Gains& gains, bool by_camera) {
+  Scene scene = tiny_capture(capture);
+  for (size_t f = 0; f < scene.frames.size(); ++f) {
+    const Vec3<double>& gain = gains[by_camera ? f / size_t(capture.moments) : f];
+    std::vector<uint8_t>& bytes = scene.frames[f].image.data;
+    for (size_t i = 0; i < bytes.size(); ++i)
+      bytes[i] = uint8_t(std::lround(0.7 * gain[int(i % 3)] * bytes[i]));
+  }
+  return scene;
+}
+
+/// The Gaussians that the pictures show, in brighter colours; no density control moves their rows.
+TrainOptions still_options(int64_t iterations) {
+  TrainOptions options = tiny_options();
+  options.iterations = options.schedule_iterations = iterations;
+  options.densify_until = 0, options.reorder_interval = 0, options.sh_degree = 0;
+  options.lr_opacity = options.lr_scale = options.lr_rotation = 1e-4;
+  return options;
+}
+
+/// The truth with its colours times `dim`; 0.7 would be those of the pictures.
+TrainState dimmed_truth(const TinyCapture& capture, double dim) {
+  TrainState state;
+  state.model = tiny_truth(capture);
+  for (int k = 0; k < 2; ++k) {
+    for (float& sh : state.set(k).group(kSh).value)
+      sh = float((dim * (0.5 + kSh0 * double(sh)) - 0.5) / kSh0);
+    state.statistics[k].reset(state.set(k).count());
+  }
+  return state;
+}
+
+/// Colours of all Gaussians, RGB by RGB.
+std::vector<double> colours(const GaussianModel& model) {
+  std::vector<double> colours;
+  for (const GaussianSet* set : {&model.static_set, &model.dynamic_set})
+    for (const float sh : set->group(kSh).value) colours.push_back(0.5 + kSh0 * double(sh));
+  return colours;
+}
+
+Vec3<double> mean_of(const Gains& gains) {
+  Vec3<double> sum(0);
+  for (const Vec3<double>& gain : gains) sum += gain;
+  return sum / double(gains.size());
+}
+
+/// In either order, and as floats.
+void expect_mean_of_one(const Gains& gains) {
+  for (int c = 0; c < 3; ++c) {
+    double forward = 0, backward = 0;
+    for (size_t r = 0; r < gains.size(); ++r) {
+      EXPECT_EQ(double(float(gains[r][c])), gains[r][c]);
+      forward += gains[r][c], backward += gains[gains.size() - 1 - r][c];
+    }
+    EXPECT_EQ(forward / double(gains.size()), 1.0);
+    EXPECT_EQ(backward, forward);
+  }
+}
+
+// B10. One camera is (1.2, 1.0, 0.9) of the others. The gains are that by the mean of all, and the
+// Gaussians have the colours of the unmodified pictures times that mean.
+// Bugs put back, each seen to fail: gauge not fixed; gains of the next view; the gain left out of
+// the loss; what rounding leaves not spread.
+TEST(TrainExposure, OneCameraThatDiffersIsFoundAndColoursAreLeft) {
+  const TinyCapture capture = ring();
+  Gains truth(5, Vec3<double>(1));
+  const Scene plain = gained(capture, truth, true);
+  truth[2] = {1.2, 1.0, 0.9};
+  const Scene scene = gained(capture, truth, true);
+  TrainOptions options = still_options(900);
+  Training usual(plain, options, dimmed_truth(capture, 1));
+  const std::vector<double> expected = colours(usual.run().model());
+  options.exposure = "camera";
+  Training training(scene, options, dimmed_truth(capture, 1));
+  training.run();
+  const Gains gains = gains_of(training.state().exposure);
+  ASSERT_EQ(gains.size(), 5u);
+  expect_mean_of_one(gains);
+  const Vec3<double> mean = mean_of(truth);
+  for (size_t r = 0; r < 5; ++r)
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(gains[r][c] * mean[c] / truth[r][c], 1, 0.01) << r << ", " << c;
+  const std::vector<double> found = colours(training.model());
+  for (size_t i = 0; i < found.size(); ++i)
+    EXPECT_NEAR(found[i] / mean[int(i % 3)], expected[i], 1.0 / 255) << i;
+}
+
+// B10. Bug put back: rows of cameras for those of frames; seen to fail.
+TEST(TrainExposure, WobbleOfEveryPictureIsFound) {
+  TinyCapture capture = ring();
+  capture.moving = false;  // of one moment there are five pictures: a blob's life explains a wobble
+  Random random(5);
+  Gains truth;
+  for (int f = 0; f < capture.cameras * capture.moments; ++f)
+    truth.emplace_back(random.uniform(0.99, 1.01), random.uniform(0.99, 1.01),
+                       random.uniform(0.99, 1.01));
+  const Scene scene = gained(capture, truth, false);
+  TrainOptions options = still_options(900);
+  options.exposure = "frame", options.lr_sh = 5e-4;
+  Training training(scene, options, dimmed_truth(capture, 0.75));
+  training.run();
+  const Gains gains = gains_of(training.state().exposure);
+  ASSERT_EQ(gains.size(), truth.size());
+  expect_mean_of_one(gains);
+  const Vec3<double> mean = mean_of(truth);
+  double left = 0, wobble = 0;
+  for (size_t r = 0; r < truth.size(); ++r)
+    for (int c = 0; c < 3; ++c) {
+      wobble += std::pow(truth[r][c] / mean[c] - 1, 2);
+      left += std::pow(gains[r][c] * mean[c] / truth[r][c] - 1, 2);
+    }
+  EXPECT_LT(std::sqrt(left), 0.3 * std::sqrt(wobble));  // pictures are rounded to 8 bits
+}
+
+// E5. Bug put back: moments not in the checkpoint; seen to fail.
+TEST(TrainExposure, ResumeGoesOnBitForBit) {
+  const Scene scene = tiny_capture();
+  for (const char* by : {"camera", "frame"}) {
+    TrainOptions options = tiny_options();
+    options.exposure = by;
+    Training whole(scene, options);
+    whole.run();
+    expect_resumes(scene, options, 21, whole,
+                   [](const TrainState& state) { EXPECT_GT(state.exposure.rows(), 0); });
+  }
+}
+
+// Bug put back: gains kept in the backend's memory; seen to fail.
+TEST(TrainExposure, IsTheSameInAMemoryOfItsOwn) {
+  const Scene scene = tiny_capture();
+  TrainOptions options = tiny_options();
+  options.exposure = "camera";
+  Training here(scene, options);
+  here.run();
+  SeparateBackend separate;
+  Training there(scene, options, first_state(scene, options), separate);
+  there.run();
+  const Buffer<float>&one = here.state().exposure.log_gain,
+        &other = there.state().exposure.log_gain;
+  EXPECT_TRUE(std::equal(one.begin(), one.end(), other.begin(), other.end()));
+}
+
+// A gain far from the others' meets its limit before the gauge loses a bit.
+// Bug put back: no limit; seen to fail.
+TEST(TrainExposure, MeanIsOneWhateverIsLearnt) {
+  ExposureState state;
+  state.reset(301);
+  Random random(6);
+  for (int round = 0; round < 5; ++round) {
+    std::vector<int32_t> rows;
+    Gains d_gain;
+    for (int i = 0; i < 40; ++i) {
+      rows.push_back(int32_t(random.below(301)));
+      d_gain.emplace_back(random.uniform(-1, 1), i % 2 ? -1e9 : 1e9, 1e-12);
+    }
+    step_exposure(rows, d_gain, 2, state);
+    expect_mean_of_one(gains_of(state));
+  }
+}
+
+void expect_refused(const Scene& scene, const char* by, const std::vector<std::string>& parts) {
+  TrainOptions options = tiny_options();
+  options.exposure = by;
+  try {
+    Training training(scene, options);
+    ADD_FAILURE() << "was not refused";
+  } catch (const InputError& error) {
+    for (const std::string& part : parts)
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+  }
+}
+
+// Bugs put back, each seen to fail: a single camera taken; a white background taken.
+TEST(TrainExposure, IsRefusedWhereItMeansNothing) {
+  TinyCapture capture;
+  capture.cameras = 1;
+  expect_refused(tiny_capture(capture), "camera", {"4 training frames", "ring0", "frame"});
+  capture.moments = 1;
+  expect_refused(tiny_capture(capture), "frame", {"--exposure none"});
+  capture.cameras = 3, capture.background = {255, 255, 255};
+  expect_refused(tiny_capture(capture), "camera", {"background"});
+}
+
+// Bug put back: names of frames; seen to fail.
+TEST(TrainExposure, JsonNamesTheCameras) {
+  const Scene scene = tiny_capture();
+  TrainOptions options = tiny_options();
+  options.exposure = "camera";
+  const ExposureRows rows = exposure_rows(scene, scene.split_indices(Split::kTrain), options);
+  ExposureState state;
+  state.reset(int64_t(rows.names.size()));
+  const nlohmann::json json = exposure_json(rows, state, options);
+  EXPECT_EQ(json["by"], "camera");
+  EXPECT_EQ(json["gains"].size(), 6u);
+  EXPECT_EQ(json["gains"]["ring3"], nlohmann::json({1.0, 1.0, 1.0}));
+}
+
+}  // namespace
+}  // namespace tessera::testing

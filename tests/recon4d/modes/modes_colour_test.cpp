@@ -1,0 +1,74 @@
+// What: a surface that stays and changes its colour alone.
+// Not: moving surfaces. Source: failure mode A17.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/cloud/dense_cloud.h"
+#include "tests/recon4d/modes/modes_film.h"
+
+namespace tessera::testing {
+namespace {
+
+/// A picture on a wall in light that grows evenly over the clip; `wide` 2.5 fills the view.
+Film lamp_film(double from, double to, double wide = 1) {
+  Film film;
+  film.moments = 21;
+  film.world = [from, to, wide](double time) {
+    synth::World world = even_world();
+    add_solid(world, synth::ShapeKind::kQuad, wide * glm::dvec3(0.7, 0.6, 0), {0, 0, 0},
+              warm(0.15, from + (to - from) * time));
+    return world;
+  };
+  return film;
+}
+
+/// Mean of a channel inside the quad, 8-bit steps.
+double level(const Picture& picture, int channel) {
+  constexpr int kFirst = 20, kEnd = 44;  // of 64 pixels, both ways
+  double sum = 0;
+  for (int y = kFirst; y < kEnd; ++y)
+    for (int x = kFirst; x < kEnd; ++x)
+      sum += picture.rgb[size_t((channel * picture.height + y) * picture.width + x)];
+  return 255 * sum / ((kEnd - kFirst) * (kEnd - kFirst));
+}
+
+// Light that grows by three quarters, and by a seventh, which hardly changes the contrast.
+// Bug put back: brightness not looked at; seen to fail.
+TEST(ColourChange, IsNotStill) {
+  for (const double from : {0.25, 0.85}) {
+    const Scene scene = shoot(lamp_film(from, 1, 2.5));
+    CloudOptions options;
+    options.points = 400;
+    const PointCloud cloud = dense_cloud(scene, options);
+    ASSERT_GT(cloud.still.size(), 100u);
+    const int64_t still = std::count(cloud.still.begin(), cloud.still.end(), 1);
+    EXPECT_LT(still, int64_t(cloud.still.size()) / 50) << from;
+  }
+}
+
+// Falls short of the row at single moments: of two seeds the worst of the channels was 1.4 and 1.7
+// steps off, where the row has 1. Not for restless last steps: with learning rates that fall to 0
+// over the last tenth to four tenths it is 1.5 to 2.3.
+// Bug put back: all points static; seen to fail by 58 steps.
+TEST(ColourChange, IsRecovered) {
+  const Film film = lamp_film(0.25, 1);
+  Scene scene = shoot(film);
+  scene.points = surface_cloud(film, 0, 400);
+  const std::vector<Picture> pictures =
+      middle_pictures(trained(scene, short_training("balanced", 500)), scene);
+  const std::vector<const Frame*> frames = held_out(scene);
+  for (int c = 0; c < 3; ++c) {
+    double sum = 0, worst = 0;
+    for (size_t m = 0; m < pictures.size(); ++m) {
+      const double off = level(pictures[m], c) - level(picture_of(frames[m]->image), c);
+      sum += std::abs(off), worst = std::max(worst, std::abs(off));
+    }
+    EXPECT_LT(sum / double(pictures.size()), 1) << "channel " << c;
+    EXPECT_LT(worst, 2) << "channel " << c;
+  }
+}
+
+}  // namespace
+}  // namespace tessera::testing

@@ -1,0 +1,90 @@
+// What: a thing that is there for a fifth of the clip, and one that is hidden for a while.
+// Not: what one camera never sees. Source: failure modes A7, A8.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "recon4d/evaluation/metrics.h"
+#include "tests/recon4d/modes/modes_film.h"
+
+namespace tessera::testing {
+namespace {
+
+constexpr int kFirst = 8, kLast = 12;  // moments of 21 at which the cube is there
+
+/// A ball stands on the left; on the right a cube is there for t in [0.4, 0.6].
+Film cube_film() {
+  Film film;
+  film.moments = 21;
+  film.world = [last = film.moments - 1](double) {
+    synth::World world = even_world();
+    add_solid(world, synth::ShapeKind::kSphere, glm::dvec3(0.35), {-0.6, 0, 0}, warm(0.12), false);
+    synth::Solid& cube =
+        add_solid(world, synth::ShapeKind::kBox, glm::dvec3(0.25), {0.5, 0, 0}, cold(0.15));
+    cube.lifetime = {(kFirst - 0.5) / last, (kLast + 0.5) / last};
+    return world;
+  };
+  return film;
+}
+
+std::vector<double> psnr_by_moment(const std::vector<Picture>& pictures, const Scene& scene) {
+  const std::vector<const Frame*> frames = held_out(scene);
+  std::vector<double> values;
+  for (size_t i = 0; i < pictures.size(); ++i)
+    values.push_back(psnr_float(pictures[i].planar(), frames[i]->image));
+  return values;
+}
+
+double mean(const std::vector<double>& values, int first, int last) {
+  double sum = 0;
+  for (int i = first; i <= last; ++i) sum += values[size_t(i)];
+  return sum / (last - first + 1);
+}
+
+// Falls short of the row in the frame right before and the one right after the cube, which show 36
+// and 11 steps of it (11 and 26 after 4,000 steps): all others are the same to 2 steps.
+// Bug put back: lives do not learn; seen to fail, the cube is never drawn.
+TEST(Presence, WhatAppearsIsGoneBeforeAndAfter) {
+  Scene scene = shoot(cube_film());
+  scene.points = surface_cloud(cube_film(), 200, 200);
+  TrainOptions options = short_training("balanced", 500);
+  options.lr_scale_time = 0.02;  // lives come as far as in the preset's own steps
+  const GaussianModel model = trained(scene, options);
+  const std::vector<Picture> pictures = middle_pictures(model, scene);
+  EXPECT_GT(mean(psnr_by_moment(pictures, scene), kFirst, kLast), 30);
+  for (int m = 0; m < int(pictures.size()); ++m) {
+    if (m >= kFirst - 1 && m <= kLast + 1) continue;
+    EXPECT_LT(largest_difference(pictures[size_t(m)], pictures[0]), 2) << m;
+  }
+}
+
+/// A ball passes behind a wall and comes back the way it went.
+Film wall_film() {
+  Film film;
+  film.moments = 25, film.arc = 0.8;
+  film.world = [](double time) {
+    synth::World world = even_world();
+    const double x = -0.7 + 0.95 * (1 - std::abs(2 * time - 1));
+    add_solid(world, synth::ShapeKind::kSphere, glm::dvec3(0.2), {x, 0.5, 0}, warm(0.12));
+    add_solid(world, synth::ShapeKind::kBox, {0.5, 0.05, 0.5}, {0.3, 0, 0}, cold(0.15), false);
+    return world;
+  };
+  return film;
+}
+
+// Bug put back: all start at the first moment; seen to fail by 8 dB.
+TEST(Presence, WhatComesBackIsAsItWas) {
+  Scene scene = shoot(wall_film());
+  scene.points = surface_cloud(wall_film(), 200, 400);
+  TrainOptions options = short_training("balanced", 500);
+  options.max_gaussians = 2000;
+  const GaussianModel model = trained(scene, options);
+  const std::vector<double> psnr = psnr_by_moment(middle_pictures(model, scene), scene);
+  const int last = int(psnr.size()) - 1;
+  const double before = mean(psnr, 0, 6), after = mean(psnr, last - 6, last);
+  EXPECT_GT(before, 30);
+  EXPECT_GT(after, before - 0.5);
+}
+
+}  // namespace
+}  // namespace tessera::testing

@@ -1,0 +1,67 @@
+// What: how fast a thing may move and still be where it was filmed.
+// Not: moments between frames (evaluate_test.cpp, modes_frames_test.cpp). Source: failure mode A4.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/recon4d/modes/modes_film.h"
+
+namespace tessera::testing {
+namespace {
+
+/// There and back between 0 and `span` with unit speed.
+double zigzag(double way, double span) {
+  const double there = std::fmod(way, 2 * span);
+  return there < span ? there : 2 * span - there;
+}
+
+/// A ball of 20 pixels that goes to and fro over 68 pixels, `speed` pixels a frame.
+Film ball_film(double speed) {
+  Film film;
+  film.width = 96, film.height = 48;
+  film.world = [speed, last = film.moments - 1, unit = film.pixels_a_unit()](double time) {
+    synth::World world = even_world();
+    const double x = zigzag(speed * time * last, 68) - 34;
+    add_solid(world, synth::ShapeKind::kSphere, glm::dvec3(0.26), {x / unit, 0, 0.1}, warm(0.12));
+    return world;
+  };
+  return film;
+}
+
+/// Largest distance of the centroids of render and truth in the held-out camera, pixels.
+double worst_error(double speed, TrainOptions options) {
+  const Film film = ball_film(speed);
+  Scene scene = shoot(film);
+  scene.points = surface_cloud(film, 0, 400);
+  const std::vector<Picture> pictures = middle_pictures(trained(scene, options), scene);
+  const std::vector<const Frame*> frames = held_out(scene);
+  double worst = 0;
+  for (size_t i = 0; i < pictures.size(); ++i) {
+    const auto drawn = centroid(pictures[i]), truth = centroid(picture_of(frames[i]->image));
+    worst = std::max(worst, std::hypot(drawn[0] - truth[0], drawn[1] - truth[1]));
+  }
+  return worst;
+}
+
+// The stated limit of the preset as it is: 4 pixels a frame, a fifth of the ball; worst errors 0.01
+// and 0.24 px. Falls short of the row at 16 and 64 pixels a frame: 45 and 74 px, at 16 also after
+// 4,000 steps: what starts with a life of half the clip is wrong in most frames and fades out
+// before its life is short.
+// Bug put back: velocities stay 0; seen to fail by 2.8 px.
+TEST(FastMotion, BalancedFollowsAFifthOfTheSizeAFrame) {
+  for (const double speed : {1.0, 4.0})
+    EXPECT_LT(worst_error(speed, short_training("balanced", 500)), 1) << speed << " px/frame";
+}
+
+// Where lives start as long as the time between two frames there is no limit up to 64 px a frame:
+// 0.36 and 0.27 px.
+// Bug put back: init_time_scale not read; seen to fail by 45 and 74 px.
+TEST(FastMotion, LivesOfAFrameFollowAnySpeed) {
+  TrainOptions options = short_training("balanced", 500);
+  options.init_time_scale = 0.06;
+  for (const double speed : {16.0, 64.0})
+    EXPECT_LT(worst_error(speed, options), 1) << speed << " px/frame";
+}
+
+}  // namespace
+}  // namespace tessera::testing

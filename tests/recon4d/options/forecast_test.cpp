@@ -1,0 +1,42 @@
+// What: forecasts of memory and time in 64 bits.
+// Not: their truth, which only trainings show (docs/results.md).
+#include "recon4d/options/forecast.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tessera::testing {
+namespace {
+
+// 10^5 frames of 4K: 2.5e12 bytes. Fails with any product in 32 bits.
+TEST(Forecast, DoesNotOverflow) {
+  ForecastLoad load;
+  load.training_frames = 100000, load.pixels = int64_t{3840} * 2160;
+  load.all_bytes = 3 * load.training_frames * load.pixels;
+  TrainOptions options;
+  options.max_gaussians = 100000000, options.batch = 64;
+  const TrainForecast forecast = forecast_training(load, options);
+  EXPECT_EQ(forecast.frame_bytes, 2488320000000);
+  EXPECT_EQ(forecast.parameter_bytes, 100000000LL * 3 * 4 * 65);  // 59 + 1 + 1 + 4 floats
+  EXPECT_EQ(forecast.step_bytes, 64 * load.pixels * 68 + 2560000000LL * 168);
+  EXPECT_EQ(forecast.total_bytes,
+            forecast.frame_bytes + forecast.parameter_bytes + forecast.step_bytes);
+  EXPECT_GT(forecast.cpu_seconds, forecast.gpu_seconds);
+}
+
+// docs/results.md: the run of `synth room`, preset fast, took 138.1 s on 2 threads; dnerf_lego
+// 67.2 s on an H200. The model claims a factor of 3.
+TEST(Forecast, IsNearMeasuredRuns) {
+  TrainOptions fast;
+  apply_preset(fast, "fast");
+  const ForecastLoad room{264, 240 * 180, 264LL * 3 * 240 * 180, 2};
+  EXPECT_NEAR(std::log(forecast_training(room, fast).cpu_seconds / 138.1), 0, std::log(3));
+  TrainOptions yang;
+  apply_preset(yang, "faster-gs");
+  const ForecastLoad lego{50, 800 * 800, 50LL * 3 * 800 * 800, 2};
+  EXPECT_NEAR(std::log(forecast_training(lego, yang).gpu_seconds / 67.2), 0, std::log(3));
+}
+
+}  // namespace
+}  // namespace tessera::testing

@@ -1,0 +1,330 @@
+// What: compressed .ply, .spz and .splat: ours read back within their quanta, other people's files,
+//       broken ones.
+// Not: 3DGS .ply (ply_3dgs_test.cpp). Failure modes E2, E6.
+#include "static3d/formats/splat_file.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/bytes.h"
+#include "ingest/files/gzip.h"
+#include "kernels/math/spherical_harmonics.h"
+#include "kernels/math/splat.h"
+#include "recon4d/model/hygiene.h"
+#include "static3d/transform/axis_flip.h"
+#include "tests/ingest/layouts/capture_fixture.h"
+#include "tests/recon4d/model/small_models.h"
+#include "tests/support/data_folder.h"
+#include "tests/support/scratch_folder.h"
+
+namespace tessera::testing {
+namespace {
+
+/// Largest difference of what a file stores, by group.
+struct Quanta {
+  double mean, log_scale, opacity, colour, sh, rotation;
+};
+
+/// Of two quaternions, of which q and −q are the same.
+double distance(const float* p, const float* q) {
+  double plus = 0, minus = 0;
+  for (int k = 0; k < 4; ++k)
+    plus += std::pow(double(p[k]) + q[k], 2), minus += std::pow(double(p[k]) - q[k], 2);
+  return std::sqrt(std::min(plus, minus));
+}
+
+/// Rows of a file in the order of `set`: by the nearest mean, which is enough for few Gaussians.
+std::vector<int64_t> matched(const GaussianSet& set, const GaussianSet& read) {
+  std::vector<int64_t> rows;
+  for (int64_t n = 0; n < set.count(); ++n) {
+    const auto distance = [&](int64_t m) {
+      return glm::length(load3(set.values().at(kMean, n)) - load3(read.values().at(kMean, m)));
+    };
+    int64_t best = 0;
+    for (int64_t m = 1; m < read.count(); ++m)
+      if (distance(m) < distance(best)) best = m;
+    rows.push_back(best);
+  }
+  return rows;
+}
+
+void expect_within(const GaussianSet& set, const GaussianSet& read, const Quanta& quanta) {
+  ASSERT_EQ(read.count(), set.count());
+  const GaussianSpans<const float> a = set.values(), b = read.values();
+  const std::vector<int64_t> rows = matched(set, read);
+  for (int64_t n = 0; n < set.count(); ++n) {
+    const int64_t m = rows[size_t(n)];
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_NEAR(b.at(kMean, m)[k], a.at(kMean, n)[k], quanta.mean) << n;
+      EXPECT_NEAR(b.at(kLogScale, m)[k], a.at(kLogScale, n)[k], quanta.log_scale) << n;
+      EXPECT_NEAR(b.at(kSh, m)[k], a.at(kSh, n)[k], quanta.colour) << n;
+    }
+    EXPECT_NEAR(sigmoid(*b.at(kOpacityLogit, m)), sigmoid(*a.at(kOpacityLogit, n)), quanta.opacity);
+    EXPECT_LT(distance(b.at(kRotation, m), a.at(kRotation, n)), quanta.rotation) << n;
+    for (int i = 3; i < 3 * std::min(set.coefficients(), read.coefficients()); ++i)
+      EXPECT_NEAR(b.at(kSh, m)[i], a.at(kSh, n)[i], quanta.sh) << n;
+  }
+}
+
+/// Unit quaternions and values that every format can hold.
+GaussianSet set_to_write(int64_t count) {
+  GaussianModel model = random_model(count, 0);
+  const GaussianSpans<float> values = model.static_set.values();
+  for (int64_t n = 0; n < count; ++n) {
+    float* const q = values.at(kRotation, n);
+    const float norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int k = 0; k < 4; ++k) q[k] /= norm;
+    for (int i = 0; i < 48; ++i)
+      values.at(kSh, n)[i] = std::clamp(values.at(kSh, n)[i], -0.9f, 0.9f);
+  }
+  return std::move(model.static_set);
+}
+
+std::vector<SplatFormat> read_formats() {
+  std::vector<SplatFormat> formats;
+  for (const SplatFormat& format : splat_formats())
+    if (format.is_read) formats.push_back(format);
+#ifdef TESSERA_HAS_ZSTD
+  formats.push_back(spz_format(4));
+#endif
+  return formats;
+}
+
+// Bugs put back, each seen to fail: rotation as x,y,z,w in the compressed file; axes not flipped in
+// .spz; q rounded down in .splat.
+TEST(SplatFiles, AreReadBackWithinTheirQuanta) {
+  const std::map<std::string, Quanta> quanta = {
+      {"ply", {0, 0, 1e-7, 0, 0, 1e-6}},
+      // ranges of one chunk: about 2 units, 4 of ln scale, 2 of colour
+      {"compressed", {2e-3, 4e-3, 0.002, 0.015, 0.032, 0.006}},
+      // SH: half of one of 16 parts of 2, of what was rounded to 1/128 before
+      {"spz", {1.3e-4, 0.032, 0.002, 0.014, 0.0665, 0.004}},
+      {"splat", {0, 1e-5, 0.002, 0.007, 0, 0.03}},
+  };
+  const ScratchFolder folder;
+  const GaussianSet set = set_to_write(300);
+  for (const SplatFormat& format : read_formats())
+    for (int degree : {0, 3}) {
+      SCOPED_TRACE(format.name);
+      const std::filesystem::path path = folder / (std::string("a") + format.extension);
+      EXPECT_EQ(save_splat_file(format, path, set, degree), 0);
+      const SplatFile read = load_splat_file(path);
+      EXPECT_EQ(read.sh_degree, std::string(format.name) == "splat" ? 0 : degree);
+      EXPECT_TRUE(read.warnings.empty()) << read.warnings.front();
+      expect_within(set, read.set, quanta.at(format.name));
+    }
+}
+
+// What was written by hand of a quaternion and a colour is what is meant by them. Values at the
+// ends of their ranges, opacities that round to 0 and 255, an empty set.
+TEST(SplatFiles, HoldWhatIsExtreme) {
+  const ScratchFolder folder;
+  GaussianSet set = set_to_write(4);
+  const GaussianSpans<float> values = set.values();
+  *values.at(kOpacityLogit, 0) = 40, *values.at(kOpacityLogit, 1) = -40;
+  for (int k = 0; k < 4; ++k) values.at(kRotation, 2)[k] = k == 1 ? -1.0f : 0.0f;
+  for (int k = 0; k < 3; ++k) values.at(kSh, 3)[k] = k == 0 ? 5.0f : -5.0f;
+  values.at(kMean, 3)[0] = -2000.5f;
+  for (const SplatFormat& format : read_formats()) {
+    SCOPED_TRACE(format.name);
+    const std::filesystem::path path = folder / (std::string("a") + format.extension);
+    save_splat_file(format, path, set, 3);
+    const SplatFile read = load_splat_file(path);
+    ASSERT_EQ(read.set.count(), 4);
+    for (const float x : read.set.group(kOpacityLogit).value.span()) EXPECT_TRUE(std::isfinite(x));
+    save_splat_file(format, path, GaussianSet(Form::kStatic, 16), 3);
+    const bool has_header = std::string(format.name) != "splat";
+    if (has_header) {
+      EXPECT_EQ(load_splat_file(path).set.count(), 0);
+    }
+  }
+  values.at(kMean, 3)[0] = 3000;
+  expect_input_error([&] { save_splat_file(splat_format("spz"), folder / "far.spz", set, 0); },
+                     {"far.spz", "3000"});
+}
+
+// Bug put back: the sign of xyz left out; seen to fail.
+TEST(SplatFiles, FlippedAxesShowTheSameColours) {
+  for (const AxisSigns& s : {kRightUpBack, kLeftUpFront}) {
+    GaussianSet set = set_to_write(5), flipped = set.clone_values();
+    flip_axes(flipped, s);
+    const glm::dvec3 d = glm::normalize(glm::dvec3(0.3, -0.7, 0.64));
+    double plain[16], turned[16];
+    sh_basis(3, Vec3<double>(d), plain);
+    sh_basis(3, Vec3<double>(d.x * s.x, d.y * s.y, d.z * s.z), turned);
+    for (int64_t n = 0; n < 5; ++n)
+      for (int c = 0; c < 3; ++c) {
+        double a = 0, b = 0;
+        for (int i = 0; i < 16; ++i) {
+          a += plain[i] * double(set.values().at(kSh, n)[3 * i + c]);
+          b += turned[i] * double(flipped.values().at(kSh, n)[3 * i + c]);
+        }
+        EXPECT_NEAR(a, b, 1e-12);
+      }
+    flip_axes(flipped, s);
+    EXPECT_TRUE(same_bits(set, flipped));
+  }
+}
+
+/// Floats of an attribute of the only primitive.
+std::vector<float> attribute(const nlohmann::json& document, std::string_view buffer,
+                             const std::string& name) {
+  const nlohmann::json& primitive = document["meshes"][0]["primitives"][0];
+  const nlohmann::json& accessor =
+      document["accessors"][primitive["attributes"].at(name).get<size_t>()];
+  const nlohmann::json& view = document["bufferViews"][accessor["bufferView"].get<size_t>()];
+  std::vector<float> values(view["byteLength"].get<size_t>() / sizeof(float));
+  std::memcpy(values.data(), buffer.data() + view["byteOffset"].get<size_t>(),
+              values.size() * sizeof(float));
+  return values;
+}
+
+// Bug put back: w first in ROTATION; seen to fail.
+TEST(SplatFiles, GlbHasChunksAndColumnsOfTheExtension) {
+  const ScratchFolder folder;
+  const GaussianSet set = set_to_write(7);
+  EXPECT_EQ(save_splat_file(splat_format("glb"), folder / "a.glb", set, 2), 0);
+  const std::string file = read_text_file(folder / "a.glb");
+  ByteReader bytes(file, "a.glb");
+  EXPECT_EQ(bytes.take(4), "glTF");
+  EXPECT_EQ(bytes.number<uint32_t>(), 2u);
+  EXPECT_EQ(bytes.number<uint32_t>(), file.size());
+  const auto text_bytes = bytes.number<uint32_t>();
+  EXPECT_EQ(bytes.take(4), "JSON");
+  const auto document = nlohmann::json::parse(bytes.take(text_bytes));
+  const auto buffer_bytes = bytes.number<uint32_t>();
+  EXPECT_EQ(bytes.take(4), std::string_view("BIN\0", 4));
+  const std::string_view buffer = bytes.take(buffer_bytes);
+  EXPECT_EQ(bytes.left(), 0u);
+  const std::string name = "KHR_gaussian_splatting";
+  EXPECT_EQ(document["extensionsUsed"][0], name);
+  EXPECT_EQ(document["accessors"].size(), 14u) << "5 columns and 9 coefficients";
+  const GaussianSpans<const float> values = set.values();
+  const std::vector<float> mean = attribute(document, buffer, "POSITION");
+  const std::vector<float> rotation = attribute(document, buffer, name + ":ROTATION");
+  const std::vector<float> scale = attribute(document, buffer, name + ":SCALE");
+  const std::vector<float> opacity = attribute(document, buffer, name + ":OPACITY");
+  const std::vector<float> last = attribute(document, buffer, name + ":SH_DEGREE_2_COEF_4");
+  ASSERT_EQ(mean.size(), 21u);
+  for (size_t n = 0; n < 7; ++n) {
+    const auto i = int64_t(n);
+    EXPECT_EQ(mean[3 * n], -values.at(kMean, i)[0]);
+    EXPECT_EQ(mean[3 * n + 2], values.at(kMean, i)[2]);
+    // a half turn about z changes the signs of x and y
+    EXPECT_EQ(rotation[4 * n], -values.at(kRotation, i)[1]);
+    EXPECT_EQ(rotation[4 * n + 3], values.at(kRotation, i)[0]);
+    EXPECT_FLOAT_EQ(scale[3 * n + 1], std::exp(values.at(kLogScale, i)[1]));
+    EXPECT_FLOAT_EQ(opacity[n], sigmoid(*values.at(kOpacityLogit, i)));
+    EXPECT_EQ(last[3 * n + 1], values.at(kSh, i)[3 * 8 + 1]);
+  }
+  expect_input_error([&] { load_splat_file(folder / "a.glb"); }, {"a.glb", "no splats"});
+}
+
+// Bug put back: spz_format(4) with the writer of version 3; seen to fail.
+TEST(SplatFiles, SpzIsOfTheVersionAskedFor) {
+  const ScratchFolder folder;
+  save_splat_file(spz_format(3), folder / "3.spz", set_to_write(3), 1);
+  EXPECT_TRUE(is_gzip(read_text_file(folder / "3.spz")));
+#ifdef TESSERA_HAS_ZSTD
+  save_splat_file(spz_format(4), folder / "4.spz", set_to_write(3), 1);
+  const std::string file = read_text_file(folder / "4.spz");
+  EXPECT_EQ(file.substr(0, 5), "NGSP\4");
+  EXPECT_EQ(file[15], 6) << "streams";
+#endif
+  expect_input_error([] { spz_format(5); }, {"--spz-version is 5", "3 and 4"});
+}
+
+/// Every beginning of a file, long ones in steps.
+void expect_beginnings_refused(const std::filesystem::path& path, const std::string& whole) {
+  for (size_t size = 0; size < whole.size(); size += size < 200 ? 1 : 37) {
+    if (path.extension() == ".splat" && size % 32 == 0 && size > 0) continue;
+    std::filesystem::remove(path);  // many: no file system waits for the disk with a new one
+    std::ofstream(path, std::ios::binary) << whole.substr(0, size);
+    EXPECT_THROW(load_splat_file(path), InputError) << path << " of " << size << " bytes";
+  }
+}
+
+// Bug put back: the length of .spz's columns not looked at; seen to fail.
+TEST(SplatFiles, CutOffAnywhereAreRefused) {
+  const ScratchFolder folder;
+  const GaussianSet set = set_to_write(3);
+  for (const SplatFormat& format : read_formats()) {
+    const std::filesystem::path path = folder / (std::string("a") + format.extension);
+    save_splat_file(format, path, set, 1);
+    const std::string whole = read_text_file(path);
+    expect_beginnings_refused(path, whole);
+    if (is_gzip(whole)) expect_beginnings_refused(path, gunzip(whole, 1000000, path));
+  }
+  const std::string bytes(100000, 'x');
+  EXPECT_EQ(gunzip(gzip(bytes), 100000, "a"), bytes);
+  expect_input_error([&] { gunzip(gzip(bytes), 99999, "a.spz"); }, {"a.spz", "holds more"});
+}
+
+// Other people's: one file of four round splats in three formats (the .splat has its quaternions in
+// another order than all that read it); and version 2, of an older writer with
+// another world, with and without gzip.
+TEST(SplatFiles, OfOtherWritersAgree) {
+  TESSERA_NEED_DATA(folder, "splats/small");
+  const SplatFile rows = load_splat_file(folder / "minimal.splat");
+  ASSERT_EQ(rows.set.count(), 4);
+  for (const char* name : {"minimal-v3.spz", "minimal-v4.spz"}) {
+    SCOPED_TRACE(name);
+    const SplatFile other = load_splat_file(folder / name);
+    EXPECT_EQ(other.set.values().at(kMean, 0)[2], -1) << "right-up-back";
+    EXPECT_EQ(other.set.values().at(kRotation, 0)[0], 1);
+    constexpr double kAny = 2;
+    expect_within(rows.set, other.set, {1e-3, 0.04, 0.01, 0.02, 0.01, kAny});
+  }
+  const SplatFile two = load_splat_file(folder / "minimal-v2.spz");
+  EXPECT_TRUE(same_bits(two.set, load_splat_file(folder / "minimal-raw.spz").set));
+  EXPECT_EQ(two.set.values().at(kMean, 0)[0], -1);
+  EXPECT_NEAR(two.set.values().at(kRotation, 0)[0], 1, 1e-4);
+}
+
+// Bug put back: .splat rows of 36 bytes; seen to fail.
+TEST(SplatFiles, OfOtherWritersAreAllRead) {
+  TESSERA_NEED_DATA(folder, "splats");
+  const std::map<std::string, int64_t> counts = {
+      {"biker.compressed.ply", 152746},
+      {"biker.spz", 152746},
+      {"fruit_drops_minimal.ply", 4721},
+      {"sample.splat", 89945},
+      {"test.ply", 64},
+      {"small/minimal.splat", 4},
+      {"small/minimal-raw.spz", 4},
+      {"small/minimal-v2.spz", 4},
+      {"small/minimal-v3.spz", 4},
+      {"small/minimal-v4.spz", 4},
+  };
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file() || entry.path().extension() == ".ksplat") continue;
+    const std::string name = std::filesystem::relative(entry.path(), folder);
+    SCOPED_TRACE(name);
+    ASSERT_TRUE(counts.contains(name));
+    const SplatFile read = load_splat_file(entry.path());
+    EXPECT_EQ(read.set.count(), counts.at(name));
+    EXPECT_EQ(sound_rows(read.set).size(), size_t(read.set.count()));
+  }
+  expect_input_error([&] { load_splat_file(folder / "small/minimal.ksplat"); },
+                     {"minimal.ksplat", "splat-transform"});
+}
+
+/// A colour over all, so that a picture is not only background.
+TEST(SplatFiles, ASplatFileOfOthersIsSeen) {
+  TESSERA_NEED_DATA(path, "splats/sample.splat");
+  SplatFile read = load_splat_file(path);
+  EXPECT_TRUE(read.warnings.empty());
+  GaussianModel model = random_model(0, 0);
+  model.static_set = std::move(read.set), model.sh_degree = 0;
+  EXPECT_GT(coverage(render_one(model, three_views()[0])), 0.05);
+}
+
+}  // namespace
+}  // namespace tessera::testing

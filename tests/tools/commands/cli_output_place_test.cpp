@@ -1,0 +1,140 @@
+// What: no command writes into what it reads, whatever the name of the place is, and nothing that
+//       took hours is replaced without --overwrite; a refusal leaves nothing behind.
+// Not: how files are replaced (cli_full_disk_test.cpp).
+// Source: failure mode F18.
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/tools/commands/cli_workspace.h"
+
+namespace tessera::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+class CliOutputPlace : public ::testing::Test {
+ protected:
+  /// Everything in the workspace but what the last child has said: names and bytes.
+  std::map<std::string, std::string> everything() const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(work.path())) {
+      const std::string name = fs::relative(entry.path(), work.path()).string();
+      if (!name.starts_with("child_std"))
+        all[name] = entry.is_regular_file() ? work.read(name) : "";
+    }
+    return all;
+  }
+  /// Refused with a line that has every part, and nothing is written anywhere.
+  void refused(const Words& words, const Words& parts) const {
+    const auto before = everything();
+    work.expect_refused(words, parts);
+    EXPECT_TRUE(everything() == before) << words[0];
+  }
+  Words train(const std::string& out) const { return work.train_arguments(out); }
+  Words run(const std::string& out) const {
+    Words words = work.train_arguments(out);
+    words[0] = "run";
+    return words;
+  }
+
+  CliWorkspace work;
+};
+
+// Bugs put back, one each: the output made before it is compared; names compared without following
+// links; an output that contains the input let pass; each seen to fail.
+TEST_F(CliOutputPlace, RunAndIngestNeverWriteIntoTheCapture) {
+  fs::create_directory_symlink(work / "capture", work / "link");
+  fs::create_directory(work / "folder");
+  fs::create_directory_symlink(work / "capture/train", work / "folder/inside");
+  const Words ingest{"ingest", work.at("capture"), "-o"};
+  for (const char* out : {"capture", "link", "link/../link", "capture/"}) {
+    refused(run(out), {"never written to", "choose another folder"});
+    refused({"ingest", work.at("capture"), "-o", work.at(out), "--overwrite"},
+            {"never written to"});
+  }
+  for (const char* out : {"capture/out", "link/new/deep", "folder/inside/out"}) {
+    refused(run(out), {"lies in", work.at("capture"), "outside"});
+    refused({"ingest", work.at("capture"), "-o", work.at(out)}, {"lies in", work.at("capture")});
+  }
+  refused(run("."), {"contains the input", "beside it"});
+  refused({"ingest", work.at("capture"), "-o", work.path().parent_path()}, {"contains the input"});
+  EXPECT_EQ(work.run(run("beside")).exit_code, 0) << "a sibling is no such place";
+}
+
+// Bugs put back: stages.json made before the capture is looked at; the engine looked for after the
+// batch was written; seen to fail.
+TEST_F(CliOutputPlace, WhatIsNoCaptureLeavesNothing) {
+  fs::create_directory(work / "empty");
+  for (const char* capture : {"empty", "nowhere"}) {
+    Words words = run("out");
+    words[1] = work.at(capture);
+    refused(words, {work.at(capture)});
+  }
+}
+
+TEST_F(CliOutputPlace, TrainingsBenchmarksAndBatchesNeither) {
+  refused(train("capture"), {"never written to"});
+  refused(train("capture/run"), {"lies in", "outside"});
+  refused(train("."), {"contains the input"});
+  const Words bench{"bench", work.at("capture"), "--chart", "--budgets", "5", "--backend", "cpu"};
+  for (const char* out : {"capture", "capture/bench", "."}) {
+    Words words = bench;
+    words.insert(words.end(), {"-o", work.at(out)});
+    refused(words, {"input"});
+  }
+}
+
+// Bug put back: a run folder's scene is not looked up; seen to fail.
+TEST_F(CliOutputPlace, WhatIsMadeOfAModelNeither) {
+  ASSERT_EQ(work.train("run").exit_code, 0);
+  for (const char* out : {"capture/new", "capture/train/new"}) {
+    refused({"export", work.at("run"), "-o", work.at(out)}, {"lies in", work.at("capture")});
+    refused({"render", work.at("run"), "--path", "orbit", "-o", work.at(out)}, {"lies in"});
+    refused({"evaluate", work.at("run"), "--save-images", work.at(out)}, {"lies in"});
+  }
+  refused({"export", work.at("run"), "-o", work.at("capture"), "--overwrite"},
+          {"never written to"});
+  fs::rename(work / "capture", work / "moved");
+  refused({"render", work.at("run"), "--cameras", work.at("moved"), "-o", work.at("moved/x")},
+          {"lies in", work.at("moved")});
+  const ChildResult inside = work.run({"export", work.at("run"), "-o", work.at("run/export")});
+  EXPECT_EQ(inside.exit_code, 0) << "a run folder is no such input: " << inside.err;
+}
+
+// Bugs put back, one each: a prepared scene replaced without a word; a made capture likewise; the
+// record of what `ingest` has made of several captures not looked at; each seen to fail.
+TEST_F(CliOutputPlace, WhatTookHoursIsReplacedWithOverwriteOnly) {
+  TESSERA_SKIP_WITHOUT_INGEST();
+  const Words ingest{"ingest", work.at("capture"), "-o", work.at("scene")};
+  ASSERT_EQ(work.run(ingest).exit_code, 0);
+  refused(ingest, {"scene", "--overwrite"});
+  Words over = ingest;
+  over.emplace_back("--overwrite");
+  EXPECT_EQ(work.run(over).exit_code, 0);
+  const Words synth{"synth", "object",  "-o", work.at("capture"), "--layout", "dnerf", "--frames",
+                    "2",     "--width", "24", "--height",         "24"};
+  refused(synth, {"capture", "--overwrite"});
+  over = synth;
+  over.emplace_back("--overwrite");
+  EXPECT_EQ(work.run(over).exit_code, 0);
+
+  fs::create_directories(work / "all");
+  fs::copy(work / "capture", work / "all/a", fs::copy_options::recursive);
+  fs::create_directory(work / "scenes");
+  fs::rename(work / "scene", work / "scenes/a");
+  const Words several{"ingest", work.at("all"), "-o", work.at("scenes")};
+  const ChildResult other = work.run(several);
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_NE(other.out.find("--overwrite"), std::string::npos) << other.out;
+  over = several;
+  over.emplace_back("--overwrite");
+  EXPECT_EQ(work.run(over).exit_code, 0);
+  over = several;
+  over.insert(over.end(), {"--scale", "0.5"});
+  EXPECT_EQ(work.run(over).exit_code, 0) << "its own, of other options";
+}
+
+}  // namespace
+}  // namespace tessera::testing

@@ -1,0 +1,58 @@
+// What: `tessera ingest` on a folder whose subfolders are captures: one prepared scene each.
+// Not: one capture (ingest/ingest.h), nor the command line (commands/ingest.cpp).
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/ingest.h"
+
+namespace tessera {
+
+enum class BatchOutcome { kDone, kUnchanged, kFailed };
+
+/// One line of the summary.
+struct BatchScene {
+  std::string name;  // of the subfolder, and of the prepared scene in the output folder
+  BatchOutcome outcome = BatchOutcome::kFailed;
+  IngestReport report;  // where it did not fail
+  double seconds = 0;
+  std::string error;  // where it failed: one line
+};
+
+struct BatchResult {
+  std::vector<BatchScene> scenes;  // in the order of names
+  bool interrupted = false;        // the scenes are those that were reached
+
+  int64_t count(BatchOutcome outcome) const;
+};
+
+/// Subfolders and links that may be some, by name; hidden ones and the output folder are none of
+/// them. Errors: InputError when `folder` cannot be read.
+std::vector<std::filesystem::path> subfolders(const std::filesystem::path& folder,
+                                              const std::filesystem::path& out);
+
+/// Names of the subfolders that are captures; hidden ones are not looked at. Errors: none: what
+/// cannot be read is no capture.
+std::vector<std::string> captures_in(const std::filesystem::path& folder,
+                                     std::optional<ImageReading> reading = std::nullopt);
+
+/// True when `folder` is no capture itself and some of its subfolders are. Images that may be a
+/// rig's or those of several captures are a capture, whose reader says what is to be decided.
+bool is_folder_of_captures(const std::filesystem::path& folder,
+                           std::optional<ImageReading> reading = std::nullopt);
+
+/// Prepares every subfolder of `folder` into out/NAME. A bad one is reported and the next begun;
+/// one that was prepared before from the same files with the same options is left alone
+/// (out/scenes.json keeps the keys). `overwrite`: also scenes of those names that it did not
+/// prepare are replaced. Errors: InputError when no subfolder is a capture, `out` lies in one of
+/// them or cannot be written.
+BatchResult ingest_batch(const std::filesystem::path& folder, const std::filesystem::path& out,
+                         const IngestOptions& options, bool overwrite);
+
+std::string batch_table(const BatchResult& result);
+nlohmann::json batch_json(const BatchResult& result, const std::filesystem::path& out);
+
+}  // namespace tessera

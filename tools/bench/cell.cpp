@@ -1,0 +1,140 @@
+// What: names, fingerprints and result.json of cells.
+// Not: locking: two programs may fill one folder when each has its own shard.
+#include "tools/bench/cell.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
+#include "ingest/layouts/scene_reader.h"
+#include "kernels/base/errors.h"
+#include "recon4d/evaluation/evaluate.h"
+#include "recon4d/options/scene_facts.h"
+#include "recon4d/options/train_options_json.h"
+#include "tools/version.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr Split kSplits[] = {Split::kTest, Split::kVal, Split::kTrain};
+
+/// Names and sizes of the files of a folder, and what its JSON files say: the same on machines that
+/// have copies of it.
+std::string folder_fingerprint(const fs::path& folder) {
+  std::vector<std::string> lines;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    lines.push_back(fmt::format("{} {}", entry.path().lexically_relative(folder).generic_string(),
+                                entry.file_size()));
+    if (entry.path().extension() == ".json") lines.back() += read_text_file(entry.path());
+  }
+  std::sort(lines.begin(), lines.end());
+  Fnv1a hash;
+  for (const std::string& line : lines) hash.add(line), hash.add("\n");
+  return hash.hex();
+}
+
+bool is_split(const std::string& text) {
+  return std::any_of(std::begin(kSplits), std::end(kSplits),
+                     [&](Split split) { return text == split_name(split); });
+}
+
+/// "dnerf_lego" of ".../dnerf_lego/".
+std::string folder_name(const fs::path& path) {
+  fs::path whole = fs::absolute(path).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();
+  return whole.filename().string();
+}
+
+}  // namespace
+
+BenchScene open_bench_scene(const std::string& text) {
+  BenchScene scene;
+  scene.path = text;
+  const size_t colon = text.rfind(':');
+  if (!fs::exists(text) && colon != std::string::npos && is_split(text.substr(colon + 1)))
+    scene.path = text.substr(0, colon), scene.split = text.substr(colon + 1);
+  SceneOptions options;
+  options.allow_static = true, options.load_pixels = false;
+  const Scene loaded = load_scene(scene.path, options);
+  for (Split split : kSplits)
+    if (scene.split.empty() && split != Split::kTrain && !loaded.split_indices(split).empty())
+      scene.split = split_name(split);
+  if (scene.split.empty())
+    throw InputError(
+        fmt::format("{}: no frames are held out; score those of training with {}:train",
+                    scene.path.string(), scene.path.string()));
+  for (Split split : kSplits)
+    if (scene.split == split_name(split) && loaded.split_indices(split).empty())
+      throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
+                                   scene.path.string(), scene.split));
+  scene.name = folder_name(scene.path);
+  scene.facts = facts_of(loaded);
+  scene.fingerprint = folder_fingerprint(scene.path);
+  return scene;
+}
+
+std::vector<BenchScene> open_bench_scenes(const std::vector<std::string>& texts) {
+  std::vector<BenchScene> scenes;
+  std::set<std::string> names;
+  for (const std::string& text : texts) {
+    scenes.push_back(open_bench_scene(text));
+    if (!names.insert(scenes.back().name).second)
+      throw InputError(
+          fmt::format("bench: two scenes are named {}; rename a folder or give each its own -o",
+                      scenes.back().name));
+  }
+  return scenes;
+}
+
+fs::path cell_folder(const fs::path& root, const BenchCell& cell) {
+  return root / describe_cell(cell)["folder"].get<std::string>();
+}
+
+std::string cell_fingerprint(const BenchCell& cell) {
+  Fnv1a hash;
+  hash.add(json{kVersionText, to_json(cell.options), cell.scene.fingerprint, cell.scene.split,
+                cell.at, cell.scales}
+               .dump());
+  return hash.hex();
+}
+
+json describe_cell(const BenchCell& cell) {
+  json described = {{"scene", cell.scene.name},
+                    {"scene_path", cell.scene.path.string()},
+                    {"split", cell.scene.split},
+                    {"label", cell.label},
+                    {"iterations", cell.options.iterations},
+                    {"seed", cell.options.seed},
+                    {"fingerprint", cell_fingerprint(cell)},
+                    {"folder", fmt::format("runs/{}/{}{}/{}/{}", cell.scene.name, cell.label,
+                                           cell.at.empty() ? "" : "+curve", cell.options.iterations,
+                                           cell.options.seed)},
+                    {"status", "missing"}};
+  if (!cell.row.empty()) described["row"] = cell.row;
+  if (cell.share > 0) described["share"] = cell.share;
+  if (!cell.waits_for.empty()) described["error"] = cell.waits_for;
+  return described;
+}
+
+json recorded_cell(const fs::path& root, json described) {
+  const fs::path file = root / described["folder"].get<std::string>() / "result.json";
+  std::error_code unreachable;
+  if (!fs::is_regular_file(file, unreachable)) return described;
+  json result = json::parse(read_text_file(file), nullptr, false);
+  const std::string fingerprint = described["fingerprint"];
+  if (!result.is_object() || result.value("fingerprint", "") != fingerprint) return described;
+  described.erase("error");
+  result.erase("row");  // cells of several tables are one
+  described.update(result);
+  return described;
+}
+
+}  // namespace tessera

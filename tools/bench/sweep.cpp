@@ -1,0 +1,239 @@
+// What: plan, run, gather, write; the plan is written first, so that --plot works at any time.
+// Not: the arithmetic of points (bench/report.h) or the drawing (bench/picture.h).
+#include "tools/bench/sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "tools/bench/picture.h"
+#include "tools/bench/report.h"
+#include "tools/bench/run.h"
+#include "tools/bench/size_picture.h"
+#include "tools/bench/table_text.h"
+#include "tools/cli/terminal.h"
+#include "tools/session/output_place.h"
+#include "tools/version.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// Of the files of this mode: "chart", "curve", "table_mcmc".
+std::string stem_of(const SweepRequest& request) {
+  switch (request.mode) {
+    case BenchMode::kChart:
+      return "chart";
+    case BenchMode::kCurve:
+      return "curve";
+    case BenchMode::kSizes:
+      return "sizes";
+    default:
+      return "table_" + bench_table(request.table).name;
+  }
+}
+
+BenchRunOptions run_options(const SweepRequest& request) {
+  BenchRunOptions options;
+  options.root = request.out;
+  options.backend = request.axes.training.backend;
+  options.checkpoint_every = request.axes.training.checkpoint_every;
+  if (request.shard.empty()) return options;
+  int64_t index = 0;
+  int end = 0;
+  const int read = std::sscanf(request.shard.c_str(), "%ld/%ld%n", &index, &options.shards, &end);
+  if (read != 2 || size_t(end) != request.shard.size() || index < 1 || index > options.shards)
+    throw InputError(
+        fmt::format("--shard {}: expected i/n with i from 1 to n, e.g. 1/4", request.shard));
+  options.shard = index - 1;
+  return options;
+}
+
+BenchPlan plan_of(const SweepRequest& request, const std::vector<BenchScene>& scenes) {
+  switch (request.mode) {
+    case BenchMode::kChart:
+      return plan_chart(request.axes, scenes, request.budgets);
+    case BenchMode::kCurve:
+      return plan_curve(request.axes, scenes, request.at);
+    case BenchMode::kSizes:
+      return plan_sizes(request.axes, scenes);
+    default:
+      return plan_table(request.axes, scenes, bench_table(request.table));
+  }
+}
+
+/// The cells that hang on the `records` of those before.
+std::vector<BenchCell> cells_after(const SweepRequest& request,
+                                   const std::vector<BenchScene>& scenes, const json& records) {
+  if (request.mode == BenchMode::kSizes)
+    return plan_budgets(request.axes, scenes, request.shares, records).cells;
+  if (request.mode == BenchMode::kTable)
+    return plan_counted_rows(request.axes, scenes, bench_table(request.table), records).cells;
+  return {};
+}
+
+/// What stays of an output file between calls: which cells there are, what was left out.
+struct Sweep {
+  json cells = json::array();
+  std::vector<std::string> skipped;
+  json published = json::array();
+};
+
+void write_report(const SweepRequest& request, const json& report) {
+  write_text_file(request.out / (stem_of(request) + ".json"), report.dump(2));
+}
+
+json report_of(const SweepRequest& request, const Sweep& done) {
+  json cells = done.cells;
+  for (json& cell : cells) cell.erase("options");  // in its result.json
+  json report = {{"tessera", kVersionText},
+                 {"kind", stem_of(request)},
+                 {"cells", cells},
+                 {"skipped", done.skipped}};
+  report["scenes"] = bench_points(request.mode == BenchMode::kCurve ? curve_cells(cells) : cells);
+  if (request.mode == BenchMode::kTable) {
+    add_published(report["scenes"], bench_table(request.table));
+    return report;
+  }
+  if (request.mode == BenchMode::kSizes) return report;
+  report["published"] = done.published;
+  if (request.mode == BenchMode::kCurve) return report;
+  mark_frontier(report["scenes"]);
+  report["knee"] =
+      "the frontier's point farthest above the line from its fastest to its best point, with "
+      "log(seconds) and PSNR scaled to [0, 1] between these two";
+  return report;
+}
+
+std::string text_of(const SweepRequest& request, const json& report) {
+  if (request.mode == BenchMode::kTable) {
+    const BenchTable& table = bench_table(request.table);
+    std::string text = fmt::format("# {}: {}\n\n{}", table.name, table.doc,
+                                   tables_text(report["scenes"], table.columns));
+    for (const json& line : report["skipped"])
+      text += fmt::format("\n\n{}", line.get<std::string>());
+    return text;
+  }
+  if (request.mode == BenchMode::kCurve)
+    return tables_text(report["scenes"], {"psnr", "ssim", "seconds", "num_gaussians"});
+  if (request.mode == BenchMode::kSizes)
+    return tables_text(report["scenes"], {"num_gaussians", "num_static", "num_dynamic",
+                                          "shipped_bytes", "psnr", "seconds"});
+  return tables_text(report["scenes"],
+                     {"psnr", "ssim", "seconds", "num_gaussians", "bytes", "fps"});
+}
+
+/// One picture of all scenes.
+void draw_sizes(const SweepRequest& request, const json& report) {
+  if (!has_sizes(report["scenes"])) return warn("no size to draw yet");
+  const std::string stem = stem_of(request);
+  const std::string problem = draw_picture(request.out, stem, size_script(report["scenes"], stem));
+  if (!problem.empty()) warn(problem);
+}
+
+void draw(const SweepRequest& request, const json& report) {
+  if (request.mode == BenchMode::kSizes) return draw_sizes(request, report);
+  for (const json& scene : report["scenes"]) {
+    const std::string name = scene["scene"];
+    if (!can_be_drawn(scene)) {
+      warn(fmt::format("{}: nothing to draw yet", name));
+      continue;
+    }
+    PictureRequest picture;
+    picture.kind = request.mode == BenchMode::kCurve ? BenchPicture::kCurve : BenchPicture::kChart;
+    picture.stem = fmt::format("{}_{}", stem_of(request), name);
+    picture.emphasised = TrainArguments{}.preset;
+    picture.published = report["published"];
+    const std::string problem =
+        draw_picture(request.out, picture.stem, gnuplot_script(scene, picture));
+    if (problem.empty()) continue;
+    warn(problem);
+    return;  // the next would say the same
+  }
+}
+
+/// The outputs of what is done, on disk and stdout; the exit code.
+int finish(const SweepRequest& request, const Sweep& done) {
+  const json report = report_of(request, done);
+  write_report(request, report);
+  const std::string stem = stem_of(request), text = text_of(request, report);
+  write_text_file(request.out / (stem + ".csv"), csv_of(report["scenes"]));
+  if (request.mode == BenchMode::kTable || request.mode == BenchMode::kSizes)
+    write_text_file(request.out / (stem + ".md"), text + "\n");
+  if (request.mode != BenchMode::kTable) draw(request, report);
+  const std::vector<std::string> devices = devices_of(done.cells);
+  if (devices.size() > 1)
+    warn(fmt::format("cells ran on several devices, whose seconds do not compare: {}",
+                     fmt::join(devices, "; ")));
+  int64_t failed = 0, missing = 0;
+  for (const json& cell : done.cells) {
+    missing += cell["status"] == "missing";
+    if (cell["status"] != "failed") continue;
+    ++failed;
+    say(fmt::format("failed: {}: {}", cell["folder"].get<std::string>(), cell.value("error", "")));
+  }
+  if (missing > 0)
+    say(fmt::format("{} of {} cells are not run yet; the same command runs them", missing,
+                    done.cells.size()));
+  print_result(request.json, report, text);
+  return failed > 0 ? kExitFailed : kExitDone;
+}
+
+/// Writes what is done and which cells are next, so that --plot knows them.
+void announce(const SweepRequest& request, Sweep done, const std::vector<BenchCell>& next) {
+  for (const BenchCell& cell : next)
+    done.cells.push_back(recorded_cell(request.out, describe_cell(cell)));
+  write_report(request, report_of(request, done));
+}
+
+Sweep run(const SweepRequest& request) {
+  const BenchRunOptions options = run_options(request);
+  Sweep done;
+  if (!request.published.empty()) done.published = read_published(request.published);
+  const std::vector<BenchScene> scenes = open_bench_scenes(request.scenes);
+  for (const BenchScene& scene : scenes) check_output_apart(request.out, scene.path);
+  const BenchPlan plan = plan_of(request, scenes);
+  done.skipped = plan.skipped;
+  for (const std::string& line : plan.skipped) say(line);
+  make_folder(request.out);
+  announce(request, done, plan.cells);
+  done.cells = run_cells(options, plan.cells);
+  const std::vector<BenchCell> more = cells_after(request, scenes, done.cells);
+  announce(request, done, more);
+  for (const json& record : run_cells(options, more)) done.cells.push_back(record);
+  return done;
+}
+
+/// The cells of the last call, as they are by now.
+Sweep gathered(const SweepRequest& request) {
+  const fs::path file = request.out / (stem_of(request) + ".json");
+  if (!fs::exists(file))
+    throw InputError(
+        fmt::format("{}: no such file to plot from; run the same without --plot", file.string()));
+  const json report = read_json(file);
+  Sweep done;
+  if (!report.is_object() || !report.contains("cells"))
+    throw InputError(fmt::format("{}: has no cells; run the same without --plot", file.string()));
+  for (const json& cell : report["cells"]) done.cells.push_back(recorded_cell(request.out, cell));
+  done.skipped = report.value("skipped", std::vector<std::string>());
+  done.published = request.published.empty() ? report.value("published", json::array())
+                                             : read_published(request.published);
+  return done;
+}
+
+}  // namespace
+
+int sweep(const SweepRequest& request) {
+  set_thread_count(request.axes.training.threads);
+  return finish(request, request.plot_only ? gathered(request) : run(request));
+}
+
+}  // namespace tessera

@@ -1,0 +1,128 @@
+// What: the two sources of views and the clock they share with the model.
+// Not: parsing (ingest).
+#include "tools/camera_paths/camera_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ingest/files/png.h"
+#include "ingest/images/image_paths.h"
+#include "ingest/layouts/scene_reader.h"
+#include "ingest/layouts/transforms_json.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<NamedView> views_of_scene(const CameraChoice& choice, const GaussianModel& model) {
+  SceneOptions options;
+  options.allow_static = true, options.load_pixels = false;
+  const Scene scene = load_scene(choice.cameras, options);
+  std::vector<NamedView> views;
+  for (const Frame& frame : scene.frames) {
+    if (!choice.split.empty() && frame.split != parse_split(choice.split)) continue;
+    const double time = choice.time.value_or(model_time(model, scene.time_axis, frame.time));
+    views.push_back(
+        {frame.name, {model_camera(model, scene.prepared_from_source, frame.camera), time}});
+  }
+  return views;
+}
+
+/// Width and height as stated, else of the picture.
+Image8 size_of(const TransformsFrame& frame, const fs::path& folder) {
+  if (frame.intrinsics.w && frame.intrinsics.h)
+    return {*frame.intrinsics.w, *frame.intrinsics.h, 3, {}};
+  try {
+    return read_png_size(require_image(folder, frame.name, frame.where));
+  } catch (const InputError&) {
+    throw InputError(fmt::format(
+        "{}: states no w and h, and its picture is no PNG beside it; add w and h", frame.where));
+  }
+}
+
+double time_of(const KeyFrame& key, const CameraChoice& choice, const GaussianModel& model) {
+  if (choice.time) return *choice.time;
+  if (key.time || model.dynamic_set.count() == 0) return key.time.value_or(0);
+  throw InputError(
+      fmt::format("{}: has no time and the model moves; add it or pass --time", key.where));
+}
+
+std::vector<NamedView> views_of_path(const CameraChoice& choice, const GaussianModel& model) {
+  std::vector<NamedView> views;
+  for (const KeyFrame& key : read_key_frames(choice.cameras, choice.split, model))
+    views.push_back({key.name, {key.camera, time_of(key, choice, model)}});
+  return views;
+}
+
+}  // namespace
+
+std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianModel& model) {
+  if (!fs::exists(choice.cameras))
+    throw InputError(
+        fmt::format("{}: no such file or folder; expected a scene or a transforms.json",
+                    choice.cameras.string()));
+  const std::vector<NamedView> views = fs::is_directory(choice.cameras)
+                                           ? views_of_scene(choice, model)
+                                           : views_of_path(choice, model);
+  if (views.empty())
+    throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
+                                 choice.cameras.string(), choice.split));
+  return views;
+}
+
+std::vector<KeyFrame> read_key_frames(const fs::path& file, const std::string& split,
+                                      const GaussianModel& model) {
+  const TransformsCapture path = read_camera_path(file);
+  std::vector<KeyFrame> keys;
+  for (const TransformsFrame& frame : path.frames) {
+    if (!split.empty() && frame.split != parse_split(split)) continue;
+    Camera camera = frame.camera;
+    const Image8 size = size_of(frame, file.parent_path());
+    set_intrinsics(camera, frame.intrinsics, size.width, size.height, frame.where);
+    KeyFrame key{
+        frame.name, frame.where, model_camera(model, path.prepared_from_source, camera), {}};
+    // A prepared scene states normalised times, any other file those of the capture's own clock.
+    if (frame.time)
+      key.time = model_time(model, path.prepared_axis.value_or(TimeAxis{}), *frame.time);
+    keys.push_back(std::move(key));
+  }
+  return keys;
+}
+
+Split parse_split(const std::string& name) {
+  if (name == "train") return Split::kTrain;
+  if (name == "val") return Split::kVal;
+  if (name == "test") return Split::kTest;
+  throw InputError(fmt::format("unknown split '{}'; choose train, val or test", name));
+}
+
+double model_time(const GaussianModel& model, const TimeAxis& axis, double time) {
+  const TimeAxis& own = model.time_axis;
+  if (axis.origin == own.origin && axis.duration == own.duration) return time;
+  return (axis.origin + time * axis.duration - own.origin) / own.duration;
+}
+
+Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
+                    const Camera& camera) {
+  if (prepared_from_source == model.prepared_from_source) return camera;
+  return camera_in_world(compose(model.prepared_from_source, inverse(prepared_from_source)),
+                         camera);
+}
+
+Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
+                std::optional<int64_t> held_out) {
+  SceneOptions options;
+  options.background = model.background, options.allow_static = true;
+  options.held_out = held_out;
+  Scene scene = load_scene(path, options);
+  for (Frame& frame : scene.frames) {
+    frame.time = model_time(model, scene.time_axis, frame.time);
+    frame.camera = model_camera(model, scene.prepared_from_source, frame.camera);
+  }
+  return scene;
+}
+
+}  // namespace tessera

@@ -1,0 +1,58 @@
+// What: --cameras on the command line → named views: a scene's frames, or a transforms file as a
+//       camera path whose pictures need not exist.
+// Not: rendering.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recon4d/model/gaussian_set.h"
+
+namespace tessera {
+
+struct NamedView {
+  std::string name;  // "test/r_003", safe below a folder
+  View view;
+};
+
+struct CameraChoice {
+  std::filesystem::path cameras;  // scene folder, or a transforms file
+  std::string split;              // empty: all frames
+  std::optional<double> time;     // normalised; instead of the frames' own
+};
+
+/// Times and world are those of the model. Errors: InputError: unreadable, no frame left, no size,
+/// a frame without a time for a model that moves.
+std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianModel& model);
+
+/// A pose of a transforms file, in the model's world.
+struct KeyFrame {
+  std::string name;   // as NamedView
+  std::string where;  // file and frame, for messages
+  Camera camera;
+  std::optional<double> time;  // normalised, of the model; where the file states one
+};
+
+/// The frames of a transforms file, of one split or of all ("").
+/// Errors: InputError: unreadable, no size of a picture.
+std::vector<KeyFrame> read_key_frames(const std::filesystem::path& file, const std::string& split,
+                                      const GaussianModel& model);
+
+/// "train", "val" or "test". Errors: InputError.
+Split parse_split(const std::string& name);
+
+/// Normalised time of `axis` → normalised time of the model, through the capture's own clock.
+double model_time(const GaussianModel& model, const TimeAxis& axis, double time);
+
+/// A camera of a file into the model's world. A prepared scene says how its world comes from the
+/// source's (`prepared_from_source`); any other file is in the source's world: the identity.
+Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
+                    const Camera& camera);
+
+/// The scene with its pictures on the model's background, times and cameras those of the model.
+/// `held_out`: as SceneOptions. Errors: as load_scene.
+Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
+                std::optional<int64_t> held_out = {});
+
+}  // namespace tessera

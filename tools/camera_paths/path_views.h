@@ -1,0 +1,41 @@
+// What: --path on the command line → the views of a video: poses, lenses and moments.
+// Not: the curves (camera_path.h), rendering or encoding.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/camera_paths/camera_views.h"
+#include "tools/session/model_input.h"
+#include "tools/video/frame_rate.h"
+
+namespace tessera {
+
+struct PathChoice {
+  std::string path;                     // orbit, spiral, or a transforms file of key frames
+  std::filesystem::path cameras;        // the rig; empty: the scene that the run folder names
+  std::string split;                    // of the rig's or the file's frames; empty: all
+  FrameRate fps{30, 1};                 // of the video
+  std::optional<double> seconds, rate;  // length of the video; speed of the clip in it
+  std::optional<double> time;           // a fixed moment, normalised
+  std::string size;                     // "WxH"; empty: of the first camera
+  bool for_video = false;               // sizes must be even
+};
+
+/// What can be said before a model is read. Errors: InputError naming the option: no such path,
+/// rate or size, odd sizes for a video, too many frames, a rig for a file.
+void check_path_choice(const PathChoice& choice);
+
+/// Views named frame_0000 … (more digits when needed), all of one size.
+///
+/// Orbit and spiral: without `seconds` whole rounds of the clip, 6 to 60 s. An orbit of a model
+/// without a rig goes around its middle with a lens of 50°; up is then +z, and −y in splats of
+/// other programs. A file: its poses one by one, or, with `seconds`, a smooth path through them.
+/// Moments: `time`; else those of the file, unless a `rate` is given; else the clip at `rate`
+/// (default 1) of its normal speed, over and over.
+/// Errors: InputError naming the option: no such path, no rig for a spiral, a rig for a file, no
+/// such size, odd sizes for a video, too many frames.
+std::vector<NamedView> path_views(const PathChoice& choice, const ModelInput& input);
+
+}  // namespace tessera

@@ -1,0 +1,29 @@
+// What: what a command is to main: a name, its options, a function that returns an exit code.
+// Not: parsing (CLI11) and not any work of the commands.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "tools/cli/exit_code.h"
+
+namespace tessera {
+
+/// Adds one subcommand to `app`; its callback stores the work to do in `work`.
+using Work = std::function<int()>;
+
+void add_run_command(CLI::App& app, Work& work);
+void add_ingest_command(CLI::App& app, Work& work);
+void add_doctor_command(CLI::App& app, Work& work);
+void add_train_command(CLI::App& app, Work& work);
+void add_evaluate_command(CLI::App& app, Work& work);
+void add_render_command(CLI::App& app, Work& work);
+void add_export_command(CLI::App& app, Work& work);
+void add_info_command(CLI::App& app, Work& work);
+void add_bench_command(CLI::App& app, Work& work);
+void add_synth_command(CLI::App& app, Work& work);
+void add_batch_command(CLI::App& app, Work& work);
+void add_report_command(CLI::App& app, Work& work);
+void add_help_commands(CLI::App& app, Work& work);
+
+}  // namespace tessera

@@ -1,0 +1,194 @@
+// What: the rows of ingest's options, and the words that stand for their values.
+// Not: what is done with them.
+#include "tools/cli/ingest_arguments.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "ingest/layouts/capture_layout.h"
+#include "kernels/base/errors.h"
+#include "tools/cli/terminal.h"
+#include "tools/session/interrupt.h"
+#include "tools/session/scene_lock.h"
+#include "tools/session/stage_ledger.h"
+
+namespace tessera {
+namespace {
+
+/// The value that `word` stands for. Errors: InputError that lists the words there are.
+template <class Value>
+Value value_of(const std::map<std::string, Value>& values, const std::string& word,
+               const char* option) {
+  if (const auto found = values.find(word); found != values.end()) return found->second;
+  std::vector<std::string> words;
+  for (const auto& [name, value] : values) words.push_back(name);
+  throw InputError(
+      fmt::format("{} is '{}', expected one of {}", option, word, fmt::join(words, ", ")));
+}
+
+void check_positive(const std::optional<double>& value, const char* option) {
+  if (value && !(*value > 0))
+    throw InputError(fmt::format("{} is {}, expected more than 0", option, *value));
+}
+
+void add_frame_options(CLI::App& command, IngestArguments& arguments) {
+  IngestOptions& options = arguments.options;
+  command.add_option("--layout", arguments.layout,
+                     "what images are: rig (of cameras that film together), photos (of a scene "
+                     "that stands still), moving (one camera that moves; the scene may, too); "
+                     "default: by their names");
+  command.add_option("--scale", options.scale, "size of the pictures by the source's, (0, 1]")
+      ->capture_default_str();
+  command.add_option("--frames", options.frames, "first N instants of each camera; default: all");
+  command.add_option("--start", options.start, "videos: seconds after the first common moment");
+  command.add_option("--duration", options.duration, "videos: seconds to take; default: all");
+  command.add_option("--fps", options.fps,
+                     "videos: frames to take per second; default: all; numbered images of cameras: "
+                     "numbers per second; default: 30");
+  command
+      .add_option("--cameras", options.cameras, "videos: cameras to take, by name; default: all")
+      ->delimiter(',');
+  command
+      .add_option("--held-out", options.held_out,
+                  "cameras (or photos) of the test split, by name; default: the first of several "
+                  "cameras, of photos see --test-every")
+      ->delimiter(',');
+  command.add_option("--images", options.pictures,
+                     "photo sets: folder of the photos, e.g. images_4; default: images");
+  command.add_option("--test-every", options.test_every,
+                     "every Nth image by name is a test view, of photos, of transforms files "
+                     "without test frames, of a single camera; 0: none; default: 8 for photos "
+                     "and a moving camera");
+}
+
+void add_camera_options(CLI::App& command, IngestArguments& arguments) {
+  IngestOptions& options = arguments.options;
+  command.add_option(
+      "--poses", options.poses.source,
+      "where poses come from: n3dv or llff (poses_bounds.npy), colmap (the model "
+      "that is there, else estimated), or a file of cameras; default: what is there");
+  command.add_option("--camera-model", options.poses.lens_model,
+                     "lens model that colmap estimates, e.g. OPENCV; default: as simple as fits");
+  command
+      .add_option("--intrinsics", arguments.intrinsics,
+                  "estimated ones: shared (by cameras of one picture size) or per-camera")
+      ->capture_default_str();
+  command
+      .add_option("--sync", arguments.sync,
+                  "how the cameras' clocks are aligned: auto, none, container, audio, motion")
+      ->capture_default_str();
+  command.add_option("--offsets", options.sync.offsets,
+                     "file of clock offsets, seconds by camera; wins over --sync");
+  command.add_flag("--strict", options.strict,
+                   "a missing or unreadable picture, or a camera without a pose, is an error");
+}
+
+void add_picture_options(CLI::App& command, IngestArguments& arguments) {
+  IngestOptions& options = arguments.options;
+  command.add_option("--masks", options.masks,
+                     "folder of masks named as the pictures or cameras; black is ignored");
+  command.add_flag("--invert-masks", options.invert_masks, "white is ignored, not black");
+  command
+      .add_option("--exposure", arguments.exposure,
+                  "fit: divide each training camera's pictures by its gains; none")
+      ->capture_default_str();
+  command.add_flag("--keep-world", options.keep_world,
+                   "leave the poses' world as it is; default: up, centre and scale are normalised "
+                   "where the world is arbitrary (all but transforms)");
+  command.add_option(
+      "--cloud", arguments.cloud,
+      "initial points: none, sparse (the capture's, else COLMAP's), dense (and a plane "
+      "sweep); "
+      "default: dense where three training cameras share moments");
+  command.add_option("--cloud-points", options.cloud_points, "most points of the plane sweep")
+      ->capture_default_str();
+}
+
+/// What tells a version of the file or folder apart; null where none is named.
+nlohmann::json stamps_of(const std::filesystem::path& path) {
+  if (path.empty() || !std::filesystem::exists(path)) return nullptr;
+  return {path.string(), file_stamps(path)};
+}
+
+}  // namespace
+
+void add_ingest_options(CLI::App& command, IngestArguments& arguments) {
+  add_frame_options(command, arguments);
+  add_camera_options(command, arguments);
+  add_picture_options(command, arguments);
+}
+
+IngestOptions resolve_ingest(const IngestArguments& arguments) {
+  IngestOptions options = arguments.options;
+  if (options.frames && *options.frames < 1)
+    throw InputError(fmt::format("--frames is {}, expected 1 or more", *options.frames));
+  if (!(options.start >= 0))
+    throw InputError(fmt::format("--start is {}, expected 0 or more", options.start));
+  check_positive(options.duration, "--duration");
+  check_positive(options.fps, "--fps");
+  options.sync.method = value_of<SyncMethod>({{"auto", SyncMethod::kAuto},
+                                              {"none", SyncMethod::kNone},
+                                              {"container", SyncMethod::kContainer},
+                                              {"audio", SyncMethod::kAudio},
+                                              {"motion", SyncMethod::kMotion}},
+                                             arguments.sync, "--sync");
+  options.poses.intrinsics_per_camera = value_of<bool>({{"shared", false}, {"per-camera", true}},
+                                                       arguments.intrinsics, "--intrinsics");
+  options.poses.strict = options.strict;
+  if (!arguments.layout.empty())
+    options.reading = value_of<ImageReading>({{"rig", ImageReading::kRig},
+                                              {"photos", ImageReading::kPhotos},
+                                              {"moving", ImageReading::kMoving}},
+                                             arguments.layout, "--layout");
+  options.fit_exposure =
+      value_of<bool>({{"fit", true}, {"none", false}}, arguments.exposure, "--exposure");
+  if (!arguments.cloud.empty())
+    options.cloud = value_of<CloudDensity>({{"none", CloudDensity::kNone},
+                                            {"sparse", CloudDensity::kSparse},
+                                            {"dense", CloudDensity::kDense}},
+                                           arguments.cloud, "--cloud");
+  return options;
+}
+
+nlohmann::json to_json(const IngestOptions& o) {
+  return {{"scale", o.scale},
+          {"frames", o.frames.value_or(0)},
+          {"window", {o.start, o.duration.value_or(0), o.fps.value_or(0)}},
+          {"cameras", o.cameras},
+          {"held_out", o.held_out},
+          {"static", o.allow_static},
+          {"layout", o.layout ? layout_name(*o.layout) : ""},
+          {"reading", o.reading ? int(*o.reading) : -1},
+          {"images", o.pictures},
+          {"test_every", o.test_every.value_or(-1)},
+          {"poses", {o.poses.source, stamps_of(o.poses.source)}},
+          {"camera_model", o.poses.lens_model},
+          {"intrinsics_per_camera", o.poses.intrinsics_per_camera},
+          {"sync", {int(o.sync.method), stamps_of(o.sync.offsets)}},
+          {"strict", o.strict},
+          {"masks", {stamps_of(o.masks), o.invert_masks}},
+          {"fit_exposure", o.fit_exposure},
+          {"keep_world", o.keep_world},
+          {"cloud", {o.cloud ? int(*o.cloud) : -1, o.cloud_points}}};
+}
+
+IngestReport ingest_with_progress(const std::filesystem::path& capture,
+                                  const std::filesystem::path& out, const IngestOptions& options,
+                                  const std::string& label) {
+  const SceneLock replaced(out, SceneLock::Use::kReplace);
+  ProgressBar bar(label);
+  const IngestReport report = ingest_capture(
+      capture, out, options, [&](std::string_view what, int64_t done, int64_t total) {
+        stop_if_interrupted();
+        bar.update(done, total, what);
+      });
+  bar.clear();
+  for (const std::string& note : report.notes) say(note);
+  for (const std::string& warning : report.warnings) warn(warning);
+  return report;
+}
+
+}  // namespace tessera

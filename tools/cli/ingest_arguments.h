@@ -1,0 +1,28 @@
+// What: the ingest part of a command line, shared by `ingest`, `run` and `doctor`.
+// Not: the options' meaning (ingest/ingest.h).
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "ingest/ingest.h"
+#include "tools/cli/command.h"
+
+namespace tessera {
+
+struct IngestArguments {
+  IngestOptions options;
+  std::string sync = "auto", intrinsics = "shared", exposure = "none", cloud, layout;
+};
+
+void add_ingest_options(CLI::App& command, IngestArguments& arguments);
+/// Checks what was typed and turns words into values. Errors: InputError.
+IngestOptions resolve_ingest(const IngestArguments& arguments);
+/// Everything that changes the prepared scene, with the stamps of the files that are named: what
+/// keys of finished work are made of.
+nlohmann::json to_json(const IngestOptions& options);
+/// Runs `ingest_capture` under a progress bar that begins with `label`; prints its warnings.
+IngestReport ingest_with_progress(const std::filesystem::path& capture,
+                                  const std::filesystem::path& out, const IngestOptions& options,
+                                  const std::string& label);
+
+}  // namespace tessera

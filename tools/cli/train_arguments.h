@@ -1,0 +1,33 @@
+// What: the training part of a command line, shared by `train` and `run`.
+// Not: the options' meaning (recon4d/options/train_options.h).
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "tools/cli/command.h"
+#include "tools/session/train_session.h"
+
+namespace tessera {
+
+struct TrainArguments {
+  std::string preset = "balanced", ablation, config, backend = "auto";
+  std::map<std::string, std::string> given;  // option key → text, as typed
+  int threads = 0;
+  int64_t evaluate_every = 0, checkpoint_every = 1000;
+};
+
+/// One option per row of the option table, and --preset, --ablation, --config, --backend,
+/// --threads, ….
+void add_train_options(CLI::App& command, TrainArguments& arguments);
+/// Of these the option table alone, and --static.
+void add_option_rows(CLI::App& command, TrainArguments& arguments);
+/// Defaults ← preset ← ablation ← --config ← command line; presets look at the scene. Errors:
+/// InputError.
+TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts);
+/// The same for the scene in that folder, whose cameras and times are read. Errors: as load_scene.
+TrainOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene);
+/// Two or three lines for a person.
+std::string training_text(const nlohmann::json& result);
+
+}  // namespace tessera

@@ -1,0 +1,166 @@
+// What: the choice of kind; models, checkpoints, run folders, splat sequences, point clouds.
+// Not: scenes and captures (describe_scene.cpp).
+#include "tools/commands/describe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
+#include "ingest/files/ply_header.h"
+#include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/transforms_json.h"
+#include "kernels/base/errors.h"
+#include "recon4d/model/checkpoint.h"
+#include "recon4d/model/model_info.h"
+#include "static3d/tessera4d/tessera4d.h"
+#include "tools/commands/model_account.h"
+#include "tools/session/run_folder.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+constexpr const char* kKnown =
+    "expected a model or splat .ply, a checkpoint, a point cloud .ply, a run folder, a scene or a "
+    "capture";
+
+json described(const char* kind, const fs::path& path) {
+  return {{"kind", kind}, {"path", path.string()}};
+}
+
+json describe_model(const char* kind, const fs::path& path, bool with_shipped) {
+  const ModelInput input = load_model_input(path);
+  json info = described(kind, path);
+  info["file"] = input.file.string(), info["bytes"] = input.bytes;
+  info.update(model_info(input.model));
+  info.update(model_account(path.string(), input, with_shipped));
+  if (!input.warnings.empty()) info["warnings"] = input.warnings;
+  return info;
+}
+
+json describe_checkpoint(const fs::path& path, bool with_shipped) {
+  json info = describe_model("checkpoint", path, with_shipped);
+  const json header = read_checkpoint_header(path);
+  for (const char* key : {"iteration", "finished", "seconds", "options", "provenance"})
+    info[key] = header.at(key);
+  return info;
+}
+
+/// `path`: the single file, or the manifest of a folder.
+json describe_tessera4d(const fs::path& path) {
+  const bool folder = path.filename() == kTessera4dManifest;
+  Tessera4dInput input = load_tessera4d(folder ? path.parent_path() : path);
+  json info = described("Tessera 4D file", folder ? path.parent_path() : path);
+  info["bytes"] = input.bytes, info["lossless"] = input.manifest.lossless;
+  info["generator"] = input.manifest.generator;
+  info["blocks"] = input.manifest.blocks.size();
+  info.update(model_info(input.model));
+  ModelInput model;
+  model.shipped = shipped_account(input.manifest, input.bytes);
+  model.model = std::move(input.model);
+  info.update(model_account(path.string(), model, false));
+  if (!input.warnings.empty()) info["warnings"] = input.warnings;
+  return info;
+}
+
+/// Elements and properties; a cloud is a `vertex` with positions and nothing of a splat.
+json describe_other_ply(const fs::path& path, const PlyHeader& header) {
+  json info = described("PLY", path);
+  info["bytes"] = fs::file_size(path);
+  for (const PlyElementLayout& element : header.elements) {
+    json names = json::array();
+    for (const PlyPropertyLayout& property : element.properties) names.push_back(property.name);
+    const auto has = [&](const char* name) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    if (element.name == "vertex" && has("x") && has("y") && has("z")) {
+      info["kind"] = "point cloud";
+      info["points"] = element.rows, info["has_colour"] = has("red");
+    }
+    info["elements"][element.name] = {{"rows", element.rows}, {"properties", names}};
+  }
+  return info;
+}
+
+bool is_splat_header(const PlyHeader& header) {
+  for (const PlyElementLayout& element : header.elements) {
+    if (element.name == "chunk") return true;  // compressed splats
+    for (const PlyPropertyLayout& property : element.properties)
+      if (property.name == "opacity" || property.name == "rot_0") return true;
+  }
+  return false;
+}
+
+json describe_file(const fs::path& path, bool with_shipped) {
+  switch (model_kind(path)) {
+    case ModelKind::kCheckpoint:
+      return describe_checkpoint(path, with_shipped);
+    case ModelKind::kTesseraPly:
+      return describe_model("Tessera 4D model", path, with_shipped);
+    case ModelKind::kTessera4d:
+      return describe_tessera4d(path);
+    case ModelKind::kSplats: {
+      const std::string text = read_text_file(path);
+      if (!text.starts_with("ply")) return describe_model("splats", path, with_shipped);
+      const PlyHeader header = parse_ply_header(path, text);
+      return is_splat_header(header) ? describe_model("3DGS model", path, with_shipped)
+                                     : describe_other_ply(path, header);
+    }
+    case ModelKind::kNone:
+      break;
+  }
+  throw InputError(fmt::format("{}: unrecognised file type; {}", path.string(), kKnown));
+}
+
+json describe_run(const RunFolder& run, bool with_shipped) {
+  json info = described("run", run.root);
+  const bool has_model = fs::exists(run.model()), has_checkpoint = fs::exists(run.checkpoint());
+  if (has_model || has_checkpoint) info = describe_model("run", run.root, with_shipped);
+  if (has_checkpoint) {
+    const json header = read_checkpoint_header(run.checkpoint());
+    for (const char* key : {"iteration", "finished", "seconds"}) info[key] = header.at(key);
+  }
+  info["config"] = run.read_config();
+  return info;
+}
+
+json describe_sequence(const fs::path& folder) {
+  const json manifest = read_json(folder / "manifest.json");
+  if (!manifest.is_object() || !manifest.contains("format"))
+    throw InputError(
+        fmt::format("{}: a manifest.json without format; {}", folder.string(), kKnown));
+  json info = described("splat sequence", folder);
+  for (const char* key : {"format", "count", "fps", "time_axis", "bytes", "bounds", "counters"})
+    info[key] = manifest.value(key, json());
+  return info;
+}
+
+json describe_folder(const fs::path& path, bool with_shipped) {
+  if (const RunFolder run{run_folder_of(path)}; run.exists())
+    return describe_run(run, with_shipped);
+  if (has_transforms(path)) return describe_transforms(path);
+  if (!videos_in(path).empty()) return describe_videos(path);
+  if (is_tessera4d_folder(path)) return describe_tessera4d(path / kTessera4dManifest);
+  if (fs::exists(path / "manifest.json")) return describe_sequence(path);
+  if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply", with_shipped);
+  throw InputError(fmt::format("{}: holds no files of a known type; {}", path.string(), kKnown));
+}
+
+}  // namespace
+
+json describe(const fs::path& path, bool with_shipped) {
+  if (!fs::exists(path))
+    throw InputError(fmt::format("{}: no such file or folder; {}", path.string(), kKnown));
+  json info = fs::is_directory(path) ? describe_folder(path, with_shipped)
+                                     : describe_file(path, with_shipped);
+  if (with_shipped && !info.contains("account"))
+    throw InputError(fmt::format("{}: is no model but a {}; leave --shipped out", path.string(),
+                                 info["kind"].get<std::string>()));
+  return info;
+}
+
+}  // namespace tessera

@@ -1,0 +1,18 @@
+// What: what a file or folder is and what it holds, as JSON: the facts of `tessera info`.
+// Not: text for people (commands/info.cpp).
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+namespace tessera {
+
+/// `kind` and `path`, then what belongs to that kind; of models their accounts (model_account.h),
+/// `with_shipped` that of the Tessera 4D file which export would write, too. Errors: InputError:
+/// missing, damaged, nothing that is known, or no model where `with_shipped` asks for one.
+nlohmann::json describe(const std::filesystem::path& path, bool with_shipped);
+
+/// Of a folder with transforms files, or with videos.
+nlohmann::json describe_transforms(const std::filesystem::path& folder);
+nlohmann::json describe_videos(const std::filesystem::path& folder);
+
+}  // namespace tessera

@@ -1,0 +1,115 @@
+// What: prepared scenes, transforms folders and captures of videos.
+// Not: pixels: sizes come from the headers of the pictures, lengths from those of the videos.
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "ingest/files/json_file.h"
+#include "ingest/files/png.h"
+#include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/capture_times.h"
+#include "ingest/layouts/transforms_json.h"
+#include "ingest/poses/llff_poses.h"
+#include "recon4d/evaluation/evaluate.h"
+#include "tools/commands/describe.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Sizes {
+  std::map<std::pair<int, int>, int64_t> frames;  // by width and height
+  int64_t with_alpha = 0, not_png = 0;
+};
+
+Sizes picture_sizes(const TransformsCapture& capture) {
+  Sizes sizes;
+  for (const TransformsFrame& frame : capture.frames) {
+    if (frame.image.extension() != ".png" && frame.image.extension() != ".PNG") {
+      ++sizes.not_png;
+      continue;
+    }
+    const Image8 picture = read_png_size(frame.image);
+    ++sizes.frames[{picture.width, picture.height}];
+    sizes.with_alpha += picture.channels == 4;
+  }
+  return sizes;
+}
+
+json sizes_json(const Sizes& sizes) {
+  json list = json::array();
+  for (const auto& [size, frames] : sizes.frames)
+    list.push_back({{"width", size.first}, {"height", size.second}, {"frames", frames}});
+  return list;
+}
+
+/// What the `tessera` object says, without its long lists.
+void put_preparation(const fs::path& folder, json& info) {
+  const json object = read_json(folder / "transforms.json").at("tessera");
+  for (const auto& [key, value] : object.items())
+    if (value.is_primitive()) info["preparation"][key] = value;
+}
+
+}  // namespace
+
+json describe_transforms(const fs::path& folder) {
+  const TransformsCapture capture = read_transforms(folder);
+  const bool prepared = is_prepared_scene(folder);
+  json info = {{"kind", prepared ? "prepared scene" : "transforms folder (D-NeRF layout)"},
+               {"path", folder.string()},
+               {"layout", "transforms"},
+               {"frames", capture.frames.size()}};
+  std::set<std::string> cameras;
+  std::map<std::string, int64_t> splits;
+  for (const TransformsFrame& frame : capture.frames) {
+    cameras.insert(frame.camera_name);
+    ++splits[split_name(frame.split)];
+  }
+  info["splits"] = splits;
+  info["cameras"] = cameras.size();
+  info["camera_names"] = cameras;
+  const NormalisedTimes times = times_of(capture, true);
+  info["is_static"] = times.is_static;
+  info["moments"] = std::set<double>(times.time.begin(), times.time.end()).size();
+  info["time_axis"] = {{"origin", times.axis.origin}, {"duration", times.axis.duration}};
+  const Sizes sizes = picture_sizes(capture);
+  info["sizes"] = sizes_json(sizes);
+  info["frames_with_alpha"] = sizes.with_alpha;
+  info["background"] = sizes.with_alpha > 0 ? "alpha: composited on --background" : "opaque";
+  if (sizes.not_png > 0) info["frames_not_png"] = sizes.not_png;
+  if (prepared) put_preparation(folder, info);
+  std::vector<std::string> warnings = capture.warnings;
+  if (!warnings.empty()) info["warnings"] = warnings;
+  return info;
+}
+
+json describe_videos(const fs::path& folder) {
+  const bool has_poses = fs::exists(folder / "poses_bounds.npy");
+  json info = {{"kind", "capture of videos"},
+               {"path", folder.string()},
+               {"layout", has_poses ? "n3dv" : "videos"}};
+  json names = json::array();
+  int64_t bytes = 0;
+  for (const fs::path& video : videos_in(folder)) {
+    names.push_back(video.filename().string());
+    bytes += int64_t(fs::file_size(video));
+  }
+  info["cameras"] = names.size(), info["videos"] = names, info["bytes"] = bytes;
+  if (has_poses) {
+    const std::vector<LlffPose> poses = read_llff_poses(folder / "poses_bounds.npy");
+    info["poses"] = poses.size();
+    const Camera& first = poses.front().camera;
+    info["sizes"] = {{{"width", first.width}, {"height", first.height}}};
+    info["focal"] = first.fl_x;
+    double low = poses.front().near, high = poses.front().far;
+    for (const LlffPose& pose : poses)
+      low = std::min(low, pose.near), high = std::max(high, pose.far);
+    info["depth"] = {low, high};
+  }
+  return info;
+}
+
+}  // namespace tessera

@@ -1,0 +1,115 @@
+// What: `tessera doctor`: what is wrong with a capture or scene, before hours are spent on it.
+// Not: the checks (doctor_checks.h), and no change to what it looks at.
+#include <stdlib.h>
+
+#include <cerrno>
+#include <chrono>
+
+#include "ingest/files/write_failure.h"
+#include "ingest/layouts/scene_reader.h"
+#include "ingest/layouts/transforms_json.h"
+#include "ingest/media/checks/thinned_scene.h"
+#include "ingest/poses/colmap_model.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "tools/cli/command.h"
+#include "tools/cli/ingest_arguments.h"
+#include "tools/cli/terminal.h"
+#include "tools/commands/doctor_checks.h"
+#include "tools/session/interrupt.h"
+#include "tools/session/scene_lock.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DoctorRequest {
+  std::string path;
+  IngestArguments ingest;
+  int threads = 0;
+  bool json = false;
+};
+
+/// An empty folder of this process among the temporary files, removed with all in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "tessera_doctor_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      if (!path_is_at_fault(errno)) fail_to_write(fs::temp_directory_path(), errno);
+      throw InputError(name + ": cannot be made; set TMPDIR to a folder that can be written");
+    }
+    path_ = name;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+/// Whether the folder is looked at as it is; a COLMAP model beside pictures knows more than a
+/// transforms file.
+bool is_scene(const fs::path& folder) {
+  return is_prepared_scene(folder) || (opens_as_scene(folder) && find_colmap_model(folder).empty());
+}
+
+void examine_capture(const fs::path& capture, const IngestOptions& options, DoctorReport& report) {
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary.path() / "scene";
+  ProgressBar bar("doctor");
+  const IngestReport ingested = ingest_sample(
+      capture, folder, options, [&](std::string_view what, int64_t done, int64_t total) {
+        stop_if_interrupted();
+        bar.update(done, total, what);
+      });
+  bar.clear();
+  for (const std::string& note : ingested.notes)
+    report.findings.push_back({Severity::kInfo, "ingest", "", note, ""});
+  for (const std::string& warning : ingested.warnings)
+    report.findings.push_back({Severity::kWarning, "ingest", "", warning, ""});
+  report.findings.push_back(
+      {Severity::kInfo, "ingest", "",
+       "checked a sample: a few moments of videos, pictures at most 960 wide",
+       "run doctor on the prepared scene for times and forecast of the whole"});
+  examine(thinned_scene(folder, {}), folder, report);
+}
+
+int doctor(const DoctorRequest& request) {
+  set_thread_count(request.threads);
+  const auto begin = std::chrono::steady_clock::now();
+  DoctorReport report;
+  report.path = request.path;
+  if (is_scene(request.path)) {
+    const SceneLock in_use(request.path, SceneLock::Use::kRead);
+    report.kind = "scene";
+    examine(thinned_scene(request.path, {}), request.path, report);
+  } else {
+    report.kind = "a sample of the capture";
+    examine_capture(request.path, resolve_ingest(request.ingest), report);
+  }
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  print_result(request.json, doctor_json(report), doctor_text(report));
+  return has_errors(report) ? kExitFailed : kExitDone;
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& app, Work& work) {
+  CLI::App* command =
+      app.add_subcommand("doctor", "say what is wrong with a capture or scene, and what to do");
+  const auto request = std::make_shared<DoctorRequest>();
+  command->add_option("path", request->path, "capture or prepared scene")->required();
+  add_ingest_options(*command, request->ingest);
+  command->add_option("--threads", request->threads, "CPU threads; 0: all");
+  command->add_flag("--json", request->json, "print one JSON object");
+  command->callback([&work, request] { work = [request] { return doctor(*request); }; });
+}
+
+}  // namespace tessera

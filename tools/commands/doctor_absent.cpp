@@ -1,0 +1,22 @@
+// What: `tessera doctor` of the trainer-only build: says which build can do it.
+// Not: an unknown command: a person who types it is told the remedy.
+#include "kernels/base/errors.h"
+#include "tools/cli/command.h"
+
+namespace tessera {
+
+void add_doctor_command(CLI::App& app, Work& work) {
+  CLI::App* command =
+      app.add_subcommand("doctor", "say what is wrong with a capture or scene, and what to do");
+  const auto path = std::make_shared<std::string>();
+  command->add_option("path", *path, "capture or prepared scene")->required();
+  command->callback([&work, path] {
+    work = [path]() -> int {
+      throw InputError(*path +
+                       ": this is the trainer-only build, which cannot look into pictures; run "
+                       "doctor of a build configured with -DTESSERA_INGEST=ON");
+    };
+  });
+}
+
+}  // namespace tessera

@@ -1,0 +1,302 @@
+// What: `tessera evaluate`: a model, or several runs, against the held-out frames of a scene.
+// Not: the metrics (recon4d/evaluation/evaluate.h).
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "ingest/files/input_folder.h"
+#include "ingest/files/png.h"
+#include "ingest/images/mask.h"
+#include "ingest/layouts/scene_reader.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "recon4d/evaluation/render_rate.h"
+#include "recon4d/options/train_options.h"
+#include "recon4d/training/scene_scale.h"
+#include "tools/camera_paths/camera_views.h"
+#include "tools/cli/command.h"
+#include "tools/cli/picture_files.h"
+#include "tools/cli/terminal.h"
+#include "tools/commands/model_account.h"
+#include "tools/export/output_folder.h"
+#include "tools/lpips/lpips.h"
+#include "tools/session/backend_choice.h"
+#include "tools/session/held_out_scores.h"
+#include "tools/session/interrupt.h"
+#include "tools/session/output_place.h"
+#include "tools/session/run_folder.h"
+#include "tools/session/run_statistics.h"
+#include "tools/session/scene_lock.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+using nlohmann::json;
+
+struct EvaluateRequest {
+  std::vector<std::string> models;
+  std::string scene, split, background, images, lpips, moving_masks, backend = "auto";
+  std::vector<double> scales{1};  // of the size that was trained on
+  int threads = 0;
+  bool overwrite = false, lpips_resize = false, fps = false, as_json = false;
+};
+
+/// Where the pictures of a scale lie: in the folder itself where there is only one.
+std::string picture_folder(const EvaluateRequest& request, double scale) {
+  return request.scales.size() == 1 ? "" : fmt::format("x{}/", scale);
+}
+
+/// --scene, else what the run folder was trained on.
+fs::path scene_path(const EvaluateRequest& request, const fs::path& model) {
+  if (!request.scene.empty()) return request.scene;
+  const RunFolder run{fs::is_directory(model) ? run_folder_of(model) : model.parent_path()};
+  const std::string scene = run.scene();
+  if (scene.empty())
+    throw InputError(
+        fmt::format("{}: no run folder that names its scene; pass --scene FOLDER", model.string()));
+  if (!fs::exists(scene))
+    throw InputError(
+        fmt::format("{}: its scene {} is gone; pass --scene FOLDER", run.config().string(), scene));
+  return scene;
+}
+
+std::vector<Split> chosen_splits(const EvaluateRequest& request, const Scene& scene) {
+  if (!request.split.empty()) return {parse_split(request.split)};
+  const std::vector<Split> splits = held_out_splits(scene);
+  if (splits.empty())
+    throw InputError(fmt::format(
+        "{}: no frames are held out; pass --split train to score what was trained on", scene.path));
+  return splits;
+}
+
+std::vector<std::string> picture_names(const EvaluateRequest& request, const Scene& scene,
+                                       const std::vector<Split>& splits) {
+  std::vector<std::string> files;
+  for (const double scale : request.scales)
+    for (Split split : splits)
+      for (int i : scene.split_indices(split))
+        files.push_back(picture_folder(request, scale) + scene.frames[size_t(i)].name + ".png");
+  return files;
+}
+
+/// What all scales of one model's evaluation share.
+struct Scoring {
+  const EvaluateRequest& request;
+  const ModelInput& input;
+  const std::vector<Split>& splits;
+  Lpips* lpips;
+  Backend& backend;
+  std::optional<OutputFolder> images;
+};
+
+/// DIR/<name of the frame>.png.
+Image8 moving_mask(const fs::path& folder, const Frame& frame) {
+  const fs::path file = folder / (frame.name + ".png");
+  Image8 mask = read_png(file);
+  if (mask.channels != 1)
+    throw InputError(fmt::format("{}: has {} channels; a mask of what moves is a grey picture",
+                                 file.string(), mask.channels));
+  check_mask_size(mask, frame.image.width, frame.image.height, file);
+  return mask;
+}
+
+json score_at(Scoring& scoring, double scale, const Scene& scene) {
+  EvaluateOptions options;
+  if (Lpips* const lpips = scoring.lpips)
+    options.lpips = [lpips](const Image8& drawn, const Image8& truth) {
+      return lpips->distance(drawn, truth);
+    };
+  if (!scoring.request.moving_masks.empty())
+    options.moving_mask = [&](const Frame& frame) {
+      return moving_mask(scoring.request.moving_masks, frame);
+    };
+  std::optional<int64_t> bytes;
+  if (!scoring.input.with_optimizer) bytes = scoring.input.bytes;
+  ProgressBar bar("evaluate");
+  return score_splits(
+      scoring.backend, scoring.input.model, scene, scoring.splits, bytes,
+      [&](const Frame& frame, const Picture& picture, const ViewScore& view, int64_t done,
+          int64_t total) {
+        stop_if_interrupted();
+        if (scoring.images)
+          write_picture_png(
+              scoring.images->path(picture_folder(scoring.request, scale) + frame.name + ".png"),
+              picture);
+        bar.update(done, total, fmt::format("{} {:.2f} dB", split_name(frame.split), view.psnr));
+      },
+      options);
+}
+
+/// The scores at scale 1, or at the first where it is not asked for; those of each under `scales`.
+json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
+           const std::vector<Split>& splits, Lpips* lpips, Backend& backend) {
+  Scoring scoring{request, input, splits, lpips, backend, {}};
+  if (!request.images.empty())
+    scoring.images.emplace(request.images, "evaluate", picture_names(request, scene, splits),
+                           request.overwrite);
+  json result = json::object(), by_scale = json::object();
+  for (const double scale : request.scales) {
+    const double truth = truth_scale(scale, input.model.train_scale);
+    json scores = truth == 1 ? score_at(scoring, scale, scene)
+                             : score_at(scoring, scale, scaled_scene(scene, truth));
+    if (result.empty() || scale == 1) result = scores;
+    by_scale[fmt::format("{}", scale)] = std::move(scores);
+  }
+  result["scales"] = std::move(by_scale);
+  if (scoring.images) scoring.images->finish();
+  return result;
+}
+
+/// A line for each split, headed by the scale where there are several.
+std::string scores_lines(const EvaluateRequest& request, const json& scores) {
+  if (request.scales.size() == 1) return scores_text(scores);
+  std::string text;
+  for (const double scale : request.scales)
+    text += fmt::format("{}scale {}: {}", text.empty() ? "" : "\n", scale,
+                        scores_text(scores["scales"][fmt::format("{}", scale)]));
+  return text;
+}
+
+json frame_rate_json(Backend& backend, const GaussianModel& model, const Scene& scene,
+                     const std::vector<Split>& splits) {
+  std::vector<View> views;
+  for (Split split : splits)
+    for (int i : scene.split_indices(split))
+      views.push_back({scene.frames[size_t(i)].camera, scene.frames[size_t(i)].time});
+  if (views.empty()) throw InputError(fmt::format("{}: no view to time", scene.path));
+  const RenderRate rate = measure_render_rate(backend, model, views);
+  const bool on_host = &backend.memory() == &host_memory();
+  return {{"fps", rate.fps()},
+          {"ms_per_frame", 1e3 * rate.seconds / double(rate.frames)},
+          {"wall_ms_per_frame", 1e3 * rate.wall_seconds / double(rate.frames)},
+          {"frames", rate.frames},
+          {"clock", on_host ? "host" : "device events"},
+          {"width", rate.width},
+          {"height", rate.height},
+          {"num_gaussians", rate.num_gaussians}};
+}
+
+/// Of one model, with the lines for a person under `text`.
+json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpips* lpips,
+                    Backend& backend, std::string& text) {
+  ModelInput input = load_model_input(path);
+  for (const std::string& warning : input.warnings) warn(warning);
+  replace_background(request.background, input.model);
+  const fs::path folder = scene_path(request, path);
+  if (!request.images.empty()) check_output_of_model(request.images, path, folder);
+  const SceneLock in_use(folder, SceneLock::Use::kRead);
+  const Scene scene = scene_for(input.model, folder);
+  for (const std::string& warning : scene.warnings) warn(warning);
+  const std::vector<Split> splits = chosen_splits(request, scene);
+  json scores = score(request, input, scene, splits, lpips, backend);
+  scores["model"] = input.file.string(), scores["scene"] = scene.path;
+  scores["backend"] = backend.name();
+  if (request.as_json) scores.update(model_account(path, input, true));
+  text = fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {}", scores_lines(request, scores),
+                     input.model.count(), input.model.static_set.count(),
+                     input.model.dynamic_set.count(),
+                     input.with_optimizer ? "a checkpoint" : fmt::format("{} bytes", input.bytes));
+  if (!request.fps) return scores;
+  const json rate = frame_rate_json(backend, input.model, scene, splits);
+  scores["frame_rate"] = rate;
+  text +=
+      fmt::format("\n{:.1f} frames/s of {} x {} pixels, {} frames by the clock of {}",
+                  rate["fps"].get<double>(), rate["width"].get<int>(), rate["height"].get<int>(),
+                  rate["frames"].get<int64_t>(), rate["clock"].get<std::string>());
+  return scores;
+}
+
+/// What can be said before a model is read.
+void check_request(const EvaluateRequest& request) {
+  for (const double scale : request.scales)
+    if (!(scale > 0 && std::isfinite(scale)))
+      throw InputError(fmt::format("--scales has {}; expected numbers above 0, as 0.5,1,2", scale));
+  if (request.models.size() > 1 && !request.images.empty())
+    throw InputError("--save-images takes one model; evaluate the runs one by one");
+  if (!request.split.empty()) parse_split(request.split);
+  if (!request.background.empty()) parse_background(request.background);
+  if (!request.moving_masks.empty()) require_folder(request.moving_masks);
+}
+
+int evaluate_command(const EvaluateRequest& request) {
+  check_request(request);
+  set_thread_count(request.threads);
+  const bool several = request.models.size() > 1;
+  std::set<std::string> paths;
+  for (const std::string& model : request.models)
+    if (several) paths.insert(fs::weakly_canonical(scene_path(request, model)).string());
+  if (paths.size() > 1)
+    throw InputError(fmt::format(
+        "the runs are of different scenes: {}; evaluate each scene's runs together, or pass "
+        "--scene FOLDER",
+        fmt::join(paths, ", ")));
+  std::optional<Lpips> lpips;
+  if (!request.lpips.empty()) lpips.emplace(request.lpips, request.lpips_resize);
+  const std::unique_ptr<Backend> backend = make_backend(request.backend);
+  std::vector<json> runs;
+  std::string text;
+  for (const std::string& model : request.models) {
+    std::string lines;
+    runs.push_back(evaluate_model(request, model, lpips ? &*lpips : nullptr, *backend, lines));
+    text += several ? fmt::format("{}\n{}\n", model, lines) : lines;
+  }
+  if (!several) {
+    print_result(request.as_json, runs.front(), text);
+    return kExitDone;
+  }
+  json statistics = over_runs(runs);
+  text += over_runs_text(statistics);
+  statistics["runs"] = runs;
+  print_result(request.as_json, statistics, text);
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app, Work& work) {
+  CLI::App* command = app.add_subcommand("evaluate", "score a model on held-out frames");
+  command->option_defaults()->always_capture_default();
+  const auto request = std::make_shared<EvaluateRequest>();
+  command
+      ->add_option("model", request->models,
+                   "run folder, checkpoint, 3DGS or Tessera .ply; several runs of one scene, e.g. "
+                   "of several seeds: mean and sigma, too")
+      ->required();
+  command->add_option("--scene", request->scene,
+                      "prepared scene or D-NeRF folder; a run folder knows its own");
+  command->add_option("--split", request->split, "test, val or train; default: all held-out ones");
+  command
+      ->add_option("--scales", request->scales,
+                   "sizes to score at, by that of training: 0.5,1,2; larger ones need a model that "
+                   "was trained with --train-scale")
+      ->delimiter(',');
+  command->add_option("--background", request->background,
+                      "black, white or r,g,b; default: the model's");
+  command->add_option(
+      "--moving-masks", request->moving_masks,
+      "folder of grey masks named as the frames, 0: never moves there, 128: at some "
+      "moment, 255: now: how much of the dynamic Gaussians' light lies there; "
+      "`tessera synth patch` makes them in ground_truth/moving");
+  command->add_option("--save-images", request->images, "folder for the rendered pictures");
+  command->add_flag("--overwrite", request->overwrite, "save among files that are not ours");
+  add_backend_options(*command, request->backend);
+  command->add_option("--threads", request->threads, "CPU threads; 0: all");
+  command->add_option("--lpips", request->lpips,
+                      "ONNX file: LPIPS by its network: two inputs [1, 3, height, width], RGB in "
+                      "[-1, 1], one output");
+  command->add_flag("--lpips-resize", request->lpips_resize,
+                    "bring pictures to the sides that the ONNX file fixes");
+  command->add_flag("--fps", request->fps,
+                    "time the renderer: 300 warm frames, or as many as fit in 20 s");
+  command->add_flag(
+      "--json", request->as_json,
+      "print one JSON object, with the bits of each part of the model and of the "
+      "Tessera 4D file, which is encoded for it: three seconds of a core for 100,000 Gaussians");
+  command->callback([&work, request] { work = [request] { return evaluate_command(*request); }; });
+}
+
+}  // namespace tessera

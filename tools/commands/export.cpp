@@ -1,0 +1,173 @@
+// What: `tessera export`: a model → files for other programs.
+// Not: the formats (static3d/formats/splat_file.h, static3d/tessera4d, recon4d/model/model_file.h).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "recon4d/options/nearest_name.h"
+#include "static3d/formats/splat_file.h"
+#include "static3d/transform/world_change.h"
+#include "tools/cli/command.h"
+#include "tools/cli/terminal.h"
+#include "tools/export/frames.h"
+#include "tools/export/in_time.h"
+#include "tools/session/model_input.h"
+#include "tools/session/output_place.h"
+
+namespace tessera {
+namespace {
+
+void check_format(const std::string& name) {
+  std::vector<std::string> names;
+  for (const TimeFormat& format : time_formats()) names.emplace_back(format.name);
+  for (const SplatFormat& format : splat_formats()) names.emplace_back(format.name);
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw InputError(fmt::format("export: unknown format '{}'{}", name, known_names(name, names)));
+}
+
+/// No option is there for nothing.
+void check_options(const ExportRequest& request, const TimeFormat* in_time) {
+  const bool tessera4d = in_time != nullptr && in_time->is_tessera4d;
+  const bool one_file = request.single || request.format == "html";
+  const ExportTimes& times = request.times;
+  const struct {
+    const char* option;
+    bool given, fits;
+    const char* where;
+  } rules[] = {
+      {"--frames", times.frames.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
+      {"--time", times.time.has_value(), in_time == nullptr, "frames (ply, spz, …)"},
+      {"--range", !times.range.empty(), in_time == nullptr, "frames (ply, spz, …)"},
+      {"--fps", times.fps.has_value(), in_time == nullptr || tessera4d, "all but splatv and model"},
+      {"--page", request.page, in_time == nullptr, "frames; --format page has it already"},
+      {"--spz-version", request.spz_version != 3, request.format == "spz", "spz"},
+      {"--single", request.single, request.format == "tessera", "tessera"},
+      {"--lossless", request.lossless, tessera4d, "tessera, page and html"},
+      {"--segment", request.segment_seconds != 1, tessera4d, "tessera, page and html"},
+      {"--cameras", !request.cameras.empty(),
+       tessera4d || request.page || request.format == "splatv",
+       "tessera, page, html, splatv and frames with --page"},
+      {"--audio", !request.audio.empty(), tessera4d && !one_file, "folders: tessera and page"},
+  };
+  for (const auto& rule : rules)
+    if (rule.given && !rule.fits)
+      throw InputError(fmt::format("export: {} is for {}; leave it out for --format {}{}",
+                                   rule.option, rule.where, request.format,
+                                   request.single ? " --single" : ""));
+}
+
+/// With the dilation and the cut-off that 3DGS files do not name because all have them.
+bool drawn_as_players_do(const GaussianModel& model) {
+  return !model.filter_2d && !model.truncation_by_falloff &&
+         model.truncation_sigma == kTruncationSigma;
+}
+
+void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
+  if (!(in_time != nullptr && in_time->keeps_rules) && !drawn_as_players_do(input.model))
+    warn(
+        fmt::format("{}: was trained with another filter or truncation than players of 3DGS files "
+                    "have; its frames look different there; --format tessera keeps them",
+                    input.file.string()));
+  if (in_time != nullptr && in_time->keeps_environment) return;
+  if (input.model.environment.height > 0)
+    warn(fmt::format("{}: its environment is not in what is exported; --format model keeps it",
+                     input.file.string()));
+  if (in_time != nullptr && input.model.sh_time_degree > 0)
+    warn(
+        fmt::format("{}: its colours follow time; exported are those of each Gaussian's own "
+                    "moment; frames and --format model keep them",
+                    input.file.string()));
+}
+
+/// The files that an earlier export left in the folder are removed; the model must not be one.
+void check_places(const ExportRequest& request, const std::filesystem::path& model) {
+  std::error_code missing;
+  if (std::filesystem::equivalent(std::filesystem::absolute(model).parent_path(), request.out,
+                                  missing))
+    throw InputError(
+        fmt::format("{}: is the folder of the model itself; choose another folder", request.out));
+  check_output_of_model(request.out, request.model, request.cameras);
+}
+
+int export_command(const ExportRequest& request) {
+  check_format(request.format);
+  const TimeFormat* const in_time = find_time_format(request.format);
+  check_options(request, in_time);
+  set_thread_count(request.threads);
+  ModelInput input = load_model_input(request.model);
+  for (const std::string& warning : input.warnings) warn(warning);
+  check_places(request, input.file);
+  warn_of_losses(input, in_time);
+  if (!request.keep_world) input.model = model_in_source_world(input.model);
+  nlohmann::json result = in_time != nullptr ? in_time->write(request, input.model)
+                                             : export_frames(request, input.model);
+  result["out"] = request.out, result["format"] = request.format;
+  result["model"] = input.file.string(), result["num_gaussians"] = input.model.count();
+  const int64_t frames = result["frames"], bytes = result["bytes"];
+  print_result(request.json, result,
+               fmt::format("{}: {} file{}, {:.1f} MB", request.out, frames, frames == 1 ? "" : "s",
+                           double(bytes) / 1e6));
+  return kExitDone;
+}
+
+std::string format_list() {
+  std::string text;
+  for (const TimeFormat& format : time_formats())
+    text += fmt::format("\n    {:<10}  {}", format.name, format.doc);
+  for (const SplatFormat& format : splat_formats())
+    text += fmt::format("\n    {:<10}  numbered {}: {}", format.name, format.extension, format.doc);
+  return text;
+}
+
+void add_time_options(CLI::App& command, ExportTimes& times) {
+  CLI::Option* frames =
+      command.add_option("--frames", times.frames, "moments, evenly from first to last");
+  CLI::Option* fps =
+      command.add_option("--fps", times.fps,
+                         "moments a second of the capture's clock; of formats that hold time: what "
+                         "a player steps by");
+  CLI::Option* time =
+      command.add_option("--time", times.time, "a single moment, 0 (first) to 1 (last)");
+  CLI::Option* range =
+      command.add_option("--range", times.range,
+                         "A:B, a part of the clip: 0 (first) to 1 (last), or with the unit s "
+                         "seconds from its first moment: 0.25:0.5, 2s:, :7.5s");
+  fps->excludes(frames), time->excludes(frames), time->excludes(fps), time->excludes(range);
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& app, Work& work) {
+  CLI::App* command = app.add_subcommand("export", "write a model for other programs");
+  command->option_defaults()->always_capture_default();
+  const auto request = std::make_shared<ExportRequest>();
+  command
+      ->add_option("model", request->model,
+                   "run folder, checkpoint, Tessera .ply or 4D file, or other people's splats")
+      ->required();
+  command->add_option("-o,--out", request->out, "folder to write")->required();
+  command->add_option("--format", request->format, "of the files:" + format_list());
+  add_time_options(*command, request->times);
+  command->add_option("--spz-version", request->spz_version,
+                      "of .spz: 3, or 4, which fewer players read");
+  command->add_flag("--page", request->page, "the web player beside the frames");
+  command->add_flag("--single", request->single, "Tessera 4D as one file");
+  command->add_flag("--lossless", request->lossless, "Tessera 4D with floats, nothing rounded");
+  command->add_option("--segment", request->segment_seconds, "Tessera 4D: seconds of a segment");
+  command->add_option(
+      "--cameras", request->cameras,
+      "Tessera 4D, splatv, --page: scene folder or transforms file whose cameras players offer; "
+      "default: of the scene that the run was trained on");
+  command->add_option("--audio", request->audio, "Tessera 4D: sound, which becomes the clock");
+  command->add_flag("--keep-world", request->keep_world,
+                    "stay in the world of the prepared scene; default: back in the capture's own");
+  command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");
+  command->add_option("--threads", request->threads, "CPU threads; 0: all");
+  command->add_flag("--json", request->json, "print one JSON object");
+  command->callback([&work, request] { work = [request] { return export_command(*request); }; });
+}
+
+}  // namespace tessera

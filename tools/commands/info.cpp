@@ -1,0 +1,92 @@
+// What: `tessera info`: what a file or folder holds.
+// Not: the facts (describe.h).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tools/cli/command.h"
+#include "tools/cli/terminal.h"
+#include "tools/commands/describe.h"
+
+namespace tessera {
+namespace {
+
+struct InfoRequest {
+  std::string path;
+  bool shipped = false, json = false;
+};
+
+std::string value_text(const nlohmann::json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
+  if (!value.is_array()) return value.is_null() ? "none" : value.dump();
+  std::string text;
+  for (const nlohmann::json& item : value)
+    text += (text.empty() ? "" : ", ") + (item.is_object() ? item.dump() : value_text(item));
+  return text;
+}
+
+/// "min 0.1, max 0.9": for small objects of plain values.
+std::string inline_text(const nlohmann::json& object) {
+  std::string text;
+  for (const auto& [key, value] : object.items())
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", key, value_text(value));
+  return text;
+}
+
+bool fits_a_line(const nlohmann::json& object) {
+  constexpr size_t kMost = 7;
+  return object.size() <= kMost && std::all_of(object.begin(), object.end(), [](const auto& value) {
+           return value.is_number() || value.is_boolean() || value.is_null();
+         });
+}
+
+/// "name  value" a line; larger objects are indented below their name.
+void add_lines(const nlohmann::json& object, const std::string& indent, std::string& text) {
+  size_t longest = 0;
+  for (const auto& [key, value] : object.items()) longest = std::max(longest, key.size());
+  for (const auto& [key, value] : object.items()) {
+    if (!value.is_object() || fits_a_line(value)) {
+      text += fmt::format("{}{:<{}}  {}\n", indent, key, longest,
+                          value.is_object() ? inline_text(value) : value_text(value));
+    } else {
+      text += fmt::format("{}{}\n", indent, key);
+      add_lines(value, indent + "  ", text);
+    }
+  }
+}
+
+/// What it is in the first line, the facts below.
+std::string info_text(nlohmann::json info) {
+  std::string text = fmt::format("{}: {}\n", info.at("path").get<std::string>(),
+                                 info.at("kind").get<std::string>());
+  info.erase("path"), info.erase("kind");
+  add_lines(info, "  ", text);
+  text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, Work& work) {
+  CLI::App* command = app.add_subcommand("info", "say what a file or folder holds");
+  const auto request = std::make_shared<InfoRequest>();
+  command
+      ->add_option("path", request->path,
+                   "model, splat or cloud .ply, checkpoint, run folder, scene or capture")
+      ->required();
+  command->add_flag("--shipped", request->shipped,
+                    "of a model: what its Tessera 4D file would weigh, part by part; encodes it, "
+                    "three seconds of a core for 100,000 Gaussians");
+  command->add_flag("--json", request->json, "print one JSON object");
+  command->callback([&work, request] {
+    work = [request] {
+      const nlohmann::json info = describe(request->path, request->shipped);
+      print_result(request->json, info, request->json ? "" : info_text(info));
+      return int(kExitDone);
+    };
+  });
+}
+
+}  // namespace tessera

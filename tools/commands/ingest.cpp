@@ -1,0 +1,90 @@
+// What: `tessera ingest`: a capture → prepared scene, or a folder of captures → one scene each.
+// Not: the readers (ingest).
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "ingest/ingest.h"
+#include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/transforms_json.h"
+#include "kernels/base/parallel.h"
+#include "tools/batch/ingest_batch.h"
+#include "tools/cli/command.h"
+#include "tools/cli/ingest_arguments.h"
+#include "tools/cli/terminal.h"
+#include "tools/session/interrupt.h"
+#include "tools/session/output_place.h"
+
+namespace tessera {
+namespace {
+
+struct IngestRequest {
+  IngestArguments arguments;
+  std::string capture, out;
+  int threads = 0;
+  bool batch = false, overwrite = false, json = false;
+};
+
+int ingest_all(const IngestRequest& request, const IngestOptions& options) {
+  const BatchResult result = ingest_batch(request.capture, request.out, options, request.overwrite);
+  print_result(request.json, batch_json(result, request.out), batch_table(result));
+  if (result.interrupted) {
+    say("interrupted; run the same command again to go on");
+    return stop_code();
+  }
+  return result.count(BatchOutcome::kFailed) == 0 ? kExitDone : kExitFailed;
+}
+
+int ingest_one(const IngestRequest& request, const IngestOptions& options) {
+  check_output_apart(request.out, request.capture);
+  check_may_replace(request.out, "a prepared scene", is_prepared_scene(request.out),
+                    request.overwrite);
+  const IngestReport report = ingest_with_progress(request.capture, request.out, options, "ingest");
+  print_result(
+      request.json,
+      {{"out", request.out},
+       {"layout", layout_name(report.layout)},
+       {"cameras", report.cameras},
+       {"frames", report.frames},
+       {"points", report.points},
+       {"test_views", report.test_views},
+       {"notes", report.notes},
+       {"warnings", report.warnings}},
+      fmt::format("{}: {} images of {} camera{}, {} points; {}", request.out, report.frames,
+                  report.cameras, report.cameras == 1 ? "" : "s", report.points, report.scored));
+  return kExitDone;
+}
+
+int ingest(const IngestRequest& request) {
+  set_thread_count(request.threads);
+  const IngestOptions options = resolve_ingest(request.arguments);
+  return request.batch || is_folder_of_captures(request.capture, options.reading)
+             ? ingest_all(request, options)
+             : ingest_one(request, options);
+}
+
+}  // namespace
+
+void add_ingest_command(CLI::App& app, Work& work) {
+  CLI::App* command = app.add_subcommand("ingest", "turn a capture into a prepared scene");
+  const auto request = std::make_shared<IngestRequest>();
+  command->add_option("capture", request->capture, "folder of the capture, or of captures")
+      ->required();
+  command
+      ->add_option("-o,--out", request->out,
+                   "prepared scene to write; for a folder of captures, the folder of their scenes")
+      ->required();
+  add_ingest_options(*command, request->arguments);
+  command->add_flag("--static", request->arguments.options.allow_static,
+                    "accept times that are all equal as one moment");
+  command->add_flag("--batch", request->batch,
+                    "prepare every subfolder, also where the folder is a capture itself");
+  command->add_flag("--overwrite", request->overwrite,
+                    "replace a prepared scene that is there and that no program has in use");
+  command->add_option("--threads", request->threads, "CPU threads; 0: all");
+  command->add_flag("--json", request->json,
+                    "print one JSON object; for a folder of captures, an array");
+  command->callback([&work, request] { work = [request] { return ingest(*request); }; });
+}
+
+}  // namespace tessera

@@ -1,0 +1,235 @@
+// What: `tessera render`: a model seen from given cameras or along a path → PNG, .pfm, .mp4.
+// Not: the renderer (recon4d/evaluation/render.h) or the paths (path_views.h).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "recon4d/evaluation/dynamic_share.h"
+#include "recon4d/evaluation/metrics.h"
+#include "recon4d/options/train_options.h"
+#include "tools/camera_paths/camera_views.h"
+#include "tools/camera_paths/path_views.h"
+#include "tools/cli/command.h"
+#include "tools/cli/picture_files.h"
+#include "tools/cli/terminal.h"
+#include "tools/export/output_folder.h"
+#include "tools/session/backend_choice.h"
+#include "tools/session/interrupt.h"
+#include "tools/session/model_input.h"
+#include "tools/session/output_place.h"
+#include "tools/session/scene_lock.h"
+#include "tools/video/video_encoder.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kViewsAtOnce = 4;
+constexpr int kVideoQuality = 14;  // x264 crf: no difference to be seen beside the PNG
+
+struct RenderRequest {
+  std::string model, out, background, backend = "auto";
+  CameraChoice choice;
+  PathChoice path;  // without a path: the cameras as they are
+  std::string fps = "30";
+  int threads = 0;
+  bool floats = false, alpha = false, dynamic_share = false, mp4 = false, overwrite = false,
+       json = false;
+};
+
+std::vector<std::string> file_names(const std::vector<NamedView>& views, bool floats) {
+  std::vector<std::string> files;
+  for (const NamedView& view : views) {
+    files.push_back(view.name + ".png");
+    if (floats) files.push_back(view.name + ".pfm");
+  }
+  return files;
+}
+
+void write_files(const RenderRequest& request, const OutputFolder& folder, const std::string& name,
+                 const Picture& picture) {
+  if (request.floats) write_picture_pfm(folder.path(name + ".pfm"), picture);
+  (request.alpha ? write_picture_png_alpha : write_picture_png)(folder.path(name + ".png"),
+                                                                picture);
+}
+
+using PictureSink = std::function<void(const NamedView&, const Picture&)>;
+
+/// Hands the pictures over in the order of the views.
+void render_all(Renderer& renderer, const std::vector<NamedView>& views, const PictureSink& sink) {
+  ProgressBar bar("render");
+  for (size_t begin = 0; begin < views.size(); begin += kViewsAtOnce) {
+    const size_t end = std::min(begin + kViewsAtOnce, views.size());
+    std::vector<View> batch;
+    for (size_t i = begin; i < end; ++i) batch.push_back(views[i].view);
+    const std::vector<Picture> pictures = renderer.render(batch);
+    for (size_t i = begin; i < end; ++i) {
+      stop_if_interrupted();
+      sink(views[i], pictures[i - begin]);
+      bar.update(int64_t(i + 1), int64_t(views.size()), views[i].name);
+    }
+  }
+}
+
+nlohmann::json write_pictures(const RenderRequest& request, Renderer& renderer,
+                              const std::vector<NamedView>& views) {
+  OutputFolder folder(request.out, "render", file_names(views, request.floats), request.overwrite);
+  render_all(renderer, views, [&](const NamedView& named, const Picture& picture) {
+    write_files(request, folder, named.name, picture);
+  });
+  folder.finish();
+  nlohmann::json frames = nlohmann::json::array();
+  for (const NamedView& named : views) {
+    nlohmann::json frame{{"name", named.name},
+                         {"file", named.name + ".png"},
+                         {"time", named.view.time},
+                         {"width", named.view.camera.width},
+                         {"height", named.view.camera.height}};
+    if (request.floats) frame["float_file"] = named.name + ".pfm";
+    frames.push_back(std::move(frame));
+  }
+  return {{"frames", std::move(frames)}};
+}
+
+nlohmann::json encode_views(Renderer& renderer, const std::vector<NamedView>& views,
+                            const FrameRate& fps, const std::filesystem::path& file) {
+  const Camera& lens = views.front().view.camera;
+  VideoEncoder encoder(file, {lens.width, lens.height, fps, kVideoQuality, VideoColour::kBt709});
+  render_all(renderer, views, [&](const NamedView&, const Picture& picture) {
+    encoder.add(quantise(picture.planar(), picture.width, picture.height));
+  });
+  encoder.finish();
+  return {{"file", file.string()},
+          {"width", lens.width},
+          {"height", lens.height},
+          {"fps", fmt::format("{}/{}", fps.numerator, fps.denominator)},
+          {"seconds", double(views.size()) / fps.value()},
+          {"bytes", std::filesystem::file_size(file)}};
+}
+
+/// OUT is the file itself when it ends in .mp4, else a folder for video.mp4.
+nlohmann::json write_video(const RenderRequest& request, Renderer& renderer,
+                           const std::vector<NamedView>& views) {
+  const std::filesystem::path out = request.out;
+  if (out.extension() == ".mp4" && !std::filesystem::is_directory(out)) {
+    if (std::filesystem::exists(out) && !request.overwrite)
+      throw InputError(fmt::format("{}: is there already; choose another file or pass --overwrite",
+                                   out.string()));
+    return encode_views(renderer, views, request.path.fps, out);
+  }
+  OutputFolder folder(out, "render", {"video.mp4"}, request.overwrite);
+  nlohmann::json result = encode_views(renderer, views, request.path.fps, folder.path("video.mp4"));
+  folder.finish();
+  result["file"] = (out / "video.mp4").string();
+  return result;
+}
+
+/// What can be said before a model is read.
+void check_request(RenderRequest& request) {
+  if (request.mp4 && !video_encoder_available())
+    throw InputError(
+        "render: this build has no FFmpeg: leave --mp4 out, or build with TESSERA_INGEST=ON");
+  if (request.path.path.empty() && request.choice.cameras.empty())
+    throw InputError("render: no cameras; pass --cameras SCENE or --path orbit");
+  request.path.fps = parse_frame_rate("render", request.fps);
+  request.path.cameras = request.choice.cameras, request.path.split = request.choice.split;
+  request.path.time = request.choice.time, request.path.for_video = request.mp4;
+  if (!request.path.path.empty()) check_path_choice(request.path);
+  if (!request.choice.split.empty()) parse_split(request.choice.split);
+  if (!request.background.empty()) parse_background(request.background);
+  if (const auto time = request.choice.time; time && !(*time >= 0 && *time <= 1))
+    throw InputError(fmt::format("render: --time is {}, expected 0 (first) to 1 (last)", *time));
+}
+
+int render(RenderRequest request) {
+  check_request(request);
+  set_thread_count(request.threads);
+  ModelInput input = load_model_input(request.model);
+  check_output_of_model(request.out, request.model, request.choice.cameras);
+  const SceneLock in_use(request.choice.cameras, SceneLock::Use::kRead);
+  for (const std::string& warning : input.warnings) warn(warning);
+  replace_background(request.background, input.model);
+  const std::vector<NamedView> views = request.path.path.empty()
+                                           ? read_views(request.choice, input.model)
+                                           : path_views(request.path, input);
+  if (request.dynamic_share) input.model = dynamic_set_white(input.model);
+  const std::unique_ptr<Backend> backend = make_backend(request.backend);
+  Renderer renderer(*backend, input.model);
+  if (request.alpha) renderer.draw_no_background();
+  nlohmann::json result = request.mp4 ? write_video(request, renderer, views)
+                                      : write_pictures(request, renderer, views);
+  result.update({{"out", request.out},
+                 {"model", input.file.string()},
+                 {"num_gaussians", input.model.count()},
+                 {"background", input.model.background},
+                 {"backend", backend->name()},
+                 {"count", views.size()}});
+  print_result(request.json, result,
+               fmt::format("{}: {} pictures of {} Gaussians", request.out, views.size(),
+                           input.model.count()));
+  return kExitDone;
+}
+
+void add_path_options(CLI::App& command, RenderRequest& request) {
+  CLI::Option* path = command.add_option(
+      "--path", request.path.path,
+      "a moving camera: orbit (around what the cameras look at), spiral (before it), or a "
+      "transforms file of key frames");
+  const auto of_path = [path](CLI::Option* option) {
+    option->needs(path);
+    return option;
+  };
+  of_path(command.add_option("--fps", request.fps, "frames a second, 30 or 30000/1001"));
+  of_path(command.add_option("--seconds", request.path.seconds,
+                             "length; default: whole rounds of the clip, 6 to 60; of key frames: "
+                             "each one once"));
+  of_path(
+      command.add_option("--size", request.path.size, "WxH, pixels; default: of the first camera"));
+  CLI::Option* rate =
+      of_path(command.add_option("--rate", request.path.rate, "speed of the clip; default: 1"));
+  CLI::Option* mp4 = of_path(
+      command.add_flag("--mp4", request.mp4, "one video: OUT.mp4, or video.mp4 in the folder OUT"));
+  rate->excludes(command.get_option("--time"));
+  mp4->excludes(command.get_option("--float")), mp4->excludes(command.get_option("--alpha"));
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Work& work) {
+  CLI::App* command = app.add_subcommand("render", "draw a model from given cameras");
+  command->option_defaults()->always_capture_default();
+  const auto request = std::make_shared<RenderRequest>();
+  command->add_option("model", request->model, "run folder, checkpoint, 3DGS or Tessera .ply")
+      ->required();
+  command->add_option(
+      "--cameras", request->choice.cameras,
+      "scene folder, or a transforms file as camera path (its pictures need not exist); one "
+      "without a `tessera` object is in the capture's own world; with --path the rig of orbit and "
+      "spiral, by default the scene that the run folder names");
+  command->add_option("-o,--out", request->out, "folder of the pictures, or file of the video")
+      ->required();
+  command->add_option("--split", request->choice.split, "train, val or test; default: all frames");
+  command->add_option("--time", request->choice.time,
+                      "one moment for all pictures, 0 (first) to 1 (last)");
+  command->add_option("--background", request->background,
+                      "black, white or r,g,b; default: the model's");
+  command->add_flag("--alpha", request->alpha, "RGBA PNG without background");
+  command
+      ->add_flag(
+          "--dynamic-share", request->dynamic_share,
+          "not colours but how much of each pixel's light is of dynamic Gaussians, 0 (black) "
+          "to 1 (white)")
+      ->excludes("--background")
+      ->excludes("--alpha");
+  command->add_flag("--float", request->floats, "also unclamped floats as .pfm");
+  add_path_options(*command, *request);
+  command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");
+  add_backend_options(*command, request->backend);
+  command->add_option("--threads", request->threads, "CPU threads; 0: all");
+  command->add_flag("--json", request->json, "print one JSON object");
+  command->callback([&work, request] { work = [request] { return render(*request); }; });
+}
+
+}  // namespace tessera

@@ -1,0 +1,141 @@
+// What: the Tessera 4D file as folder, single file or page; the model file.
+// Not: frames (export/frames.h).
+#include "tools/export/in_time.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
+#include "recon4d/model/hygiene.h"
+#include "recon4d/model/model_file.h"
+#include "static3d/tessera4d/tessera4d.h"
+#include "static3d/transform/world_change.h"
+#include "tools/camera_paths/rig_cameras.h"
+#include "tools/export/output_folder.h"
+#include "tools/export/player_files.h"
+#include "tools/export/splatv.h"
+#include "tools/version.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr const char* kSingleFile = "scene.t4d";
+
+Tessera4dOptions options_of(const ExportRequest& request, const GaussianModel& model) {
+  Tessera4dOptions options;
+  options.segment_seconds = request.segment_seconds, options.lossless = request.lossless;
+  Rig rig = rig_of(request.cameras, request.model, model);
+  options.cameras = std::move(rig.cameras), options.fps = request.times.fps.value_or(rig.fps);
+  if (!request.audio.empty()) options.audio = fs::path(request.audio).filename().string();
+  options.generator = fmt::format("tessera {}", kVersionText);
+  return options;
+}
+
+Tessera4dFile encoded(const ExportRequest& request, const GaussianModel& model) {
+  return encode_tessera4d(model, options_of(request, model));
+}
+
+json result_of(const Tessera4dFile& file, int64_t files, int64_t bytes) {
+  return {{"frames", files},
+          {"bytes", bytes},
+          {"scene_bytes", file.bytes()},
+          {"max_gaussians", file.static_count + file.dynamic_count},
+          {"non_finite", file.non_finite},
+          {"never_drawn", file.never_drawn},
+          {"far_outliers", file.far_outliers}};
+}
+
+/// Manifest, blocks and what goes beside them.
+json write_folder(const ExportRequest& request, GaussianModel& model, bool page) {
+  const std::string html = page ? page_of_folder() : "";
+  const std::string sound = request.audio.empty() ? "" : read_text_file(request.audio);
+  const Tessera4dFile file = encoded(request, model);
+  std::vector<std::string> files{kTessera4dManifest};
+  for (const auto& [name, bytes] : file.blocks) files.push_back(name);
+  const std::string audio = fs::path(request.audio).filename().string();
+  if (!audio.empty()) files.push_back(audio);
+  if (page) files.emplace_back(kPageFile);
+  OutputFolder folder(request.out, "export", files, request.overwrite);
+  if (!audio.empty()) write_text_file(folder.path(audio), sound);
+  if (page) write_text_file(folder.path(kPageFile), html);
+  write_tessera4d_folder(folder.staging(), file);
+  folder.finish();
+  return result_of(file, int64_t(files.size()),
+                   file.bytes() + int64_t(html.size()) + int64_t(sound.size()));
+}
+
+json write_one(const ExportRequest& request, const Tessera4dFile& file, const char* name,
+               const std::string& bytes) {
+  OutputFolder folder(request.out, "export", {name}, request.overwrite);
+  write_text_file(folder.path(name), bytes);
+  folder.finish();
+  return result_of(file, 1, int64_t(bytes.size()));
+}
+
+json write_tessera(const ExportRequest& request, GaussianModel& model) {
+  if (!request.single) return write_folder(request, model, false);
+  const Tessera4dFile file = encoded(request, model);
+  return write_one(request, file, kSingleFile, single_tessera4d(file));
+}
+
+json write_page(const ExportRequest& request, GaussianModel& model) {
+  return write_folder(request, model, true);
+}
+
+json write_html(const ExportRequest& request, GaussianModel& model) {
+  const Tessera4dFile file = encoded(request, model);
+  return write_one(request, file, kPageFile, page_with(single_tessera4d(file)));
+}
+
+/// Leaves out what no program can draw; returns how many.
+int64_t drop_unsound(GaussianSet& set) {
+  const std::vector<int64_t> rows = sound_rows(set);
+  const int64_t dropped = set.count() - int64_t(rows.size());
+  if (dropped > 0) set = select_rows(set, rows);
+  return dropped;
+}
+
+json write_model(const ExportRequest& request, GaussianModel& model) {
+  const int64_t dropped = drop_unsound(model.static_set) + drop_unsound(model.dynamic_set);
+  OutputFolder folder(request.out, "export", {"model.ply"}, request.overwrite);
+  save_model(folder.path("model.ply"), model);
+  const auto bytes = fs::file_size(folder.path("model.ply"));
+  folder.finish();
+  return {
+      {"frames", 1}, {"bytes", bytes}, {"max_gaussians", model.count()}, {"non_finite", dropped}};
+}
+
+}  // namespace
+
+const std::vector<TimeFormat>& time_formats() {
+  static const std::vector<TimeFormat> rows = {
+      {"tessera", "Tessera 4D: manifest.json and blocks that players stream; --single: one .t4d",
+       write_tessera},
+      {"page", "the same with the web player, for a web server", write_page},
+      {"html", "player and model in one .html that opens by itself", write_html},
+      {"splatv", "one .splatv without view-dependent colour; splaTV, gsplat.js", write_splatv,
+       false, false},
+      {"model", "one 4D .ply, bit for bit as trained", write_model, false, true, true},
+  };
+  return rows;
+}
+
+const TimeFormat* find_time_format(const std::string& name) {
+  for (const TimeFormat& format : time_formats())
+    if (name == format.name) return &format;
+  return nullptr;
+}
+
+ShippedSize shipped_size_of(const std::string& path, const GaussianModel& model) {
+  ExportRequest request;
+  request.model = path;
+  const GaussianModel exported = model_in_source_world(model);
+  return shipped_size(exported, options_of(request, exported));
+}
+
+}  // namespace tessera

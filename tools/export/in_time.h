@@ -1,0 +1,29 @@
+// What: `tessera export` of formats that hold the whole clip.
+// Not: the formats (static3d/tessera4d, recon4d/model/model_file.h).
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "recon4d/model/gaussian_set.h"
+#include "static3d/tessera4d/shipped_size.h"
+#include "tools/export/request.h"
+
+namespace tessera {
+
+struct TimeFormat {
+  const char* name;  // of --format
+  const char* doc;
+  /// Writes the folder; `frames` (files), `bytes` and counters.
+  nlohmann::json (*write)(const ExportRequest&, GaussianModel&);
+  bool is_tessera4d = true;  // takes --lossless, --segment, --cameras, --audio, --fps
+  bool keeps_rules = true;   // filter and truncation stay as trained
+  bool keeps_environment = false;
+};
+const std::vector<TimeFormat>& time_formats();
+/// Nothing where frames are meant.
+const TimeFormat* find_time_format(const std::string& name);
+
+/// Of the file that `tessera export PATH --format tessera --single` writes for the model of `path`.
+ShippedSize shipped_size_of(const std::string& path, const GaussianModel& model);
+
+}  // namespace tessera

@@ -1,0 +1,97 @@
+// What: the manifest tessera_output.json, the hidden folder and the rule who may replace what.
+// Not: where results may lie (output_place.h).
+#include "tools/export/output_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/json_file.h"
+#include "ingest/files/staging.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* kManifest = "tessera_output.json";
+constexpr const char* kStem = "tessera";
+
+bool stays_inside(const fs::path& file) {
+  for (const fs::path& part : file)
+    if (part == "..") return false;
+  return file.is_relative() && !file.empty();
+}
+
+std::vector<std::string> listed_files(const fs::path& folder) {
+  std::vector<std::string> files;
+  if (!fs::exists(folder / kManifest)) return files;
+  const nlohmann::json manifest = read_json(folder / kManifest);
+  const auto listed = manifest.find("files");
+  if (listed == manifest.end() || !listed->is_array()) return files;
+  for (const nlohmann::json& file : *listed)
+    if (file.is_string() && stays_inside(file.get<std::string>())) files.push_back(file);
+  return files;
+}
+
+bool holds_other_contents(const fs::path& folder) {
+  const fs::directory_iterator entries(folder);
+  return std::any_of(begin(entries), end(entries), [](const fs::directory_entry& entry) {
+    return !is_staging_name(entry.path().filename().string(), kStem);
+  });
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(fs::path folder, const std::string& command,
+                           std::vector<std::string> files, bool overwrite)
+    : folder_(std::move(folder)),
+      staging_(folder_ / staging_name(kStem)),
+      command_(command),
+      files_(std::move(files)),
+      made_folder_(!fs::exists(folder_)) {
+  make_folder(folder_);
+  if (!overwrite && !fs::exists(folder_ / kManifest) && holds_other_contents(folder_))
+    throw InputError(
+        fmt::format("{}: has contents that tessera {} did not write; choose another folder or pass "
+                    "--overwrite",
+                    folder_.string(), command_));
+  earlier_ = listed_files(folder_);
+  remove_stale_staging(folder_, kStem);
+  make_folder(staging_);
+}
+
+OutputFolder::~OutputFolder() {
+  std::error_code ignored;
+  fs::remove_all(staging_, ignored);
+  if (made_folder_) fs::remove(folder_, ignored);  // only if it is empty
+}
+
+void OutputFolder::finish() {
+  for (const std::string& file : files_) make_folder((folder_ / file).parent_path());
+  write_manifest(staging_ / kManifest, true);
+  write_manifest(folder_ / kManifest, false);
+  // from here on nothing needs room on the disk
+  for (const std::string& file : files_) fs::rename(staging_ / file, folder_ / file);
+  for (const std::string& file : earlier_) {
+    std::error_code ignored;
+    if (std::find(files_.begin(), files_.end(), file) == files_.end())
+      fs::remove(folder_ / file, ignored);
+  }
+  fs::rename(staging_ / kManifest, folder_ / kManifest);
+}
+
+/// One that is not complete lists the files of both runs.
+void OutputFolder::write_manifest(const fs::path& file, bool complete) const {
+  std::vector<std::string> files = files_;
+  if (!complete) files.insert(files.end(), earlier_.begin(), earlier_.end());
+  const nlohmann::ordered_json manifest{
+      {"written_by", "tessera " + command_}, {"complete", complete}, {"files", files}};
+  write_text_file(file, manifest.dump(1) + "\n");
+}
+
+}  // namespace tessera

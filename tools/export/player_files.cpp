@@ -1,0 +1,35 @@
+// What: the page's configuration, base64.
+// Not: what the page does with it (tools/player/src).
+#include "tools/export/player_files.h"
+
+#include <fmt/format.h>
+
+#include "kernels/base/errors.h"
+#include "tools/player/page_words.h"
+#include "tools/player/player_page.h"
+
+namespace tessera {
+
+std::string page_of_folder() {
+  return std::string(player_page());
+}
+
+std::string page_with(std::string_view tessera4d) {
+  std::string page(player_page());
+  const size_t at = page.find(kPlayerConfig);
+  check(at != std::string::npos, "player page: its configuration is not where it should be");
+  const std::string config =
+      fmt::format(R"(<script id="tessera-config" type="application/json">{{"data":"{}",)"
+                  R"("encoding":"base64"}}</script>)",
+                  base64(tessera4d));
+  return page.replace(at, kPlayerConfig.size(), config);
+}
+
+void check_page_plays(const SplatFormat& format) {
+  if (std::string_view(format.name) != "glb") return;
+  throw InputError(
+      "export: the player cannot read .glb frames; leave --page out or choose ply, "
+      "compressed, spz or splat");
+}
+
+}  // namespace tessera

@@ -1,0 +1,20 @@
+// What: the player's page as files: beside what it plays, or with it inside.
+// Not: the page itself (tools/player).
+#pragma once
+#include <string>
+#include <string_view>
+
+#include "static3d/formats/splat_file.h"
+
+namespace tessera {
+
+constexpr const char* kPageFile = "index.html";
+
+/// The page, which plays the manifest.json beside it. Errors: InputError: a build without the page.
+std::string page_of_folder();
+/// One page that opens from a file, with a single-file Tessera 4D inside. Errors: likewise.
+std::string page_with(std::string_view tessera4d);
+/// Errors: InputError: frames that the page cannot read.
+void check_page_plays(const SplatFormat& format);
+
+}  // namespace tessera

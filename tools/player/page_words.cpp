@@ -1,0 +1,67 @@
+// What: escapes of HTML and of addresses, base64.
+// Not: any tag.
+#include "tools/player/page_words.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+
+namespace tessera {
+
+std::string html_text(std::string_view text) {
+  std::string escaped;
+  for (char c : text) switch (c) {
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      case '{':  // places of the page's frame
+        escaped += "&#123;";
+        break;
+      default:
+        escaped += c;
+    }
+  return escaped;
+}
+
+std::string html_address(const std::filesystem::path& path) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~/";
+  std::string address;
+  for (char c : path.generic_string())
+    address += kPlain.find(c) != std::string_view::npos ? std::string(1, c)
+                                                        : fmt::format("%{:02X}", uint8_t(c));
+  return address;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t word = 0;
+    for (size_t k = 0; k < 3; ++k)
+      word = word << 8 | (i + k < bytes.size() ? uint8_t(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 4; ++k)
+      text.push_back(i + k <= bytes.size() ? kDigits[word >> (18 - 6 * k) & 63] : '=');
+  }
+  return text;
+}
+
+std::string data_address(const char* type, std::string_view bytes) {
+  return fmt::format("data:{};base64,{}", type, base64(bytes));
+}
+
+}  // namespace tessera

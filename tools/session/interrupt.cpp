@@ -1,0 +1,49 @@
+// What: the handlers.
+// Not: any work in them but setting the flag.
+#include "tools/session/interrupt.h"
+
+#include <csignal>
+
+#include "tools/cli/exit_code.h"
+
+namespace tessera {
+namespace {
+
+volatile std::sig_atomic_t flag = 0, by_hand = 0;
+
+void on_interrupt(int signal) {
+  if (by_hand != 0) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+  }
+  by_hand = 1;
+  flag = 1;
+}
+
+/// A scheduler may send both, and more than once; SIGKILL is its last.
+void on_eviction(int) {
+  flag = 1;
+}
+
+}  // namespace
+
+void install_interrupt_handlers() {
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_eviction);
+  if (std::signal(SIGHUP, SIG_IGN) != SIG_IGN) std::signal(SIGHUP, on_eviction);  // else nohup
+  std::signal(SIGUSR1, on_eviction);
+}
+
+bool interrupted() {
+  return flag != 0;
+}
+
+void stop_if_interrupted() {
+  if (interrupted()) throw Interrupted();
+}
+
+int stop_code() {
+  return by_hand != 0 ? kExitInterrupted : kExitNotFinished;
+}
+
+}  // namespace tessera

@@ -1,0 +1,90 @@
+// What: reading and clearing a run folder.
+// Not: deleting what Tessera did not write.
+#include "tools/session/run_folder.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/write_failure.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+std::string RunFolder::scene() const {
+  return exists() ? read_config().value("scene", "") : "";
+}
+
+nlohmann::json RunFolder::read_config() const {
+  nlohmann::json config_file = nlohmann::json::parse(read_text_file(config()), nullptr, false);
+  if (!config_file.is_object())
+    throw InputError(
+        fmt::format("{}: not valid JSON; train again with --overwrite", config().string()));
+  return config_file;
+}
+
+std::filesystem::path RunFolder::best(int64_t iteration) const {
+  return root / fmt::format("best_{:06}.ply", iteration);
+}
+
+void RunFolder::remove_best_but(int64_t iteration) const {
+  static const std::regex kBest("best_[0-9]{6,}\\.ply");
+  const std::string kept = best(iteration).filename().string();
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name != kept && std::regex_match(name, kBest))
+      std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
+std::string RunFolder::made_for() const {
+  try {
+    return exists() ? read_config().value("made_for", "") : "";
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+void RunFolder::remove_leftovers() const {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (entry.is_regular_file(ignored) && name.starts_with(".") && name.ends_with(".partial"))
+      std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
+std::filesystem::path RunFolder::set_checkpoint_aside() const {
+  std::filesystem::path aside = root / "checkpoint.refused";
+  for (int i = 2; std::filesystem::exists(aside); ++i)
+    aside = root / fmt::format("checkpoint.refused.{}", i);
+  std::error_code reason;
+  std::filesystem::rename(checkpoint(), aside, reason);
+  if (reason) fail_to_write(aside, reason.value());
+  return aside;
+}
+
+void RunFolder::remove_files() const {
+  for (const std::filesystem::path& file :
+       {config(), log(), checkpoint(), model(), exposure(), metrics()}) {
+    std::error_code ignored;  // what cannot be removed fails with its reason when it is written
+    std::filesystem::remove(file, ignored);
+  }
+  remove_best_but(-1);
+}
+
+std::filesystem::path run_folder_of(const std::filesystem::path& path) {
+  const RunFolder inside{path / "run"};
+  return !RunFolder{path}.exists() && inside.exists() ? inside.root : path;
+}
+
+std::string scene_of_model(const std::filesystem::path& model) {
+  const RunFolder run{is_directory(model) ? run_folder_of(model) : model.parent_path()};
+  const std::string scene = run.scene();
+  return std::filesystem::exists(scene) ? scene : "";
+}
+
+}  // namespace tessera

@@ -1,0 +1,56 @@
+// What: where the time and the memory of a training went: wall time by kind of work, the stages of
+//       the steps.
+// Not: the clocks (kernels/stage_clock.h).
+// Source: failure mode D7.
+#pragma once
+#include <array>
+#include <nlohmann/json_fwd.hpp>
+
+#include "recon4d/training/trainer.h"
+
+namespace tessera {
+
+/// Wall time by kind, seconds. Evaluation is off the clock of training.
+class WallSplit {
+ public:
+  enum Kind { kLoad, kInit, kTrain, kEvaluate, kSave, kKinds };
+
+  /// Counts what `work` takes, also where it throws; returns what it returns.
+  template <class Work>
+  auto time(Kind kind, Work&& work) {
+    const Span span(seconds_[kind]);
+    return work();
+  }
+  /// {load, init, train, evaluate, save}
+  nlohmann::json json() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Span {
+    explicit Span(double& seconds) : sum(seconds), begin(Clock::now()) {}
+    Span(const Span&) = delete;
+    ~Span() { sum += std::chrono::duration<double>(Clock::now() - begin).count(); }
+    double& sum;
+    Clock::time_point begin;
+  };
+  std::array<double, kKinds> seconds_{};
+};
+
+/// Stages and memory of training; evaluations use the same backend and are left out.
+class StageLog {
+ public:
+  explicit StageLog(Backend& backend) : memory_(backend.memory()), clock_(backend.clock()) {}
+
+  /// Trains until `iteration`, or until `stop` says so, which is asked before each step.
+  void run(Trainer& trainer, int64_t iteration, const std::function<bool()>& stop);
+  /// stage_ms, stage_gbytes, stage_gb_per_s, peak_device_bytes.
+  void add_to(nlohmann::json& result) const;
+
+ private:
+  Memory& memory_;
+  StageClock& clock_;
+  std::array<StageTotals, kStages> sum_{};
+  int64_t peak_ = 0;  // before the evaluation that follows the last stretch
+};
+
+}  // namespace tessera

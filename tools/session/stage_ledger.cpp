@@ -1,0 +1,73 @@
+// What: stages.json, and keys from inputs.
+// Not: locking: two runs in one folder are the user's mistake.
+#include "tools/session/stage_ledger.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/fnv1a.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+// File names need not be UTF-8.
+constexpr auto kReplaceInvalid = nlohmann::json::error_handler_t::replace;
+
+StageLedger::StageLedger(fs::path file) : file_(std::move(file)) {
+  if (!fs::exists(file_)) return;
+  entries_ = nlohmann::json::parse(read_text_file(file_), nullptr, false);
+  if (!entries_.is_object())
+    throw InputError(
+        fmt::format("{}: damaged; remove it to run every stage again", file_.string()));
+}
+
+bool StageLedger::done(const std::string& stage, const std::string& key) const {
+  return entries_.contains(stage) && entries_[stage].value("key", "") == key &&
+         entries_[stage].value("done", false);
+}
+
+void StageLedger::set(const std::string& stage, nlohmann::json entry) {
+  entries_[stage] = std::move(entry);
+  write_text_file(file_, entries_.dump(2, ' ', false, kReplaceInvalid));
+}
+
+void StageLedger::begin(const std::string& stage, const std::string& key) {
+  set(stage, {{"key", key}, {"done", false}});
+}
+
+void StageLedger::finish(const std::string& stage, const std::string& key,
+                         const nlohmann::json& result) {
+  set(stage, {{"key", key}, {"done", true}, {"result", result}});
+}
+
+const nlohmann::json& StageLedger::result(const std::string& stage) const {
+  return entries_.at(stage).at("result");
+}
+
+std::string key_of(const nlohmann::json& inputs) {
+  Fnv1a hash;
+  hash.add(inputs.dump(-1, ' ', false, kReplaceInvalid));
+  return hash.hex();
+}
+
+nlohmann::json file_stamps(const fs::path& path) {
+  std::vector<std::string> stamps;
+  const auto add = [&](const fs::path& file) {
+    stamps.push_back(fmt::format("{} {} {}", file.string(), fs::file_size(file),
+                                 fs::last_write_time(file).time_since_epoch().count()));
+  };
+  std::error_code error;
+  if (fs::is_regular_file(path)) add(path);
+  for (fs::recursive_directory_iterator it(path, error), end; !error && it != end;
+       it.increment(error))
+    if (it->is_regular_file(error)) add(it->path());
+  std::sort(stamps.begin(), stamps.end());
+  return stamps;
+}
+
+}  // namespace tessera

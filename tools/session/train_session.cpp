@@ -1,0 +1,411 @@
+// What: load the scene, start or resume, train in stretches between checkpoints and evaluations,
+//       write the run folder.
+// Not: a step (recon4d/training/trainer.cpp).
+#include "tools/session/train_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/common.hpp>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/test_views.h"
+#include "kernels/base/errors.h"
+#include "recon4d/model/checkpoint.h"
+#include "recon4d/model/model_file.h"
+#include "recon4d/reduction/parsimony.h"
+#include "recon4d/training/trainer.h"
+#include "recon4d/training/validation.h"
+#include "tools/export/in_time.h"
+#include "tools/session/backend_choice.h"
+#include "tools/session/held_out_scores.h"
+#include "tools/session/interrupt.h"
+#include "tools/session/run_folder.h"
+#include "tools/session/run_lock.h"
+#include "tools/session/scene_lock.h"
+#include "tools/session/session_times.h"
+#include "tools/session/train_start.h"
+#include "tools/session/training_log.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+/// One training in its run folder, from the first look at the folder to the result.
+class Session {
+ public:
+  explicit Session(const TrainRequest& request)
+      : request_(request),
+        limit_(request.time_limit, request.stopwatch),
+        run_{request.run},
+        lock_(request.run),
+        scene_lock_(request.scene, SceneLock::Use::kRead),
+        previous_(wall_.time(WallSplit::kLoad, [&] { return previous_state(request, run_); })) {
+    run_.remove_leftovers();
+    options_ = previous_ ? previous_->options : request.options;
+    complete_contract();
+    validate(options_);
+  }
+
+  json run() {
+    prepare();
+    train();
+    return result();
+  }
+
+ private:
+  /// A model within so many dB of the best needs frames by which that is told.
+  void complete_contract() {
+    constexpr double kShare = 0.1;
+    if (options_.within_db == 0 || options_.validation_share > 0) return;
+    options_.validation_share = kShare;
+    say(fmt::format("--within-db: sets a share of {} of the training frames aside", kShare));
+  }
+
+  void prepare() {
+    wall_.time(WallSplit::kLoad, [&] {
+      scene_ = load_training_scene(request_.scene, options_);
+      for (const std::string& warning : training_warnings(scene_, options_)) warn(warning);
+    });
+    // before anything looks at the training split
+    const int64_t aside = set_aside(scene_, options_.validation_share, uint64_t(options_.seed));
+    wall_.time(WallSplit::kInit, [&] {
+      if (!previous_) complete_cloud(scene_, options_);
+      chosen_ = choose_backend(request_.backend);
+      backend_ = std::move(chosen_.backend);
+      config_ = make_config(request_, options_, scene_, backend_->name());
+      if (previous_) check_frames();
+      make_folder(run_.root);
+      start();
+    });
+    if (aside > 0)
+      say(fmt::format("{} training frames are set aside to choose the model by", aside));
+    say(test_views_of(scene_).text());
+  }
+
+  void check_frames() const {
+    const nlohmann::json provenance = nlohmann::json::parse(previous_->provenance);
+    if (provenance.value("scene_fingerprint", "") !=
+        config_["scene_fingerprint"].get<std::string>())
+      throw CheckpointRefused(
+          fmt::format("{}: was trained on other frames than {} holds; resume with the "
+                      "scene it was started on",
+                      run_.checkpoint().string(), request_.scene.string()));
+  }
+
+  void start() {
+    validation_.emplace(*backend_, scene_, options_,
+                        previous_ ? previous_->validation : ValidationRecord{});
+    kept_best_ = validation_->record().best_iteration;
+    if (kept_best_ > 0) restore_best(run_.best(kept_best_));
+    std::string source = "checkpoint";
+    TrainState state =
+        previous_ ? std::move(previous_->state) : initial_state(scene_, options_, source);
+    if (!previous_) replace_previous_run();
+    log_.emplace(run_.log(), options_.iterations, state.iteration);
+    log_->event("start", {{"iteration", state.iteration}, {"initialisation", source}});
+    const std::string why = chosen_.kind == "cpu" ? fmt::format(" ({})", chosen_.reason) : "";
+    say(fmt::format("{} training frames, initialised from {}, on {}{}",
+                    config_["train_frames"].dump(), source, backend_->name(), why));
+    end_ = request_.stop_after
+               ? std::min(options_.iterations, state.iteration + *request_.stop_after)
+               : options_.iterations;
+    trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
+    parsimony_.emplace(*backend_, options_, shipped_bytes());
+    stages_.emplace(*backend_);
+  }
+
+  /// A run that was here goes when there is something to put in its place, not before: a scene that
+  /// cannot be read or a full disk costs nothing. config.json comes last, so that a checkpoint
+  /// beside it is one of its training.
+  void replace_previous_run() {
+    AtomicFile config(run_.config());
+    config.write(config_.dump(2));
+    config.sync();
+    run_.remove_files();
+    config.commit();
+  }
+
+  void restore_best(const std::filesystem::path& file) {
+    if (!std::filesystem::exists(file))
+      throw CheckpointRefused(
+          fmt::format("{}: is gone, the best model so far of this run; train again with "
+                      "--overwrite",
+                      file.string()));
+    validation_->restore_best(load_model(file));
+  }
+
+  void train() {
+    if (limit_.on()) save();  // says how long that takes, and there is something to go on from
+    check_model();            // a run may have been stopped before it could
+    decide();
+    const int64_t first = trainer_->state().iteration;
+    while (true) {
+      if (!stops()) take_steps();
+      if (!leaves()) check_model();
+      if (!leaves()) decide();
+      const int64_t i = trainer_->state().iteration;
+      const bool done = i >= end_ || stops() || leaves();
+      if (done || (request_.checkpoint_every > 0 && i % request_.checkpoint_every == 0)) save();
+      if (!leaves() && scores_at(i)) score(trainer_->host_model(), i, "evaluation", true);
+      if (done) break;
+    }
+    if (ended() && validation_->on() && request_.evaluate_end && !leaves())
+      score(model(), validation_->record().best_iteration, "shipped", false);
+    write_model();
+    if (left_ && !interrupted()) report_limit(first);
+  }
+
+  void take_steps() {
+    limit_.begin_steps();
+    wall_.time(WallSplit::kTrain, [&] {
+      stages_->run(*trainer_, next_pause(), [&] {
+        return left_ || interrupted() || limit_.due_after_step(trainer_->state().model.count());
+      });
+    });
+  }
+
+  /// Whether it is time to save and go, by a signal or by the clock; once yes, always yes.
+  bool leaves() {
+    left_ = left_ || interrupted() || limit_.due(trainer_->state().model.count());
+    return left_;
+  }
+
+  /// A limit that every call reaches before its first step would be resumed for ever.
+  void report_limit(int64_t first) const {
+    const int64_t i = trainer_->state().iteration;
+    if (i == first && !ended())
+      throw InputError(fmt::format(
+          "--time-limit: {:.0f} s leave room for no step beside loading and saving, which have "
+          "taken {:.1f} s; pass a longer one",
+          limit_.seconds(), request_.stopwatch()));
+    say(fmt::format("time limit: leaves at step {} of {}; --resume goes on", i,
+                    options_.iterations));
+  }
+
+  void write_model() {
+    if (model().count() == 0)
+      warn(
+          "no Gaussians are left, density control has removed them all: pictures are the "
+          "background; look at the poses (tessera doctor) and at --init-extent");
+    wall_.time(WallSplit::kSave, [&] { save_model(run_.model(), model()); });
+    if (trainer_->state().exposure.rows() > 0)
+      write_text_file(
+          run_.exposure(),
+          exposure_json(trainer_->exposed(), trainer_->state().exposure, options_).dump(2));
+  }
+
+  /// Where training pauses next: the end, a checkpoint, an evaluation, a check, a stop asked for.
+  int64_t next_pause() const {
+    const int64_t i = trainer_->state().iteration;
+    int64_t next = end_;
+    for (int64_t every : {request_.checkpoint_every, request_.evaluate_every})
+      if (every > 0) next = std::min(next, (i / every + 1) * every);
+    for (int64_t step : request_.evaluate_at)
+      if (step > i) next = std::min(next, step);
+    next = std::min(next, parsimony_->next_after(i));
+    return validation_->on() ? std::min(next, validation_->next_after(i)) : next;
+  }
+
+  /// Whether the model is scored on the held-out splits after so many steps.
+  bool scores_at(int64_t i) const {
+    const std::vector<int64_t>& at = request_.evaluate_at;
+    return (ended() && !validation_->on() && request_.evaluate_end) ||
+           (request_.evaluate_every > 0 && i % request_.evaluate_every == 0) ||
+           std::find(at.begin(), at.end(), i) != at.end();
+  }
+
+  /// Patience has run out with a model of the size that is asked for.
+  bool stops() const {
+    return validation_->stops() && parsimony_->is_thinned(trainer_->state().decided);
+  }
+  bool ended() const { return trainer_->state().finished || stops(); }
+
+  /// What leaves the program: the best model by validation, else the last; in the end of the size
+  /// that was asked for.
+  const GaussianModel& model() {
+    if (shipped_) return *shipped_;
+    const bool fits = is_thinned(options_) && ended() && !left_;
+    if (validation_->best() == nullptr && !fits) return trainer_->host_model();
+    GaussianModel best = validation_->best() != nullptr ? validation_->shipped()
+                                                        : trainer_->host_model().clone_values();
+    if (fits)
+      best = wall_.time(WallSplit::kEvaluate, [&] {
+        return fit_to(contract(), *backend_, best, trainer_->looked_at(0));
+      });
+    shipped_ = std::move(best);
+    return *shipped_;
+  }
+
+  ShippedBytes shipped_bytes() const {
+    return [this](const GaussianModel& m) { return shipped_size_of(run_.root.string(), m).bytes; };
+  }
+
+  SizeContract contract() {
+    SizeContract contract;
+    contract.gaussians = options_.max_gaussians, contract.bytes = options_.max_bytes;
+    contract.shipped_bytes = shipped_bytes();
+    if (options_.within_db > 0)
+      contract.least_psnr = validation_->record().peak_psnr - options_.within_db;
+    contract.psnr = [this](const GaussianModel& m) { return validation_->psnr(m); };
+    return contract;
+  }
+
+  void check_model() {
+    const TrainState& state = trainer_->state();
+    if (!validation_->due(state.iteration)) return;
+    limit_.whole([&] {
+      wall_.time(WallSplit::kEvaluate, [&] {
+        validation_->check(trainer_->host_model(), state.iteration, state.seconds);
+      });
+    });
+    const ValidationRecord& record = validation_->record();
+    log_->event("validation", {{"iteration", state.iteration},
+                               {"seconds", state.seconds},
+                               {"num_gaussians", state.model.count()},
+                               {"psnr", record.last_psnr},
+                               {"best_psnr", record.best_psnr},
+                               {"best_iteration", record.best_iteration},
+                               {"without_gain", record.without_gain}});
+  }
+
+  /// Thins out and moves between the sets where that is due.
+  void decide() {
+    std::optional<ParsimonyReport> report;
+    limit_.whole([&] {
+      wall_.time(WallSplit::kTrain,
+                 [&] { report = parsimony_->act(*trainer_, validation_->record()); });
+    });
+    if (!report) return;
+    // models so far were larger than what may be shipped; within_db compares them by size
+    if (report->goal > 0 && parsimony_->is_thinned(report->iteration) && options_.within_db == 0)
+      validation_->restart();
+    log_->event("decision", to_json(*report));
+  }
+
+  void save() {
+    limit_.save(trainer_->state().model.count(),
+                [&] { wall_.time(WallSplit::kSave, [&] { write_checkpoint(); }); });
+  }
+
+  /// The best model before the checkpoint that names it; older ones after it.
+  void write_checkpoint() {
+    const int64_t best = validation_->record().best_iteration;
+    if (validation_->best() != nullptr && best != kept_best_) {
+      save_model(run_.best(best), *validation_->best());
+      kept_best_ = best;
+    }
+    save_checkpoint(run_.checkpoint(), trainer_->host_state(), options_, config_.dump(),
+                    validation_->record());
+    run_.remove_best_but(best);
+  }
+
+  /// `brief`: PSNR and SSIM alone.
+  void score(const GaussianModel& scored, int64_t iteration, const std::string& event, bool brief) {
+    try {
+      wall_.time(WallSplit::kEvaluate, [&] {
+        scores_ = score_splits(
+            *backend_, scored, scene_, held_out_splits(scene_), std::nullopt,
+            [&](const Frame&, const Picture&, const ViewScore&, int64_t, int64_t) {
+              if (interrupted() || limit_.over()) throw Interrupted();
+            },
+            brief ? brief_scores() : EvaluateOptions{});
+      });
+    } catch (const Interrupted&) {  // the checkpoint is written; a resumed run scores again
+      left_ = true;
+      return;
+    }
+    json summary = json::object();
+    if (scores_.contains("splits"))
+      for (const auto& [split, of_split] : scores_["splits"].items())
+        summary[split] = {{"psnr", of_split["psnr"]}, {"ssim", of_split["ssim"]}};
+    for (const auto& [split, of_split] : summary.items())
+      say(fmt::format("step {}: {} PSNR {} dB, {} Gaussians", iteration, split,
+                      of_split["psnr"].dump().substr(0, 5), scored.count()));
+    log_->event(event, {{"iteration", iteration},
+                        {"seconds", trainer_->state().seconds},
+                        {"num_gaussians", scored.count()},
+                        {"splits", summary}});
+  }
+
+  /// Null without validation.
+  json validation_result() const {
+    if (!validation_->on()) return nullptr;
+    json result = to_json(validation_->record());
+    const TrainState& state = trainer_->state();
+    result["frames"] = validation_->frames();
+    result["stop_iteration"] = state.iteration, result["stop_seconds"] = state.seconds;
+    return result;
+  }
+
+  /// Null without gains.
+  json exposure_result() const {
+    const std::vector<Vec3<double>> gains = gains_of(trainer_->state().exposure);
+    if (gains.empty()) return nullptr;
+    Vec3<double> least = gains.front(), most = least;
+    for (const Vec3<double>& gain : gains)
+      least = glm::min(least, gain), most = glm::max(most, gain);
+    return {{"by", options_.exposure},
+            {"count", gains.size()},
+            {"smallest", {least[0], least[1], least[2]}},
+            {"largest", {most[0], most[1], most[2]}},
+            {"file", run_.exposure().string()}};
+  }
+
+  json result() {
+    const TrainState& state = trainer_->state();
+    const GaussianModel& shipped = model();
+    json result = {{"seconds", state.seconds},
+                   {"iterations", state.iteration},
+                   {"finished", ended() && !left_},
+                   {"left", left_},
+                   {"num_gaussians", shipped.count()},
+                   {"num_static", shipped.static_set.count()},
+                   {"num_dynamic", shipped.dynamic_set.count()},
+                   {"device", backend_->name()},
+                   {"backend", chosen_.kind},
+                   {"backend_reason", chosen_.reason},
+                   {"wall_seconds", wall_.json()},
+                   {"validation", validation_result()},
+                   {"exposure", exposure_result()},
+                   {"scores", scores_}};
+    stages_->add_to(result);
+    result["model"] = run_.model().string();
+    result["bytes"] = std::filesystem::file_size(run_.model());
+    log_->event("end", result);
+    return result;
+  }
+
+  const TrainRequest& request_;
+  WallSplit wall_;
+  TimeLimit limit_;
+  const RunFolder run_;
+  const RunLock lock_;
+  const SceneLock scene_lock_;
+  std::optional<Checkpoint> previous_;
+  TrainOptions options_;
+  Scene scene_;
+  ChosenBackend chosen_;
+  std::unique_ptr<Backend> backend_;
+  json config_, scores_ = json::object();
+  int64_t end_ = 0;  // of this call, steps
+  std::optional<TrainingLog> log_;
+  std::optional<Trainer> trainer_;
+  std::optional<StageLog> stages_;
+  std::optional<Validation> validation_;
+  std::optional<Parsimony> parsimony_;
+  std::optional<GaussianModel> shipped_;
+  bool left_ = false;      // before the end, to be resumed
+  int64_t kept_best_ = 0;  // step of the best model whose file this run has written or read
+};
+
+}  // namespace
+
+json train_session(const TrainRequest& request) {
+  return Session(request).run();
+}
+
+}  // namespace tessera

@@ -1,0 +1,43 @@
+// What: a training with its run folder: resolved options, log, checkpoints, model, evaluations.
+// Not: the training itself (recon4d/training/trainer.h) nor option parsing (commands/train.cpp).
+// Run folder: config.json, log.jsonl, checkpoint.ckpt, model.ply, metrics.json; with validation
+// also best_<step>.ply: the best model so far as it was, and model.ply then is that model.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+#include "recon4d/options/train_options.h"
+#include "tools/session/time_limit.h"
+
+namespace tessera {
+
+struct TrainRequest {
+  std::filesystem::path scene, run;
+  TrainOptions options;
+  std::string preset, ablation, backend = "auto";
+  bool resume = false;
+  bool overwrite = false;             // an existing run folder may be replaced
+  int64_t evaluate_every = 0;         // steps; 0: only at the end
+  std::vector<int64_t> evaluate_at;   // steps, besides
+  std::string made_for;               // what the caller knows the training by; in config.json
+  bool evaluate_end = true;           // false: `scores` stay empty
+  int64_t checkpoint_every = 1000;    // steps
+  std::optional<int64_t> stop_after;  // steps of this call
+  double time_limit = 0;              // seconds by the stopwatch; 0: none
+  Stopwatch stopwatch = running_stopwatch();
+};
+
+/// Trains until the end, an interrupt, the time limit or stop_after; writes the run folder, whose
+/// lock it holds meanwhile, and a reader's of the scene. The object has `left` (by interrupt or
+/// time limit: to be resumed), `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`,
+/// `stage_ms`, `stage_gbytes`, `stage_gb_per_s`, `finished`, `scores`, `bytes` (of model.ply),
+/// `wall_seconds` {load, init, train, evaluate, save}, `validation` (null without), …. Errors:
+/// InputError (among them: another training has the folder; a time limit that leaves room for no
+/// step), CheckpointRefused (with `resume` alone), WriteError, NumericalError.
+nlohmann::json train_session(const TrainRequest& request);
+
+}  // namespace tessera

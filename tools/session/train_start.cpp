@@ -1,0 +1,97 @@
+// What: the scene as a training sees it, the checkpoint that it goes on from, its config.json.
+// Not: the training (train_session.h).
+#include "tools/session/train_start.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "ingest/cloud/dense_cloud.h"
+#include "ingest/files/fnv1a.h"
+#include "ingest/layouts/scene_reader.h"
+#include "kernels/base/errors.h"
+#include "recon4d/options/train_options_json.h"
+#include "recon4d/training/scene_scale.h"
+#include "tools/version.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+/// Tells scenes apart on resume: names, times and sizes of the frames, and their masks.
+std::string scene_fingerprint(const Scene& scene) {
+  Fnv1a hash;
+  for (const Frame& frame : scene.frames) {
+    hash.add(
+        fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width, frame.image.height));
+    hash.add(frame.mask.data.data(), frame.mask.data.size());
+  }
+  return hash.hex();
+}
+
+}  // namespace
+
+std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run) {
+  if (!run.exists()) {
+    if (request.resume)
+      throw InputError(
+          fmt::format("{}: nothing to resume: it has no config.json", run.root.string()));
+    return std::nullopt;
+  }
+  if (request.resume && std::filesystem::exists(run.checkpoint()))
+    return load_checkpoint(run.checkpoint());
+  if (request.resume && std::filesystem::exists(run.model()))
+    throw InputError(fmt::format(
+        "{}: has a model and no checkpoint.ckpt to go on from; pass --overwrite to train "
+        "it anew",
+        run.root.string()));
+  if (!request.resume && !request.overwrite)
+    throw InputError(fmt::format(
+        "{}: holds a run already; pass --resume to go on with it or --overwrite to replace it",
+        run.root.string()));
+  return std::nullopt;
+}
+
+json make_config(const TrainRequest& request, const TrainOptions& options, const Scene& scene,
+                 const std::string& device) {
+  return {{"tessera", kVersionText},
+          {"preset", request.preset},
+          {"ablation", request.ablation.empty() ? json(nullptr) : json(request.ablation)},
+          {"options", to_json(options)},
+          {"scene", std::filesystem::absolute(request.scene).string()},
+          {"scene_fingerprint", scene_fingerprint(scene)},
+          {"train_frames", scene.split_indices(Split::kTrain).size()},
+          {"validation_frames", scene.split_indices(Split::kAside).size()},
+          {"device", device},
+          {"seed", options.seed},
+          {"made_for", request.made_for}};
+}
+
+Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options) {
+  SceneOptions scene_options;
+  scene_options.background = parse_background(options.background);
+  scene_options.allow_static = options.static_only;
+  return scaled_scene(load_scene(path, scene_options), options.train_scale);
+}
+
+std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options) {
+  std::vector<std::string> warnings = scene.warnings;
+  std::set<double> timesteps;
+  for (const int i : scene.split_indices(Split::kTrain))
+    timesteps.insert(scene.frames[size_t(i)].time);
+  if (options.static_only && timesteps.size() > 1)
+    warnings.push_back(fmt::format(
+        "{}: has {} timesteps, and static_only makes one static scene of them all, in which what "
+        "moves is blurred; for a moving scene choose another preset, for instance balanced",
+        scene.path, timesteps.size()));
+  return warnings;
+}
+
+void complete_cloud(Scene& scene, const TrainOptions& options) {
+  if (!options.sweep || !scene.points.position.empty()) return;
+  scene.points = dense_cloud(scene, {options.init_points, uint64_t(options.seed), {}});
+}
+
+}  // namespace tessera

@@ -1,0 +1,36 @@
+// What: what a training starts from: its scene, what its run folder holds already, its record.
+// Not: the training (train_session.h).
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recon4d/model/checkpoint.h"
+#include "tools/session/run_folder.h"
+#include "tools/session/train_session.h"
+
+namespace tessera {
+
+/// The scene as a training with these options sees it: its background, one moment allowed or not.
+/// Errors: as load_scene.
+Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options);
+
+/// What a user of these options on this scene may not expect, one line each; with what the scene
+/// itself warns of.
+std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options);
+
+/// Gives a scene without a cloud the one that `tessera ingest` would have: options.init_points
+/// points found by a plane sweep, unless options.sweep is off.
+void complete_cloud(Scene& scene, const TrainOptions& options);
+
+/// The checkpoint to go on from; clears the folder where a new training may replace what is there.
+/// Errors: InputError: nothing to resume; a run is there that may not be replaced.
+std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run);
+
+/// config.json: versions, options, scene, device.
+nlohmann::json make_config(const TrainRequest& request, const TrainOptions& options,
+                           const Scene& scene, const std::string& device);
+
+}  // namespace tessera
