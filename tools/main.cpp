@@ -7,9 +7,9 @@
 #include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/command.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/usage_message.h"
-#include "tools/session/interrupt.h"
 #include "tools/version.h"
 
 namespace tessera {

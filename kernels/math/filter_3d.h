@@ -4,7 +4,6 @@
 // Not: when φ is measured (recon4d/training/schedule.h), nor which of the two versions is on:
 // `smooth` acts where a set has its φ with it. Source: [Mip-Splatting], [Faster-GS]; method C.1.
 #pragma once
-#include "kernels/gaussians.h"
 #include "kernels/math/ewa.h"
 
 namespace tessera {
@@ -72,28 +71,6 @@ TESSERA_HD inline Real logit_of_dimmed(Real logit, Real c) {
   constexpr Real kLeast = Real(1e-37);  // a normal float
   const Real o = sigmoid(logit);
   return log(max_of(o * c, kLeast)) - log(max_of(sigmoid(-logit) + o * (Real(1) - c), kLeast));
-}
-
-/// The edit of Gaussian n of a set with its φ. `limit`: an opacity.
-template <class Real>
-TESSERA_HD inline void edit_by_filter(FilterEdit edit, const GaussianSpans<Real>& set, int64_t n,
-                                      Real limit) {
-  const Real size = set.filter_size[n];
-  Real* const s = set.at(kLogScale, n);
-  Real* const logit = set.at(kOpacityLogit, n);
-  if (edit == FilterEdit::kRaiseScales) {
-    const Real least = log(size);  // −∞ without a filter
-    for (int k = 0; k < 3; ++k) s[k] = max_of(least, s[k]);
-    return;
-  }
-  const Smoothed<Real> smoothed = smooth(Vec3<Real>(s[0], s[1], s[2]), size);
-  if (edit == FilterEdit::kBake) {
-    *logit = logit_of_dimmed(*logit, smoothed.dimming);
-    for (int k = 0; k < 3; ++k) s[k] = smoothed.log_scale[k];
-    return;
-  }
-  if (smoothed.dimming > limit)  // else o' ≤ c ≤ limit already
-    *logit = min_of(*logit, log(limit / (smoothed.dimming - limit)));
 }
 
 }  // namespace tessera

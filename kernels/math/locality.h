@@ -2,7 +2,6 @@
 // Not: the sort. Morton, not Hilbert: it is what the reference uses.
 // Source: method A.14, D.7.
 #pragma once
-#include "kernels/gaussians.h"
 #include "kernels/math/scalar.h"
 
 namespace tessera {

@@ -4,7 +4,6 @@
 // Source: method B  [3DGS-MCMC], in double; the double sum of the source collapsed.
 #pragma once
 #include "kernels/math/random.h"
-#include "kernels/math/splat.h"
 
 namespace tessera {
 
@@ -34,13 +33,6 @@ TESSERA_HD inline Relocated relocated(double opacity, int copies) {
   return {each, o / sum};
 }
 
-/// The opacity of Gaussian n, −1 where it is none.
-template <Form form, class Real>
-TESSERA_HD inline double living_opacity(const GaussianSpans<const Real>& set, int64_t n) {
-  GaussianState<Real> g;
-  return load_gaussian<form>(set, n, g) ? sigmoid(double(*set.at(kOpacityLogit, n))) : -1.0;
-}
-
 /// Opacity as a whole number, so that sums do not depend on their order. Far from zero for what is
 /// not dead.
 TESSERA_HD inline int32_t draw_weight(double opacity) {
@@ -59,22 +51,6 @@ TESSERA_HD inline int64_t drawn_source(const int64_t* sums, int64_t count, uint6
     (sums[middle] <= at ? low : high) = middle;
   }
   return low;
-}
-
-/// Gaussian n becomes one of `copies`. All axes shrink by f, the one in time too: Σ₄ → f²Σ₄ leaves
-/// the velocity b/w as it is, as shrinking three of four axes would not; and the slices before and
-/// after μ_t, where 1 − (1 − o'p)^n > o·p, need it as much as the pixels beside the centre do.
-template <Form form, class Real>
-TESSERA_HD inline void become_copies(const GaussianSpans<Real>& set, int64_t n, int copies,
-                                     double least_opacity) {
-  Real& logit = *set.at(kOpacityLogit, n);
-  const Relocated r = relocated(sigmoid(double(logit)), copies);
-  const double low = min_of(least_opacity, kMostRelocatedOpacity);
-  const double opacity = clamp_to(r.opacity, low, kMostRelocatedOpacity);
-  logit = Real(log(opacity) - log1p(-opacity));
-  const Real shrink = Real(log(r.scale));
-  for (int k = 0; k < 3; ++k) set.at(kLogScale, n)[k] += shrink;
-  if constexpr (form != Form::kStatic) *set.at(kLogScaleTime, n) += shrink;
 }
 
 }  // namespace tessera

@@ -7,7 +7,7 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/math/density.h"
+#include "kernels/elements/density.h"
 #include "kernels/math/locality.h"
 
 namespace tessera {

@@ -8,7 +8,7 @@
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
-#include "kernels/math/density.h"
+#include "kernels/elements/density.h"
 #include "kernels/math/locality.h"
 
 namespace tessera {

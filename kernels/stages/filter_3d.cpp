@@ -6,7 +6,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/filter_3d.h"
 
 namespace tessera {
 namespace {

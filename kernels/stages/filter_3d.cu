@@ -5,7 +5,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/filter_3d.h"
 
 namespace tessera {
 namespace {

@@ -5,8 +5,8 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/math/position_noise.h"
-#include "kernels/math/relocation.h"
+#include "kernels/elements/position_noise.h"
+#include "kernels/elements/relocation.h"
 
 namespace tessera {
 namespace {

@@ -8,8 +8,8 @@
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
-#include "kernels/math/position_noise.h"
-#include "kernels/math/relocation.h"
+#include "kernels/elements/position_noise.h"
+#include "kernels/elements/relocation.h"
 
 namespace tessera {
 namespace {

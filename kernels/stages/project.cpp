@@ -5,7 +5,7 @@
 #include "kernels/base/count_limit.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/stages/gradient_sink.h"
 
 namespace tessera {

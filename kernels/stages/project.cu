@@ -12,7 +12,7 @@
 #include "kernels/cuda/sh_registers.cuh"
 #include "kernels/cuda/sort.h"
 #include "kernels/cuda/tile_walk.cuh"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 
 namespace tessera {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/stages/regulariser.h"
 #include "kernels/stages/splat_gradient.h"
 #include "kernels/stages/velocities.h"

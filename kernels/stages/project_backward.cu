@@ -10,6 +10,7 @@
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/sh_registers.cuh"
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/stages/regulariser.h"
 #include "kernels/stages/splat_gradient.h"
 

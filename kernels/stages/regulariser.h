@@ -5,7 +5,7 @@
 #pragma once
 #include <cmath>
 
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/stages/gradient_sink.h"
 
 namespace tessera {

@@ -4,7 +4,7 @@
 // Source: method A.12, C.1, C.2, D.2, D.3, D.6.
 #pragma once
 #include "kernels/batch.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/stages/gradient_sink.h"
 
 namespace tessera {

@@ -6,6 +6,7 @@
 #pragma once
 #include <array>
 
+#include "recon4d/density/density.h"
 #include "recon4d/model/train_state.h"
 
 namespace tessera {

@@ -11,7 +11,7 @@
 
 #include "recon4d/model/checkpoint_refused.h"
 #include "recon4d/model/train_state.h"
-#include "recon4d/training/validation.h"
+#include "recon4d/model/validation_record.h"
 
 namespace tessera {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 
 namespace tessera {
 

@@ -4,7 +4,7 @@
 #pragma once
 #include <vector>
 
-#include "recon4d/density/density.h"
+#include "recon4d/model/set_statistics.h"
 
 namespace tessera {
 

@@ -2,9 +2,9 @@
 // Not: the steps (trainer.h) or the file (checkpoint.h).
 #pragma once
 #include "kernels/backend.h"
-#include "recon4d/density/density.h"
 #include "recon4d/model/exposure.h"
 #include "recon4d/model/gaussian_set.h"
+#include "recon4d/model/set_statistics.h"
 #include "recon4d/options/train_options.h"
 
 namespace tessera {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "kernels/base/parallel.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/hygiene.h"
 #include "recon4d/model/set_rows.h"

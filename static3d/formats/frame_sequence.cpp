@@ -11,7 +11,7 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "recon4d/model/hygiene.h"
 #include "static3d/transform/scene_box.h"
 #include "static3d/transform/slicer.h"

@@ -10,7 +10,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/base/quantile.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "recon4d/model/hygiene.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/sh_streams.h"

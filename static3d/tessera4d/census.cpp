@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "recon4d/model/hygiene.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/sh_streams.h"

@@ -11,7 +11,7 @@
 #include "ingest/files/bytes.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/hygiene.h"
 #include "static3d/tessera4d/block.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "static3d/transform/slicer.h"
 
 namespace tessera {

@@ -8,7 +8,7 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "recon4d/model/hygiene.h"
 #include "recon4d/model/shape3.h"
 #include "static3d/transform/four_rotation.h"

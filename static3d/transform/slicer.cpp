@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "kernels/base/parallel.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/shape3.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "kernels/base/parallel.h"
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/math/eigen3.h"
-#include "kernels/math/splat.h"
 #include "static3d/transform/four_rotation.h"
 #include "static3d/transform/sh_rotation.h"
 

@@ -2,7 +2,7 @@
 // failure_modes C8. Not: the tile test itself (bounds_test.cpp).
 #include <set>
 
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/stages/radix_order.h"
 #include "tests/support/render.h"
 

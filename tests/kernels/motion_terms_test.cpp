@@ -1,6 +1,7 @@
 // What: the terms of the loss in velocities and lives of dynamic Gaussians against differences of
 // the terms themselves.
 // Not: that they help; nor a device (backend_motion_test.cpp).
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/stages/regulariser.h"
 #include "tests/support/motion_scene.h"
 

@@ -1,6 +1,6 @@
 // What: the noise of means: its moments, its gate, and that draws do not repeat.
 // Not: its size over a training (tests/recon4d/density/train_mcmc_test.cpp).
-#include "kernels/math/position_noise.h"
+#include "kernels/elements/position_noise.h"
 
 #include "kernels/base/parallel.h"
 #include "tests/support/render.h"

@@ -3,7 +3,7 @@
 // Conventions found in the files: `scales` are logarithms (−3.7 … 0.83), `quats` are w x y z and
 // not normalised, `opacities` are logits (0.5 … 1), `coeffs` are [N, 16, 3], `conics` are
 // (xx, xy, yy), `out_img` is RGB and 1 − transmittance; gradients are by these stored values.
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/render.h"
 #include "tests/support/safetensors.h"

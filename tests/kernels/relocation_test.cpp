@@ -2,7 +2,7 @@
 // integral they come from and in pictures; who is drawn, and how often.
 // Not: rows of a training (tests/recon4d/density/train_mcmc_test.cpp), nor a device
 // (backend_mcmc_test.cpp).
-#include "kernels/math/relocation.h"
+#include "kernels/elements/relocation.h"
 
 #include "tests/support/render.h"
 

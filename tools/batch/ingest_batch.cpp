@@ -15,8 +15,8 @@
 #include "ingest/layouts/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/ingest_arguments.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/interrupt.h"
 #include "tools/session/output_place.h"
 #include "tools/session/stage_ledger.h"
 

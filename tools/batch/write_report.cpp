@@ -15,9 +15,9 @@
 #include "tools/batch/report_page.h"
 #include "tools/bench/picture.h"
 #include "tools/bench/report.h"
+#include "tools/cli/backend_options.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/backend_choice.h"
-#include "tools/session/interrupt.h"
 
 namespace tessera {
 namespace {

@@ -19,11 +19,12 @@
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/options/train_options_json.h"
+#include "tools/cli/backend_options.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/cli/training_terminal.h"
 #include "tools/export/in_time.h"
-#include "tools/session/backend_choice.h"
 #include "tools/session/held_out_scores.h"
-#include "tools/session/interrupt.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/scene_lock.h"
 #include "tools/session/train_session.h"
@@ -67,21 +68,8 @@ TrainRequest request_of(const BenchRunOptions& options, const BenchCell& cell,
   request.overwrite = true;
   request.made_for = cell_fingerprint(cell);
   request.resume = can_resume(run, request);
+  request.shipped_bytes = shipped_bytes_of(run.root.string());
   return request;
-}
-
-/// Goes on where an earlier call stopped, from the beginning where its checkpoint is of no use.
-json train(TrainRequest request) {
-  if (!request.resume) return train_session(request);
-  try {
-    return train_session(request);
-  } catch (const CheckpointRefused& error) {
-    const fs::path aside = RunFolder{request.run}.set_checkpoint_aside();
-    warn(fmt::format("{}; it is {} now, and the training starts anew", error.what(),
-                     aside.string()));
-    request.resume = false;
-    return train_session(request);
-  }
 }
 
 /// Scores on the way from log.jsonl; of a step that was taken twice, the later.
@@ -158,7 +146,8 @@ json run_cell(const BenchRunOptions& options, const BenchCell& cell) {
   fs::remove(result_file);
   const TrainRequest request = request_of(options, cell, run);
   const Clock::time_point begin = Clock::now();
-  const json trained = train(request);
+  TrainingTerminal terminal;
+  const json trained = train_or_restart(request, terminal);
   const double wall = seconds_since(begin);
   stop_if_interrupted();
   json result = describe_cell(cell);

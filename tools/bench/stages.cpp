@@ -13,10 +13,10 @@
 #include "recon4d/model/model_file.h"
 #include "recon4d/options/ablations.h"
 #include "recon4d/training/stage_bench.h"
+#include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
-#include "tools/session/backend_choice.h"
 #include "tools/session/train_start.h"
 
 namespace tessera {

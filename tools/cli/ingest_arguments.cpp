@@ -10,8 +10,8 @@
 
 #include "ingest/layouts/capture_layout.h"
 #include "kernels/base/errors.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/interrupt.h"
 #include "tools/session/scene_lock.h"
 #include "tools/session/stage_ledger.h"
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
+#include "recon4d/options/train_options.h"
 #include "tools/cli/command.h"
-#include "tools/session/train_session.h"
 
 namespace tessera {
 
@@ -27,7 +27,5 @@ void add_option_rows(CLI::App& command, TrainArguments& arguments);
 TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts);
 /// The same for the scene in that folder, whose cameras and times are read. Errors: as load_scene.
 TrainOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene);
-/// Two or three lines for a person.
-std::string training_text(const nlohmann::json& result);
 
 }  // namespace tessera

@@ -16,13 +16,13 @@
 #include "tools/batch/batch_watch.h"
 #include "tools/batch/engine.h"
 #include "tools/batch/workflow_files.h"
+#include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
 #include "tools/player/player_page.h"
-#include "tools/session/backend_choice.h"
-#include "tools/session/interrupt.h"
 #include "tools/session/machine.h"
 
 namespace tessera {

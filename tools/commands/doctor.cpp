@@ -14,9 +14,9 @@
 #include "kernels/base/parallel.h"
 #include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/commands/doctor_checks.h"
-#include "tools/session/interrupt.h"
 #include "tools/session/scene_lock.h"
 
 namespace tessera {

@@ -11,8 +11,8 @@
 #include "tools/batch/ingest_batch.h"
 #include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/interrupt.h"
 #include "tools/session/output_place.h"
 
 namespace tessera {

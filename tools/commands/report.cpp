@@ -8,9 +8,9 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "tools/batch/write_report.h"
+#include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/backend_choice.h"
 
 namespace tessera {
 

@@ -22,22 +22,24 @@
 #include "static3d/transform/world_change.h"
 #include "tools/batch/ingest_batch.h"
 #include "tools/camera_paths/export_times.h"
+#include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
+#include "tools/cli/training_terminal.h"
 #include "tools/export/in_time.h"
 #include "tools/export/output_folder.h"
 #include "tools/export/player_files.h"
 #include "tools/player/player_page.h"
-#include "tools/session/backend_choice.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/held_out_scores.h"
-#include "tools/session/interrupt.h"
 #include "tools/session/output_place.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/scene_lock.h"
 #include "tools/session/stage_ledger.h"
+#include "tools/session/train_session.h"
 #include "tools/version.h"
 
 namespace tessera {
@@ -121,19 +123,6 @@ class Runner {
     ledger_.finish("ingest", key, result);
   }
 
-  /// Goes on where an earlier call stopped, from the beginning where its checkpoint is of no use.
-  json train_or_restart(TrainRequest train) {
-    try {
-      return train_session(train);
-    } catch (const CheckpointRefused& error) {
-      const fs::path aside = run_.set_checkpoint_aside();
-      warn(fmt::format("{}; it is {} now, and the training starts anew", error.what(),
-                       aside.string()));
-      train.resume = false;
-      return train_session(train);
-    }
-  }
-
   bool train() {
     const std::string backend = parse_backend(request_.training.backend).name;
     train_key_ = key_of({scene_key_, to_json(options_), backend});
@@ -147,8 +136,10 @@ class Runner {
     train.made_for = train_key_;
     train.resume = run_.made_for() == train_key_ && fs::exists(run_.checkpoint());
     train.overwrite = true;
+    train.shipped_bytes = shipped_bytes_of(run_.root.string());
     ledger_.begin("train", train_key_);
-    json result = train_or_restart(std::move(train));
+    TrainingTerminal terminal;
+    json result = train_or_restart(std::move(train), terminal);
     if (interrupted()) return false;
     result.erase("scores");  // the evaluate stage has them
     ledger_.finish("train", train_key_, result);

@@ -7,10 +7,10 @@
 #include "ingest/files/atomic_file.h"
 #include "static3d/formats/frame_sequence.h"
 #include "tools/camera_paths/rig_cameras.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/export/output_folder.h"
 #include "tools/export/player_files.h"
-#include "tools/session/interrupt.h"
 
 namespace tessera {
 namespace {

@@ -138,4 +138,8 @@ ShippedSize shipped_size_of(const std::string& path, const GaussianModel& model)
   return shipped_size(exported, options_of(request, exported));
 }
 
+ShippedBytes shipped_bytes_of(const std::string& path) {
+  return [path](const GaussianModel& model) { return shipped_size_of(path, model).bytes; };
+}
+
 }  // namespace tessera

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "recon4d/model/gaussian_set.h"
+#include "recon4d/reduction/size_contract.h"
 #include "static3d/tessera4d/shipped_size.h"
 #include "tools/export/request.h"
 
@@ -25,5 +26,7 @@ const TimeFormat* find_time_format(const std::string& name);
 
 /// Of the file that `tessera export PATH --format tessera --single` writes for the model of `path`.
 ShippedSize shipped_size_of(const std::string& path, const GaussianModel& model);
+/// Its bytes, for models of the run folder `path`.
+ShippedBytes shipped_bytes_of(const std::string& path);
 
 }  // namespace tessera

@@ -15,7 +15,6 @@
 #include "ingest/files/host_name.h"
 #include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
-#include "tools/cli/terminal.h"
 #include "tools/session/locked_file.h"
 
 namespace tessera {
@@ -30,15 +29,16 @@ std::string holder(int descriptor) {
 
 }  // namespace
 
-RunLock::RunLock(const std::filesystem::path& folder)
-    : file_(folder / "lock"), made_folder_(!std::filesystem::exists(folder)) {
+RunLock::RunLock(const std::filesystem::path& folder, SessionObserver& observer)
+    : observer_(observer), file_(folder / "lock"), made_folder_(!std::filesystem::exists(folder)) {
   make_folder(folder);
   while (!take()) {
   }
   const std::string text = fmt::format("process {} on {}", ::getpid(), host_name());
   if (::ftruncate(descriptor_, 0) != 0 ||
       ::pwrite(descriptor_, text.data(), text.size(), 0) != ssize_t(text.size()))
-    warn(fmt::format("{}: cannot be written ({})", file_.string(), std::strerror(errno)));
+    observer_.on_warning(
+        fmt::format("{}: cannot be written ({})", file_.string(), std::strerror(errno)));
 }
 
 /// False when the file was removed by its holder in the meantime.
@@ -54,8 +54,9 @@ bool RunLock::take() {
                       "choose another folder",
                       file_.parent_path().string(), who));
     }
-    warn(fmt::format("{}: this file system has no locks ({}); let no second training write here",
-                     file_.string(), std::strerror(errno)));
+    observer_.on_warning(
+        fmt::format("{}: this file system has no locks ({}); let no second training write here",
+                    file_.string(), std::strerror(errno)));
     return true;
   }
   if (is_file_of_name(descriptor_, file_)) return true;

@@ -3,6 +3,8 @@
 #pragma once
 #include <filesystem>
 
+#include "tools/session/session_observer.h"
+
 namespace tessera {
 
 /// Holds an flock on FOLDER/lock, which says who has it: the kernel gives it back when the program
@@ -11,8 +13,8 @@ namespace tessera {
 class RunLock {
  public:
   /// Errors: InputError: another program has the lock (says which), the folder cannot be written.
-  /// A file system that knows no locks is warned of.
-  explicit RunLock(const std::filesystem::path& folder);
+  /// A file system that knows no locks is a warning.
+  RunLock(const std::filesystem::path& folder, SessionObserver& observer);
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
   ~RunLock();
@@ -20,6 +22,7 @@ class RunLock {
  private:
   bool take();
 
+  SessionObserver& observer_;
   std::filesystem::path file_;
   bool made_folder_ = false;
   int descriptor_ = -1;

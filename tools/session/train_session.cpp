@@ -18,10 +18,8 @@
 #include "recon4d/reduction/parsimony.h"
 #include "recon4d/training/trainer.h"
 #include "recon4d/training/validation.h"
-#include "tools/export/in_time.h"
 #include "tools/session/backend_choice.h"
 #include "tools/session/held_out_scores.h"
-#include "tools/session/interrupt.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/run_lock.h"
 #include "tools/session/scene_lock.h"
@@ -34,14 +32,18 @@ namespace {
 
 using nlohmann::json;
 
+/// Leaves a scoring pass.
+struct Stopped {};
+
 /// One training in its run folder, from the first look at the folder to the result.
 class Session {
  public:
-  explicit Session(const TrainRequest& request)
+  Session(const TrainRequest& request, SessionObserver& observer)
       : request_(request),
+        observer_(observer),
         limit_(request.time_limit, request.stopwatch),
         run_{request.run},
-        lock_(request.run),
+        lock_(request.run, observer),
         scene_lock_(request.scene, SceneLock::Use::kRead),
         previous_(wall_.time(WallSplit::kLoad, [&] { return previous_state(request, run_); })) {
     run_.remove_leftovers();
@@ -62,13 +64,15 @@ class Session {
     constexpr double kShare = 0.1;
     if (options_.within_db == 0 || options_.validation_share > 0) return;
     options_.validation_share = kShare;
-    say(fmt::format("--within-db: sets a share of {} of the training frames aside", kShare));
+    observer_.on_message(
+        fmt::format("--within-db: sets a share of {} of the training frames aside", kShare));
   }
 
   void prepare() {
     wall_.time(WallSplit::kLoad, [&] {
       scene_ = load_training_scene(request_.scene, options_);
-      for (const std::string& warning : training_warnings(scene_, options_)) warn(warning);
+      for (const std::string& warning : training_warnings(scene_, options_))
+        observer_.on_warning(warning);
     });
     // before anything looks at the training split
     const int64_t aside = set_aside(scene_, options_.validation_share, uint64_t(options_.seed));
@@ -76,14 +80,16 @@ class Session {
       if (!previous_) complete_cloud(scene_, options_);
       chosen_ = choose_backend(request_.backend);
       backend_ = std::move(chosen_.backend);
+      if (chosen_.kind == "cpu" && !chosen_.is_expected) observer_.on_cuda_unused(chosen_.reason);
       config_ = make_config(request_, options_, scene_, backend_->name());
       if (previous_) check_frames();
       make_folder(run_.root);
       start();
     });
     if (aside > 0)
-      say(fmt::format("{} training frames are set aside to choose the model by", aside));
-    say(test_views_of(scene_).text());
+      observer_.on_message(
+          fmt::format("{} training frames are set aside to choose the model by", aside));
+    observer_.on_message(test_views_of(scene_).text());
   }
 
   void check_frames() const {
@@ -105,16 +111,17 @@ class Session {
     TrainState state =
         previous_ ? std::move(previous_->state) : initial_state(scene_, options_, source);
     if (!previous_) replace_previous_run();
-    log_.emplace(run_.log(), options_.iterations, state.iteration);
+    log_.emplace(run_.log(), options_.iterations, state.iteration, observer_);
     log_->event("start", {{"iteration", state.iteration}, {"initialisation", source}});
     const std::string why = chosen_.kind == "cpu" ? fmt::format(" ({})", chosen_.reason) : "";
-    say(fmt::format("{} training frames, initialised from {}, on {}{}",
-                    config_["train_frames"].dump(), source, backend_->name(), why));
+    observer_.on_message(fmt::format("{} training frames, initialised from {}, on {}{}",
+                                     config_["train_frames"].dump(), source, backend_->name(),
+                                     why));
     end_ = request_.stop_after
                ? std::min(options_.iterations, state.iteration + *request_.stop_after)
                : options_.iterations;
     trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
-    parsimony_.emplace(*backend_, options_, shipped_bytes());
+    parsimony_.emplace(*backend_, options_, request_.shipped_bytes);
     stages_.emplace(*backend_);
   }
 
@@ -156,21 +163,22 @@ class Session {
     if (ended() && validation_->on() && request_.evaluate_end && !leaves())
       score(model(), validation_->record().best_iteration, "shipped", false);
     write_model();
-    if (left_ && !interrupted()) report_limit(first);
+    if (left_ && !observer_.must_stop()) report_limit(first);
   }
 
   void take_steps() {
     limit_.begin_steps();
     wall_.time(WallSplit::kTrain, [&] {
       stages_->run(*trainer_, next_pause(), [&] {
-        return left_ || interrupted() || limit_.due_after_step(trainer_->state().model.count());
+        return left_ || observer_.must_stop() ||
+               limit_.due_after_step(trainer_->state().model.count());
       });
     });
   }
 
   /// Whether it is time to save and go, by a signal or by the clock; once yes, always yes.
   bool leaves() {
-    left_ = left_ || interrupted() || limit_.due(trainer_->state().model.count());
+    left_ = left_ || observer_.must_stop() || limit_.due(trainer_->state().model.count());
     return left_;
   }
 
@@ -182,13 +190,13 @@ class Session {
           "--time-limit: {:.0f} s leave room for no step beside loading and saving, which have "
           "taken {:.1f} s; pass a longer one",
           limit_.seconds(), request_.stopwatch()));
-    say(fmt::format("time limit: leaves at step {} of {}; --resume goes on", i,
-                    options_.iterations));
+    observer_.on_message(fmt::format("time limit: leaves at step {} of {}; --resume goes on", i,
+                                     options_.iterations));
   }
 
   void write_model() {
     if (model().count() == 0)
-      warn(
+      observer_.on_warning(
           "no Gaussians are left, density control has removed them all: pictures are the "
           "background; look at the poses (tessera doctor) and at --init-extent");
     wall_.time(WallSplit::kSave, [&] { save_model(run_.model(), model()); });
@@ -240,14 +248,10 @@ class Session {
     return *shipped_;
   }
 
-  ShippedBytes shipped_bytes() const {
-    return [this](const GaussianModel& m) { return shipped_size_of(run_.root.string(), m).bytes; };
-  }
-
   SizeContract contract() {
     SizeContract contract;
     contract.gaussians = options_.max_gaussians, contract.bytes = options_.max_bytes;
-    contract.shipped_bytes = shipped_bytes();
+    contract.shipped_bytes = request_.shipped_bytes;
     if (options_.within_db > 0)
       contract.least_psnr = validation_->record().peak_psnr - options_.within_db;
     contract.psnr = [this](const GaussianModel& m) { return validation_->psnr(m); };
@@ -310,11 +314,11 @@ class Session {
         scores_ = score_splits(
             *backend_, scored, scene_, held_out_splits(scene_), std::nullopt,
             [&](const Frame&, const Picture&, const ViewScore&, int64_t, int64_t) {
-              if (interrupted() || limit_.over()) throw Interrupted();
+              if (observer_.must_stop() || limit_.over()) throw Stopped();
             },
             brief ? brief_scores() : EvaluateOptions{});
       });
-    } catch (const Interrupted&) {  // the checkpoint is written; a resumed run scores again
+    } catch (const Stopped&) {  // the checkpoint is written; a resumed run scores again
       left_ = true;
       return;
     }
@@ -323,8 +327,8 @@ class Session {
       for (const auto& [split, of_split] : scores_["splits"].items())
         summary[split] = {{"psnr", of_split["psnr"]}, {"ssim", of_split["ssim"]}};
     for (const auto& [split, of_split] : summary.items())
-      say(fmt::format("step {}: {} PSNR {} dB, {} Gaussians", iteration, split,
-                      of_split["psnr"].dump().substr(0, 5), scored.count()));
+      observer_.on_message(fmt::format("step {}: {} PSNR {} dB, {} Gaussians", iteration, split,
+                                       of_split["psnr"].dump().substr(0, 5), scored.count()));
     log_->event(event, {{"iteration", iteration},
                         {"seconds", trainer_->state().seconds},
                         {"num_gaussians", scored.count()},
@@ -380,6 +384,7 @@ class Session {
   }
 
   const TrainRequest& request_;
+  SessionObserver& observer_;
   WallSplit wall_;
   TimeLimit limit_;
   const RunFolder run_;
@@ -404,8 +409,21 @@ class Session {
 
 }  // namespace
 
-json train_session(const TrainRequest& request) {
-  return Session(request).run();
+json train_session(const TrainRequest& request, SessionObserver& observer) {
+  return Session(request, observer).run();
+}
+
+json train_or_restart(TrainRequest request, SessionObserver& observer) {
+  if (!request.resume) return train_session(request, observer);
+  try {
+    return train_session(request, observer);
+  } catch (const CheckpointRefused& error) {
+    const std::filesystem::path aside = RunFolder{request.run}.set_checkpoint_aside();
+    observer.on_warning(fmt::format("{}; it is {} now, and the training starts anew", error.what(),
+                                    aside.string()));
+    request.resume = false;
+    return train_session(request, observer);
+  }
 }
 
 }  // namespace tessera

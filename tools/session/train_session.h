@@ -11,6 +11,8 @@
 
 #include "ingest/scene.h"
 #include "recon4d/options/train_options.h"
+#include "recon4d/reduction/size_contract.h"
+#include "tools/session/session_observer.h"
 #include "tools/session/time_limit.h"
 
 namespace tessera {
@@ -28,16 +30,21 @@ struct TrainRequest {
   int64_t checkpoint_every = 1000;    // steps
   std::optional<int64_t> stop_after;  // steps of this call
   double time_limit = 0;              // seconds by the stopwatch; 0: none
+  ShippedBytes shipped_bytes;         // of a model of this run, as it is exported
   Stopwatch stopwatch = running_stopwatch();
 };
 
-/// Trains until the end, an interrupt, the time limit or stop_after; writes the run folder, whose
-/// lock it holds meanwhile, and a reader's of the scene. The object has `left` (by interrupt or
-/// time limit: to be resumed), `seconds`, `iterations`, `num_gaussians`, `peak_device_bytes`,
-/// `stage_ms`, `stage_gbytes`, `stage_gb_per_s`, `finished`, `scores`, `bytes` (of model.ply),
-/// `wall_seconds` {load, init, train, evaluate, save}, `validation` (null without), …. Errors:
-/// InputError (among them: another training has the folder; a time limit that leaves room for no
-/// step), CheckpointRefused (with `resume` alone), WriteError, NumericalError.
-nlohmann::json train_session(const TrainRequest& request);
+/// Trains until the end, until the observer stops it, the time limit or stop_after; writes the run
+/// folder, whose lock it holds meanwhile, and a reader's of the scene. Prints nothing. The object
+/// has `left` (by the observer or the time limit: to be resumed), `seconds`, `iterations`,
+/// `num_gaussians`, `peak_device_bytes`, `stage_ms`, `stage_gbytes`, `stage_gb_per_s`, `finished`,
+/// `scores`, `bytes` (of model.ply), `wall_seconds` {load, init, train, evaluate, save},
+/// `validation` (null without), …. Errors: InputError (among them: another training has the folder;
+/// a time limit that leaves room for no step), CheckpointRefused (with `resume` alone), WriteError,
+/// NumericalError.
+nlohmann::json train_session(const TrainRequest& request, SessionObserver& observer);
+/// The same. Where the checkpoint of a resumed training is refused, it is set aside with a warning,
+/// and the training starts anew.
+nlohmann::json train_or_restart(TrainRequest request, SessionObserver& observer);
 
 }  // namespace tessera

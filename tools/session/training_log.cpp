@@ -1,8 +1,6 @@
-// What: lines of log.jsonl and the note beside the bar.
+// What: lines of log.jsonl.
 // Not: a reader of logs.
 #include "tools/session/training_log.h"
-
-#include <fmt/format.h>
 
 #include <cerrno>
 #include <nlohmann/json.hpp>
@@ -24,8 +22,9 @@ void cut_half_written_line(const std::filesystem::path& path) {
 
 }  // namespace
 
-TrainingLog::TrainingLog(const std::filesystem::path& path, int64_t total, int64_t first)
-    : path_(path), file_(nullptr, std::fclose), total_(total), first_(first), bar_("train") {
+TrainingLog::TrainingLog(const std::filesystem::path& path, int64_t total, int64_t first,
+                         SessionObserver& observer)
+    : path_(path), file_(nullptr, std::fclose), total_(total), first_(first), observer_(observer) {
   cut_half_written_line(path);
   file_.reset(std::fopen(path.c_str(), "ab"));
   if (file_ == nullptr) fail_to_write(path_, errno);
@@ -44,10 +43,7 @@ void TrainingLog::on_step(const StepReport& report) {
   sum_.loss += report.loss, sum_.l1 += report.l1, sum_.ssim += report.ssim;
   sum_.seconds += report.seconds;
   ++steps_;
-  bar_.update(report.iteration, total_,
-              fmt::format("loss {:.4f}, {} static + {} dynamic, {:.1f} steps/s", report.loss,
-                          report.num_static, report.num_dynamic, double(steps_) / sum_.seconds),
-              first_);
+  observer_.on_step({report, total_, first_, double(steps_) / sum_.seconds});
   if (report.iteration % kStepsPerLine != 0 && report.iteration != total_) return;
   const double n = double(steps_);
   event("steps", {{"iteration", report.iteration},

@@ -1,4 +1,4 @@
-// What: a training as seen from outside: the progress bar, and one JSON object a line in log.jsonl.
+// What: a training in log.jsonl, one JSON object a line; its steps go on to the session's observer.
 // Not: decisions; it is an Observer.
 #pragma once
 #include <cstdio>
@@ -7,7 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "recon4d/training/observer.h"
-#include "tools/cli/terminal.h"
+#include "tools/session/session_observer.h"
 
 namespace tessera {
 
@@ -15,13 +15,13 @@ class TrainingLog final : public Observer {
  public:
   /// `total` and `first`: steps in all and done before. An existing log is continued, without a
   /// last line that was only half written. Errors: InputError or WriteError, of `event` too.
-  TrainingLog(const std::filesystem::path& path, int64_t total, int64_t first);
+  TrainingLog(const std::filesystem::path& path, int64_t total, int64_t first,
+              SessionObserver& observer);
 
   void on_step(const StepReport& report) override;
   void on_density(int64_t iteration, const std::string& set, const DensityReport& report) override;
   /// Any other event: {"event": name, …}.
   void event(const std::string& name, nlohmann::json fields);
-  ProgressBar& bar() { return bar_; }
   const StepReport& last() const { return last_; }
 
  private:
@@ -30,7 +30,7 @@ class TrainingLog final : public Observer {
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   int64_t total_, first_;
-  ProgressBar bar_;
+  SessionObserver& observer_;
   StepReport last_;
   StepReport sum_;  // loss, l1, ssim, seconds over the steps of a line
   int64_t steps_ = 0;

@@ -1,26 +1,13 @@
 // What: how much later or earlier each camera's clock runs than the rig's, from the videos.
 // Not: resampling: frames keep their moments, the offset is added to their times.
 #pragma once
-#include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "ingest/ingest.h"
-#include "ingest/layouts/image_sequences.h"
-#include "ingest/media/video/video_timeline.h"
-#include "ingest/poses/rig_camera.h"
+#include "ingest/media/video/rig_clip.h"
 
 namespace tessera {
-
-/// A camera's video or numbered images, with its pose where that is known.
-struct RigClip {
-  std::string name;             // "cam02"
-  std::filesystem::path video;  // of images: their folder, or that and what their names begin with
-  VideoTimeline timeline;
-  std::optional<RigCamera> camera;
-  std::vector<NumberedImage> images{};  // numbers are ticks; empty for a video
-};
 
 struct ClipClock {
   double offset = 0;       // seconds added to the clip's own presentation times

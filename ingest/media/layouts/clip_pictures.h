@@ -5,8 +5,9 @@
 #include <functional>
 #include <string>
 #include <vector>
+#include "ingest/ingest.h"
 
-#include "ingest/media/clocks/clock_sync.h"
+#include "ingest/media/video/rig_clip.h"
 
 namespace tessera {
 

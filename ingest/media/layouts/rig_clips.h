@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "ingest/media/clocks/clock_sync.h"
+#include "ingest/ingest.h"
+#include "ingest/media/video/rig_clip.h"
 
 namespace tessera {
 

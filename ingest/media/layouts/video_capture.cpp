@@ -12,6 +12,7 @@
 #include "ingest/files/point_cloud.h"
 #include "ingest/files/source_hash.h"
 #include "ingest/held_out_cameras.h"
+#include "ingest/media/clocks/clock_sync.h"
 #include "ingest/media/layouts/clip_pictures.h"
 #include "ingest/media/layouts/conversion.h"
 #include "ingest/media/layouts/moving_video.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ingest/ingest.h"
-#include "ingest/media/clocks/clock_sync.h"
+#include "ingest/media/video/rig_clip.h"
 #include "ingest/poses/rig_camera.h"
 #include "ingest/scene.h"
 

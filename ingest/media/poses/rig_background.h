@@ -4,7 +4,7 @@
 #pragma once
 #include <vector>
 
-#include "ingest/media/clocks/clock_sync.h"
+#include "ingest/media/video/rig_clip.h"
 #include "ingest/scene.h"
 
 namespace tessera {

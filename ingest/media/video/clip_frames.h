@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/media/clocks/clock_sync.h"
+#include "ingest/media/video/rig_clip.h"
 #include "ingest/media/video/video_decoder.h"
 
 namespace tessera {

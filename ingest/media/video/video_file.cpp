@@ -38,6 +38,18 @@ void check_path(const std::filesystem::path& path) {
         fmt::format("{}: cannot be opened as a video, it is empty; copy it again", name));
 }
 
+/// 9 int32, or null. FFmpeg 6.1 moved it from the stream to its codec's parameters.
+const uint8_t* display_matrix_of(const AVStream& track) {
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 102)
+  const AVPacketSideData* found =
+      av_packet_side_data_get(track.codecpar->coded_side_data, track.codecpar->nb_coded_side_data,
+                              AV_PKT_DATA_DISPLAYMATRIX);
+  return found == nullptr ? nullptr : found->data;
+#else
+  return av_stream_get_side_data(&track, AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+#endif
+}
+
 }  // namespace
 
 VideoFile::VideoFile(const std::filesystem::path& path)
@@ -80,7 +92,7 @@ void VideoFile::find_track() {
 
 /// The matrix (a b; c d) maps the coded picture to the shown one.
 void VideoFile::read_display_matrix() {
-  const uint8_t* data = av_stream_get_side_data(track_, AV_PKT_DATA_DISPLAYMATRIX, nullptr);
+  const uint8_t* data = display_matrix_of(*track_);
   if (data == nullptr) return;
   const auto* matrix = reinterpret_cast<const int32_t*>(data);
   const double a = matrix[0], b = matrix[1], c = matrix[3], d = matrix[4];

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "ingest/media/clocks/clock_sync.h"
+#include "ingest/media/video/rig_clip.h"
 #include "ingest/scene.h"
 #include "kernels/base/camera.h"
 

@@ -111,12 +111,24 @@ AVCodecContext* open_encoder(const TestVideo& video) {
   return codec;
 }
 
+/// 9 int32; FFmpeg 6.1 moved it from the stream to its codec's parameters.
+uint8_t* new_display_matrix(AVStream& stream) {
+  constexpr size_t kBytes = 9 * sizeof(int32_t);
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 102)
+  return av_packet_side_data_new(&stream.codecpar->coded_side_data,
+                                 &stream.codecpar->nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX,
+                                 kBytes, 0)
+      ->data;
+#else
+  return av_stream_new_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, kBytes);
+#endif
+}
+
 void describe(AVStream& stream, const TestVideo& video) {
   for (const auto& [name, value] : video.tags)
     av_dict_set(&stream.metadata, name.c_str(), value.c_str(), 0);
   if (!video.display_matrix) return;
-  auto* matrix = reinterpret_cast<int32_t*>(
-      av_stream_new_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, 9 * sizeof(int32_t)));
+  auto* matrix = reinterpret_cast<int32_t*>(new_display_matrix(stream));
   std::fill(matrix, matrix + 9, 0);
   const auto& [a, b, c, d] = *video.display_matrix;
   matrix[0] = a * 65536, matrix[1] = b * 65536, matrix[3] = c * 65536, matrix[4] = d * 65536;
@@ -149,8 +161,8 @@ void write_video(const std::filesystem::path& path, const TestVideo& video) {
   stream->time_base = codec->time_base;
   stream->avg_frame_rate = {25, 1};
   format->avoid_negative_ts = AVFMT_AVOID_NEG_TS_DISABLED;
-  describe(*stream, video);
   need(avcodec_parameters_from_context(stream->codecpar, codec) >= 0, "parameters");
+  describe(*stream, video);
   need(avio_open(&format->pb, path.c_str(), AVIO_FLAG_WRITE) >= 0, "open");
   AVDictionary* options = nullptr;
   if (video.index_first) av_dict_set(&options, "movflags", "faststart", 0);

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/math/random.h"
-#include "kernels/math/splat.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/hygiene.h"
 #include "tests/recon4d/model/plain_gaussians.h"

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "tests/recon4d/model/plain_gaussians.h"
 #include "tests/recon4d/model/small_models.h"
 

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
-#include "kernels/math/splat.h"
+#include "kernels/elements/load_gaussian.h"
 #include "recon4d/model/hygiene.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/segments.h"

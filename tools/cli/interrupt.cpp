@@ -1,6 +1,6 @@
 // What: the handlers.
 // Not: any work in them but setting the flag.
-#include "tools/session/interrupt.h"
+#include "tools/cli/interrupt.h"
 
 #include <csignal>
 

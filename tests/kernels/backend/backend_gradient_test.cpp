@@ -3,7 +3,7 @@
 // itself is held against central differences (gradient_test.cpp), so that a backend's gradient in
 // float against the oracle's in double is a test against differences at float's precision.
 // Not: optimizers (backend_update_test.cpp).
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"
 

@@ -1,7 +1,7 @@
 // What: gains of the pictures in the loss of every backend, against the oracle on pictures that
 //       span many tiles of the loss, with masks and without; equal inputs give equal bits.
 // Not: their gradient against differences (exposure_test.cpp). Source: B10.
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"
 

@@ -1,7 +1,7 @@
 // What: filters against aliasing and other truncations on every backend against the CPU oracle in
 // double: pictures, gradients, opacity 0; sizes and edits of the 3D filter.
 // Not: that the oracle is right (brute_force_test.cpp, gradient_test.cpp, filter_test.cpp).
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"
 

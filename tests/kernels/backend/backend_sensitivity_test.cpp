@@ -2,7 +2,7 @@
 // taken out, weights that add up to the light, pictures by weight, the gradient's equations; and
 // the residual that it is asked about. Against the oracle, which is held against taking Gaussians
 // out. Not: sums over the views of a Gaussian.
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/front_scene.h"
 #include "tests/support/stage_run.h"

@@ -2,8 +2,8 @@
 // Not: its size over the training (recon4d/training/schedule.h).
 // Source: method B  [3DGS-MCMC].
 #pragma once
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/math/random.h"
-#include "kernels/math/splat.h"
 
 namespace tessera {
 

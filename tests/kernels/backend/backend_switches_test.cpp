@@ -2,7 +2,7 @@
 // gradients the oracle's; looser bounds list supersets. Not: what a switch is worth in time.
 #include <map>
 
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"
 

@@ -1,7 +1,7 @@
 // What: terms in velocities and lives, and the temporal filter, of every backend against the
 // oracle's, and of the fused optimizer against the separate one.
 // Not: that the oracle is right (motion_terms_test.cpp, brute_force_test.cpp, gradient_test.cpp).
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/motion_scene.h"
 #include "tests/support/optimised.h"

@@ -2,7 +2,7 @@
 // against the formulas. failure_modes C1, C8. Not: gradients (backend_gradient_test.cpp).
 #include <set>
 
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"
 

@@ -3,7 +3,7 @@
 // Not: the loss's definition (ssim_test.cpp), nor where masks come from (tests/ingest).
 // Source: failure mode B17.
 #include "kernels/math/ssim.h"
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"
 

@@ -5,7 +5,7 @@
 
 #include "kernels/math/adam.h"
 #include "kernels/math/environment.h"
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 
 namespace tessera::testing {

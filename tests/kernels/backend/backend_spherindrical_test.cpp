@@ -3,7 +3,7 @@
 // step, and sets without levels against sets whose levels are not active.
 // Not: that the oracle is right (brute_force_test.cpp, gradient_test.cpp).
 #include "kernels/lazy_schedule.h"
-#include "tests/kernels/backend_scenes.h"
+#include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/optimised.h"
 

@@ -2,8 +2,8 @@
 // Not: ranking where room is short, nor lists of rows (stages/density).
 // Source: method A.13, D.7.
 #pragma once
+#include "kernels/elements/load_gaussian.h"
 #include "kernels/math/random.h"
-#include "kernels/math/splat.h"
 
 namespace tessera {
 

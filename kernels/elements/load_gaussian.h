@@ -1,0 +1,60 @@
+// What: one stored Gaussian of a set → what a view needs of it.
+// Not: the view (kernels/math/splat.h).
+// Source: method A.5, A.6, C.1.
+#pragma once
+#include "kernels/gaussians.h"
+#include "kernels/math/splat.h"
+
+namespace tessera {
+
+template <class Real>
+TESSERA_HD inline Vec3<Real> load3(const Real* p) {
+  return Vec3<Real>(p[0], p[1], p[2]);
+}
+template <class Real>
+TESSERA_HD inline Vec4<Real> load4(const Real* p) {
+  return Vec4<Real>(p[0], p[1], p[2], p[3]);
+}
+
+/// False for a Gaussian that is no Gaussian: a quaternion of no length, a value not finite.
+template <Form form, class Real>
+TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64_t n,
+                                     GaussianState<Real>& g) {
+  const Vec4<Real> q = load4(set.at(kRotation, n));
+  Vec3<Real> log_scale = load3(set.at(kLogScale, n));
+  if (!(dot(q, q) >= kMinQuaternionNorm2<Real>)) return false;
+  g.stored_opacity = g.opacity = sigmoid(*set.at(kOpacityLogit, n));
+  if (!set.filter_size.empty()) {
+    const Smoothed<Real> smoothed = smooth(log_scale, Real(set.filter_size[n]));
+    log_scale = smoothed.log_scale;
+    g.opacity *= smoothed.dimming;
+  }
+  g.log_scale = log_scale;
+  if constexpr (form == Form::kPair) {
+    const Vec4<Real> r = load4(set.at(kRotationRight, n));
+    if (!(dot(r, r) >= kMinQuaternionNorm2<Real>)) return false;
+    g.spacetime = pair_spacetime(q, r, log_scale, *set.at(kLogScaleTime, n), *set.at(kMeanTime, n));
+  } else if constexpr (form == Form::kVelocity) {
+    g.spacetime = velocity_spacetime(q, log_scale, load3(set.at(kVelocity, n)),
+                                     *set.at(kLogScaleTime, n), *set.at(kMeanTime, n));
+  } else {
+    g.spacetime = static_spacetime(q, log_scale);
+  }
+  g.mean = load3(set.at(kMean, n));
+  // of a set whose rows differ in K these lead nowhere: who needs colours has a block of it
+  g.sh = set.group[kSh].data + n * set.width(kSh);
+  g.sh_time = set.group[kShTime].data + n * set.width(kShTime);
+  const Sym3<Real>& c = g.spacetime.covariance;
+  const Real trace = c.xx + c.yy + c.zz;
+  Real stored = g.mean[0] + g.mean[1] + g.mean[2] + *set.at(kOpacityLogit, n) + log_scale[0] +
+                log_scale[1] + log_scale[2];
+  if constexpr (form != Form::kStatic) stored += *set.at(kLogScaleTime, n);
+  if constexpr (form == Form::kVelocity) {
+    const Vec3<Real> v = g.spacetime.velocity;
+    stored += v[0] + v[1] + v[2];
+  }
+  const Real sum = stored + trace + g.spacetime.mean_time + g.spacetime.precision_time;
+  return sum - sum == Real(0);  // finite
+}
+
+}  // namespace tessera

@@ -1,0 +1,45 @@
+// What: the two options, and the warning.
+// Not: any look at the machine.
+#include "tools/cli/backend_options.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <utility>
+
+#include "tools/cli/terminal.h"
+#include "tools/session/backend_choice.h"
+
+namespace tessera {
+
+void add_backend_options(CLI::App& command, std::string& backend) {
+  command
+      .add_option("--backend", backend, "auto (a CUDA device where one can be used), cpu or cuda")
+      ->default_str(backend);
+  // after --backend: options are taken in this order
+  command
+      .add_option_function<std::string>(
+          "--gpu", [&backend](const std::string& number) { backend += ":" + number; },
+          "number of the CUDA device, of those that CUDA_VISIBLE_DEVICES shows; default: 0")
+      ->type_name("N");
+}
+
+void warn_of_unused_cuda(const std::string& reason) {
+  static bool warned = false;
+  if (!std::exchange(warned, true))
+    warn(fmt::format("CUDA is not used: {}; the CPU is used, which is much slower", reason));
+}
+
+std::unique_ptr<Backend> make_backend(const std::string& backend) {
+  ChosenBackend chosen = choose_backend(backend);
+  if (chosen.kind == "cpu" && !chosen.is_expected) warn_of_unused_cuda(chosen.reason);
+  return std::move(chosen.backend);
+}
+
+bool is_cuda_chosen(const std::string& backend) {
+  const DeviceChoice choice = find_backend(backend);
+  if (!choice.cuda && !choice.is_expected) warn_of_unused_cuda(choice.reason);
+  return choice.cuda;
+}
+
+}  // namespace tessera

@@ -1,0 +1,27 @@
+// What: --backend and --gpu on the command line, and the one warning of a choice that costs.
+// Not: the choice (tools/session/backend_choice.h).
+#pragma once
+#include <memory>
+#include <string>
+
+#include "kernels/backend.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tessera {
+
+/// --backend and --gpu; `backend` becomes "auto", "cpu", "cuda", with a number "auto:1".
+void add_backend_options(CLI::App& command, std::string& backend);
+
+/// As choose_backend; the first time in a program warns where the CPU is used and CUDA might have
+/// been expected.
+std::unique_ptr<Backend> make_backend(const std::string& backend);
+/// Whether it would be a CUDA device. Warns and fails as make_backend, but makes nothing.
+bool is_cuda_chosen(const std::string& backend);
+
+/// Once a program.
+void warn_of_unused_cuda(const std::string& reason);
+
+}  // namespace tessera

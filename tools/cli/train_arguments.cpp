@@ -1,0 +1,110 @@
+// What: options of a training by name, and the layers that they are made of.
+// Not: what they mean (recon4d/options).
+#include "tools/cli/train_arguments.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/json_file.h"
+#include "ingest/layouts/scene_reader.h"
+#include "kernels/base/errors.h"
+#include "recon4d/options/ablations.h"
+#include "recon4d/options/scene_facts.h"
+#include "recon4d/options/train_options_json.h"
+#include "tools/cli/backend_options.h"
+
+namespace tessera {
+namespace {
+
+std::string dashed(std::string key) {
+  for (char& c : key)
+    if (c == '_') c = '-';
+  return key;
+}
+
+}  // namespace
+
+void add_train_options(CLI::App& command, TrainArguments& arguments) {
+  std::string names;
+  for (const Preset& preset : presets())
+    names += fmt::format("\n    {:<10} {}", preset.name, preset.doc);
+  command.add_option("--preset", arguments.preset, "set of options:" + names)
+      ->capture_default_str();
+  command.add_option("--ablation", arguments.ablation,
+                     "techniques taken out or added, over the preset's: full, basis, no-..., "
+                     "basis+...; a wrong name lists them");
+  command.add_option("--config", arguments.config,
+                     "JSON file of options, or the config.json of a run, over the preset's");
+  add_backend_options(command, arguments.backend);
+  command.add_option("--threads", arguments.threads, "CPU threads; 0: all")->capture_default_str();
+  command.add_option("--evaluate-every", arguments.evaluate_every,
+                     "steps between two evaluations of the held-out splits; 0: at the end only");
+  command
+      .add_option("--checkpoint-every", arguments.checkpoint_every,
+                  "steps between two checkpoints; 0: at the end only")
+      ->capture_default_str();
+  add_option_rows(command, arguments);
+}
+
+void add_option_rows(CLI::App& command, TrainArguments& arguments) {
+  for (const OptionRow& row : train_option_rows()) {
+    const std::string key = row.key;
+    // of `run` and `batch`, where the word is shared with ingest's (commands/run.cpp)
+    if (command.get_option_no_throw("--" + dashed(key)) != nullptr) continue;
+    command
+        .add_option_function<std::string>(
+            "--" + dashed(key),
+            [&arguments, key](const std::string& text) { arguments.given[key] = text; }, row.doc)
+        ->group("Training");
+  }
+  command.add_flag_callback(
+      "--static", [&arguments] { arguments.given["static_only"] = "true"; },
+      "one timestep: same as --static-only true");
+}
+
+namespace {
+
+/// `file`: an object of option: value, or the config.json of a run, which has one as `options`.
+void apply_config(TrainOptions& options, const std::string& file) {
+  nlohmann::json config = read_json(file);
+  if (config.is_object() && config.contains("options")) config = nlohmann::json(config["options"]);
+  if (!config.is_object())
+    throw InputError(fmt::format("{}: expected a JSON object of option: value", file));
+  for (const auto& [key, value] : config.items()) try {
+      set_option_from_json(options, key, value);
+    } catch (const InputError& error) {
+      throw InputError(fmt::format("{}: {}", file, error.what()));
+    }
+}
+
+TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& facts) {
+  TrainOptions options;
+  apply_preset(options, arguments.preset, facts);
+  if (!arguments.ablation.empty()) apply_ablation(options, arguments.ablation);
+  if (!arguments.config.empty()) apply_config(options, arguments.config);
+  for (const auto& [key, text] : arguments.given) set_option_from_text(options, key, text);
+  validate(options);
+  return options;
+}
+
+}  // namespace
+
+TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts) {
+  const TrainOptions asked = layered_options(arguments, {});
+  facts.still |= asked.static_only;
+  facts.camera_pixels =
+      std::llround(asked.train_scale * asked.train_scale * double(facts.camera_pixels));
+  return layered_options(arguments, facts);
+}
+
+TrainOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene) {
+  SceneOptions options;
+  options.allow_static = layered_options(arguments, {}).static_only;
+  options.load_pixels = false;
+  return resolve_options(arguments, facts_of(load_scene(scene, options)));
+}
+
+}  // namespace tessera

@@ -1,0 +1,28 @@
+// What: a training session on the terminal: its messages, a progress bar, and Ctrl-C.
+// Not: the session (tools/session/train_session.h).
+#pragma once
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "tools/cli/terminal.h"
+#include "tools/session/session_observer.h"
+
+namespace tessera {
+
+class TrainingTerminal final : public SessionObserver {
+ public:
+  void on_message(const std::string& line) override;
+  void on_warning(const std::string& line) override;
+  void on_cuda_unused(const std::string& reason) override;
+  void on_step(const SessionStep& step) override;
+  bool must_stop() override;
+
+ private:
+  std::optional<ProgressBar> bar_;  // from the first step on
+};
+
+/// What train_session returned, in two or three lines for a person.
+std::string training_text(const nlohmann::json& result);
+
+}  // namespace tessera
