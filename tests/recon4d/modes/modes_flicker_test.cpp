@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/base/median.h"
 #include "tests/recon4d/modes/modes_film.h"
 
 namespace tessera::testing {
@@ -13,7 +14,7 @@ namespace {
 /// A ball goes up and down in front of the left half of a wall.
 Film wall_film() {
   Film film;
-  film.moments = 21;
+  film.timesteps = 21;
   film.world = [](double time) {
     synth::World world = even_world();
     add_solid(world, synth::ShapeKind::kSphere, glm::dvec3(0.22),
@@ -40,25 +41,31 @@ std::vector<uint8_t> changing(const std::vector<const Frame*>& frames, int margi
 }
 
 // All Gaussians start dynamic. Falls short of the row, which has it of every pixel: 98 of 100 of
-// those two pixels or more from where anything ever moves are below 0.5 steps (0.39), the worst of
-// all is 2.6. Bug put back: nothing becomes static; seen to fail by 9.6 and 28.
+// those two pixels or more from where anything ever moves are below 0.5 steps (0.31 to 0.64 over
+// eight seeds, hence the median of three), the worst of all is 2 to 5. Bug put back: nothing
+// becomes static; seen to fail by 9.6 and 28.
 TEST(Flicker, ABackgroundThatNeverChangesStays) {
   const Film film = wall_film();
   Scene scene = shoot(film);
   scene.points = surface_cloud(film, 600, 200);
   TrainOptions options = short_training("balanced", 500);
   options.split_by_motion = false, options.static_fraction = 0;
-  const GaussianModel model = decided(scene, options);
-  EXPECT_GT(model.dynamic_set.count(), 20);
   const std::vector<uint8_t> changes = changing(held_out(scene), 2);
-  const std::vector<double> all = deviation_over_time(middle_pictures(model, scene));
-  std::vector<double> still;
-  for (size_t i = 0; i < all.size(); ++i)
-    if (!changes[i % changes.size()]) still.push_back(all[i]);
-  ASSERT_GT(still.size(), all.size() / 2);
-  std::sort(still.begin(), still.end());
-  EXPECT_LT(still[still.size() * 98 / 100], 0.5);
-  EXPECT_LT(still.back(), 5);
+  std::vector<double> most, worst;
+  for (options.seed = 1; options.seed <= 3; ++options.seed) {
+    const GaussianModel model = decided(scene, options);
+    EXPECT_GT(model.dynamic_set.count(), 20);
+    const std::vector<double> all = deviation_over_time(middle_images(model, scene));
+    std::vector<double> unchanged;
+    for (size_t i = 0; i < all.size(); ++i)
+      if (!changes[i % changes.size()]) unchanged.push_back(all[i]);
+    ASSERT_GT(unchanged.size(), all.size() / 2);
+    std::sort(unchanged.begin(), unchanged.end());
+    most.push_back(unchanged[unchanged.size() * 98 / 100]);
+    worst.push_back(unchanged.back());
+  }
+  EXPECT_LT(median(most), 0.5);
+  EXPECT_LT(median(worst), 5);
 }
 
 }  // namespace

@@ -1,11 +1,12 @@
-// What: a wall without texture in all pictures, from first Gaussians anywhere and all dynamic.
+// What: a wall without texture in all images, from first Gaussians anywhere and all dynamic.
 // Not: growth alone (train_density_modes_test.cpp). Source: failure mode C19.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "recon4d/reduction/worth.h"
+#include "kernels/base/median.h"
+#include "recon4d/reduction/contributions.h"
 #include "tests/recon4d/modes/modes_film.h"
 
 namespace tessera::testing {
@@ -15,7 +16,7 @@ constexpr int kPoints = 300;
 
 Film grey_film() {
   Film film;
-  film.moments = 9, film.alpha = false;
+  film.timesteps = 9, film.alpha = false;
   film.world = [](double) {
     synth::World world = even_world();
     synth::Texture grey;
@@ -28,33 +29,42 @@ Film grey_film() {
 /// Deviation of depths (y, across the wall) by light, world units.
 double depth_deviation(const GaussianModel& model, const Scene& scene) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  const Worth worth = measure_worth(*backend, model, look_at_training(scene));
+  const Contributions contributions =
+      measure_contributions(*backend, model, sample_training_frames(scene));
   double light = 0, sum = 0, squares = 0;
   for (int k = 0; k < 2; ++k) {
     const GaussianSet& set = k == 0 ? model.static_set : model.dynamic_set;
     for (int64_t n = 0; n < set.count(); ++n) {
-      const double w = worth.sets[k].weight[size_t(n)], y = set.values().at(kMean, n)[1];
+      const double w = contributions.sets[k].weight[size_t(n)], y = set.values().at(kMean, n)[1];
       light += w, sum += w * y, squares += w * y * y;
     }
   }
   return std::sqrt(squares / light - sum / light * sum / light);
 }
 
-// Nothing says how deep they are: they stay where they were put, 2.6 units for 2.4. Flicker is 0.7
-// to 0.8 steps at the worst value, where A14 has 0.5. Bugs put back, each seen to fail: nothing is
-// thinned out and growth has no threshold (their number); means learn 3,000 times as fast
-// (their depth).
+// Nothing says how deep they are: they stay where they were put, 2.6 units for 2.4. Medians of five
+// seeds, because single trainings differ by more than what is tested: the number of Gaussians is
+// 220 to 330, the PSNR 42 to 55 dB, and the worst flicker 0.1 to 2 steps (A14 has 0.5). Bugs put
+// back, each seen to fail: nothing is pruned and growth has no threshold (their number); means
+// learn 3,000 times as fast (their depth).
 TEST(Wall, WithoutTextureIsThinnedOut) {
   const Scene scene = shoot(grey_film());
   TrainOptions options = short_training("balanced", 400);
   options.init_points = kPoints;
-  const GaussianModel first = first_state(scene, options).model.clone_values();
-  const GaussianModel model = decided(scene, options);
-  EXPECT_LE(model.count(), kPoints);
-  EXPECT_GT(middle_psnr(model, scene), 45);
-  EXPECT_LT(depth_deviation(model, scene), 1.25 * depth_deviation(first, scene));
-  const std::vector<double> flicker = deviation_over_time(middle_pictures(model, scene));
-  EXPECT_LT(*std::max_element(flicker.begin(), flicker.end()), 1);
+  std::vector<double> count, psnr, depth, flicker;
+  for (options.seed = 1; options.seed <= 5; ++options.seed) {
+    const GaussianModel first = first_state(scene, options).model.clone_values();
+    const GaussianModel model = decided(scene, options);
+    const std::vector<double> deviation = deviation_over_time(middle_images(model, scene));
+    count.push_back(double(model.count()));
+    psnr.push_back(middle_psnr(model, scene));
+    depth.push_back(depth_deviation(model, scene) / depth_deviation(first, scene));
+    flicker.push_back(*std::max_element(deviation.begin(), deviation.end()));
+  }
+  EXPECT_LE(median(count), kPoints);
+  EXPECT_GT(median(psnr), 45);
+  EXPECT_LT(median(depth), 1.25);
+  EXPECT_LT(median(flicker), 1);
 }
 
 }  // namespace
