@@ -34,15 +34,15 @@ struct SyncOptions {
 struct PoseOptions {
   std::string source;                  // "colmap", "n3dv", a file of cameras; empty: what is there
   std::string lens_model;              // COLMAP's name; empty: SIMPLE_RADIAL
-  bool intrinsics_per_camera = false;  // false: cameras of one picture size share them
+  bool intrinsics_per_camera = false;  // false: cameras of one image size share them
   bool strict = false;                 // an unregistered camera is an error
 };
 
 struct IngestOptions {
   double scale = 1;                     // (0, 1]: size of the prepared frames by the source's
   std::optional<int64_t> frames;        // first N instants of each camera; all by default
-  double start = 0;                     // videos: seconds after the first common moment
-  std::optional<double> duration;       // videos: seconds; to the last common moment by default
+  double start = 0;                     // videos: seconds after the first common timestep
+  std::optional<double> duration;       // videos: seconds; to the last common timestep by default
   std::optional<double> fps;            // videos: frames taken per second; all by default
   std::vector<std::string> cameras;     // videos: those that are taken, by name; all by default
   std::vector<std::string> held_out;    // camera names that become the test split; empty: of
@@ -54,16 +54,16 @@ struct IngestOptions {
   std::optional<ImageReading> reading;  // of images; by default by their names
   std::optional<double> image_rate;     // numbered images: numbers per second; by default `fps`,
                                         // which chooses no frames of them, else 30
-  std::string pictures;                 // photo sets: the folder of the photos; empty: images
-  bool strict = false;                  // missing or unreadable pictures and photos without a
+  std::string images;                   // photo sets: the folder of the photos; empty: images
+  bool strict = false;                  // missing or unreadable images and photos without a
                                         // pose are errors; otherwise they are warned of
   // Images 0, N, 2N … by name are the test split, of photo sets, of transforms files that state no
   // test frames, and frames of a single camera; 0: none. By default 8 for photos and for a camera
   // that moves, as the field's protocol has it.
   std::optional<int64_t> test_every;
-  std::optional<CloudDensity> cloud;  // by default dense where three cameras share moments
+  std::optional<CloudDensity> cloud;  // by default dense where three cameras share timesteps
   int64_t cloud_points = 100000;      // at most, found by the sweep
-  std::filesystem::path masks;  // folder of masks named as pictures or cameras; it replaces those
+  std::filesystem::path masks;  // folder of masks named as images or cameras; it replaces those
                                 // that a capture states; empty: the stated ones
   SyncOptions sync;             // videos
   PoseOptions poses;            // videos and photos

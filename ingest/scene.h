@@ -13,10 +13,11 @@
 
 namespace tessera {
 
-/// kAside: training frames that a training set aside to choose its model by; no file says so.
-enum class Split { kTrain, kVal, kTest, kAside };
+/// kValidation: validation frames: training frames by which a training chooses its model; no file
+/// says so.
+enum class Split { kTrain, kVal, kTest, kValidation };
 
-/// 8-bit interleaved picture, row-major, top row first.
+/// 8-bit interleaved image, row-major, top row first.
 struct Image8 {
   int width = 0, height = 0, channels = 0;  // channels: 1, 3 or 4
   std::vector<uint8_t> data;                // [height, width, channels]
@@ -37,7 +38,7 @@ struct PointCloud {
   std::vector<glm::vec3> position;             // [P] world units
   std::vector<std::array<uint8_t, 3>> colour;  // [P] sRGB, same length as position
   // Columns about time, each empty or [P].
-  std::vector<float> time;     // moment at which it was seen, normalised; NaN: not known
+  std::vector<float> time;     // timestep at which it was seen, normalised; NaN: not known
   std::vector<uint8_t> still;  // 1: looks the same at all times, 0: not, kStillUnknown
   static constexpr uint8_t kStillUnknown = 255;
 };

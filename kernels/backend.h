@@ -1,5 +1,5 @@
 // What: the stages of a training step for a batch of views. A backend is a traversal of math/.
-// Not: the order of the stages (recon4d/renderer.h) and no parameters' ownership.
+// Not: the order of the stages (kernels/pipeline.h) and no parameters' ownership.
 // CpuBackend is here in float (the working path) and double (the oracle); CUDA is float only.
 #pragma once
 #include <memory>
@@ -47,7 +47,7 @@ struct PhotometricArgs {
   /// [B] each [height, width], 0: the pixel is ignored; an empty span: all pixels of that view
   /// count. Empty: of every view.
   std::vector<Span<const uint8_t>> mask;
-  /// [B] RGB: the picture times this is what is compared with the truth. Empty: as rendered.
+  /// [B] RGB: the image times this is what is compared with the truth. Empty: as rendered.
   std::vector<Vec3<double>> gain = {};
 };
 
@@ -60,7 +60,7 @@ struct BlendBackwardArgs {
 
 template <class Real>
 struct SensitivityArgs {
-  BlendBackwardArgs<Real> pass;           // d_colour: the picture x
+  BlendBackwardArgs<Real> pass;           // d_colour: the image x
   std::vector<Span<const uint8_t>> mask;  // of what x is the residual: as PhotometricArgs::mask
   std::vector<Vec3<double>> gain;         // as PhotometricArgs::gain
 };
@@ -126,19 +126,19 @@ class BackendOf {
   /// falls on are not finite.
   virtual void environment_backward(const EnvironmentArgs<Real>& args, const Images<Real>& images,
                                     Span<const Real> d_colour, Span<Real> d_map) = 0;
-  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted), by the picture
+  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted), by the image
   /// before its gain; `outcome` then has the gradient by the gains. An ignored
   /// pixel adds nothing: |I − G| = 0, SSIM = 1, d_colour = 0; in the windows of others its truth is
   /// what was rendered, taken as constant. Means are over all pixels of the view, so that a pixel
   /// weighs the same with a mask and without.
   virtual void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) = 0;
-  /// picture · gain − truth/255 of every pixel and channel, laid out as Images::colour, of the
-  /// picture as rendered; 0 where the mask ignores the pixel. The weights are not used.
+  /// image · gain − truth/255 of every pixel and channel, laid out as Images::colour, of the
+  /// image as rendered; 0 where the mask ignores the pixel. The weights are not used.
   virtual void residual(const PhotometricArgs<Real>& args, Span<Real> residual) = 0;
   /// Gradient of each splat, summed over its pixels.
   virtual void blend_backward(const BlendBackwardArgs<Real>& args,
                               Span<SplatGradient<Real>> d_splats) = 0;
-  /// What each splat is to the pictures; written, zeros for a splat that draws no pixel. After a
+  /// What each splat is to the images; written, zeros for a splat that draws no pixel. After a
   /// forward pass with for_backward. Masks and gains are in removal1 and removal2 alone.
   virtual void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) = 0;
   /// Splat gradients → parameter gradients, summed over views, into the sinks.

@@ -29,8 +29,8 @@ enum class BackwardForm {
   kPerGaussian,  // lanes are splats, pixels pass through; from checkpoints of the forward pass
 };
 
-/// Techniques of [Faster-GS] that can be taken out one by one, to measure what each is worth. The
-/// bounds change what is drawn where on any backend; the others only how a device does it.
+/// Techniques of [Faster-GS] that can be taken out one by one, to measure what each contributes.
+/// The bounds change what is drawn where on any backend; the others only how a device does it.
 struct KernelSwitches {
   BoundsOptions bounds;
   bool balanced_instances = true;  // large splats are written by whole warps

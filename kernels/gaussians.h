@@ -12,7 +12,7 @@
 namespace tessera {
 
 /// How a set stores its Gaussians: the template axis of all that comes before the slice in time.
-/// Both forms of Dim 4 are the same family (recon4d/motion_form.h converts).
+/// Both forms of Dim 4 are the same family (static3d/transform/motion_form.h converts).
 enum class Form : uint8_t {
   kStatic,    // Dim 3
   kPair,      // Dim 4: two quaternions and four scales of space-time  [Yang24]

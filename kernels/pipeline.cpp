@@ -37,7 +37,7 @@ void Pipeline<Real>::loss(const Target& target, bool for_backward) {
 
 template <class Real>
 void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
-  check(d_colour_.size() == 3 * batch_.pixels, "backward without a gradient of the pictures");
+  check(d_colour_.size() == 3 * batch_.pixels, "backward without a gradient of the images");
   check(for_backward_, "backward after a forward pass that was not for it");
   d_splats_.resize(splats_.count);
   {
@@ -67,7 +67,7 @@ void Pipeline<Real>::residual(const Target& target) {
 
 template <class Real>
 Span<const SplatSensitivity<Real>> Pipeline<Real>::sensitivity() {
-  check(d_colour_.size() == 3 * batch_.pixels, "sensitivity without a picture");
+  check(d_colour_.size() == 3 * batch_.pixels, "sensitivity without a image");
   check(for_backward_, "sensitivity after a forward pass that was not for it");
   sensitivity_.resize(splats_.count);
   const StageTimer timer(backend_.clock(), kBlendBackward);

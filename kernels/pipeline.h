@@ -36,7 +36,7 @@ struct ForwardArgs {
   EnvironmentArgs<Real> environment = {};  // its batch is the pipeline's
 };
 
-/// What a step found, besides the pictures.
+/// What a step found, besides the images.
 struct PipelineReport {
   int64_t splats = 0, instances = 0, invalid_gaussians = 0;
 };
@@ -55,7 +55,7 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;  // what is kept of a forward pass points into its members
   Pipeline& operator=(const Pipeline&) = delete;
 
-  /// project → bin → blend → environment. The pictures stay valid until the next call.
+  /// project → bin → blend → environment. The images stay valid until the next call.
   const Images<Real>& forward(const ForwardArgs<Real>& args);
   const Images<Real>& forward(const GaussianSpans<const Real>& static_set,
                               const GaussianSpans<const Real>& dynamic_set,
@@ -68,11 +68,11 @@ class Pipeline {
   /// blend_backward → project_backward of the mean loss over the batch. Needs forward and loss
   /// with for_backward.
   void backward(const BackwardArgs<Real>& args);
-  /// What the pictures of the last forward miss of their truth → d_colour(). The weights are not
+  /// What the images of the last forward miss of their truth → d_colour(). The weights are not
   /// used.
   void residual(const Target& target);
-  /// What each splat of the last forward, which was for_backward, is to the pictures, with
-  /// d_colour() for the picture x: that of `residual`, whose masks and gains it also takes, or any
+  /// What each splat of the last forward, which was for_backward, is to the images, with
+  /// d_colour() for the image x: that of `residual`, whose masks and gains it also takes, or any
   /// that was written there. [S] in the backend's memory, valid until the next call.
   Span<const SplatSensitivity<Real>> sensitivity();
   /// Gives the memory of the last step back, so that something else can have it for a while.
@@ -84,7 +84,7 @@ class Pipeline {
   const ViewBatch<Real>& batch() const { return batch_; }
   const Splats<Real>& splats() const { return splats_; }
   const TileInstances<Real>& instances() const { return instances_; }
-  /// dL/d picture of the last loss; tests write to it to send any gradient backward.
+  /// dL/d image of the last loss; tests write to it to send any gradient backward.
   Buffer<Real>& d_colour() { return d_colour_; }
   PipelineReport report() const { return {splats_.count, instances_.count, splats_.invalid}; }
 

@@ -11,13 +11,13 @@
 #include <regex>
 
 #include "tests/layering_rules.h"
+#include "tests/source_tree.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = TESSERA_SOURCE_DIR;
 constexpr size_t kAskAt = 400, kFailAt = 600;  // lines
 
 Lines lines_of(const fs::path& path) {
@@ -31,10 +31,9 @@ Lines lines_of(const fs::path& path) {
 std::map<std::string, Lines> sources() {
   std::map<std::string, Lines> files;
   for (const char* folder : {"kernels", "ingest", "recon4d", "static3d", "tools", "tests"})
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / folder)) {
-      const std::string kind = entry.path().extension();
-      if (kind == ".h" || kind == ".cpp" || kind == ".cu" || kind == ".cuh")
-        files[fs::relative(entry.path(), kRoot)] = lines_of(entry.path());
+    for (const auto& entry : fs::recursive_directory_iterator(kSourceRoot / folder)) {
+      if (is_source(entry.path()))
+        files[fs::relative(entry.path(), kSourceRoot)] = lines_of(entry.path());
     }
   return files;
 }
@@ -48,7 +47,7 @@ class Layering : public ::testing::Test {
 };
 
 TEST_F(Layering, IncludesPointDown) {
-  ASSERT_GT(sources_.size(), 100u) << "the tree was not found at " << kRoot;
+  ASSERT_GT(sources_.size(), 100u) << "the tree was not found at " << kSourceRoot;
   size_t includes = 0;
   for (const auto& [file, lines] : sources_)
     for (const std::string& line : lines) {
@@ -80,8 +79,9 @@ TEST_F(Layering, IncludedFilesAreNamedFromTheRoot) {
   std::smatch match;
   for (const auto& [file, lines] : sources_)
     for (const std::string& line : lines)
-      EXPECT_TRUE(!std::regex_search(line, match, kQuoted) || fs::exists(kRoot / match[1].str()) ||
-                  fs::exists(kRoot / (match[1].str() + ".in")))
+      EXPECT_TRUE(!std::regex_search(line, match, kQuoted) ||
+                  fs::exists(kSourceRoot / match[1].str()) ||
+                  fs::exists(kSourceRoot / (match[1].str() + ".in")))
           << file << ": " << line;
 }
 

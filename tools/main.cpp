@@ -10,7 +10,7 @@
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/usage_message.h"
-#include "tools/version.h"
+#include "tools/session/version.h"
 
 namespace tessera {
 namespace {

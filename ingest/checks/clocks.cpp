@@ -13,14 +13,14 @@
 namespace tessera {
 namespace {
 
-/// The median distance of each camera's frames in seconds; none for a camera of one moment.
+/// The median distance of each camera's frames in seconds; none for a camera of one timestep.
 std::map<std::string, double> frame_seconds_of(const Scene& scene) {
   std::map<std::string, std::set<double>> times;
   for (const Frame& frame : scene.frames) times[frame.camera_name].insert(frame.time);
   std::map<std::string, double> seconds;
-  for (const auto& [camera, moments] : times) {
+  for (const auto& [camera, timesteps] : times) {
     std::vector<double> steps;
-    for (auto next = moments.begin(), at = next++; next != moments.end(); at = next++)
+    for (auto next = timesteps.begin(), at = next++; next != timesteps.end(); at = next++)
       steps.push_back(*next - *at);
     if (steps.empty()) continue;
     seconds[camera] = lower_median(std::move(steps)) * scene.time_axis.duration;

@@ -71,8 +71,8 @@ double colour_ratio(const Scene& scene, const std::vector<Station>& stations) {
   const PointCloud& cloud = scene.points;
   const size_t count = cloud.position.size();
   const size_t step = std::max<size_t>(1, count / kColourSamples);
-  std::vector<Image8> pictures;
-  for (const Station& station : stations) pictures.push_back(median_picture(scene, station));
+  std::vector<Image8> images;
+  for (const Station& station : stations) images.push_back(median_image(scene, station));
   std::vector<double> own, other;
   for (size_t i = 0; i < count; i += step) {
     if (!finite(cloud.position[i])) continue;
@@ -81,7 +81,7 @@ double colour_ratio(const Scene& scene, const std::vector<Station>& stations) {
     for (size_t s = 0; s < stations.size(); ++s) {
       double x = 0, y = 0;
       if (!project_into(stations[s].camera, cloud.position[i], x, y)) continue;
-      const std::array<double, 3> colour = colour_at(pictures[s], x, y);
+      const std::array<double, 3> colour = colour_at(images[s], x, y);
       if (*std::min_element(colour.begin(), colour.end()) < 0) continue;
       mine.push_back(difference(cloud.colour[i], colour));
       theirs.push_back(difference(another, colour));
@@ -104,7 +104,7 @@ void judge(const Scene& scene, CloudHealth& health) {
   if (points == 0) {
     add(scene.had_alpha ? Severity::kInfo : Severity::kWarning, "no initial cloud",
         "training begins from random points or a plane sweep (--sweep); a COLMAP cloud "
-        "(points3D.ply beside the capture) is usually worth more than anything else");
+        "(points3D.ply beside the capture) usually helps more than anything else");
     return;
   }
   if (health.not_finite > 0)
@@ -115,7 +115,7 @@ void judge(const Scene& scene, CloudHealth& health) {
         "that is few: give a denser cloud, or train with --sweep true");
   if (share(health.unseen, usable) > 0.5)
     add(Severity::kError,
-        fmt::format("{:.0f} % of the points are in no training picture",
+        fmt::format("{:.0f} % of the points are in no training image",
                     100 * share(health.unseen, usable)),
         "cloud and poses are not of one world, or the axes differ (OpenCV against OpenGL): export "
         "both from one model");

@@ -1,5 +1,5 @@
 // What: counts of cameras for each sample point, and what few of them cost.
-// Not: the pictures. Source: published N3V results with four cameras, as the finding cites them.
+// Not: the images. Source: published N3V results with four cameras, as the finding cites them.
 #include "ingest/checks/coverage.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // What: which parts of a scene several training cameras see, and which cameras share their view.
-// Not: occlusion: a point inside a camera's picture counts as seen.
+// Not: occlusion: a point inside a camera's image counts as seen.
 #pragma once
 #include <vector>
 

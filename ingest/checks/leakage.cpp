@@ -1,5 +1,5 @@
 // What: equal files, equal views and equal cameras across the splits.
-// Not: pictures that are similar.
+// Not: images that are similar.
 #include "ingest/checks/leakage.h"
 
 #include <fmt/format.h>
@@ -19,12 +19,12 @@ bool trains(const Frame& frame) {
   return frame.split == Split::kTrain;
 }
 
-/// Index of a training picture with the same bytes, for each held-out one that has such.
-std::map<size_t, size_t> equal_pictures(const Scene& scene,
-                                        const std::vector<std::filesystem::path>& pictures) {
+/// Index of a training image with the same bytes, for each held-out one that has such.
+std::map<size_t, size_t> equal_images(const Scene& scene,
+                                      const std::vector<std::filesystem::path>& images) {
   std::map<uintmax_t, std::vector<size_t>> of_size;
-  for (size_t i = 0; i < pictures.size(); ++i)
-    of_size[std::filesystem::file_size(pictures[i])].push_back(i);
+  for (size_t i = 0; i < images.size(); ++i)
+    of_size[std::filesystem::file_size(images[i])].push_back(i);
   std::map<size_t, size_t> equal;
   for (const auto& [size, places] : of_size) {
     std::map<std::string, size_t> training;
@@ -32,10 +32,10 @@ std::map<size_t, size_t> equal_pictures(const Scene& scene,
     for (const size_t i : places) held_out = held_out || !trains(scene.frames[i]);
     if (!held_out || places.size() < 2) continue;
     for (const size_t i : places)
-      if (trains(scene.frames[i])) training.emplace(read_text_file(pictures[i]), i);
+      if (trains(scene.frames[i])) training.emplace(read_text_file(images[i]), i);
     for (const size_t i : places) {
       if (trains(scene.frames[i]) || training.empty()) continue;
-      const auto found = training.find(read_text_file(pictures[i]));
+      const auto found = training.find(read_text_file(images[i]));
       if (found != training.end()) equal[i] = found->second;
     }
   }
@@ -50,16 +50,16 @@ bool same_pose(const Camera& a, const Camera& b) {
   return largest < 1e-6 && glm::length(a.translation - b.translation) < 1e-6 * scale;
 }
 
-/// First training frame of the same moment and pose for each held-out frame that has such.
+/// First training frame of the same timestep and pose for each held-out frame that has such.
 std::map<size_t, size_t> equal_views(const Scene& scene) {
   std::map<double, std::vector<size_t>> training;
   for (size_t i = 0; i < scene.frames.size(); ++i)
     if (trains(scene.frames[i])) training[scene.frames[i].time].push_back(i);
   std::map<size_t, size_t> equal;
   for (size_t i = 0; i < scene.frames.size(); ++i) {
-    const auto moment = training.find(scene.frames[i].time);
-    if (trains(scene.frames[i]) || moment == training.end()) continue;
-    for (const size_t other : moment->second)
+    const auto timestep = training.find(scene.frames[i].time);
+    if (trains(scene.frames[i]) || timestep == training.end()) continue;
+    for (const size_t other : timestep->second)
       if (same_pose(scene.frames[i].camera, scene.frames[other].camera)) {
         equal[i] = other;
         break;
@@ -81,8 +81,8 @@ void report(const Scene& scene, const std::map<size_t, size_t>& equal, const cha
 
 }  // namespace
 
-Leakage check_leakage(const Scene& scene, const std::vector<std::filesystem::path>& pictures) {
-  check(pictures.size() == scene.frames.size(), "check_leakage: a picture a frame");
+Leakage check_leakage(const Scene& scene, const std::vector<std::filesystem::path>& images) {
+  check(images.size() == scene.frames.size(), "check_leakage: a image a frame");
   Leakage leakage;
   Fnv1a manifest;
   for (const Frame& frame : scene.frames) {
@@ -90,11 +90,10 @@ Leakage check_leakage(const Scene& scene, const std::vector<std::filesystem::pat
     if (trains(frame)) manifest.add(frame.name + "\n");
   }
   leakage.training_manifest = manifest.hex();
-  const std::map<size_t, size_t> files = equal_pictures(scene, pictures),
-                                 views = equal_views(scene);
-  leakage.same_pictures = int64_t(files.size()), leakage.same_views = int64_t(views.size());
-  report(scene, files, "the very picture", leakage.findings);
-  report(scene, views, "pose and moment", leakage.findings);
+  const std::map<size_t, size_t> files = equal_images(scene, images), views = equal_views(scene);
+  leakage.same_images = int64_t(files.size()), leakage.same_views = int64_t(views.size());
+  report(scene, files, "the very image", leakage.findings);
+  report(scene, views, "pose and timestep", leakage.findings);
   leakage.findings.push_back(
       {Severity::kInfo, "leakage", "",
        fmt::format("{} training frames (manifest {}), {} held out", leakage.training_frames,

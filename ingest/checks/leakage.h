@@ -10,14 +10,14 @@ namespace tessera {
 
 struct Leakage {
   int64_t training_frames = 0, held_out_frames = 0;
-  int64_t same_pictures = 0;      // held-out pictures whose bytes are a training picture's
-  int64_t same_views = 0;         // held-out frames with pose and moment of a training frame
+  int64_t same_images = 0;        // held-out images whose bytes are a training image's
+  int64_t same_views = 0;         // held-out frames with pose and timestep of a training frame
   std::string training_manifest;  // FNV-1a of the names of the training frames, in order
   Findings findings;
 };
 
-/// `pictures`: the file of each frame of the scene; the scene needs no pixels. Only files of equal
+/// `images`: the file of each frame of the scene; the scene needs no pixels. Only files of equal
 /// size are read.
-Leakage check_leakage(const Scene& scene, const std::vector<std::filesystem::path>& pictures);
+Leakage check_leakage(const Scene& scene, const std::vector<std::filesystem::path>& images);
 
 }  // namespace tessera

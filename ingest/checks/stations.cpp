@@ -55,7 +55,7 @@ std::vector<Station> training_stations(const Scene& scene) {
   return stations;
 }
 
-Image8 median_picture(const Scene& scene, const Station& station) {
+Image8 median_image(const Scene& scene, const Station& station) {
   Image8 median = scene.frames[size_t(station.frames.front())].image;
   if (station.frames.size() < 3) return median;
   std::vector<uint8_t> values(station.frames.size());
@@ -67,16 +67,15 @@ Image8 median_picture(const Scene& scene, const Station& station) {
   return median;
 }
 
-std::array<double, 3> colour_at(const Image8& picture, double x, double y) {
+std::array<double, 3> colour_at(const Image8& image, double x, double y) {
   const int column = int(std::floor(x)), row = int(std::floor(y));
   std::array<double, 3> colour{-1, -1, -1};
-  if (column < 1 || row < 1 || column + 1 >= picture.width || row + 1 >= picture.height)
-    return colour;
+  if (column < 1 || row < 1 || column + 1 >= image.width || row + 1 >= image.height) return colour;
   for (size_t k = 0; k < 3; ++k) {
     int sum = 0, low = 255, high = 0;
     for (int v = row - 1; v <= row + 1; ++v)
       for (int u = column - 1; u <= column + 1; ++u) {
-        const int value = picture.data[(size_t(v) * size_t(picture.width) + size_t(u)) * 3 + k];
+        const int value = image.data[(size_t(v) * size_t(image.width) + size_t(u)) * 3 + k];
         sum += value, low = std::min(low, value), high = std::max(high, value);
       }
     if (low > 5 && high < 250) colour[k] = sum / 9.0;

@@ -21,13 +21,13 @@ std::vector<Station> stations_of(const Scene& scene);
 std::vector<Station> training_stations(const Scene& scene);
 
 /// The median over time of every pixel and channel: what stands still. Needs pixels.
-Image8 median_picture(const Scene& scene, const Station& station);
+Image8 median_image(const Scene& scene, const Station& station);
 
-/// The mean of 3 × 3 pixels around a place as values in 0–255; no place within the picture, or a
+/// The mean of 3 × 3 pixels around a place as values in 0–255; no place within the image, or a
 /// value of the channel at or beyond the sensor's ends (<= 5 or >= 250): −1.
-std::array<double, 3> colour_at(const Image8& picture, double x, double y);
+std::array<double, 3> colour_at(const Image8& image, double x, double y);
 
-/// Where the camera sees the point, in pixels; false behind it or outside of the picture.
+/// Where the camera sees the point, in pixels; false behind it or outside of the image.
 bool project_into(const Camera& camera, const glm::dvec3& point, double& x, double& y);
 
 }  // namespace tessera

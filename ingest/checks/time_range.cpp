@@ -16,7 +16,7 @@ namespace tessera {
 namespace {
 
 /// Frames that fail in a camera whose usual distance between frames is the median one.
-int64_t missing_moments(const std::vector<double>& times) {
+int64_t missing_timesteps(const std::vector<double>& times) {
   if (times.size() < 3) return 0;
   std::vector<double> steps;
   for (size_t i = 1; i < times.size(); ++i) steps.push_back(times[i] - times[i - 1]);
@@ -47,7 +47,7 @@ void judge_cameras(SceneTimes& range) {
     if (camera.missing > 0 && ++named <= kMostNamed)
       range.findings.push_back(
           {Severity::kWarning, "time", camera.camera,
-           fmt::format("{} moments are missing between its {} frames", camera.missing,
+           fmt::format("{} timesteps are missing between its {} frames", camera.missing,
                        camera.frames),
            "frames were dropped: check the video; training goes on without them"});
   }
@@ -57,19 +57,19 @@ void judge_cameras(SceneTimes& range) {
 
 SceneTimes check_times(const Scene& scene) {
   SceneTimes range;
-  std::set<double> moments;
+  std::set<double> timesteps;
   std::map<std::string, std::set<double>> of_camera;
   for (const Frame& frame : scene.frames) {
-    moments.insert(frame.time);
+    timesteps.insert(frame.time);
     of_camera[frame.camera_name].insert(frame.time);
   }
-  range.moments = int64_t(moments.size());
+  range.timesteps = int64_t(timesteps.size());
   range.duration = scene.time_axis.duration;
-  range.is_static = moments.size() <= 1;
+  range.is_static = timesteps.size() <= 1;
   for (const auto& [name, times] : of_camera) {
     const std::vector<double> list(times.begin(), times.end());
     range.cameras.push_back(
-        {name, int64_t(list.size()), list.front(), list.back(), missing_moments(list)});
+        {name, int64_t(list.size()), list.front(), list.back(), missing_timesteps(list)});
   }
   if (range.is_static && !scene.is_static)
     range.findings.push_back({Severity::kWarning, "time", "",
@@ -80,8 +80,8 @@ SceneTimes check_times(const Scene& scene) {
   if (!range.is_static && rig) judge_cameras(range);
   range.findings.push_back(
       {Severity::kInfo, "time", "",
-       fmt::format("{} moment{} in {} camera{}, duration {:.4g} of the capture's unit",
-                   range.moments, range.moments == 1 ? "" : "s", range.cameras.size(),
+       fmt::format("{} timestep{} in {} camera{}, duration {:.4g} of the capture's unit",
+                   range.timesteps, range.timesteps == 1 ? "" : "s", range.cameras.size(),
                    range.cameras.size() == 1 ? "" : "s", range.duration),
        ""});
   return range;

@@ -1,5 +1,5 @@
 // What: which frames of a camera are kept, by their times on the rig's clock.
-// Not: indices as times, and no resampling: a kept frame keeps its own moment.
+// Not: indices as times, and no resampling: a kept frame keeps its own timestep.
 #pragma once
 #include <cstdint>
 #include <optional>

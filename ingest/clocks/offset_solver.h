@@ -1,7 +1,8 @@
 // What: clock offsets from measurements: of two clocks from how far each correspondence misses its
 //       epipolar line, of a whole rig from its pairs; and which of them are applied.
-// Not: where the measurements come from (media/sync_motion.h, media/sync_audio.h).
-// Source: least squares with Cauchy weights (Holland, Welsch 1977), iterated.
+// Not: where the measurements come from (ingest/media/clocks/sync_motion.h,
+// ingest/media/clocks/sync_audio.h). Source: least squares with Cauchy weights (Holland, Welsch
+// 1977), iterated.
 #pragma once
 #include <optional>
 #include <vector>
@@ -30,7 +31,7 @@ double median_offset(std::vector<double> offsets);
 
 /// For each clock the offset, seconds, up to which it is left at 0; 0 for those that are not
 /// determined. `frame_seconds`: of each clock's frames. An offset that is applied gives the frames
-/// of that camera times of their own, so that the scene has more timesteps, and is worth that only
+/// of that camera times of their own, so that the scene has more timesteps, which is justified only
 /// where it is real and matters:
 /// - it must be more than twice its standard error;
 /// - and more than a tenth of a frame, in which an object moves less than while a frame is exposed;

@@ -1,5 +1,5 @@
 // What: random pixels in rounds until there are enough points; one still point a voxel, one moving
-//       point a voxel and moment.
+//       point a voxel and timestep.
 // Not: the depth of a pixel (plane_sweep.h).
 #include "ingest/cloud/dense_cloud.h"
 

@@ -1,5 +1,6 @@
-// What: an initial cloud by plane sweep: pixels of all training cameras at all moments of a scene,
-//       still points once, moving ones with their moments.
+// What: an initial cloud by plane sweep: pixels of all training cameras at all timesteps of a
+// scene,
+//       still points once, moving ones with their timesteps.
 // Not: dense stereo, and no points of monocular captures; the search is plane_sweep.h.
 #pragma once
 #include <functional>
@@ -15,7 +16,7 @@ struct CloudOptions {
 };
 
 /// Points found in `scene`, in random order, with times and `still`; its own points are not looked
-/// at. Empty when no three training cameras share a moment. The same for any number of threads.
+/// at. Empty when no three training cameras share a timestep. The same for any number of threads.
 /// Tries at most kTriesAPoint · options.points pixels.
 inline constexpr int64_t kTriesAPoint = 6;
 PointCloud dense_cloud(const Scene& scene, const CloudOptions& options);

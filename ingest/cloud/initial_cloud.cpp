@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <set>
 
-#include "ingest/clocks/moments.h"
+#include "ingest/clocks/timesteps.h"
 #include "ingest/cloud/dense_cloud.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/layouts/scene_reader.h"
@@ -18,22 +18,22 @@ namespace {
 
 constexpr int64_t kFewestCameras = 3;  // that a depth is agreed on by
 
-std::vector<Moment> training_moments(const PreparedScene& scene) {
+std::vector<Timestep> training_timesteps(const PreparedScene& scene) {
   std::vector<FrameTime> times;
   for (size_t i = 0; i < scene.frames.size(); ++i) {
     const Frame& frame = scene.frames[i].frame;
     if (frame.split == Split::kTrain) times.push_back({frame.camera_name, frame.time, int(i)});
   }
-  return group_moments(times);
+  return group_timesteps(times);
 }
 
-/// Moments whose training pictures fit into the memory that the sweep may take.
+/// Timesteps whose training images fit into the memory that the sweep may take.
 int64_t instants_in_memory(const PreparedScene& scene) {
   constexpr int64_t kBytes = int64_t{1} << 30, kMost = 8, kFewest = 2;
   int64_t largest = 1;
-  for (const Moment& moment : training_moments(scene)) {
+  for (const Timestep& timestep : training_timesteps(scene)) {
     int64_t bytes = 0;
-    for (int i : moment.frames) {
+    for (int i : timestep.frames) {
       const Camera& camera = scene.frames[size_t(i)].frame.camera;
       bytes += int64_t{3} * camera.width * camera.height;
     }
@@ -42,25 +42,25 @@ int64_t instants_in_memory(const PreparedScene& scene) {
   return std::clamp(kBytes / largest, kFewest, kMost);
 }
 
-/// Dense by itself for rigs; photo sets have their COLMAP points, and far too many pictures a
-/// moment.
+/// Dense by itself for rigs; photo sets have their COLMAP points, and far too many images a
+/// timestep.
 CloudDensity density(const PreparedScene& scene, const PointCloud& sparse,
                      const IngestOptions& options) {
   if (scene.layout == "transforms" && !sparse.still.empty() && options.cloud != CloudDensity::kNone)
     return CloudDensity::kSparse;
   if (options.cloud) return *options.cloud;
-  return scene.layout != "colmap" && cameras_of_a_moment(scene) >= kFewestCameras
+  return scene.layout != "colmap" && cameras_of_a_timestep(scene) >= kFewestCameras
              ? CloudDensity::kDense
              : CloudDensity::kSparse;
 }
 
 }  // namespace
 
-int64_t cameras_of_a_moment(const PreparedScene& scene) {
+int64_t cameras_of_a_timestep(const PreparedScene& scene) {
   size_t most = 0;
-  for (const Moment& moment : training_moments(scene)) {
+  for (const Timestep& timestep : training_timesteps(scene)) {
     std::set<std::string> names;
-    for (int i : moment.frames) names.insert(scene.frames[size_t(i)].frame.camera_name);
+    for (int i : timestep.frames) names.insert(scene.frames[size_t(i)].frame.camera_name);
     most = std::max(most, names.size());
   }
   return int64_t(most);
@@ -88,8 +88,8 @@ PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScen
   if (found.position.empty())
     warnings.push_back(
         fmt::format("no dense cloud: {}; the training starts from {}",
-                    cameras_of_a_moment(scene) < kFewestCameras
-                        ? "no three training cameras show the same moment"
+                    cameras_of_a_timestep(scene) < kFewestCameras
+                        ? "no three training cameras show the same timestep"
                         : "the cameras agree on the depth of no pixel, check their poses",
                     sparse.position.empty() ? "random points" : "the sparse points"));
   progress("initial cloud", options.cloud_points, options.cloud_points);
@@ -99,7 +99,7 @@ PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScen
 
 void warn_of_few_cameras(const PreparedScene& scene, std::vector<std::string>& warnings) {
   constexpr int64_t kFew = 6;
-  const int64_t cameras = cameras_of_a_moment(scene);
+  const int64_t cameras = cameras_of_a_timestep(scene);
   const bool monocular = scene.layout == "transforms" ? cameras < 2 : scene.cameras.size() < 2;
   if (scene.layout == "colmap" || monocular || cameras >= kFew) return;
   warnings.push_back(fmt::format(

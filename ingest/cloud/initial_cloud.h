@@ -6,11 +6,11 @@
 
 namespace tessera {
 
-/// Cameras of the training split that share the scene's fullest moment; 1 for monocular captures.
-int64_t cameras_of_a_moment(const PreparedScene& scene);
+/// Cameras of the training split that share the scene's fullest timestep; 1 for monocular captures.
+int64_t cameras_of_a_timestep(const PreparedScene& scene);
 
-/// `sparse` with what options.cloud adds. `folder` holds the scene's transforms.json and pictures,
-/// of which those of at most 8 moments are in memory at a time, as many as fit into 1 GiB (2 at
+/// `sparse` with what options.cloud adds. `folder` holds the scene's transforms.json and images,
+/// of which those of at most 8 timesteps are in memory at a time, as many as fit into 1 GiB (2 at
 /// least). A cloud that a prepared scene brought along is dense already and kept as it is.
 PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScene& scene,
                          PointCloud sparse, const IngestOptions& options,

@@ -1,4 +1,4 @@
-// What: small square parts of pictures, and how much two of them differ whatever their brightness.
+// What: small square parts of images, and how much two of them differ whatever their brightness.
 // Not: where they lie in space (plane_sweep.h).
 // Source: sum of absolute differences of levels less their mean, channel by channel.
 #pragma once
@@ -18,7 +18,7 @@ struct Patch {
   std::array<float, 3> mean;
 };
 
-/// Whether the patch around pixel (x, y) and a pixel more lie in the picture.
+/// Whether the patch around pixel (x, y) and a pixel more lie in the image.
 inline bool has_patch(const Image8& image, int x, int y) {
   constexpr int kBorder = Patch::kRadius + 1;
   return x >= kBorder && y >= kBorder && x < image.width - kBorder && y < image.height - kBorder;
@@ -34,7 +34,7 @@ inline void centre(Patch& patch) {
     for (size_t c = 0; c < 3; ++c) patch.level[i + c] -= patch.mean[c];
 }
 
-/// Around pixel (x, y) of an RGB picture. has_patch must hold.
+/// Around pixel (x, y) of an RGB image. has_patch must hold.
 inline Patch patch_at(const Image8& image, int x, int y) {
   Patch patch;
   size_t i = 0;

@@ -1,5 +1,5 @@
 // What: the search along a pixel's ray, the check from another camera, and what changes over time.
-// Not: patches (patch.h) or moments (moments.h).
+// Not: patches (patch.h) or timesteps (timesteps.h).
 #include "ingest/cloud/plane_sweep.h"
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "ingest/clocks/moments.h"
+#include "ingest/clocks/timesteps.h"
 
 namespace tessera {
 namespace {
@@ -26,7 +26,7 @@ constexpr float kDistinct = 1.15f;     // second valley ÷ best
 constexpr float kNoAgreement = 1e9f;
 constexpr double kSamePoint = 1.5;   // pixels between a point and where the other camera has it
 constexpr float kStill = 4;          // change over time of a still pixel, levels
-constexpr size_t kStillMoments = 8;  // moments at which a pixel is looked at
+constexpr size_t kStillMoments = 8;  // timesteps at which a pixel is looked at
 
 bool is_ignored(const Image8& mask, int x, int y) {
   return !mask.data.empty() && mask.data[size_t(y) * size_t(mask.width) + size_t(x)] == 0;
@@ -40,7 +40,7 @@ struct Line {
   int frame;
   glm::dvec3 a, b;
 
-  /// False behind the camera, outside its picture, or where its mask ignores the pixel.
+  /// False behind the camera, outside its image, or where its mask ignores the pixel.
   bool at(double w, double& u, double& v) const {
     const glm::dvec3 p = a + w * b;
     if (p.z <= 0) return false;
@@ -147,8 +147,8 @@ PlaneSweep::PlaneSweep(const Scene& scene)
     times.push_back({frame.camera_name, frame.time, i});
     cameras_[frame.camera_name].push_back(i);
   }
-  for (const Moment& moment : group_moments(times))
-    if (moment.frames.size() >= 3) choose_neighbours(moment.frames);
+  for (const Timestep& timestep : group_timesteps(times))
+    if (timestep.frames.size() >= 3) choose_neighbours(timestep.frames);
 }
 
 /// The cameras that stand nearest: the more they differ, the less they see of the same side.
@@ -225,8 +225,8 @@ bool PlaneSweep::still(int index, int x, int y) const {
   const std::vector<int>& frames = cameras_.at(frame.camera_name);
   const size_t count = std::min(frames.size(), kStillMoments), last = frames.size() - 1;
   for (size_t i = 0; i < count; ++i) {  // the first and the last are among them
-    const size_t moment = count > 1 ? i * last / (count - 1) : 0;
-    const Frame& other = scene_.frames[size_t(frames[moment])];
+    const size_t timestep = count > 1 ? i * last / (count - 1) : 0;
+    const Frame& other = scene_.frames[size_t(frames[timestep])];
     if (other.camera.cam_from_world != frame.camera.cam_from_world ||
         other.camera.translation != frame.camera.translation)
       return true;  // the camera moves: the pixel tells nothing

@@ -1,6 +1,6 @@
-// What: the depth of a pixel where the other cameras of its moment agree with it.
+// What: the depth of a pixel where the other cameras of its timestep agree with it.
 // Not: which pixels are tried and how many points are kept (dense_cloud.h), and no monocular
-//      captures: there no two cameras share a moment.
+//      captures: there no two cameras share a timestep.
 // Source: plane sweep after [Collins96]; the cross-camera check is stereo's left-right check.
 #pragma once
 #include <map>
@@ -12,12 +12,12 @@
 
 namespace tessera {
 
-/// A point with what the pictures say about it.
+/// A point with what the images say about it.
 struct SweptPoint {
   glm::vec3 position;             // world units
-  std::array<uint8_t, 3> colour;  // of the picture it was found in
-  float time;                     // normalised moment of that picture
-  bool still;                     // that pixel looks the same at other moments of the clip
+  std::array<uint8_t, 3> colour;  // of the image it was found in
+  float time;                     // normalised timestep of that image
+  bool still;                     // that pixel looks the same at other timesteps of the clip
   float pixel;                    // size of a pixel there, world units
 };
 
@@ -27,7 +27,7 @@ class PlaneSweep {
  public:
   /// Looks at the training frames only. `scene` must outlive this.
   explicit PlaneSweep(const Scene& scene);
-  /// Frames with at least two others of their moment, indices into Scene::frames.
+  /// Frames with at least two others of their timestep, indices into Scene::frames.
   const std::vector<int>& frames() const { return usable_; }
   /// None where a mask ignores the pixel, or without texture, agreement, a distinct best depth, or
   /// the other camera's consent.
@@ -45,7 +45,7 @@ class PlaneSweep {
   const Scene& scene_;
   CameraRig rig_;
   std::vector<int> usable_;
-  std::map<int, std::vector<int>> neighbours_;       // frame → the nearest of its moment
+  std::map<int, std::vector<int>> neighbours_;       // frame → the nearest of its timestep
   std::map<std::string, std::vector<int>> cameras_;  // camera → its training frames
   std::map<int, GreyImage> grey_;                    // of usable_
 };

@@ -84,7 +84,7 @@ struct WriteState {
 };
 
 [[noreturn]] void refuse_image(const std::filesystem::path& path, const std::string& seen) {
-  throw InputError(fmt::format("{}: {}; copy or render this picture again", path.string(), seen));
+  throw InputError(fmt::format("{}: {}; copy or render this image again", path.string(), seen));
 }
 
 uint32_t big_endian_32(const uint8_t* bytes) {

@@ -1,5 +1,5 @@
 // What: 8-bit PNG in and out through libpng, the format of prepared frames and of renders.
-// Not: any other picture format (image_source.h reads those through OpenImageIO).
+// Not: any other image format (image_source.h reads those through OpenImageIO).
 #pragma once
 #include <filesystem>
 

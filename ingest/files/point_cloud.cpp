@@ -29,9 +29,9 @@ std::array<uint8_t, 3> colour_at(const std::array<const PlyColumn*, 3>& columns,
 }
 
 /// The columns about time of the rows that were taken; a column that says nothing is left empty.
-void read_moments(const PlyElement& vertices, const std::vector<size_t>& rows,
-                  const std::string& where, std::vector<std::string>& warnings,
-                  PointCloud& points) {
+void read_timesteps(const PlyElement& vertices, const std::vector<size_t>& rows,
+                    const std::string& where, std::vector<std::string>& warnings,
+                    PointCloud& points) {
   const PlyColumn *time = vertices.find("time"), *still = vertices.find("still");
   size_t outside = 0, known = 0;
   for (size_t row : rows) {
@@ -83,7 +83,7 @@ PointCloud read_points(const std::filesystem::path& path, std::vector<std::strin
     points.colour.push_back(colour_at(colours, row));
     taken.push_back(row);
   }
-  read_moments(*vertices, taken, path.string(), warnings, points);
+  read_timesteps(*vertices, taken, path.string(), warnings, points);
   const auto left_out = vertices->rows - int64_t(points.position.size());
   if (left_out > 0)
     warnings.push_back(fmt::format("{}: {} of {} points are not finite and were left out",

@@ -1,5 +1,5 @@
-// What: a picture with alpha over a background colour, once, as the D-NeRF protocol does it.
-// Not: resizing of pictures with alpha (media/picture_scale.h).
+// What: a image with alpha over a background colour, once, as the D-NeRF protocol does it.
+// Not: resizing of images with alpha (ingest/media/images/image_scale.h).
 #pragma once
 #include <array>
 #include <cstdint>

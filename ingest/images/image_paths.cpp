@@ -1,4 +1,4 @@
-// What: the rules for picture files that transforms files leave implicit.
+// What: the rules for image files that transforms files leave implicit.
 // Not: a search through folders: only the stated path and its extensions are tried.
 #include "ingest/images/image_paths.h"
 
@@ -24,7 +24,7 @@ std::filesystem::path with_slashes(std::string file_path) {
 
 }  // namespace
 
-bool is_picture_name(const std::filesystem::path& path) {
+bool is_image_name(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
@@ -35,14 +35,14 @@ bool is_file(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, unreachable);
 }
 
-std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> pictures;
+std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> images;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (is_file(entry.path()) && is_picture_name(entry.path()) &&
+    if (is_file(entry.path()) && is_image_name(entry.path()) &&
         !entry.path().filename().string().starts_with('.'))
-      pictures.push_back(entry.path());
-  std::sort(pictures.begin(), pictures.end());
-  return pictures;
+      images.push_back(entry.path());
+  std::sort(images.begin(), images.end());
+  return images;
 }
 
 std::filesystem::path find_image(const std::filesystem::path& folder,
@@ -63,8 +63,8 @@ std::filesystem::path require_image(const std::filesystem::path& folder,
                                     const std::string& file_path, const std::string& where) {
   if (auto found = find_image(folder, file_path); !found.empty()) return found;
   const std::filesystem::path stated = folder / with_slashes(file_path);
-  throw InputError(fmt::format("{}: no such picture as {}{}; restore it or remove the frame", where,
-                               stated.string(), is_picture_name(stated) ? "" : "(.png)"));
+  throw InputError(fmt::format("{}: no such image as {}{}; restore it or remove the frame", where,
+                               stated.string(), is_image_name(stated) ? "" : "(.png)"));
 }
 
 std::string name_of_image(const std::string& file_path) {
@@ -72,7 +72,7 @@ std::string name_of_image(const std::string& file_path) {
   std::filesystem::path name;
   for (const std::filesystem::path& part : stated.relative_path().lexically_normal())
     if (part != "." && part != ".." && !part.empty()) name /= part;
-  if (is_picture_name(name)) name.replace_extension();
+  if (is_image_name(name)) name.replace_extension();
   return name.generic_string();
 }
 

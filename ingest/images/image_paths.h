@@ -7,16 +7,16 @@
 
 namespace tessera {
 
-/// True for the extensions of pictures, in either case.
-bool is_picture_name(const std::filesystem::path& path);
+/// True for the extensions of images, in either case.
+bool is_image_name(const std::filesystem::path& path);
 
 /// True for a file that can be asked for, links followed; false, not an error, for a link loop.
 bool is_file(const std::filesystem::path& path);
 
-/// The pictures directly in `folder` by their extensions, sorted by name; hidden ones left out.
-std::vector<std::filesystem::path> pictures_in(const std::filesystem::path& folder);
+/// The images directly in `folder` by their extensions, sorted by name; hidden ones left out.
+std::vector<std::filesystem::path> images_in(const std::filesystem::path& folder);
 
-/// The existing picture that `file_path` (relative to `folder`, with or without extension) means;
+/// The existing image that `file_path` (relative to `folder`, with or without extension) means;
 /// `file_path` + ".png" is tried first; an empty path where there is none.
 std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& file_path);
 /// The same. Errors: InputError that starts with `where` where there is none.

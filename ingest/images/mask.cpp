@@ -1,5 +1,5 @@
 // What: the threshold, the choice of the channel, the refusals.
-// Not: resampling (media/mask_source.cpp).
+// Not: resampling (ingest/media/images/mask_source.cpp).
 #include "ingest/images/mask.h"
 
 #include <fmt/format.h>
@@ -13,23 +13,23 @@ namespace {
 
 constexpr uint8_t kLargestIgnored = 127;
 
-bool has_transparent_pixels(const Image8& picture) {
-  if (picture.channels != 4) return false;
-  for (size_t i = 3; i < picture.data.size(); i += 4)
-    if (picture.data[i] != 255) return true;
+bool has_transparent_pixels(const Image8& image) {
+  if (image.channels != 4) return false;
+  for (size_t i = 3; i < image.data.size(); i += 4)
+    if (image.data[i] != 255) return true;
   return false;
 }
 
 }  // namespace
 
-Image8 mask_of_picture(const Image8& picture, const std::filesystem::path& file) {
-  const bool by_alpha = has_transparent_pixels(picture);
-  const auto channels = size_t(picture.channels);
-  Image8 mask{picture.width, picture.height, 1, {}};
-  mask.data.resize(picture.data.size() / channels);
+Image8 mask_of_image(const Image8& image, const std::filesystem::path& file) {
+  const bool by_alpha = has_transparent_pixels(image);
+  const auto channels = size_t(image.channels);
+  Image8 mask{image.width, image.height, 1, {}};
+  mask.data.resize(image.data.size() / channels);
   uint8_t largest = 0;
   for (size_t p = 0; p < mask.data.size(); ++p) {
-    const uint8_t* pixel = picture.data.data() + channels * p;
+    const uint8_t* pixel = image.data.data() + channels * p;
     const uint8_t value =
         by_alpha ? pixel[3] : *std::max_element(pixel, pixel + std::min<size_t>(channels, 3));
     largest = std::max(largest, value);
@@ -46,7 +46,7 @@ Image8 mask_of_picture(const Image8& picture, const std::filesystem::path& file)
 void check_mask_size(const Image8& mask, int width, int height, const std::filesystem::path& file) {
   if (mask.width == width && mask.height == height) return;
   throw InputError(
-      fmt::format("{}: the mask is {}x{}, its picture {}x{}; make the mask from that picture",
+      fmt::format("{}: the mask is {}x{}, its image {}x{}; make the mask from that image",
                   file.string(), mask.width, mask.height, width, height));
 }
 

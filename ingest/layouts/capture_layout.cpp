@@ -53,12 +53,12 @@ const char* layout_name(CaptureLayout layout) {
   return "";
 }
 
-bool has_pictures(const std::filesystem::path& capture) {
-  if (!pictures_in(capture).empty()) return true;
+bool has_images(const std::filesystem::path& capture) {
+  if (!images_in(capture).empty()) return true;
   for (const auto& entry : std::filesystem::directory_iterator(capture)) {
     std::error_code unreachable;
     if (entry.path().filename().string().starts_with("images") && entry.is_directory(unreachable) &&
-        !pictures_in(entry.path()).empty())
+        !images_in(entry.path()).empty())
       return true;
   }
   return false;
@@ -76,7 +76,7 @@ size_t llff_rows(const std::filesystem::path& capture) {
 }
 
 /// Whether the images are those of a rig. Poses of photos decide where there are some: LLFF has a
-/// row a picture, a rig a row a camera. Errors: AmbiguousCapture.
+/// row a image, a rig a row a camera. Errors: AmbiguousCapture.
 bool has_image_rig(const std::filesystem::path& capture, std::optional<ImageReading> reading) {
   if (reading) return *reading == ImageReading::kRig;
   const ImageSequences found = find_image_sequences(capture);
@@ -109,7 +109,7 @@ CaptureLayout detect_layout(const std::filesystem::path& capture,
     return CaptureLayout::kN3dv;
   if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
   if (!has_videos && has_image_rig(capture, reading)) return CaptureLayout::kSequences;
-  const bool has_photos = has_pictures(capture);
+  const bool has_photos = has_images(capture);
   if (has_photos && std::filesystem::exists(capture / "poses_bounds.npy"))
     return CaptureLayout::kLlff;
   if (has_videos) return CaptureLayout::kVideos;
@@ -121,7 +121,7 @@ CaptureLayout detect_layout(const std::filesystem::path& capture,
   if (has_photos) return CaptureLayout::kPhotos;
   throw InputError(fmt::format(
       "{}: no transforms.json, no transforms_train.json, no COLMAP model (sparse/0 or sparse with "
-      "cameras.bin or cameras.txt), no videos (*.mp4, *.mkv, *.mov, *.avi, *.webm) and no pictures "
+      "cameras.bin or cameras.txt), no videos (*.mp4, *.mkv, *.mov, *.avi, *.webm) and no images "
       "(in images or beside each other) in it; name the folder that holds the capture",
       capture.string()));
 }
@@ -165,7 +165,7 @@ std::vector<ImageSequence> sequences_of(const std::filesystem::path& capture,
                                         std::optional<ImageReading> reading) {
   if (reading == ImageReading::kMoving) {
     for (const auto& folder : {capture, capture / "images"})
-      if (std::filesystem::is_directory(folder) && !pictures_in(folder).empty())
+      if (std::filesystem::is_directory(folder) && !images_in(folder).empty())
         return {single_sequence(folder)};
     throw InputError(fmt::format(
         "{}: has no images, in it or in images, which --layout moving reads", capture.string()));

@@ -18,8 +18,8 @@ CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOption
 
 /// The word for it: "transforms", "n3dv", "colmap", …
 const char* layout_name(CaptureLayout layout);
-/// True where pictures lie in `capture` itself or in a folder images… directly below it.
-bool has_pictures(const std::filesystem::path& capture);
+/// True where images lie in `capture` itself or in a folder images… directly below it.
+bool has_images(const std::filesystem::path& capture);
 
 /// The sequences of a capture that is read as kSequences: one a camera, or with kMoving one in all.
 /// Errors: InputError: no images, or no two sequences with common numbers.

@@ -67,7 +67,7 @@ std::optional<NumberedName> parse_stem(const std::string& stem) {
 /// The images by camera; nothing where one is not numbered or a number comes twice.
 std::map<std::string, ImageSequence> sequences_by_name(const fs::path& folder) {
   std::map<std::string, ImageSequence> cameras;
-  for (const fs::path& file : pictures_in(folder)) {
+  for (const fs::path& file : images_in(folder)) {
     const auto name = parse_stem(file.stem().string());
     if (!name) return {};
     ImageSequence& camera = cameras[name->camera];
@@ -169,12 +169,12 @@ ImageSequences judged(std::vector<ImageSequence> cameras, bool in_folders) {
 
 ImageSequences find_image_sequences(const fs::path& capture) {
   for (const fs::path& folder : {capture, capture / "images"}) {
-    if (!fs::is_directory(folder) || pictures_in(folder).empty()) continue;
+    if (!fs::is_directory(folder) || images_in(folder).empty()) continue;
     std::vector<ImageSequence> cameras;
     for (auto& [name, camera] : sequences_by_name(folder)) cameras.push_back(std::move(camera));
     return judged(std::move(cameras), false);
   }
-  if (has_pictures(capture)) return {};  // images_4 and the like: a photo set
+  if (has_images(capture)) return {};  // images_4 and the like: a photo set
   ImageSequences best;
   for (const fs::path& folder :
        {capture, capture / "images", capture / "ims", capture / "frames", capture / "rgb"}) {
@@ -193,7 +193,7 @@ ImageSequence single_sequence(const fs::path& folder) {
     return all;
   }
   ImageSequence all{folder.filename().string(), folder, {}};
-  for (const fs::path& file : pictures_in(folder))
+  for (const fs::path& file : images_in(folder))
     all.images.push_back({int64_t(all.images.size()), file});
   return all;
 }

@@ -11,14 +11,14 @@
 namespace tessera {
 
 ColmapModel read_llff_photos(const std::filesystem::path& poses,
-                             const std::filesystem::path& pictures) {
+                             const std::filesystem::path& images) {
   const auto rows = read_llff_poses(poses);
-  const auto files = pictures_in(pictures);
+  const auto files = images_in(images);
   if (rows.size() != files.size())
     throw InputError(fmt::format(
-        "{}: has {} rows, {} has {} pictures; LLFF has one row a picture in the order of their "
+        "{}: has {} rows, {} has {} images; LLFF has one row a image in the order of their "
         "names: put back the missing ones or remove those without a pose",
-        poses.string(), rows.size(), pictures.string(), files.size()));
+        poses.string(), rows.size(), images.string(), files.size()));
   ColmapModel model;
   model.files = {poses};
   for (size_t i = 0; i < files.size(); ++i)

@@ -1,5 +1,5 @@
 // What: photos beside poses_bounds.npy (LLFF), one row a photo in the order of their names.
-// Not: videos (media/video_capture.cpp), and no point cloud: LLFF's file has none.
+// Not: videos (ingest/media/layouts/video_capture.cpp), and no point cloud: LLFF's file has none.
 #pragma once
 #include <filesystem>
 
@@ -7,10 +7,10 @@
 
 namespace tessera {
 
-/// The pictures directly in `pictures`, by name, each with its row of `poses`, as photos of a
+/// The images directly in `images`, by name, each with its row of `poses`, as photos of a
 /// model without points. Errors: InputError: as read_llff_poses, or another number of rows than of
-/// pictures.
+/// images.
 ColmapModel read_llff_photos(const std::filesystem::path& poses,
-                             const std::filesystem::path& pictures);
+                             const std::filesystem::path& images);
 
 }  // namespace tessera

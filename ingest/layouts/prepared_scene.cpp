@@ -53,7 +53,7 @@ ordered_json world_transform_json(const Similarity& transform) {
   return matrix;
 }
 
-/// Of each camera whose pictures were resampled: what was removed. {} where nothing was.
+/// Of each camera whose images were resampled: what was removed. {} where nothing was.
 ordered_json removed_lenses_json(const PreparedCamera& camera) {
   ordered_json list = ordered_json::array();
   for (const RemovedLens& removed : camera.removed_lenses) {

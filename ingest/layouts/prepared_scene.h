@@ -21,7 +21,7 @@ struct PreparedFrame {
   std::string mask_path;         // below the scene's folder; empty: all pixels are used
 };
 
-/// A lens whose distortion was taken out of the pictures.
+/// A lens whose distortion was taken out of the images.
 struct RemovedLens {
   std::string model;  // COLMAP's or Nerfstudio's name: "OPENCV"
   Lens lens;
@@ -35,7 +35,7 @@ struct PreparedCamera {
   double time_measured = 0;     // what was measured, of which time_offset keeps what is certain
   std::string time_source{};    // where the offset comes from: "motion", "audio", …; empty: none
   std::vector<RemovedLens> removed_lenses{};             // distinct; several where it was zoomed
-  std::optional<std::array<double, 3>> exposure_gain{};  // R G B its pictures were divided by
+  std::optional<std::array<double, 3>> exposure_gain{};  // R G B its images were divided by
 };
 
 struct SourceFile {
@@ -47,7 +47,7 @@ struct PreparedScene {
   std::string layout;             // "transforms", "n3dv", "colmap", "llff"
   std::string background;         // what was done about alpha: "alpha kept", "opaque"
   bool inverted_masks = false;    // masks had black for used pixels; those written never have
-  std::string tone_map = "none";  // of pictures with linear pixels
+  std::string tone_map = "none";  // of images with linear pixels
   double scale = 1;               // prepared size by source size
   TimeAxis time_axis;
   Similarity prepared_from_source;  // poses and points here are in the prepared world
@@ -59,7 +59,7 @@ struct PreparedScene {
   std::vector<SourceFile> sources;
 };
 
-/// Notes that `camera` took a picture through `lens`, which was removed; a pinhole is nothing.
+/// Notes that `camera` took a image through `lens`, which was removed; a pinhole is nothing.
 void note_removed_lens(PreparedCamera& camera, const RemovedLens& removed);
 
 /// Writes `folder`/transforms.json. Errors: InputError when it cannot be written.

@@ -1,5 +1,5 @@
 // What: TransformsCapture + PNG files → Scene: parallel decoding, sizes, times, compositing.
-// Not: parsing (transforms_json.cpp), and no other picture format than PNG.
+// Not: parsing (transforms_json.cpp), and no other image format than PNG.
 #include "ingest/layouts/scene_reader.h"
 
 #include <fmt/format.h>
@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <atomic>
 
-#include "ingest/clocks/moments.h"
+#include "ingest/clocks/timesteps.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/images/alpha_composite.h"
@@ -31,12 +31,12 @@ void require_png(const std::filesystem::path& file, const std::string& where) {
       file.filename().string()));
 }
 
-/// The frame's mask, or without pixels its size, for a picture of width × height.
+/// The frame's mask, or without pixels its size, for a image of width × height.
 Image8 load_mask(const TransformsFrame& listed, int width, int height, bool load_pixels) {
   require_png(listed.mask, listed.where);
-  const Image8 picture = load_pixels ? read_png(listed.mask) : read_png_size(listed.mask);
-  check_mask_size(picture, width, height, listed.mask);
-  return load_pixels ? mask_of_picture(picture, listed.mask) : Image8{};
+  const Image8 image = load_pixels ? read_png(listed.mask) : read_png_size(listed.mask);
+  check_mask_size(image, width, height, listed.mask);
+  return load_pixels ? mask_of_image(image, listed.mask) : Image8{};
 }
 
 /// Decodes and composites one frame, or reads its size only. True when it had alpha.
@@ -47,14 +47,13 @@ bool load_frame(const TransformsFrame& listed, const SceneOptions& options, Fram
   frame.frame_number = listed.frame_number;
   frame.split = listed.split;
   frame.camera = listed.camera;
-  Image8 picture = options.load_pixels ? read_png(listed.image) : read_png_size(listed.image);
-  set_intrinsics(frame.camera, listed.intrinsics, picture.width, picture.height, listed.where);
+  Image8 image = options.load_pixels ? read_png(listed.image) : read_png_size(listed.image);
+  set_intrinsics(frame.camera, listed.intrinsics, image.width, image.height, listed.where);
   if (!listed.mask.empty())
-    frame.mask = load_mask(listed, picture.width, picture.height, options.load_pixels);
-  const bool had_alpha = picture.channels == 4;
+    frame.mask = load_mask(listed, image.width, image.height, options.load_pixels);
+  const bool had_alpha = image.channels == 4;
   if (options.load_pixels)
-    frame.image =
-        picture.channels == 3 ? std::move(picture) : composite_on(picture, options.background);
+    frame.image = image.channels == 3 ? std::move(image) : composite_on(image, options.background);
   return had_alpha;
 }
 
@@ -87,14 +86,14 @@ void keep_held_out(TransformsCapture& capture, std::vector<double>& time, int64_
   keep(capture, time, kept);
 }
 
-/// Leaves the training frames of at most `count` moments.
-void keep_moments(TransformsCapture& capture, std::vector<double>& time, int64_t count) {
+/// Leaves the training frames of at most `count` timesteps.
+void keep_timesteps(TransformsCapture& capture, std::vector<double>& time, int64_t count) {
   std::vector<FrameTime> training;
   for (int i : frames_of(capture, Split::kTrain))
     training.push_back({capture.frames[size_t(i)].camera_name, time[size_t(i)], i});
   std::vector<int> kept;
-  for (const Moment& moment : spread_moments(group_moments(training), count))
-    kept.insert(kept.end(), moment.frames.begin(), moment.frames.end());
+  for (const Timestep& timestep : spread_timesteps(group_timesteps(training), count))
+    kept.insert(kept.end(), timestep.frames.begin(), timestep.frames.end());
   keep(capture, time, kept);
 }
 
@@ -134,7 +133,7 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   scene.warnings = std::move(capture.warnings);
   scene.points = find_points(folder, capture.points_file, scene.warnings);
   NormalisedTimes times = times_of(capture, options.allow_static);
-  if (options.instants) keep_moments(capture, times.time, *options.instants);
+  if (options.instants) keep_timesteps(capture, times.time, *options.instants);
   if (options.held_out) keep_held_out(capture, times.time, *options.held_out);
   load_frames(capture, options, scene);
   scene.time_axis = times.axis;

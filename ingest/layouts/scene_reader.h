@@ -15,7 +15,7 @@ struct SceneOptions {
   bool allow_static = false;                   // accept times that are all equal as one timestep
   bool load_pixels = true;                     // false: cameras, times and points only
   // Times stay those of the whole scene with any of these.
-  std::optional<int64_t> instants = {};  // training frames of at most N moments over the clip
+  std::optional<int64_t> instants = {};  // training frames of at most N timesteps over the clip
   std::optional<int64_t> held_out = {};  // N frames of the first split that has some of test, val,
                                          // train
 };

@@ -24,8 +24,8 @@ struct SplitFile {
   Split split;
 };
 
-/// Whether the pictures that frames name must be there.
-enum class Pictures { kRequired, kListed, kUnused };
+/// Whether the images that frames name must be there.
+enum class Images { kRequired, kListed, kUnused };
 
 constexpr std::array<SplitFile, 3> kSplitFiles{{{"transforms_train.json", Split::kTrain},
                                                 {"transforms_val.json", Split::kVal},
@@ -65,25 +65,24 @@ std::filesystem::path mask_of(const json& entry, const std::filesystem::path& fo
 
 TransformsFrame parse_frame(const json& entry, const json& file, const StatedIntrinsics& globals,
                             const std::filesystem::path& json_path, size_t index,
-                            Split split_of_file, Pictures pictures) {
+                            Split split_of_file, Images images) {
   TransformsFrame frame;
   frame.where = fmt::format("{}, frame {}", json_path.string(), index);
   std::string file_path =
       entry.is_object() ? string_at(entry, "file_path", frame.where) : std::string();
-  if (file_path.empty() && pictures == Pictures::kUnused) file_path = fmt::format("{:04}", index);
+  if (file_path.empty() && images == Images::kUnused) file_path = fmt::format("{:04}", index);
   if (file_path.empty())
-    throw InputError(fmt::format("{}: has no file_path; name its picture", frame.where));
+    throw InputError(fmt::format("{}: has no file_path; name its image", frame.where));
   frame.where += fmt::format(" ({})", file_path);
   frame.split = split_of(entry, file, split_of_file, frame.where);
-  if (pictures == Pictures::kRequired)
+  if (images == Images::kRequired)
     frame.image = require_image(json_path.parent_path(), file_path, frame.where);
-  else if (pictures == Pictures::kListed)
+  else if (images == Images::kListed)
     frame.image = find_image(json_path.parent_path(), file_path);
-  if (pictures != Pictures::kUnused)
-    frame.mask = mask_of(entry, json_path.parent_path(), frame.where);
+  if (images != Images::kUnused) frame.mask = mask_of(entry, json_path.parent_path(), frame.where);
   frame.name = name_of_image(file_path);
   frame.time = finite_number(entry, "time", frame.where);
-  if (pictures == Pictures::kListed)
+  if (images == Images::kListed)
     frame.lens = stated_lens(entry, file, frame.where);
   else
     refuse_distortion(entry, frame.where);
@@ -119,7 +118,7 @@ void read_prepared_object(const json& object, const std::string& where,
   capture.prepared_from_source = world_transform_of(object, where);
 }
 
-void read_file(const std::filesystem::path& path, Split split_of_file, Pictures pictures,
+void read_file(const std::filesystem::path& path, Split split_of_file, Images images,
                TransformsCapture& capture) {
   const json file = read_json(path);
   const std::string where = path.string();
@@ -128,24 +127,23 @@ void read_file(const std::filesystem::path& path, Split split_of_file, Pictures 
     throw InputError(
         fmt::format("{}: has no list 'frames'; expected a NeRF transforms file", where));
   capture.files.push_back(path);
-  if (pictures != Pictures::kListed) refuse_distortion(file, where);
+  if (images != Images::kListed) refuse_distortion(file, where);
   const StatedIntrinsics globals = intrinsics_of(file, where);
   if (capture.points_file.empty()) capture.points_file = string_at(file, "ply_file_path", where);
   if (file.contains("tessera")) read_prepared_object(file["tessera"], where, capture);
   for (size_t i = 0; i < frames->size(); ++i)
     capture.frames.push_back(
-        parse_frame((*frames)[i], file, globals, path, i, split_of_file, pictures));
+        parse_frame((*frames)[i], file, globals, path, i, split_of_file, images));
 }
 
-/// The same picture may be in two splits (val copied from test); its second name says which.
+/// The same image may be in two splits (val copied from test); its second name says which.
 void make_names_unique(TransformsCapture& capture) {
   std::set<std::string> taken;
   for (TransformsFrame& frame : capture.frames) {
     if (taken.insert(frame.name).second) continue;
     frame.name += fmt::format("@{}", split_name(frame.split));
     if (!taken.insert(frame.name).second)
-      throw InputError(
-          fmt::format("{}: the picture is listed twice; remove one entry", frame.where));
+      throw InputError(fmt::format("{}: the image is listed twice; remove one entry", frame.where));
   }
 }
 
@@ -176,15 +174,15 @@ void complete(TransformsCapture& capture) {
   check_times(capture);
 }
 
-TransformsCapture read_files(const std::filesystem::path& folder, Pictures pictures) {
+TransformsCapture read_files(const std::filesystem::path& folder, Images images) {
   require_folder(folder);
   TransformsCapture capture;
   if (std::filesystem::exists(folder / kSplitFiles[0].name)) {
     for (const SplitFile& file : kSplitFiles)
       if (std::filesystem::exists(folder / file.name))
-        read_file(folder / file.name, file.split, pictures, capture);
+        read_file(folder / file.name, file.split, images, capture);
   } else if (std::filesystem::exists(folder / "transforms.json")) {
-    read_file(folder / "transforms.json", Split::kTrain, pictures, capture);
+    read_file(folder / "transforms.json", Split::kTrain, images, capture);
   } else {
     throw InputError(fmt::format(
         "{}: has neither transforms.json nor transforms_train.json; prepare the capture with "
@@ -203,25 +201,25 @@ void leave_out_missing(TransformsCapture& capture) {
     return frame.image.empty();
   });
   if (capture.frames.empty())
-    throw InputError(fmt::format("{}: no such picture, nor any of the {} others; restore them",
-                                 first, capture.missing.size() - 1));
+    throw InputError(fmt::format("{}: no such image, nor any of the {} others; restore them", first,
+                                 capture.missing.size() - 1));
 }
 
 }  // namespace
 
 TransformsCapture read_transforms(const std::filesystem::path& folder) {
-  return read_files(folder, Pictures::kRequired);
+  return read_files(folder, Images::kRequired);
 }
 
 TransformsCapture read_transforms_capture(const std::filesystem::path& folder) {
-  TransformsCapture capture = read_files(folder, Pictures::kListed);
+  TransformsCapture capture = read_files(folder, Images::kListed);
   leave_out_missing(capture);
   return capture;
 }
 
 TransformsCapture read_camera_path(const std::filesystem::path& file) {
   TransformsCapture capture;
-  read_file(file, Split::kTest, Pictures::kUnused, capture);
+  read_file(file, Split::kTest, Images::kUnused, capture);
   complete(capture);
   return capture;
 }

@@ -1,6 +1,6 @@
 // What: transforms*.json of D-NeRF, NeRF-synthetic, Nerfstudio and prepared scenes → a list of
 //       frames with poses, stated intrinsics and source times.
-// Not: pixels: picture sizes are not known here, so intrinsics stay as stated (intrinsics.h).
+// Not: pixels: image sizes are not known here, so intrinsics stay as stated (intrinsics.h).
 #pragma once
 #include <array>
 #include <cstdint>
@@ -36,20 +36,20 @@ struct TransformsCapture {
   std::optional<TimeAxis> prepared_axis;     // set where a `tessera` object is present
   bool prepared_static = false;
   Similarity prepared_from_source;   // of the poses' world; identity without a `tessera` object
-  std::vector<std::string> missing;  // file_path of frames without a picture, left out
+  std::vector<std::string> missing;  // file_path of frames without a image, left out
   std::vector<std::string> warnings;
 };
 
 /// Reads what can be trained on as it is from `folder`: transforms_train/val/test.json where
 /// transforms_train.json is there, else transforms.json. Errors: InputError naming file, frame and
-/// remedy; also for a picture that is missing and for lens distortion.
+/// remedy; also for a image that is missing and for lens distortion.
 TransformsCapture read_transforms(const std::filesystem::path& folder);
 
-/// The same of a capture that is to be prepared: lenses are read, and frames whose picture is not
-/// there are listed and left out. Errors: as above, and where no picture is there.
+/// The same of a capture that is to be prepared: lenses are read, and frames whose image is not
+/// there are listed and left out. Errors: as above, and where no image is there.
 TransformsCapture read_transforms_capture(const std::filesystem::path& folder);
 
-/// One transforms file as a camera path: the pictures it names need not be there (TransformsFrame::
+/// One transforms file as a camera path: the images it names need not be there (TransformsFrame::
 /// image is empty), and a frame without file_path is named by its number. Errors: as above.
 TransformsCapture read_camera_path(const std::filesystem::path& file);
 

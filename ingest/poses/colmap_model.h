@@ -1,5 +1,5 @@
 // What: a COLMAP model (sparse/0 or sparse, .bin or .txt) → posed photos and an initial cloud.
-// Not: pixels (media/colmap_capture.cpp); sizes are those the model was made at.
+// Not: pixels (ingest/media/layouts/colmap_capture.cpp); sizes are those the model was made at.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -11,9 +11,9 @@
 namespace tessera {
 
 struct ColmapPhoto {
-  std::string name;        // path below the folder of the pictures, with extension; unique
+  std::string name;        // path below the folder of the images, with extension; unique
   Camera camera;           // in the size of the model's camera
-  Lens lens;               // what the picture has beyond the pinhole
+  Lens lens;               // what the image has beyond the pinhole
   std::string lens_model;  // COLMAP's name of it: "OPENCV"
 };
 

@@ -15,7 +15,7 @@
 namespace tessera {
 
 struct ColmapImage {
-  std::string name;                    // path below the folder of the pictures
+  std::string name;                    // path below the folder of the images
   std::array<double, 4> quaternion{};  // cam_from_world, w x y z, as stored
   glm::dvec3 translation{};            // of cam_from_world
   uint32_t camera = 0;                 // id

@@ -50,7 +50,7 @@ StatedIntrinsics StatedIntrinsics::or_else(const StatedIntrinsics& file) const {
 }
 
 bool same_shape(int width, int height, int other_width, int other_height) {
-  // The larger picture predicts the smaller one's height within the rounding of its two sides.
+  // The larger image predicts the smaller one's height within the rounding of its two sides.
   if (width < other_width) return same_shape(other_width, other_height, width, height);
   const double predicted_height = double(height) * other_width / width;
   const double predicted_width = double(width) * other_height / height;
@@ -66,7 +66,7 @@ void set_intrinsics(Camera& camera, const StatedIntrinsics& stated, int width, i
   const int w = in_stated_size.width, h = in_stated_size.height;
   if (w <= 0 || h <= 0 || !same_shape(w, h, width, height))
     throw InputError(fmt::format(
-        "{}: states a size of {}x{}, the picture is {}x{}; correct w and h, or use pictures of "
+        "{}: states a size of {}x{}, the image is {}x{}; correct w and h, or use images of "
         "the same shape",
         where, w, h, width, height));
   if (!stated.fl_x && !stated.camera_angle_x)

@@ -1,5 +1,5 @@
 // What: the intrinsics that a transforms.json states, at two levels, and what they mean for a
-//       picture of a given size.
+//       image of a given size.
 // Not: distortion, which is refused (transforms_json.cpp), and not poses (pose_matrix.h).
 #pragma once
 #include <optional>
@@ -11,7 +11,7 @@ namespace tessera {
 
 /// Values as stated; those of a frame win over those of the file (`or_else`).
 struct StatedIntrinsics {
-  std::optional<double> fl_x, fl_y, cx, cy;              // pixels of a w × h picture
+  std::optional<double> fl_x, fl_y, cx, cy;              // pixels of a w × h image
   std::optional<double> camera_angle_x, camera_angle_y;  // radians, full field of view
   std::optional<int> w, h;                               // pixels
 
@@ -20,13 +20,13 @@ struct StatedIntrinsics {
   StatedIntrinsics or_else(const StatedIntrinsics& file) const;
 };
 
-/// Sets size and intrinsics of `camera` for a picture of width × height. Stated for another size of
+/// Sets size and intrinsics of `camera` for a image of width × height. Stated for another size of
 /// the same shape (within a pixel), they are scaled, so rays do not change. Errors: InputError that
 /// starts with `where`: no focal length, a value that is not positive, another shape.
 void set_intrinsics(Camera& camera, const StatedIntrinsics& stated, int width, int height,
                     const std::string& where);
 
-/// True where two picture sizes have the same shape within a pixel.
+/// True where two image sizes have the same shape within a pixel.
 bool same_shape(int width, int height, int other_width, int other_height);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // What: the distortion of all lens models, and the shortest focal length without blank pixels.
-// Not: pixels (media/undistortion.h).
+// Not: pixels (ingest/media/images/undistortion.h).
 // Source: Brown 1966; Kannala, Brandt 2006; Devernay, Faugeras 2001 (field of view).
 #include "ingest/poses/lens.h"
 
@@ -15,8 +15,8 @@
 namespace tessera {
 namespace {
 
-constexpr double kLongestFocal = 8;  // times the camera's own; beyond it little picture is left
-constexpr double kShortestFocal = 0.125;  // of a camera whose axis does not meet its picture
+constexpr double kLongestFocal = 8;       // times the camera's own; beyond it little image is left
+constexpr double kShortestFocal = 0.125;  // of a camera whose axis does not meet its image
 
 /// ρ / r of the projection.
 double bending(const Lens& lens, double r) {
@@ -57,21 +57,21 @@ glm::dvec2 in_pixels(const Camera& camera, const glm::dvec2& ray) {
   return {camera.fl_x * ray.x + camera.cx, camera.fl_y * ray.y + camera.cy};
 }
 
-bool has_axis_in_picture(const Camera& camera) {
+bool has_axis_in_image(const Camera& camera) {
   return camera.cx >= 0 && camera.cy >= 0 && camera.cx <= camera.width &&
          camera.cy <= camera.height;
 }
 
-/// The length of the shortest ray (z = 1) of a pixel: 0 where the axis meets the picture.
+/// The length of the shortest ray (z = 1) of a pixel: 0 where the axis meets the image.
 double shortest_ray(const Camera& camera) {
   const double x = std::clamp(camera.cx, 0.0, double(camera.width)) - camera.cx;
   const double y = std::clamp(camera.cy, 0.0, double(camera.height)) - camera.cy;
   return std::hypot(x / camera.fl_x, y / camera.fl_y);
 }
 
-/// Whether the ray meets the picture, and the lens does not turn back on the way there from rays of
-/// the length `from`: the picture has none shorter, and its lens was never fitted to those.
-bool meets_picture(const Camera& camera, const Lens& lens, const glm::dvec2& ray, double from) {
+/// Whether the ray meets the image, and the lens does not turn back on the way there from rays of
+/// the length `from`: the image has none shorter, and its lens was never fitted to those.
+bool meets_image(const Camera& camera, const Lens& lens, const glm::dvec2& ray, double from) {
   constexpr int kSteps = 16;
   constexpr double kStep = 1e-4;
   const glm::dvec2 middle = lens.distorted({0, 0});
@@ -85,7 +85,7 @@ bool meets_picture(const Camera& camera, const Lens& lens, const glm::dvec2& ray
   return pixel.x >= 0 && pixel.y >= 0 && pixel.x <= camera.width && pixel.y <= camera.height;
 }
 
-/// Whether the border pixels' centres of `target` all meet the picture.
+/// Whether the border pixels' centres of `target` all meet the image.
 bool sees_all(const Camera& camera, const Lens& lens, const Camera& target) {
   constexpr int kSamples = 128;  // along each side; distortion is smooth
   const double from = shortest_ray(target);
@@ -94,9 +94,9 @@ bool sees_all(const Camera& camera, const Lens& lens, const Camera& target) {
     const double y = 0.5 + (target.height - 1) * double(i) / kSamples;
     for (const glm::dvec2& pixel : {glm::dvec2(x, 0.5), glm::dvec2(x, target.height - 0.5),
                                     glm::dvec2(0.5, y), glm::dvec2(target.width - 0.5, y)})
-      if (!meets_picture(camera, lens,
-                         {(pixel.x - target.cx) / target.fl_x, (pixel.y - target.cy) / target.fl_y},
-                         from))
+      if (!meets_image(camera, lens,
+                       {(pixel.x - target.cx) / target.fl_x, (pixel.y - target.cy) / target.fl_y},
+                       from))
         return false;
   }
   return true;
@@ -107,7 +107,7 @@ Camera with_focal(Camera camera, double factor) {
   return camera;
 }
 
-/// Of another focal length, with `ray` in the middle of the picture.
+/// Of another focal length, with `ray` in the middle of the image.
 Camera with_focal_about(Camera camera, double factor, const glm::dvec2& ray) {
   camera = with_focal(camera, factor);
   camera.cx = 0.5 * camera.width - camera.fl_x * ray.x;
@@ -117,12 +117,12 @@ Camera with_focal_about(Camera camera, double factor, const glm::dvec2& ray) {
 
 [[noreturn]] void refuse_turning(const std::string& where) {
   throw InputError(fmt::format(
-      "{}: its lens distortion has no undistorted picture of this size (it turns back on itself "
-      "in the picture); estimate this camera again, or run `colmap image_undistorter`",
+      "{}: its lens distortion has no undistorted image of this size (it turns back on itself "
+      "in the image); estimate this camera again, or run `colmap image_undistorter`",
       where));
 }
 
-/// The shortest focal length by `camera_of` from `too_short` on whose camera sees picture alone.
+/// The shortest focal length by `camera_of` from `too_short` on whose camera sees image alone.
 template <class CameraOf>
 Camera shortest_focal(const Camera& camera, const Lens& lens, double too_short,
                       const CameraOf& camera_of, const std::string& where) {
@@ -193,10 +193,10 @@ std::optional<glm::dvec2> Lens::undistorted(const glm::dvec2& met) const {
 
 Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where) {
   if (lens.is_pinhole() || sees_all(camera, lens, camera)) return camera;
-  if (has_axis_in_picture(camera))
+  if (has_axis_in_image(camera))
     return shortest_focal(
         camera, lens, 1, [&](double factor) { return with_focal(camera, factor); }, where);
-  // a cropped sensor: a longer focal length would zoom to the axis, out of the picture
+  // a cropped sensor: a longer focal length would zoom to the axis, out of the image
   const std::optional<glm::dvec2> ray =
       lens.undistorted({(0.5 * camera.width - camera.cx) / camera.fl_x,
                         (0.5 * camera.height - camera.cy) / camera.fl_y});

@@ -1,6 +1,7 @@
-// What: a lens: where the ray of an ideal pinhole meets the picture, and the pinhole camera whose
-//       picture can be resampled from it without blank pixels.
-// Not: pixels (media/undistortion.h) or a lens's name in any file format (colmap_camera.h).
+// What: a lens: where the ray of an ideal pinhole meets the image, and the pinhole camera whose
+//       image can be resampled from it without blank pixels.
+// Not: pixels (ingest/media/images/undistortion.h) or a lens's name in any file format
+// (colmap_camera.h).
 #pragma once
 #include <glm/vec2.hpp>
 #include <optional>
@@ -32,12 +33,12 @@ struct Lens {
   std::optional<glm::dvec2> undistorted(const glm::dvec2& met) const;
 };
 
-/// The pinhole camera of the same size and pose whose every pixel lies in the picture that `camera`
+/// The pinhole camera of the same size and pose whose every pixel lies in the image that `camera`
 /// takes through `lens`. The principal point is the camera's, the focal length too or as much
-/// longer as that needs. Where the camera's axis does not meet its picture (a cropped sensor) and
-/// its own focal length does not do, the middle of the picture stays in the middle, and the focal
-/// length is the shortest that sees picture alone. Errors: InputError that starts with `where`: no
-/// such camera, because the distortion turns back on itself within the picture.
+/// longer as that needs. Where the camera's axis does not meet its image (a cropped sensor) and
+/// its own focal length does not do, the middle of the image stays in the middle, and the focal
+/// length is the shortest that sees image alone. Errors: InputError that starts with `where`: no
+/// such camera, because the distortion turns back on itself within the image.
 Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where);
 
 }  // namespace tessera

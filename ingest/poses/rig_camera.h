@@ -1,5 +1,5 @@
 // What: a physical camera of a rig: its name, its pose and its lens.
-// Not: its pictures or its clock.
+// Not: its images or its clock.
 #pragma once
 #include <string>
 
@@ -10,8 +10,8 @@ namespace tessera {
 
 struct RigCamera {
   std::string name;                    // "cam02": the name of its video without extension
-  Camera camera;                       // size and intrinsics of the upright picture, and its pose
-  Lens lens;                           // what the picture has beyond the pinhole
+  Camera camera;                       // size and intrinsics of the upright image, and its pose
+  Lens lens;                           // what the image has beyond the pinhole
   std::string lens_model = "PINHOLE";  // COLMAP's name of it
 };
 

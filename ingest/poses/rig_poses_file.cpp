@@ -92,7 +92,7 @@ RigCamera parse_camera(const json& entry, const json& file, const std::string& f
       intrinsics_at(entry, where).or_else(intrinsics_at(shared, file_where));
   if (!stated.w || !stated.h)
     throw InputError(
-        fmt::format("{}: no picture size; add w and h, which its intrinsics belong to", where));
+        fmt::format("{}: no image size; add w and h, which its intrinsics belong to", where));
   set_intrinsics(camera.camera, stated, *stated.w, *stated.h, where);
   set_pose(camera.camera,
            entry.contains("R_w2c") ? gl_rows_of_opencv(entry, where) : pose_rows(entry, where),
@@ -157,7 +157,7 @@ std::vector<RigCamera> read_rig_cameras(const path& file, const std::vector<std:
   return cameras;
 }
 
-Camera camera_of_picture(const Camera& stated, int width, int height, const std::string& where) {
+Camera camera_of_image(const Camera& stated, int width, int height, const std::string& where) {
   if (same_shape(stated.width, stated.height, width, height)) return stated.resized(width, height);
   constexpr int kBlock = 16;  // pixels a side, of H.264; others' blocks are multiples of 8
   const int less_x = stated.width - width, less_y = stated.height - height;
@@ -165,7 +165,7 @@ Camera camera_of_picture(const Camera& stated, int width, int height, const std:
                    (less_x == 0 || less_y == 0);
   if (!cut)
     throw InputError(fmt::format(
-        "{}: the picture is {}x{}, its camera was calibrated at {}x{}; use pictures of that shape, "
+        "{}: the image is {}x{}, its camera was calibrated at {}x{}; use images of that shape, "
         "or correct the camera",
         where, width, height, stated.width, stated.height));
   Camera camera = stated;

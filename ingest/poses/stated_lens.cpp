@@ -30,7 +30,7 @@ constexpr std::array kPerspective{"PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", 
 constexpr std::array kFisheye{"OPENCV_FISHEYE", "RADIAL_FISHEYE", "SIMPLE_RADIAL_FISHEYE"};
 
 constexpr const char* kRemedy =
-    "undistort the pictures with the program that calibrated them (for instance `colmap "
+    "undistort the images with the program that calibrated them (for instance `colmap "
     "image_undistorter`) and state a pinhole camera";
 
 bool states_coefficients(const json& object) {

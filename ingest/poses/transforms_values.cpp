@@ -48,19 +48,19 @@ StatedIntrinsics intrinsics_of(const json& object, const std::string& where) {
 
 void refuse_distortion(const json& object, const std::string& where) {
   constexpr const char* kRemedy =
-      "run `tessera ingest`, which undistorts the pictures, and open its result";
+      "run `tessera ingest`, which undistorts the images, and open its result";
   for (const char* key : {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2"})
     if (const auto value = finite_number(object, key, where); value.value_or(0) != 0)
       throw InputError(
           fmt::format("{}: lens distortion {} = {} is not supported, expected "
-                      "pinhole pictures; {}",
+                      "pinhole images; {}",
                       where, key, *value, kRemedy));
   const bool fisheye =
       is_true(object, "is_fisheye") ||
       string_at(object, "camera_model", where).find("FISHEYE") != std::string::npos;
   if (fisheye)
     throw InputError(fmt::format(
-        "{}: fisheye cameras are not supported, expected pinhole pictures; {}", where, kRemedy));
+        "{}: fisheye cameras are not supported, expected pinhole images; {}", where, kRemedy));
 }
 
 PoseRows pose_rows(const json& frame, const std::string& where) {

@@ -114,7 +114,7 @@ bool find_meeting(const std::vector<Camera>& cameras, dvec3& centre) {
   return 2 * in_front > std::ptrdiff_t(cameras.size());
 }
 
-/// Depths of the points in the pictures of the cameras, at most about 10⁶ of them.
+/// Depths of the points in the images of the cameras, at most about 10⁶ of them.
 std::vector<double> depths_in_view(const std::vector<Camera>& cameras, const PointCloud& points) {
   constexpr size_t kMost = 1'000'000;
   const size_t stride = 1 + points.position.size() * cameras.size() / kMost;

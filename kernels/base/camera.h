@@ -1,5 +1,5 @@
-// What: a pinhole camera and a view (camera + moment), in double, as scenes hold them.
-// Not: distortion (ingest removes it) and not what a kernel loops over (view_args.h).
+// What: a pinhole camera and a view (camera and time), in double, as scenes hold them.
+// Not: distortion (ingest removes it) and not what a kernel loops over (kernels/batch.h).
 // Axes: camera +x right, +y down, +z forward; pixel centres at +0.5 (COLMAP's convention).
 #pragma once
 #include <glm/mat3x3.hpp>

@@ -21,7 +21,7 @@ struct CameraRig {
 /// `cameras`: one or more, of any number of frames; equal ones count once.
 CameraRig make_camera_rig(const std::vector<Camera>& cameras);
 
-/// Whether the point lies in front of the near plane and inside the picture.
+/// Whether the point lies in front of the near plane and inside the image.
 bool sees(const Camera& camera, const glm::dvec3& point, double near_plane);
 
 }  // namespace tessera

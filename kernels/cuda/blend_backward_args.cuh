@@ -18,8 +18,8 @@ struct BlendBackward {
   int64_t instances;  // I
   const Splat<float>* splats;
   Cutoff<float> cutoff;
-  const float* colour;    // the picture, background included
-  const float* d_colour;  // planar as the picture
+  const float* colour;    // the image, background included
+  const float* d_colour;  // planar as the image
   const int32_t* used;
   float* sums;                  // [S, terms] added to
   float* instance_sums;         // [parts, I, terms] when they are added in order

@@ -55,7 +55,7 @@ void* DeviceMemory::allocate(size_t bytes) {
     throw DeviceError("out of device memory: need " + std::to_string(wanted >> 20) + " MiB more, " +
                       std::to_string(in_use_ >> 20) + " MiB are in use and " +
                       std::to_string(free_bytes() >> 20) +
-                      " MiB free; use a smaller batch, smaller pictures or --max-gaussians");
+                      " MiB free; use a smaller batch, smaller images or --max-gaussians");
   }
   check_device(code, "cudaMallocFromPoolAsync");
   in_use_ += int64_t(wanted);

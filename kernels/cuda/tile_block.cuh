@@ -38,8 +38,8 @@ struct BatchTile {
 struct TilePixel {
   int x, y;
   int number;     // within the tile, row by row
-  bool inside;    // of the picture
-  int64_t index;  // within the batch's one-channel pictures
+  bool inside;    // of the image
+  int64_t index;  // within the batch's one-channel images
   int64_t first_colour, plane;
   const ViewArgs<float>* of;
 
@@ -53,7 +53,7 @@ struct TilePixel {
     index = view.first_pixel + within;
     first_colour = 3 * view.first_pixel + within;
   }
-  /// Index of channel c in a planar picture of the batch.
+  /// Index of channel c in a planar image of the batch.
   __device__ int64_t colour_at(int c) const { return first_colour + c * plane; }
 };
 

@@ -40,12 +40,12 @@ TESSERA_HD inline void edit_by_filter(FilterEdit edit, const GaussianSpans<Real>
   }
   const Smoothed<Real> smoothed = smooth(Vec3<Real>(s[0], s[1], s[2]), size);
   if (edit == FilterEdit::kBake) {
-    *logit = logit_of_dimmed(*logit, smoothed.dimming);
+    *logit = logit_of_compensated(*logit, smoothed.compensation);
     for (int k = 0; k < 3; ++k) s[k] = smoothed.log_scale[k];
     return;
   }
-  if (smoothed.dimming > limit)  // else o' ≤ c ≤ limit already
-    *logit = min_of(*logit, log(limit / (smoothed.dimming - limit)));
+  if (smoothed.compensation > limit)  // else o' ≤ c ≤ limit already
+    *logit = min_of(*logit, log(limit / (smoothed.compensation - limit)));
 }
 
 }  // namespace tessera

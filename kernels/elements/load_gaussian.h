@@ -27,7 +27,7 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
   if (!set.filter_size.empty()) {
     const Smoothed<Real> smoothed = smooth(log_scale, Real(set.filter_size[n]));
     log_scale = smoothed.log_scale;
-    g.opacity *= smoothed.dimming;
+    g.opacity *= smoothed.compensation;
   }
   g.log_scale = log_scale;
   if constexpr (form == Form::kPair) {

@@ -1,5 +1,5 @@
 // What: EWA projection of a 3D Gaussian to a 2D one in pixels, and its gradient.
-// Not: which tiles it touches (bounds.h) nor its colour (sh.h).
+// Not: which tiles it touches (bounds.h) nor its colour (spherical_harmonics.h).
 // Source: [Zwicker01], [3DGS]; constants and gradient: method A.5, A.12.
 #pragma once
 #include "kernels/math/symmetric.h"
@@ -15,7 +15,7 @@ struct ViewArgs {
   Vec3<Real> position;     // camera centre, world units
   Real time;               // normalised
   int width, height;       // pixels
-  int tiles_x, tiles_y;    // tiles that cover the picture
+  int tiles_x, tiles_y;    // tiles that cover the image
   int64_t first_tile;      // index of this view's first tile in the batch
   int64_t first_pixel;     // index of this view's first pixel in the batch
 
@@ -25,7 +25,7 @@ struct ViewArgs {
 /// Added to the diagonal of Σ2 so that a splat is at least about a pixel wide  [3DGS code].
 template <class Real>
 inline constexpr Real kDilation = Real(0.3);
-/// The Jacobian is evaluated at most 15 % of the picture outside of it  [method A.5].
+/// The Jacobian is evaluated at most 15 % of the image outside of it  [method A.5].
 template <class Real>
 inline constexpr Real kJacobianMargin = Real(0.15);
 /// Smaller determinants of Σ2 are rejected  [method A.5].

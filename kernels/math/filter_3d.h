@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-/// Views sample what projects at most 15 % of the picture outside of it  [Mip-Splatting].
+/// Views sample what projects at most 15 % of the image outside of it  [Mip-Splatting].
 template <class Real>
 inline constexpr Real kFilterMargin = Real(0.15);
 
@@ -32,18 +32,18 @@ TESSERA_HD inline bool samples(const ViewArgs<Real>& view, const Vec3<Real>& in_
 template <class Real>
 struct Smoothed {
   Vec3<Real> log_scale;  // ln s'
-  Real dimming;          // o'/o
+  Real compensation;     // o'/o
 };
 
 template <class Real>
 TESSERA_HD inline Smoothed<Real> smooth(const Vec3<Real>& log_scale, Real size) {
   Smoothed<Real> out;
-  Real log_dimming = Real(0);
+  Real log_compensation = Real(0);
   for (int k = 0; k < 3; ++k) {
     out.log_scale[k] = Real(0.5) * log(exp(Real(2) * log_scale[k]) + size * size);
-    log_dimming += log_scale[k] - out.log_scale[k];
+    log_compensation += log_scale[k] - out.log_scale[k];
   }
-  out.dimming = exp(min_of(log_dimming, Real(0)));
+  out.compensation = exp(min_of(log_compensation, Real(0)));
   return out;
 }
 
@@ -67,7 +67,7 @@ enum class FilterEdit {
 
 /// ln(o·c/(1 − o·c)) for o = σ(logit), 0 < c ≤ 1; 1 − o·c = (1 − o) + o·(1 − c) keeps its digits.
 template <class Real>
-TESSERA_HD inline Real logit_of_dimmed(Real logit, Real c) {
+TESSERA_HD inline Real logit_of_compensated(Real logit, Real c) {
   constexpr Real kLeast = Real(1e-37);  // a normal float
   const Real o = sigmoid(logit);
   return log(max_of(o * c, kLeast)) - log(max_of(sigmoid(-logit) + o * (Real(1) - c), kLeast));

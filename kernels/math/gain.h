@@ -1,5 +1,5 @@
-// What: the exposure of a picture: its gain on one colour channel, before the loss, and backward.
-// Not: whose gain it is, nor what the gains of all pictures must satisfy
+// What: the exposure of a image: its gain on one colour channel, before the loss, and backward.
+// Not: whose gain it is, nor what the gains of all images must satisfy
 // (recon4d/model/exposure.h). Source: x = e·c, failure mode B10.
 #pragma once
 #include "kernels/math/scalar.h"

@@ -17,7 +17,7 @@ enum class RandomStream : uint32_t {
   kRelocation = 4,
   kPositionNoise = 5,
   kTime = 6,
-  kSetAside = 9
+  kValidationSplit = 9
 };
 
 struct RandomBlock {

@@ -2,7 +2,7 @@
 // Not: normalisation-free: l and r are normalised here, so any length > 0 is accepted.
 // Static ⇔ r = conj(l); the spatial block is then rotation_matrix(l).
 // Source: [Yang24] Eq. 7 with time on the real axis (Deviation: the published code has x on the
-// real axis; `published_rotation` converts); gradient: method D.2.
+// real axis; `published_from_ours` converts); gradient: method D.2.
 #pragma once
 #include "kernels/math/symmetric.h"
 

@@ -1,4 +1,4 @@
-// What: what a splat is to the pictures it is drawn in: its weight, what it covers, and what would
+// What: what a splat is to the images it is drawn in: its weight, what it covers, and what would
 // become of the squared error without it. One pixel's step past one splat.
 // Not: loops over pixels or splats; those are the backends'. Not the price of a Gaussian.
 // Source: blending without one term; Q is the colour of which method A.11 keeps R = ⟨Q, g⟩ alone.
@@ -7,21 +7,21 @@
 
 namespace tessera {
 
-/// Sums over a splat's pixels p and channels c; w = T·α, x: the picture that was asked about, e:
+/// Sums over a splat's pixels p and channels c; w = T·α, x: the image that was asked about, e:
 /// how it follows the colour (its gain; 0 where a mask ignores the pixel), ΔC: how the blended
 /// colour changes where the splat is not there. With x the residual, removal1 + removal2 is the
 /// change of Σ x² when that splat alone is taken out; exact but for pixels whose blending stopped
 /// at kMinTransmittance, where the background stands for what was never drawn.
 template <class Real>
 struct SplatSensitivity {
-  Real weight;         // Σ w
-  Real weight2;        // Σ w²
-  Vec3<Real> picture;  // Σ w·x_c
-  Real removal1;       // Σ 2·x_c·e_c·ΔC_c
-  Real removal2;       // Σ (e_c·ΔC_c)²
+  Real weight;       // Σ w
+  Real weight2;      // Σ w²
+  Vec3<Real> image;  // Σ w·x_c
+  Real removal1;     // Σ 2·x_c·e_c·ΔC_c
+  Real removal2;     // Σ (e_c·ΔC_c)²
 
   TESSERA_HD SplatSensitivity& operator+=(const SplatSensitivity& o) {
-    weight += o.weight, weight2 += o.weight2, picture += o.picture;
+    weight += o.weight, weight2 += o.weight2, image += o.image;
     removal1 += o.removal1, removal2 += o.removal2;
     return *this;
   }

@@ -180,7 +180,7 @@ void CudaBackend::bin(const BinArgs<float>& args, TileInstances<float>& out) {
   out.count = splats.instances;
   if (out.count > INT32_MAX)
     throw DeviceError("the splats of this batch touch " + std::to_string(out.count) +
-                      " tiles, more than 2147483647; use a smaller batch or smaller pictures");
+                      " tiles, more than 2147483647; use a smaller batch or smaller images");
   out.splat.resize(out.count);
   out.tile_begin.resize(args.batch->tiles + 1);
   out.depth_order.resize(splats.count);

@@ -12,7 +12,7 @@ constexpr int64_t kFinishedCheck = 16;  // splats between two looks whether the 
 template <class Real>
 struct TileState {
   Real colour[3][kTileSize][kTileSize] = {};
-  Real transmittance[kTileSize][kTileSize] = {};  // 0 outside the picture: never drawn
+  Real transmittance[kTileSize][kTileSize] = {};  // 0 outside the image: never drawn
   int32_t used[kTileSize][kTileSize] = {};
 };
 

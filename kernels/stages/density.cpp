@@ -1,5 +1,5 @@
 // What: density control of a set as lists of rows; the order of a set in memory.
-// Not: when (recon4d/training/schedule.h); the rule for one Gaussian is in math/density.h.
+// Not: when (recon4d/training/schedule.h); the rule for one Gaussian is in elements/density.h.
 // Source: method A.13, A.14, D.7.
 #include <algorithm>
 #include <limits>

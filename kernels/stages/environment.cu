@@ -1,4 +1,4 @@
-// What: the environment behind every picture, and the gradient by its texels, on the device.
+// What: the environment behind every image, and the gradient by its texels, on the device.
 // Not: equations (math/environment.h).
 // Pixels add to a texel in fixed point: whatever their order, the sum has the same bits. What has
 // no place in fixed point (NaN, infinity) is kept beside it.
@@ -27,7 +27,7 @@ struct Rays {
   int height;
 };
 
-/// The pixel of this thread in view blockIdx.y; false outside of the picture.
+/// The pixel of this thread in view blockIdx.y; false outside of the image.
 struct Ray {
   int64_t plane, pixels, first;  // index in a plane, size of a plane, first pixel of the view
   EnvironmentTap<float> tap;

@@ -1,6 +1,6 @@
 // What: dead Gaussians become copies of living ones, copies are added, means take random steps.
 // Not: when (recon4d/density/mcmc.h); what becomes of one Gaussian is in math/relocation.h and
-// math/position_noise.h.
+// elements/position_noise.h.
 // Source: method B.
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

@@ -1,7 +1,7 @@
 // What: dead Gaussians become copies of living ones, copies are added, means take random steps, on
 // the device. Weights are whole numbers and counts are added, so that nothing depends on an order.
 // Not: when (recon4d/density/mcmc.h); what becomes of one Gaussian is in math/relocation.h and
-// math/position_noise.h.
+// elements/position_noise.h.
 // Source: method B.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"

@@ -1,7 +1,7 @@
 // What: (1−λ)·L1 + λ·(1 − SSIM) of each view and its gradient, one colour plane at a time.
 //       Pixels that a mask ignores have none: their truth is what was rendered. A view's gain is
 //       applied here, and its gradient summed.
-// Not: a clamp: the loss is taken on the picture as rendered  [method 0.8].
+// Not: a clamp: the loss is taken on the image as rendered  [method 0.8].
 // Source: method A.15.
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"

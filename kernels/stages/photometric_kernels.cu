@@ -99,7 +99,7 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs ar
 }
 
 /// Pass 2: dL/dx = l1·sign(x − y) + g∗P + 2x·g∗Q + y·g∗U, for the maps P, Q, U with λ in them;
-/// of an ignored pixel 0. `Gained`: by the picture before its gain, and the block's share of dL/d
+/// of an ignored pixel 0. `Gained`: by the image before its gain, and the block's share of dL/d
 /// gain.
 template <bool Masked, bool Gained>
 __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs args) {

@@ -1,6 +1,6 @@
 // What: the gradient of what each Gaussian adds to the loss by its parameters alone; the one place
 // for such terms.
-// Not: their value; the losses that are reported are those of pictures.
+// Not: their value; the losses that are reported are those of images.
 // Source: method B  [3DGS-MCMC]; motion, rigidity: method D.8  [Yang24]; extent: ours.
 #pragma once
 #include <cmath>

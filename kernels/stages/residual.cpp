@@ -1,6 +1,6 @@
-// What: by how much every picture misses its ground truth.
-// Not: a loss (photometric.cpp). Not a clamp: the picture is taken as rendered.
-// Source: method A.15, B10 (gains), B17 (masks).
+// What: by how much every image misses its ground truth.
+// Not: a loss (photometric.cpp). Not a clamp: the image is taken as rendered.
+// Source: method A.15; failure modes B10 (gains), B17 (masks).
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/math/gain.h"
@@ -12,7 +12,7 @@ template <class Real>
 void CpuBackend<Real>::residual(const PhotometricArgs<Real>& args, Span<Real> residual) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
   check_target(args);
-  check(residual.size == 3 * args.batch->pixels, "residual: size of the pictures");
+  check(residual.size == 3 * args.batch->pixels, "residual: size of the images");
   parallel_for(3 * int64_t(views.size()), 1, [&](int64_t begin, int64_t end) {
     for (int64_t plane = begin; plane < end; ++plane) {
       const size_t b = size_t(plane / 3);

@@ -1,6 +1,6 @@
-// What: by how much every picture misses its ground truth, on the device: a thread a pixel.
+// What: by how much every image misses its ground truth, on the device: a thread a pixel.
 // Not: a loss (photometric.cu).
-// Source: method A.15, B10 (gains), B17 (masks).
+// Source: method A.15; failure modes B10 (gains), B17 (masks).
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
@@ -32,7 +32,7 @@ __global__ void __launch_bounds__(kThreads)
 
 void CudaBackend::residual(const PhotometricArgs<float>& args, Span<float> residual) {
   check_target(args);
-  check(residual.size == 3 * args.batch->pixels, "residual: size of the pictures");
+  check(residual.size == 3 * args.batch->pixels, "residual: size of the images");
   const std::vector<ViewArgs<float>>& views = args.batch->views;
   int64_t most = 0;  // pixels of a view
   for (const ViewArgs<float>& view : views) most = max_of(most, int64_t(view.width) * view.height);

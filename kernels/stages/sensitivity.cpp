@@ -1,4 +1,4 @@
-// What: what every splat is to its pictures, from the colour still to come, front to back.
+// What: what every splat is to its images, from the colour still to come, front to back.
 // Not: the walk through tiles and splats (splat_sums.h); the equation (math/sensitivity.h).
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/splat_sums.h"
@@ -10,8 +10,8 @@ namespace {
 template <class Real>
 struct SensitivityWalk : WalkState<Real> {
   using Sum = SplatSensitivity<Real>;
-  static constexpr int kTerms = 7;    // weight, weight2, picture 3, removal 2
-  TileValues<Real> picture[3] = {};   // x
+  static constexpr int kTerms = 7;    // weight, weight2, image 3, removal 2
+  TileValues<Real> image[3] = {};     // x
   TileValues<Real> response[3] = {};  // e
   TileValues<Real> to_come[3] = {};   // Q
 
@@ -24,7 +24,7 @@ struct SensitivityWalk : WalkState<Real> {
     load_pixels(pass, tile, *this, [&](int x, int y, int64_t i) {
       const bool ignored = mask != nullptr && mask[i - first] == 0;
       for (int c = 0; c < 3; ++c) {
-        picture[c][y][x] = pass.d_colour[i + c * pixels];
+        image[c][y][x] = pass.d_colour[i + c * pixels];
         response[c][y][x] = ignored ? Real(0) : gain[c];
         to_come[c][y][x] = pass.images->colour[i + c * pixels];
       }
@@ -35,7 +35,7 @@ struct SensitivityWalk : WalkState<Real> {
   void row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int32_t index,
            Real (&sum)[kTerms][kTileSize]) {
     const Real dy = splat.dy0 - Real(y);
-    const Real *x0 = picture[0][y], *x1 = picture[1][y], *x2 = picture[2][y];
+    const Real *x0 = image[0][y], *x1 = image[1][y], *x2 = image[2][y];
     const Real *e0 = response[0][y], *e1 = response[1][y], *e2 = response[2][y];
     Real *Q0 = to_come[0][y], *Q1 = to_come[1][y], *Q2 = to_come[2][y];
     Real* T = this->transmittance[y];
@@ -52,9 +52,9 @@ struct SensitivityWalk : WalkState<Real> {
       Q0[x] = Q.x, Q1[x] = Q.y, Q2[x] = Q.z;
       sum[0][x] += step.weight;
       sum[1][x] += step.weight2;
-      sum[2][x] += step.picture.x;
-      sum[3][x] += step.picture.y;
-      sum[4][x] += step.picture.z;
+      sum[2][x] += step.image.x;
+      sum[3][x] += step.image.y;
+      sum[4][x] += step.image.z;
       sum[5][x] += step.removal1;
       sum[6][x] += step.removal2;
     }

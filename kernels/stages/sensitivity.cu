@@ -1,4 +1,4 @@
-// What: what every splat is to its pictures on the device, from the colour still to come.
+// What: what every splat is to its images on the device, from the colour still to come.
 // Not: the walk through tiles and splats (splat_sums.cuh); the equation (math/sensitivity.h).
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/splat_sums.cuh"
@@ -10,7 +10,7 @@ namespace {
 constexpr int kSensitivityTerms = 7;  // floats of a SplatSensitivity
 static_assert(sizeof(SplatSensitivity<float>) == kSensitivityTerms * sizeof(float));
 
-struct SensitivityPass : BlendBackward {  // d_colour: the picture x
+struct SensitivityPass : BlendBackward {  // d_colour: the image x
   DeviceTarget target;                    // its truth is not read
 };
 
@@ -20,7 +20,7 @@ struct PixelSensitivity {
   static constexpr int kTerms = kSensitivityTerms;
   float x = 0, y = 0;  // centre
   float T = 1;
-  Vec3<float> to_come{0}, picture{0}, response{0};  // Q, x, e
+  Vec3<float> to_come{0}, image{0}, response{0};  // Q, x, e
   int32_t used = 0;
 
   __device__ PixelSensitivity() {}
@@ -29,7 +29,7 @@ struct PixelSensitivity {
       : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(before.w) {
     if (!at.inside) return;
     const int64_t c0 = at.colour_at(0), c1 = at.colour_at(1), c2 = at.colour_at(2);
-    picture = Vec3<float>(a.d_colour[c0], a.d_colour[c1], a.d_colour[c2]);
+    image = Vec3<float>(a.d_colour[c0], a.d_colour[c1], a.d_colour[c2]);
     to_come =
         Vec3<float>(a.colour[c0] - before.x, a.colour[c1] - before.y, a.colour[c2] - before.z);
     const int64_t view = at.of - a.views;
@@ -42,9 +42,9 @@ struct PixelSensitivity {
   /// Takes its step past a splat and adds its share, in the order of SplatSensitivity.
   __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on, float (&v)[kTerms]) {
     const SplatSensitivity<float> share = sensitivity_step(
-        on ? p.alpha : 0.0f, Vec3<float>(s.b.z, s.b.w, s.c.x), picture, response, T, to_come);
+        on ? p.alpha : 0.0f, Vec3<float>(s.b.z, s.b.w, s.c.x), image, response, T, to_come);
     v[0] += share.weight, v[1] += share.weight2;
-    v[2] += share.picture.x, v[3] += share.picture.y, v[4] += share.picture.z;
+    v[2] += share.image.x, v[3] += share.image.y, v[4] += share.image.z;
     v[5] += share.removal1, v[6] += share.removal2;
   }
   __device__ static float scale(int) { return 1.0f; }

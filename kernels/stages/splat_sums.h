@@ -20,8 +20,8 @@ struct WalkState {
   int32_t last = 0;  // most of `used`
 };
 
-/// Calls load(x, y, i) for the pixels of the tile that lie in the picture; i: of channel 0 in
-/// planar pictures, those of the next ones are `pixels` of the view further on.
+/// Calls load(x, y, i) for the pixels of the tile that lie in the image; i: of channel 0 in
+/// planar images, those of the next ones are `pixels` of the view further on.
 template <class Real, class Load>
 void load_pixels(const BlendBackwardArgs<Real>& args, const Tile<Real>& tile,
                  WalkState<Real>& state, Load&& load) {

@@ -7,7 +7,7 @@
 
 namespace tessera {
 
-/// Outside the picture: zeros (training loss, 3DGS metrics) or mirror without repeating the edge
+/// Outside the image: zeros (training loss, 3DGS metrics) or mirror without repeating the edge
 /// (torchmetrics); reflection needs width and height > kSsimRadius.
 enum class Padding { kZero, kReflect };
 

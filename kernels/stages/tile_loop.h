@@ -12,7 +12,7 @@ template <class Real>
 struct Tile {
   const ViewArgs<Real>* view;
   int x0, y0;          // first pixel
-  int width, height;   // pixels inside the picture, ≤ kTileSize
+  int width, height;   // pixels inside the image, ≤ kTileSize
   int64_t begin, end;  // its instances
 
   /// Index of the pixel at the start of a row, within the view.

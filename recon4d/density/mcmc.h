@@ -1,4 +1,4 @@
-// What: density control as a Markov chain: dead Gaussians become copies of living ones, and copies
+// What: MCMC densification: dead Gaussians become copies of living ones, and copies
 //       are added until there are exactly growth_limit. On any backend.
 // Not: when (schedule.h), what copies look like (kernels/math/relocation.h), nor the noise of means
 //      (Trainer::backward).

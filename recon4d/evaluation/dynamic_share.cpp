@@ -38,9 +38,9 @@ GaussianModel dynamic_set_white(const GaussianModel& model) {
 std::vector<std::vector<float>> dynamic_share(Backend& backend, const GaussianModel& model,
                                               const std::vector<View>& views) {
   std::vector<std::vector<float>> shares;
-  for (Picture& picture : render_views(backend, dynamic_set_white(model), views)) {
-    picture.rgb.resize(picture.alpha.size());
-    shares.push_back(std::move(picture.rgb));
+  for (RenderedImage& image : render_views(backend, dynamic_set_white(model), views)) {
+    image.rgb.resize(image.alpha.size());
+    shares.push_back(std::move(image.rgb));
   }
   return shares;
 }

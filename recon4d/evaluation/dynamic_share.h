@@ -11,22 +11,22 @@
 namespace tessera {
 
 /// The model with its dynamic Gaussians white and all else black: static ones, background, no
-/// environment, no levels of time. Each channel of its pictures is the dynamic share, 0 … 1.
+/// environment, no levels of time. Each channel of its images is the dynamic share, 0 … 1.
 GaussianModel dynamic_set_white(const GaussianModel& model);
 
-/// Σ w over the dynamic set: one picture per view, [height, width].
+/// Σ w over the dynamic set: one image per view, [height, width].
 std::vector<std::vector<float>> dynamic_share(Backend& backend, const GaussianModel& model,
                                               const std::vector<View>& views);
 
-/// Dynamic light against masks of what moves, over any number of pictures.
+/// Dynamic light against masks of what moves, over any number of images.
 struct MovingRegionScore {
   double weight = 0, weight_inside = 0;           // Σ w over pixels: all, of the region
   int64_t moving_pixels = 0, covered_pixels = 0;  // that move now; of these, of dynamic light
 
   /// A pixel is of the region where its mask has at least kRegion: something moves there at some
-  /// moment, be it over a part of the pixel; nothing is dilated. It moves now where the mask has at
-  /// least kMovingNow: over half of the pixel or more. It is covered where the dynamic share is at
-  /// least kCovered.
+  /// timestep, be it over a part of the pixel; nothing is dilated. It moves now where the mask has
+  /// at least kMovingNow: over half of the pixel or more. It is covered where the dynamic share is
+  /// at least kCovered.
   static constexpr uint8_t kRegion = 128, kMovingNow = 192;
   static constexpr float kCovered = 0.5f;
 

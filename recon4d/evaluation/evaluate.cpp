@@ -14,12 +14,12 @@
 namespace tessera {
 namespace {
 
-/// What training saw: moments and cameras.
+/// What training saw: timesteps and cameras.
 class TrainingCoverage {
  public:
   explicit TrainingCoverage(const Scene& scene) {
     for (const Frame& frame : scene.frames) {
-      if (frame.split != Split::kTrain && frame.split != Split::kAside) continue;
+      if (frame.split != Split::kTrain && frame.split != Split::kValidation) continue;
       times_.insert(frame.time);
       cameras_.insert(frame.camera_name);
     }
@@ -83,8 +83,8 @@ MeanScore mean_of_those(const std::vector<ViewScore>& views,
 void add_means(EvaluationReport& report) {
   const std::vector<ViewScore>& views = report.views;
   report.all = mean_score(views);
-  if (report.split == Split::kTrain || report.split == Split::kAside) return;
-  // a held-out view is one whose moment was seen, a held-out time one whose camera was
+  if (report.split == Split::kTrain || report.split == Split::kValidation) return;
+  // a held-out view is one whose timestep was seen, a held-out time one whose camera was
   const auto group = [&](bool time_seen, bool camera_seen) {
     return mean_of_those(views, [=](const ViewScore& view) {
       return view.held_out_view == time_seen && view.held_out_time == camera_seen;
@@ -118,11 +118,11 @@ std::optional<double> psnr_within(const Image8& drawn, const Frame& frame,
 }
 
 /// What a view's score has of the pixels that move and of the others.
-void add_regions(DynamicRegions& regions, const Frame& frame, const Picture& picture,
+void add_regions(DynamicRegions& regions, const Frame& frame, const RenderedImage& image,
                  ViewScore& score) {
   std::vector<uint8_t> moves = regions.of(frame);
   if (moves.empty()) return;
-  const Image8 drawn = quantise(picture.planar(), picture.width, picture.height);
+  const Image8 drawn = quantise(image.planar(), image.width, image.height);
   score.psnr_dynamic = psnr_within(drawn, frame, moves);
   for (uint8_t& value : moves) value = uint8_t(255 - value);
   score.psnr_static = psnr_within(drawn, frame, std::move(moves));
@@ -140,10 +140,10 @@ class MovingRegionMeter {
   }
   void add(const std::vector<View>& views, const Scene& scene, const int* indices) {
     if (!mask_) return;
-    for (Picture& picture : renderer_->render(views)) {
+    for (RenderedImage& image : renderer_->render(views)) {
       const Frame& frame = scene.frames[size_t(*indices++)];
-      picture.rgb.resize(picture.alpha.size());  // all channels are equal
-      score_->add(picture.rgb, mask_(frame).data, frame.mask.data);
+      image.rgb.resize(image.alpha.size());  // all channels are equal
+      score_->add(image.rgb, mask_(frame).data, frame.mask.data);
     }
   }
   const std::optional<MovingRegionScore>& score() const { return score_; }
@@ -176,16 +176,17 @@ MeanScore mean_score(const std::vector<ViewScore>& views) {
   return mean;
 }
 
-ViewScore score_view(const Frame& frame, const Picture& picture, const EvaluateOptions& options) {
+ViewScore score_view(const Frame& frame, const RenderedImage& image,
+                     const EvaluateOptions& options) {
   ViewScore score;
   score.name = frame.name, score.camera = frame.camera_name, score.time = frame.time;
-  score.width = picture.width, score.height = picture.height;
-  const Image8 drawn = quantise(picture.planar(), picture.width, picture.height);
+  score.width = image.width, score.height = image.height;
+  const Image8 drawn = quantise(image.planar(), image.width, image.height);
   const Span<const uint8_t> mask{frame.mask.data.data(), int64_t(frame.mask.data.size())};
   score.masked = !mask.empty();
   score.mse = mean_squared_error(drawn, frame.image, mask);
   score.psnr = psnr_of_mse(score.mse);
-  score.psnr_float = psnr_float(picture.planar(), frame.image, mask);
+  score.psnr_float = psnr_float(image.planar(), frame.image, mask);
   if (options.structure == StructureDetail::kAll)
     score.structure = structure_scores(drawn, frame.image, mask);
   else if (options.structure == StructureDetail::kSsim)
@@ -215,29 +216,28 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
       views.push_back({frame.camera, frame.time});
     }
     moving.add(views, scene, indices.data() + begin);
-    const std::vector<Picture> pictures = renderer.render(views);
-    std::vector<ViewScore> scores(pictures.size());
+    const std::vector<RenderedImage> images = renderer.render(views);
+    std::vector<ViewScore> scores(images.size());
     // a network scores one pair at a time
     parallel_for(int64_t(scores.size()), options.lpips ? int64_t(scores.size()) : 1,
                  [&](int64_t first, int64_t last) {
                    for (int64_t k = first; k < last; ++k)
                      scores[size_t(k)] =
                          score_view(scene.frames[size_t(indices[begin + size_t(k)])],
-                                    pictures[size_t(k)], options);
+                                    images[size_t(k)], options);
                  });
     for (size_t i = begin; i < end; ++i) {
       const Frame& frame = scene.frames[size_t(indices[i])];
       ViewScore& score = scores[i - begin];
       if (options.temporal) {
-        add_regions(regions, frame, pictures[i - begin], score);
-        flicker.add(frame, pictures[i - begin]);
+        add_regions(regions, frame, images[i - begin], score);
+        flicker.add(frame, images[i - begin]);
       }
       const bool held_out = split == Split::kVal || split == Split::kTest;
       score.held_out_view = held_out && training.has_time(frame.time);
       score.held_out_time = held_out && training.has_camera(frame.camera_name);
       report.views.push_back(score);
-      if (scored)
-        scored(frame, pictures[i - begin], score, int64_t(i + 1), int64_t(indices.size()));
+      if (scored) scored(frame, images[i - begin], score, int64_t(i + 1), int64_t(indices.size()));
     }
   }
   add_means(report);
@@ -254,7 +254,7 @@ const char* split_name(Split split) {
       return "val";
     case Split::kTest:
       return "test";
-    case Split::kAside:
+    case Split::kValidation:
       return "aside";
   }
   return "";

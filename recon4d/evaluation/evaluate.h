@@ -1,6 +1,6 @@
 // What: the score of a model on a split of a scene: every view, and means under their names.
-// Not: printing or files; pictures and progress go to a callback.
-// Source: method A.15 (8-bit pictures, mean of PSNR); failure modes A9, A14, D1–D3.
+// Not: printing or files; images and progress go to a callback.
+// Source: method A.15 (8-bit images, mean of PSNR); failure modes A9, A14, D1–D3.
 #pragma once
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
@@ -25,8 +25,8 @@ struct ViewScore {
   /// Over the pixels that move and the others (DynamicRegions); nothing where the camera moves or
   /// there is no such pixel.
   std::optional<double> psnr_dynamic, psnr_static;
-  /// Of a frame outside training: its moment was trained on, from other cameras / its camera was,
-  /// at other moments. A frame can be both (one picture was withheld) or neither (D-NeRF).
+  /// Of a frame outside training: its timestep was trained on, from other cameras / its camera was,
+  /// at other timesteps. A frame can be both (one image was withheld) or neither (D-NeRF).
   bool held_out_view = false, held_out_time = false;
   bool masked = false;  // the frame has a mask: the numbers above are of the pixels it uses
 };
@@ -47,8 +47,8 @@ struct EvaluationReport {
   Split split = Split::kTest;
   std::vector<ViewScore> views;  // in the order of the scene
   MeanScore all, held_out_views, held_out_times;
-  /// Frames outside training apart: the camera is new, the moment is, both are, neither is (one
-  /// picture of a rig was withheld).
+  /// Frames outside training apart: the camera is new, the timestep is, both are, neither is (one
+  /// image of a rig was withheld).
   MeanScore novel_view, novel_time, novel_view_and_time, withheld;
   std::vector<FlickerScore> flicker;        // of the cameras that have one
   std::optional<MovingRegionScore> moving;  // where masks of what moves were given
@@ -62,15 +62,15 @@ struct EvaluateOptions {
   int batch = 4;  // views rendered at once
   StructureDetail structure = StructureDetail::kAll;
   bool temporal = true;  // flicker, moving and still pixels apart
-  /// LPIPS of two RGB pictures of one size; empty: none. Where a mask ignores, both are alike.
+  /// LPIPS of two RGB images of one size; empty: none. Where a mask ignores, both are alike.
   std::function<double(const Image8& drawn, const Image8& truth)> lpips;
   /// What moves in a frame, one channel, of its size: values as MovingRegionScore has them; empty:
   /// not known.
   std::function<Image8(const Frame&)> moving_mask;
 };
 
-/// Each scored view with its picture, in order; throwing stops the evaluation.
-using ScoredCallback = std::function<void(const Frame& frame, const Picture& picture,
+/// Each scored view with its image, in order; throwing stops the evaluation.
+using ScoredCallback = std::function<void(const Frame& frame, const RenderedImage& image,
                                           const ViewScore& score, int64_t done, int64_t total)>;
 
 /// Pixels that a frame's mask ignores do not count (metrics.h); frames without a used pixel are
@@ -80,8 +80,9 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
                           Split split, const EvaluateOptions& options,
                           const ScoredCallback& scored = {});
 
-/// Score of one picture against a frame; the held-out flags are left false.
-ViewScore score_view(const Frame& frame, const Picture& picture, const EvaluateOptions& options);
+/// Score of one image against a frame; the held-out flags are left false.
+ViewScore score_view(const Frame& frame, const RenderedImage& image,
+                     const EvaluateOptions& options);
 
 const char* split_name(Split split);  // "train", "val", "test"
 

@@ -35,14 +35,14 @@ void put_means(const MeanScore& mean, json& object) {
   object["views"] = mean.views;
 }
 
-/// What the names of `put_means` mean: the same pictures score differently by definition.
+/// What the names of `put_means` mean: the same images score differently by definition.
 json definitions() {
-  return {{"psnr", "mean over views of 10 log10(1/MSE), 8-bit pictures, all channels"},
+  return {{"psnr", "mean over views of 10 log10(1/MSE), 8-bit images, all channels"},
           {"psnr_float", "the same, rendered values clamped and not rounded"},
           {"psnr_of_mean_mse", "of the mean MSE over views"},
           {"ssim", "11 taps, sigma 1.5, range 1, reflected, mean of the full map"},
-          {"ssim_zero", "as ssim, zeros outside the picture (3DGS)"},
-          {"ssim_inside", "as ssim, windows inside the picture alone (scikit-image, Gaussian)"},
+          {"ssim_zero", "as ssim, zeros outside the image (3DGS)"},
+          {"ssim_inside", "as ssim, windows inside the image alone (scikit-image, Gaussian)"},
           {"ssim_inside_range2", "as ssim_inside with the constants of range 2"},
           {"ms_ssim",
            "five scales, weights .0448 .2856 .3001 .2363 .1333, 2x2 means, reflected; "
@@ -56,11 +56,11 @@ json definitions() {
            "of the blending weight of dynamic Gaussians over all pixels, the share in pixels where "
            "the mask says that something ever moves in that view (values from 128)"},
           {"moving_pixels_covered",
-           "of the pixels that move at that moment over half of them or more (values from 192), "
+           "of the pixels that move at that timestep over half of them or more (values from 192), "
            "those where dynamic Gaussians have half of the light or more"},
           {"flicker",
            "change_error: mean |change of the render - change of the truth| between "
-           "moments, in 1/255; still_deviation: mean standard deviation over time of "
+           "timesteps, in 1/255; still_deviation: mean standard deviation over time of "
            "the render where that of the truth is below 2/255"}};
 }
 
@@ -71,7 +71,7 @@ json flicker_json(const std::vector<FlickerScore>& cameras) {
   size_t with_still = 0;
   for (const FlickerScore& score : cameras) {
     object["cameras"].push_back({{"camera", score.camera},
-                                 {"moments", score.moments},
+                                 {"moments", score.timesteps},
                                  {"change_error", score.change_error},
                                  {"still_share", score.still_share},
                                  {"still_deviation", or_null(score.still_deviation)},

@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr double kPsnrCap = 100;  // dB, for pictures that are equal
+constexpr double kPsnrCap = 100;  // dB, for images that are equal
 
 /// NaN becomes 0.
 float clamped(float value) {
@@ -22,11 +22,11 @@ float clamped(float value) {
 void check_pair(const Image8& a, const Image8& b) {
   check(a.channels == 3 && b.channels == 3 && a.width == b.width && a.height == b.height &&
             a.width > 0 && a.height > 0,
-        "metrics: two RGB pictures of one size");
+        "metrics: two RGB images of one size");
 }
 
 size_t used_pixels(Span<const uint8_t> mask, size_t pixels) {
-  check(mask.empty() || mask.size == int64_t(pixels), "metrics: a mask of the picture's size");
+  check(mask.empty() || mask.size == int64_t(pixels), "metrics: a mask of the image's size");
   const size_t count =
       mask.empty() ? pixels : pixels - size_t(std::count(mask.begin(), mask.end(), uint8_t{0}));
   check(count > 0, "metrics: at least one pixel that is used");
@@ -67,7 +67,7 @@ double psnr(const Image8& a, const Image8& b) {
 double psnr_float(Span<const float> planar_rgb, const Image8& truth, Span<const uint8_t> mask) {
   const size_t pixels = truth.data.size() / 3;
   check(truth.channels == 3 && pixels > 0 && planar_rgb.size == int64_t(3 * pixels),
-        "psnr_float: [3, height, width] floats and an RGB picture of that size");
+        "psnr_float: [3, height, width] floats and an RGB image of that size");
   double sum = 0;
   for (size_t c = 0; c < 3; ++c)
     for (size_t p = 0; p < pixels; ++p) {

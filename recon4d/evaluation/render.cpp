@@ -1,4 +1,4 @@
-// What: forward through the pipeline, pictures out of the backend's memory.
+// What: forward through the pipeline, images out of the backend's memory.
 // Not: any pixel arithmetic but alpha = 1 − transmittance.
 #include "recon4d/evaluation/render.h"
 
@@ -60,9 +60,9 @@ const Images<float>& Renderer::draw(const std::vector<View>& views) {
   return pipeline_.forward(args);
 }
 
-std::vector<Picture> Renderer::render(const std::vector<View>& views) {
-  std::vector<Picture> pictures;
-  if (views.empty()) return pictures;
+std::vector<RenderedImage> Renderer::render(const std::vector<View>& views) {
+  std::vector<RenderedImage> rendered;
+  if (views.empty()) return rendered;
   const Images<float>& images = draw(views);
   const float *colour = images.colour.data(), *transmittance = images.transmittance.data();
   if (&backend_.memory() != &host_memory()) {
@@ -71,19 +71,19 @@ std::vector<Picture> Renderer::render(const std::vector<View>& views) {
   }
   for (const ViewArgs<float>& view : pipeline_.batch().views) {
     const int64_t pixels = int64_t(view.width) * view.height;
-    Picture picture{view.width, view.height, {}, {}};
+    RenderedImage image{view.width, view.height, {}, {}};
     const float* rgb = colour + 3 * view.first_pixel;
     const float* light = transmittance + view.first_pixel;
-    picture.rgb.assign(rgb, rgb + 3 * pixels);
-    picture.alpha.assign(light, light + pixels);
-    for (float& value : picture.alpha) value = 1.0f - value;
-    pictures.push_back(std::move(picture));
+    image.rgb.assign(rgb, rgb + 3 * pixels);
+    image.alpha.assign(light, light + pixels);
+    for (float& value : image.alpha) value = 1.0f - value;
+    rendered.push_back(std::move(image));
   }
-  return pictures;
+  return rendered;
 }
 
-std::vector<Picture> render_views(Backend& backend, const GaussianModel& model,
-                                  const std::vector<View>& views) {
+std::vector<RenderedImage> render_views(Backend& backend, const GaussianModel& model,
+                                        const std::vector<View>& views) {
   return Renderer(backend, model).render(views);
 }
 

@@ -1,5 +1,5 @@
-// What: pictures of a model: a pipeline with the model's own background, clip planes and SH degree.
-// Not: training (trainer.h has its own pipeline) and not files of pictures (tools/).
+// What: images of a model: a pipeline with the model's own background, clip planes and SH degree.
+// Not: training (trainer.h has its own pipeline) and not files of images (tools/).
 #pragma once
 #include <optional>
 #include <vector>
@@ -10,7 +10,7 @@
 namespace tessera {
 
 /// As rendered: not clamped, not quantised (metrics.h does that).
-struct Picture {
+struct RenderedImage {
   int width = 0, height = 0;
   std::vector<float> rgb;    // [3, height, width] background included
   std::vector<float> alpha;  // [height, width] 1 − transmittance
@@ -29,9 +29,9 @@ class Renderer {
  public:
   Renderer(Backend& backend, const GaussianModel& model);
 
-  /// One picture per view, all through the kernels as one batch.
-  std::vector<Picture> render(const std::vector<View>& views);
-  /// The same without taking the pictures out: for timing.
+  /// One image per view, all through the kernels as one batch.
+  std::vector<RenderedImage> render(const std::vector<View>& views);
+  /// The same without taking the images out: for timing.
   const Images<float>& draw(const std::vector<View>& views);
   /// To be called when the model's values have changed.
   void refresh();
@@ -57,7 +57,7 @@ class Renderer {
 };
 
 /// For a single call.
-std::vector<Picture> render_views(Backend& backend, const GaussianModel& model,
-                                  const std::vector<View>& views);
+std::vector<RenderedImage> render_views(Backend& backend, const GaussianModel& model,
+                                        const std::vector<View>& views);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// What: how many pictures a second a model gives on a backend: one view at a time, warm.
-// Not: training, and no reading, scoring or copying of pictures.
+// What: how many images a second a model gives on a backend: one view at a time, warm.
+// Not: training, and no reading, scoring or copying of images.
 // Source: failure mode D8.
 #pragma once
 #include <vector>

@@ -41,7 +41,7 @@ double mean_ssim(const MomentPlanes<double>& moments, Span<const uint8_t> mask) 
   return sum / double(used_pixels(mask, pixels));
 }
 
-/// Over the used pixels whose window lies inside the picture.
+/// Over the used pixels whose window lies inside the image.
 std::optional<double> mean_inside(const MomentPlanes<double>& moments, int width, int height,
                                   double range, Span<const uint8_t> mask) {
   double sum = 0;

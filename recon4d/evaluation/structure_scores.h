@@ -1,4 +1,4 @@
-// What: SSIM of 8-bit pictures under each protocol's name, and multi-scale SSIM.
+// What: SSIM of 8-bit images under each protocol's name, and multi-scale SSIM.
 // Not: the window and its convolution (kernels/stages/ssim_window.h, which the loss shares).
 // Source: [Wang04], [Wang03]; method A.15; failure modes D1, B20.
 #pragma once
@@ -18,7 +18,7 @@ std::optional<double> ssim(const Image8& a, const Image8& b, SsimPadding padding
 /// All means over channels, nothing where undefined. Masks as for `ssim`.
 struct StructureScores {
   std::optional<double> reflect, zero;  // `ssim` of that padding
-  /// Windows that lie inside the picture alone, from 11 pixels each way: scikit-image's mean with
+  /// Windows that lie inside the image alone, from 11 pixels each way: scikit-image's mean with
   /// Gaussian weights. Of values in [0, 1], at range 1 and, as some papers print it, at range 2.
   std::optional<double> inside, inside_range2;
   /// Five scales of [Wang03], weights .0448 .2856 .3001 .2363 .1333, reflected; 2 × 2 means between

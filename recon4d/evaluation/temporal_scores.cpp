@@ -28,7 +28,7 @@ void FlickerMeter::start(Sums& sums, const Frame& frame) const {
   sums.used.assign(pixels, 255);
 }
 
-void FlickerMeter::add(const Frame& frame, const Picture& picture) {
+void FlickerMeter::add(const Frame& frame, const RenderedImage& image) {
   Sums& sums = cameras_[frame.camera_name];
   if (sums.broken) return;
   const Frame* const last = sums.last;
@@ -40,7 +40,7 @@ void FlickerMeter::add(const Frame& frame, const Picture& picture) {
   }
   if (last == nullptr) start(sums, frame);
   sums.last = &frame;
-  const auto moments = float(++sums.moments);
+  const auto timesteps = float(++sums.timesteps);
   const size_t pixels = sums.used.size();
   for (size_t p = 0; p < pixels; ++p) {
     const bool was_used = sums.used[p] != 0;
@@ -48,7 +48,7 @@ void FlickerMeter::add(const Frame& frame, const Picture& picture) {
     if (!was_used) continue;
     for (size_t c = 0; c < 3; ++c) {
       const size_t i = c * pixels + p;
-      const float drawn = steps_of(picture.rgb[i]), truth = frame.image.data[3 * p + c];
+      const float drawn = steps_of(image.rgb[i]), truth = frame.image.data[3 * p + c];
       if (last != nullptr && sums.used[p] != 0) {
         const float truth_change = truth - float(last->image.data[3 * p + c]);
         sums.change_sum += std::abs((drawn - sums.previous[i]) - truth_change);
@@ -57,7 +57,7 @@ void FlickerMeter::add(const Frame& frame, const Picture& picture) {
       sums.previous[i] = drawn;
       for (int k = 0; k < 2; ++k) {
         const float value = k == 0 ? drawn : truth, before = value - sums.mean[k][i];
-        sums.mean[k][i] += before / moments;
+        sums.mean[k][i] += before / timesteps;
         sums.square[k][i] += before * (value - sums.mean[k][i]);
       }
     }
@@ -66,7 +66,7 @@ void FlickerMeter::add(const Frame& frame, const Picture& picture) {
 
 FlickerScore FlickerMeter::score(const std::string& camera, const Sums& sums) {
   FlickerScore score;
-  score.camera = camera, score.moments = sums.moments;
+  score.camera = camera, score.timesteps = sums.timesteps;
   score.change_error = sums.change_sum / double(std::max<int64_t>(1, sums.change_count));
   const size_t pixels = sums.used.size();
   double deviation[2] = {};
@@ -74,7 +74,7 @@ FlickerScore FlickerMeter::score(const std::string& camera, const Sums& sums) {
   for (size_t i = 0; i < 3 * pixels; ++i) {
     if (sums.used[i % pixels] == 0) continue;
     ++all;
-    const auto of = [&](int k) { return std::sqrt(sums.square[k][i] / double(sums.moments)); };
+    const auto of = [&](int k) { return std::sqrt(sums.square[k][i] / double(sums.timesteps)); };
     if (of(1) >= FlickerScore::kStillDeviation) continue;
     deviation[0] += of(0), deviation[1] += of(1);
     ++still;
@@ -89,7 +89,7 @@ FlickerScore FlickerMeter::score(const std::string& camera, const Sums& sums) {
 std::vector<FlickerScore> FlickerMeter::scores() const {
   std::vector<FlickerScore> scores;
   for (const auto& [camera, sums] : cameras_)
-    if (!sums.broken && sums.moments > 1) scores.push_back(score(camera, sums));
+    if (!sums.broken && sums.timesteps > 1) scores.push_back(score(camera, sums));
   return scores;
 }
 

@@ -1,5 +1,5 @@
 // What: scores of cameras that stand still: flicker, and which of their pixels ever change.
-// Not: scores of single pictures (metrics.h). Cameras that move have none of these.
+// Not: scores of single images (metrics.h). Cameras that move have none of these.
 // Source: failure modes A14; masked PSNR of the dynamic-scene literature.
 #pragma once
 #include <map>
@@ -11,11 +11,11 @@
 
 namespace tessera {
 
-/// Of one camera over its scored frames. Units: steps of 8-bit values, pictures clamped to [0, 1]
+/// Of one camera over its scored frames. Units: steps of 8-bit values, images clamped to [0, 1]
 /// and not rounded.
 struct FlickerScore {
   std::string camera;
-  int64_t moments = 0;
+  int64_t timesteps = 0;
   /// Mean of |(r(t+1) − r(t)) − (g(t+1) − g(t))|, r: rendered, g: ground truth.
   double change_error = 0;
   /// Where g never changes (its standard deviation over time is below kStillDeviation): share of
@@ -27,20 +27,20 @@ struct FlickerScore {
 };
 
 /// Takes the frames of a split one after another. A camera counts when its scored frames show it in
-/// one place at two moments or more and come in the order of time.
+/// one place at two timesteps or more and come in the order of time.
 class FlickerMeter {
  public:
-  void add(const Frame& frame, const Picture& picture);
+  void add(const Frame& frame, const RenderedImage& image);
   std::vector<FlickerScore> scores() const;  // by name of camera
 
  private:
   struct Sums {
     const Frame* last = nullptr;
-    std::vector<float> previous;            // [3, height, width] of the last picture, 8-bit units
+    std::vector<float> previous;            // [3, height, width] of the last image, 8-bit units
     std::vector<float> mean[2], square[2];  // rendered, truth: Welford's running sums
     std::vector<uint8_t> used;              // [height, width] by all masks so far
     double change_sum = 0;
-    int64_t change_count = 0, moments = 0;
+    int64_t change_count = 0, timesteps = 0;
     bool broken = false;
   };
   void start(Sums& sums, const Frame& frame) const;
@@ -61,7 +61,7 @@ class DynamicRegions {
   explicit DynamicRegions(const Scene& scene) : scene_(scene) {}
 
   /// [height, width] 255 where it moves, 0 elsewhere; empty: the camera moves, or has fewer than
-  /// three moments.
+  /// three timesteps.
   std::vector<uint8_t> of(const Frame& frame);
 
  private:

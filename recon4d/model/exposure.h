@@ -1,4 +1,4 @@
-// What: the exposure of training pictures: an RGB gain per camera or per picture, learnt beside the
+// What: the exposure of training images: an RGB gain per camera or per image, learnt beside the
 //       Gaussians so that these need not explain it.
 // Not: part of a model: it is drawn with gain 1 everywhere else, in every score too. The product
 //       and its gradient are the loss's (kernels/math/gain.h).

@@ -122,7 +122,7 @@ struct GaussianModel {
   double truncation_sigma = kTruncationSigma;
   bool truncation_by_falloff = false, filter_2d = false;
   double time_filter = 0;
-  double train_scale = 1;  // size of the pictures it was trained on, by the scene's
+  double train_scale = 1;  // size of the images it was trained on, by the scene's
 
   template <class Real>
   Cutoff<Real> cutoff() const {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 
 namespace tessera {
 namespace {
@@ -24,7 +24,7 @@ struct Facts {
 template <Form form>
 void gather(const GaussianSet& set, Facts& facts) {
   const GaussianSpans<const float> values = set.values();
-  for (int64_t n : sound_rows(set)) {
+  for (int64_t n : valid_rows(set)) {
     GaussianState<float> g;
     if (!load_gaussian<form>(values, n, g)) continue;
     ++facts.sound;

@@ -1,5 +1,5 @@
 // What: the facts of a model for `tessera info`, as JSON.
-// Not: a score; no picture is rendered.
+// Not: a score; no image is rendered.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 

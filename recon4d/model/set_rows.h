@@ -1,5 +1,5 @@
 // What: rows of one set added to another; rows that are not among some.
-// Not: rows chosen or put in another order (hygiene.h, density.h, thinning.h).
+// Not: rows chosen or put in another order (validity.h, density.h, pruning.h).
 #pragma once
 #include <vector>
 

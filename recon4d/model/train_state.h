@@ -16,7 +16,7 @@ struct TrainState {
   int64_t iteration = 0;        // steps done
   int64_t sampler_epoch = 0, sampler_position = 0;
   double seconds = 0;     // spent in steps and decisions
-  int64_t decided = 0;    // steps done at the last decision of Parsimony
+  int64_t decided = 0;    // steps done at the last decision of ModelReduction
   int64_t goal = 0;       // Gaussians that its thinning is to leave; 0: not known yet
   bool finished = false;  // the last clean-up is done
 

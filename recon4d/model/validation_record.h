@@ -10,7 +10,7 @@ namespace tessera {
 struct ValidationRecord {
   int64_t checks = 0;          // so far
   int64_t last_iteration = 0;  // of the last check
-  double last_psnr = 0;        // dB, mean over the frames set aside, 8 bit
+  double last_psnr = 0;        // dB, mean over the validation frames, 8 bit
   int64_t best_iteration = 0;  // 0: no check yet
   double best_psnr = 0;        // of the best check
   int64_t best_gaussians = 0;  // of its model

@@ -6,11 +6,11 @@ namespace tessera {
 
 namespace {
 
-/// No more than a scene needs: what moves and how many there are follows from the pictures.
-const OptionOverrides kParsimony = {
+/// No more than a scene needs: what moves and how many there are follows from the images.
+const OptionOverrides kReduction = {
     {"size", "knee"}, {"decide_motion", true}, {"decide_colour", true}};
 /// What is large stays: walls are.
-const OptionOverrides kBalanced = joined(kParsimony, {{"iterations", 7000},
+const OptionOverrides kBalanced = joined(kReduction, {{"iterations", 7000},
                                                       {"idle_updates", "lazy"},
                                                       {"init_points", 50000},
                                                       {"peak_gaussians", 400000},
@@ -47,7 +47,7 @@ const std::vector<Preset>& presets() {
       {"balanced", "the default: 7,000 steps, what does not move becomes static", kBalanced, kStill,
        kPixelsPerGaussian},
       {"best",
-       "balanced as a Markov chain of 200,000 Gaussians before they are thinned out; of one "
+       "balanced with MCMC densification of 200,000 Gaussians before they are pruned; of one "
        "timestep 30,000 steps, a million",
        joined(joined(kBalanced, kMcmc),
               {{"peak_gaussians", 200000}, {"mcmc_noise", 5e4}, {"thin_until", 28000}}),
@@ -70,7 +70,7 @@ const std::vector<Preset>& presets() {
         {"lr_opacity", 0.025},
         {"opacity_reset_interval", 3000},
         {"far_plane", 1e4}}},
-      {"mcmc", "static 3DGS as a Markov chain: exactly max_gaussians, no opacity reset",
+      {"mcmc", "static 3DGS with MCMC densification: exactly max_gaussians, no opacity reset",
        joined(kMcmc, {{"static_only", true},
                       {"idle_updates", "lazy"},
                       {"batch", 1},

@@ -1,5 +1,5 @@
 // What: cameras counted once, however many frames they took.
-// Not: pictures.
+// Not: images.
 #include "recon4d/options/scene_facts.h"
 
 #include "kernels/base/camera_rig.h"

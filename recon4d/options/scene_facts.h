@@ -6,7 +6,7 @@
 
 namespace tessera {
 
-/// Of its training split; pictures need not be loaded.
+/// Of its training split; images need not be loaded.
 SceneFacts facts_of(const Scene& scene);
 
 }  // namespace tessera

@@ -35,7 +35,7 @@ const std::vector<OptionRow>& train_option_rows() {
       {"far_plane", &O::far_plane, 1e-6, 1e12, "world units; farther Gaussians are not drawn",
        "[Faster-GS]"},
       {"train_scale", &O::train_scale, 1e-3, 1,
-       "size of the pictures that are trained on, by the scene's: averaged over areas",
+       "size of the images that are trained on, by the scene's: averaged over areas",
        "[Mip-Splatting]"},
       {"init_points", &O::init_points, 0, 1e9,
        "random initial Gaussians where there is no point cloud; largest share taken of a cloud",
@@ -58,11 +58,12 @@ const std::vector<OptionRow>& train_option_rows() {
        "points whose pixel never changes start in the static set, and as many of the random ones",
        "ours"},
       {"validation_share", &O::validation_share, 0, 0.9,
-       "share of the training frames set aside to choose the best model by; 0: none, the last "
+       "share of the training frames used as validation frames to choose the best model; 0: none, "
+       "the last "
        "model is kept",
        "ours"},
       {"validate_interval", &O::validate_interval, 1, 1e9,
-       "steps between two checks of the frames set aside", "ours"},
+       "steps between two checks of the validation frames", "ours"},
       {"stop_patience", &O::stop_patience, 0, 1e9,
        "checks in a row without a gain of 0.02 dB that end the training; 0: none do", "ours"},
       {"sh_degree", &O::sh_degree, 0, 3, "highest spherical-harmonics degree", "[3DGS]"},
@@ -82,7 +83,7 @@ const std::vector<OptionRow>& train_option_rows() {
        &O::filter_2d_gradient,
        0,
        0,
-       "of filter_2d: detached: its dimming is a constant; full: it is differentiated",
+       "of filter_2d: detached: its compensation is a constant; full: it is differentiated",
        "[Faster-GS]",
        {"detached", "full"}},
       {"filter_3d",
@@ -132,7 +133,7 @@ const std::vector<OptionRow>& train_option_rows() {
        &O::exposure,
        0,
        0,
-       "RGB gains learnt for the training pictures: none, one for each camera, or one for each "
+       "RGB gains learnt for the training images: none, one for each camera, or one for each "
        "frame of each camera; their mean is 1, and nothing else is drawn with them",
        "ours",
        {"none", "camera", "frame"}},
@@ -198,7 +199,7 @@ const std::vector<OptionRow>& train_option_rows() {
       {"max_bytes", &O::max_bytes, 0, 1e14,
        "bytes of the shipped file (export --format tessera); 0: no limit", "ours"},
       {"within_db", &O::within_db, 0, 100,
-       "ship the smallest model whose PSNR on the frames set aside is within so many dB of the "
+       "ship the smallest model whose PSNR on the validation frames is within so many dB of the "
        "best; 0: no such",
        "ours"},
       {"size",
@@ -210,23 +211,23 @@ const std::vector<OptionRow>& train_option_rows() {
        "ours",
        {"grown", "knee"}},
       {"peak_gaussians", &O::peak_gaussians, 0, 1e9,
-       "most Gaussians while they grow, before they are thinned out; 0: max_gaussians limits "
+       "most Gaussians while they grow, before they are pruned; 0: max_gaussians limits "
        "growth itself",
        "ours"},
       {"thin_rounds", &O::thin_rounds, 1, 1000,
-       "rounds in which Gaussians are thinned out, after growth, with recovery between them",
-       "ours"},
+       "rounds in which Gaussians are pruned, after growth, with recovery between them", "ours"},
       {"thin_until", &O::thin_until, 0, 1e9, "last step at which they are", "ours"},
       {"look_frames", &O::look_frames, 0, 1e9,
-       "most training frames that one look at what Gaussians are worth takes, evenly spread; 0: "
+       "most training frames of one scoring pass, evenly spread; 0: "
        "all",
        "ours"},
       {"decide_motion", &O::decide_motion, 0, 1,
-       "dynamic Gaussians that are not worth their motion become static, and where what is left "
+       "dynamic Gaussians whose motion contributes too little become static, and where what is "
+       "left "
        "over static ones changes with time dynamic ones are born",
        "ours"},
       {"decide_colour", &O::decide_colour, 0, 1,
-       "after growth each Gaussian keeps the SH degree that is worth its bytes", "ours"},
+       "after growth each Gaussian keeps the SH degree that justifies its bytes", "ours"},
       {"decide_interval", &O::decide_interval, 1, 1e9,
        "steps between two decisions about motion until growth has ended", "ours"},
       {"mcmc_noise", &O::mcmc_noise, 0, kMany,

@@ -97,7 +97,7 @@ int64_t growth_limit(const TrainOptions& options) {
   return std::max(options.peak_gaussians, options.max_gaussians);
 }
 
-bool is_thinned(const TrainOptions& options) {
+bool prunes_after_growth(const TrainOptions& options) {
   if (options.max_bytes > 0 || options.within_db > 0 || options.size == "knee") return true;
   return options.max_gaussians > 0 && growth_limit(options) > options.max_gaussians;
 }

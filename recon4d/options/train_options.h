@@ -28,7 +28,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   double init_extent = 0, init_opacity = 0.1, init_scale_factor = 1;
   double init_time_scale = 0.4472135955, static_fraction = 0;
   bool carve = true, sweep = false, split_by_motion = false;
-  // frames set aside to choose the model by
+  // validation frames, by which the model is chosen
   double validation_share = 0;
   int64_t validate_interval = 500, stop_patience = 0;
   // colour
@@ -47,7 +47,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   bool environment = false;
   int64_t environment_size = 256;
   double lr_environment = 2.5e-3;
-  // exposure of the training pictures
+  // exposure of the training images
   std::string exposure = "none";
   double lr_exposure = 0.01;
   // learning rates
@@ -65,7 +65,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
   int64_t reorder_interval = 5000;
   double mcmc_noise = 5e5, mcmc_growth = 1.05;
-  // no more than the scene needs (docs/parsimony.md)
+  // no more than the scene needs (docs/reduction.md)
   std::string size = "grown";
   int64_t peak_gaussians = 0, max_bytes = 0;
   double within_db = 0;
@@ -128,8 +128,8 @@ void validate(const TrainOptions& options);
 
 /// Most Gaussians while they grow; 0: no limit.
 int64_t growth_limit(const TrainOptions& options);
-/// Whether Gaussians are thinned out after growth.
-bool is_thinned(const TrainOptions& options);
+/// Whether Gaussians are pruned after growth.
+bool prunes_after_growth(const TrainOptions& options);
 
 /// "black", "white", or "r,g,b" in 0–255. Errors: InputError.
 std::array<uint8_t, 3> parse_background(const std::string& text);

@@ -1,4 +1,4 @@
-// What: the mean colour of the training pictures, all around.
+// What: the mean colour of the training images, all around.
 // Not: a guess of the sky from them.
 #include "recon4d/training/environment.h"
 

@@ -6,7 +6,7 @@
 
 namespace tessera {
 
-/// Everywhere the mean colour of the training pictures, with zero moments. Errors: InputError:
+/// Everywhere the mean colour of the training images, with zero moments. Errors: InputError:
 /// frames with alpha, whose background is known and is no light from beyond the scene.
 EnvironmentLight first_environment(const Scene& scene, const TrainOptions& options);
 

@@ -1,5 +1,5 @@
 // What: points → Gaussians: scales from neighbours, grey or coloured, spread over time.
-// Not: how points are found in pictures (ingest).
+// Not: how points are found in images (ingest).
 #include "recon4d/training/initialise.h"
 
 #include <fmt/format.h>
@@ -82,7 +82,7 @@ InitialPoint point_of(const PointCloud& cloud, size_t i) {
 }
 
 /// At most init_points of the cloud, evenly strided, so that no point is taken twice. A cloud that
-/// was found in pictures lacks what has no texture: a share of random points is added to it.
+/// was found in images lacks what has no texture: a share of random points is added to it.
 std::vector<InitialPoint> cloud_points(const Scene& scene, const CameraRig& rig,
                                        const TrainOptions& options, std::string& source) {
   constexpr double kRandomShare = 0.1;
@@ -104,7 +104,7 @@ void thin_out(std::vector<InitialPoint>& points, int64_t limit, std::string& sou
   if (count <= limit) return;
   for (int64_t i = 0; i < limit; ++i) points[size_t(i)] = points[size_t(i * count / limit)];
   points.resize(size_t(limit));
-  source += fmt::format(", thinned out to {}", limit);
+  source += fmt::format(", subsampled to {}", limit);
 }
 
 /// Fills Gaussian n of `set`.

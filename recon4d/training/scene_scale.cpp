@@ -1,5 +1,5 @@
 // What: box filters over rows, then over columns.
-// Not: OpenCV, which a trainer-only build does without (ingest/media/images/picture_scale.h).
+// Not: OpenCV, which a trainer-only build does without (ingest/media/images/image_scale.h).
 #include "recon4d/training/scene_scale.h"
 
 #include <fmt/format.h>
@@ -39,21 +39,21 @@ int scaled_side(int side, double scale) {
 
 }  // namespace
 
-Image8 averaged_picture(const Image8& picture, int width, int height) {
-  check(width > 0 && height > 0 && width <= picture.width && height <= picture.height,
+Image8 averaged_image(const Image8& image, int width, int height) {
+  check(width > 0 && height > 0 && width <= image.width && height <= image.height,
         "averaged_picture: size");
-  const int channels = picture.channels;
-  const std::vector<Window> columns = windows(picture.width, width);
-  const std::vector<Window> rows = windows(picture.height, height);
+  const int channels = image.channels;
+  const std::vector<Window> columns = windows(image.width, width);
+  const std::vector<Window> rows = windows(image.height, height);
   Image8 out{width, height, channels, {}};
   out.data.resize(size_t(width) * size_t(height) * size_t(channels));
   parallel_for(height, 8, [&](int64_t begin, int64_t end) {
-    std::vector<float> sum(size_t(picture.width) * size_t(channels));
+    std::vector<float> sum(size_t(image.width) * size_t(channels));
     for (int64_t y = begin; y < end; ++y) {
       const Window& row = rows[size_t(y)];
       std::fill(sum.begin(), sum.end(), 0.0f);
       for (size_t j = 0; j < row.weight.size(); ++j) {
-        const uint8_t* from = picture.data.data() + (size_t(row.first) + j) * sum.size();
+        const uint8_t* from = image.data.data() + (size_t(row.first) + j) * sum.size();
         for (size_t i = 0; i < sum.size(); ++i) sum[i] += row.weight[j] * float(from[i]);
       }
       uint8_t* to = out.data.data() + size_t(y) * size_t(width * channels);
@@ -78,9 +78,9 @@ Scene scaled_scene(Scene scene, double scale) {
     const int width = scaled_side(frame.image.width, scale);
     const int height = scaled_side(frame.image.height, scale);
     frame.camera = frame.camera.resized(width, height);
-    frame.image = averaged_picture(frame.image, width, height);
+    frame.image = averaged_image(frame.image, width, height);
     if (frame.mask.data.empty()) continue;
-    frame.mask = averaged_picture(frame.mask, width, height);
+    frame.mask = averaged_image(frame.mask, width, height);
     for (uint8_t& used : frame.mask.data) used = used == 255 ? 255 : 0;
   }
   return scene;
@@ -91,7 +91,7 @@ double truth_scale(double scale, double train_scale) {
   const double truth = scale * train_scale;
   if (truth > 1 + kRounding)
     throw InputError(fmt::format(
-        "scale {}: needs pictures of {} times the scene's size; train with --train-scale {} or "
+        "scale {}: needs images of {} times the scene's size; train with --train-scale {} or "
         "less, so that there are true ones",
         scale, truth, 1 / scale));
   return std::min(truth, 1.0);

@@ -1,4 +1,4 @@
-// What: a scene with smaller pictures: areas averaged, as the multi-scale protocol trains and
+// What: a scene with smaller images: areas averaged, as the multi-scale protocol trains and
 // scores. Not: larger ones: there is no truth between pixels. Source: [Mip-Splatting], multi-scale
 // evaluation.
 #pragma once
@@ -7,15 +7,15 @@
 namespace tessera {
 
 /// Mean of the area that each new pixel covers, per channel as stored, rounded to nearest.
-/// `width`, `height`: at most the picture's.
-Image8 averaged_picture(const Image8& picture, int width, int height);
+/// `width`, `height`: at most the image's.
+Image8 averaged_image(const Image8& image, int width, int height);
 
-/// Pictures, masks and cameras of `scale` times their size, 0 < scale ≤ 1; sides are rounded to
+/// Images, masks and cameras of `scale` times their size, 0 < scale ≤ 1; sides are rounded to
 /// nearest. A new pixel is used where the mask uses all of its area.
 Scene scaled_scene(Scene scene, double scale);
 
-/// A score at `scale` times the size that was trained on needs pictures of this size by the
-/// scene's. Errors: InputError where the scene's pictures are smaller than that.
+/// A score at `scale` times the size that was trained on needs images of this size by the
+/// scene's. Errors: InputError where the scene's images are smaller than that.
 double truth_scale(double scale, double train_scale);
 
 }  // namespace tessera

@@ -14,7 +14,7 @@
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/train_state.h"
 #include "recon4d/options/kernel_options.h"
-#include "recon4d/training/frame_feed.h"
+#include "recon4d/training/frame_cache.h"
 #include "recon4d/training/initialise.h"
 
 namespace tessera {
@@ -97,7 +97,7 @@ class Load {
         scene_(scene),
         options_(options),
         frames_(training_frames(scene)),
-        feed_(backend.memory(), scene, frames_, 0, options.batch),
+        cache_(backend.memory(), scene, frames_, 0, options.batch),
         pipeline_(backend),
         gradients_{{Form::kStatic, 1}, {Form::kPair, 1}},
         table_(backend.memory()),
@@ -131,8 +131,8 @@ class Load {
       forward.lazy[k] = lazy(k);
     }
     pipeline_.forward(forward);
-    const FedTruth fed = feed_.truth(chosen);
-    pipeline_.loss({fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks},
+    const TargetImages fed = cache_.truth(chosen);
+    pipeline_.loss({fed.images, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks},
                    true);
     backward();
     ++state_.iteration;
@@ -181,7 +181,7 @@ class Load {
   const Scene& scene_;
   const TrainOptions& options_;
   std::vector<int> frames_;
-  FrameFeed feed_;
+  FrameCache cache_;
   TrainState state_;
   Pipeline<float> pipeline_;
   GaussianSet gradients_[2];  // only with a separate optimizer

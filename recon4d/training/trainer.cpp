@@ -93,7 +93,7 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       rig_(make_camera_rig(scene.training_cameras())),
       schedule_(options, rig_.extent),
       sampler_(int64_t(train_frames_.size()), uint64_t(options.seed)),
-      feed_(backend.memory(), scene, train_frames_, options.feed_bytes, options.batch),
+      cache_(backend.memory(), scene, train_frames_, options.feed_bytes, options.batch),
       pipeline_(backend),
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
@@ -141,7 +141,7 @@ const GaussianModel& Trainer::host_model() {
   return *host_model_;
 }
 
-void Trainer::rework(const std::function<void(TrainState&)>& change) {
+void Trainer::edit_on_host(const std::function<void(TrainState&)>& change) {
   complete_pending();
   catch_up();
   forget_copies();
@@ -158,8 +158,8 @@ void Trainer::rework(const std::function<void(TrainState&)>& change) {
   for (int k = 0; k < 2 && options_.filter_3d != "none"; ++k) measure_filter(k);
 }
 
-LookedAt Trainer::looked_at(int64_t most) const {
-  LookedAt at = look_at_training(scene_, most);
+FrameSample Trainer::sample_frames(int64_t most) const {
+  FrameSample at = sample_training_frames(scene_, most);
   at.kernels = kernel_switches(options_);
   if (gains_.empty()) return at;
   for (const int frame : at.frames) {
@@ -274,9 +274,9 @@ void Trainer::step() {
   report.splats = counts.splats, report.instances = counts.instances;
   report.invalid_gaussians = counts.invalid_gaussians;
   report.peak_bytes = backend_.memory().peak_bytes();
-  const FedTruth fed = feed_.truth(batch);
+  const TargetImages fed = cache_.truth(batch);
   pipeline_.loss(
-      {fed.pictures, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks, gains(batch)},
+      {fed.images, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks, gains(batch)},
       true);
   backward();
   prefetch();
@@ -355,9 +355,9 @@ void Trainer::backward() {
 
 void Trainer::prefetch() {
   std::vector<std::vector<int64_t>> upcoming;
-  for (int64_t skip = 0; skip < feed_.ahead(); ++skip)
+  for (int64_t skip = 0; skip < cache_.ahead(); ++skip)
     upcoming.push_back(sampler_.peek(skip, options_.batch));
-  if (!upcoming.empty()) feed_.prefetch(upcoming);
+  if (!upcoming.empty()) cache_.prefetch(upcoming);
 }
 
 void Trainer::complete_pending() {

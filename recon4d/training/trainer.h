@@ -8,10 +8,10 @@
 
 #include "kernels/base/camera_rig.h"
 #include "kernels/pipeline.h"
-#include "recon4d/evaluation/residual_pass.h"
+#include "recon4d/evaluation/scoring_pass.h"
 #include "recon4d/model/train_state.h"
 #include "recon4d/training/batch_sampler.h"
-#include "recon4d/training/frame_feed.h"
+#include "recon4d/training/frame_cache.h"
 #include "recon4d/training/observer.h"
 #include "recon4d/training/rigidity.h"
 #include "recon4d/training/schedule.h"
@@ -41,7 +41,7 @@ class Trainer {
   const GaussianModel& host_model();
   /// Lets `change` work on the state in the host's memory, all SH up to date; Gaussians may be
   /// fewer or more after it, statistics must fit them.
-  void rework(const std::function<void(TrainState&)>& change);
+  void edit_on_host(const std::function<void(TrainState&)>& change);
   /// Notes that a decision was made after the steps that are done: what it leaves to be thinned to,
   /// and the time it took.
   void note_decision(int64_t goal, double seconds) {
@@ -49,7 +49,7 @@ class Trainer {
     forget_copies();
   }
   /// Training frames with the gains they have now; at most `most`, 0: all.
-  LookedAt looked_at(int64_t most) const;
+  FrameSample sample_frames(int64_t most) const;
   const TrainOptions& options() const { return options_; }
   /// What state().exposure has a gain for.
   const ExposureRows& exposed() const { return exposed_; }
@@ -86,7 +86,7 @@ class Trainer {
   CameraRig rig_;
   Schedule schedule_;
   BatchSampler sampler_;
-  FrameFeed feed_;
+  FrameCache cache_;
   Pipeline<float> pipeline_;
   GaussianSet gradients_[2];  // only with a separate optimizer
   Buffer<double> table_;      // only with lazy updates

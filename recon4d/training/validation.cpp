@@ -49,7 +49,7 @@ double fraction(double value) {
 
 }  // namespace
 
-int64_t set_aside(Scene& scene, double share, uint64_t seed) {
+int64_t hold_out_validation(Scene& scene, double share, uint64_t seed) {
   if (share <= 0) return 0;
   std::vector<Place> places = training_places(scene);
   const auto count = int64_t(places.size());
@@ -59,7 +59,7 @@ int64_t set_aside(Scene& scene, double share, uint64_t seed) {
                     "--validation-share 0",
                     scene.path, count));
   const int64_t wanted = std::clamp<int64_t>(std::llround(share * double(count)), 1, count - 1);
-  const double shift = uniform(philox(seed, RandomStream::kSetAside, 0).word[0]);
+  const double shift = uniform(philox(seed, RandomStream::kValidationSplit, 0).word[0]);
   // A lattice: among the frames of a camera, and among those of a moment, the smallest values are
   // evenly spread. A model is not judged by what it must extrapolate to: ends come last.
   const auto key = [&](const Place& place) {
@@ -70,7 +70,7 @@ int64_t set_aside(Scene& scene, double share, uint64_t seed) {
   std::stable_sort(places.begin(), places.end(),
                    [&](const Place& a, const Place& b) { return key(a) < key(b); });
   for (int64_t i = 0; i < wanted; ++i)
-    scene.frames[size_t(places[size_t(i)].frame)].split = Split::kAside;
+    scene.frames[size_t(places[size_t(i)].frame)].split = Split::kValidation;
   return wanted;
 }
 
@@ -78,7 +78,7 @@ Validation::Validation(Backend& backend, const Scene& scene, const TrainOptions&
                        ValidationRecord record)
     : backend_(backend),
       scene_(scene),
-      frames_(int64_t(scene.split_indices(Split::kAside).size())),
+      frames_(int64_t(scene.split_indices(Split::kValidation).size())),
       interval_(std::max<int64_t>(1, scaled_steps(options, options.validate_interval))),
       iterations_(options.iterations),
       patience_(options.stop_patience),
@@ -96,11 +96,11 @@ bool Validation::due(int64_t iteration) const {
 }
 
 double Validation::psnr(const GaussianModel& model) const {
-  tessera::check(on(), "Validation: no frames are set aside");
+  tessera::check(on(), "Validation: there are no validation frames");
   EvaluateOptions options;
   options.batch = int(batch_);
   options.structure = StructureDetail::kNone;
-  return evaluate(backend_, model, scene_, Split::kAside, options).all.psnr.value();
+  return evaluate(backend_, model, scene_, Split::kValidation, options).all.psnr.value();
 }
 
 void Validation::check(const GaussianModel& model, int64_t iteration, double seconds) {

@@ -1,4 +1,5 @@
-// What: frames set aside from the training split to judge a model by, and what follows from their
+// What: validation frames, taken from the training split, to judge a model by, and what follows
+// from their
 //       scores: the best model so far and the end of the training.
 // Not: the held-out splits, whose pixels nothing here reads; no schedule of steps (trainer.h).
 // Source: failure modes A10, D4.
@@ -13,15 +14,15 @@
 
 namespace tessera {
 
-/// Moves a share of the training frames, at least one, to Split::kAside and says how many: spread
-/// over cameras and moments, ends of a camera's sequence left where there are others; the same for
-/// the same seed. Share 0: none. Errors: InputError: fewer than two training frames.
-int64_t set_aside(Scene& scene, double share, uint64_t seed);
+/// Moves a share of the training frames, at least one, to Split::kValidation and says how many:
+/// spread over cameras and moments, ends of a camera's sequence left where there are others; the
+/// same for the same seed. Share 0: none. Errors: InputError: fewer than two training frames.
+int64_t hold_out_validation(Scene& scene, double share, uint64_t seed);
 
 /// The checks of one training.
 class Validation {
  public:
-  /// Of the frames of `scene` that are set aside; without any there are no checks. Backend and
+  /// Of the frames of `scene` that are for validation; without any there are no checks. Backend and
   /// scene must outlive it.
   Validation(Backend& backend, const Scene& scene, const TrainOptions& options,
              ValidationRecord record = {});
@@ -35,7 +36,7 @@ class Validation {
   bool due(int64_t iteration) const;
   /// Scores the model, in the host's memory, and keeps a copy when it is the best so far.
   void check(const GaussianModel& model, int64_t iteration, double seconds);
-  /// PSNR on the frames set aside, dB. Errors: std::logic_error where there are none.
+  /// PSNR on the validation frames, dB. Errors: std::logic_error where there are none.
   double psnr(const GaussianModel& model) const;
   /// From now on models have the size that is asked for: only these are shipped.
   void restart() { record_.restart(), best_.reset(); }

@@ -12,7 +12,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 #include "static3d/transform/scene_box.h"
 #include "static3d/transform/slicer.h"
 
@@ -85,7 +85,7 @@ void SequenceWriter::write_frame(size_t i) {
   std::vector<int64_t> rows;
   const Cutoff<float> cutoff = model_.cutoff<float>();
   for (int64_t n = 0; n < slice.count(); ++n) {
-    if (!is_sound(values, n)) {
+    if (!is_valid_element(values, n)) {
       ++frame.non_finite;
     } else if (!cutoff.keeps(sigmoid(*values.at(kOpacityLogit, n)))) {
       ++frame.below_cutoff;

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "kernels/base/errors.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 #include "recon4d/options/nearest_name.h"
 #include "static3d/formats/glb.h"
 #include "static3d/formats/ply_3dgs.h"
@@ -38,8 +38,8 @@ int64_t normalise_rotations(GaussianSet& set) {
   return changed;
 }
 
-void drop_unsound(const std::filesystem::path& path, SplatFile& file) {
-  const std::vector<int64_t> rows = sound_rows(file.set);
+void drop_invalid(const std::filesystem::path& path, SplatFile& file) {
+  const std::vector<int64_t> rows = valid_rows(file.set);
   if (int64_t(rows.size()) == file.set.count()) return;
   file.warnings.push_back(
       fmt::format("{}: {} of {} Gaussians dropped: a value not finite, or a quaternion of length 0",
@@ -122,7 +122,7 @@ SplatFile load_splat_file(const std::filesystem::path& path) {
                     ".ksplat and .sog)",
                     path.string()));
   SplatFile file = reader.load(path);
-  drop_unsound(path, file);
+  drop_invalid(path, file);
   const int64_t changed = normalise_rotations(file.set);
   if (changed > 0 && !reader.quantised)
     file.warnings.push_back(
@@ -134,7 +134,7 @@ SplatFile load_splat_file(const std::filesystem::path& path) {
 int64_t save_splat_file(const SplatFormat& format, const std::filesystem::path& path,
                         const GaussianSet& set, int sh_degree) {
   check(set.dim() == 3, "save_splat_file: a static set; slice a dynamic one first");
-  const std::vector<int64_t> rows = sound_rows(set);
+  const std::vector<int64_t> rows = valid_rows(set);
   GaussianSet sound = select_rows(set, rows);
   normalise_rotations(sound);
   format.save(path, sound, std::min(sh_degree, sh_degree_of(sound.coefficients())));

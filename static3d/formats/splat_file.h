@@ -1,6 +1,6 @@
 // What: the static formats of other programs behind one door: read by what a file is, written by
 //       name.
-// Not: time (ply_sequence.h), and no layout (the format's own file).
+// Not: time (frame_sequence.h), and no layout (the format's own file).
 #pragma once
 #include <filesystem>
 #include <string>

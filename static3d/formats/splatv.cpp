@@ -17,7 +17,7 @@
 #include "kernels/math/spherical_harmonics.h"
 #include "kernels/math/splat.h"
 #include "recon4d/evaluation/render.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 #include "static3d/transform/scene_box.h"
 #include "static3d/transform/slicer.h"
 #include "static3d/transform/splat_quanta.h"
@@ -77,7 +77,7 @@ Words words_of(const SplatvRow& row) {
   return words;
 }
 
-/// What fills the last row of the texture: long gone at any moment of the clip.
+/// What fills the last row of the texture: long gone at any timestep of the clip.
 Words nothing() {
   Words words{};
   words[3] = two_halves(1, 0), words[15] = two_halves(-1000, 1);
@@ -97,7 +97,7 @@ SplatvRow still_row(const GaussianSpans<const float>& set, int64_t n) {
   return row;
 }
 
-/// The moment of the clip at which it is brightest.
+/// The timestep of the clip at which it is brightest.
 float brightest(const MovingGaussian& g) {
   return std::clamp(g.spacetime.mean_time, 0.0f, 1.0f);
 }
@@ -131,13 +131,13 @@ std::string texture_of(const GaussianModel& model, SplatvReport& report) {
     ++report.gaussians;
   };
   const GaussianSpans<const float> fixed = model.static_set.values();
-  for (const int64_t n : sound_rows(model.static_set)) add(still_row(fixed, n));
+  for (const int64_t n : valid_rows(model.static_set)) add(still_row(fixed, n));
   report.non_finite = model.static_set.count() - report.gaussians;
   const Slicer slicer(model);
   report.non_finite += slicer.invalid();
   const GaussianSpans<const float> dynamic = model.dynamic_set.values();
   for (const MovingGaussian& g : slicer.moving()) {
-    if (!is_sound(dynamic, g.source))
+    if (!is_valid_element(dynamic, g.source))
       ++report.non_finite;  // its colour
     else if (!is_ever_drawn(model, g))
       ++report.never_drawn;

@@ -14,7 +14,7 @@ namespace tessera {
 struct SplatvReport {
   int64_t gaussians = 0;    // written
   int64_t non_finite = 0;   // left out: a value not finite, a quaternion without length
-  int64_t never_drawn = 0;  // left out: not drawn at any moment of the clip
+  int64_t never_drawn = 0;  // left out: not drawn at any timestep of the clip
   int64_t bytes = 0;
 };
 
@@ -22,7 +22,7 @@ struct SplatvReport {
 PlayerCamera splatv_camera(const GaussianModel& model);
 
 /// Means to floats, everything else to half floats or bytes; colours seen along no direction (SH of
-/// degree 0), those that follow time as they are at the moment where a Gaussian is brightest.
+/// degree 0), those that follow time as they are at present where a Gaussian is brightest.
 /// Players drop a Gaussian where its falloff in time is below 0.02, we below 0.05. `cameras`: at
 /// least one; players start at the first. Errors: InputError: more Gaussians than a texture of
 /// players holds.

@@ -11,7 +11,7 @@
 #include "kernels/base/parallel.h"
 #include "kernels/base/quantile.h"
 #include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/sh_streams.h"
 #include "static3d/tessera4d/stream.h"

@@ -40,7 +40,7 @@ struct StreamInfo {
   uint64_t offset = 0, bytes = 0;  // within the block
 };
 
-/// From one moment to another, normalised time.
+/// From one timestep to another, normalised time.
 struct Interval {
   double low = 0, high = 1;
 };

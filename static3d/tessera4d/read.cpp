@@ -10,7 +10,7 @@
 #include "ingest/files/bytes.h"
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/tessera4d.h"
 
@@ -32,7 +32,7 @@ void place_rows(const GaussianSet& part, GaussianSet& whole, int64_t at) {
 GaussianSet joined(std::vector<GaussianSet> parts, Form form, int coefficients, int64_t& unsound) {
   int64_t count = 0;
   for (GaussianSet& part : parts) {
-    const std::vector<int64_t> rows = sound_rows(part);
+    const std::vector<int64_t> rows = valid_rows(part);
     unsound += part.count() - int64_t(rows.size());
     if (int64_t(rows.size()) != part.count()) part = select_rows(part, rows);
     count += part.count();

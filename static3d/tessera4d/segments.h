@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-/// Normalised moments within the clip, [0, 1], at which it is drawn; nothing where it never is.
+/// Normalised timesteps within the clip, [0, 1], at which it is drawn; nothing where it never is.
 /// `opacity`: σ(logit); `cutoff`: of the model.
 std::optional<Interval> drawn_in_clip(double time_mean, double log_time_scale, double opacity,
                                       const Cutoff<double>& cutoff);

@@ -11,7 +11,7 @@ ShippedSize shipped_size(const GaussianModel& model, const Tessera4dOptions& opt
   ShippedSize size;
   size.bytes = int64_t(single_tessera4d(file).size());
   GaussianModel rules;
-  size.account = shipped_account(
+  size.account = shipped_breakdown(
       manifest_from(nlohmann::json::parse(file.manifest), "the encoded model", rules), size.bytes);
   return size;
 }

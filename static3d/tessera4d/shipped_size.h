@@ -1,13 +1,13 @@
 // What: how large a model is as it is shipped: the single Tessera 4D file.
 // Not: the file itself (tessera4d/tessera4d.h).
 #pragma once
-#include "static3d/tessera4d/account.h"
+#include "static3d/tessera4d/size_breakdown.h"
 
 namespace tessera {
 
 struct ShippedSize {
-  int64_t bytes = 0;  // of the file
-  Account account;    // which adds up to `bytes`
+  int64_t bytes = 0;      // of the file
+  SizeBreakdown account;  // which adds up to `bytes`
 };
 
 /// Of the single file that export would write with these options, encoded in memory; what the

@@ -33,7 +33,7 @@ struct Tessera4dFile {
 };
 
 /// Environments and levels of time are not held: the former are left out, colours that follow time
-/// are those of each Gaussian's own moment. Errors: InputError: a segment of no length.
+/// are those of each Gaussian's own timestep. Errors: InputError: a segment of no length.
 Tessera4dFile encode_tessera4d(const GaussianModel& model, const Tessera4dOptions& options);
 
 constexpr const char* kTessera4dManifest = "manifest.json";

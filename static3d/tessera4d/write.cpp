@@ -13,7 +13,7 @@
 #include "kernels/base/parallel.h"
 #include "kernels/elements/load_gaussian.h"
 #include "recon4d/evaluation/render.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/tessera4d.h"
@@ -23,7 +23,7 @@
 namespace tessera {
 namespace {
 
-/// Velocity form; the temporal filter in σ_t; colours of each Gaussian's own moment: Δ = 0.
+/// Velocity form; the temporal filter in σ_t; colours of each Gaussian's own timestep: Δ = 0.
 GaussianSet plain_dynamic(const GaussianModel& model) {
   const GaussianSet moving = in_form(model.dynamic_set, Form::kVelocity);
   GaussianSet plain(Form::kVelocity, moving.coefficients());
@@ -90,7 +90,7 @@ class Writer {
     const GaussianSpans<const float> values = model_.static_set.values();
     std::vector<int64_t> rows;
     for (int64_t n = 0; n < values.count; ++n) {
-      if (!is_sound(values, n)) {
+      if (!is_valid_element(values, n)) {
         ++manifest_.non_finite;
       } else if (!rules_.cutoff.keeps(sigmoid(double(*values.at(kOpacityLogit, n))))) {
         ++manifest_.never_drawn;

@@ -1,4 +1,4 @@
-// What: the two ways between static and dynamic: a Dim 3 set as Dim 4, a model at a moment as
+// What: the two ways between static and dynamic: a Dim 3 set as Dim 4, a model at a timestep as
 // Dim 3. Not: any decision which Gaussians should be which.
 #pragma once
 #include "recon4d/model/gaussian_set.h"

@@ -5,8 +5,8 @@
 
 namespace tessera {
 
-/// A dynamic set stored in `form` (kPair or kVelocity); values only, no moments. It renders as
-/// before to rounding. Unsound Gaussians (recon4d/model/hygiene.h) are left out.
+/// A dynamic set stored in `form` (kPair or kVelocity); values only, no optimizer state. It renders
+/// as before to rounding. Unsound Gaussians (recon4d/model/validity.h) are left out.
 GaussianSet in_form(const GaussianSet& dynamic_set, Form form);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// What: shapes by eigen-decomposition, and the copy of what is drawn at a moment; colours that
-// follow time become those of the moment, exactly.
+// What: shapes by eigen-decomposition, and the copy of what is drawn at a timestep; colours that
+// follow time become those of the timestep, exactly.
 // Not: other cut-offs than the renderer's: both call load_gaussian and slice_at.
 #include "static3d/transform/slicer.h"
 

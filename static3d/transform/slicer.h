@@ -1,4 +1,4 @@
-// What: what the dynamic Gaussians of a model are at every moment: one shape each, found once.
+// What: what the dynamic Gaussians of a model are at every timestep: one shape each, found once.
 // Not: rendering; a slice is an ordinary static set.
 // Source: kernels/math/spacetime.h; [Yang24] Eqs. 8–10: Σ_c and the velocity do not depend on t.
 #pragma once

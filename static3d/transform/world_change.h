@@ -12,8 +12,8 @@
 
 namespace tessera {
 
-/// Values in another world; spherical harmonics turn along, opacities, moments of life and their
-/// lengths stay, clip planes scale. Without Adam moments. The identity leaves every bit.
+/// Values in another world; spherical harmonics turn along, opacities, timesteps of life and their
+/// lengths stay, clip planes scale. Without optimizer state. The identity leaves every bit.
 GaussianModel model_in_world(const Similarity& b_from_a, const GaussianModel& model);
 
 /// The model in the world of its capture's source; prepared_from_source is the identity then.

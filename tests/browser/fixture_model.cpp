@@ -22,7 +22,7 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr int64_t kTorus = 700, kBox = 100, kBoxes = 3;       // static: 1,000
 constexpr int64_t kLong = 500, kShort = 500, kPassing = 200;  // dynamic: 1,200
 constexpr double kSeconds = 3;                                // of the clip
-constexpr double kOrigin = 10;                                // its first moment
+constexpr double kOrigin = 10;                                // its first timestep
 
 float logit(double opacity) {
   return float(std::log(opacity / (1 - opacity)));
@@ -59,9 +59,9 @@ class Row {
       for (int c = 0; c < 3; ++c)
         values_.at(kSh, n_)[3 * i + c] = float(random.uniform(-0.25, 0.25) / std::sqrt(double(i)));
   }
-  /// `moment`, `life` (standard deviation) and `velocity` by seconds of the clip.
-  void move(const glm::dvec3& velocity, double moment, double life) {
-    *values_.at(kMeanTime, n_) = float(moment / kSeconds);
+  /// `timestep`, `life` (standard deviation) and `velocity` by seconds of the clip.
+  void move(const glm::dvec3& velocity, double timestep, double life) {
+    *values_.at(kMeanTime, n_) = float(timestep / kSeconds);
     *values_.at(kLogScaleTime, n_) = float(std::log(life / kSeconds));
     for (int k = 0; k < 3; ++k) values_.at(kVelocity, n_)[k] = float(velocity[k] * kSeconds);
   }
@@ -103,7 +103,7 @@ void add_boxes(GaussianSet& set, Random& random) {
 }
 
 /// Somewhere in a shell about the torus, drifting sideways.
-void add_mover(GaussianSet& set, int64_t n, double moment, double life, double speed,
+void add_mover(GaussianSet& set, int64_t n, double timestep, double life, double speed,
                Random& random) {
   const double angle = random.uniform(0, kTurn), height = random.uniform(-1.1, 1.1);
   const glm::dvec3 out(std::cos(angle), 0, std::sin(angle));
@@ -115,7 +115,7 @@ void add_mover(GaussianSet& set, int64_t n, double moment, double life, double s
   row.turn(random);
   row.paint({0.5 + 0.45 * std::cos(angle), 0.5 + 0.4 * height, 0.5 + 0.45 * std::sin(angle)});
   if (n % 4 == 0) row.shine(random);
-  row.move(speed * along, moment, life);
+  row.move(speed * along, timestep, life);
 }
 
 /// Seen for the whole clip; for a tenth of a second to half a second; for about a second. Some are

@@ -85,7 +85,7 @@ TEST(Camera, ResizedKeepsTheRays) {
   Camera c;
   c.width = 200, c.height = 100, c.fl_x = 150, c.fl_y = 160, c.cx = 90, c.cy = 55;
   const Camera half = c.resized(100, 50);
-  // the right edge of the picture and its middle row, as rays
+  // the right edge of the image and its middle row, as rays
   EXPECT_NEAR((100 - half.cx) / half.fl_x, (200 - c.cx) / c.fl_x, 1e-15);
   EXPECT_NEAR((25 - half.cy) / half.fl_y, (50 - c.cy) / c.fl_y, 1e-15);
 }

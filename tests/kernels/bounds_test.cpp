@@ -1,5 +1,5 @@
 // What: the tile test and the tile rectangle against brute force over pixel centres.
-// Not: counting or writing instances (bin stage; hygiene_test.cpp).
+// Not: counting or writing instances (bin stage; validity_test.cpp).
 #include "kernels/math/bounds.h"
 
 #include "tests/support/footprints.h"

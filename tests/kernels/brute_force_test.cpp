@@ -1,4 +1,4 @@
-// What: the CPU backend's pictures, in double and in float, against the brute-force renderer.
+// What: the CPU backend's images, in double and in float, against the brute-force renderer.
 // Not: gradients (gradient_test.cpp).
 #include "tests/support/brute_force.h"
 
@@ -10,29 +10,29 @@ namespace {
 
 /// Compares every view of a scene rendered at once.
 template <class Real>
-void expect_brute(const TestScene<double>& scene, double band, const PictureBounds& bounds) {
+void expect_brute(const TestScene<double>& scene, double band, const ImageBounds& bounds) {
   const Rendered<Real> actual = render(scene.template as<Real>());
   size_t first = 0;
   for (const View& view : scene.views) {
     const BruteImage expected = render_brute(scene, view, band);
     const size_t pixels = expected.transmittance.size();
-    expect_picture(actual.colour.data() + 3 * first, expected.colour, expected.critical, bounds,
-                   "colour");
-    expect_picture(actual.transmittance.data() + first, expected.transmittance, expected.critical,
-                   bounds, "transmittance");
+    expect_image(actual.colour.data() + 3 * first, expected.colour, expected.critical, bounds,
+                 "colour");
+    expect_image(actual.transmittance.data() + first, expected.transmittance, expected.critical,
+                 bounds, "transmittance");
     first += pixels;
   }
   EXPECT_EQ(first, actual.transmittance.size());
 }
 
 /// Sums of some hundred products of order 1 in double, nothing at a cut-off.
-constexpr PictureBounds kDouble{1e-10, 1e-10, 0, 1e-12};
+constexpr ImageBounds kDouble{1e-10, 1e-10, 0, 1e-12};
 
 /// Float: positions of up to 50 pixels are rounded to 4e-6 and ½ dᵀ conic d ≤ ln 255 has a gradient
 /// of at most some 1/pixel for splats that matter, so α moves by some 1e-6 per splat, and a pixel
 /// sums a few. A pixel at a cut-off may gain or lose one splat of α = 1/255.
 constexpr double kFloatBand = 1e-4;
-constexpr PictureBounds kFloat{1e-5, 1.2 / 255, 0.02, 1e-6};
+constexpr ImageBounds kFloat{1e-5, 1.2 / 255, 0.02, 1e-6};
 
 class BruteForce : public ::testing::TestWithParam<double> {};
 
@@ -51,7 +51,7 @@ TEST_P(BruteForce, FloatIsWithinItsBounds) {
       expect_brute<float>(random_scene(30, 30, GetParam(), seed, form), kFloatBand, kFloat);
 }
 
-// a pixel is about 0.1 world units: specks, splats of some pixels, splats larger than the picture
+// a pixel is about 0.1 world units: specks, splats of some pixels, splats larger than the image
 INSTANTIATE_TEST_SUITE_P(Sizes, BruteForce, ::testing::Values(0.01, 0.15, 2.0));
 
 struct Mode {
@@ -86,7 +86,7 @@ TEST_P(BruteForceMode, EqualsTheFormulas) {
     scene.options.truncation_sigma = mode.sigma;
     scene.options.truncation_by_falloff = mode.by_falloff;
     expect_brute<double>(scene, 1e-9, kDouble);
-    PictureBounds bounds = kFloat;  // at the edge a splat may be as opaque as the cut-off is high
+    ImageBounds bounds = kFloat;  // at the edge a splat may be as opaque as the cut-off is high
     bounds.critical = std::max(bounds.critical, 1.2 * std::exp(-0.5 * mode.sigma * mode.sigma));
     if (mode.by_falloff) bounds.budget = 0.05;  // every splat has its edge where it is wide
     expect_brute<float>(scene, kFloatBand, bounds);

@@ -1,4 +1,4 @@
-// What: scenes whose picture is known in closed form: one splat, two, many coincident, nearly
+// What: scenes whose image is known in closed form: one splat, two, many coincident, nearly
 // transparent, at the near and far plane, over two backgrounds. failure_modes C1–C4, C9, C10, C14.
 // Not: random scenes (brute_force_test.cpp).
 #include "tests/support/front_scene.h"
@@ -119,7 +119,7 @@ TEST(ClosedForm, NearAndFarPlaneAreInclusive) {  // C9, C10
 }
 
 TEST(ClosedForm, GaussianBesideTheCameraDoesNotFlash) {  // C9
-  // Bug put back: Jacobian not clamped; seen to fail: σ grows by x/z = 12 and covers the picture.
+  // Bug put back: Jacobian not clamped; seen to fail: σ grows by x/z = 12 and covers the image.
   for (double z = 1.0; z >= 0.2; z -= 0.05) {
     TestScene<float> scene = front_scene();
     add_round(scene, {12 * z, 0, z}, 0.1 * z / 0.25, 0.99, {1, 1, 1});
@@ -136,7 +136,7 @@ TEST(ClosedForm, CrossingTheNearPlaneRemovesOneSplatAndNoMore) {  // C9
   const Rendered<float> before = render(scene);
   scene.fixed.at(kMean, 1)[2] = 0.1999f;
   EXPECT_EQ(render(scene).colour, alone.colour);
-  // at z = near: centre 36.5 px is outside the picture, σ² = (40·0.004/0.2)²(1 + 0.25) + 0.3
+  // at z = near: centre 36.5 px is outside the image, σ² = (40·0.004/0.2)²(1 + 0.25) + 0.3
   EXPECT_LE(worst_difference(before.colour, alone.colour), 0.6 * std::exp(-0.5 * 16 / 1.1));
 }
 

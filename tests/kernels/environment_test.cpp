@@ -98,7 +98,7 @@ TEST(Environment, ShowsThroughWhatGaussiansLeave) {
   EXPECT_GT(most, 0.3);
 }
 
-// Bugs put back, each seen to fail: the light that is left squared in the picture alone; the
+// Bugs put back, each seen to fail: the light that is left squared in the image alone; the
 // gradient of texels without it; the last part left out of their sum.
 TEST(Environment, GradientsEqualDifferences) {
   TestScene<double> scene = scene_before_a_map(84);

@@ -1,4 +1,4 @@
-// What: gains of the pictures in the loss, in double: their gradient and those of opacities behind
+// What: gains of the images in the loss, in double: their gradient and those of opacities behind
 //       them against central differences of the whole chain; a gain of 1 is none.
 // Not: what a training makes of them (tests/recon4d/model/train_exposure_test.cpp). Source: B10.
 #include "tests/support/difference.h"
@@ -6,7 +6,7 @@
 namespace tessera::testing {
 namespace {
 
-/// Pictures of several tiles, each with a gain of its own; the truth keeps away from what is
+/// Images of several tiles, each with a gain of its own; the truth keeps away from what is
 /// compared with it.
 TestScene<double> gained_scene() {
   TestScene<double> scene = random_scene(5, 5, 0.25, 71);
@@ -22,7 +22,7 @@ void expect_difference(double analytic, TestScene<double>& scene, double& parame
   EXPECT_NEAR(analytic, *expected, 1e-6 * scale);
 }
 
-// Bugs put back, each seen to fail: the gradient by what is compared taken for that by the picture;
+// Bugs put back, each seen to fail: the gradient by what is compared taken for that by the image;
 // the gain's gradient multiplied by the gain; gains of another channel.
 TEST(Exposure, GradientsEqualDifferences) {
   TestScene<double> scene = gained_scene();

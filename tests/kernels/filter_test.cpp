@@ -1,5 +1,5 @@
 // What: the filters against aliasing beyond what oracle and differences show: the detached
-// gradient, opacity 0, the size of the 3D filter, what it does to stored parameters. Not: pictures
+// gradient, opacity 0, the size of the 3D filter, what it does to stored parameters. Not: images
 // and full gradients of the modes (brute_force_test.cpp, gradient_test.cpp), nor a device
 // (backend_filter_test.cpp).
 #include "tests/support/brute_force.h"
@@ -9,14 +9,14 @@
 namespace tessera::testing {
 namespace {
 
-/// ⟨picture, weights⟩ of the first view.
+/// ⟨image, weights⟩ of the first view.
 double weighted(const BruteImage& image, const std::vector<double>& weights) {
   double sum = 0;
   for (size_t i = 0; i < weights.size(); ++i) sum += weights[i] * image.colour[i];
   return sum;
 }
 
-/// A view of a few Gaussians that no cut-off ends within a picture: differences meet no jump.
+/// A view of a few Gaussians that no cut-off ends within a image: differences meet no jump.
 TestScene<double> smooth_scene(uint64_t seed) {
   TestScene<double> scene = random_scene(4, 4, 0.1, seed);
   scene.views.resize(1), scene.truth.resize(1);
@@ -25,7 +25,7 @@ TestScene<double> smooth_scene(uint64_t seed) {
   return scene;
 }
 
-// Method C.2. Differences of the brute-force picture with every compensation held still.
+// Method C.2. Differences of the brute-force image with every compensation held still.
 // Bugs put back, each seen to fail: comp left out of the gradient by the opacity; comp
 // differentiated.
 TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
@@ -64,7 +64,7 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
 }
 
 TEST(Filter2d, CompensationKeepsTheLightOfASplat) {
-  // ∫ o·comp·G over the picture is what it was without dilation: o·2π√det0. Bug put back: comp
+  // ∫ o·comp·G over the image is what it was without dilation: o·2π√det0. Bug put back: comp
   // without its root; seen to fail.
   const double a = 0.5, b = 0.1, c = 0.3, kappa = kFilter2d<double>;
   const double det = (a + kappa) * (c + kappa) - b * b;
@@ -117,7 +117,7 @@ std::vector<View> many_views() {
   return views;
 }
 
-// Method C.1. Bugs put back, each seen to fail: the farthest view taken; pictures not enlarged;
+// Method C.1. Bugs put back, each seen to fail: the farthest view taken; images not enlarged;
 // means at time 0.5; the temporal filter left out; moments at which a Gaussian is not drawn taken
 // too.
 TEST(Filter3d, SizeIsThatOfTheNearestViewThatSamples) {

@@ -1,12 +1,12 @@
 // What: the gradient of the whole chain (render, L1, D-SSIM, batch of three views) by every
 // parameter of static and dynamic Gaussians against central differences in double. C17.
-// Not: single equations (rotation, spacetime, ewa … _test.cpp).
+// Not: single equations (rotation_test.cpp, spacetime_test.cpp, ewa_test.cpp).
 #include "tests/support/difference.h"
 
 namespace tessera::testing {
 namespace {
 
-/// Ten overlapping Gaussians over several tiles; the truth keeps away from the picture, so that no
+/// Ten overlapping Gaussians over several tiles; the truth keeps away from the image, so that no
 /// |I − G| sits on its kink.
 TestScene<double> gradient_scene(uint64_t seed, int degree, bool opaque = false) {
   TestScene<double> scene = random_scene(5, 5, 0.25, seed);
@@ -89,9 +89,9 @@ TEST(Gradient, GeometryOfVelocitiesEqualsDifferences) {
 TEST(Gradient, GeometryEqualsDifferencesWhereTheLightStops) {
   // Bug put back: `index < used` left out of blend_backward; seen to fail.
   const TestScene<double> scene = gradient_scene(3, 2, true);
-  const Rendered<double> picture = render(scene);
+  const Rendered<double> image = render(scene);
   const auto stopped = [](double T) { return T < kMinTransmittance<double>; };
-  EXPECT_GT(std::count_if(picture.transmittance.begin(), picture.transmittance.end(), stopped), 50);
+  EXPECT_GT(std::count_if(image.transmittance.begin(), image.transmittance.end(), stopped), 50);
   expect_differences(scene, kGeometry);
 }
 

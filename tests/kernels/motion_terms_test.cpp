@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kSlow = 0.05;
 
-/// What the terms are worth, from Spacetime and the definitions.
+/// The values of the terms, from Spacetime and the definitions.
 double terms_of(const TestScene<double>& scene) {
   const TestGaussians<double>& set = scene.moving;
   const RegulariserWeights& weights = scene.regulariser;
@@ -70,7 +70,7 @@ TEST(MotionTerms, EqualDifferencesInBothForms) {
       const Backward<double> plain = backward(scene);
       scene.regulariser = c.weights;
       const Backward<double> with = backward(scene);
-      EXPECT_EQ(with.mean_loss(), plain.mean_loss()) << "what is reported is of the pictures";
+      EXPECT_EQ(with.mean_loss(), plain.mean_loss()) << "what is reported is of the images";
       double largest = 0;
       for (int g = 0; g < kGroupCount; ++g)
         for (size_t i = 0; g != kSh && i < scene.moving.group[g].size(); ++i) {
@@ -92,7 +92,7 @@ TEST(MotionTerms, LivesAreLengthenedWithOneForceUpToTheClip) {
   const double lives[4] = {1e-3, 0.3, 0.99, 1.01};
   for (int64_t n = 0; n < 4; ++n) {
     *scene.moving.at(kLogScaleTime, n) = std::log(lives[n]);
-    scene.moving.at(kMean, n)[1] = 500;  // no picture
+    scene.moving.at(kMean, n)[1] = 500;  // no image
   }
   scene.regulariser.extent = 0.8;
   const Backward<double> with = backward(scene);

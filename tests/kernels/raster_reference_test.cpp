@@ -1,4 +1,4 @@
-// What: projection, pictures and gradients against a third party's rasteriser, from its own files.
+// What: projection, images and gradients against a third party's rasteriser, from its own files.
 // Not: our formulas again; nothing of its code is here. The data is optional, tests skip without.
 // Conventions found in the files: `scales` are logarithms (−3.7 … 0.83), `quats` are w x y z and
 // not normalised, `opacities` are logits (0.5 … 1), `coeffs` are [N, 16, 3], `conics` are
@@ -25,7 +25,7 @@ std::vector<std::filesystem::path> files_in(const std::string& folder) {
 
 constexpr const char* kAbsent = "raster_reference not found beside the project (TESSERA_DATA)";
 // Shares of the largest element. The third party computes in float: positions of 100 pixels are
-// rounded to 8e-6, a picture sums several α, a gradient some thousand pixels with both signs. Its
+// rounded to 8e-6, a image sums several α, a gradient some thousand pixels with both signs. Its
 // own tests allow 1e-5 or 1 % per element.
 constexpr double kProjection = 5e-7, kPicture = 5e-6, kGradient = 3e-5;
 
@@ -76,7 +76,7 @@ std::vector<double> as_rgba(const Rendered<Real>& r) {
   return out;
 }
 
-/// These two hold pictures in which tiles are missing: zeros where the file of the same inputs
+/// These two hold images in which tiles are missing: zeros where the file of the same inputs
 /// beside them, and both of 2025, have splats.
 constexpr const char* kIncomplete[] = {"basic_case_b8290f04.safetensors",
                                        "tiny_case_e378cca7.safetensors"};
@@ -85,7 +85,7 @@ bool incomplete(const std::string& name) {
   return std::find(std::begin(kIncomplete), std::end(kIncomplete), name) != std::end(kIncomplete);
 }
 
-TEST(RasterReference, PicturesAgree) {
+TEST(RasterReference, ImagesAgree) {
   int files = 0;
   for (const char* folder : {"forward_only_2026", "with_gradients_2025"})
     for (const auto& path : files_in(folder)) {
@@ -145,9 +145,9 @@ TEST(RasterReference, ProjectionAgrees) {
 
 using SplatGradients = std::vector<SplatGradient<double>>;
 
-/// Gradients of the splats of a scene for dL/d out_img. The alpha channel is a second picture, of
+/// Gradients of the splats of a scene for dL/d out_img. The alpha channel is a second image, of
 /// the same splats all white on black, whose value is 1 − transmittance: blending is linear in the
-/// colours, so the gradients of both pictures add.
+/// colours, so the gradients of both images add.
 SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector<float>& v_out_img,
                                Splats<double>& splats) {
   CpuBackend<double> backend;

@@ -67,7 +67,7 @@ TEST(Regulariser, EqualsDifferencesForEveryGaussian) {
   const Backward<double> plain = backward(scene);
   scene.regulariser = kWeights;
   const Backward<double> regularised = backward(scene);
-  EXPECT_EQ(regularised.mean_loss(), plain.mean_loss()) << "what is reported is of the pictures";
+  EXPECT_EQ(regularised.mean_loss(), plain.mean_loss()) << "what is reported is of the images";
   for (const Form form : {Form::kStatic, Form::kPair}) {
     TestGaussians<double>& set = form == Form::kStatic ? scene.fixed : scene.moving;
     const TestGaussians<double>&with =

@@ -1,5 +1,5 @@
 // What: n Gaussians in place of one: opacity and size against the source's double sum, against the
-// integral they come from and in pictures; who is drawn, and how often.
+// integral they come from and in images; who is drawn, and how often.
 // Not: rows of a training (tests/recon4d/density/train_mcmc_test.cpp), nor a device
 // (backend_mcmc_test.cpp).
 #include "kernels/elements/relocation.h"
@@ -58,7 +58,7 @@ TEST(Relocation, KeepsTheIntegralThroughTheCentre) {
     }
 }
 
-/// A Gaussian of a set in the middle of a picture of 33 × 33 pixels, whose centre pixel it hits.
+/// A Gaussian of a set in the middle of a image of 33 × 33 pixels, whose centre pixel it hits.
 TestScene<double> single(const TestGaussians<double>& set, double time) {
   TestScene<double> scene;
   (set.form == Form::kStatic ? scene.fixed : scene.moving) = set;

@@ -89,7 +89,7 @@ TEST(RowInterval, NeedlesAlongAnAxisAndAtASmallAngle) {
 }
 
 TEST(RowInterval, StaysInsideTheRectangle) {
-  // Bug put back: the interval clamped to the picture; seen to fail.
+  // Bug put back: the interval clamped to the image; seen to fail.
   Random random(3);
   for (int round = 0; round < 2000; ++round) {
     const FootprintCase c = random_footprint(random, false);

@@ -1,5 +1,5 @@
 // What: fast_exp over the range that blending uses; Adam against a plain loop in double.
-// Not: the Adam stage (optimizer_test.cpp).
+// Not: the Adam stage (update_test.cpp).
 #include "kernels/math/adam.h"
 #include "tests/support/random.h"
 

@@ -1,6 +1,6 @@
 // What: the levels of time: weights and slopes against the cosine, laws of the whole chain (levels
 // of zeros, levels that are not active, another clock), and who may reach a level.
-// Not: pictures and gradients by formula (brute_force_test.cpp, gradient_test.cpp).
+// Not: images and gradients by formula (brute_force_test.cpp, gradient_test.cpp).
 #include "kernels/math/spherindrical.h"
 
 #include "tests/support/compare.h"

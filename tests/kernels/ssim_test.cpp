@@ -36,13 +36,13 @@ TEST(Ssim, WindowIsANormalisedGaussianOfSigmaOneAndAHalf) {
 }
 
 /// Two images with one view each, as the photometric stage takes them.
-struct Pictures {
+struct LossCase {
   ViewBatch<double> batch;
   Images<double> images;
   std::vector<std::vector<uint8_t>> truth, mask;  // mask: none, or of every view
   LossWeights weights;
 
-  Pictures(std::initializer_list<std::pair<int, int>> sizes, Random& random) {
+  LossCase(std::initializer_list<std::pair<int, int>> sizes, Random& random) {
     std::vector<View> views;
     for (const auto& [width, height] : sizes) {
       View view;
@@ -66,7 +66,7 @@ struct Pictures {
   }
 };
 
-/// Windowed mean of f over pixels around (px, py), zero outside the picture, not separable.
+/// Windowed mean of f over pixels around (px, py), zero outside the image, not separable.
 template <class Function>
 double windowed(int px, int py, int width, int height, Function&& f) {
   double sum = 0;
@@ -95,7 +95,7 @@ double ssim_by_definition(const double* a, const uint8_t* rgb, int width, int he
 
 TEST(Photometric, LossEqualsItsDefinition) {
   Random random(2);
-  Pictures p({{13, 17}, {5, 3}, {1, 1}}, random);
+  LossCase p({{13, 17}, {5, 3}, {1, 1}}, random);
   const auto losses = p.loss({});
   for (size_t b = 0; b < 3; ++b) {
     const ViewArgs<double>& view = p.batch.views[b];
@@ -116,7 +116,7 @@ TEST(Photometric, LossEqualsItsDefinition) {
 TEST(Photometric, GradientIsThatOfTheMeanOverTheBatch) {
   // Bug put back: the partial by E[xy] not convolved; seen to fail.
   Random random(3);
-  Pictures p({{13, 17}, {7, 4}}, random);
+  LossCase p({{13, 17}, {7, 4}}, random);
   std::vector<double> d_colour(size_t(3 * p.batch.pixels));
   p.loss({d_colour.data(), int64_t(d_colour.size())});
   constexpr double kStep = 1e-5;
@@ -140,12 +140,12 @@ std::vector<uint8_t> speckled(int pixels, Random& random) {
   return mask;
 }
 
-// B17. By the definition: the truth at ignored pixels is the picture, SSIM there is 1.
+// B17. By the definition: the truth at ignored pixels is the image, SSIM there is 1.
 // Bugs put back, each seen to fail: inverted polarity; the ignored pixels' own windows counted;
 // their truth read in the windows of others; the mask of the next view.
 TEST(Photometric, LossWithAMaskEqualsItsDefinition) {
   Random random(4);
-  Pictures p({{13, 17}, {6, 5}}, random);
+  LossCase p({{13, 17}, {6, 5}}, random);
   p.mask = {speckled(13 * 17, random), {}};  // the second view has none
   const auto losses = p.loss({});
   for (size_t b = 0; b < 2; ++b) {
@@ -183,7 +183,7 @@ TEST(Photometric, LossWithAMaskEqualsItsDefinition) {
 // pixels left as the windows of their neighbours give it.
 TEST(Photometric, GradientWithAMaskIsThatOfUsedPixelsAndZeroElsewhere) {
   Random random(5);
-  Pictures p({{13, 17}, {7, 4}}, random);
+  LossCase p({{13, 17}, {7, 4}}, random);
   p.mask = {speckled(13 * 17, random), speckled(7 * 4, random)};
   std::vector<double> d_colour(size_t(3 * p.batch.pixels));
   p.loss({d_colour.data(), int64_t(d_colour.size())});

@@ -43,13 +43,13 @@ inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, do
   const Quaternion r = set.form == Form::kPair ? unit_quaternion(set.at(kRotationRight, n))
                                                : Quaternion{l[0], -l[1], -l[2], -l[3]};
   const double size = set.filter_size.empty() ? 0 : set.filter_size[size_t(n)];
-  double S[4][4] = {}, dimming = 1;
+  double S[4][4] = {}, compensation = 1;
   for (int k = set.form != Form::kStatic ? 0 : 1; k < 4; ++k) {
     Quaternion axis{};
     axis[size_t(k)] = std::exp(k == 0 ? *set.at(kLogScaleTime, n) : set.at(kLogScale, n)[k - 1]);
     if (k > 0 && size > 0) {
       const double wide = std::hypot(axis[size_t(k)], size);
-      dimming *= axis[size_t(k)] / wide;
+      compensation *= axis[size_t(k)] / wide;
       axis[size_t(k)] = wide;
     }
     Quaternion image = hamilton(hamilton(l, axis), r);
@@ -59,7 +59,7 @@ inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, do
       for (size_t j = 0; j < 4; ++j) S[i][j] += image[i] * image[j];
   }
   BruteGaussian g;
-  g.opacity = dimming / (1 + std::exp(-*set.at(kOpacityLogit, n)));
+  g.opacity = compensation / (1 + std::exp(-*set.at(kOpacityLogit, n)));
   const double delta = set.form != Form::kStatic ? time - *set.at(kMeanTime, n) : 0;
   const double w = set.form != Form::kStatic ? S[0][0] : INFINITY;
   for (size_t i = 0; i < 3; ++i) {

@@ -1,4 +1,4 @@
-// What: how a picture or a gradient of a backend may differ from the truth: per element, over all,
+// What: how a image or a gradient of a backend may differ from the truth: per element, over all,
 // and how many pixels at a cut-off may decide otherwise.
 // Not: PSNR; these bounds are for equal formulas.
 #pragma once
@@ -12,7 +12,7 @@
 namespace tessera::testing {
 
 /// Bounds for colours of order 1. A critical pixel sits at a cut-off (α = 1/255, T = 1e-4).
-struct PictureBounds {
+struct ImageBounds {
   double element;   // |difference| of each channel of a pixel that is not critical
   double critical;  // the same for a critical pixel: at most what one faint splat adds
   double budget;    // share of the pixels that may be critical
@@ -20,9 +20,8 @@ struct PictureBounds {
 };
 
 template <class Actual>
-void expect_picture(const Actual* actual, const std::vector<double>& expected,
-                    const std::vector<bool>& critical, const PictureBounds& bounds,
-                    const char* what) {
+void expect_image(const Actual* actual, const std::vector<double>& expected,
+                  const std::vector<bool>& critical, const ImageBounds& bounds, const char* what) {
   double worst = 0, worst_critical = 0, sum = 0, marked = 0;
   for (size_t i = 0; i < expected.size(); ++i) {
     const size_t pixel = i % critical.size();

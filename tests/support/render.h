@@ -38,12 +38,12 @@ Rendered<Real> render(const TestScene<Real>& scene) {
   return render(scene, backend);
 }
 
-/// A ground truth that keeps 8 to 60 steps away from the picture, so that no |I − G| sits on its
+/// A ground truth that keeps 8 to 60 steps away from the image, so that no |I − G| sits on its
 /// kink.
 inline void keep_truth_away(TestScene<double>& scene, uint64_t seed) {
-  const Rendered<double> picture = render(scene);
+  const Rendered<double> image = render(scene);
   Random random(seed);
-  const double* colour = picture.colour.data();
+  const double* colour = image.colour.data();
   for (std::vector<uint8_t>& bytes : scene.truth) {
     const size_t pixels = bytes.size() / 3;
     for (size_t i = 0; i < bytes.size(); ++i) {
@@ -85,14 +85,14 @@ struct Backward {
   }
 };
 
-/// Changes dL/d picture before it goes backward.
+/// Changes dL/d image before it goes backward.
 template <class Real>
-using EditPictureGradient = std::function<void(std::vector<Real>&)>;
+using EditImageGradient = std::function<void(std::vector<Real>&)>;
 
 /// Forward, loss and backward with stored gradients.
 template <class Real>
 Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
-                        const EditPictureGradient<Real>& edit = {}) {
+                        const EditImageGradient<Real>& edit = {}) {
   Memory& memory = backend.memory();
   const StoredScene<Real> in(scene, memory);
   Pipeline<Real> pipeline(backend);
@@ -140,7 +140,7 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
 }
 
 template <class Real>
-Backward<Real> backward(const TestScene<Real>& scene, const EditPictureGradient<Real>& edit = {}) {
+Backward<Real> backward(const TestScene<Real>& scene, const EditImageGradient<Real>& edit = {}) {
   CpuBackend<Real> backend;
   return backward(scene, backend, edit);
 }

@@ -91,10 +91,10 @@ bool lists_are_sound(const StageRun<Real>& run) {
          std::is_sorted(run.tile_begin.begin(), run.tile_begin.end());
 }
 
-/// All stages up to the gradient of the splats. `edit` may replace dL/d picture.
+/// All stages up to the gradient of the splats. `edit` may replace dL/d image.
 template <class Real>
 StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend,
-                          const EditPictureGradient<Real>& edit = {}) {
+                          const EditImageGradient<Real>& edit = {}) {
   Memory& memory = backend.memory();
   const StoredScene<Real> in(scene, memory);
   StageRun<Real> out;

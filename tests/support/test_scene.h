@@ -86,7 +86,7 @@ struct TestScene {
   std::vector<std::vector<uint8_t>> mask;  // [B] each [height, width] or empty; none: no masks
   RegulariserWeights regulariser;          // of `backward` alone
   TestPairs pairs;                         // as well
-  std::vector<Vec3<double>> gain;          // [B] RGB, of the loss; none: the pictures as rendered
+  std::vector<Vec3<double>> gain;          // [B] RGB, of the loss; none: the images as rendered
   int environment_height = 0;              // H; 0: there is none
   std::vector<Real> environment = {};      // [H, 2H, 3]
 

@@ -72,10 +72,10 @@ Scene tiny_capture(const TinyCapture& capture, const GaussianModel& truth) {
   scene.path = "tiny";
   scene.background = capture.background;
   scene.had_alpha = true;
-  scene.is_static = capture.moments == 1;
+  scene.is_static = capture.timesteps == 1;
   std::vector<View> views;
   for (int c = 0; c < capture.cameras; ++c)
-    for (int m = 0; m < capture.moments; ++m) {
+    for (int m = 0; m < capture.timesteps; ++m) {
       const double angle = capture.arc * c / capture.cameras;
       Frame frame;
       frame.camera = look_at({4 * std::cos(angle), 1 - 0.4 * (c % 3), 4 * std::sin(angle)},
@@ -83,14 +83,14 @@ Scene tiny_capture(const TinyCapture& capture, const GaussianModel& truth) {
       frame.camera_name = "ring" + std::to_string(c);
       frame.name = frame.camera_name + "/" + std::to_string(m);
       frame.frame_number = m;
-      frame.time = capture.moments == 1 ? 0 : double(m) / (capture.moments - 1);
+      frame.time = capture.timesteps == 1 ? 0 : double(m) / (capture.timesteps - 1);
       views.push_back({frame.camera, frame.time});
       scene.frames.push_back(std::move(frame));
     }
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  const std::vector<Picture> pictures = render_views(*backend, truth, views);
-  for (size_t i = 0; i < pictures.size(); ++i)
-    scene.frames[i].image = quantise(pictures[i].planar(), pictures[i].width, pictures[i].height);
+  const std::vector<RenderedImage> images = render_views(*backend, truth, views);
+  for (size_t i = 0; i < images.size(); ++i)
+    scene.frames[i].image = quantise(images[i].planar(), images[i].width, images[i].height);
   return scene;
 }
 
@@ -146,14 +146,14 @@ Training& Training::run(int64_t iteration, Validation& validation) {
   return *this;
 }
 
-Training& Training::run(int64_t iteration, Parsimony& parsimony, Validation& validation) {
+Training& Training::run(int64_t iteration, ModelReduction& reduction, Validation& validation) {
   while (state().iteration < iteration) {
-    int64_t next = std::min(iteration, parsimony.next_after(state().iteration));
+    int64_t next = std::min(iteration, reduction.next_after(state().iteration));
     if (validation.on()) next = std::min(next, validation.next_after(state().iteration));
     trainer_.run(next);
     const int64_t i = state().iteration;
     if (validation.due(i)) validation.check(trainer_.host_model(), i, state().seconds);
-    if (const auto report = parsimony.act(trainer_, validation.record()))
+    if (const auto report = reduction.act(trainer_, validation.record()))
       decisions_.push_back(*report);
   }
   return *this;
@@ -162,11 +162,11 @@ Training& Training::run(int64_t iteration, Parsimony& parsimony, Validation& val
 double Training::psnr() const {
   std::vector<View> views;
   for (const Frame& frame : scene_.frames) views.push_back({frame.camera, frame.time});
-  const std::vector<Picture> pictures = render_views(backend_, model(), views);
+  const std::vector<RenderedImage> images = render_views(backend_, model(), views);
   double sum = 0;
-  for (size_t i = 0; i < pictures.size(); ++i)
-    sum += psnr_float(pictures[i].planar(), scene_.frames[i].image);
-  return sum / double(pictures.size());
+  for (size_t i = 0; i < images.size(); ++i)
+    sum += psnr_float(images[i].planar(), scene_.frames[i].image);
+  return sum / double(images.size());
 }
 
 std::vector<uint32_t> model_bits(const GaussianModel& model) {

@@ -6,28 +6,28 @@
 #include <string>
 #include <vector>
 
-#include "recon4d/reduction/parsimony.h"
+#include "recon4d/reduction/model_reduction.h"
 #include "recon4d/training/trainer.h"
 #include "recon4d/training/validation.h"
 
 namespace tessera::testing {
 
-/// A ring of cameras around the origin, each with `moments` frames from time 0 to 1.
+/// A ring of cameras around the origin, each with `timesteps` frames from time 0 to 1.
 struct TinyCapture {
-  int cameras = 6, moments = 4, size = 20;  // pictures are size × size
-  double arc = 6.283185307179586;           // of the ring that the cameras share, radians
-  bool moving = true;                       // two of the five blobs move
+  int cameras = 6, timesteps = 4, size = 20;  // images are size × size
+  double arc = 6.283185307179586;             // of the ring that the cameras share, radians
+  bool moving = true;                         // two of the five blobs move
   std::array<uint8_t, 3> background{0, 0, 0};
 };
 
-/// What the pictures show: three static blobs, and two dynamic ones when `moving`.
+/// What the images show: three static blobs, and two dynamic ones when `moving`.
 GaussianModel tiny_truth(const TinyCapture& capture);
 /// Frames ordered by camera, then time; all of the training split. `had_alpha` is set, so initial
 /// points fill a box.
 Scene tiny_capture(const TinyCapture& capture = {});
 /// The same ring around Gaussians of one's own.
 Scene tiny_capture(const TinyCapture& capture, const GaussianModel& truth);
-/// Uniform noise on every value of every picture, at most `most` in 8-bit units.
+/// Uniform noise on every value of every image, at most `most` in 8-bit units.
 void add_noise(Scene& scene, double most, uint64_t seed);
 /// Short enough for a test, with every event of the schedule in it.
 TrainOptions tiny_options();
@@ -46,8 +46,8 @@ class Training : private Observer {
   Training& run(int64_t iteration, Validation& validation);
 
   /// With the decisions that fall due too, in the order in which the program takes them.
-  Training& run(int64_t iteration, Parsimony& parsimony, Validation& validation);
-  const std::vector<ParsimonyReport>& decisions() const { return decisions_; }
+  Training& run(int64_t iteration, ModelReduction& reduction, Validation& validation);
+  const std::vector<ReductionReport>& decisions() const { return decisions_; }
 
   const TrainState& state() const { return trainer_.state(); }
   const GaussianModel& model() const { return trainer_.state().model; }
@@ -69,7 +69,7 @@ class Training : private Observer {
   Backend& backend_;
   std::vector<StepReport> steps_;
   std::vector<DensityReport> density_;
-  std::vector<ParsimonyReport> decisions_;
+  std::vector<ReductionReport> decisions_;
   Trainer trainer_;
 };
 

@@ -28,7 +28,7 @@ using nlohmann::json;
 
 constexpr int kWidth = 200;  // pixels, at most
 
-fs::path picture_file(const fs::path& folder, size_t i, const char* kind) {
+fs::path image_file(const fs::path& folder, size_t i, const char* kind) {
   return folder / fmt::format("{}_{}.png", i, kind);
 }
 
@@ -41,20 +41,20 @@ std::vector<HeldOutView> kept_views(const fs::path& folder, const json& key) {
   for (const json& view : kept.value("views", json::array())) {
     const size_t i = views.size();
     views.push_back({view.value("frame", ""), view.value("psnr", 0.0),
-                     read_text_file(picture_file(folder, i, "truth")),
-                     read_text_file(picture_file(folder, i, "drawn"))});
+                     read_text_file(image_file(folder, i, "truth")),
+                     read_text_file(image_file(folder, i, "drawn"))});
   }
   return views;
 }
 
-Image8 small(const Image8& picture) {
-  if (picture.width <= kWidth) return picture;
-  const double height = double(kWidth) * picture.height / picture.width;
-  return averaged_picture(picture, kWidth, std::max(1, int(std::lround(height))));
+Image8 small(const Image8& image) {
+  if (image.width <= kWidth) return image;
+  const double height = double(kWidth) * image.height / image.width;
+  return averaged_image(image, kWidth, std::max(1, int(std::lround(height))));
 }
 
-std::string keep(const fs::path& file, const Image8& picture) {
-  write_png(file, small(picture));
+std::string keep(const fs::path& file, const Image8& image) {
+  write_png(file, small(image));
   return read_text_file(file);
 }
 
@@ -79,12 +79,12 @@ std::vector<HeldOutView> held_out_views(Backend& backend, const fs::path& run, i
   json list = json::array();
   Renderer renderer(backend, model);
   for (const Frame& frame : scene.frames) {
-    const Picture picture = renderer.render({{frame.camera, frame.time}}).front();
-    const Image8 drawn = quantise(picture.planar(), picture.width, picture.height);
+    const RenderedImage image = renderer.render({{frame.camera, frame.time}}).front();
+    const Image8 drawn = quantise(image.planar(), image.width, image.height);
     const size_t i = views.size();
     views.push_back({frame.name, psnr(drawn, frame.image),
-                     keep(picture_file(folder, i, "truth"), frame.image),
-                     keep(picture_file(folder, i, "drawn"), drawn)});
+                     keep(image_file(folder, i, "truth"), frame.image),
+                     keep(image_file(folder, i, "drawn"), drawn)});
     list.push_back({{"frame", frame.name}, {"psnr", views.back().psnr}});
   }
   write_text_file(folder / "views.json", json{{"key", key}, {"views", list}}.dump(1));

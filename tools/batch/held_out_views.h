@@ -1,4 +1,4 @@
-// What: a few held-out views of a run as small pictures beside the truth, drawn once, in
+// What: a few held-out views of a run as small images beside the truth, drawn once, in
 //       RUN/held_out/.
 // Not: scores (tools/session/held_out_scores.h).
 #pragma once
@@ -12,7 +12,7 @@ namespace tessera {
 
 struct HeldOutView {
   std::string frame;
-  double psnr = 0;           // dB, of the whole picture at its own size
+  double psnr = 0;           // dB, of the whole image at its own size
   std::string truth, drawn;  // PNG, at most 200 pixels wide
 };
 

@@ -86,37 +86,37 @@ std::string results(const json& report) {
          rows + "</table></div>\n";
 }
 
-std::string charts(const ReportPictures& pictures) {
-  if (pictures.charts.empty() && pictures.chart_note.empty()) return "";
+std::string charts(const ReportImages& images) {
+  if (images.charts.empty() && images.chart_note.empty()) return "";
   std::string html = "<h2>Speed and accuracy</h2>\n";
-  if (!pictures.chart_note.empty())
-    html += fmt::format("<p class=\"faint\">{}</p>\n", html_text(pictures.chart_note));
+  if (!images.chart_note.empty())
+    html += fmt::format("<p class=\"faint\">{}</p>\n", html_text(images.chart_note));
   html += "<div class=\"charts\">\n";
-  for (const auto& [scene, svg] : pictures.charts)
+  for (const auto& [scene, svg] : images.charts)
     html += fmt::format("<img class=\"chart\" alt=\"chart of {}\" src=\"{}\">\n", html_text(scene),
                         data_address("image/svg+xml", svg));
   return html + "</div>\n";
 }
 
-std::string picture_cell(const std::string& png, const std::string& words) {
+std::string image_cell(const std::string& png, const std::string& words) {
   return cell(fmt::format("<img class=\"view\" alt=\"{0}\" src=\"{1}\">{0}", html_text(words),
                           data_address("image/png", png)));
 }
 
-std::string views(const ReportPictures& pictures) {
+std::string views(const ReportImages& images) {
   std::string html;
-  for (const auto& [scene, frames] : pictures.views) {
+  for (const auto& [scene, frames] : images.views) {
     html += fmt::format("<h3>{}</h3>\n<div class=\"wide\"><table>\n", html_text(scene));
     for (const ComparedView& view : frames) {
       html += "<tr>";
-      html += picture_cell(view.truth, fmt::format("truth: {}", view.frame));
+      html += image_cell(view.truth, fmt::format("truth: {}", view.frame));
       for (const ComparedView::Render& render : view.renders)
-        html += picture_cell(render.png, fmt::format("{}: {:.2f} dB", render.preset, render.psnr));
+        html += image_cell(render.png, fmt::format("{}: {:.2f} dB", render.preset, render.psnr));
       html += "</tr>\n";
     }
     html += "</table></div>\n";
   }
-  for (const std::string& note : pictures.notes)
+  for (const std::string& note : images.notes)
     html += fmt::format("<p class=\"faint\">{}</p>\n", html_text(note));
   return html.empty() ? "" : "<h2>Held-out views</h2>\n" + html;
 }
@@ -170,13 +170,13 @@ void fill(std::string& page, const std::string& place, const std::string& html) 
 
 }  // namespace
 
-std::string report_page(const json& report, const ReportPictures& pictures) {
+std::string report_page(const json& report, const ReportImages& images) {
   const bool nothing = report["counts"]["done"] == 0 && report["counts"]["failed"] == 0;
   const std::string body =
       (nothing ? "<p><strong>Nothing is done yet.</strong> Run the batch, then make this report "
                  "again.</p>\n"
                : failures(report)) +
-      (report["runs"].empty() ? "" : results(report)) + charts(pictures) + views(pictures) +
+      (report["runs"].empty() ? "" : results(report)) + charts(images) + views(images) +
       settings(report);
   std::string page = kReportTemplate;
   fill(page, "{{title}}", html_text(std::string(report["title"])));

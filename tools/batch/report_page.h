@@ -1,5 +1,5 @@
 // What: what is known of a batch → one HTML page that needs no other file and no script.
-// Not: reading anything (batch_report.h) or drawing (batch_pictures.h).
+// Not: reading anything (batch_report.h) or drawing (held_out_views.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -14,12 +14,12 @@ struct ComparedView {
   std::string truth;  // PNG bytes
   struct Render {
     std::string preset, png;
-    double psnr = 0;  // dB, of the whole picture
+    double psnr = 0;  // dB, of the whole image
   };
   std::vector<Render> renders;
 };
 
-struct ReportPictures {
+struct ReportImages {
   std::vector<std::pair<std::string, std::string>> charts;  // scene, SVG
   std::string chart_note;                                   // why there are none; or empty
   std::vector<std::pair<std::string, std::vector<ComparedView>>> views;  // by scene
@@ -27,6 +27,6 @@ struct ReportPictures {
 };
 
 /// `report`: batch_report. The page lies in OUT/report: addresses of runs begin with "../".
-std::string report_page(const nlohmann::json& report, const ReportPictures& pictures);
+std::string report_page(const nlohmann::json& report, const ReportImages& images);
 
 }  // namespace tessera

@@ -13,7 +13,7 @@
 #include "tools/batch/batch_report.h"
 #include "tools/batch/held_out_views.h"
 #include "tools/batch/report_page.h"
-#include "tools/bench/picture.h"
+#include "tools/bench/chart.h"
 #include "tools/bench/report.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/interrupt.h"
@@ -28,14 +28,14 @@ using nlohmann::json;
 constexpr size_t kManyScenes = 100;             // above, one view of each
 constexpr size_t kMostPictureBytes = 64 << 20;  // within the page
 
-void draw_charts(const json& report, const fs::path& folder, ReportPictures& pictures) {
+void draw_charts(const json& report, const fs::path& folder, ReportImages& images) {
   for (const json& scene : report["scenes"]) {
     if (!can_be_drawn(scene)) continue;
-    PictureRequest picture;
-    picture.stem = "chart_" + scene["scene"].get<std::string>();
-    pictures.chart_note = draw_picture(folder, picture.stem, gnuplot_script(scene, picture));
-    if (!pictures.chart_note.empty()) return;
-    pictures.charts.emplace_back(scene["scene"], read_text_file(folder / (picture.stem + ".svg")));
+    ImageRequest image;
+    image.stem = "chart_" + scene["scene"].get<std::string>();
+    images.chart_note = draw_image(folder, image.stem, gnuplot_script(scene, image));
+    if (!images.chart_note.empty()) return;
+    images.charts.emplace_back(scene["scene"], read_text_file(folder / (image.stem + ".svg")));
   }
 }
 
@@ -58,17 +58,17 @@ size_t add_views(std::vector<ComparedView>& views, const std::string& preset,
   return bytes;
 }
 
-std::vector<ComparedView>& views_of(ReportPictures& pictures, const std::string& scene) {
-  for (auto& [name, views] : pictures.views)
+std::vector<ComparedView>& views_of(ReportImages& images, const std::string& scene) {
+  for (auto& [name, views] : images.views)
     if (name == scene) return views;
-  return pictures.views.emplace_back(scene, std::vector<ComparedView>{}).second;
+  return images.views.emplace_back(scene, std::vector<ComparedView>{}).second;
 }
 
 /// Of each preset of a scene the first seed that has a score.
-void draw_views(const ReportRequest& request, const json& report, ReportPictures& pictures) {
+void draw_views(const ReportRequest& request, const json& report, ReportImages& images) {
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   ProgressBar bar("report");
-  const int64_t most = report["scenes"].size() > kManyScenes ? 1 : request.pictures;
+  const int64_t most = report["scenes"].size() > kManyScenes ? 1 : request.images;
   json drawn = json::array();
   int64_t done = 0;
   size_t bytes = 0;
@@ -80,18 +80,18 @@ void draw_views(const ReportRequest& request, const json& report, ReportPictures
       continue;
     drawn.push_back(which);
     if (bytes > kMostPictureBytes) {
-      pictures.notes.push_back(
-          fmt::format("Pictures from {} on are left out, as the page has {} MiB of them; `tessera "
-                      "report --pictures 0` makes one without any.",
+      images.notes.push_back(
+          fmt::format("Images from {} on are left out, as the page has {} MiB of them; `tessera "
+                      "report --images 0` makes one without any.",
                       run["scene"].get<std::string>(), bytes >> 20));
       return;
     }
     try {
       const std::vector<HeldOutView> views =
           held_out_views(*backend, request.out / run["folder"].get<std::string>(), most);
-      bytes += add_views(views_of(pictures, run["scene"]), run["preset"], views);
+      bytes += add_views(views_of(images, run["scene"]), run["preset"], views);
     } catch (const InputError& error) {
-      pictures.notes.push_back(error.what());
+      images.notes.push_back(error.what());
     }
   }
 }
@@ -102,13 +102,13 @@ json write_report(const ReportRequest& request) {
   const json report = batch_report(read_batch(request.out));
   const fs::path folder = request.out / "report";
   make_folder(folder);
-  ReportPictures pictures;
-  draw_charts(report, folder, pictures);
-  if (request.pictures > 0) draw_views(request, report, pictures);
+  ReportImages images;
+  draw_charts(report, folder, images);
+  if (request.images > 0) draw_views(request, report, images);
   constexpr auto kReplaceInvalid = json::error_handler_t::replace;
   write_together({{folder / "report.csv", csv_of(report["scenes"])},
                   {folder / "report.json", report.dump(1, ' ', false, kReplaceInvalid) + "\n"},
-                  {folder / "index.html", report_page(report, pictures)}});
+                  {folder / "index.html", report_page(report, images)}});
   return report;
 }
 

@@ -9,7 +9,7 @@ namespace tessera {
 
 struct ReportRequest {
   std::filesystem::path out;  // of the batch
-  int64_t pictures = 3;       // held-out views of each scene, one of more than 100; 0: none
+  int64_t images = 3;         // held-out views of each scene, one of more than 100; 0: none
   std::string backend = "auto";
 };
 

@@ -15,7 +15,7 @@
 #include "recon4d/evaluation/evaluate.h"
 #include "recon4d/options/scene_facts.h"
 #include "recon4d/options/train_options_json.h"
-#include "tools/version.h"
+#include "tools/session/version.h"
 
 namespace tessera {
 namespace {

@@ -1,5 +1,5 @@
-// What: gnuplot run on a script: whole pictures or none.
-// Not: the script (bench/picture.cpp).
+// What: gnuplot run on a script: whole images or none.
+// Not: the script (bench/chart.cpp).
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -10,8 +10,8 @@
 #include "ingest/files/child_process.h"
 #include "ingest/files/staging.h"
 #include "ingest/files/write_failure.h"
+#include "tools/bench/chart.h"
 #include "tools/bench/gnuplot_words.h"
-#include "tools/bench/picture.h"
 
 namespace tessera {
 
@@ -41,7 +41,7 @@ class TemporaryFolder {
 
 /// gnuplot looks at no write: on a full disk it leaves the beginning of a file and reports nothing.
 /// Returns what is wrong, or "".
-std::string take_pictures(const fs::path& drawn, const fs::path& folder, const std::string& stem) {
+std::string take_images(const fs::path& drawn, const fs::path& folder, const std::string& stem) {
   constexpr uintmax_t kNoRoom = 64 << 10;  // bytes
   const std::pair<const char*, std::string_view> ends[] = {{".svg", "</svg>"}, {".png", "IEND"}};
   for (const auto& [extension, end] : ends) {
@@ -57,13 +57,12 @@ std::string take_pictures(const fs::path& drawn, const fs::path& folder, const s
 
 }  // namespace
 
-std::string draw_picture(const fs::path& folder, const std::string& stem,
-                         const std::string& script) {
+std::string draw_image(const fs::path& folder, const std::string& stem, const std::string& script) {
   const fs::path file = folder / (stem + ".gp");
   write_text_file(file, script);
   const fs::path program = find_program("gnuplot");
   if (program.empty())
-    return "no gnuplot found, so no pictures; install it (Debian: gnuplot-nox) and use --plot";
+    return "no gnuplot found, so no images; install it (Debian: gnuplot-nox) and use --plot";
   const TemporaryFolder drawn(folder / staging_name(stem));
   const ChildResult result =
       run_child({{program.string(), "-e", "cd " + gnuplot_string(drawn.path().string()),
@@ -73,7 +72,7 @@ std::string draw_picture(const fs::path& folder, const std::string& stem,
                 [](std::string_view) {});
   if (result.exit_code != 0)
     return fmt::format("{}: gnuplot failed: {}", file.string(), result.last_line);
-  return take_pictures(drawn.path(), folder, stem);
+  return take_images(drawn.path(), folder, stem);
 }
 
 }  // namespace tessera

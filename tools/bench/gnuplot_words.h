@@ -1,5 +1,5 @@
 // What: words of a gnuplot script: strings, data blocks, colours, tics.
-// Not: any picture (bench/picture.h, bench/size_picture.h).
+// Not: any image (bench/chart.h, bench/size_chart.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

@@ -1,6 +1,6 @@
 // What: results of cells → points: medians and spreads over seeds, by scene, label and step; as
 //       JSON and CSV.
-// Not: running cells (bench/run.h), pictures (bench/picture.h) or tables for people
+// Not: running cells (bench/run.h), images (bench/chart.h) or tables for people
 //      (bench/table_text.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>

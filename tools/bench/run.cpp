@@ -93,7 +93,7 @@ json scores_on_the_way(const RunFolder& run, const BenchCell& cell) {
   return curve;
 }
 
-/// The model against pictures of other sizes: those that a training at this scale would have
+/// The model against images of other sizes: those that a training at this scale would have
 /// loaded.
 void score_at_scales(Backend& backend, const GaussianModel& model, const BenchCell& cell,
                      json& metrics) {
@@ -119,7 +119,7 @@ void score(const BenchRunOptions& options, const BenchCell& cell, const RunFolde
   const Clock::time_point begin = Clock::now();
   const json scores = score_splits(
       *backend, model, scene, {split}, int64_t(fs::file_size(run.model())),
-      [](const Frame&, const Picture&, const ViewScore&, int64_t, int64_t) {
+      [](const Frame&, const RenderedImage&, const ViewScore&, int64_t, int64_t) {
         stop_if_interrupted();
       },
       brief_scores());

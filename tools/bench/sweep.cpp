@@ -1,5 +1,5 @@
 // What: plan, run, gather, write; the plan is written first, so that --plot works at any time.
-// Not: the arithmetic of points (bench/report.h) or the drawing (bench/picture.h).
+// Not: the arithmetic of points (bench/report.h) or the drawing (bench/chart.h).
 #include "tools/bench/sweep.h"
 
 #include <fmt/format.h>
@@ -12,14 +12,14 @@
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "tools/bench/picture.h"
+#include "tools/bench/chart.h"
 #include "tools/bench/report.h"
 #include "tools/bench/run.h"
-#include "tools/bench/size_picture.h"
+#include "tools/bench/size_chart.h"
 #include "tools/bench/table_text.h"
 #include "tools/cli/terminal.h"
 #include "tools/session/output_place.h"
-#include "tools/version.h"
+#include "tools/session/version.h"
 
 namespace tessera {
 namespace {
@@ -131,11 +131,11 @@ std::string text_of(const SweepRequest& request, const json& report) {
                      {"psnr", "ssim", "seconds", "num_gaussians", "bytes", "fps"});
 }
 
-/// One picture of all scenes.
+/// One image of all scenes.
 void draw_sizes(const SweepRequest& request, const json& report) {
   if (!has_sizes(report["scenes"])) return warn("no size to draw yet");
   const std::string stem = stem_of(request);
-  const std::string problem = draw_picture(request.out, stem, size_script(report["scenes"], stem));
+  const std::string problem = draw_image(request.out, stem, size_script(report["scenes"], stem));
   if (!problem.empty()) warn(problem);
 }
 
@@ -147,13 +147,12 @@ void draw(const SweepRequest& request, const json& report) {
       warn(fmt::format("{}: nothing to draw yet", name));
       continue;
     }
-    PictureRequest picture;
-    picture.kind = request.mode == BenchMode::kCurve ? BenchPicture::kCurve : BenchPicture::kChart;
-    picture.stem = fmt::format("{}_{}", stem_of(request), name);
-    picture.emphasised = TrainArguments{}.preset;
-    picture.published = report["published"];
-    const std::string problem =
-        draw_picture(request.out, picture.stem, gnuplot_script(scene, picture));
+    ImageRequest image;
+    image.kind = request.mode == BenchMode::kCurve ? BenchImage::kCurve : BenchImage::kChart;
+    image.stem = fmt::format("{}_{}", stem_of(request), name);
+    image.emphasised = TrainArguments{}.preset;
+    image.published = report["published"];
+    const std::string problem = draw_image(request.out, image.stem, gnuplot_script(scene, image));
     if (problem.empty()) continue;
     warn(problem);
     return;  // the next would say the same

@@ -1,6 +1,6 @@
 // What: `tessera bench --chart`, `--table`, `--curve` and `--sizes`: many trainings in one folder,
 // and what is
-//       made of their results: JSON, CSV, Markdown, pictures.
+//       made of their results: JSON, CSV, Markdown, images.
 // Not: one training (bench/run.h).
 // DIR: runs/ (a folder a cell), chart.json, chart.csv, chart_SCENE.svg|png|gp; curve.* alike;
 //      table_NAME.json|csv|md; sizes.json|csv|md|svg|png|gp.

@@ -24,7 +24,7 @@ struct OrbitFrame {
 /// empty. Errors: InputError: cameras that all stand on the axis of the circle.
 OrbitFrame orbit_of_rig(const std::vector<Camera>& rig, const PointCloud& points);
 
-/// Around a box without cameras: so far away that its sphere fills the picture of `lens`, 20
+/// Around a box without cameras: so far away that its sphere fills the image of `lens`, 20
 /// degrees above its middle.
 OrbitFrame orbit_of_box(const glm::dvec3& centre, double half_extent, const glm::dvec3& up,
                         const Camera& lens);
@@ -52,7 +52,7 @@ struct KeyPlace {
 };
 KeyPlace key_place(int64_t i, int64_t count, int64_t keys);
 
-/// The camera with another picture size: the vertical field of view stays, pixels keep their shape,
+/// The camera with another image size: the vertical field of view stays, pixels keep their shape,
 /// the principal point its offset from the middle.
 Camera with_size(const Camera& camera, int width, int height);
 

@@ -31,7 +31,7 @@ std::vector<NamedView> views_of_scene(const CameraChoice& choice, const Gaussian
   return views;
 }
 
-/// Width and height as stated, else of the picture.
+/// Width and height as stated, else of the image.
 Image8 size_of(const TransformsFrame& frame, const fs::path& folder) {
   if (frame.intrinsics.w && frame.intrinsics.h)
     return {*frame.intrinsics.w, *frame.intrinsics.h, 3, {}};
@@ -39,7 +39,7 @@ Image8 size_of(const TransformsFrame& frame, const fs::path& folder) {
     return read_png_size(require_image(folder, frame.name, frame.where));
   } catch (const InputError&) {
     throw InputError(fmt::format(
-        "{}: states no w and h, and its picture is no PNG beside it; add w and h", frame.where));
+        "{}: states no w and h, and its image is no PNG beside it; add w and h", frame.where));
   }
 }
 

@@ -1,5 +1,5 @@
 // What: --cameras on the command line → named views: a scene's frames, or a transforms file as a
-//       camera path whose pictures need not exist.
+//       camera path whose images need not exist.
 // Not: rendering.
 #pragma once
 #include <filesystem>
@@ -35,7 +35,7 @@ struct KeyFrame {
 };
 
 /// The frames of a transforms file, of one split or of all ("").
-/// Errors: InputError: unreadable, no size of a picture.
+/// Errors: InputError: unreadable, no size of a image.
 std::vector<KeyFrame> read_key_frames(const std::filesystem::path& file, const std::string& split,
                                       const GaussianModel& model);
 
@@ -50,7 +50,7 @@ double model_time(const GaussianModel& model, const TimeAxis& axis, double time)
 Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
                     const Camera& camera);
 
-/// The scene with its pictures on the model's background, times and cameras those of the model.
+/// The scene with its images on the model's background, times and cameras those of the model.
 /// `held_out`: as SceneOptions. Errors: as load_scene.
 Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
                 std::optional<int64_t> held_out = {});

@@ -1,5 +1,5 @@
-// What: evenly spread moments, moments at a rate, the rate of cameras, and the words of --range.
-// Not: option parsing (commands/export.cpp).
+// What: evenly spread timesteps, timesteps at a rate, the rate of cameras, and the words of
+// --range. Not: option parsing (commands/export.cpp).
 #include "tools/camera_paths/export_times.h"
 
 #include <fmt/format.h>
@@ -18,9 +18,9 @@ namespace {
 constexpr double kDefaultFps = 24;     // frames per unit of the capture's clock, if it is not known
 constexpr int64_t kMostDefault = 300;  // frames that nobody asked for
 constexpr int64_t kMostFrames = 100000;  // frames that anybody may ask for
-constexpr double kRounding = 1e-6;  // of a frame: a last moment that rounding puts past the end
+constexpr double kRounding = 1e-6;  // of a frame: a last timestep that rounding puts past the end
 
-/// `count` moments from the first to the last.
+/// `count` timesteps from the first to the last.
 std::vector<double> spread(int64_t count, const TimeRange& range) {
   std::vector<double> times(static_cast<size_t>(count), range.begin);
   for (size_t i = 1; i < times.size(); ++i)
@@ -28,7 +28,7 @@ std::vector<double> spread(int64_t count, const TimeRange& range) {
   return times;
 }
 
-/// Moments 1/fps apart from the first on.
+/// Timesteps 1/fps apart from the first on.
 std::vector<double> at_rate(double fps, double duration, const TimeRange& range) {
   const double seconds = duration * (range.end - range.begin);
   const double last = std::floor(fps * seconds + kRounding);
@@ -44,14 +44,14 @@ std::vector<double> at_rate(double fps, double duration, const TimeRange& range)
 }
 
 /// Of at least two times.
-double rate_of(const std::set<double>& moments) {
+double rate_of(const std::set<double>& timesteps) {
   std::vector<double> steps;
-  for (auto next = std::next(moments.begin()); next != moments.end(); ++next)
+  for (auto next = std::next(timesteps.begin()); next != timesteps.end(); ++next)
     steps.push_back(*next - *std::prev(next));
   const double usual = lower_median(steps);
   double frames = 0;  // the clock of a container may be coarse: the sum has no error of the median
   for (const double step : steps) frames += std::max(1.0, std::round(step / usual));
-  return frames / (*moments.rbegin() - *moments.begin());
+  return frames / (*timesteps.rbegin() - *timesteps.begin());
 }
 
 InputError range_error(const std::string& text, const std::string& reason) {
@@ -71,7 +71,7 @@ double range_end(const std::string& word, double when_absent, const std::string&
   double value = 0;
   const auto [stopped, error] = std::from_chars(digits.data(), end, value);  // in no locale
   if (error != std::errc() || stopped != end || !std::isfinite(value))
-    throw range_error(text, fmt::format("'{}' is no moment", word));
+    throw range_error(text, fmt::format("'{}' is no timestep", word));
   return seconds ? value / axis.duration : value;
 }
 
@@ -90,22 +90,22 @@ TimeRange parse_time_range(const std::string& text, const TimeAxis& axis) {
   return range;
 }
 
-double capture_rate(const CameraMoments& cameras) {
+double capture_rate(const CameraTimesteps& cameras) {
   std::vector<double> rates;
   std::set<double> single;
-  for (const auto& [name, moments] : cameras) {
-    if (moments.size() > 1)
-      rates.push_back(rate_of(moments));
+  for (const auto& [name, timesteps] : cameras) {
+    if (timesteps.size() > 1)
+      rates.push_back(rate_of(timesteps));
     else
-      single.insert(moments.begin(), moments.end());
+      single.insert(timesteps.begin(), timesteps.end());
   }
   if (single.size() > 1 && rates.empty()) rates.push_back(rate_of(single));
   return rates.empty() ? 0 : lower_median(std::move(rates));
 }
 
-std::vector<double> capture_times(const CameraMoments& cameras, int64_t most) {
+std::vector<double> capture_times(const CameraTimesteps& cameras, int64_t most) {
   std::set<double> all;
-  for (const auto& [name, moments] : cameras) all.insert(moments.begin(), moments.end());
+  for (const auto& [name, timesteps] : cameras) all.insert(timesteps.begin(), timesteps.end());
   if (all.empty()) return {};
   const TimeRange whole{*all.begin(), *all.rbegin()};
   const double count = std::round(capture_rate(cameras) * (whole.end - whole.begin)) + 1;

@@ -1,4 +1,4 @@
-// What: which rig, which lens, how many frames, which moments.
+// What: which rig, which lens, how many frames, which timesteps.
 // Not: the curves (camera_path.h).
 #include "tools/camera_paths/path_views.h"
 
@@ -80,7 +80,7 @@ PointCloud points_of(const GaussianModel& model) {
 }
 
 std::vector<Camera> rig_of(const PathChoice& choice, const ModelInput& input) {
-  CameraChoice rig{choice.cameras, choice.split, 0.0};  // moments are not asked for
+  CameraChoice rig{choice.cameras, choice.split, 0.0};  // timesteps are not asked for
   if (rig.cameras.empty()) {
     rig.cameras = scene_of_model(input.file);
     if (rig.cameras.empty()) return {};
@@ -151,10 +151,11 @@ double default_seconds(const PathChoice& choice, const GaussianModel& model) {
   return std::min(kLongest, std::ceil(kShortest / round) * round);
 }
 
-/// The clip's moment when frame i is shown.
+/// The clip's timestep when frame i is shown.
 double played_time(const PathChoice& choice, const GaussianModel& model, int64_t i) {
   if (!plays(choice, model)) return choice.time.value_or(0);
-  constexpr double kRounding = 1e-9;  // of a round: what rounding puts just before the first moment
+  constexpr double kRounding =
+      1e-9;  // of a round: what rounding puts just before the first timestep
   const double rounds =
       double(i) / choice.fps.value() * rate_of(choice) / model.time_axis.duration + kRounding;
   return std::max(0.0, rounds - std::floor(rounds) - kRounding);

@@ -1,4 +1,4 @@
-// What: --path on the command line → the views of a video: poses, lenses and moments.
+// What: --path on the command line → the views of a video: poses, lenses and timesteps.
 // Not: the curves (camera_path.h), rendering or encoding.
 #pragma once
 #include <filesystem>
@@ -18,7 +18,7 @@ struct PathChoice {
   std::string split;                    // of the rig's or the file's frames; empty: all
   FrameRate fps{30, 1};                 // of the video
   std::optional<double> seconds, rate;  // length of the video; speed of the clip in it
-  std::optional<double> time;           // a fixed moment, normalised
+  std::optional<double> time;           // a fixed timestep, normalised
   std::string size;                     // "WxH"; empty: of the first camera
   bool for_video = false;               // sizes must be even
 };
@@ -32,7 +32,7 @@ void check_path_choice(const PathChoice& choice);
 /// Orbit and spiral: without `seconds` whole rounds of the clip, 6 to 60 s. An orbit of a model
 /// without a rig goes around its middle with a lens of 50°; up is then +z, and −y in splats of
 /// other programs. A file: its poses one by one, or, with `seconds`, a smooth path through them.
-/// Moments: `time`; else those of the file, unless a `rate` is given; else the clip at `rate`
+/// Timesteps: `time`; else those of the file, unless a `rate` is given; else the clip at `rate`
 /// (default 1) of its normal speed, over and over.
 /// Errors: InputError naming the option: no such path, no rig for a spiral, a rig for a file, no
 /// such size, odd sizes for a video, too many frames.

@@ -54,9 +54,9 @@ Rig rig_of(const std::string& cameras, const std::string& model_path, const Gaus
   }
   Rig rig;
   rig.cameras = places_of(views);
-  CameraMoments moments;
-  for (const NamedView& named : views) moments[station_name(named.name)].insert(named.view.time);
-  rig.fps = capture_rate(moments) / model.time_axis.duration;
+  CameraTimesteps timesteps;
+  for (const NamedView& named : views) timesteps[station_name(named.name)].insert(named.view.time);
+  rig.fps = capture_rate(timesteps) / model.time_axis.duration;
   return rig;
 }
 

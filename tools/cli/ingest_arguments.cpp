@@ -40,10 +40,10 @@ void add_frame_options(CLI::App& command, IngestArguments& arguments) {
                      "what images are: rig (of cameras that film together), photos (of a scene "
                      "that stands still), moving (one camera that moves; the scene may, too); "
                      "default: by their names");
-  command.add_option("--scale", options.scale, "size of the pictures by the source's, (0, 1]")
+  command.add_option("--scale", options.scale, "size of the images by the source's, (0, 1]")
       ->capture_default_str();
   command.add_option("--frames", options.frames, "first N instants of each camera; default: all");
-  command.add_option("--start", options.start, "videos: seconds after the first common moment");
+  command.add_option("--start", options.start, "videos: seconds after the first common timestep");
   command.add_option("--duration", options.duration, "videos: seconds to take; default: all");
   command.add_option("--fps", options.fps,
                      "videos: frames to take per second; default: all; numbered images of cameras: "
@@ -56,7 +56,7 @@ void add_frame_options(CLI::App& command, IngestArguments& arguments) {
                   "cameras (or photos) of the test split, by name; default: the first of several "
                   "cameras, of photos see --test-every")
       ->delimiter(',');
-  command.add_option("--images", options.pictures,
+  command.add_option("--images", options.images,
                      "photo sets: folder of the photos, e.g. images_4; default: images");
   command.add_option("--test-every", options.test_every,
                      "every Nth image by name is a test view, of photos, of transforms files "
@@ -74,7 +74,7 @@ void add_camera_options(CLI::App& command, IngestArguments& arguments) {
                      "lens model that colmap estimates, e.g. OPENCV; default: as simple as fits");
   command
       .add_option("--intrinsics", arguments.intrinsics,
-                  "estimated ones: shared (by cameras of one picture size) or per-camera")
+                  "estimated ones: shared (by cameras of one image size) or per-camera")
       ->capture_default_str();
   command
       .add_option("--sync", arguments.sync,
@@ -83,17 +83,17 @@ void add_camera_options(CLI::App& command, IngestArguments& arguments) {
   command.add_option("--offsets", options.sync.offsets,
                      "file of clock offsets, seconds by camera; wins over --sync");
   command.add_flag("--strict", options.strict,
-                   "a missing or unreadable picture, or a camera without a pose, is an error");
+                   "a missing or unreadable image, or a camera without a pose, is an error");
 }
 
-void add_picture_options(CLI::App& command, IngestArguments& arguments) {
+void add_image_options(CLI::App& command, IngestArguments& arguments) {
   IngestOptions& options = arguments.options;
   command.add_option("--masks", options.masks,
-                     "folder of masks named as the pictures or cameras; black is ignored");
+                     "folder of masks named as the images or cameras; black is ignored");
   command.add_flag("--invert-masks", options.invert_masks, "white is ignored, not black");
   command
       .add_option("--exposure", arguments.exposure,
-                  "fit: divide each training camera's pictures by its gains; none")
+                  "fit: divide each training camera's images by its gains; none")
       ->capture_default_str();
   command.add_flag("--keep-world", options.keep_world,
                    "leave the poses' world as it is; default: up, centre and scale are normalised "
@@ -102,7 +102,7 @@ void add_picture_options(CLI::App& command, IngestArguments& arguments) {
       "--cloud", arguments.cloud,
       "initial points: none, sparse (the capture's, else COLMAP's), dense (and a plane "
       "sweep); "
-      "default: dense where three training cameras share moments");
+      "default: dense where three training cameras share timesteps");
   command.add_option("--cloud-points", options.cloud_points, "most points of the plane sweep")
       ->capture_default_str();
 }
@@ -118,7 +118,7 @@ nlohmann::json stamps_of(const std::filesystem::path& path) {
 void add_ingest_options(CLI::App& command, IngestArguments& arguments) {
   add_frame_options(command, arguments);
   add_camera_options(command, arguments);
-  add_picture_options(command, arguments);
+  add_image_options(command, arguments);
 }
 
 IngestOptions resolve_ingest(const IngestArguments& arguments) {
@@ -162,7 +162,7 @@ nlohmann::json to_json(const IngestOptions& o) {
           {"static", o.allow_static},
           {"layout", o.layout ? layout_name(*o.layout) : ""},
           {"reading", o.reading ? int(*o.reading) : -1},
-          {"images", o.pictures},
+          {"images", o.images},
           {"test_every", o.test_every.value_or(-1)},
           {"poses", {o.poses.source, stamps_of(o.poses.source)}},
           {"camera_model", o.poses.lens_model},

@@ -20,7 +20,7 @@ void print_result(bool as_json, const nlohmann::json& json, const std::string& t
 /// "12:34" or "1:02:03".
 std::string clock_time(double seconds);
 
-/// A bar for the stages of one command: its clock begins anew where counting does. Call `update` as
+/// A bar for the stages of one command: its clock restarts where counting does. Call `update` as
 /// often as you like; it draws ten times a second on a terminal and every ten seconds elsewhere.
 class ProgressBar {
  public:

@@ -158,7 +158,7 @@ void add_sweep_options(CLI::App& command, BenchRequest& request) {
   command.add_option("--shard", sweep.shard,
                      "i/n: only every n-th cell from the i-th; several calls fill one folder");
   command.add_flag("--plot", sweep.plot_only,
-                   "tables and pictures of what is done, without running anything");
+                   "tables and images of what is done, without running anything");
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_info.h"
 #include "static3d/tessera4d/tessera4d.h"
-#include "tools/commands/model_account.h"
+#include "tools/commands/model_size.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
@@ -37,7 +37,7 @@ json describe_model(const char* kind, const fs::path& path, bool with_shipped) {
   json info = described(kind, path);
   info["file"] = input.file.string(), info["bytes"] = input.bytes;
   info.update(model_info(input.model));
-  info.update(model_account(path.string(), input, with_shipped));
+  info.update(model_size(path.string(), input, with_shipped));
   if (!input.warnings.empty()) info["warnings"] = input.warnings;
   return info;
 }
@@ -60,9 +60,9 @@ json describe_tessera4d(const fs::path& path) {
   info["blocks"] = input.manifest.blocks.size();
   info.update(model_info(input.model));
   ModelInput model;
-  model.shipped = shipped_account(input.manifest, input.bytes);
+  model.shipped = shipped_breakdown(input.manifest, input.bytes);
   model.model = std::move(input.model);
-  info.update(model_account(path.string(), model, false));
+  info.update(model_size(path.string(), model, false));
   if (!input.warnings.empty()) info["warnings"] = input.warnings;
   return info;
 }

@@ -6,7 +6,7 @@
 
 namespace tessera {
 
-/// `kind` and `path`, then what belongs to that kind; of models their accounts (model_account.h),
+/// `kind` and `path`, then what belongs to that kind; of models their accounts (model_size.h),
 /// `with_shipped` that of the Tessera 4D file which export would write, too. Errors: InputError:
 /// missing, damaged, nothing that is known, or no model where `with_shipped` asks for one.
 nlohmann::json describe(const std::filesystem::path& path, bool with_shipped);

@@ -1,5 +1,5 @@
 // What: prepared scenes, transforms folders and captures of videos.
-// Not: pixels: sizes come from the headers of the pictures, lengths from those of the videos.
+// Not: pixels: sizes come from the headers of the images, lengths from those of the videos.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -25,16 +25,16 @@ struct Sizes {
   int64_t with_alpha = 0, not_png = 0;
 };
 
-Sizes picture_sizes(const TransformsCapture& capture) {
+Sizes image_sizes(const TransformsCapture& capture) {
   Sizes sizes;
   for (const TransformsFrame& frame : capture.frames) {
     if (frame.image.extension() != ".png" && frame.image.extension() != ".PNG") {
       ++sizes.not_png;
       continue;
     }
-    const Image8 picture = read_png_size(frame.image);
-    ++sizes.frames[{picture.width, picture.height}];
-    sizes.with_alpha += picture.channels == 4;
+    const Image8 image = read_png_size(frame.image);
+    ++sizes.frames[{image.width, image.height}];
+    sizes.with_alpha += image.channels == 4;
   }
   return sizes;
 }
@@ -75,7 +75,7 @@ json describe_transforms(const fs::path& folder) {
   info["is_static"] = times.is_static;
   info["moments"] = std::set<double>(times.time.begin(), times.time.end()).size();
   info["time_axis"] = {{"origin", times.axis.origin}, {"duration", times.axis.duration}};
-  const Sizes sizes = picture_sizes(capture);
+  const Sizes sizes = image_sizes(capture);
   info["sizes"] = sizes_json(sizes);
   info["frames_with_alpha"] = sizes.with_alpha;
   info["background"] = sizes.with_alpha > 0 ? "alpha: composited on --background" : "opaque";

@@ -54,7 +54,7 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-/// Whether the folder is looked at as it is; a COLMAP model beside pictures knows more than a
+/// Whether the folder is looked at as it is; a COLMAP model beside images knows more than a
 /// transforms file.
 bool is_scene(const fs::path& folder) {
   return is_prepared_scene(folder) || (opens_as_scene(folder) && find_colmap_model(folder).empty());
@@ -76,7 +76,7 @@ void examine_capture(const fs::path& capture, const IngestOptions& options, Doct
     report.findings.push_back({Severity::kWarning, "ingest", "", warning, ""});
   report.findings.push_back(
       {Severity::kInfo, "ingest", "",
-       "checked a sample: a few moments of videos, pictures at most 960 wide",
+       "checked a sample: a few timesteps of videos, images at most 960 wide",
        "run doctor on the prepared scene for times and forecast of the whole"});
   examine(thinned_scene(folder, {}), folder, report);
 }

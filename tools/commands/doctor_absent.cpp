@@ -13,7 +13,7 @@ void add_doctor_command(CLI::App& app, Work& work) {
   command->callback([&work, path] {
     work = [path]() -> int {
       throw InputError(*path +
-                       ": this is the trainer-only build, which cannot look into pictures; run "
+                       ": this is the trainer-only build, which cannot look into images; run "
                        "doctor of a build configured with -DTESSERA_INGEST=ON");
     };
   });

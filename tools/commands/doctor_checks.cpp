@@ -101,7 +101,7 @@ void add_times(const ThinnedScene& scene, DoctorReport& report) {
                      {"first", camera.first},
                      {"last", camera.last},
                      {"missing", camera.missing}});
-  report.tables["time"] = {{"moments", times.moments},
+  report.tables["time"] = {{"moments", times.timesteps},
                            {"duration", times.duration},
                            {"dynamic_share", moving},
                            {"cameras", std::move(table)}};
@@ -197,12 +197,12 @@ void examine(const ThinnedScene& scene, const std::filesystem::path& folder, Doc
   add_coverage_and_cloud(scene.all, scene.sample, report);
   add_times(scene, report);
   add_clocks(scene.all, folder, report);
-  const Leakage leakage = check_leakage(scene.all, scene.pictures);
+  const Leakage leakage = check_leakage(scene.all, scene.images);
   add(leakage.findings, report);
   report.tables["leakage"] = {{"training_manifest", leakage.training_manifest},
                               {"training_frames", leakage.training_frames},
                               {"held_out_frames", leakage.held_out_frames},
-                              {"same_pictures", leakage.same_pictures},
+                              {"same_pictures", leakage.same_images},
                               {"same_views", leakage.same_views}};
   add_forecast(scene.all, report);
 }

@@ -18,10 +18,10 @@
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
+#include "tools/cli/image_files.h"
 #include "tools/cli/interrupt.h"
-#include "tools/cli/picture_files.h"
 #include "tools/cli/terminal.h"
-#include "tools/commands/model_account.h"
+#include "tools/commands/model_size.h"
 #include "tools/export/output_folder.h"
 #include "tools/lpips/lpips.h"
 #include "tools/session/held_out_scores.h"
@@ -45,8 +45,8 @@ struct EvaluateRequest {
   bool overwrite = false, lpips_resize = false, fps = false, as_json = false;
 };
 
-/// Where the pictures of a scale lie: in the folder itself where there is only one.
-std::string picture_folder(const EvaluateRequest& request, double scale) {
+/// Where the images of a scale lie: in the folder itself where there is only one.
+std::string image_folder(const EvaluateRequest& request, double scale) {
   return request.scales.size() == 1 ? "" : fmt::format("x{}/", scale);
 }
 
@@ -73,13 +73,13 @@ std::vector<Split> chosen_splits(const EvaluateRequest& request, const Scene& sc
   return splits;
 }
 
-std::vector<std::string> picture_names(const EvaluateRequest& request, const Scene& scene,
-                                       const std::vector<Split>& splits) {
+std::vector<std::string> image_names(const EvaluateRequest& request, const Scene& scene,
+                                     const std::vector<Split>& splits) {
   std::vector<std::string> files;
   for (const double scale : request.scales)
     for (Split split : splits)
       for (int i : scene.split_indices(split))
-        files.push_back(picture_folder(request, scale) + scene.frames[size_t(i)].name + ".png");
+        files.push_back(image_folder(request, scale) + scene.frames[size_t(i)].name + ".png");
   return files;
 }
 
@@ -98,7 +98,7 @@ Image8 moving_mask(const fs::path& folder, const Frame& frame) {
   const fs::path file = folder / (frame.name + ".png");
   Image8 mask = read_png(file);
   if (mask.channels != 1)
-    throw InputError(fmt::format("{}: has {} channels; a mask of what moves is a grey picture",
+    throw InputError(fmt::format("{}: has {} channels; a mask of what moves is a grey image",
                                  file.string(), mask.channels));
   check_mask_size(mask, frame.image.width, frame.image.height, file);
   return mask;
@@ -119,13 +119,13 @@ json score_at(Scoring& scoring, double scale, const Scene& scene) {
   ProgressBar bar("evaluate");
   return score_splits(
       scoring.backend, scoring.input.model, scene, scoring.splits, bytes,
-      [&](const Frame& frame, const Picture& picture, const ViewScore& view, int64_t done,
+      [&](const Frame& frame, const RenderedImage& image, const ViewScore& view, int64_t done,
           int64_t total) {
         stop_if_interrupted();
         if (scoring.images)
-          write_picture_png(
-              scoring.images->path(picture_folder(scoring.request, scale) + frame.name + ".png"),
-              picture);
+          write_image_png(
+              scoring.images->path(image_folder(scoring.request, scale) + frame.name + ".png"),
+              image);
         bar.update(done, total, fmt::format("{} {:.2f} dB", split_name(frame.split), view.psnr));
       },
       options);
@@ -136,7 +136,7 @@ json score(const EvaluateRequest& request, const ModelInput& input, const Scene&
            const std::vector<Split>& splits, Lpips* lpips, Backend& backend) {
   Scoring scoring{request, input, splits, lpips, backend, {}};
   if (!request.images.empty())
-    scoring.images.emplace(request.images, "evaluate", picture_names(request, scene, splits),
+    scoring.images.emplace(request.images, "evaluate", image_names(request, scene, splits),
                            request.overwrite);
   json result = json::object(), by_scale = json::object();
   for (const double scale : request.scales) {
@@ -195,7 +195,7 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   json scores = score(request, input, scene, splits, lpips, backend);
   scores["model"] = input.file.string(), scores["scene"] = scene.path;
   scores["backend"] = backend.name();
-  if (request.as_json) scores.update(model_account(path, input, true));
+  if (request.as_json) scores.update(model_size(path, input, true));
   text = fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {}", scores_lines(request, scores),
                      input.model.count(), input.model.static_set.count(),
                      input.model.dynamic_set.count(),
@@ -279,9 +279,9 @@ void add_evaluate_command(CLI::App& app, Work& work) {
   command->add_option(
       "--moving-masks", request->moving_masks,
       "folder of grey masks named as the frames, 0: never moves there, 128: at some "
-      "moment, 255: now: how much of the dynamic Gaussians' light lies there; "
+      "timestep, 255: now: how much of the dynamic Gaussians' light lies there; "
       "`tessera synth patch` makes them in ground_truth/moving");
-  command->add_option("--save-images", request->images, "folder for the rendered pictures");
+  command->add_option("--save-images", request->images, "folder for the rendered images");
   command->add_flag("--overwrite", request->overwrite, "save among files that are not ours");
   add_backend_options(*command, request->backend);
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
@@ -289,7 +289,7 @@ void add_evaluate_command(CLI::App& app, Work& work) {
                       "ONNX file: LPIPS by its network: two inputs [1, 3, height, width], RGB in "
                       "[-1, 1], one output");
   command->add_flag("--lpips-resize", request->lpips_resize,
-                    "bring pictures to the sides that the ONNX file fixes");
+                    "bring images to the sides that the ONNX file fixes");
   command->add_flag("--fps", request->fps,
                     "time the renderer: 300 warm frames, or as many as fit in 20 s");
   command->add_flag(

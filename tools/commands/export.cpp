@@ -78,7 +78,7 @@ void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
   if (in_time != nullptr && input.model.sh_time_degree > 0)
     warn(
         fmt::format("{}: its colours follow time; exported are those of each Gaussian's own "
-                    "moment; frames and --format model keep them",
+                    "timestep; frames and --format model keep them",
                     input.file.string()));
 }
 
@@ -124,17 +124,17 @@ std::string format_list() {
 
 void add_time_options(CLI::App& command, ExportTimes& times) {
   CLI::Option* frames =
-      command.add_option("--frames", times.frames, "moments, evenly from first to last");
-  CLI::Option* fps =
-      command.add_option("--fps", times.fps,
-                         "moments a second of the capture's clock; of formats that hold time: what "
-                         "a player steps by");
+      command.add_option("--frames", times.frames, "timesteps, evenly from first to last");
+  CLI::Option* fps = command.add_option(
+      "--fps", times.fps,
+      "timesteps a second of the capture's clock; of formats that hold time: what "
+      "a player steps by");
   CLI::Option* time =
-      command.add_option("--time", times.time, "a single moment, 0 (first) to 1 (last)");
+      command.add_option("--time", times.time, "a single timestep, 0 (first) to 1 (last)");
   CLI::Option* range =
       command.add_option("--range", times.range,
                          "A:B, a part of the clip: 0 (first) to 1 (last), or with the unit s "
-                         "seconds from its first moment: 0.25:0.5, 2s:, :7.5s");
+                         "seconds from its first timestep: 0.25:0.5, 2s:, :7.5s");
   fps->excludes(frames), time->excludes(frames), time->excludes(fps), time->excludes(range);
 }
 

@@ -8,7 +8,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/options/nearest_name.h"
 #include "tools/cli/command.h"
-#include "tools/version.h"
+#include "tools/session/version.h"
 
 namespace tessera {
 namespace {

@@ -76,7 +76,7 @@ void add_ingest_command(CLI::App& app, Work& work) {
       ->required();
   add_ingest_options(*command, request->arguments);
   command->add_flag("--static", request->arguments.options.allow_static,
-                    "accept times that are all equal as one moment");
+                    "accept times that are all equal as one timestep");
   command->add_flag("--batch", request->batch,
                     "prepare every subfolder, also where the folder is a capture itself");
   command->add_flag("--overwrite", request->overwrite,

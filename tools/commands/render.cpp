@@ -14,8 +14,8 @@
 #include "tools/camera_paths/path_views.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
+#include "tools/cli/image_files.h"
 #include "tools/cli/interrupt.h"
-#include "tools/cli/picture_files.h"
 #include "tools/cli/terminal.h"
 #include "tools/export/output_folder.h"
 #include "tools/session/model_input.h"
@@ -49,35 +49,34 @@ std::vector<std::string> file_names(const std::vector<NamedView>& views, bool fl
 }
 
 void write_files(const RenderRequest& request, const OutputFolder& folder, const std::string& name,
-                 const Picture& picture) {
-  if (request.floats) write_picture_pfm(folder.path(name + ".pfm"), picture);
-  (request.alpha ? write_picture_png_alpha : write_picture_png)(folder.path(name + ".png"),
-                                                                picture);
+                 const RenderedImage& image) {
+  if (request.floats) write_image_pfm(folder.path(name + ".pfm"), image);
+  (request.alpha ? write_image_png_alpha : write_image_png)(folder.path(name + ".png"), image);
 }
 
-using PictureSink = std::function<void(const NamedView&, const Picture&)>;
+using ImageSink = std::function<void(const NamedView&, const RenderedImage&)>;
 
-/// Hands the pictures over in the order of the views.
-void render_all(Renderer& renderer, const std::vector<NamedView>& views, const PictureSink& sink) {
+/// Hands the images over in the order of the views.
+void render_all(Renderer& renderer, const std::vector<NamedView>& views, const ImageSink& sink) {
   ProgressBar bar("render");
   for (size_t begin = 0; begin < views.size(); begin += kViewsAtOnce) {
     const size_t end = std::min(begin + kViewsAtOnce, views.size());
     std::vector<View> batch;
     for (size_t i = begin; i < end; ++i) batch.push_back(views[i].view);
-    const std::vector<Picture> pictures = renderer.render(batch);
+    const std::vector<RenderedImage> images = renderer.render(batch);
     for (size_t i = begin; i < end; ++i) {
       stop_if_interrupted();
-      sink(views[i], pictures[i - begin]);
+      sink(views[i], images[i - begin]);
       bar.update(int64_t(i + 1), int64_t(views.size()), views[i].name);
     }
   }
 }
 
-nlohmann::json write_pictures(const RenderRequest& request, Renderer& renderer,
-                              const std::vector<NamedView>& views) {
+nlohmann::json write_images(const RenderRequest& request, Renderer& renderer,
+                            const std::vector<NamedView>& views) {
   OutputFolder folder(request.out, "render", file_names(views, request.floats), request.overwrite);
-  render_all(renderer, views, [&](const NamedView& named, const Picture& picture) {
-    write_files(request, folder, named.name, picture);
+  render_all(renderer, views, [&](const NamedView& named, const RenderedImage& image) {
+    write_files(request, folder, named.name, image);
   });
   folder.finish();
   nlohmann::json frames = nlohmann::json::array();
@@ -97,8 +96,8 @@ nlohmann::json encode_views(Renderer& renderer, const std::vector<NamedView>& vi
                             const FrameRate& fps, const std::filesystem::path& file) {
   const Camera& lens = views.front().view.camera;
   VideoEncoder encoder(file, {lens.width, lens.height, fps, kVideoQuality, VideoColour::kBt709});
-  render_all(renderer, views, [&](const NamedView&, const Picture& picture) {
-    encoder.add(quantise(picture.planar(), picture.width, picture.height));
+  render_all(renderer, views, [&](const NamedView&, const RenderedImage& image) {
+    encoder.add(quantise(image.planar(), image.width, image.height));
   });
   encoder.finish();
   return {{"file", file.string()},
@@ -158,17 +157,17 @@ int render(RenderRequest request) {
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   Renderer renderer(*backend, input.model);
   if (request.alpha) renderer.draw_no_background();
-  nlohmann::json result = request.mp4 ? write_video(request, renderer, views)
-                                      : write_pictures(request, renderer, views);
+  nlohmann::json result =
+      request.mp4 ? write_video(request, renderer, views) : write_images(request, renderer, views);
   result.update({{"out", request.out},
                  {"model", input.file.string()},
                  {"num_gaussians", input.model.count()},
                  {"background", input.model.background},
                  {"backend", backend->name()},
                  {"count", views.size()}});
-  print_result(request.json, result,
-               fmt::format("{}: {} pictures of {} Gaussians", request.out, views.size(),
-                           input.model.count()));
+  print_result(
+      request.json, result,
+      fmt::format("{}: {} images of {} Gaussians", request.out, views.size(), input.model.count()));
   return kExitDone;
 }
 
@@ -205,14 +204,14 @@ void add_render_command(CLI::App& app, Work& work) {
       ->required();
   command->add_option(
       "--cameras", request->choice.cameras,
-      "scene folder, or a transforms file as camera path (its pictures need not exist); one "
+      "scene folder, or a transforms file as camera path (its images need not exist); one "
       "without a `tessera` object is in the capture's own world; with --path the rig of orbit and "
       "spiral, by default the scene that the run folder names");
-  command->add_option("-o,--out", request->out, "folder of the pictures, or file of the video")
+  command->add_option("-o,--out", request->out, "folder of the images, or file of the video")
       ->required();
   command->add_option("--split", request->choice.split, "train, val or test; default: all frames");
   command->add_option("--time", request->choice.time,
-                      "one moment for all pictures, 0 (first) to 1 (last)");
+                      "one timestep for all images, 0 (first) to 1 (last)");
   command->add_option("--background", request->background,
                       "black, white or r,g,b; default: the model's");
   command->add_flag("--alpha", request->alpha, "RGBA PNG without background");

@@ -26,7 +26,7 @@ void add_report_command(CLI::App& app, Work& work) {
   command.option_defaults()->always_capture_default();
   command.add_option("out", parsed->request.out, "folder of the batch")->required();
   command.add_option(
-      "--pictures", parsed->request.pictures,
+      "--pictures", parsed->request.images,
       "held-out views of each scene beside the truth (of each of more than 100 one); "
       "they are drawn once. 0: none");
   add_backend_options(command, parsed->request.backend);
@@ -35,9 +35,9 @@ void add_report_command(CLI::App& app, Work& work) {
   command.callback([parsed, &work] {
     work = [parsed] {
       set_thread_count(parsed->threads);
-      if (parsed->request.pictures < 0)
+      if (parsed->request.images < 0)
         throw InputError(
-            fmt::format("--pictures is {}, expected 0 or more", parsed->request.pictures));
+            fmt::format("--pictures is {}, expected 0 or more", parsed->request.images));
       const nlohmann::json report = write_report(parsed->request);
       print_result(parsed->json, report,
                    fmt::format("{}: {}", (parsed->request.out / "report" / "index.html").string(),

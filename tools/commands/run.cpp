@@ -40,7 +40,7 @@
 #include "tools/session/scene_lock.h"
 #include "tools/session/stage_ledger.h"
 #include "tools/session/train_session.h"
-#include "tools/version.h"
+#include "tools/session/version.h"
 
 namespace tessera {
 namespace {
@@ -164,12 +164,12 @@ class Runner {
     if (request_.export_frames > 0)
       return tessera::export_times({.frames = request_.export_frames}, {}, true);
     const Scene scene = load_scene(scene_, scene_options(false));
-    CameraMoments moments;
+    CameraTimesteps timesteps;
     for (int i : scene.split_indices(Split::kTrain)) {
       const Frame& frame = scene.frames[size_t(i)];
-      moments[frame.camera_name].insert(frame.time);
+      timesteps[frame.camera_name].insert(frame.time);
     }
-    return capture_times(moments, kMostFrames);
+    return capture_times(timesteps, kMostFrames);
   }
 
   static std::vector<std::string> sequence_files(size_t count) {
@@ -294,8 +294,8 @@ void add_run_command(CLI::App& app, Work& work) {
   add_ingest_options(command, request->ingest);
   command.get_option("--exposure")
       ->description(
-          "fit: ingest divides each training camera's pictures by its gains; camera or frame: "
-          "training learns gains, of cameras or of all pictures; none");
+          "fit: ingest divides each training camera's images by its gains; camera or frame: "
+          "training learns gains, of cameras or of all images; none");
   command.add_option("--export-frames", request->export_frames,
                      "frames of the .ply sequence; 0: as many as a camera filmed, at most 60");
   command.add_flag("--json", request->json_output, "print one JSON object");

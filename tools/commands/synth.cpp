@@ -105,7 +105,7 @@ int synth(SynthRequest request) {
        {"cameras", report.cameras},
        {"images", report.images},
        {"points", report.points}},
-      fmt::format("{}: {} camera{}, {} pictures, {} points of truth", request.out, report.cameras,
+      fmt::format("{}: {} camera{}, {} images, {} points of truth", request.out, report.cameras,
                   report.cameras == 1 ? "" : "s", report.images, report.points));
   return kExitDone;
 }
@@ -139,9 +139,8 @@ void add_synth_command(CLI::App& app, Work& work) {
   command->add_option("--noise", options.noise_sigma, "sigma of each channel, levels of 255");
   command->add_option("--exposure-wobble", options.exposure_wobble,
                       "largest relative change of a training frame's gain: 0.01 is 1 %");
-  command->add_option(
-      "--moving-share", options.moving_share,
-      "patch: share of the picture in which something moves, 0.005 to 0.3; 0: 0.05");
+  command->add_option("--moving-share", options.moving_share,
+                      "patch: share of the image in which something moves, 0.005 to 0.3; 0: 0.05");
   command->add_option("--points", options.points, "static surface points of truth");
   command->add_flag("--overwrite", request->overwrite, "replace a made capture that is there");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");

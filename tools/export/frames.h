@@ -1,4 +1,4 @@
-// What: `tessera export` of formats that hold one moment: numbered files.
+// What: `tessera export` of formats that hold one timestep: numbered files.
 // Not: formats that hold time (export/in_time.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>

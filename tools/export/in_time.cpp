@@ -8,15 +8,15 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
-#include "recon4d/model/hygiene.h"
 #include "recon4d/model/model_file.h"
+#include "recon4d/model/validity.h"
 #include "static3d/tessera4d/tessera4d.h"
 #include "static3d/transform/world_change.h"
 #include "tools/camera_paths/rig_cameras.h"
 #include "tools/export/output_folder.h"
 #include "tools/export/player_files.h"
 #include "tools/export/splatv.h"
-#include "tools/version.h"
+#include "tools/session/version.h"
 
 namespace tessera {
 namespace {
@@ -93,15 +93,15 @@ json write_html(const ExportRequest& request, GaussianModel& model) {
 }
 
 /// Leaves out what no program can draw; returns how many.
-int64_t drop_unsound(GaussianSet& set) {
-  const std::vector<int64_t> rows = sound_rows(set);
+int64_t drop_invalid(GaussianSet& set) {
+  const std::vector<int64_t> rows = valid_rows(set);
   const int64_t dropped = set.count() - int64_t(rows.size());
   if (dropped > 0) set = select_rows(set, rows);
   return dropped;
 }
 
 json write_model(const ExportRequest& request, GaussianModel& model) {
-  const int64_t dropped = drop_unsound(model.static_set) + drop_unsound(model.dynamic_set);
+  const int64_t dropped = drop_invalid(model.static_set) + drop_invalid(model.dynamic_set);
   OutputFolder folder(request.out, "export", {"model.ply"}, request.overwrite);
   save_model(folder.path("model.ply"), model);
   const auto bytes = fs::file_size(folder.path("model.ply"));

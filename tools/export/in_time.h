@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "recon4d/model/gaussian_set.h"
-#include "recon4d/reduction/size_contract.h"
+#include "recon4d/reduction/size_limit.h"
 #include "static3d/tessera4d/shipped_size.h"
 #include "tools/export/request.h"
 

@@ -1,7 +1,7 @@
 // What: LPIPS by a network that the user gives as an ONNX file.
 // Not: a network of our own: none is shipped, and the numbers are as good as the file.
 // Contract of the file: two inputs, float [1, 3, height, width], RGB in [−1, 1], the rendered
-// picture first; one output of a single value. Names do not matter. Sides may be fixed.
+// image first; one output of a single value. Names do not matter. Sides may be fixed.
 // Source: method 0.25, A.15; failure mode D1.
 #pragma once
 #include <filesystem>
@@ -13,14 +13,14 @@ namespace tessera {
 
 class Lpips {
  public:
-  /// `resize`: pictures are brought to the sides that the file fixes. Errors: InputError: no such
+  /// `resize`: images are brought to the sides that the file fixes. Errors: InputError: no such
   /// file, not an ONNX model, other inputs than two, layers that OpenCV cannot run, a program built
   /// without OpenCV.
   Lpips(const std::filesystem::path& file, bool resize);
   Lpips(const Lpips&) = delete;
   ~Lpips();
 
-  /// Of two RGB pictures of one size. Errors: InputError: the file fixes other sides and `resize`
+  /// Of two RGB images of one size. Errors: InputError: the file fixes other sides and `resize`
   /// is off; the network's result is not one number.
   double distance(const Image8& drawn, const Image8& truth);
 

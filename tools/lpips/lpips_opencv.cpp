@@ -1,4 +1,4 @@
-// What: pictures into OpenCV's runner of networks, one number out.
+// What: images into OpenCV's runner of networks, one number out.
 // Not: the choice of the network.
 #include <fmt/format.h>
 
@@ -67,7 +67,7 @@ Lpips::Lpips(const std::filesystem::path& file, bool resize) {
   network_ = std::make_unique<Network>(Network{file, resize, onnx_inputs(file, bytes), {}});
   if (network_->inputs.size() != 2)
     throw InputError(
-        fmt::format("{}: the network has {} inputs, expected two pictures of "
+        fmt::format("{}: the network has {} inputs, expected two images of "
                     "[1, 3, height, width]",
                     file.string(), network_->inputs.size()));
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
@@ -84,19 +84,19 @@ Lpips::~Lpips() = default;
 double Lpips::distance(const Image8& drawn, const Image8& truth) {
   check(drawn.channels == 3 && truth.channels == 3 && drawn.width == truth.width &&
             drawn.height == truth.height,
-        "Lpips: two RGB pictures of one size");
+        "Lpips: two RGB images of one size");
   Network& network = *network_;
   const int width = network.side(3, drawn.width), height = network.side(2, drawn.height);
   const bool fits = width == drawn.width && height == drawn.height;
   if (!fits && !network.resize)
     throw InputError(fmt::format(
-        "{}: the network takes pictures of {} x {}, these have {} x {}; export it for any size, or "
+        "{}: the network takes images of {} x {}, these have {} x {}; export it for any size, or "
         "pass --lpips-resize and say so beside the number",
         network.file.string(), width, height, drawn.width, drawn.height));
   try {
-    const Image8* const pictures[] = {&drawn, &truth};
+    const Image8* const images[] = {&drawn, &truth};
     for (size_t i = 0; i < 2; ++i)
-      network.net.setInput(blob_of(fits ? *pictures[i] : resized(*pictures[i], width, height)),
+      network.net.setInput(blob_of(fits ? *images[i] : resized(*images[i], width, height)),
                            network.inputs[i].name);
     const cv::Mat result = network.net.forward();
     if (result.total() != 1 || result.type() != CV_32F)

@@ -1,4 +1,4 @@
-// What: words of a page: text and addresses that may hold anything, pictures inside.
+// What: words of a page: text and addresses that may hold anything, images inside.
 // Not: the page (report_page.h).
 #pragma once
 #include <filesystem>

@@ -46,10 +46,10 @@ std::string details_text(const json& score) {
   if (score["ms_ssim"].is_number() || score["lpips"].is_number())
     add(fmt::format("MS-SSIM {}, D-SSIM {}, LPIPS {}", number(score["ms_ssim"], "{:.4f}"),
                     number(score["dssim"], "{:.4f}"), number(score["lpips"], "{:.4f}")));
-  for (const auto& [key, name] : {std::pair{"novel_view", "new views, known moments"},
-                                  {"novel_time", "known views, new moments"},
-                                  {"novel_view_and_time", "new views at new moments"},
-                                  {"withheld", "known views at known moments"}}) {
+  for (const auto& [key, name] : {std::pair{"novel_view", "new views, known timesteps"},
+                                  {"novel_time", "known views, new timesteps"},
+                                  {"novel_view_and_time", "new views at new timesteps"},
+                                  {"withheld", "known views at known timesteps"}}) {
     const json& group = score[key];
     // a split that is one group says so by its numbers above
     if (group["views"] > 0 && group["views"] < score["views"])

@@ -28,7 +28,7 @@ inline EvaluateOptions brief_scores() {
 }
 
 /// Per split: "test PSNR 31.42 dB, SSIM 0.9512 (reflect padding) over 24 views", and a line each of
-/// what else there is: LPIPS, new views and moments apart, moving pixels, flicker.
+/// what else there is: LPIPS, new views and timesteps apart, moving pixels, flicker.
 std::string scores_text(const nlohmann::json& scores);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // What: asks the system.
-// Not: what is free at the moment.
+// Not: what is free at present.
 #include "tools/session/machine.h"
 
 #include <unistd.h>

@@ -78,7 +78,7 @@ ModelInput load_model_input(const fs::path& path) {
       const bool folder = input.file.filename() == kTessera4dManifest;
       Tessera4dInput read = load_tessera4d(folder ? input.file.parent_path() : input.file);
       input.model = std::move(read.model), input.warnings = std::move(read.warnings);
-      input.bytes = read.bytes, input.shipped = shipped_account(read.manifest, read.bytes);
+      input.bytes = read.bytes, input.shipped = shipped_breakdown(read.manifest, read.bytes);
       return input;
     }
     case ModelKind::kSplats:

@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "static3d/tessera4d/account.h"
+#include "static3d/tessera4d/size_breakdown.h"
 
 namespace tessera {
 
 struct ModelInput {
   GaussianModel model;
-  std::filesystem::path file;         // what was read
-  int64_t bytes = 0;                  // its size
-  bool with_optimizer = false;        // a checkpoint: its size is not the model's
-  std::vector<std::string> warnings;  // one line each
-  std::optional<Account> shipped;     // of a Tessera 4D file
+  std::filesystem::path file;            // what was read
+  int64_t bytes = 0;                     // its size
+  bool with_optimizer = false;           // a checkpoint: its size is not the model's
+  std::vector<std::string> warnings;     // one line each
+  std::optional<SizeBreakdown> shipped;  // of a Tessera 4D file
 };
 
 /// By the first bytes; kSplats: a .ply without Tessera's comment, which may be a point cloud, .spz,

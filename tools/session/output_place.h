@@ -12,7 +12,7 @@
 // 4. What took hours, a prepared scene, a run or a made capture, is replaced with --overwrite only,
 //    and a scene that another program has in use not even then (scene_lock.h). `run`, `batch` and
 //    `ingest` of several captures keep a record of what they have made in their folder for which
-//    inputs and options, and replace that and nothing else. Exports, pictures and reports are
+//    inputs and options, and replace that and nothing else. Exports, images and reports are
 //    replaced where their folder lists them as its own (output_folder.h).
 #pragma once
 #include <filesystem>

@@ -14,7 +14,7 @@ struct RunFolder {
   std::filesystem::path log() const { return root / "log.jsonl"; }
   std::filesystem::path checkpoint() const { return root / "checkpoint.ckpt"; }
   std::filesystem::path model() const { return root / "model.ply"; }
-  /// Gains of the training pictures, where they were learnt.
+  /// Gains of the training images, where they were learnt.
   std::filesystem::path exposure() const { return root / "exposure.json"; }
   std::filesystem::path metrics() const { return root / "metrics.json"; }
   /// The best model by validation, of that step.

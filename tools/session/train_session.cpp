@@ -15,7 +15,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_file.h"
-#include "recon4d/reduction/parsimony.h"
+#include "recon4d/reduction/model_reduction.h"
 #include "recon4d/training/trainer.h"
 #include "recon4d/training/validation.h"
 #include "tools/session/backend_choice.h"
@@ -48,7 +48,7 @@ class Session {
         previous_(wall_.time(WallSplit::kLoad, [&] { return previous_state(request, run_); })) {
     run_.remove_leftovers();
     options_ = previous_ ? previous_->options : request.options;
-    complete_contract();
+    complete_size_limit();
     validate(options_);
   }
 
@@ -60,7 +60,7 @@ class Session {
 
  private:
   /// A model within so many dB of the best needs frames by which that is told.
-  void complete_contract() {
+  void complete_size_limit() {
     constexpr double kShare = 0.1;
     if (options_.within_db == 0 || options_.validation_share > 0) return;
     options_.validation_share = kShare;
@@ -75,7 +75,8 @@ class Session {
         observer_.on_warning(warning);
     });
     // before anything looks at the training split
-    const int64_t aside = set_aside(scene_, options_.validation_share, uint64_t(options_.seed));
+    const int64_t aside =
+        hold_out_validation(scene_, options_.validation_share, uint64_t(options_.seed));
     wall_.time(WallSplit::kInit, [&] {
       if (!previous_) complete_cloud(scene_, options_);
       chosen_ = choose_backend(request_.backend);
@@ -87,8 +88,8 @@ class Session {
       start();
     });
     if (aside > 0)
-      observer_.on_message(
-          fmt::format("{} training frames are set aside to choose the model by", aside));
+      observer_.on_message(fmt::format(
+          "{} training frames are validation frames, by which the model is chosen", aside));
     observer_.on_message(test_views_of(scene_).text());
   }
 
@@ -121,7 +122,7 @@ class Session {
                ? std::min(options_.iterations, state.iteration + *request_.stop_after)
                : options_.iterations;
     trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
-    parsimony_.emplace(*backend_, options_, request_.shipped_bytes);
+    reduction_.emplace(*backend_, options_, request_.shipped_bytes);
     stages_.emplace(*backend_);
   }
 
@@ -197,7 +198,7 @@ class Session {
   void write_model() {
     if (model().count() == 0)
       observer_.on_warning(
-          "no Gaussians are left, density control has removed them all: pictures are the "
+          "no Gaussians are left, density control has removed them all: images are the "
           "background; look at the poses (tessera doctor) and at --init-extent");
     wall_.time(WallSplit::kSave, [&] { save_model(run_.model(), model()); });
     if (trainer_->state().exposure.rows() > 0)
@@ -214,7 +215,7 @@ class Session {
       if (every > 0) next = std::min(next, (i / every + 1) * every);
     for (int64_t step : request_.evaluate_at)
       if (step > i) next = std::min(next, step);
-    next = std::min(next, parsimony_->next_after(i));
+    next = std::min(next, reduction_->next_after(i));
     return validation_->on() ? std::min(next, validation_->next_after(i)) : next;
   }
 
@@ -228,7 +229,7 @@ class Session {
 
   /// Patience has run out with a model of the size that is asked for.
   bool stops() const {
-    return validation_->stops() && parsimony_->is_thinned(trainer_->state().decided);
+    return validation_->stops() && reduction_->has_pruned(trainer_->state().decided);
   }
   bool ended() const { return trainer_->state().finished || stops(); }
 
@@ -236,26 +237,26 @@ class Session {
   /// that was asked for.
   const GaussianModel& model() {
     if (shipped_) return *shipped_;
-    const bool fits = is_thinned(options_) && ended() && !left_;
+    const bool fits = prunes_after_growth(options_) && ended() && !left_;
     if (validation_->best() == nullptr && !fits) return trainer_->host_model();
     GaussianModel best = validation_->best() != nullptr ? validation_->shipped()
                                                         : trainer_->host_model().clone_values();
     if (fits)
       best = wall_.time(WallSplit::kEvaluate, [&] {
-        return fit_to(contract(), *backend_, best, trainer_->looked_at(0));
+        return fit_to_limit(size_limit(), *backend_, best, trainer_->sample_frames(0));
       });
     shipped_ = std::move(best);
     return *shipped_;
   }
 
-  SizeContract contract() {
-    SizeContract contract;
-    contract.gaussians = options_.max_gaussians, contract.bytes = options_.max_bytes;
-    contract.shipped_bytes = request_.shipped_bytes;
+  SizeLimit size_limit() {
+    SizeLimit limit;
+    limit.gaussians = options_.max_gaussians, limit.bytes = options_.max_bytes;
+    limit.shipped_bytes = request_.shipped_bytes;
     if (options_.within_db > 0)
-      contract.least_psnr = validation_->record().peak_psnr - options_.within_db;
-    contract.psnr = [this](const GaussianModel& m) { return validation_->psnr(m); };
-    return contract;
+      limit.least_psnr = validation_->record().peak_psnr - options_.within_db;
+    limit.psnr = [this](const GaussianModel& m) { return validation_->psnr(m); };
+    return limit;
   }
 
   void check_model() {
@@ -278,14 +279,14 @@ class Session {
 
   /// Thins out and moves between the sets where that is due.
   void decide() {
-    std::optional<ParsimonyReport> report;
+    std::optional<ReductionReport> report;
     limit_.whole([&] {
       wall_.time(WallSplit::kTrain,
-                 [&] { report = parsimony_->act(*trainer_, validation_->record()); });
+                 [&] { report = reduction_->act(*trainer_, validation_->record()); });
     });
     if (!report) return;
     // models so far were larger than what may be shipped; within_db compares them by size
-    if (report->goal > 0 && parsimony_->is_thinned(report->iteration) && options_.within_db == 0)
+    if (report->goal > 0 && reduction_->has_pruned(report->iteration) && options_.within_db == 0)
       validation_->restart();
     log_->event("decision", to_json(*report));
   }
@@ -313,7 +314,7 @@ class Session {
       wall_.time(WallSplit::kEvaluate, [&] {
         scores_ = score_splits(
             *backend_, scored, scene_, held_out_splits(scene_), std::nullopt,
-            [&](const Frame&, const Picture&, const ViewScore&, int64_t, int64_t) {
+            [&](const Frame&, const RenderedImage&, const ViewScore&, int64_t, int64_t) {
               if (observer_.must_stop() || limit_.over()) throw Stopped();
             },
             brief ? brief_scores() : EvaluateOptions{});
@@ -401,7 +402,7 @@ class Session {
   std::optional<Trainer> trainer_;
   std::optional<StageLog> stages_;
   std::optional<Validation> validation_;
-  std::optional<Parsimony> parsimony_;
+  std::optional<ModelReduction> reduction_;
   std::optional<GaussianModel> shipped_;
   bool left_ = false;      // before the end, to be resumed
   int64_t kept_best_ = 0;  // step of the best model whose file this run has written or read

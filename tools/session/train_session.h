@@ -11,7 +11,7 @@
 
 #include "ingest/scene.h"
 #include "recon4d/options/train_options.h"
-#include "recon4d/reduction/size_contract.h"
+#include "recon4d/reduction/size_limit.h"
 #include "tools/session/session_observer.h"
 #include "tools/session/time_limit.h"
 
@@ -43,7 +43,7 @@ struct TrainRequest {
 /// a time limit that leaves room for no step), CheckpointRefused (with `resume` alone), WriteError,
 /// NumericalError.
 nlohmann::json train_session(const TrainRequest& request, SessionObserver& observer);
-/// The same. Where the checkpoint of a resumed training is refused, it is set aside with a warning,
+/// The same. Where the checkpoint of a resumed training is refused, it is renamed with a warning,
 /// and the training starts anew.
 nlohmann::json train_or_restart(TrainRequest request, SessionObserver& observer);
 

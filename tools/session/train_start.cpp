@@ -13,7 +13,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/scene_scale.h"
-#include "tools/version.h"
+#include "tools/session/version.h"
 
 namespace tessera {
 namespace {
@@ -63,7 +63,7 @@ json make_config(const TrainRequest& request, const TrainOptions& options, const
           {"scene", std::filesystem::absolute(request.scene).string()},
           {"scene_fingerprint", scene_fingerprint(scene)},
           {"train_frames", scene.split_indices(Split::kTrain).size()},
-          {"validation_frames", scene.split_indices(Split::kAside).size()},
+          {"validation_frames", scene.split_indices(Split::kValidation).size()},
           {"device", device},
           {"seed", options.seed},
           {"made_for", request.made_for}};

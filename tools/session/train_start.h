@@ -13,7 +13,7 @@
 
 namespace tessera {
 
-/// The scene as a training with these options sees it: its background, one moment allowed or not.
+/// The scene as a training with these options sees it: its background, one timestep allowed or not.
 /// Errors: as load_scene.
 Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options);
 

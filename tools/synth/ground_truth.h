@@ -27,7 +27,7 @@ struct TrueView {
 
 /// Instant `frame` of a clip, normalised to [0, 1] (0 for a clip of one frame).
 double normalised_time(const SynthOptions& options, double frame);
-/// Whether the part of the picture in which anything moves is asked for by its size.
+/// Whether the part of the image in which anything moves is asked for by its size.
 inline bool has_moving_region(const SynthOptions& options) {
   return options.scene == SynthScene::kPatch;
 }

@@ -1,5 +1,5 @@
 // What: the monocular layout of D-NeRF and NeRF-synthetic: three splits of RGBA PNGs with poses.
-// Not: video; every picture has its own pose and time.
+// Not: video; every image has its own pose and time.
 #include <fmt/format.h>
 
 #include <array>
@@ -58,17 +58,16 @@ void write_transforms(const CaptureJob& job, const char* split,
   write_text_file(job.folder / fmt::format("transforms_{}.json", split), transforms.dump(1) + "\n");
 }
 
-void write_picture(const CaptureJob& job, PoseSet set, const TrueView& view) {
+void write_image(const CaptureJob& job, PoseSet set, const TrueView& view) {
   const StaticLayer layer = render_static(job.world, view.camera, job.options.supersampling);
-  const Picture picture = render(job.world, view.camera, view.time, layer);
-  write_png(job.folder / (view.name + ".png"),
-            expose(picture, job.options, 4, int(set), view.index));
+  const RenderedImage image = render(job.world, view.camera, view.time, layer);
+  write_png(job.folder / (view.name + ".png"), expose(image, job.options, 4, int(set), view.index));
   write_png(job.folder / kTruthFolder / fmt::format("mask_{}_{:03}.png", view.split, view.index),
-            mask_image(picture));
+            mask_image(image));
   if (has_moving_region(job.options))
-    write_png(job.folder / kMovingFolder / (view.name + ".png"),
-              moving_image(picture,
-                           ever_covered(job.world, view.camera, clip_times(job.options), layer)));
+    write_png(
+        job.folder / kMovingFolder / (view.name + ".png"),
+        moving_image(image, ever_covered(job.world, view.camera, clip_times(job.options), layer)));
 }
 
 }  // namespace
@@ -86,7 +85,7 @@ std::vector<TrueView> write_dnerf(const CaptureJob& job) {
     const std::vector<TrueView> views = plan_views(job, plan);
     for (const TrueView& view : views) {
       if (job.progress) job.progress(view.name, int64_t(all.size()), total);
-      write_picture(job, plan.set, view);
+      write_image(job, plan.set, view);
       all.push_back(view);
     }
     write_transforms(job, plan.name, views);

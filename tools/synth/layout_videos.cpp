@@ -66,11 +66,11 @@ void film(const CaptureJob& job, int number, const TrueView& view, const StaticL
     std::vector<Image8> masks, moving;
     for (int frame = first; frame < std::min(first + kFramesAtOnce, options.frames); ++frame) {
       const double instant = frame + shift_of(options, number);
-      const Picture picture =
+      const RenderedImage image =
           render(job.world, view.camera, normalised_time(options, instant), layer);
-      encoder.add(expose(picture, options, 3, number, frame));
-      masks.push_back(mask_image(picture));
-      if (!region.empty()) moving.push_back(moving_image(picture, region));
+      encoder.add(expose(image, options, 3, number, frame));
+      masks.push_back(mask_image(image));
+      if (!region.empty()) moving.push_back(moving_image(image, region));
     }
     parallel_for(int64_t(masks.size()), 1, [&](int64_t begin, int64_t end) {
       for (int64_t i = begin; i < end; ++i) {

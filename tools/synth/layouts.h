@@ -1,4 +1,4 @@
-// What: writes the pictures of a capture in one of the layouts, and the masks of what changes.
+// What: writes the images of a capture in one of the layouts, and the masks of what changes.
 // Not: the rest of the truth (ground_truth.h) or the folder's coming to be (synth.cpp).
 #pragma once
 #include <filesystem>
@@ -18,7 +18,7 @@ struct CaptureJob {
   const SynthProgress& progress;
 };
 
-/// transforms_train.json, _val, _test and their RGBA PNGs. Returns a view for each picture.
+/// transforms_train.json, _val, _test and their RGBA PNGs. Returns a view for each image.
 std::vector<TrueView> write_dnerf(const CaptureJob& job);
 
 /// camNN.mp4, for n3dv also poses_bounds.npy. Returns a view for each camera.

@@ -1,4 +1,4 @@
-// What: a motion evaluated at a moment.
+// What: a motion evaluated at a timestep.
 // Not: derivatives; ground truth needs positions only.
 #include "tools/synth/motion.h"
 

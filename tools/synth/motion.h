@@ -1,4 +1,4 @@
-// What: where an object stands at a moment: a path, a spin and a stretch about its rest pose.
+// What: where an object stands at a timestep: a path, a spin and a stretch about its rest pose.
 // Not: shapes that bend (the cloth of shape.h), and no physics.
 #pragma once
 #include <glm/mat3x3.hpp>

@@ -1,4 +1,4 @@
-// What: masks joined over the moments of a clip.
+// What: masks joined over the timesteps of a clip.
 // Not: rendering (render.cpp).
 #include "tools/synth/moving_masks.h"
 
@@ -18,12 +18,12 @@ std::vector<uint8_t> ever_covered(const World& world, const Camera& camera,
   return ever;
 }
 
-Image8 moving_image(const Picture& picture, const std::vector<uint8_t>& ever) {
-  Image8 image{picture.width, picture.height, 1, std::vector<uint8_t>(ever.size())};
+Image8 moving_image(const RenderedImage& image, const std::vector<uint8_t>& ever) {
+  Image8 moving{image.width, image.height, 1, std::vector<uint8_t>(ever.size())};
   for (size_t p = 0; p < ever.size(); ++p)
-    if (ever[p] != 0 || picture.moving_share[p] > 0)
-      image.data[p] = uint8_t(128 + std::lround(127 * picture.moving_share[p]));
-  return image;
+    if (ever[p] != 0 || image.moving_share[p] > 0)
+      moving.data[p] = uint8_t(128 + std::lround(127 * image.moving_share[p]));
+  return moving;
 }
 
 std::vector<double> clip_times(const SynthOptions& options) {

@@ -1,5 +1,5 @@
-// What: where a picture of a world shows something that changes: at its moment and at any.
-// Not: the masks of single moments that every capture has (layout_*.cpp).
+// What: where a image of a world shows something that changes: at its timestep and at any.
+// Not: the masks of single timesteps that every capture has (layout_*.cpp).
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -14,8 +14,8 @@ std::vector<uint8_t> ever_covered(const World& world, const Camera& camera,
                                   const std::vector<double>& times, const StaticLayer& layer);
 
 /// Grey: 0 what never changes in this camera, else 128 + 127 · the share of the pixel's samples
-/// that meet something that changes at the picture's own moment. `ever`: as by ever_covered.
-Image8 moving_image(const Picture& picture, const std::vector<uint8_t>& ever);
+/// that meet something that changes at the image's own timestep. `ever`: as by ever_covered.
+Image8 moving_image(const RenderedImage& image, const std::vector<uint8_t>& ever);
 
 /// The instants of a clip, normalised.
 std::vector<double> clip_times(const SynthOptions& options);

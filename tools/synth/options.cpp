@@ -22,7 +22,7 @@ constexpr std::array<SynthSceneRow, 4> kScenes{{
     {SynthScene::kObject, "object",
      "a moving, deforming toy on nothing (transparent), seen from an upper hemisphere"},
     {SynthScene::kPatch, "patch",
-     "the furnished room where nothing moves but a ball in a given share of the picture"},
+     "the furnished room where nothing moves but a ball in a given share of the image"},
 }};
 
 constexpr std::array<SynthLayoutRow, 3> kLayouts{{

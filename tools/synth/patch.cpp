@@ -1,5 +1,5 @@
 // What: the patch: the room without its movers, and one turning, swaying ball whose path covers a
-//       given share of the picture; nothing else ever changes.
+//       given share of the image; nothing else ever changes.
 // Not: the masks of what it covers (moving_masks.h).
 #include <algorithm>
 #include <cmath>
@@ -42,9 +42,10 @@ double patch_radius(const SynthOptions& options) {
   camera = camera.resized(int(std::lround(size * camera.width)),
                           std::max(1, int(std::lround(size * camera.height))));
   const StaticLayer layer = render_static(room, camera, std::min(options.supersampling, 3));
-  const int moments = std::min(options.frames, kMostMoments);
+  const int timesteps = std::min(options.frames, kMostMoments);
   std::vector<double> times;
-  for (int i = 0; i < moments; ++i) times.push_back(moments > 1 ? double(i) / (moments - 1) : 0);
+  for (int i = 0; i < timesteps; ++i)
+    times.push_back(timesteps > 1 ? double(i) / (timesteps - 1) : 0);
   double low = 0.02, high = 1.1;  // metres; the ball then touches floor and ceiling nowhere
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (low + high);

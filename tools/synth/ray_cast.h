@@ -1,5 +1,5 @@
-// What: a world placed at a moment, the nearest thing a ray meets in it, and its lit colour.
-// Not: pictures (render.h); a ray here is one sample.
+// What: a world placed at a timestep, the nearest thing a ray meets in it, and its lit colour.
+// Not: images (render.h); a ray here is one sample.
 #pragma once
 #include <glm/glm.hpp>
 #include <limits>
@@ -13,7 +13,7 @@ struct Ray {
   glm::dvec3 origin{0.0}, direction{0.0};  // direction may have any length; depth counts in it
 };
 
-/// A solid at a moment, with what a ray needs computed once.
+/// A solid at a timestep, with what a ray needs computed once.
 struct PlacedSolid {
   const Solid* solid = nullptr;
   double time = 0;

@@ -34,7 +34,7 @@ Bounds screen_bounds(const Camera& camera, const PlacedSolid& placed) {
           pixel(std::ceil(camera.fl_y * high(c.y) + camera.cy), camera.height)};
 }
 
-/// The placed movers of a moment and where each may be seen.
+/// The placed movers of a timestep and where each may be seen.
 struct Movers {
   std::vector<PlacedSolid> placed;
   std::vector<Bounds> bounds;
@@ -96,13 +96,14 @@ StaticLayer render_static(const World& world, const Camera& camera, int grid) {
   return layer;
 }
 
-Picture render(const World& world, const Camera& camera, double time, const StaticLayer& layer) {
+RenderedImage render(const World& world, const Camera& camera, double time,
+                     const StaticLayer& layer) {
   Movers movers{place(world, Part::kMoving, time), {}};
   for (const PlacedSolid& placed : movers.placed)
     movers.bounds.push_back(screen_bounds(camera, placed));
   const size_t pixels = size_t(camera.width) * size_t(camera.height);
-  Picture picture{camera.width, camera.height, std::vector<float>(4 * pixels),
-                  std::vector<uint8_t>(pixels), std::vector<float>(pixels)};
+  RenderedImage image{camera.width, camera.height, std::vector<float>(4 * pixels),
+                      std::vector<uint8_t>(pixels), std::vector<float>(pixels)};
   const float share = 1.f / float(layer.grid * layer.grid);
   parallel_for(camera.height, kRows, [&](int64_t begin, int64_t end) {
     for (int64_t y = begin; y < end; ++y)
@@ -110,19 +111,19 @@ Picture render(const World& world, const Camera& camera, double time, const Stat
         const size_t pixel = size_t(y) * size_t(camera.width) + size_t(x);
         glm::vec4 sum(0);
         const int changed = add_samples(world, camera, layer, movers, x, int(y), sum);
-        if (changed > 0) picture.mask[pixel] = 255;
-        picture.moving_share[pixel] = float(changed) * share;
+        if (changed > 0) image.mask[pixel] = 255;
+        image.moving_share[pixel] = float(changed) * share;
         if (sum.a > 0) {
           const glm::vec3 straight = glm::vec3(sum) / sum.a;
-          for (int k = 0; k < 3; ++k) picture.rgba[4 * pixel + size_t(k)] = straight[k];
+          for (int k = 0; k < 3; ++k) image.rgba[4 * pixel + size_t(k)] = straight[k];
         }
-        picture.rgba[4 * pixel + 3] = sum.a * share;
+        image.rgba[4 * pixel + 3] = sum.a * share;
       }
   });
-  return picture;
+  return image;
 }
 
-Picture render(const World& world, const Camera& camera, double time, int grid) {
+RenderedImage render(const World& world, const Camera& camera, double time, int grid) {
   return render(world, camera, time, render_static(world, camera, grid));
 }
 

@@ -1,6 +1,6 @@
-// What: pictures of a world by supersampled ray casting: the part that never changes once a camera,
-//       then each moment's movers over it.
-// Not: sensor effects or 8-bit pictures (sensor.h).
+// What: images of a world by supersampled ray casting: the part that never changes once a camera,
+//       then each timestep's movers over it.
+// Not: sensor effects or 8-bit images (sensor.h).
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace tessera::synth {
 
-struct Picture {
+struct RenderedImage {
   int width = 0, height = 0;
   std::vector<float> rgba;  // [height, width, 4] sRGB in [0, 1], alpha straight (not premultiplied)
   std::vector<uint8_t> mask;  // [height, width] 255 where a sample met something that changes, or 0
@@ -28,9 +28,10 @@ struct StaticLayer {
 Ray pixel_ray(const Camera& camera, double x, double y);
 
 StaticLayer render_static(const World& world, const Camera& camera, int grid);
-/// The whole picture at `time` (normalised).
-Picture render(const World& world, const Camera& camera, double time, const StaticLayer& layer);
+/// The whole image at `time` (normalised).
+RenderedImage render(const World& world, const Camera& camera, double time,
+                     const StaticLayer& layer);
 /// Both steps, for a camera that is used once.
-Picture render(const World& world, const Camera& camera, double time, int grid);
+RenderedImage render(const World& world, const Camera& camera, double time, int grid);
 
 }  // namespace tessera::synth

@@ -11,7 +11,7 @@
 
 namespace tessera::synth {
 
-/// A pinhole camera at `eye` that looks at `target`, z up in the picture; `angle` is the
+/// A pinhole camera at `eye` that looks at `target`, z up in the image; `angle` is the
 /// horizontal field of view, radians.
 Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, int width, int height,
                double angle);

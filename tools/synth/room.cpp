@@ -76,10 +76,10 @@ void add_furniture(WorldBuilder& b) {
                                 {.90f, .78f, .56f});
   b.add("rug", ShapeKind::kBox, {1.5, 1.0, 0.015}, {0.15, -0.3, 0.015}, rug).motion.rest_rotation =
       turn_z(8);
-  const Texture picture = b.texture(TextureKind::kPatches, 0.2, {.86f, .84f, .78f},
-                                    {.62f, .72f, .84f}, {.18f, .22f, .40f});
-  b.add("picture", ShapeKind::kBox, {0.55, 0.03, 0.4}, {0.35, kBack - 0.03, 1.85}, picture);
-  b.add("picture", ShapeKind::kBox, {0.03, 0.5, 0.35}, {kWide - 0.03, 0.2, 1.6}, picture);
+  const Texture image = b.texture(TextureKind::kPatches, 0.2, {.86f, .84f, .78f},
+                                  {.62f, .72f, .84f}, {.18f, .22f, .40f});
+  b.add("picture", ShapeKind::kBox, {0.55, 0.03, 0.4}, {0.35, kBack - 0.03, 1.85}, image);
+  b.add("picture", ShapeKind::kBox, {0.03, 0.5, 0.35}, {kWide - 0.03, 0.2, 1.6}, image);
   const Texture pole = b.texture(TextureKind::kChecker, 0.1, {.72f, .70f, .66f}, {.40f, .38f, .36f},
                                  {.5f, .5f, .5f});
   b.add("pole", ShapeKind::kCylinder, {0.035, 0.035, 0.85}, {-2.05, 2.5, 2.43}, pole)

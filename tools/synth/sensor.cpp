@@ -28,17 +28,17 @@ double exposure_gain(const SynthOptions& options, int view, int frame) {
   return 1 + options.exposure_wobble * signed_unit(frame_seed(options, view, frame));
 }
 
-Image8 expose(const Picture& picture, const SynthOptions& options, int channels, int view,
+Image8 expose(const RenderedImage& image, const SynthOptions& options, int channels, int view,
               int frame) {
   const uint32_t seed = mix(frame_seed(options, view, frame));
   const float gain = float(exposure_gain(options, view, frame));
-  Image8 image{picture.width, picture.height, channels, {}};
-  const int64_t row = picture.width;
-  image.data.resize(size_t(row * picture.height * channels));
-  parallel_for(picture.height, 16, [&](int64_t begin, int64_t end) {
+  Image8 exposed{image.width, image.height, channels, {}};
+  const int64_t row = image.width;
+  exposed.data.resize(size_t(row * image.height * channels));
+  parallel_for(image.height, 16, [&](int64_t begin, int64_t end) {
     for (int64_t pixel = begin * row; pixel < end * row; ++pixel) {
-      const float* from = &picture.rgba[size_t(4 * pixel)];
-      uint8_t* to = &image.data[size_t(channels * pixel)];
+      const float* from = &image.rgba[size_t(4 * pixel)];
+      uint8_t* to = &exposed.data[size_t(channels * pixel)];
       const float over_black = channels == 3 ? from[3] : 1.f;
       for (int k = 0; k < 3; ++k) {
         double level = 255.0 * from[k] * over_black * gain;
@@ -49,11 +49,11 @@ Image8 expose(const Picture& picture, const SynthOptions& options, int channels,
       if (channels == 4) to[3] = uint8_t(std::lround(255 * from[3]));
     }
   });
-  return image;
+  return exposed;
 }
 
-Image8 mask_image(const Picture& picture) {
-  return {picture.width, picture.height, 1, picture.mask};
+Image8 mask_image(const RenderedImage& image) {
+  return {image.width, image.height, 1, image.mask};
 }
 
 }  // namespace tessera::synth

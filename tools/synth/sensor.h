@@ -1,4 +1,4 @@
-// What: a rendered picture to the 8-bit picture a camera would store: exposure, noise, rounding.
+// What: a rendered image to the 8-bit image a camera would store: exposure, noise, rounding.
 // Not: motion blur or rolling shutter; an exposure lasts no time.
 #pragma once
 #include <cstdint>
@@ -16,10 +16,10 @@ double exposure_gain(const SynthOptions& options, int view, int frame);
 
 /// RGBA with straight alpha, or RGB over black. Noise touches colour only, and only where there is
 /// something (alpha > 0).
-Image8 expose(const Picture& picture, const SynthOptions& options, int channels, int view,
+Image8 expose(const RenderedImage& image, const SynthOptions& options, int channels, int view,
               int frame);
 
-/// The picture's mask as a grey picture: 255 what changes, 0 what does not.
-Image8 mask_image(const Picture& picture);
+/// The image's mask as a grey image: 255 what changes, 0 what does not.
+Image8 mask_image(const RenderedImage& image);
 
 }  // namespace tessera::synth

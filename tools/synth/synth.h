@@ -49,7 +49,7 @@ struct SynthOptions {
   double noise_sigma = 0;      // of each channel, in levels of 255
   double exposure_wobble = 0;  // largest relative change of a frame's gain, [0, 0.5]: 0.01 is 1 %;
                                // the reference (cam00 of a rig, dnerf's val and test) has none
-  double moving_share = 0;     // `patch`: share of cam00's picture in which something ever moves,
+  double moving_share = 0;     // `patch`: share of cam00's image in which something ever moves,
                                // kLeastMovingShare .. kMostMovingShare; 0: 0.05
   int points = 20000;          // size of ground_truth/points.ply
   std::vector<double> shifts;  // n3dv, videos, frames by camera number, 0 for those not listed:
@@ -60,7 +60,7 @@ inline constexpr double kLeastMovingShare = 0.005, kMostMovingShare = 0.3;
 
 struct SynthReport {
   int64_t cameras = 0;  // physical cameras: 1 for dnerf
-  int64_t images = 0;   // pictures rendered, over all cameras or splits
+  int64_t images = 0;   // images rendered, over all cameras or splits
   int64_t points = 0;   // static surface points written
 };
 

@@ -1,5 +1,5 @@
 // What: a described world: solids with shape, texture, motion and lifetime, and one light.
-// Not: its picture (render.h). Space: metres, z up, the floor of the room at z = 0.
+// Not: its image (render.h). Space: metres, z up, the floor of the room at z = 0.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -52,7 +52,7 @@ World build_room(uint32_t seed);
 World build_object(uint32_t seed);
 /// `patch`: the room, and a ball of that radius as its only mover (patch.cpp).
 World build_patch(uint32_t seed, double radius);
-/// The radius at which the path of the ball covers options.moving_share of cam00's picture.
+/// The radius at which the path of the ball covers options.moving_share of cam00's image.
 double patch_radius(const SynthOptions& options);
 
 }  // namespace tessera::synth

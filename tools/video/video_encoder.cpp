@@ -166,15 +166,14 @@ VideoEncoder::VideoEncoder(const std::filesystem::path& path, const VideoFormat&
 
 VideoEncoder::~VideoEncoder() = default;
 
-void VideoEncoder::add(const Image8& picture) {
+void VideoEncoder::add(const Image8& image) {
   State& s = *state_;
-  check(
-      picture.width == s.frame->width && picture.height == s.frame->height && picture.channels == 3,
-      "a video frame is RGB and of the video's size");
+  check(image.width == s.frame->width && image.height == s.frame->height && image.channels == 3,
+        "a video frame is RGB and of the video's size");
   s.require(av_frame_make_writable(s.frame.get()), "frame");
-  const uint8_t* from[] = {picture.data.data()};
-  const int stride[] = {3 * picture.width};
-  sws_scale(s.to_yuv.get(), from, stride, 0, picture.height, s.frame->data, s.frame->linesize);
+  const uint8_t* from[] = {image.data.data()};
+  const int stride[] = {3 * image.width};
+  sws_scale(s.to_yuv.get(), from, stride, 0, image.height, s.frame->data, s.frame->linesize);
   s.frame->pts = s.count++;
   s.encode(s.frame.get());
 }

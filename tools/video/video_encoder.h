@@ -1,4 +1,4 @@
-// What: 8-bit RGB pictures to one H.264 mp4, colours tagged so that a correct decoder returns them;
+// What: 8-bit RGB images to one H.264 mp4, colours tagged so that a correct decoder returns them;
 //       the file appears as a whole.
 // Not: in the trainer-only build, where the constructor refuses (video_encoder_absent.cpp).
 #pragma once
@@ -21,7 +21,7 @@ struct VideoFormat {
 };
 
 /// yuv420p, limited range; chroma sited in the centre and tagged so; index in front. The same
-/// pictures give the same bytes. Errors: InputError naming the file and FFmpeg's reason.
+/// images give the same bytes. Errors: InputError naming the file and FFmpeg's reason.
 class VideoEncoder {
  public:
   VideoEncoder(const std::filesystem::path& path, const VideoFormat& format);
@@ -30,7 +30,7 @@ class VideoEncoder {
   VideoEncoder& operator=(const VideoEncoder&) = delete;
 
   /// The next frame: RGB, 3 channels, of the format's size.
-  void add(const Image8& picture);
+  void add(const Image8& image);
   /// Completes the file and gives it its name; without it there is none, or the one before.
   void finish();
 

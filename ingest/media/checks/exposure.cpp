@@ -96,31 +96,31 @@ std::vector<CameraGain> fit_exposure(const MatchedStations& matched) {
     if (a < 0 || b < 0) continue;
     for (const FeatureMatch& match : pair.matches)
       if (match.residual < kMatchResidual)
-        colours.push_back({a, b, colour_at(matched.pictures[size_t(pair.a)], match.ax, match.ay),
-                           colour_at(matched.pictures[size_t(pair.b)], match.bx, match.by)});
+        colours.push_back({a, b, colour_at(matched.images[size_t(pair.a)], match.ax, match.ay),
+                           colour_at(matched.images[size_t(pair.b)], match.bx, match.by)});
   }
   return fit_gains(names, colours);
 }
 
-void apply_exposure(Image8& picture, const std::array<double, 3>& gain) {
-  const auto channels = size_t(picture.channels);
+void apply_exposure(Image8& image, const std::array<double, 3>& gain) {
+  const auto channels = size_t(image.channels);
   const double grey = (gain[0] + gain[1] + gain[2]) / 3;
-  for (size_t p = 0; p < picture.data.size(); p += channels)
+  for (size_t p = 0; p < image.data.size(); p += channels)
     for (size_t k = 0; k < (channels == 1 ? 1 : 3); ++k) {
-      const double value = picture.data[p + k] / (channels == 1 ? grey : gain[k]);
-      picture.data[p + k] = uint8_t(std::clamp(std::lround(value), 0L, 255L));
+      const double value = image.data[p + k] / (channels == 1 ? grey : gain[k]);
+      image.data[p + k] = uint8_t(std::clamp(std::lround(value), 0L, 255L));
     }
 }
 
 namespace {
 
 /// Mean of the image by channel, 8-bit values.
-std::array<double, 3> mean_colour(const Image8& picture) {
+std::array<double, 3> mean_colour(const Image8& image) {
   std::array<double, 3> sum{};
-  for (size_t p = 0; p + 2 < picture.data.size(); p += 3)
-    for (size_t k = 0; k < 3; ++k) sum[k] += picture.data[p + k];
+  for (size_t p = 0; p + 2 < image.data.size(); p += 3)
+    for (size_t k = 0; k < 3; ++k) sum[k] += image.data[p + k];
   for (double& of_channel : sum)
-    of_channel = std::max(1.0, of_channel * 3) / double(picture.data.size());
+    of_channel = std::max(1.0, of_channel * 3) / double(image.data.size());
   return sum;
 }
 
@@ -130,8 +130,7 @@ void judge_whole_images(const MatchedStations& matched, ExposureCheck& check) {
   constexpr double kFar = 1.35;  // of a ratio: one stop of light, 2^(1/2.2) in display values
   std::vector<std::array<double, 3>> means;  // [gains]
   for (size_t s = 0; s < matched.stations.size(); ++s)
-    if (matched.stations[s].split == Split::kTrain)
-      means.push_back(mean_colour(matched.pictures[s]));
+    if (matched.stations[s].split == Split::kTrain) means.push_back(mean_colour(matched.images[s]));
   std::array<double, 3> usual{};
   for (size_t k = 0; k < 3; ++k) {
     std::vector<double> values;

@@ -18,16 +18,15 @@ namespace {
 
 constexpr size_t kNeighbours = 5;
 constexpr float kRatio = 0.75f;  // of the best to the second best distance
-constexpr double kGate = 30;     // pixels, and not below 3 % of the picture's width
+constexpr double kGate = 30;     // pixels, and not below 3 % of the image's width
 
 struct Features {
   std::vector<cv::KeyPoint> places;
   cv::Mat descriptors;
 };
 
-Features features_of(const Image8& picture) {
-  const cv::Mat colour(picture.height, picture.width, CV_8UC3,
-                       const_cast<uint8_t*>(picture.data.data()));
+Features features_of(const Image8& image) {
+  const cv::Mat colour(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.data.data()));
   cv::Mat grey;
   cv::cvtColor(colour, grey, cv::COLOR_RGB2GRAY);
   Features features;
@@ -92,12 +91,12 @@ MatchedStations match_stations(const Scene& scene) {
   for (const Station& station : matched.stations)
     if (station.name != scene.frames[size_t(station.frames.front())].camera_name)
       matched.moving_camera = !scene.is_static;
-  matched.pictures.resize(count), matched.features.resize(count);
+  matched.images.resize(count), matched.features.resize(count);
   std::vector<Features> features(count);
   parallel_for(int64_t(count), 1, [&](int64_t begin, int64_t end) {
     for (auto s = size_t(begin); s < size_t(end); ++s) {
-      matched.pictures[s] = median_picture(scene, matched.stations[s]);
-      features[s] = features_of(matched.pictures[s]);
+      matched.images[s] = median_image(scene, matched.stations[s]);
+      features[s] = features_of(matched.images[s]);
       matched.features[s] = int64_t(features[s].places.size());
     }
   });

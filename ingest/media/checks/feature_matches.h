@@ -1,4 +1,4 @@
-// What: SIFT features of each station's median picture, matched to the stations whose view overlaps
+// What: SIFT features of each station's median image, matched to the stations whose view overlaps
 //       most, and how far each match lies from its epipolar line under the stated poses.
 // Not: estimation; poses select pairs of stations but, but for a loose gate, no matches.
 #pragma once
@@ -9,7 +9,7 @@
 namespace tessera {
 
 struct FeatureMatch {
-  double ax = 0, ay = 0, bx = 0, by = 0;  // pixels in the two pictures
+  double ax = 0, ay = 0, bx = 0, by = 0;  // pixels in the two images
   double residual = 0;                    // Sampson distance, pixels
 };
 
@@ -20,10 +20,10 @@ struct StationPair {
 
 struct MatchedStations {
   std::vector<Station> stations;
-  std::vector<Image8> pictures;   // [stations] medians over time
+  std::vector<Image8> images;     // [stations] medians over time
   std::vector<int64_t> features;  // [stations] found, at most kMostFeatures
   std::vector<StationPair> pairs;
-  bool moving_camera = false;  // of a scene that moves: stations have different moments
+  bool moving_camera = false;  // of a scene that moves: stations have different timesteps
 };
 
 inline constexpr int kMostFeatures = 1500;

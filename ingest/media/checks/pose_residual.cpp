@@ -1,4 +1,4 @@
-// What: medians over matches, pairs and cameras; thresholds by the picture's diagonal.
+// What: medians over matches, pairs and cameras; thresholds by the image's diagonal.
 // Not: matching. A camera that is wrong spoils one pair of each neighbour: the median over pairs
 //      leaves the neighbours out of it.
 #include "ingest/media/checks/pose_residual.h"
@@ -14,7 +14,7 @@ namespace tessera {
 namespace {
 
 constexpr size_t kLeastMatches = 12;    // of a pair
-constexpr int64_t kLeastFeatures = 60;  // of a picture
+constexpr int64_t kLeastFeatures = 60;  // of a image
 constexpr double kSuspicious = 0.0015;  // of the diagonal: 0.9 pixels at 480 × 360
 constexpr double kWrong = 0.0035;       // of the diagonal: 2.1 pixels at 480 × 360
 
@@ -35,29 +35,29 @@ void judge_texture(PoseCheck& check) {
        fmt::format("{} of {} cameras have too few matches to check their poses ({} with fewer than "
                    "{} features)",
                    unknown, all, bare, kLeastFeatures),
-       most ? "the pictures have little texture or overlap: coverage and a dense initial cloud "
+       most ? "the images have little texture or overlap: coverage and a dense initial cloud "
               "decide here, not the poses"
             : ""});
 }
 
-/// Of a moving camera in a moving scene a picture may disagree because of what moved: no verdict.
-void judge_cameras(double picture_diagonal, bool moving_camera, PoseCheck& check) {
+/// Of a moving camera in a moving scene a image may disagree because of what moved: no verdict.
+void judge_cameras(double image_diagonal, bool moving_camera, PoseCheck& check) {
   size_t named = 0;
   for (const PoseResidual& camera : check.cameras) {
     const bool outlier = camera.residual > std::max(3 * check.median, 1e-9);
-    if (!outlier || camera.residual < kSuspicious * picture_diagonal || ++named > kMostNamed)
+    if (!outlier || camera.residual < kSuspicious * image_diagonal || ++named > kMostNamed)
       continue;
-    const Severity severity = moving_camera                                 ? Severity::kInfo
-                              : camera.residual > kWrong * picture_diagonal ? Severity::kError
-                                                                            : Severity::kWarning;
+    const Severity severity = moving_camera                               ? Severity::kInfo
+                              : camera.residual > kWrong * image_diagonal ? Severity::kError
+                                                                          : Severity::kWarning;
     check.findings.push_back({severity, "poses", camera.camera,
                               fmt::format("poses disagree by {:.1f} px (median of all {:.2f})",
                                           camera.residual, check.median),
                               moving_camera
-                                  ? "what moves between its moment and the others' may explain it"
+                                  ? "what moves between its timestep and the others' may explain it"
                                   : "estimate its pose again or leave it out with --cameras"});
   }
-  if (check.median > kSuspicious * picture_diagonal)
+  if (check.median > kSuspicious * image_diagonal)
     check.findings.push_back(
         {Severity::kWarning, "poses", "",
          fmt::format("the cameras disagree by {:.1f} px in the median", check.median),

@@ -1,4 +1,4 @@
-// What: how well the pictures of each camera agree with its stated pose, and whether they have the
+// What: how well the images of each camera agree with its stated pose, and whether they have the
 //       texture to tell.
 // Not: a correction of poses.
 #pragma once

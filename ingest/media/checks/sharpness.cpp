@@ -1,4 +1,4 @@
-// What: two Laplacians a picture, medians over frames and cameras.
+// What: two Laplacians a image, medians over frames and cameras.
 // Not: depth of field: a soft background counts like motion.
 #include "ingest/media/checks/sharpness.h"
 
@@ -17,7 +17,7 @@ namespace tessera {
 namespace {
 
 constexpr double kBlurred = 0.4;  // of the median
-constexpr double kSmooth = 0.25;  // quotient of a smooth picture: half size is 4 times as curved
+constexpr double kSmooth = 0.25;  // quotient of a smooth image: half size is 4 times as curved
 
 double laplacian_deviation(const cv::Mat& grey) {
   cv::Mat laplacian;
@@ -57,9 +57,8 @@ void judge(SharpnessCheck& check) {
 
 }  // namespace
 
-double sharpness(const Image8& picture) {
-  const cv::Mat colour(picture.height, picture.width, CV_8UC3,
-                       const_cast<uint8_t*>(picture.data.data()));
+double sharpness(const Image8& image) {
+  const cv::Mat colour(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.data.data()));
   cv::Mat grey, half;
   cv::cvtColor(colour, grey, cv::COLOR_RGB2GRAY);
   cv::resize(grey, half, {}, 0.5, 0.5, cv::INTER_AREA);

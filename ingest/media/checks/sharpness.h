@@ -7,8 +7,8 @@
 namespace tessera {
 
 /// Deviation of the Laplacian at full size by that at half size, less 1/4, which is that of a
-/// smooth picture. Contrast and amount of texture cancel. −1 where there is no texture.
-double sharpness(const Image8& picture);
+/// smooth image. Contrast and amount of texture cancel. −1 where there is no texture.
+double sharpness(const Image8& image);
 
 struct CameraSharpness {
   std::string camera;

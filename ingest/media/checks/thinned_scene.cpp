@@ -10,8 +10,8 @@
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/layouts/scene_reader.h"
 #include "ingest/layouts/transforms_json.h"
+#include "ingest/media/images/image_scale.h"
 #include "ingest/media/images/image_source.h"
-#include "ingest/media/images/picture_scale.h"
 #include "ingest/media/video/video_decoder.h"
 #include "ingest/media/video/video_timeline.h"
 #include "ingest/poses/colmap_model.h"
@@ -42,17 +42,17 @@ std::vector<int> chosen_frames(const Scene& scene, const Thinning& thinning) {
 
 void load_pixels(Frame& frame, const std::filesystem::path& file, const Thinning& thinning,
                  std::array<uint8_t, 3> background) {
-  Image8 picture = read_png(file);
-  if (picture.channels != 3) picture = composite_on(picture, background);
+  Image8 image = read_png(file);
+  if (image.channels != 3) image = composite_on(image, background);
   const double scale =
-      std::min(1.0, double(thinning.largest) / std::max(picture.width, picture.height));
+      std::min(1.0, double(thinning.largest) / std::max(image.width, image.height));
   if (scale < 1) {
-    const int width = scaled_side(picture.width, scale);
-    const int height = scaled_side(picture.height, scale);
+    const int width = scaled_side(image.width, scale);
+    const int height = scaled_side(image.height, scale);
     frame.camera = frame.camera.resized(width, height);
-    picture = scale_picture(picture, width, height);
+    image = scale_image(image, width, height);
   }
-  frame.image = std::move(picture);
+  frame.image = std::move(image);
 }
 
 int width_of(const std::filesystem::path& capture, CaptureLayout layout,
@@ -64,20 +64,20 @@ int width_of(const std::filesystem::path& capture, CaptureLayout layout,
     case CaptureLayout::kColmap:
       return read_capture_model(capture).photos.front().camera.width;
     case CaptureLayout::kTransforms:
-      return read_picture(read_transforms_capture(capture).frames.front().image).width;
+      return read_image(read_transforms_capture(capture).frames.front().image).width;
     case CaptureLayout::kLlff:
       return read_llff_poses(capture / "poses_bounds.npy").front().camera.width;
     case CaptureLayout::kSequences:
-      return read_picture(sequences_of(capture, options.reading).front().images.front().file).width;
+      return read_image(sequences_of(capture, options.reading).front().images.front().file).width;
     case CaptureLayout::kPhotos:
       return 0;
   }
   return 0;
 }
 
-/// A rate that takes a handful of moments of the shortest clip.
-double moments_per_second(const std::filesystem::path& capture, CaptureLayout layout,
-                          const IngestOptions& options) {
+/// A rate that takes a handful of timesteps of the shortest clip.
+double timesteps_per_second(const std::filesystem::path& capture, CaptureLayout layout,
+                            const IngestOptions& options) {
   constexpr double kMoments = 5;
   double seconds = options.duration.value_or(1e9);
   if (layout == CaptureLayout::kSequences)
@@ -102,14 +102,14 @@ ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& 
   ThinnedScene thinned;
   thinned.all = load_scene(folder, options);
   for (const TransformsFrame& listed : read_transforms(folder).frames)
-    thinned.pictures.push_back(listed.image);
+    thinned.images.push_back(listed.image);
   const std::vector<int> chosen = chosen_frames(thinned.all, thinning);
   thinned.sample = thinned.all;
   thinned.sample.frames.clear();
   for (const int i : chosen) thinned.sample.frames.push_back(thinned.all.frames[size_t(i)]);
   parallel_for(int64_t(chosen.size()), 1, [&](int64_t begin, int64_t end) {
     for (auto k = size_t(begin); k < size_t(end); ++k)
-      load_pixels(thinned.sample.frames[k], thinned.pictures[size_t(chosen[k])], thinning,
+      load_pixels(thinned.sample.frames[k], thinned.images[size_t(chosen[k])], thinning,
                   thinned.all.background);
   });
   return thinned;
@@ -129,7 +129,7 @@ IngestReport ingest_sample(const std::filesystem::path& capture,
   if (sequences) options.image_rate = options.fps.value_or(kImageRate);
   if (sequences ||
       (!options.fps && (layout == CaptureLayout::kN3dv || layout == CaptureLayout::kVideos)))
-    options.fps = moments_per_second(capture, layout, options);
+    options.fps = timesteps_per_second(capture, layout, options);
   options.scale *= std::min(1.0, double(kWidest) / std::max(1, width_of(capture, layout, options)));
   return ingest_capture(capture, folder, options, progress);
 }

@@ -12,19 +12,19 @@ namespace tessera {
 struct Thinning {
   int instants = 5;    // of each station, spread over the clip
   int stations = 40;   // spread over the list; a rig has all of its cameras in general
-  int largest = 1000;  // pixels; wider or higher pictures are reduced
+  int largest = 1000;  // pixels; wider or higher images are reduced
 };
 
 struct ThinnedScene {
-  Scene all;                                    // every frame, no pixels; the cloud
-  Scene sample;                                 // the chosen frames with pixels; the cloud
-  std::vector<std::filesystem::path> pictures;  // of every frame of `all`
+  Scene all;                                  // every frame, no pixels; the cloud
+  Scene sample;                               // the chosen frames with pixels; the cloud
+  std::vector<std::filesystem::path> images;  // of every frame of `all`
 };
 
 /// Errors: as load_scene.
 ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& thinning);
 
-/// Prepares a few frames of a capture, reduced, as the scene `folder`: of videos some moments
+/// Prepares a few frames of a capture, reduced, as the scene `folder`: of videos some timesteps
 /// spread over what `options` ask for. Errors: as ingest_capture.
 IngestReport ingest_sample(const std::filesystem::path& capture,
                            const std::filesystem::path& folder, IngestOptions options,

@@ -45,16 +45,16 @@ cv::Rect neighbourhood(const cv::Mat& mask) {
 }
 
 const cv::Size kWindow(15, 15);  // pixels that optical flow compares
-constexpr int kLevels = 3;       // above the picture itself in its pyramid
+constexpr int kLevels = 3;       // above the image itself in its pyramid
 
-struct TimedPicture {
+struct TimedImage {
   double seconds = 0;
-  cv::Mat picture;
+  cv::Mat image;
   std::vector<cv::Mat> pyramid;
 };
 
 /// Where the points are in the other frame; false in `found` where the way back does not return.
-std::vector<cv::Point2f> follow(const TimedPicture& from, const TimedPicture& to,
+std::vector<cv::Point2f> follow(const TimedImage& from, const TimedImage& to,
                                 const std::vector<cv::Point2f>& points, std::vector<bool>& found) {
   constexpr double kReturn = 0.3;  // pixels
   std::vector<cv::Point2f> there, back;
@@ -69,16 +69,16 @@ std::vector<cv::Point2f> follow(const TimedPicture& from, const TimedPicture& to
   return there;
 }
 
-MovingFeatures features_of(const TimedPicture& before, const TimedPicture& now,
-                           const TimedPicture& after, double enlarge) {
+MovingFeatures features_of(const TimedImage& before, const TimedImage& now, const TimedImage& after,
+                           double enlarge) {
   MovingFeatures features{now.seconds, before.seconds, after.seconds, {}, {}, {}, {}};
-  const cv::Mat mask = moving_mask(before.picture, now.picture, after.picture);
+  const cv::Mat mask = moving_mask(before.image, now.image, after.image);
   const cv::Rect part = neighbourhood(mask);
   if (part.empty()) return features;
   const auto sift = cv::SIFT::create(kFeatures, 3, 0.03);
   std::vector<cv::KeyPoint> keys;
   cv::Mat descriptor;
-  sift->detectAndCompute(now.picture(part), mask(part), keys, descriptor);
+  sift->detectAndCompute(now.image(part), mask(part), keys, descriptor);
   if (keys.empty()) return features;
   std::vector<cv::Point2f> points;
   for (const cv::KeyPoint& key : keys) points.push_back(key.pt + cv::Point2f(part.tl()));
@@ -111,12 +111,12 @@ MotionEnergy motion_energy(GreyClip& clip) {
   cv::Mat last, now;
   clip.read(
       0, std::min(timeline.ticks.size(), size_t(kMotionFrames)),
-      [&](size_t frame, const cv::Mat& picture) {
-        const double scale = double(kEnergySide) / std::max(picture.cols, picture.rows);
+      [&](size_t frame, const cv::Mat& image) {
+        const double scale = double(kEnergySide) / std::max(image.cols, image.rows);
         if (scale < 1)
-          cv::resize(picture, now, {}, scale, scale, cv::INTER_AREA);
+          cv::resize(image, now, {}, scale, scale, cv::INTER_AREA);
         else
-          now = picture.clone();
+          now = image.clone();
         if (frame > 0) {
           cv::Mat cells;
           cv::resize(change(last, now), cells, grid, 0, 0, cv::INTER_AREA);
@@ -136,11 +136,11 @@ std::vector<MovingFeatures> moving_features(GreyClip& clip, double begin, double
   size_t first = 0, last = timeline.ticks.size();  // with one neighbour on either side
   while (first + 1 < last && timeline.seconds(first + 1) < begin) ++first;
   while (last > first + 1 && timeline.seconds(last - 2) > end) --last;
-  std::deque<TimedPicture> window;
-  clip.read(first, last, [&](size_t frame, const cv::Mat& picture) {
-    TimedPicture& timed = window.emplace_back();
-    timed.seconds = timeline.seconds(frame), timed.picture = picture;
-    cv::buildOpticalFlowPyramid(picture, timed.pyramid, kWindow, kLevels);
+  std::deque<TimedImage> window;
+  clip.read(first, last, [&](size_t frame, const cv::Mat& image) {
+    TimedImage& timed = window.emplace_back();
+    timed.seconds = timeline.seconds(frame), timed.image = image;
+    cv::buildOpticalFlowPyramid(image, timed.pyramid, kWindow, kLevels);
     if (window.size() > 3) window.pop_front();
     if (window.size() == 3) all.push_back(features_of(window[0], window[1], window[2], enlarge));
   });

@@ -1,5 +1,5 @@
 // What: what moves in a clip: where and how much between frames, and moving features with their
-//       paths; gathered from small grey pictures.
+//       paths; gathered from small grey images.
 // Not: comparisons of clips (motion_profile.h, motion_matches.h).
 #pragma once
 #include <opencv2/core.hpp>
@@ -21,7 +21,7 @@ constexpr int kMotionCells = 48, kMotionFrames = 1800;
 MotionEnergy motion_energy(GreyClip& clip);
 
 /// Features of one frame that lie where something moves, with where they are a frame before and
-/// after. Points are in pixels of the video, (0, 0) the picture's corner.
+/// after. Points are in pixels of the video, (0, 0) the image's corner.
 struct MovingFeatures {
   double seconds = 0, before_seconds = 0, after_seconds = 0;
   std::vector<cv::Point2d> point, before, after;  // [K]

@@ -32,7 +32,7 @@ ClipClocks stated(const std::vector<RigClip>& clips, const std::filesystem::path
   return result;
 }
 
-/// Whether there is a moment that all clips show.
+/// Whether there is a timestep that all clips show.
 bool overlap(const std::vector<RigClip>& clips, const std::vector<ClipClock>& clocks) {
   double latest = -std::numeric_limits<double>::infinity(), earliest = -latest;
   for (size_t i = 0; i < clips.size(); ++i) {
@@ -93,12 +93,12 @@ ClipClocks sound_or_motion(const std::vector<RigClip>& clips, const std::vector<
     const double error = std::hypot(sound[i].uncertainty, motion.clocks[i].uncertainty);
     if (apart < 3 * error + 0.5 * clips[i].timeline.frame_seconds) continue;
     motion.warnings.push_back(fmt::format(
-        "{}: its sound puts its clock {:+.3f} s off, its pictures {:+.3f} s; the sound is not "
-        "used: state the clocks with --offsets FILE if the pictures mislead",
+        "{}: its sound puts its clock {:+.3f} s off, its images {:+.3f} s; the sound is not "
+        "used: state the clocks with --offsets FILE if the images mislead",
         clips[i].name, sound[i].offset, motion.clocks[i].offset));
     return motion;
   }
-  if (all_precise) return motion;  // they agree, and pictures do not hear the way of the sound
+  if (all_precise) return motion;  // they agree, and images do not hear the way of the sound
   return {sound, {}};
 }
 
@@ -110,7 +110,7 @@ ClipClocks automatic(const std::vector<RigClip>& clips, const IngestProgress& pr
   const auto sound = all_sound ? synchronise_by_audio(clips, progress, reason) : std::nullopt;
   ClipClocks motion = synchronise_by_motion(clips, progress);
   if (sound) return sound_or_motion(clips, *sound, std::move(motion));
-  if (all_sound) motion.warnings.push_back(reason + ", so the pictures' motion is used");
+  if (all_sound) motion.warnings.push_back(reason + ", so the images' motion is used");
   return motion;
 }
 

@@ -1,5 +1,5 @@
 // What: how much later or earlier each camera's clock runs than the rig's, from the videos.
-// Not: resampling: frames keep their moments, the offset is added to their times.
+// Not: resampling: frames keep their timesteps, the offset is added to their times.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// What: decoding at the reduced size, and which pictures stay.
+// What: decoding at the reduced size, and which images stay.
 // Not: the decoder (video_decoder.h).
 #include "ingest/media/clocks/grey_clip.h"
 
@@ -21,10 +21,10 @@ GreyClip::GreyClip(const RigClip& clip, size_t bound)
 }
 
 void GreyClip::read(size_t first, size_t last,
-                    const std::function<void(size_t frame, const cv::Mat& picture)>& on_picture) {
+                    const std::function<void(size_t frame, const cv::Mat& image)>& on_image) {
   size_t next = first;
   const auto hand_over_kept = [&] {
-    for (; next < last && !kept_[next].empty(); ++next) on_picture(next, kept_[next]);
+    for (; next < last && !kept_[next].empty(); ++next) on_image(next, kept_[next]);
   };
   std::vector<int64_t> wanted;
   for (size_t frame = first; frame < last; ++frame)
@@ -36,7 +36,7 @@ void GreyClip::read(size_t first, size_t last,
     cv::Mat grey;
     cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
     if (room_ > 0) kept_[next] = grey, --room_;
-    on_picture(next++, grey);
+    on_image(next++, grey);
     hand_over_kept();
     return true;
   };

@@ -11,7 +11,7 @@
 namespace tessera {
 namespace {
 
-constexpr double kSide = 480;  // pixels of the picture that misses are counted in
+constexpr double kSide = 480;  // pixels of the image that misses are counted in
 
 glm::dmat3 cross_matrix(const glm::dvec3& t) {
   return {{0, t.z, -t.y}, {-t.z, 0, t.x}, {t.y, -t.x, 0}};  // by column
@@ -29,13 +29,13 @@ glm::dmat3 fundamental(const Camera& a, const Camera& b) {
          glm::inverse(pixels_of(a));
 }
 
-/// A feature's place and velocity at a moment near its frame, by the parabola through its places.
-struct Moment {
+/// A feature's place and velocity at a timestep near its frame, by the parabola through its places.
+struct MovingPoint {
   glm::dvec3 place{0.0};     // homogeneous, pixels
   glm::dvec3 velocity{0.0};  // pixels a second
 };
 
-Moment moment_of(const MovingFeatures& frame, size_t i, double seconds) {
+MovingPoint moving_point(const MovingFeatures& frame, size_t i, double seconds) {
   const double p = frame.before_seconds - frame.seconds, q = frame.after_seconds - frame.seconds;
   const double t = seconds - frame.seconds;
   const auto point = [](const cv::Point2d& x) { return glm::dvec3(x.x, x.y, 1); };
@@ -55,12 +55,12 @@ MissTable miss_table(const glm::dmat3& f, const MovingFeatures& a, const MovingF
                      double seconds_in_b, double pixel) {
   const int rows = int(a.point.size()), columns = int(b.point.size());
   MissTable table{cv::Mat(rows, columns, CV_64F), cv::Mat(rows, columns, CV_64F)};
-  std::vector<Moment> moments;
-  for (size_t j = 0; j < b.point.size(); ++j) moments.push_back(moment_of(b, j, seconds_in_b));
+  std::vector<MovingPoint> points;
+  for (size_t j = 0; j < b.point.size(); ++j) points.push_back(moving_point(b, j, seconds_in_b));
   for (int i = 0; i < rows; ++i) {
     const glm::dvec3 from(a.point[size_t(i)].x, a.point[size_t(i)].y, 1), line = f * from;
     for (int j = 0; j < columns; ++j) {
-      const Moment& to = moments[size_t(j)];
+      const MovingPoint& to = points[size_t(j)];
       const glm::dvec3 back = glm::transpose(f) * to.place;
       const double length =
           std::sqrt(line.x * line.x + line.y * line.y + back.x * back.x + back.y * back.y);
@@ -130,15 +130,15 @@ std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFea
   const glm::dmat3 f = fundamental(a.camera, b.camera);
   const double pixel = kSide / std::max(b.camera.width, b.camera.height);
   for (const MovingFeatures& frame : a.frames) {
-    const double moment = frame.seconds - shift.at(frame.seconds);
+    const double timestep = frame.seconds - shift.at(frame.seconds);
     const auto nearest = std::min_element(
         b.frames.begin(), b.frames.end(), [&](const MovingFeatures& x, const MovingFeatures& y) {
-          return std::abs(x.seconds - moment) < std::abs(y.seconds - moment);
+          return std::abs(x.seconds - timestep) < std::abs(y.seconds - timestep);
         });
     if (nearest == b.frames.end() || frame.point.empty() || nearest->point.empty() ||
-        std::abs(nearest->seconds - moment) > 0.6 * b.frame_seconds)
+        std::abs(nearest->seconds - timestep) > 0.6 * b.frame_seconds)
       continue;
-    match(frame, *nearest, miss_table(f, frame, *nearest, moment, pixel), gate,
+    match(frame, *nearest, miss_table(f, frame, *nearest, timestep, pixel), gate,
           frame.seconds - shift.middle, misses);
   }
   return misses;

@@ -1,4 +1,4 @@
-// What: the sound of a video file as one channel, placed on the clock of its pictures.
+// What: the sound of a video file as one channel, placed on the clock of its images.
 // Not: playback quality: enough to compare recordings.
 #pragma once
 #include <filesystem>

@@ -88,7 +88,7 @@ std::vector<double> offsets_of(const std::vector<SolvedOffset>& solved) {
 /// The stretch of the rig's time, `length` seconds, in which most moves.
 double busiest_begin(const std::vector<MotionEnergy>& energies, const std::vector<double>& offsets,
                      double length) {
-  std::vector<std::pair<double, double>> moves;  // moment, share of its clip's motion
+  std::vector<std::pair<double, double>> moves;  // timestep, share of its clip's motion
   for (size_t clip = 0; clip < energies.size(); ++clip) {
     double total = 1e-9;
     std::vector<double> sums;
@@ -113,17 +113,17 @@ class MotionSync {
  public:
   MotionSync(const std::vector<RigClip>& clips, const IngestProgress& progress)
       : clips_(clips), progress_(progress), pairs_(pairs_to_compare(clips)) {
-    constexpr size_t kBytes = size_t(512) << 20;  // of pictures, for all clips
+    constexpr size_t kBytes = size_t(512) << 20;  // of images, for all clips
     for (const RigClip& clip : clips) {
       frame_seconds_ = std::max(frame_seconds_, step_of(clip));
-      pictures_.emplace_back(clip, kBytes / clips.size());
+      images_.emplace_back(clip, kBytes / clips.size());
     }
   }
 
   ClipClocks run() {
     for (size_t i = 0; i < clips_.size(); ++i) {
       report("motion", i);
-      energies_.push_back(clips_[i].camera ? motion_energy(pictures_[i]) : MotionEnergy{});
+      energies_.push_back(clips_[i].camera ? motion_energy(images_[i]) : MotionEnergy{});
     }
     const auto coarse = measure(pairs_, [&](int a, int b) {
       return coarse_offset(energies_[size_t(a)], energies_[size_t(b)], *clips_[size_t(a)].camera,
@@ -141,7 +141,7 @@ class MotionSync {
     }
     if (!all_determined(fine.pairs)) {
       // what was compared may lie where a clock that drifts is seconds off; videos begin together
-      Fine first = measure_fine(none, first_moment());
+      Fine first = measure_fine(none, first_timestep());
       fine.pairs.insert(fine.pairs.end(), first.pairs.begin(), first.pairs.end());
       fine.rates.insert(fine.rates.end(), first.rates.begin(), first.rates.end());
     }
@@ -167,7 +167,7 @@ class MotionSync {
   }
 
   /// The latest beginning of a clip.
-  double first_moment() const {
+  double first_timestep() const {
     double first = -std::numeric_limits<double>::infinity();
     for (const MotionEnergy& energy : energies_)
       if (!energy.seconds.empty()) first = std::max(first, energy.seconds.front());
@@ -192,7 +192,7 @@ class MotionSync {
       if (!clip.camera) continue;
       posed.camera = clip.camera->camera.resized(energies_[i].width, energies_[i].height);
       posed.frame_seconds = step_of(clip);
-      posed.frames = moving_features(pictures_[i], begin - start[i], begin + length - start[i]);
+      posed.frames = moving_features(images_[i], begin - start[i], begin + length - start[i]);
       straighten(posed.frames, *clip.camera, energies_[i].width, energies_[i].height);
     }
     std::vector<PairShift> shifts(clips_.size() * clips_.size());
@@ -259,8 +259,8 @@ class MotionSync {
             "{}: {} how its clock runs against the others'; it is taken as it is: state it with "
             "--offsets FILE",
             clips_[i].name,
-            clips_[i].camera ? "its pictures do not tell"
-                             : "its pose is not known, without which its pictures cannot tell"));
+            clips_[i].camera ? "its images do not tell"
+                             : "its pose is not known, without which its images cannot tell"));
         continue;
       }
       const bool told = std::abs(s.offset) > limits[i], vague = s.sigma > 0.25 * steps[i];
@@ -285,7 +285,7 @@ class MotionSync {
   const IngestProgress& progress_;
   const Pairs pairs_;
   double frame_seconds_ = 0;  // of the slowest clip
-  std::vector<GreyClip> pictures_;
+  std::vector<GreyClip> images_;
   std::vector<MotionEnergy> energies_;
 };
 

@@ -20,12 +20,12 @@ void weight_by_alpha(cv::Mat& pixels, bool inverse) {
 
 }  // namespace
 
-cv::Mat alpha_weighted(const Image8& picture) {
-  const cv::Mat source(picture.height, picture.width, CV_8UC(picture.channels),
-                       const_cast<uint8_t*>(picture.data.data()));
+cv::Mat alpha_weighted(const Image8& image) {
+  const cv::Mat source(image.height, image.width, CV_8UC(image.channels),
+                       const_cast<uint8_t*>(image.data.data()));
   cv::Mat pixels;
   source.convertTo(pixels, CV_32F);
-  if (picture.channels == 4) weight_by_alpha(pixels, false);
+  if (image.channels == 4) weight_by_alpha(pixels, false);
   return pixels;
 }
 

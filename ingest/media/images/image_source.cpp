@@ -20,7 +20,7 @@ using std::filesystem::path;
 
 [[noreturn]] void fail(const path& file, const std::string& seen) {
   throw InputError(
-      fmt::format("{}: {}; convert this picture to 8-bit sRGB PNG", file.string(), seen));
+      fmt::format("{}: {}; convert this image to 8-bit sRGB PNG", file.string(), seen));
 }
 
 /// libjpeg fills what is missing with grey and only warns. Inside a scan 0xFF is never followed by
@@ -77,7 +77,7 @@ std::vector<uint8_t> quantised(std::vector<float> pixels, int channels, bool pre
 }
 
 /// The decoder's word on what it met, where that spoils pixels. Bytes too many before the end of
-/// the picture, which some cameras write, do not.
+/// the image, which some cameras write, do not.
 void refuse_damage(const path& file, OIIO::ImageInput& input, bool read) {
   const std::string seen = input.has_error() ? input.geterror() : "";
   const bool harmless = seen.find("extraneous bytes before marker 0xd9") != std::string::npos;
@@ -88,19 +88,19 @@ void refuse_damage(const path& file, OIIO::ImageInput& input, bool read) {
                   file.string(), line.empty() ? "no reason given" : line));
 }
 
-SourcePicture read_through_oiio(const path& file) {
+SourceImage read_through_oiio(const path& file) {
   OIIO::ImageSpec wishes;
   wishes.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &wishes);
   if (input == nullptr) {
     const std::string seen = OIIO::geterror();
-    fail(file, fmt::format("cannot be opened as a picture ({})", seen.substr(0, seen.find('\n'))));
+    fail(file, fmt::format("cannot be opened as a image ({})", seen.substr(0, seen.find('\n'))));
   }
   const OIIO::ImageSpec& spec = input->spec();
   check_spec(file, spec);
-  SourcePicture source{{spec.width, spec.height, spec.nchannels, {}},
-                       std::clamp(spec.get_int_attribute("Orientation", 1), 1, 8),
-                       spec.format.is_floating_point()};
+  SourceImage source{{spec.width, spec.height, spec.nchannels, {}},
+                     std::clamp(spec.get_int_attribute("Orientation", 1), 1, 8),
+                     spec.format.is_floating_point()};
   const bool premultiplied =
       spec.nchannels == 4 && spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
   const size_t count = size_t(spec.width) * size_t(spec.height) * size_t(spec.nchannels);
@@ -122,11 +122,11 @@ SourcePicture read_through_oiio(const path& file) {
 
 }  // namespace
 
-SourcePicture read_source_picture(const path& file) {
+SourceImage read_source_image(const path& file) {
   const std::string bytes = read_text_file(file);
   if (bytes.empty())
     throw InputError(fmt::format(
-        "{}: is an empty file, expected a picture; copy it again or take it out of the capture",
+        "{}: is an empty file, expected a image; copy it again or take it out of the capture",
         file.string()));
   if (bytes.starts_with("\x89PNG") || file.extension() == ".png" || file.extension() == ".PNG")
     if (!bytes.starts_with("\xff\xd8")) return {read_png(file)};  // a JPEG may be called .png
@@ -134,8 +134,8 @@ SourcePicture read_source_picture(const path& file) {
   return read_through_oiio(file);
 }
 
-Image8 read_picture(const path& file) {
-  return read_source_picture(file).image;
+Image8 read_image(const path& file) {
+  return read_source_image(file).image;
 }
 
 }  // namespace tessera

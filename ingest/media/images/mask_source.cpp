@@ -1,5 +1,5 @@
 // What: names, resampling, refusals.
-// Not: a resampler of its own: a mask is a grey picture that is cut at one half afterwards.
+// Not: a resampler of its own: a mask is a grey image that is cut at one half afterwards.
 #include "ingest/media/images/mask_source.h"
 
 #include <fmt/format.h>
@@ -8,8 +8,8 @@
 
 #include "ingest/files/png.h"
 #include "ingest/images/mask.h"
+#include "ingest/media/images/image_scale.h"
 #include "ingest/media/images/image_source.h"
-#include "ingest/media/images/picture_scale.h"
 #include "ingest/media/images/undistortion.h"
 #include "ingest/poses/intrinsics.h"
 #include "kernels/base/errors.h"
@@ -34,10 +34,9 @@ Image8 with_border(const Image8& mask) {
 
 }  // namespace
 
-std::filesystem::path find_mask(const IngestOptions& options,
-                                const std::filesystem::path& picture) {
+std::filesystem::path find_mask(const IngestOptions& options, const std::filesystem::path& image) {
   if (options.masks.empty()) return {};
-  const std::filesystem::path whole = options.masks / picture;
+  const std::filesystem::path whole = options.masks / image;
   std::filesystem::path stem = whole;
   stem.replace_extension();
   for (const char* extension : {".png", ".PNG", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp"})
@@ -49,9 +48,9 @@ std::filesystem::path find_mask(const IngestOptions& options,
 Image8 read_mask(const std::filesystem::path& file, int width, int height,
                  const IngestOptions& options) {
   if (file.empty()) return {};
-  Image8 mask = mask_of_picture(read_picture(file), file);
+  Image8 mask = mask_of_image(read_image(file), file);
   if (mask.width > width && same_shape(mask.width, mask.height, width, height))
-    mask = cut_at_half(scale_picture(mask, width, height));
+    mask = cut_at_half(scale_image(mask, width, height));
   check_mask_size(mask, width, height, file);
   if (options.invert_masks) invert_mask(mask);
   return mask;
@@ -69,8 +68,8 @@ std::string write_prepared_mask(const std::filesystem::path& folder, const std::
                                 const Image8& mask, double scale) {
   if (mask.data.empty()) return {};
   const std::string path = "masks/" + name + ".png";
-  write_png(folder / path, cut_at_half(scale_picture(mask, scaled_side(mask.width, scale),
-                                                     scaled_side(mask.height, scale))));
+  write_png(folder / path, cut_at_half(scale_image(mask, scaled_side(mask.width, scale),
+                                                   scaled_side(mask.height, scale))));
   return path;
 }
 
@@ -90,7 +89,7 @@ void check_masks(const PreparedScene& scene, const IngestOptions& options, Inges
   const bool none = size_t(without) == scene.frames.size();
   if (!options.masks.empty() && none)
     throw InputError(fmt::format(
-        "{}: has no mask for any of the {} frames; name masks as the pictures (a.png or a.jpg.png "
+        "{}: has no mask for any of the {} frames; name masks as the images (a.png or a.jpg.png "
         "for a.jpg) or, for videos, as the cameras",
         options.masks.string(), scene.frames.size()));
   if (options.invert_masks && none)

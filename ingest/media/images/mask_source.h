@@ -1,5 +1,5 @@
-// What: masks of a capture → masks of a prepared scene: found by name, read in any picture format,
-//       undistorted and scaled as their pictures are, written below masks/.
+// What: masks of a capture → masks of a prepared scene: found by name, read in any image format,
+//       undistorted and scaled as their images are, written below masks/.
 // Not: the polarity (ingest/images/mask.h), and no soft edges: what is resampled is cut at one
 // half.
 #pragma once
@@ -12,16 +12,16 @@
 
 namespace tessera {
 
-/// The mask of a picture below `options.masks`: for "a/b.jpg" a/b.png, a/b.jpg.png, else a/b with
-/// another extension of pictures; for a camera's videos its name. Empty when there is none.
-std::filesystem::path find_mask(const IngestOptions& options, const std::filesystem::path& picture);
+/// The mask of a image below `options.masks`: for "a/b.jpg" a/b.png, a/b.jpg.png, else a/b with
+/// another extension of images; for a camera's videos its name. Empty when there is none.
+std::filesystem::path find_mask(const IngestOptions& options, const std::filesystem::path& image);
 
-/// Reads the mask of a picture of width × height, or of one of the same shape that was larger;
+/// Reads the mask of a image of width × height, or of one of the same shape that was larger;
 /// turned with options.invert_masks. An empty `file` gives an empty mask, as do the two functions
 /// below for one. Errors: InputError naming the file.
 Image8 read_mask(const std::filesystem::path& file, int width, int height,
                  const IngestOptions& options);
-/// As Undistortion::apply; what lies beyond the picture is ignored.
+/// As Undistortion::apply; what lies beyond the image is ignored.
 Image8 undistorted_mask(const Image8& mask, const Camera& camera, const Lens& lens,
                         const Camera& pinhole);
 /// Scales and writes masks/`name`.png below `folder`; returns that path, below `folder`.

@@ -1,4 +1,4 @@
-// What: for each pixel of the pinhole camera the place in the picture, then OpenCV's remap.
+// What: for each pixel of the pinhole camera the place in the image, then OpenCV's remap.
 // Not: OpenCV's own lens models: it has not all of COLMAP's, and its pixel centres are at integers.
 #include "ingest/media/images/undistortion.h"
 
@@ -22,10 +22,10 @@ Undistortion::Undistortion(const Camera& camera, const Lens& lens, const Camera&
     }
 }
 
-Image8 Undistortion::apply(const Image8& picture) const {
-  check(picture.width == width_ && picture.height == height_, "undistorted picture size");
+Image8 Undistortion::apply(const Image8& image) const {
+  check(image.width == width_ && image.height == height_, "undistorted image size");
   cv::Mat pixels;
-  cv::remap(alpha_weighted(picture), pixels, place_, {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::remap(alpha_weighted(image), pixels, place_, {}, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return without_alpha_weight(pixels);
 }
 

@@ -1,4 +1,4 @@
-// What: the picture that a pinhole camera would have taken, resampled from one through a lens.
+// What: the image that a pinhole camera would have taken, resampled from one through a lens.
 // Not: the choice of that camera (lens.h).
 #pragma once
 #include <opencv2/core/mat.hpp>
@@ -8,19 +8,19 @@
 
 namespace tessera {
 
-/// Computed once for a camera, then applied to each of its pictures, also by several threads.
+/// Computed once for a camera, then applied to each of its images, also by several threads.
 class Undistortion {
  public:
-  /// Pictures are taken by `camera` through `lens`; results have the size of `pinhole`, whose pose
+  /// Images are taken by `camera` through `lens`; results have the size of `pinhole`, whose pose
   /// is the same.
   Undistortion(const Camera& camera, const Lens& lens, const Camera& pinhole);
-  /// Bilinear; with alpha, colours are weighted by it; beyond the border it repeats. A picture of
+  /// Bilinear; with alpha, colours are weighted by it; beyond the border it repeats. A image of
   /// another size than the camera's is a bug of the caller.
-  Image8 apply(const Image8& picture) const;
+  Image8 apply(const Image8& image) const;
 
  private:
   int width_, height_;  // of the camera
-  cv::Mat place_;       // [height, width] of the pinhole picture: where in the camera's, pixels
+  cv::Mat place_;       // [height, width] of the pinhole image: where in the camera's, pixels
 };
 
 }  // namespace tessera

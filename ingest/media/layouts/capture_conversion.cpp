@@ -12,7 +12,7 @@
 #include "ingest/images/alpha_composite.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/layouts/transforms_json.h"
-#include "ingest/media/images/picture_scale.h"
+#include "ingest/media/images/image_scale.h"
 #include "ingest/media/layouts/conversion.h"
 #include "ingest/media/layouts/scene_finish.h"
 #include "kernels/base/errors.h"
@@ -25,7 +25,7 @@ void check_options(const IngestOptions& options) {
   if (!(options.scale > 0 && options.scale <= 1))
     throw InputError(
         fmt::format("--scale is {}, expected more than 0 and at most 1; pass 0.5 for "
-                    "pictures of half the width",
+                    "images of half the width",
                     options.scale));
   if (options.frames && *options.frames < 1)
     throw InputError(
@@ -50,8 +50,8 @@ void check_layout_options(CaptureLayout layout, const IngestOptions& o) {
   };
   const bool estimated = videos || layout == CaptureLayout::kPhotos;
   for (const Row& row :
-       {Row{!o.pictures.empty(), photos, "--images", "photos"},
-        {o.frames.has_value(), !photos, "--frames", "several moments"},
+       {Row{!o.images.empty(), photos, "--images", "photos"},
+        {o.frames.has_value(), !photos, "--frames", "several timesteps"},
         {o.start != 0, videos, "--start", "videos"},
         {o.duration.has_value(), videos, "--duration", "videos"},
         {o.fps.has_value(), videos, "--fps", "videos"},
@@ -110,8 +110,8 @@ IngestReport convert_staged(const std::filesystem::path& capture, const std::fil
 
 }  // namespace
 
-void convert_pictures(size_t count, const IngestProgress& progress,
-                      const std::function<void(size_t)>& convert) {
+void convert_images(size_t count, const IngestProgress& progress,
+                    const std::function<void(size_t)>& convert) {
   const size_t chunk = 4 * size_t(thread_count());
   for (size_t start = 0; start < count; start += chunk) {
     const size_t size = std::min(chunk, count - start);
@@ -125,7 +125,7 @@ void convert_pictures(size_t count, const IngestProgress& progress,
     });
     for (const std::string& error : errors)
       if (!error.empty()) throw InputError(error);
-    progress("converting pictures", int64_t(start + size), int64_t(count));
+    progress("converting images", int64_t(start + size), int64_t(count));
   }
 }
 
@@ -133,8 +133,8 @@ Camera scaled_camera(const Camera& camera, double scale) {
   return camera.resized(scaled_side(camera.width, scale), scaled_side(camera.height, scale));
 }
 
-void write_prepared_picture(const std::filesystem::path& path, Image8 image, double scale) {
-  image = scale_picture(image, scaled_side(image.width, scale), scaled_side(image.height, scale));
+void write_prepared_image(const std::filesystem::path& path, Image8 image, double scale) {
+  image = scale_image(image, scaled_side(image.width, scale), scaled_side(image.height, scale));
   if (image.channels == 1) image = composite_on(image, {0, 0, 0});  // grey has no alpha: repeated
   write_png(path, image);
 }

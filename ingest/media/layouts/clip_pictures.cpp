@@ -14,22 +14,22 @@
 namespace tessera {
 namespace {
 
-class PictureWriter {
+class ImageWriter {
  public:
-  PictureWriter(const std::filesystem::path& folder, double scale,
-                const std::optional<Undistortion>& undistortion)
+  ImageWriter(const std::filesystem::path& folder, double scale,
+              const std::optional<Undistortion>& undistortion)
       : folder_(folder), scale_(scale), undistortion_(undistortion) {}
 
-  void add(const std::string& file, Image8 picture) {
-    waiting_.push_back({file, std::move(picture)});
+  void add(const std::string& file, Image8 image) {
+    waiting_.push_back({file, std::move(image)});
     if (int(waiting_.size()) >= 2 * thread_count()) write();
   }
   void write() {
     parallel_for(int64_t(waiting_.size()), 1, [&](int64_t begin, int64_t end) {
       for (auto i = size_t(begin); i < size_t(end); ++i) {
-        Image8 picture = std::move(waiting_[i].picture);
-        if (undistortion_) picture = undistortion_->apply(picture);
-        write_prepared_picture(folder_ / waiting_[i].file, std::move(picture), scale_);
+        Image8 image = std::move(waiting_[i].image);
+        if (undistortion_) image = undistortion_->apply(image);
+        write_prepared_image(folder_ / waiting_[i].file, std::move(image), scale_);
       }
     });
     waiting_.clear();
@@ -38,7 +38,7 @@ class PictureWriter {
  private:
   struct Waiting {
     std::string file;
-    Image8 picture;
+    Image8 image;
   };
   const std::filesystem::path& folder_;
   double scale_;
@@ -48,9 +48,9 @@ class PictureWriter {
 
 }  // namespace
 
-PreparedClip write_clip_pictures(const RigClip& clip, const ClipFrames& frames,
-                                 const std::filesystem::path& folder, const IngestOptions& options,
-                                 const std::function<void()>& on_picture) {
+PreparedClip write_clip_images(const RigClip& clip, const ClipFrames& frames,
+                               const std::filesystem::path& folder, const IngestOptions& options,
+                               const std::function<void()>& on_image) {
   check(clip.camera.has_value(), "write_clip_pictures: a clip without its camera");
   const Camera& stated = clip.camera->camera;
   Camera camera = stated;
@@ -61,13 +61,13 @@ PreparedClip write_clip_pictures(const RigClip& clip, const ClipFrames& frames,
     undistortion.emplace(stated, lens, pinhole);
     camera = pinhole;
   }
-  PictureWriter writer(folder, options.scale, undistortion);
+  ImageWriter writer(folder, options.scale, undistortion);
   size_t next = 0;
   bool has_alpha = false;
   decode_clip(clip, frames.ticks, [&](VideoFrame decoded) {
     has_alpha = has_alpha || decoded.image.channels == 4;
     writer.add(frames.files[next++], std::move(decoded.image));
-    on_picture();
+    on_image();
     return true;
   });
   writer.write();

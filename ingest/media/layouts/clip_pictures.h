@@ -1,4 +1,4 @@
-// What: the wanted frames of one video → prepared pictures on disk: lens removed, scaled, PNG.
+// What: the wanted frames of one video → prepared images on disk: lens removed, scaled, PNG.
 // Not: the choice of frames (frame_window.h).
 #pragma once
 #include <filesystem>
@@ -16,7 +16,7 @@ struct ClipFrames {
   std::vector<std::string> files;  // below the scene's folder; one a frame
 };
 
-/// What the pictures of a clip share.
+/// What the images of a clip share.
 struct PreparedClip {
   Camera camera;
   std::string mask_path;  // below the scene's folder; empty without a mask
@@ -24,10 +24,10 @@ struct PreparedClip {
 };
 
 /// Decodes the frames of `clip`, whose camera is known, in order of presentation and writes them
-/// below `folder`, and the camera's mask where there is one. In memory: two pictures a thread
+/// below `folder`, and the camera's mask where there is one. In memory: two images a thread
 /// beside the decoder's (video_decoder.h). Errors: InputError naming the video.
-PreparedClip write_clip_pictures(const RigClip& clip, const ClipFrames& frames,
-                                 const std::filesystem::path& folder, const IngestOptions& options,
-                                 const std::function<void()>& on_picture);
+PreparedClip write_clip_images(const RigClip& clip, const ClipFrames& frames,
+                               const std::filesystem::path& folder, const IngestOptions& options,
+                               const std::function<void()>& on_image);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// What: a folder of photos with a COLMAP model or LLFF's poses → prepared scene: one moment,
-//       pinhole pictures.
+// What: a folder of photos with a COLMAP model or LLFF's poses → prepared scene: one timestep,
+//       pinhole images.
 // Not: the files of poses (colmap_model.h, llff_photos.h) or the estimation of poses.
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@
 #include "ingest/media/images/mask_source.h"
 #include "ingest/media/images/undistortion.h"
 #include "ingest/media/layouts/conversion.h"
-#include "ingest/media/layouts/picture_intake.h"
+#include "ingest/media/layouts/image_intake.h"
 #include "ingest/media/poses/pose_estimation.h"
 #include "ingest/poses/colmap_model.h"
 #include "ingest/poses/intrinsics.h"
@@ -34,8 +34,7 @@ struct FoundPhoto {
 };
 
 /// `images` or the folder that is named; where neither is there, the only one called images_N.
-std::filesystem::path picture_folder(const std::filesystem::path& capture,
-                                     const std::string& named) {
+std::filesystem::path image_folder(const std::filesystem::path& capture, const std::string& named) {
   const auto stated = capture / (named.empty() ? "images" : named);
   if (std::filesystem::is_directory(stated)) return stated;
   std::vector<std::string> others;
@@ -43,7 +42,7 @@ std::filesystem::path picture_folder(const std::filesystem::path& capture,
     if (entry.is_directory() && entry.path().filename().string().starts_with("images"))
       others.push_back(entry.path().filename().string());
   std::sort(others.begin(), others.end());
-  if (named.empty() && others.empty() && !pictures_in(capture).empty()) return capture;
+  if (named.empty() && others.empty() && !images_in(capture).empty()) return capture;
   if (named.empty() && others.size() == 1) return capture / others.front();
   throw InputError(fmt::format(
       "{}: no such folder; {}", stated.string(),
@@ -65,13 +64,13 @@ void count_unregistered(const std::filesystem::path& folder, const std::vector<F
   for (const FoundPhoto& photo : found) registered.insert(photo.file.lexically_normal());
   std::vector<std::string> others;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-    if (is_file(entry.path()) && is_picture_name(entry.path()) &&
+    if (is_file(entry.path()) && is_image_name(entry.path()) &&
         !registered.contains(entry.path().lexically_normal()))
       others.push_back(entry.path().lexically_relative(folder).generic_string());
   if (others.empty()) return;
   std::sort(others.begin(), others.end());
   const std::string seen = fmt::format(
-      "{}: {} pictures are not in the COLMAP model (not registered) and were left out: {}",
+      "{}: {} images are not in the COLMAP model (not registered) and were left out: {}",
       folder.string(), others.size(), listed_names(others));
   if (strict) throw InputError(seen + "; run COLMAP again, or leave --strict out");
   warnings.push_back(seen);
@@ -130,28 +129,28 @@ void choose_splits(std::vector<FoundPhoto>& photos, const IngestOptions& options
 }
 
 /// Undistorts, scales and writes one photo.
-void convert_photo(const FoundPhoto& found, Image8 picture, const std::filesystem::path& folder,
+void convert_photo(const FoundPhoto& found, Image8 image, const std::filesystem::path& folder,
                    const IngestOptions& options, PreparedFrame& prepared) {
   const Camera& stated = found.photo.camera;
-  if (!same_shape(stated.width, stated.height, picture.width, picture.height))
+  if (!same_shape(stated.width, stated.height, image.width, image.height))
     throw InputError(fmt::format(
         "{}: is {}x{}, its pose was made for {}x{}; use the photos that the poses were made of "
         "(not turned), or reduced copies of the same shape",
-        found.file.string(), picture.width, picture.height, stated.width, stated.height));
-  Camera camera = stated.resized(picture.width, picture.height);
+        found.file.string(), image.width, image.height, stated.width, stated.height));
+  Camera camera = stated.resized(image.width, image.height);
   Image8 mask =
       read_mask(find_mask(options, found.photo.name), camera.width, camera.height, options);
   if (!found.photo.lens.is_pinhole()) {
     const Camera pinhole =
         undistorted_camera(camera, found.photo.lens,
                            fmt::format("{} ({})", found.file.string(), found.photo.lens_model));
-    picture = Undistortion(camera, found.photo.lens, pinhole).apply(picture);
+    image = Undistortion(camera, found.photo.lens, pinhole).apply(image);
     mask = undistorted_mask(mask, camera, found.photo.lens, pinhole);
     camera = pinhole;
   }
   prepared.frame.camera = scaled_camera(camera, options.scale);
   prepared.mask_path = write_prepared_mask(folder, prepared.frame.name, mask, options.scale);
-  write_prepared_picture(folder / prepared.file_path, std::move(picture), options.scale);
+  write_prepared_image(folder / prepared.file_path, std::move(image), options.scale);
 }
 
 PreparedScene describe(const std::vector<FoundPhoto>& photos, double scale) {
@@ -173,25 +172,24 @@ PreparedScene describe(const std::vector<FoundPhoto>& photos, double scale) {
 
 }  // namespace
 
-Converted convert_photos(const std::filesystem::path& capture,
-                         const std::filesystem::path& pictures, ColmapModel model,
-                         const std::filesystem::path& folder, const IngestOptions& options,
-                         const IngestProgress& progress) {
+Converted convert_photos(const std::filesystem::path& capture, const std::filesystem::path& images,
+                         ColmapModel model, const std::filesystem::path& folder,
+                         const IngestOptions& options, const IngestProgress& progress) {
   const int64_t test_every = options.test_every.value_or(kTestEvery);
   IngestReport report;
   report.warnings = std::move(model.warnings);
-  auto photos = find_photos(model, pictures, options.held_out.empty() ? test_every : 0,
+  auto photos = find_photos(model, images, options.held_out.empty() ? test_every : 0,
                             options.strict, report.warnings);
   choose_splits(photos, options, report.warnings);
   PreparedScene scene = describe(photos, options.scale);
   scene.sources.resize(photos.size());
-  PictureIntake intake(photos.size());
-  convert_pictures(photos.size(), progress, [&](size_t i) {
+  ImageIntake intake(photos.size());
+  convert_images(photos.size(), progress, [&](size_t i) {
     const FoundPhoto& found = photos[i];
     scene.sources[i].name = found.file.lexically_relative(capture).generic_string();
-    auto picture = intake.read(i, found.file, found.photo.camera.width, found.photo.camera.height);
-    if (!picture) return;
-    convert_photo(found, std::move(*picture), folder, options, scene.frames[i]);
+    auto image = intake.read(i, found.file, found.photo.camera.width, found.photo.camera.height);
+    if (!image) return;
+    convert_photo(found, std::move(*image), folder, options, scene.frames[i]);
     scene.sources[i].hash = source_hash(found.file);
   });
   intake.finish(scene, options.strict, report.warnings);
@@ -204,7 +202,7 @@ Converted convert_photos(const std::filesystem::path& capture,
 Converted convert_colmap(const std::filesystem::path& capture, const std::filesystem::path& folder,
                          const IngestOptions& options, const IngestProgress& progress) {
   ColmapModel model = read_capture_model(capture);
-  Converted converted = convert_photos(capture, picture_folder(capture, options.pictures),
+  Converted converted = convert_photos(capture, image_folder(capture, options.images),
                                        std::move(model), folder, options, progress);
   converted.scene.layout = "colmap";
   return converted;
@@ -213,17 +211,17 @@ Converted convert_colmap(const std::filesystem::path& capture, const std::filesy
 Converted convert_bare_photos(const std::filesystem::path& capture,
                               const std::filesystem::path& folder, const IngestOptions& options,
                               const IngestProgress& progress) {
-  const auto pictures = picture_folder(capture, options.pictures);
+  const auto images = image_folder(capture, options.images);
   MovingCameraModel estimate =
-      estimate_moving_camera(pictures, false, options.work / "colmap", options.poses, progress);
-  Converted converted = convert_photos(capture, pictures, read_colmap_model(estimate.folder),
-                                       folder, options, progress);
+      estimate_moving_camera(images, false, options.work / "colmap", options.poses, progress);
+  Converted converted = convert_photos(capture, images, read_colmap_model(estimate.folder), folder,
+                                       options, progress);
   converted.scene.layout = "photos";
-  if (!options.reading && looks_like_video(pictures))
+  if (!options.reading && looks_like_video(images))
     converted.report.notes.push_back(fmt::format(
         "{}: consecutive images are read as photos of a scene that stands still; pass --layout "
         "moving if they are frames of one camera and something moves",
-        pictures.string()));
+        images.string()));
   std::vector<std::string>& warnings = converted.report.warnings;
   warnings.insert(warnings.begin(), estimate.warnings.begin(), estimate.warnings.end());
   return converted;
@@ -231,9 +229,9 @@ Converted convert_bare_photos(const std::filesystem::path& capture,
 
 Converted convert_llff(const std::filesystem::path& capture, const std::filesystem::path& folder,
                        const IngestOptions& options, const IngestProgress& progress) {
-  const auto pictures = picture_folder(capture, options.pictures);
+  const auto images = image_folder(capture, options.images);
   Converted converted =
-      convert_photos(capture, pictures, read_llff_photos(capture / "poses_bounds.npy", pictures),
+      convert_photos(capture, images, read_llff_photos(capture / "poses_bounds.npy", images),
                      folder, options, progress);
   converted.scene.layout = "llff";
   converted.points = find_points(capture, "", converted.report.warnings);

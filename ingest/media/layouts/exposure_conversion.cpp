@@ -1,4 +1,4 @@
-// What: a thinned load, the fit, and all training pictures divided by their camera's gains.
+// What: a thinned load, the fit, and all training images divided by their camera's gains.
 // Not: the fit (checks/exposure.h).
 #include "ingest/media/layouts/exposure_conversion.h"
 
@@ -44,13 +44,13 @@ void even_exposure(const std::filesystem::path& folder, PreparedScene& scene,
     const auto found = gains.find(camera.name);
     camera.exposure_gain = found == gains.end() ? std::array<double, 3>{1, 1, 1} : found->second;
   }
-  convert_pictures(scene.frames.size(), progress, [&](size_t i) {
+  convert_images(scene.frames.size(), progress, [&](size_t i) {
     const PreparedFrame& prepared = scene.frames[i];
     const auto found = gains.find(prepared.frame.camera_name);
     if (prepared.frame.split != Split::kTrain || found == gains.end()) return;
-    Image8 picture = read_png(folder / prepared.file_path);
-    apply_exposure(picture, found->second);
-    write_png(folder / prepared.file_path, picture);
+    Image8 image = read_png(folder / prepared.file_path);
+    apply_exposure(image, found->second);
+    write_png(folder / prepared.file_path, image);
   });
 }
 

@@ -47,7 +47,7 @@ std::map<std::string, int64_t> write_frames(const RigClip& clip, const fs::path&
   decode_clip(clip, wanted, [&](VideoFrame decoded) {
     const std::string name = fmt::format("{:06}", times.size());
     times[name] = decoded.ticks;
-    write_prepared_picture(folder / (name + ".png"), std::move(decoded.image), 1);
+    write_prepared_image(folder / (name + ".png"), std::move(decoded.image), 1);
     progress("decoding " + clip.video.filename().string(), int64_t(times.size()),
              int64_t(wanted.size()));
     return true;
@@ -56,7 +56,7 @@ std::map<std::string, int64_t> write_frames(const RigClip& clip, const fs::path&
 }
 
 /// Frames of photos become frames of one camera at their times.
-void set_times(const RigClip& clip, const std::map<std::string, int64_t>& times, bool one_moment,
+void set_times(const RigClip& clip, const std::map<std::string, int64_t>& times, bool one_timestep,
                const std::string& where, PreparedScene& scene) {
   std::vector<double> seconds;
   PreparedCamera camera = scene.cameras.front();
@@ -71,7 +71,7 @@ void set_times(const RigClip& clip, const std::map<std::string, int64_t>& times,
   }
   scene.cameras = {camera};
   scene.time_base = camera.time_base;
-  if (one_moment) return;
+  if (one_timestep) return;
   const NormalisedTimes normalised = normalise_times(seconds, false, where);
   for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].frame.time = normalised.time[i];
   scene.time_axis = normalised.axis;
@@ -82,19 +82,19 @@ void set_times(const RigClip& clip, const std::map<std::string, int64_t>& times,
 
 Converted convert_moving_video(const fs::path& capture, const RigClip& clip, const fs::path& folder,
                                const IngestOptions& options, const IngestProgress& progress) {
-  const fs::path pictures = options.work / "frames";
-  const auto times = write_frames(clip, pictures, options, progress);
+  const fs::path images = options.work / "frames";
+  const auto times = write_frames(clip, images, options, progress);
   const MovingCameraModel estimate =
-      estimate_moving_camera(pictures, true, options.work / "colmap", options.poses, progress);
-  Converted converted = convert_photos(capture, pictures, read_colmap_model(estimate.folder),
-                                       folder, options, progress);
+      estimate_moving_camera(images, true, options.work / "colmap", options.poses, progress);
+  Converted converted = convert_photos(capture, images, read_colmap_model(estimate.folder), folder,
+                                       options, progress);
   std::vector<std::string>& warnings = converted.report.warnings;
   warnings.insert(warnings.begin(), estimate.warnings.begin(), estimate.warnings.end());
   converted.scene.layout = clip.images.empty() ? "videos" : "sequences";
   set_times(clip, times, options.allow_static, clip.video.string(), converted.scene);
   converted.scene.sources = {{clip.video.filename().string(), clip_hash(clip)}};
   converted.report.cameras = 1;
-  fs::remove_all(pictures);
+  fs::remove_all(images);
   return converted;
 }
 

@@ -149,8 +149,8 @@ void read_timelines(RigClips& rig, double image_rate, bool bounded,
 /// Stated cameras take the size of their video.
 void fit_sizes(std::vector<RigClip>& clips) {
   for (RigClip& clip : clips)
-    clip.camera->camera = camera_of_picture(clip.camera->camera, clip.timeline.width,
-                                            clip.timeline.height, clip.video.string());
+    clip.camera->camera = camera_of_image(clip.camera->camera, clip.timeline.width,
+                                          clip.timeline.height, clip.video.string());
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ struct RigClips {
 RigClips open_rig_clips(const std::filesystem::path& capture, const IngestOptions& options,
                         std::vector<std::string>& warnings);
 
-/// Leaves out the clips, all posed, whose lens has no undistorted picture (lens.h), as above.
+/// Leaves out the clips, all posed, whose lens has no undistorted image (lens.h), as above.
 void leave_out_bad_lenses(bool strict, RigClips& rig, std::vector<std::string>& warnings);
 
 }  // namespace tessera

@@ -58,7 +58,7 @@ void finish_scene(Converted& converted, CaptureLayout layout, const std::filesys
   check_masks(scene, options, report);
   scene.inverted_masks = options.invert_masks;
   if (!options.keep_world && has_arbitrary_world(layout)) normalise_world(converted);
-  write_prepared_scene(folder, scene);  // for the next two, which look at the pictures
+  write_prepared_scene(folder, scene);  // for the next two, which look at the images
   if (options.fit_exposure) even_exposure(folder, scene, progress);
   converted.points =
       initial_cloud(folder, scene, std::move(converted.points), options, progress, report.warnings);

@@ -1,4 +1,4 @@
-// What: what all layouts have in common once their pictures are written: the world, exposure, the
+// What: what all layouts have in common once their images are written: the world, exposure, the
 //       initial cloud, masks, the file that describes the scene.
 // Not: what a layout's converter does (conversion.h).
 #pragma once
@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-/// Writes points.ply and transforms.json into `folder`, which holds the pictures. Errors:
+/// Writes points.ply and transforms.json into `folder`, which holds the images. Errors:
 /// InputError.
 void finish_scene(Converted& converted, CaptureLayout layout, const std::filesystem::path& folder,
                   const IngestOptions& options, const IngestProgress& progress);

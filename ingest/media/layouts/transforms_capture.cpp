@@ -13,13 +13,13 @@
 #include "ingest/media/images/mask_source.h"
 #include "ingest/media/images/undistortion.h"
 #include "ingest/media/layouts/conversion.h"
-#include "ingest/media/layouts/picture_intake.h"
+#include "ingest/media/layouts/image_intake.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
 
-/// Keeps the frames of each camera's first `count` instants (its first pictures without times).
+/// Keeps the frames of each camera's first `count` instants (its first images without times).
 void keep_first_instants(TransformsCapture& capture, int64_t count) {
   std::map<std::string, std::set<double>> instants;
   const auto instant_of = [](const TransformsFrame& frame) {
@@ -72,29 +72,28 @@ PreparedFrame describe(const TransformsFrame& listed, double time) {
   return prepared;
 }
 
-/// Undistorts, scales and writes one picture.
-void convert_frame(const TransformsFrame& listed, Image8 picture,
-                   const std::filesystem::path& folder, const IngestOptions& options,
-                   PreparedFrame& prepared) {
+/// Undistorts, scales and writes one image.
+void convert_frame(const TransformsFrame& listed, Image8 image, const std::filesystem::path& folder,
+                   const IngestOptions& options, PreparedFrame& prepared) {
   Camera& camera = prepared.frame.camera;
-  set_intrinsics(camera, listed.intrinsics, picture.width, picture.height, listed.where);
+  set_intrinsics(camera, listed.intrinsics, image.width, image.height, listed.where);
   const auto file = options.masks.empty()
                         ? listed.mask
                         : find_mask(options, listed.name + listed.image.extension().string());
-  Image8 mask = read_mask(file, picture.width, picture.height, options);
+  Image8 mask = read_mask(file, image.width, image.height, options);
   if (!listed.lens.lens.is_pinhole()) {
     const Camera pinhole = undistorted_camera(
         camera, listed.lens.lens, fmt::format("{} ({})", listed.where, listed.lens.model));
-    picture = Undistortion(camera, listed.lens.lens, pinhole).apply(picture);
+    image = Undistortion(camera, listed.lens.lens, pinhole).apply(image);
     mask = undistorted_mask(mask, camera, listed.lens.lens, pinhole);
     camera = pinhole;
   }
   camera = scaled_camera(camera, options.scale);
   prepared.mask_path = write_prepared_mask(folder, listed.name, mask, options.scale);
-  write_prepared_picture(folder / prepared.file_path, std::move(picture), options.scale);
+  write_prepared_image(folder / prepared.file_path, std::move(image), options.scale);
 }
 
-/// Frames and cameras, without what the pictures will say.
+/// Frames and cameras, without what the images will say.
 PreparedScene describe(const TransformsCapture& capture, const NormalisedTimes& times,
                        double scale) {
   PreparedScene scene;
@@ -130,13 +129,13 @@ Converted convert_transforms(const std::filesystem::path& capture_folder,
   if (options.frames) keep_first_instants(capture, *options.frames);
   const NormalisedTimes times = times_of(capture, options.allow_static);
   PreparedScene scene = describe(capture, times, options.scale);
-  PictureIntake intake(capture.frames.size());
-  convert_pictures(capture.frames.size(), progress, [&](size_t i) {
+  ImageIntake intake(capture.frames.size());
+  convert_images(capture.frames.size(), progress, [&](size_t i) {
     const TransformsFrame& frame = capture.frames[i];
-    auto picture =
+    auto image =
         intake.read(i, frame.image, frame.intrinsics.w.value_or(0), frame.intrinsics.h.value_or(0));
-    if (!picture) return;
-    convert_frame(frame, std::move(*picture), folder, options, scene.frames[i]);
+    if (!image) return;
+    convert_frame(frame, std::move(*image), folder, options, scene.frames[i]);
     scene.sources[i].hash = source_hash(frame.image);
   });
   intake.finish(scene, options.strict, report.warnings);

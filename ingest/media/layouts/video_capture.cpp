@@ -1,5 +1,6 @@
-// What: one video a camera → prepared scene: poses, clocks, the choice of frames by their moments,
-//       pictures.
+// What: one video a camera → prepared scene: poses, clocks, the choice of frames by their
+// timesteps,
+//       images.
 // Not: each of these steps; this is their order.
 #include <fmt/format.h>
 
@@ -88,20 +89,20 @@ SyncOptions sync_of(bool of_images, SyncOptions sync) {
   return sync;
 }
 
-/// The moments of each clip's frames on the rig's clock, seconds.
-std::vector<std::vector<double>> rig_moments(const RigClips& rig, const ClipClocks& clocks) {
-  std::vector<std::vector<double>> moments;
+/// The timesteps of each clip's frames on the rig's clock, seconds.
+std::vector<std::vector<double>> rig_timesteps(const RigClips& rig, const ClipClocks& clocks) {
+  std::vector<std::vector<double>> timesteps;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
-    std::vector<double>& of_clip = moments.emplace_back();
+    std::vector<double>& of_clip = timesteps.emplace_back();
     for (const int64_t ticks : rig.clips[i].timeline.ticks)
       of_clip.push_back(rig.clips[i].timeline.time_base.at(ticks) + clocks.clocks[i].offset);
   }
-  return moments;
+  return timesteps;
 }
 
-/// Adds the frames of clip `i` to the scene and their moments to `seconds`.
+/// Adds the frames of clip `i` to the scene and their timesteps to `seconds`.
 void describe_frames(const RigClips& rig, size_t i, const std::vector<size_t>& chosen,
-                     const std::vector<double>& moments, PreparedScene& scene, ClipFrames& frames,
+                     const std::vector<double>& timesteps, PreparedScene& scene, ClipFrames& frames,
                      std::vector<double>& seconds) {
   const RigClip& clip = rig.clips[i];
   for (size_t k = 0; k < chosen.size(); ++k) {
@@ -114,7 +115,7 @@ void describe_frames(const RigClips& rig, size_t i, const std::vector<size_t>& c
     prepared.ticks = clip.timeline.ticks[chosen[k]];
     frames.ticks.push_back(*prepared.ticks);
     frames.files.push_back(prepared.file_path);
-    seconds.push_back(moments[chosen[k]]);
+    seconds.push_back(timesteps[chosen[k]]);
     scene.frames.push_back(std::move(prepared));
   }
 }
@@ -128,15 +129,15 @@ void hold_out_frames(int64_t every, PreparedScene& scene) {
 }
 
 /// Says what is lost where the cameras do not begin or end together.
-void warn_of_cuts(const RigClips& rig, const std::vector<std::vector<double>>& moments,
+void warn_of_cuts(const RigClips& rig, const std::vector<std::vector<double>>& timesteps,
                   const TimeInterval& common, std::vector<std::string>& warnings) {
   size_t begins_last = 0, ends_first = 0;
-  TimeInterval whole{moments[0].front(), moments[0].back()};
-  for (size_t i = 0; i < moments.size(); ++i) {
-    whole.first = std::min(whole.first, moments[i].front());
-    whole.last = std::max(whole.last, moments[i].back());
-    if (moments[i].front() > moments[begins_last].front()) begins_last = i;
-    if (moments[i].back() < moments[ends_first].back()) ends_first = i;
+  TimeInterval whole{timesteps[0].front(), timesteps[0].back()};
+  for (size_t i = 0; i < timesteps.size(); ++i) {
+    whole.first = std::min(whole.first, timesteps[i].front());
+    whole.last = std::max(whole.last, timesteps[i].back());
+    if (timesteps[i].front() > timesteps[begins_last].front()) begins_last = i;
+    if (timesteps[i].back() < timesteps[ends_first].back()) ends_first = i;
   }
   const double enough = 1.5 * rig.clips.front().timeline.frame_seconds;
   if (common.first - whole.first > enough)
@@ -152,21 +153,21 @@ void warn_of_cuts(const RigClips& rig, const std::vector<std::vector<double>>& m
 /// Which frames of each clip are kept: those that lie in the common part of all clips and in what
 /// was asked for.
 std::vector<std::vector<size_t>> frames_of_clips(const Work& work, const RigClips& rig,
-                                                 const std::vector<std::vector<double>>& moments,
+                                                 const std::vector<std::vector<double>>& timesteps,
                                                  std::vector<std::string>& warnings) {
   const IngestOptions& o = work.options;
   const FrameWindow window{o.start, o.duration, o.fps, o.frames};
-  const TimeInterval common = common_interval(moments);
+  const TimeInterval common = common_interval(timesteps);
   if (common.empty())
     throw InputError(fmt::format(
-        "{}: the cameras have no moment in common; state their clocks with --offsets, or leave "
+        "{}: the cameras have no timestep in common; state their clocks with --offsets, or leave "
         "some out with --cameras",
         work.capture.string()));
   check_start(window, common, work.capture.string());
-  warn_of_cuts(rig, moments, common, warnings);
+  warn_of_cuts(rig, timesteps, common, warnings);
   std::vector<std::vector<size_t>> chosen;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
-    chosen.push_back(choose_frames(moments[i], window, common));
+    chosen.push_back(choose_frames(timesteps[i], window, common));
     if (chosen.back().empty())
       throw InputError(fmt::format(
           "{}: has no frame between {:.3f} s and {:.3f} s, where all cameras have some; change "
@@ -195,21 +196,21 @@ void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedCl
   scene.sources.push_back({clip.video.filename().string(), clip_hash(clip)});
 }
 
-/// A few moments spread over the kept frames of the first clip, with each clip's nearest frame.
+/// A few timesteps spread over the kept frames of the first clip, with each clip's nearest frame.
 std::vector<RigInstant> spread_instants(const std::vector<std::vector<size_t>>& chosen,
-                                        const std::vector<std::vector<double>>& moments,
+                                        const std::vector<std::vector<double>>& timesteps,
                                         const TimeAxis& axis) {
   constexpr size_t kInstants = 4;
   std::vector<RigInstant> instants;
   const std::vector<size_t>& first = chosen.front();
   for (size_t k = 0; k < std::min(kInstants, first.size()); ++k) {
     const size_t at = first.size() <= kInstants ? k : k * (first.size() - 1) / (kInstants - 1);
-    const double moment = moments[0][first[at]];
-    RigInstant instant{(moment - axis.origin) / axis.duration, {}};
-    for (const std::vector<double>& of_clip : moments) {
+    const double timestep = timesteps[0][first[at]];
+    RigInstant instant{(timestep - axis.origin) / axis.duration, {}};
+    for (const std::vector<double>& of_clip : timesteps) {
       const auto nearest = std::min_element(
           of_clip.begin(), of_clip.end(),
-          [&](double a, double b) { return std::abs(a - moment) < std::abs(b - moment); });
+          [&](double a, double b) { return std::abs(a - timestep) < std::abs(b - timestep); });
       instant.frame.emplace_back(size_t(nearest - of_clip.begin()));
     }
     instants.push_back(std::move(instant));
@@ -241,8 +242,8 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   const bool of_images = !rig.clips.front().images.empty();
   const ClipClocks clocks = synchronise(rig.clips, sync_of(of_images, options.sync), progress);
   report.warnings.insert(report.warnings.end(), clocks.warnings.begin(), clocks.warnings.end());
-  const auto moments = rig_moments(rig, clocks);
-  const auto chosen = frames_of_clips(work, rig, moments, report.warnings);
+  const auto timesteps = rig_timesteps(rig, clocks);
+  const auto chosen = frames_of_clips(work, rig, timesteps, report.warnings);
 
   PreparedScene scene;
   scene.layout = of_images ? "sequences" : rig.posed ? "n3dv" : "videos";
@@ -251,14 +252,14 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   std::vector<double> seconds;
   std::vector<ClipFrames> frames(rig.clips.size());
   for (size_t i = 0; i < rig.clips.size(); ++i)
-    describe_frames(rig, i, chosen[i], moments[i], scene, frames[i], seconds);
+    describe_frames(rig, i, chosen[i], timesteps[i], scene, frames[i], seconds);
   if (options.test_every) hold_out_frames(*options.test_every, scene);
   int64_t done = 0;
   for (size_t i = 0; i < rig.clips.size(); ++i) {
     const std::string doing = "decoding " + rig.clips[i].video.filename().string();
-    const PreparedClip prepared =
-        write_clip_pictures(rig.clips[i], frames[i], folder, options,
-                            [&] { progress(doing, ++done, int64_t(scene.frames.size())); });
+    const PreparedClip prepared = write_clip_images(rig.clips[i], frames[i], folder, options, [&] {
+      progress(doing, ++done, int64_t(scene.frames.size()));
+    });
     record_camera(rig.clips[i], clocks.clocks[i], prepared, scene);
     if (prepared.has_alpha) scene.background = "alpha kept";
   }
@@ -269,9 +270,9 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   scene.time_base = scene.cameras.front().time_base;
   scene.is_static = times.is_static;
   if (rig.posed && options.cloud == CloudDensity::kSparse && points.position.empty())
-    points =
-        triangulate_instants(rig.clips, rig.held_out, spread_instants(chosen, moments, times.axis),
-                             options.work / "points", options.poses, progress);
+    points = triangulate_instants(rig.clips, rig.held_out,
+                                  spread_instants(chosen, timesteps, times.axis),
+                                  options.work / "points", options.poses, progress);
   for (const fs::path& file : rig.pose_files)
     scene.sources.push_back({file.filename().string(), source_hash(file)});
   report.frames = int64_t(scene.frames.size());

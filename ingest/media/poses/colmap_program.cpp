@@ -100,10 +100,10 @@ void ColmapProgram::run(const std::string& command, const ColmapOptions& options
                                  result.exit_code, result.last_line, log_.string(), remedy));
 }
 
-void ColmapProgram::extract_features(ColmapOptions options, int64_t pictures) const {
+void ColmapProgram::extract_features(ColmapOptions options, int64_t images) const {
   options.emplace_back(
       has_feature_groups() ? "--FeatureExtraction.use_gpu" : "--SiftExtraction.use_gpu", "0");
-  run("feature_extractor", options, "colmap: finding features", "Processed file", pictures);
+  run("feature_extractor", options, "colmap: finding features", "Processed file", images);
 }
 
 void ColmapProgram::match_features(const std::string& matcher, ColmapOptions options) const {

@@ -32,7 +32,7 @@ class ColmapProgram {
            const std::string& remedy = "put that right, or pass --poses FILE") const;
 
   // Commands whose options are named differently in the versions; without a graphics card.
-  void extract_features(ColmapOptions options, int64_t pictures) const;
+  void extract_features(ColmapOptions options, int64_t images) const;
   /// `matcher`: "exhaustive_matcher" or "sequential_matcher".
   void match_features(const std::string& matcher, ColmapOptions options) const;
 

@@ -15,7 +15,7 @@ namespace tessera {
 
 ColmapWorkspace::ColmapWorkspace(const std::filesystem::path& work)
     : folder(std::filesystem::absolute(work)),
-      pictures(folder / "pictures"),
+      images(folder / "pictures"),
       masks(folder / "masks"),
       database(folder / "database.db"),
       sparse(folder / "sparse") {
@@ -28,15 +28,15 @@ void ColmapWorkspace::clear() const {
     std::filesystem::remove_all(folder / name);
 }
 
-std::string ColmapWorkspace::picture_name(size_t index, const Image8& picture) {
-  return fmt::format("{}x{}/{:03}.png", picture.width, picture.height, index);
+std::string ColmapWorkspace::image_name(size_t index, const Image8& image) {
+  return fmt::format("{}x{}/{:03}.png", image.width, image.height, index);
 }
 
-std::string ColmapWorkspace::add(size_t index, const StillPicture& still) const {
-  const std::string name = picture_name(index, still.picture);
-  make_folder((pictures / name).parent_path());
+std::string ColmapWorkspace::add(size_t index, const StillImage& still) const {
+  const std::string name = image_name(index, still.image);
+  make_folder((images / name).parent_path());
   make_folder((masks / name).parent_path());
-  write_png(pictures / name, still.picture);
+  write_png(images / name, still.image);
   write_png(masks / (name + ".png"), still.mask);
   return name;
 }
@@ -45,7 +45,7 @@ void ColmapWorkspace::find_matches(const ColmapProgram& colmap, const FeatureOpt
                                    size_t count) const {
   colmap.extract_features(
       {{"--database_path", database.string()},
-       {"--image_path", pictures.string()},
+       {"--image_path", images.string()},
        {"--ImageReader.mask_path", masks.string()},
        {"--ImageReader.camera_model", options.lens_model},
        {options.intrinsics_per_camera ? "--ImageReader.single_camera_per_image"
@@ -59,10 +59,10 @@ void ColmapWorkspace::triangulate(const ColmapProgram& colmap, const std::filesy
                                   const std::filesystem::path& out, double max_error) const {
   const std::string error = fmt::format("{}", max_error);
   make_folder(out);
-  // transitivity 1: a match counts between two pictures of the model only, not through a third
+  // transitivity 1: a match counts between two images of the model only, not through a third
   colmap.run("point_triangulator",
              {{"--database_path", database.string()},
-              {"--image_path", pictures.string()},
+              {"--image_path", images.string()},
               {"--input_path", model.string()},
               {"--output_path", out.string()},
               {"--clear_points", "1"},
@@ -90,7 +90,7 @@ std::filesystem::path largest_colmap_model(const std::filesystem::path& sparse,
                                            std::vector<std::string>& warnings) {
   struct Candidate {
     std::filesystem::path folder;
-    size_t pictures = 0;
+    size_t images = 0;
   };
   std::vector<Candidate> candidates;
   if (std::filesystem::is_directory(sparse))
@@ -100,18 +100,18 @@ std::filesystem::path largest_colmap_model(const std::filesystem::path& sparse,
         candidates.push_back({entry.path(), read_colmap_model(entry.path()).photos.size()});
   if (candidates.empty()) return {};
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return a.pictures != b.pictures ? a.pictures > b.pictures : a.folder < b.folder;
+    return a.images != b.images ? a.images > b.images : a.folder < b.folder;
   });
   if (candidates.size() > 1) {
     std::string others;
     for (size_t i = 1; i < candidates.size(); ++i)
       others += fmt::format("{}{} ({})", i > 1 ? ", " : "",
-                            candidates[i].folder.filename().string(), candidates[i].pictures);
+                            candidates[i].folder.filename().string(), candidates[i].images);
     warnings.push_back(fmt::format(
         "{}: COLMAP made {} models that do not fit together; the largest is used, {} with {} "
-        "pictures; left out: {}",
+        "images; left out: {}",
         sparse.string(), candidates.size(), candidates[0].folder.filename().string(),
-        candidates[0].pictures, others));
+        candidates[0].images, others));
   }
   return candidates[0].folder;
 }

@@ -1,4 +1,4 @@
-// What: points with moments from cameras that are known: what stands still once, what moves at
+// What: points with timesteps from cameras that are known: what stands still once, what moves at
 //       each instant.
 // Not: dense clouds, and no pose is changed.
 #include <fmt/format.h>
@@ -17,10 +17,10 @@ namespace {
 constexpr size_t kSamples = 9;      // frames of a clip behind its median
 constexpr double kErrorFactor = 2;  // known poses are off by their own error
 
-/// One triangulation: pictures with masks of the clips that have one.
+/// One triangulation: images with masks of the clips that have one.
 struct PosedStills {
   std::vector<size_t> clips;  // increasing
-  std::vector<StillPicture> stills;
+  std::vector<StillImage> stills;
 };
 
 std::string key_of(const PosedStills& set, const std::vector<RigClip>& clips,
@@ -33,7 +33,7 @@ std::string key_of(const PosedStills& set, const std::vector<RigClip>& clips,
     key.add(fmt::format("{} {}", set.clips[i], colmap_lens_line(rig)));
     key.add(&c.cam_from_world, sizeof c.cam_from_world);
     key.add(&c.translation, sizeof c.translation);
-    key.add(set.stills[i].picture.data.data(), set.stills[i].picture.data.size());
+    key.add(set.stills[i].image.data.data(), set.stills[i].image.data.size());
     key.add(set.stills[i].mask.data.data(), set.stills[i].mask.data.size());
   }
   return key.hex();
@@ -48,11 +48,11 @@ PointCloud triangulate_set(const PosedStills& set, const std::vector<RigClip>& c
   const bool is_known = work.holds(key);
   if (!is_known) {
     work.clear();
-    std::vector<PosedPicture> posed;
+    std::vector<PosedImage> posed;
     double max_error = 1;
     for (size_t i = 0; i < set.clips.size(); ++i) {
       posed.push_back({work.add(set.clips[i], set.stills[i]), *clips[set.clips[i]].camera});
-      max_error = std::max(max_error, kErrorFactor * tight_error(set.stills[i].picture.width));
+      max_error = std::max(max_error, kErrorFactor * tight_error(set.stills[i].image.width));
     }
     work.find_matches(colmap, {"SIMPLE_RADIAL", true}, posed.size());
     write_posed_model(work.folder / "points" / "posed", posed);
@@ -70,7 +70,7 @@ void append(PointCloud& all, const PointCloud& some, double time, bool still) {
   all.still.resize(all.position.size(), still);
 }
 
-/// What the training cameras see: still pictures, and of each instant what differs from them.
+/// What the training cameras see: still images, and of each instant what differs from them.
 struct SeenByCameras {
   PosedStills still;
   std::vector<PosedStills> moving;  // one an instant
@@ -80,21 +80,21 @@ struct SeenByCameras {
 void look(const RigClip& clip, size_t index, const std::vector<RigInstant>& instants,
           SeenByCameras& seen) {
   const auto spread = spread_frames(clip.timeline.ticks.size(), kSamples);
-  std::map<size_t, Image8> pictures;
-  for (const size_t frame : spread) pictures[frame];
+  std::map<size_t, Image8> images;
+  for (const size_t frame : spread) images[frame];
   for (const RigInstant& instant : instants)
-    if (instant.frame[index]) pictures[*instant.frame[index]];
+    if (instant.frame[index]) images[*instant.frame[index]];
   std::vector<size_t> wanted;
-  for (const auto& [frame, picture] : pictures) wanted.push_back(frame);
-  auto decoded = sample_pictures(clip, wanted);
-  for (size_t i = 0; i < wanted.size(); ++i) pictures[wanted[i]] = std::move(decoded[i]);
+  for (const auto& [frame, image] : images) wanted.push_back(frame);
+  auto decoded = sample_images(clip, wanted);
+  for (size_t i = 0; i < wanted.size(); ++i) images[wanted[i]] = std::move(decoded[i]);
   std::vector<Image8> samples;
-  for (const size_t frame : spread) samples.push_back(pictures[frame]);
-  const StillPicture still = still_picture(samples);
+  for (const size_t frame : spread) samples.push_back(images[frame]);
+  const StillImage still = still_image(samples);
   for (size_t i = 0; i < instants.size(); ++i)
     if (const auto frame = instants[i].frame[index]) {
       seen.moving[i].clips.push_back(index);
-      seen.moving[i].stills.push_back({pictures[*frame], moving_mask(pictures[*frame], still)});
+      seen.moving[i].stills.push_back({images[*frame], moving_mask(images[*frame], still)});
     }
   seen.still.clips.push_back(index);
   seen.still.stills.push_back(still);

@@ -1,4 +1,4 @@
-// What: photos or frames of one camera that moves → a COLMAP model, a pose a picture.
+// What: photos or frames of one camera that moves → a COLMAP model, a pose a image.
 // Not: the scene that is made of it (colmap_capture.cpp), or a rig (rig_poses.cpp).
 #include <fmt/format.h>
 
@@ -15,27 +15,27 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kExhaustive = 500;        // pictures; beyond, all pairs take hours
-constexpr const char* kNeighbours = "20";  // of a picture in order, that it is matched with
+constexpr size_t kExhaustive = 500;        // images; beyond, all pairs take hours
+constexpr const char* kNeighbours = "20";  // of a image in order, that it is matched with
 
-std::vector<std::filesystem::path> pictures_below(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> images_below(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
-    if (entry.is_regular_file() && is_picture_name(entry.path())) files.push_back(entry.path());
+    if (entry.is_regular_file() && is_image_name(entry.path())) files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   if (files.size() < 2)
-    throw InputError(fmt::format("{}: holds {} pictures, expected at least 2 for camera poses",
+    throw InputError(fmt::format("{}: holds {} images, expected at least 2 for camera poses",
                                  folder.string(), files.size()));
   return files;
 }
 
 }  // namespace
 
-MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, bool in_order,
+MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bool in_order,
                                          const std::filesystem::path& folder,
                                          const PoseOptions& options,
                                          const IngestProgress& progress) {
-  const auto files = pictures_below(pictures);
+  const auto files = images_below(images);
   const ColmapWorkspace work(folder);
   const ColmapProgram colmap(work.folder / "colmap.log", progress);
   const std::string lens = options.lens_model.empty() ? "SIMPLE_RADIAL" : options.lens_model;
@@ -46,7 +46,7 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, 
   const bool is_known = work.holds(key.hex());
   if (!is_known) {
     work.clear();
-    const std::string source = std::filesystem::absolute(pictures).string();
+    const std::string source = std::filesystem::absolute(images).string();
     const std::string database = work.database.string();
     ColmapOptions reading{{"--database_path", database},
                           {"--image_path", source},
@@ -65,20 +65,20 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, 
                {{"--database_path", database},
                 {"--image_path", source},
                 {"--output_path", work.sparse.string()}},
-               "colmap: registering pictures", "Registering image", int64_t(files.size()),
-               "take more pictures, each seeing much of what the one before saw");
+               "colmap: registering images", "Registering image", int64_t(files.size()),
+               "take more images, each seeing much of what the one before saw");
   }
   MovingCameraModel result;
   result.folder = largest_colmap_model(work.sparse, result.warnings);
   if (result.folder.empty())
     throw InputError(
-        fmt::format("{}: COLMAP made no model of it (log: {}); take more pictures, "
+        fmt::format("{}: COLMAP made no model of it (log: {}); take more images, "
                     "each seeing much of what the one before saw",
-                    pictures.string(), colmap.log().string()));
+                    images.string(), colmap.log().string()));
   const size_t registered = read_colmap_model(result.folder).photos.size();
   // not before the model was read: its files may be incomplete
   if (!is_known) work.store_key(key.hex());
-  const std::string seen = fmt::format("{}: COLMAP registered {} of {} pictures", pictures.string(),
+  const std::string seen = fmt::format("{}: COLMAP registered {} of {} images", images.string(),
                                        registered, files.size());
   if (registered < files.size() && options.strict)
     throw InputError(fmt::format("{} (log: {}); leave --strict out to go on without the others",

@@ -20,13 +20,13 @@ struct PoseEstimate {
   std::vector<std::string> warnings;              // one line each
 };
 
-/// Frames of one moment: `frame[i]` is an index into clips[i].timeline.ticks.
+/// Frames of one timestep: `frame[i]` is an index into clips[i].timeline.ticks.
 struct RigInstant {
   double time = 0;  // normalised to [0, 1]
   std::vector<std::optional<size_t>> frame;
 };
 
-/// One pose a camera from still parts of the pictures. `work`: a folder that is kept and reused as
+/// One pose a camera from still parts of the images. `work`: a folder that is kept and reused as
 /// long as the inputs are the same. `held_out[i]`: the camera's pose is solved, but it gives no
 /// points and no colours. Errors: InputError: no `colmap`, its failure with the log's path, too few
 /// cameras registered.
@@ -42,16 +42,16 @@ PointCloud triangulate_instants(const std::vector<RigClip>& clips,
                                 const IngestProgress& progress);
 
 struct MovingCameraModel {
-  std::filesystem::path folder;  // of the COLMAP model; its pictures are named below `pictures`
+  std::filesystem::path folder;  // of the COLMAP model; its images are named below `images`
   std::vector<std::string> warnings;
 };
 
 /// Poses of the photos in a folder, or of frames of one video written there under names in the
-/// order of their times (`in_order`: each is matched with its neighbours only). Pictures of a
+/// order of their times (`in_order`: each is matched with its neighbours only). Images of a
 /// folder share their lens unless `options` says otherwise. `work` as in estimate_rig. Errors:
-/// InputError: fewer than 2 pictures, no `colmap`, its failure, no model, or with `strict` pictures
+/// InputError: fewer than 2 images, no `colmap`, its failure, no model, or with `strict` images
 /// that were not registered.
-MovingCameraModel estimate_moving_camera(const std::filesystem::path& pictures, bool in_order,
+MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bool in_order,
                                          const std::filesystem::path& work,
                                          const PoseOptions& options,
                                          const IngestProgress& progress);

@@ -38,22 +38,21 @@ std::string colmap_lens_line(const RigCamera& rig) {
   return line;
 }
 
-void write_posed_model(const std::filesystem::path& folder,
-                       const std::vector<PosedPicture>& pictures) {
+void write_posed_model(const std::filesystem::path& folder, const std::vector<PosedImage>& images) {
   std::map<std::string, size_t> ids;  // of lens lines
-  std::string cameras, images;
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    const auto& [name, rig] = pictures[i];
+  std::string cameras, lines;
+  for (size_t i = 0; i < images.size(); ++i) {
+    const auto& [name, rig] = images[i];
     const auto [lens, is_new] = ids.insert({colmap_lens_line(rig), ids.size() + 1});
     if (is_new) cameras += fmt::format("{} {}\n", lens->second, lens->first);
     const glm::dquat q = glm::quat_cast(rig.camera.cam_from_world);
     const glm::dvec3& t = rig.camera.translation;
-    images += fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {} {}\n\n",
-                          i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, lens->second, name);
+    lines += fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {} {}\n\n",
+                         i + 1, q.w, q.x, q.y, q.z, t.x, t.y, t.z, lens->second, name);
   }
   make_folder(folder);
   write_text_file(folder / "cameras.txt", cameras);
-  write_text_file(folder / "images.txt", images);
+  write_text_file(folder / "images.txt", lines);
   write_text_file(folder / "points3D.txt", "");
 }
 

@@ -10,8 +10,8 @@
 
 namespace tessera {
 
-struct PosedPicture {
-  std::string name;  // below the folder of the pictures
+struct PosedImage {
+  std::string name;  // below the folder of the images
   RigCamera camera;
 };
 
@@ -19,9 +19,8 @@ struct PosedPicture {
 /// name that COLMAP does not have.
 std::string colmap_lens_line(const RigCamera& camera);
 
-/// Pictures of equal lenses share one camera, so that what refines them keeps them equal. Errors:
+/// Images of equal lenses share one camera, so that what refines them keeps them equal. Errors:
 /// InputError: the folder cannot be written, an unknown model's name.
-void write_posed_model(const std::filesystem::path& folder,
-                       const std::vector<PosedPicture>& pictures);
+void write_posed_model(const std::filesystem::path& folder, const std::vector<PosedImage>& images);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// What: one pose a camera of a rig that stands still: COLMAP on pictures without what moves.
+// What: one pose a camera of a rig that stands still: COLMAP on images without what moves.
 // Not: poses that are known (known_pose_points.cpp) or change (moving_camera.cpp).
 #include <fmt/format.h>
 
@@ -24,12 +24,12 @@ struct RigSolver {
   const ColmapWorkspace& work;
   const ColmapProgram& colmap;
   const PoseOptions& options;
-  std::vector<std::string> names;  // of the pictures, one a clip
+  std::vector<std::string> names;  // of the images, one a clip
   double max_error = 1;            // pixels, of the last rounds
 
   /// The poses are in `chosen` afterwards; returns the mapper's model they came of, an empty path
   /// where there is none. Nothing is run where `key` is that of what is there.
-  std::filesystem::path solve(const std::vector<StillPicture>& stills, const std::string& key,
+  std::filesystem::path solve(const std::vector<StillImage>& stills, const std::string& key,
                               std::vector<std::string>& warnings) const;
   /// Points and colours of the training cameras alone, into work.folder/points/model.
   void triangulate_training(const std::vector<char>& held_out, const std::string& key) const;
@@ -44,7 +44,7 @@ struct RigSolver {
 
 size_t RigSolver::clip_of(const std::string& name) const {
   const auto found = std::find(names.begin(), names.end(), name);
-  check(found != names.end(), "COLMAP names a picture that it was not given");
+  check(found != names.end(), "COLMAP names a image that it was not given");
   return size_t(found - names.begin());
 }
 
@@ -53,7 +53,7 @@ void RigSolver::map() const {
   make_folder(work.sparse);
   colmap.run("mapper",
              {{"--database_path", work.database.string()},
-              {"--image_path", work.pictures.string()},
+              {"--image_path", work.images.string()},
               {"--output_path", work.sparse.string()},
               {"--Mapper.min_model_size", "3"},
               {"--Mapper.ba_refine_principal_point", "0"}},
@@ -61,23 +61,22 @@ void RigSolver::map() const {
              kOverlapRemedy);
 }
 
-std::vector<PosedPicture> posed_pictures(const ColmapModel& model) {
-  std::vector<PosedPicture> pictures;
+std::vector<PosedImage> posed_images(const ColmapModel& model) {
+  std::vector<PosedImage> images;
   for (const ColmapPhoto& photo : model.photos)
-    pictures.push_back({photo.name, {photo.name, photo.camera, photo.lens, photo.lens_model}});
-  return pictures;
+    images.push_back({photo.name, {photo.name, photo.camera, photo.lens, photo.lens_model}});
+  return images;
 }
 
 /// Tracks are made anew from exact matches and everything is adjusted, twice: the mapper's own
 /// tracks hold features that are off by up to 4 pixels. Returns the model's folder.
 std::filesystem::path RigSolver::refine(const ColmapModel& start, const std::string& lens) const {
-  auto pictures = posed_pictures(start);
+  auto images = posed_images(start);
   if (!lens.empty())
-    for (PosedPicture& picture : pictures)
-      picture.camera.lens_model = lens, picture.camera.lens = {};
+    for (PosedImage& image : images) image.camera.lens_model = lens, image.camera.lens = {};
   const auto folder = work.folder / "refined" / (lens.empty() ? "as mapped" : lens);
   auto model = folder / "start";
-  write_posed_model(model, pictures);
+  write_posed_model(model, images);
   for (int round = 0; round < kRounds; ++round) {
     const auto points = folder / fmt::format("points{}", round);
     const auto adjusted = folder / fmt::format("adjusted{}", round);
@@ -102,7 +101,7 @@ bool needs_lens(const ColmapModel& with, const ColmapModel& without) {
 }
 
 /// The result, as a text model in work.folder/refined/chosen. Where no lens was asked for, there is
-/// one only if the pictures need it. Where a lens fits so badly that half of the points go, the
+/// one only if the images need it. Where a lens fits so badly that half of the points go, the
 /// mapper's result stays.
 void RigSolver::choose_refined(const ColmapModel& mapped) const {
   ColmapModel best = read_colmap_model(refine(mapped, ""));
@@ -112,10 +111,10 @@ void RigSolver::choose_refined(const ColmapModel& mapped) const {
   }
   const bool fits = 2 * best.points.position.size() >= mapped.points.position.size() &&
                     best.photos.size() == mapped.photos.size();
-  write_posed_model(chosen(), posed_pictures(fits ? best : mapped));
+  write_posed_model(chosen(), posed_images(fits ? best : mapped));
 }
 
-std::filesystem::path RigSolver::solve(const std::vector<StillPicture>& stills,
+std::filesystem::path RigSolver::solve(const std::vector<StillImage>& stills,
                                        const std::string& key,
                                        std::vector<std::string>& warnings) const {
   const bool is_known = work.holds(key);
@@ -133,17 +132,17 @@ std::filesystem::path RigSolver::solve(const std::vector<StillPicture>& stills,
   return largest;
 }
 
-/// Writes the still pictures and adds them to the key.
-std::vector<StillPicture> still_pictures(const std::vector<RigClip>& clips, Fnv1a& key,
-                                         const IngestProgress& progress) {
-  std::vector<StillPicture> stills;
+/// Writes the still images and adds them to the key.
+std::vector<StillImage> still_images(const std::vector<RigClip>& clips, Fnv1a& key,
+                                     const IngestProgress& progress) {
+  std::vector<StillImage> stills;
   for (const RigClip& clip : clips) {
     progress("reading frames for the camera poses", int64_t(stills.size()), int64_t(clips.size()));
     stills.push_back(
-        still_picture(sample_pictures(clip, spread_frames(clip.timeline.ticks.size(), kSamples))));
-    const Image8& picture = stills.back().picture;
-    key.add(fmt::format("{} {}x{}", clip.name, picture.width, picture.height));
-    key.add(picture.data.data(), picture.data.size());
+        still_image(sample_images(clip, spread_frames(clip.timeline.ticks.size(), kSamples))));
+    const Image8& image = stills.back().image;
+    key.add(fmt::format("{} {}x{}", clip.name, image.width, image.height));
+    key.add(image.data.data(), image.data.size());
     key.add(stills.back().mask.data.data(), stills.back().mask.data.size());
   }
   return stills;
@@ -174,9 +173,9 @@ void RigSolver::triangulate_training(const std::vector<char>& held_out,
   const ColmapWorkspace points(work.folder / "points");
   if (points.holds(key)) return;
   std::filesystem::remove_all(points.folder);
-  std::vector<PosedPicture> training;
-  for (PosedPicture& picture : posed_pictures(read_colmap_model(chosen())))
-    if (!held_out[clip_of(picture.name)]) training.push_back(std::move(picture));
+  std::vector<PosedImage> training;
+  for (PosedImage& image : posed_images(read_colmap_model(chosen())))
+    if (!held_out[clip_of(image.name)]) training.push_back(std::move(image));
   write_posed_model(points.folder / "posed", training);
   if (training.size() > 1) {
     work.triangulate(colmap, points.folder / "posed", points.folder / "model", 2 * max_error);
@@ -196,11 +195,11 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<c
   Fnv1a key;
   key.add(fmt::format("rig 1, colmap {}, {} {}", colmap.version(), options.lens_model,
                       options.intrinsics_per_camera));
-  const auto stills = still_pictures(clips, key, progress);
+  const auto stills = still_images(clips, key, progress);
   RigSolver solver{work, colmap, options, {}, 1};
   for (size_t i = 0; i < stills.size(); ++i) {
-    solver.names.push_back(ColmapWorkspace::picture_name(i, stills[i].picture));
-    solver.max_error = std::max(solver.max_error, tight_error(stills[i].picture.width));
+    solver.names.push_back(ColmapWorkspace::image_name(i, stills[i].image));
+    solver.max_error = std::max(solver.max_error, tight_error(stills[i].image.width));
   }
   PoseEstimate estimate;
   const auto largest = solver.solve(stills, key.hex(), estimate.warnings);

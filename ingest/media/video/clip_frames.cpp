@@ -11,8 +11,8 @@
 #include "ingest/files/fnv1a.h"
 #include "ingest/files/source_hash.h"
 #include "ingest/images/alpha_composite.h"
+#include "ingest/media/images/image_scale.h"
 #include "ingest/media/images/image_source.h"
-#include "ingest/media/images/picture_scale.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 
@@ -37,14 +37,14 @@ const std::filesystem::path& file_of(const RigClip& clip, int64_t number) {
 
 Image8 read_frame(const RigClip& clip, int64_t number, const DecodeOptions& options) {
   const std::filesystem::path& file = file_of(clip, number);
-  Image8 image = read_picture(file);
+  Image8 image = read_image(file);
   if (image.width != clip.timeline.width || image.height != clip.timeline.height)
     throw InputError(fmt::format(
         "{}: is {}x{}, the first image of camera {} is {}x{}; use images of one size a camera",
         file.string(), image.width, image.height, clip.name, clip.timeline.width,
         clip.timeline.height));
   if (image.channels == 1) image = composite_on(image, {0, 0, 0});  // grey is repeated
-  if (options.width > 0) image = scale_picture(image, options.width, options.height);
+  if (options.width > 0) image = scale_image(image, options.width, options.height);
   return image;
 }
 
@@ -73,7 +73,7 @@ void read_images(const RigClip& clip, const std::vector<int64_t>& wanted,
 
 VideoTimeline read_clip_timeline(const RigClip& clip, double image_rate) {
   if (clip.images.empty()) return read_timeline(clip.video);
-  const Image8 first = read_picture(clip.images.front().file);
+  const Image8 first = read_image(clip.images.front().file);
   VideoTimeline timeline;
   timeline.width = first.width, timeline.height = first.height;
   timeline.time_base = seconds_of_number(image_rate);

@@ -78,7 +78,7 @@ bool FrameDecoder::is_shown(const AVFrame& frame) {
     fail("is damaged");
   const AVCodecParameters& stated = *file_.track().codecpar;
   if (frame.width != stated.width || frame.height != stated.height)
-    fail(fmt::format("changes its picture size from {}x{} to {}x{}", stated.width, stated.height,
+    fail(fmt::format("changes its image size from {}x{} to {}x{}", stated.width, stated.height,
                      frame.width, frame.height));
   if (last_ticks_ && frame.pts == *last_ticks_) return false;
   if (last_ticks_ && frame.pts < *last_ticks_)

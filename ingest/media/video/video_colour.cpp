@@ -1,5 +1,5 @@
 // What: swscale set up so that rounding is right: accurate, chroma interpolated at full resolution.
-// Not: the prepared picture's size; that is made in RGB by area (picture_scale.h).
+// Not: the prepared image's size; that is made in RGB by area (image_scale.h).
 #include "ingest/media/video/video_colour.h"
 
 extern "C" {
@@ -101,7 +101,7 @@ FrameToRgb::~FrameToRgb() {
   sws_freeContext(context_);
 }
 
-Image8 FrameToRgb::convert(const AVFrame& frame, const PictureShape& shape) {
+Image8 FrameToRgb::convert(const AVFrame& frame, const ImageShape& shape) {
   constexpr int kFlags = SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP;
   constexpr int kUnity = 1 << 16;  // contrast and saturation, 16.16 fixed point
   const int matrix = matrix_of(frame);

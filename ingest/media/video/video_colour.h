@@ -8,9 +8,9 @@ struct SwsContext;
 
 namespace tessera {
 
-struct PictureShape {
+struct ImageShape {
   int quarter_turns = 0;      // clockwise, 0 to 3
-  int width = 0, height = 0;  // of the upright picture, area averages; 0: as the frame
+  int width = 0, height = 0;  // of the upright image, area averages; 0: as the frame
 };
 
 class FrameToRgb {
@@ -22,7 +22,7 @@ class FrameToRgb {
 
   /// Unstated matrices are BT.601 below 720 lines, BT.709 from there. An empty image where the
   /// pixel format or the colour matrix has no conversion.
-  Image8 convert(const AVFrame& frame, const PictureShape& shape);
+  Image8 convert(const AVFrame& frame, const ImageShape& shape);
 
  private:
   SwsContext* context_ = nullptr;  // kept between frames of one format

@@ -1,5 +1,5 @@
 // What: all frames, or the wanted ones: which keyframe to go on from, and what a missing one means.
-// Not: the codec's loop (frame_decoder.h) or the conversion (picture_batch.h).
+// Not: the codec's loop (frame_decoder.h) or the conversion (image_batch.h).
 #include "ingest/media/video/video_decoder.h"
 
 #include <fmt/format.h>
@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "ingest/media/video/frame_decoder.h"
-#include "ingest/media/video/picture_batch.h"
+#include "ingest/media/video/image_batch.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -30,7 +30,7 @@ void judge_end(const FrameDecoder& decoder, Truncation truncation, VideoStream& 
         file.name(), file.camera(), reason, frames, at, frames));
   if (frames == 0)
     throw InputError(
-        fmt::format("{}: camera {} holds no picture; encode it again", file.name(), file.camera()));
+        fmt::format("{}: camera {} holds no image; encode it again", file.name(), file.camera()));
   if (!reason.empty())
     stream.warnings.push_back(
         fmt::format("{}: camera {} is truncated after {} frames at {:.3f} s ({}); the frames up to "
@@ -122,7 +122,7 @@ class WantedFrames {
   const std::filesystem::path& path_;
   const std::vector<int64_t>& wanted_;
   FrameDecoder decoder_;
-  PictureBatch batch_;
+  ImageBatch batch_;
   size_t next_ = 0;
   bool jumped_ = false;
 };
@@ -138,7 +138,7 @@ VideoStream decode_video(const std::filesystem::path& path,
                          const DecodeOptions& options) {
   FrameDecoder decoder(path);
   VideoStream stream = stream_of(decoder.file());
-  PictureBatch batch(decoder.file(), options, on_frame);
+  ImageBatch batch(decoder.file(), options, on_frame);
   const LibavOwned<AVFrame> frame = new_frame();
   bool goes_on = true;
   try {

@@ -1,4 +1,4 @@
-// What: a video file → upright RGB pictures with their presentation times, in order of them.
+// What: a video file → upright RGB images with their presentation times, in order of them.
 // Not: a player: no audio, no frame-rate conversion; a frame's index is never its time.
 #pragma once
 #include <cstdint>
@@ -17,11 +17,11 @@ enum class Truncation { kRefuse, kKeepWhatIsThere };
 
 struct DecodeOptions {
   Truncation truncation = Truncation::kRefuse;
-  int width = 0, height = 0;  // of the pictures handed out, area averages; 0: the video's own size
+  int width = 0, height = 0;  // of the images handed out, area averages; 0: the video's own size
 };
 
 struct VideoStream {
-  int width = 0, height = 0;  // pixels of the upright picture
+  int width = 0, height = 0;  // pixels of the upright image
   Rational time_base;         // seconds a tick
   int64_t frames = 0;         // handed out by decode_video; stated by the container in probe_video
   std::vector<std::string> warnings;  // "… truncated after N frames at S s …", where that was asked
@@ -37,10 +37,10 @@ VideoStream probe_video(const std::filesystem::path& path);
 
 /// Calls `on_frame` in order of presentation until it returns false or the video ends; frames that
 /// repeat a presentation time are left out. Decoding and conversion use thread_count() = T threads.
-/// Memory: at most T decoded pictures, 2 T in RGB, and the codec's own min(T + 1, 16) + 16.
+/// Memory: at most T decoded images, 2 T in RGB, and the codec's own min(T + 1, 16) + 16.
 /// Errors: InputError naming file, camera, time and the frames read so far: no video in it,
 /// truncated (unless told to keep what is there), damaged, without times, times that go back, a
-/// picture size that changes, a flag of mirroring or of an angle that is no quarter turn.
+/// image size that changes, a flag of mirroring or of an angle that is no quarter turn.
 VideoStream decode_video(const std::filesystem::path& path,
                          const std::function<bool(VideoFrame)>& on_frame,
                          const DecodeOptions& options = {});

@@ -84,13 +84,13 @@ void VideoFile::find_track() {
   const int index = av_find_best_stream(format_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
   if (index < 0 || format_->streams[index]->codecpar->width <= 0)
     throw InputError(fmt::format("{}: has no video track that can be decoded ({}); encode it again",
-                                 name_, index < 0 ? libav_reason(index) : "no picture size"));
+                                 name_, index < 0 ? libav_reason(index) : "no image size"));
   track_ = format_->streams[index];
   for (unsigned i = 0; i < format_->nb_streams; ++i)
     if (int(i) != index) format_->streams[i]->discard = AVDISCARD_ALL;
 }
 
-/// The matrix (a b; c d) maps the coded picture to the shown one.
+/// The matrix (a b; c d) maps the coded image to the shown one.
 void VideoFile::read_display_matrix() {
   const uint8_t* data = display_matrix_of(*track_);
   if (data == nullptr) return;

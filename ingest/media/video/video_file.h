@@ -33,9 +33,9 @@ class VideoFile {
   const AVStream& track() const { return *track_; }
   Rational time_base() const { return {track_->time_base.num, track_->time_base.den}; }
   double seconds(int64_t ticks) const { return time_base().at(ticks); }
-  /// Clockwise quarter turns that make the coded picture upright, 0 to 3.
+  /// Clockwise quarter turns that make the coded image upright, 0 to 3.
   int quarter_turns() const { return quarter_turns_; }
-  int width() const;  // of the upright picture
+  int width() const;  // of the upright image
   int height() const;
 
  private:

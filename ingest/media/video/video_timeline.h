@@ -12,7 +12,7 @@
 namespace tessera {
 
 struct VideoTimeline {
-  int width = 0, height = 0;    // of the upright picture: a rotation flag is undone
+  int width = 0, height = 0;    // of the upright image: a rotation flag is undone
   Rational time_base;           // seconds a tick
   std::vector<int64_t> ticks;   // presentation times of the frames that are shown, increasing
   double frame_seconds = 0;     // median distance of two frames; 0 for one frame

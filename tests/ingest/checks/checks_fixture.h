@@ -1,5 +1,5 @@
-// What: scenes of a known ring of cameras, and clouds painted into their pictures.
-// Not: textured pictures; those are made by tools/synth.
+// What: scenes of a known ring of cameras, and clouds painted into their images.
+// Not: textured images; those are made by tools/synth.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -12,16 +12,16 @@
 namespace tessera::testing {
 
 struct RingScene {
-  int cameras = 6, moments = 3, size = 32;
+  int cameras = 6, timesteps = 3, size = 32;
 };
 
 /// Cameras cam0 … on a circle of radius 4 around the origin, all looking at it; all train.
 inline Scene ring_scene(const RingScene& ring) {
   Scene scene;
   scene.path = "ring";
-  scene.is_static = ring.moments == 1;
+  scene.is_static = ring.timesteps == 1;
   for (int c = 0; c < ring.cameras; ++c)
-    for (int m = 0; m < ring.moments; ++m) {
+    for (int m = 0; m < ring.timesteps; ++m) {
       const double angle = 2 * 3.14159265358979 * c / ring.cameras;
       const glm::dvec3 eye{4 * std::cos(angle), 0, 4 * std::sin(angle)};
       const glm::dvec3 ahead = -eye / 4.0, down{0, 1, 0}, right = glm::cross(down, ahead);
@@ -29,7 +29,7 @@ inline Scene ring_scene(const RingScene& ring) {
       frame.camera_name = "cam" + std::to_string(c);
       frame.name = frame.camera_name + "/" + std::to_string(m);
       frame.frame_number = m;
-      frame.time = ring.moments == 1 ? 0 : double(m) / (ring.moments - 1);
+      frame.time = ring.timesteps == 1 ? 0 : double(m) / (ring.timesteps - 1);
       Camera& camera = frame.camera;
       camera.width = camera.height = ring.size;
       camera.fl_x = camera.fl_y = ring.size, camera.cx = camera.cy = ring.size / 2.0;
@@ -77,8 +77,8 @@ inline void paint_points(Scene& scene) {
   }
 }
 
-inline std::vector<std::filesystem::path> write_pictures(const Scene& scene,
-                                                         const std::filesystem::path& folder) {
+inline std::vector<std::filesystem::path> write_images(const Scene& scene,
+                                                       const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
   for (size_t i = 0; i < scene.frames.size(); ++i) {
     files.push_back(folder / (std::to_string(i) + ".png"));

@@ -28,7 +28,7 @@ bool has(const Findings& findings, Severity severity, const std::string& check,
 
 // Bug put back: clocks of the source "none" passed over; seen to fail.
 TEST(Checks, ClocksThatAreNotKnownAreNamed) {
-  Scene scene = ring_scene({.cameras = 6, .moments = 31});
+  Scene scene = ring_scene({.cameras = 6, .timesteps = 31});
   scene.time_axis.duration = 1;  // 30 frames a second
   const Findings findings = check_clocks(scene, {{"cam0", "motion", 0, 0.001},
                                                  {"cam1", "motion", 0, 0.02},
@@ -49,7 +49,7 @@ TEST(Checks, ClocksThatAreNotKnownAreNamed) {
 
 // Fails without the search for steps that are longer than the median one.
 TEST(Checks, GapsAndOtherRanges) {
-  Scene scene = ring_scene({.cameras = 4, .moments = 11});
+  Scene scene = ring_scene({.cameras = 4, .timesteps = 11});
   EXPECT_FALSE(has(check_times(scene).findings, Severity::kWarning, "time"));
   Scene gap = scene;
   std::erase_if(gap.frames, [](const Frame& f) {
@@ -64,7 +64,6 @@ TEST(Checks, GapsAndOtherRanges) {
   EXPECT_TRUE(has(check_times(late).findings, Severity::kWarning, "time", "cam2"));
 }
 
-// B18. Fails with pictures compared by name, or poses without their moments.
 /// Turns the camera about its viewing direction.
 void roll(Scene& scene, const std::string& camera, double degrees) {
   const double c = std::cos(degrees * 3.14159265358979 / 180);
@@ -80,7 +79,7 @@ void roll(Scene& scene, const std::string& camera, double degrees) {
 // Bugs put back, each seen to fail: the first camera's up direction taken for the rig's; angles
 // without their sign; photos, of which one is held upright, judged as a rig.
 TEST(Checks, CamerasOnTheirSide) {
-  Scene scene = ring_scene({.cameras = 6, .moments = 3});
+  Scene scene = ring_scene({.cameras = 6, .timesteps = 3});
   for (int c = 0; c < 6; ++c) roll(scene, "cam" + std::to_string(c), c % 2 == 0 ? 15 : -15);
   EXPECT_TRUE(check_orientation(scene).findings.empty());
   roll(scene, "cam0", 75), roll(scene, "cam3", -75), roll(scene, "cam4", 165);
@@ -105,29 +104,30 @@ TEST(Checks, ImagesOfMixedShape) {
   EXPECT_EQ(mixed_orientation(names, {{360, 640}, {360, 640}, {360, 640}}), "");
 }
 
+// B18. Fails with images compared by name, or poses without their timesteps.
 TEST(Checks, Leakage) {
   const ScratchFolder folder;
-  Scene scene = ring_scene({.cameras = 3, .moments = 2});
+  Scene scene = ring_scene({.cameras = 3, .timesteps = 2});
   for (Frame& frame : scene.frames)
     if (frame.camera_name == "cam0") frame.split = Split::kTest;
-  std::vector<std::filesystem::path> files = write_pictures(scene, folder.path());
+  std::vector<std::filesystem::path> files = write_images(scene, folder.path());
   const Leakage clean = check_leakage(scene, files);
   EXPECT_FALSE(has(clean.findings, Severity::kError, "leakage"));
   EXPECT_EQ(clean.training_frames, 4);
   std::filesystem::copy_file(files[2], files[0], std::filesystem::copy_options::overwrite_existing);
-  EXPECT_EQ(check_leakage(scene, files).same_pictures, 1);
+  EXPECT_EQ(check_leakage(scene, files).same_images, 1);
   EXPECT_TRUE(has(check_leakage(scene, files).findings, Severity::kError, "leakage", "cam0"));
   Scene same = scene;
-  same.frames[0].camera = same.frames[2].camera;  // moment 0 of cam0 and cam1
+  same.frames[0].camera = same.frames[2].camera;  // timestep 0 of cam0 and cam1
   EXPECT_EQ(check_leakage(same, files).same_views, 1);
   EXPECT_NE(check_leakage(same, files).training_manifest, "");
-  same.frames[0].time = 0.5;  // another moment is no leak
+  same.frames[0].time = 0.5;  // another timestep is no leak
   EXPECT_EQ(check_leakage(same, files).same_views, 0);
 }
 
 // B6. Fails with colours compared to chance the other way round, and without the flip being seen.
 TEST(Checks, CloudOfAnotherConvention) {
-  Scene scene = ring_scene({.cameras = 8, .moments = 1, .size = 64});
+  Scene scene = ring_scene({.cameras = 8, .timesteps = 1, .size = 64});
   scene.points = coloured_sphere(2000);
   paint_points(scene);
   const CloudHealth good = check_cloud(scene);
@@ -141,7 +141,7 @@ TEST(Checks, CloudOfAnotherConvention) {
 
 // Fails with any of the counts left out.
 TEST(Checks, CloudCounts) {
-  Scene scene = ring_scene({.cameras = 6, .moments = 1});
+  Scene scene = ring_scene({.cameras = 6, .timesteps = 1});
   EXPECT_TRUE(has(check_cloud(scene).findings, Severity::kWarning, "cloud"));  // none
   scene.points = coloured_sphere(100);
   scene.points.position[0].x = std::nanf("");
@@ -156,13 +156,13 @@ TEST(Checks, CloudCounts) {
 
 // B12: few cameras warn, and six do not.
 TEST(Checks, FewCamerasAndAloneCamera) {
-  EXPECT_TRUE(has(check_coverage(ring_scene({.cameras = 5, .moments = 1})).findings,
+  EXPECT_TRUE(has(check_coverage(ring_scene({.cameras = 5, .timesteps = 1})).findings,
                   Severity::kWarning, "coverage"));
-  Scene scene = ring_scene({.cameras = 6, .moments = 1});
+  Scene scene = ring_scene({.cameras = 6, .timesteps = 1});
   scene.points = coloured_sphere(500);
   const CoverageCheck good = check_coverage(scene);
   EXPECT_FALSE(has(good.findings, Severity::kWarning, "coverage"));
-  EXPECT_EQ(good.seen_by_one + good.seen_by_none, 0);  // the whole sphere is in every picture
+  EXPECT_EQ(good.seen_by_one + good.seen_by_none, 0);  // the whole sphere is in every image
   // points behind cam0's back, where cam3 alone looks: a tenth of the cloud
   for (int i = 0; i < 50; ++i) scene.points.position[size_t(i)] = {20.0f, 0.01f * float(i), 0};
   const CoverageCheck part = check_coverage(scene);

@@ -105,9 +105,9 @@ TEST(FeatureChecks, GainsOfExactColours) {
   }
 }
 
-// B10 on pictures, held-out camera left out (B18): gains to 1 %, and dividing by them gives the
-// pictures back. Fails with the held-out camera in the fit.
-TEST(FeatureChecks, GainsOfPictures) {
+// B10 on images, held-out camera left out (B18): gains to 1 %, and dividing by them gives the
+// images back. Fails with the held-out camera in the fit.
+TEST(FeatureChecks, GainsOfImages) {
   const Scene rig = textured_rig();
   Scene scene = rig;
   const std::array<double, 3> up{1.2, 1.0, 0.9}, down{0.8, 1.0, 1.1};
@@ -136,11 +136,11 @@ TEST(FeatureChecks, GainsOfPictures) {
     }
   for (size_t i = 0; i < scene.frames.size(); ++i) {
     if (scene.frames[i].camera_name != "cam4") continue;
-    Image8 picture = scene.frames[i].image;
-    apply_exposure(picture, up);
-    for (size_t p = 0; p < picture.data.size(); ++p)
+    Image8 image = scene.frames[i].image;
+    apply_exposure(image, up);
+    for (size_t p = 0; p < image.data.size(); ++p)
       if (scene.frames[i].image.data[p] < 250) {  // half a level before and half after, /0.9
-        ASSERT_NEAR(picture.data[p], rig.frames[i].image.data[p], 1) << p;
+        ASSERT_NEAR(image.data[p], rig.frames[i].image.data[p], 1) << p;
       }
   }
 }
@@ -175,8 +175,8 @@ TEST(FeatureChecks, BlurredCamera) {
   EXPECT_FALSE(has(check_sharpness(scene).findings, Severity::kWarning, "blur"));
   for (Frame& frame : scene.frames)
     if (frame.camera_name == "cam3") {
-      cv::Mat picture(frame.image.height, frame.image.width, CV_8UC3, frame.image.data.data());
-      cv::GaussianBlur(picture, picture, {}, 1.5);
+      cv::Mat image(frame.image.height, frame.image.width, CV_8UC3, frame.image.data.data());
+      cv::GaussianBlur(image, image, {}, 1.5);
     }
   const SharpnessCheck check = check_sharpness(scene);
   ASSERT_TRUE(has(check.findings, Severity::kWarning, "blur"));

@@ -47,17 +47,17 @@ RigClip by_ffmpeg(const RigClip& clip, const std::string& arguments,
 RigClip still_clip(const RigClip& clip, const std::filesystem::path& path) {
   RigClip still = clip;
   still.name = "cam09", still.video = path;
-  Image8 picture{clip.timeline.width, clip.timeline.height, 3, {}};
-  for (int i = 0; i < picture.width * picture.height * 3; ++i)
-    picture.data.push_back(uint8_t(60 + (i * 7) % 90));
-  VideoEncoder encoder(path, {picture.width, picture.height, {30, 1}, 8});
-  for (size_t i = 0; i < clip.timeline.ticks.size(); ++i) encoder.add(picture);
+  Image8 image{clip.timeline.width, clip.timeline.height, 3, {}};
+  for (int i = 0; i < image.width * image.height * 3; ++i)
+    image.data.push_back(uint8_t(60 + (i * 7) % 90));
+  VideoEncoder encoder(path, {image.width, image.height, {30, 1}, 8});
+  for (size_t i = 0; i < clip.timeline.ticks.size(); ++i) encoder.add(image);
   encoder.finish();
   still.timeline = read_timeline(path);
   return still;
 }
 
-/// `clip` with noise as its sound, which starts `late` seconds after the picture does.
+/// `clip` with noise as its sound, which starts `late` seconds after the image does.
 RigClip with_sound(const RigClip& clip, const std::filesystem::path& noise, double late) {
   return by_ffmpeg(clip,
                    fmt::format("-i '{{}}' -itsoffset {} -i '{}' -c copy", late, noise.string()),
@@ -89,7 +89,7 @@ TEST(SyncMotion, OneShiftedCameraOfARig) {
     EXPECT_EQ(clocks.clocks[i].source, "motion");
   }
   ASSERT_EQ(clocks.warnings.size(), 2u);
-  const char* told[] = {"cam09: its pictures do not tell", "cam10: its pose is not known"};
+  const char* told[] = {"cam09: its images do not tell", "cam10: its pose is not known"};
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(clocks.clocks[count + i].offset, 0);
     EXPECT_EQ(clocks.clocks[count + i].source, "none");
@@ -174,13 +174,13 @@ TEST(SyncMotion, AStaticSceneTellsNothing) {
     EXPECT_EQ(clock.source, "none");
   }
   ASSERT_EQ(clocks.warnings.size(), 4u);
-  EXPECT_NE(clocks.warnings[2].find("cam02: its pictures do not tell"), std::string::npos);
+  EXPECT_NE(clocks.warnings[2].find("cam02: its images do not tell"), std::string::npos);
 }
 
-// A synchronised rig of which one camera's sound is 0.17 s late: the pictures win, with a warning,
+// A synchronised rig of which one camera's sound is 0.17 s late: the images win, with a warning,
 // and all clocks stay within 0.05 frame (failure mode A12). Bugs put back: sound taken whenever it
 // is confident; the start time of the sound track ignored; each seen to fail.
-TEST(SyncMotion, SoundThatContradictsThePicturesIsNotTaken) {
+TEST(SyncMotion, SoundThatContradictsTheImagesIsNotTaken) {
   const ScratchFolder folder;
   make_rig(folder / "rig", room());
   std::vector<RigClip> clips = clips_of(folder / "rig");

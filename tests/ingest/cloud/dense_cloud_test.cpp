@@ -1,4 +1,4 @@
-// What: clouds of the plane sweep: limits, repeatability, what is kept once, whose pictures count,
+// What: clouds of the plane sweep: limits, repeatability, what is kept once, whose images count,
 //       and what a prepared scene gets.
 // Not: the depths of points (plane_sweep_test.cpp). Source: failure modes B12, B18.
 #include "ingest/cloud/dense_cloud.h"
@@ -68,17 +68,17 @@ TEST(DenseCloud, SameSeedSamePointsOnAnyNumberOfThreads) {
   EXPECT_NE(dense_cloud(scene, {300, 8, {}}).position[0], first.position[0]);
 }
 
-// Bug put back: still points told apart by their moment; seen to fail.
-TEST(DenseCloud, StillPointsOnceMovingOnesAtTheirMoments) {
-  // pictures so small that most pixels are tried several times
-  const PointCloud cloud = dense_cloud(wall_scene({.moments = 4, .size = 40}), {4000, 1, {}});
+// Bug put back: still points told apart by their timestep; seen to fail.
+TEST(DenseCloud, StillPointsOnceMovingOnesAtTheirTimesteps) {
+  // images so small that most pixels are tried several times
+  const PointCloud cloud = dense_cloud(wall_scene({.timesteps = 4, .size = 40}), {4000, 1, {}});
   std::set<std::tuple<float, float, float>> places;
   int64_t still = 0, moving = 0;
-  std::set<float> moments;
+  std::set<float> timesteps;
   for (size_t i = 0; i < cloud.position.size(); ++i) {
     const glm::vec3& p = cloud.position[i];
     if (cloud.still[i] == 0) {
-      ++moving, moments.insert(cloud.time[i]);
+      ++moving, timesteps.insert(cloud.time[i]);
       continue;
     }
     ++still;
@@ -86,7 +86,7 @@ TEST(DenseCloud, StillPointsOnceMovingOnesAtTheirMoments) {
   }
   EXPECT_GT(still, 200);
   EXPECT_GT(moving, 100);
-  EXPECT_EQ(moments, (std::set<float>{0, float(1 / 3.0), float(2 / 3.0), 1}));
+  EXPECT_EQ(timesteps, (std::set<float>{0, float(1 / 3.0), float(2 / 3.0), 1}));
 }
 
 // Bug put back: the sweep takes the frames of all splits; seen to fail.
@@ -123,8 +123,8 @@ PointCloud made(const Scene& scene, const IngestOptions& options, PointCloud spa
 
 // Bugs put back: the thinned load keeps all splits, with the bug of the test above; times of the
 // thinned scene normalised again; each seen to fail.
-TEST(InitialCloud, FromTrainingPicturesOfMomentsSpreadOverTheClip) {
-  Scene scene = wall_scene({.cameras = 7, .moments = 15, .size = 48});
+TEST(InitialCloud, FromTrainingImagesOfTimestepsSpreadOverTheClip) {
+  Scene scene = wall_scene({.cameras = 7, .timesteps = 15, .size = 48});
   hold_out(scene, {"cam1", "cam3", "cam5"});
   IngestOptions options;
   options.cloud_points = 1500;
@@ -134,9 +134,9 @@ TEST(InitialCloud, FromTrainingPicturesOfMomentsSpreadOverTheClip) {
   EXPECT_GT(cloud.position.size(), 500u);
   EXPECT_LE(cloud.position.size(), 1500u);
   EXPECT_EQ(marked(cloud), 0);
-  std::set<float> moments(cloud.time.begin(), cloud.time.end()), expected;
+  std::set<float> timesteps(cloud.time.begin(), cloud.time.end()), expected;
   for (int i = 0; i < 15; i += 2) expected.insert(float(i / 14.0));
-  EXPECT_EQ(moments, expected);
+  EXPECT_EQ(timesteps, expected);
 }
 
 // Bug put back: a stated density is not looked at; seen to fail.

@@ -1,4 +1,4 @@
-// What: the plane sweep on a textured wall whose depth is known; which frames share a moment.
+// What: the plane sweep on a textured wall whose depth is known; which frames share a timestep.
 // Not: how many points make a cloud (dense_cloud_test.cpp).
 #include "ingest/cloud/plane_sweep.h"
 
@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "ingest/clocks/moments.h"
+#include "ingest/clocks/timesteps.h"
 #include "tests/ingest/cloud/wall_scene.h"
 
 namespace tessera {
@@ -43,7 +43,7 @@ TEST(PlaneSweep, FindsTheWallBetweenPlanes) {
     EXPECT_NEAR(point.pixel, point.position.z / 96, 0.1 * point.pixel);
 }
 
-// Bug put back: `still` compares the picture with itself; seen to fail.
+// Bug put back: `still` compares the image with itself; seen to fail.
 TEST(PlaneSweep, TellsWhatMoves) {
   int64_t moving = 0;
   for (const SweptPoint& point : swept(wall_scene())) {
@@ -75,7 +75,7 @@ void fill_mask(Frame& frame, int used_from_x) {
 
 // B17. Bug put back: ignored pixels searched for; seen to fail.
 TEST(PlaneSweep, WhatMasksIgnoreGivesNoPointAndHasNoSay) {
-  Scene scene = wall_scene({.moments = 1});
+  Scene scene = wall_scene({.timesteps = 1});
   fill_mask(scene.frames[2], 48);
   const PlaneSweep sweep(scene);
   const auto count = [&](int begin, int end) {
@@ -106,7 +106,7 @@ std::array<uint8_t, 3> repeating(int camera, double x, double y, double) {
 // period each. They themselves do not: there the others speak against it.
 // Bug put back: confirmed() always true; seen to fail.
 TEST(PlaneSweep, TheOtherCameraMustConsent) {
-  const Scene scene = wall_scene({.moments = 1, .focus = 3.6, .colour = repeating});
+  const Scene scene = wall_scene({.timesteps = 1, .focus = 3.6, .colour = repeating});
   const PlaneSweep sweep(scene);
   int64_t found = 0;
   for (int y = 3; y < 93; ++y)  // in the middle, which all cameras see at all depths
@@ -115,7 +115,7 @@ TEST(PlaneSweep, TheOtherCameraMustConsent) {
   EXPECT_LT(found, 500);
 }
 
-TEST(PlaneSweep, NeedsThreeTrainingCamerasOfAMoment) {
+TEST(PlaneSweep, NeedsThreeTrainingCamerasOfATimestep) {
   EXPECT_TRUE(PlaneSweep(wall_scene({.cameras = 2})).frames().empty());
   Scene scene = wall_scene({.cameras = 3});
   EXPECT_EQ(PlaneSweep(scene).frames().size(), 6u);
@@ -131,31 +131,32 @@ std::vector<FrameTime> frame_times(const std::vector<std::pair<std::string, doub
 }
 
 // Bug put back: only equal times go together; seen to fail.
-TEST(Moments, CamerasMayBeApartByPartsOfAFrame) {
-  const auto moments = group_moments(frame_times(
+TEST(Timesteps, CamerasMayBeApartByPartsOfAFrame) {
+  const auto timesteps = group_timesteps(frame_times(
       {{"a", 0.0}, {"a", 0.2}, {"a", 0.4}, {"b", 0.09}, {"b", 0.29}, {"c", 0.11}, {"c", 0.9}}));
-  ASSERT_EQ(moments.size(), 3u);
-  EXPECT_EQ(moments[0].frames, (std::vector<int>{0, 3}));
-  EXPECT_EQ(moments[1].frames, (std::vector<int>{1, 4, 5})) << "0.11 is nearer to 0.2";
-  EXPECT_EQ(moments[2].frames, (std::vector<int>{2})) << "0.9 is too far from 0.4";
+  ASSERT_EQ(timesteps.size(), 3u);
+  EXPECT_EQ(timesteps[0].frames, (std::vector<int>{0, 3}));
+  EXPECT_EQ(timesteps[1].frames, (std::vector<int>{1, 4, 5})) << "0.11 is nearer to 0.2";
+  EXPECT_EQ(timesteps[2].frames, (std::vector<int>{2})) << "0.9 is too far from 0.4";
 }
 
-TEST(Moments, WithoutASecondFrameOfACameraOnlyEqualTimesShareOne) {
-  const auto moments = group_moments(frame_times({{"a", 0.5}, {"b", 0.5}, {"c", 0.501}}));
-  ASSERT_EQ(moments.size(), 2u);
-  EXPECT_EQ(moments[0].frames, (std::vector<int>{0, 1}));
-  EXPECT_EQ(moments[1].frames, (std::vector<int>{2}));
-  EXPECT_TRUE(group_moments({}).empty());
+TEST(Timesteps, WithoutASecondFrameOfACameraOnlyEqualTimesShareOne) {
+  const auto timesteps = group_timesteps(frame_times({{"a", 0.5}, {"b", 0.5}, {"c", 0.501}}));
+  ASSERT_EQ(timesteps.size(), 2u);
+  EXPECT_EQ(timesteps[0].frames, (std::vector<int>{0, 1}));
+  EXPECT_EQ(timesteps[1].frames, (std::vector<int>{2}));
+  EXPECT_TRUE(group_timesteps({}).empty());
 }
 
-TEST(Moments, SpreadOverTheClip) {
-  std::vector<Moment> moments;
-  for (int i = 0; i < 36; ++i) moments.push_back({i / 35.0, {i}});
+TEST(Timesteps, SpreadOverTheClip) {
+  std::vector<Timestep> timesteps;
+  for (int i = 0; i < 36; ++i) timesteps.push_back({i / 35.0, {i}});
   std::vector<int> first;
-  for (const Moment& moment : spread_moments(moments, 8)) first.push_back(moment.frames[0]);
+  for (const Timestep& timestep : spread_timesteps(timesteps, 8))
+    first.push_back(timestep.frames[0]);
   EXPECT_EQ(first, (std::vector<int>{0, 5, 10, 15, 20, 25, 30, 35}));
-  EXPECT_EQ(spread_moments(moments, 40).size(), 36u);
-  EXPECT_EQ(spread_moments(moments, 1)[0].frames[0], 18);
+  EXPECT_EQ(spread_timesteps(timesteps, 40).size(), 36u);
+  EXPECT_EQ(spread_timesteps(timesteps, 1)[0].frames[0], 18);
 }
 
 }  // namespace

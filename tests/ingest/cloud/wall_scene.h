@@ -26,20 +26,21 @@ inline std::array<uint8_t, 3> wall_colour(double x, double y, double time) {
 }
 
 struct WallRig {
-  int cameras = 5, moments = 2, size = 96;  // pictures are size × size
-  double focus = 2.5;                       // z of what all cameras look at
+  int cameras = 5, timesteps = 2, size = 96;  // images are size × size
+  double focus = 2.5;                         // z of what all cameras look at
   std::array<uint8_t, 3> (*colour)(int camera, double x, double y, double time) =
       [](int, double x, double y, double time) { return wall_colour(x, y, time); };
 };
 
-/// Cameras at x = −0.4 … 0.4, z = 0, that look at (0, 0, focus); moments from 0 to 1. All training.
+/// Cameras at x = −0.4 … 0.4, z = 0, that look at (0, 0, focus); timesteps from 0 to 1. All
+/// training.
 inline Scene wall_scene(const WallRig& rig = {}) {
   Scene scene;
   for (int k = 0; k < rig.cameras; ++k) {
     const double x = rig.cameras > 1 ? -0.4 + 0.8 * k / (rig.cameras - 1) : 0;
     const glm::dvec3 eye(x, 0, 0), forward = glm::normalize(glm::dvec3(-x, 0, rig.focus));
     const glm::dvec3 down(0, 1, 0), right = glm::cross(down, forward);
-    for (int m = 0; m < rig.moments; ++m) {
+    for (int m = 0; m < rig.timesteps; ++m) {
       Frame frame;
       frame.camera.width = frame.camera.height = rig.size;
       frame.camera.fl_x = frame.camera.fl_y = rig.size;
@@ -49,7 +50,7 @@ inline Scene wall_scene(const WallRig& rig = {}) {
       frame.camera_name = "cam" + std::to_string(k);
       frame.name = frame.camera_name + "/" + std::to_string(m);
       frame.frame_number = m;
-      frame.time = rig.moments > 1 ? double(m) / (rig.moments - 1) : 0;
+      frame.time = rig.timesteps > 1 ? double(m) / (rig.timesteps - 1) : 0;
       frame.image = {rig.size, rig.size, 3, {}};
       for (int v = 0; v < rig.size; ++v)
         for (int u = 0; u < rig.size; ++u) {

@@ -60,7 +60,7 @@ TEST(AtomicFile, ReadingWhatIsNotThere) {
 TEST(Png, RoundTripOfEachKind) {
   const TemporaryFolder folder;
   for (const int channels : {1, 3, 4}) {
-    const Image8 image = patterned_picture(13, 7, channels);
+    const Image8 image = patterned_image(13, 7, channels);
     write_png(folder / "a.png", image);
     const Image8 back = read_png(folder / "a.png");
     EXPECT_EQ(back.width, 13);
@@ -78,7 +78,7 @@ TEST(Png, RoundTripOfEachKind) {
 // zero); seen to fail (no error at any truncation of the pixels).
 TEST(Png, EveryTruncationIsAnErrorAndNoCrash) {
   const TemporaryFolder folder;
-  write_png(folder / "a.png", patterned_picture(20, 20, 4));
+  write_png(folder / "a.png", patterned_image(20, 20, 4));
   const std::string bytes = read_bytes(folder / "a.png");
   for (size_t length = 0; length < bytes.size(); length += 1 + length / 60) {
     write_bytes(folder / "cut.png", bytes.substr(0, length));
@@ -86,9 +86,9 @@ TEST(Png, EveryTruncationIsAnErrorAndNoCrash) {
   }
 }
 
-TEST(Png, EveryFlippedByteIsAnErrorOrAPicture) {
+TEST(Png, EveryFlippedByteIsAnErrorOrAImage) {
   const TemporaryFolder folder;
-  write_png(folder / "a.png", patterned_picture(9, 9, 3));
+  write_png(folder / "a.png", patterned_image(9, 9, 3));
   const std::string bytes = read_bytes(folder / "a.png");
   for (size_t i = 0; i < bytes.size(); ++i) {
     std::string damaged = bytes;
@@ -104,14 +104,14 @@ TEST(Png, EveryFlippedByteIsAnErrorOrAPicture) {
 // Bug put back: check_header() not called; seen to fail (libpng's own words, no size named).
 TEST(Png, SizesThatCannotBeAreRefusedBeforeMemoryIsTaken) {
   const TemporaryFolder folder;
-  write_png(folder / "a.png", patterned_picture(4, 4, 3));
+  write_png(folder / "a.png", patterned_image(4, 4, 3));
   const std::string bytes = read_bytes(folder / "a.png");
   std::string zero = bytes, huge = bytes;
   zero.replace(16, 4, std::string(4, '\0'));
   huge.replace(16, 8, std::string("\0\x0f\xff\xff\0\x0f\xff\xff", 8));
   write_bytes(folder / "zero.png", zero);
   write_bytes(folder / "huge.png", huge);
-  write_bytes(folder / "text.png", "this is no picture, whatever its name says");
+  write_bytes(folder / "text.png", "this is no image, whatever its name says");
   expect_input_error([&] { read_png(folder / "zero.png"); }, {"zero.png", "0x4", "1x1"});
   expect_input_error([&] { read_png(folder / "huge.png"); }, {"huge.png", "1048575x1048575"});
   expect_input_error([&] { read_png(folder / "text.png"); }, {"text.png", "not a PNG"});
@@ -120,8 +120,7 @@ TEST(Png, SizesThatCannotBeAreRefusedBeforeMemoryIsTaken) {
 TEST(Png, UnwritablePlaceIsNamed) {
   const TemporaryFolder folder;
   write_bytes(folder / "file", "x");
-  expect_input_error([&] { write_png(folder / "file/a.png", patterned_picture(2, 2, 3)); },
-                     {"file"});
+  expect_input_error([&] { write_png(folder / "file/a.png", patterned_image(2, 2, 3)); }, {"file"});
 }
 
 TEST(Npy, RoundTrip) {

@@ -46,7 +46,7 @@ class MaskSource : public ::testing::Test {
   IngestOptions options_;
 };
 
-TEST_F(MaskSource, FoundByTheNameWithOrWithoutThePicturesExtension) {
+TEST_F(MaskSource, FoundByTheNameWithOrWithoutTheImagesExtension) {
   EXPECT_EQ(find_mask({}, "train/a.jpg"), "");
   EXPECT_EQ(find_mask(options_, "train/a.jpg"), "");
   write_bytes(folder_ / "masks/train/a.jpg", "");
@@ -99,8 +99,8 @@ TEST_F(MaskSource, MasksThatNoFrameHasAreRefused) {
   expect_input_error([&] { ingest(); }, {"--invert-masks", "--masks"});
 }
 
-// Bug put back: masks of another size refused though the pictures were made smaller; seen to fail.
-TEST_F(MaskSource, ScaledAsThePicturesAreAndCutAtOneHalf) {
+// Bug put back: masks of another size refused though the images were made smaller; seen to fail.
+TEST_F(MaskSource, ScaledAsTheImagesAreAndCutAtOneHalf) {
   // of four pixels that become one, 0 to 3 are used, by column; and of the larger mask as many
   const auto share = [](int x, int y) { return 2 * (y % 2) + x % 2 < x / 2; };
   write("train/r_000.png", mask_where(8, 6, share));
@@ -118,7 +118,7 @@ TEST_F(MaskSource, ScaledAsThePicturesAreAndCutAtOneHalf) {
 }
 
 // Bugs put back, each seen to fail: the same; the comparison of mask.cpp turned round.
-TEST_F(MaskSource, MayBeAsLargeAsThePicturesOnceWere) {
+TEST_F(MaskSource, MayBeAsLargeAsTheImagesOnceWere) {
   const auto at = [&](int width, int height, bool inverted) {
     write("train/r_000.png", right_half(width, height));
     options_.invert_masks = inverted;
@@ -130,13 +130,13 @@ TEST_F(MaskSource, MayBeAsLargeAsThePicturesOnceWere) {
   expect_input_error([&] { at(4, 3, false); }, {"r_000.png", "4x3", "8x6"});
 }
 
-// Bug put back: the mask repeated beyond the border of the picture; seen to fail.
-TEST_F(MaskSource, WhatLiesBeyondADistortedPictureIsIgnored) {
+// Bug put back: the mask repeated beyond the border of the image; seen to fail.
+TEST_F(MaskSource, WhatLiesBeyondADistortedImageIsIgnored) {
   const Camera camera{32, 24, 30, 30, 16, 12, {}, {}};
   Lens lens;
   lens.k1 = 0.05;
   Camera wider = camera;
-  wider.fl_x = wider.fl_y = 20;  // sees beyond the picture
+  wider.fl_x = wider.fl_y = 20;  // sees beyond the image
   const Image8 mask =
       undistorted_mask(mask_where(32, 24, [](int, int) { return true; }), camera, lens, wider);
   int inside = 0, outside = 0;

@@ -33,7 +33,7 @@ TemporaryFolder::~TemporaryFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-Image8 patterned_picture(int width, int height, int channels, int seed) {
+Image8 patterned_image(int width, int height, int channels, int seed) {
   Image8 image{width, height, channels, {}};
   for (int i = 0; i < width * height * channels; ++i)
     image.data.push_back(uint8_t(i * 37 + seed * 11 + i / 7));
@@ -48,7 +48,7 @@ Image8 ramp(int width, int height) {
   return image;
 }
 
-Image8 constant_picture(int width, int height, const std::vector<uint8_t>& pixel) {
+Image8 constant_image(int width, int height, const std::vector<uint8_t>& pixel) {
   Image8 image{width, height, int(pixel.size()), {}};
   for (int i = 0; i < width * height; ++i)
     image.data.insert(image.data.end(), pixel.begin(), pixel.end());
@@ -83,7 +83,7 @@ void write_dnerf(const std::filesystem::path& folder, const SmallCapture& captur
       if (capture.with_times) frame["time"] = capture.time(count > 1 ? i / double(count - 1) : 0.0);
       file["frames"].push_back(frame);
       write_png(folder / split / fmt::format("r_{:03}.png", i),
-                patterned_picture(capture.width, capture.height, capture.channels, i));
+                patterned_image(capture.width, capture.height, capture.channels, i));
     }
     write_bytes(folder / fmt::format("transforms_{}.json", split), file.dump(1));
   }

@@ -82,7 +82,7 @@ TEST_F(ColmapCapture, MissingAndUnregisteredPhotosAreWarnings) {
   ASSERT_EQ(report.warnings.size(), 2u);
   EXPECT_NE(report.warnings[0].find("1 photos of the COLMAP model are missing: b01.png"),
             std::string::npos);
-  EXPECT_NE(report.warnings[1].find("2 pictures are not in the COLMAP model"), std::string::npos);
+  EXPECT_NE(report.warnings[1].find("2 images are not in the COLMAP model"), std::string::npos);
   for (const Frame& frame : scene().frames)
     EXPECT_EQ(frame.split == Split::kTest,
               frame.camera_name == "b00" || frame.camera_name == "b08");
@@ -95,7 +95,7 @@ TEST_F(ColmapCapture, WithoutPhotosItIsRefused) {
   std::filesystem::create_directories(capture_ / "images");
   expect_refused({}, {"none of the 3 photos", "b00.png, b01.png, b02.png", "--images"});
   IngestOptions options;
-  options.pictures = "photos";
+  options.images = "photos";
   EXPECT_EQ(ingest(options).frames, 3);
 }
 
@@ -108,7 +108,7 @@ TEST_F(ColmapCapture, ReducedPhotosHaveTheSameRays) {
     std::filesystem::create_directories(capture_ / folder);
     for (int i = 0; i < 3; ++i)
       write_png(capture_ / folder / fmt::format("b{:02}.png", i),
-                patterned_picture(32 / by, 24 / by, 3, i));
+                patterned_image(32 / by, 24 / by, 3, i));
     if (by == 2) {  // the only folder there is
       EXPECT_EQ(ingest().frames, 3);
     }
@@ -117,11 +117,11 @@ TEST_F(ColmapCapture, ReducedPhotosHaveTheSameRays) {
   EXPECT_EQ(scene().frames[0].camera.cy, 5.75);
   expect_input_error([&] { ingest(); }, {"pass --images with one of images_2, images_4"});
   IngestOptions options;
-  options.pictures = "images_4", options.scale = 0.5;
+  options.images = "images_4", options.scale = 0.5;
   ingest(options);
   EXPECT_EQ(scene().frames[0].camera.fl_y, 42 / 8.0);
   EXPECT_EQ(scene().frames[0].image.width, 4);
-  write_png(capture_ / "images_4/b01.png", patterned_picture(6, 8, 3));  // turned
+  write_png(capture_ / "images_4/b01.png", patterned_image(6, 8, 3));  // turned
   expect_input_error([&] { ingest(options); }, {"b01.png: is 6x8", "made for 32x24"});
 }
 
@@ -165,7 +165,7 @@ TEST_F(ColmapCapture, LayoutIsFoundOrStated) {
   write_bytes(capture_ / "transforms.json", "{}");
   EXPECT_EQ(detect_layout(capture_), CaptureLayout::kTransforms);
   IngestOptions options;
-  options.pictures = "images";
+  options.images = "images";
   expect_refused(options, {"--images", "(transforms) has no photos"});
   options.layout = CaptureLayout::kColmap;
   EXPECT_EQ(ingest(options).frames, 2);
@@ -184,7 +184,7 @@ void expect_ramp(const Frame& frame, const std::function<glm::dvec2(glm::dvec2)>
           pixel_of_ray({(x + 0.5 - camera.cx) / camera.fl_x, (y + 0.5 - camera.cy) / camera.fl_y});
       ASSERT_EQ(rgb[2], 7);
       if (std::min(expected.x, expected.y) < 0.5 || expected.x > 199.5 || expected.y > 159.5)
-        continue;  // the picture's border repeats for half a pixel
+        continue;  // the image's border repeats for half a pixel
       worst = std::max(
           {worst, std::abs(rgb[0] + 0.5 - expected.x), std::abs(rgb[1] + 0.5 - expected.y)});
     }
@@ -193,7 +193,7 @@ void expect_ramp(const Frame& frame, const std::function<glm::dvec2(glm::dvec2)>
 }
 
 // Bugs put back: half a pixel of shift (OpenCV's centres); the lens left out; the focal lengths of
-// the picture for those of the pinhole camera; "undistortion" not noted; each seen to fail.
+// the image for those of the pinhole camera; "undistortion" not noted; each seen to fail.
 TEST_F(ColmapCapture, DistortedPhotosBecomePinhole) {
   model_ = small_colmap_model(2);
   model_.cameras[0] = {1, 2, "SIMPLE_RADIAL", 200, 160, {150, 98, 83, 0.15}};
@@ -218,13 +218,13 @@ TEST_F(ColmapCapture, DistortedPhotosBecomePinhole) {
 
 // Bugs put back: colours not multiplied by alpha; nor divided by it again; each seen to fail.
 TEST(Undistortion, TransparentColoursDoNotBleed) {
-  Image8 picture = constant_picture(40, 30, {200, 100, 50, 255});
-  for (size_t p = 0; p < picture.data.size(); p += 4)
-    if ((p / 4) % 40 >= 20) picture.data[p] = 50, picture.data[p + 3] = 0;
+  Image8 image = constant_image(40, 30, {200, 100, 50, 255});
+  for (size_t p = 0; p < image.data.size(); p += 4)
+    if ((p / 4) % 40 >= 20) image.data[p] = 50, image.data[p + 3] = 0;
   const Camera camera{40, 30, 30, 30, 20, 15, glm::dmat3(1), glm::dvec3(0)};
   Lens lens;
   lens.k1 = -0.1, lens.p2 = 0.05;
-  const Image8 result = Undistortion(camera, lens, camera).apply(picture);
+  const Image8 result = Undistortion(camera, lens, camera).apply(image);
   size_t partial = 0;
   for (size_t p = 0; p < result.data.size(); p += 4) {
     partial += result.data[p + 3] > 0 && result.data[p + 3] < 255;
@@ -255,7 +255,7 @@ TEST(RealPhotoSets, JpegsAreKeptAndOpenCvModelsUndistorted) {
     const Scene scene = load_scene(folder / "scene", {});
     EXPECT_EQ(int64_t(scene.points.position.size()), report.points);
     EXPECT_EQ(scene.split_indices(Split::kTest), (std::vector<int>{0}));
-    const Image8 source = read_picture(data / "images" / photos[1]);
+    const Image8 source = read_image(data / "images" / photos[1]);
     EXPECT_EQ(scene.frames[1].image.data == source.data, is_bonsai);
     EXPECT_EQ(scene.frames[1].image.data.size(), source.data.size());
     EXPECT_NEAR(scene.frames[1].camera.fl_x, is_bonsai ? 826.70 : 903.31, 0.01);

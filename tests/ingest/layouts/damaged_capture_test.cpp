@@ -1,5 +1,5 @@
 // What: every file of small photo captures, damaged in every way, one at a time.
-// Not: what single readers say (picture_test.cpp, colmap_test.cpp, transforms_test.cpp).
+// Not: what single readers say (image_test.cpp, colmap_test.cpp, transforms_test.cpp).
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -66,7 +66,7 @@ void write_llff(const path& capture) {
 
 /// One line that names the file, and no scene; or a scene, and a warning that names the file.
 /// Under --strict always the first.
-void expect_said(const path& capture, const path& file, const std::string& what, bool is_picture) {
+void expect_said(const path& capture, const path& file, const std::string& what, bool is_image) {
   const TemporaryFolder out;
   const std::string name = file.stem().string();
   const std::string where = capture.filename().string() + "/" + name + " " + what;
@@ -84,7 +84,7 @@ void expect_said(const path& capture, const path& file, const std::string& what,
       return;
     }
     EXPECT_EQ(error.find('\n'), std::string::npos) << where << ": " << error;
-    if (strict || !is_picture) {
+    if (strict || !is_image) {
       EXPECT_FALSE(error.empty()) << where << (strict ? ", strict" : "");
       EXPECT_TRUE(std::filesystem::is_empty(out.path())) << where;
     } else {
@@ -99,19 +99,19 @@ void expect_said(const path& capture, const path& file, const std::string& what,
   }
 }
 
-/// Damages each file of a fresh capture, first, middle and last picture included.
+/// Damages each file of a fresh capture, first, middle and last image included.
 void damage_everything(const std::function<void(const path&)>& write,
-                       const std::vector<std::string>& pictures,
+                       const std::vector<std::string>& images,
                        const std::vector<std::string>& others) {
   for (const Damage& damage : damages())
-    for (const bool is_picture : {true, false})
-      for (const std::string& name : is_picture ? pictures : others) {
+    for (const bool is_image : {true, false})
+      for (const std::string& name : is_image ? images : others) {
         const TemporaryFolder folder;
         write(folder / "capture");
         const path file = folder / "capture" / name;
         ASSERT_TRUE(std::filesystem::exists(file)) << name;
         damage.apply(file);
-        expect_said(folder / "capture", file, damage.name, is_picture);
+        expect_said(folder / "capture", file, damage.name, is_image);
         ::chmod(file.c_str(), 0600);
       }
 }
@@ -136,7 +136,7 @@ TEST(DamagedCapture, ColmapPhotos) {
 TEST(DamagedCapture, LlffPhotos) {
   // Bugs put back: is_regular_file() without an error code, which throws at a link loop; --strict
   // not looked at; each seen to fail.
-  for (const char* name : {"b00", "b03"})  // a missing picture would shift the rows: an error
+  for (const char* name : {"b00", "b03"})  // a missing image would shift the rows: an error
     for (const Damage& damage : damages()) {
       const bool is_gone =
           std::string(damage.name) == "a link loop" || std::string(damage.name) == "a folder";
@@ -146,27 +146,27 @@ TEST(DamagedCapture, LlffPhotos) {
       damage.apply(file);
       if (is_gone)
         expect_input_error([&] { ingest_capture(folder / "capture", folder / "scene", {}, {}); },
-                           {"has 4 rows", "has 3 pictures"});
+                           {"has 4 rows", "has 3 images"});
       else
         expect_said(folder / "capture", file, damage.name, true);
     }
 }
 
-TEST(DamagedCapture, WithoutATrainingPictureNothingIsLeft) {
+TEST(DamagedCapture, WithoutATrainingImageNothingIsLeft) {
   const TemporaryFolder folder;
   write_dnerf(folder / "capture", {});
   for (int i = 0; i < 4; ++i)
-    write_bytes(folder / fmt::format("capture/train/r_00{}.png", i), "no picture");
+    write_bytes(folder / fmt::format("capture/train/r_00{}.png", i), "no image");
   expect_input_error([&] { ingest_capture(folder / "capture", folder / "scene", {}, {}); },
-                     {"r_000.png", "no picture of the split 'train' is left"});
+                     {"r_000.png", "no image of the split 'train' is left"});
   for (const char* name : {"train", "test"}) std::filesystem::remove_all(folder / "capture" / name);
   expect_input_error([&] { ingest_capture(folder / "capture", folder / "scene", {}, {}); },
-                     {"no such picture, nor any of the 5 others"});
+                     {"no such image, nor any of the 5 others"});
   EXPECT_FALSE(std::filesystem::exists(folder / "scene"));
 }
 
 // Bug put back: the missing left out without a word; seen to fail.
-TEST(DamagedCapture, MissingPicturesAreListed) {
+TEST(DamagedCapture, MissingImagesAreListed) {
   const TemporaryFolder folder;
   write_dnerf(folder / "capture", {});
   std::filesystem::remove(folder / "capture/train/r_001.png");
@@ -184,7 +184,7 @@ TEST(DamagedCapture, MissingPicturesAreListed) {
   strict.strict = true;
   expect_input_error([&] { ingest_capture(folder / "capture", folder / "strict", strict, {}); },
                      {"2 photos", "--strict"});
-  // What was prepared is ours: a picture that is gone from it is an error.
+  // What was prepared is ours: a image that is gone from it is an error.
   std::filesystem::remove(folder / "scene/train/r_002.png");
   expect_input_error([&] { load_scene(folder / "scene", {}); }, {"r_002"});
 }

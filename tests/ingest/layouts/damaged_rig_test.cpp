@@ -1,6 +1,6 @@
 // What: one broken file among a rig's videos, in each position: one line that names it, nothing
 //       half-written.
-// Not: broken pictures (damaged_capture_test.cpp) or the decoder alone (video_file_test.cpp).
+// Not: broken images (damaged_capture_test.cpp) or the decoder alone (video_file_test.cpp).
 #include <fmt/format.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>

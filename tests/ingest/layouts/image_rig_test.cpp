@@ -44,7 +44,7 @@ class ImageRig : public ::testing::Test {
       for (int n = 0; n < 5; ++n) {
         const path file = file_of(pattern, c, n);
         std::filesystem::create_directories(file.parent_path());
-        write_png(file, constant_picture(kRigWidth, kRigHeight, pixel(c, n, channels)));
+        write_png(file, constant_image(kRigWidth, kRigHeight, pixel(c, n, channels)));
       }
       cameras.push_back(entry_of(std::to_string(c), c));
     }
@@ -101,7 +101,7 @@ TEST_F(ImageRig, FramesCamerasTimesAndSplits) {
     EXPECT_EQ(warning.find("clock"), std::string::npos) << warning;
 }
 
-// Bug put back: --fps thinning out the images, as of videos; seen to fail.
+// Bug put back: --fps dropping images, as of videos; seen to fail.
 TEST_F(ImageRig, RateAndChoiceOfFrames) {
   write("camera_{c}_img_{t}.png");
   edit_json(folder_ / "cameras.json", [](json& file) {
@@ -137,7 +137,7 @@ TEST_F(ImageRig, BadImagesAndMissingCamerasAreNamed) {
     for (json& camera : file["cameras"]) camera["name"] = "cam" + camera["name"].get<std::string>();
   });
   const path file = file_of("cam{c}/{t:06}.png", 2, 3);
-  write_png(file, constant_picture(kRigWidth, kRigHeight / 2, {1, 2, 3}));
+  write_png(file, constant_image(kRigWidth, kRigHeight / 2, {1, 2, 3}));
   expect_input_error([&] { ingest(); }, {file.string(), "is 32x12", "camera cam2 is 32x24"});
   write_bytes(file, "no image");
   expect_input_error([&] { ingest(); }, {file.string()});
@@ -198,7 +198,7 @@ TEST(ImageRigData, FoldersOfBasketball) {
   EXPECT_EQ(report.frames, 12);
   EXPECT_EQ(report.scored, "will be scored: 4 test views (camera 1)");
   const Scene scene = load_scene(folder / "scene", {});
-  EXPECT_EQ(scene.frames[11].image.data, read_picture(basketball / "ims/3/000003.jpg").data);
+  EXPECT_EQ(scene.frames[11].image.data, read_image(basketball / "ims/3/000003.jpg").data);
   EXPECT_NEAR(scene.time_axis.duration, 0.1, 1e-12);
 }
 

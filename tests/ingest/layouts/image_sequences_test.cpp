@@ -67,7 +67,7 @@ TEST(ImageSequences, PhotosStayPhotos) {
   write_names(captures.path(), "{c}/images/{t:04}.png", 2, 5);
   for (const char* name : {"0", "1"})
     std::filesystem::create_directories(captures / name / "sparse");
-  expect_input_error([&] { detect_layout(captures.path()); }, {"no videos", "no pictures"});
+  expect_input_error([&] { detect_layout(captures.path()); }, {"no videos", "no images"});
 }
 
 // Bug put back: a COLMAP model, transforms or LLFF's poses beside numbered images passed over; seen
@@ -79,7 +79,7 @@ TEST(ImageSequences, PosesDecideWhatImagesAre) {
   std::vector<LlffPose> poses(6);
   for (LlffPose& pose : poses) pose.camera.width = 8, pose.camera.height = 6, pose.camera.fl_x = 9;
   write_llff_poses(folder / "poses_bounds.npy", poses);
-  EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kLlff);  // a row a picture
+  EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kLlff);  // a row a image
   poses.resize(2);
   write_llff_poses(folder / "poses_bounds.npy", poses);
   EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kSequences);  // a row a camera

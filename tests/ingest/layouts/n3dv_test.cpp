@@ -33,7 +33,7 @@ class N3dv : public ::testing::Test {
   std::filesystem::path video(int camera) {
     return folder_ / fmt::format("capture/cam{:02}.mp4", camera);
   }
-  /// Poses for pictures of 64×48, twice the size of the videos, with a focal length of 100.
+  /// Poses for images of 64×48, twice the size of the videos, with a focal length of 100.
   void write_poses(int rows) {
     poses_.clear();
     for (int i = 0; i < rows; ++i) {

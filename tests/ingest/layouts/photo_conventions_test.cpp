@@ -29,8 +29,8 @@ constexpr int kWidth = 64, kHeight = 48;
 constexpr double kFocal = 60;
 
 /// The cube [-1, 1]³ from `stand`: red at +x, green at +y, blue at +z, white elsewhere.
-Image8 picture_of_cube(const Stand& stand) {
-  Image8 image = constant_picture(kWidth, kHeight, {0, 0, 0});
+Image8 image_of_cube(const Stand& stand) {
+  Image8 image = constant_image(kWidth, kHeight, {0, 0, 0});
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
       const glm::dvec3 ray = stand.forward + stand.right * ((x + 0.5 - kWidth / 2) / kFocal) -
@@ -59,15 +59,15 @@ std::vector<Stand> cube_stands() {
   return stands;
 }
 
-void write_pictures(const path& folder) {
+void write_images(const path& folder) {
   std::filesystem::create_directories(folder);
   const auto stands = cube_stands();
   for (size_t i = 0; i < stands.size(); ++i)
-    write_png(folder / fmt::format("b{:02}.png", i), picture_of_cube(stands[i]));
+    write_png(folder / fmt::format("b{:02}.png", i), image_of_cube(stands[i]));
 }
 
 void write_cube_transforms(const path& capture) {
-  write_pictures(capture / "images");
+  write_images(capture / "images");
   json file{{"camera_angle_x", 2 * std::atan(kWidth / 2 / kFocal)}, {"frames", json::array()}};
   const auto stands = cube_stands();
   for (size_t i = 0; i < stands.size(); ++i)
@@ -78,7 +78,7 @@ void write_cube_transforms(const path& capture) {
 
 /// Columns down, right, backward, centre, (height, width, focal), as LLFF has them.
 void write_cube_llff(const path& capture) {
-  write_pictures(capture / "images");
+  write_images(capture / "images");
   const auto stands = cube_stands();
   Matrix rows{int64_t(stands.size()), 17, std::vector<double>(stands.size() * 17, 1.0)};
   for (size_t i = 0; i < stands.size(); ++i)
@@ -100,11 +100,11 @@ WrittenModel cube_model() {
 }
 
 void write_cube_colmap(const path& capture) {
-  write_pictures(capture / "images");
+  write_images(capture / "images");
   write_colmap_bin(capture / "sparse/0", cube_model());
 }
 
-/// The pixel at a world point's place; nothing outside the picture or behind the camera.
+/// The pixel at a world point's place; nothing outside the image or behind the camera.
 const uint8_t* pixel_of(const Camera& camera, const Image8& image, const glm::dvec3& point) {
   if ((camera.cam_from_world * point + camera.translation).z <= 0) return nullptr;
   const glm::dvec2 at = project(camera, point);
@@ -141,16 +141,16 @@ TEST(Conventions, EveryLoaderPutsTheRedFaceAtPlusX) {
   }
 }
 
-// Bug put back: pictures sorted backwards; seen to fail.
+// Bug put back: images sorted backwards; seen to fail.
 TEST(LlffPhotos, BecomeAStaticSceneOfTheChosenSize) {
   const TemporaryFolder folder;
   write_cube_llff(folder / "capture");
   std::filesystem::create_directories(folder / "capture/images_2");
   for (int i = 0; i < 6; ++i)
     write_png(folder / fmt::format("capture/images_2/b{:02}.png", i),
-              patterned_picture(kWidth / 2, kHeight / 2, 3, i));
+              patterned_image(kWidth / 2, kHeight / 2, 3, i));
   IngestOptions options;
-  options.pictures = "images_2", options.test_every = 4;
+  options.images = "images_2", options.test_every = 4;
   const IngestReport report = ingest_capture(folder / "capture", folder / "scene", options, {});
   EXPECT_EQ(report.layout, CaptureLayout::kLlff);
   const Scene full = [&] {
@@ -162,19 +162,19 @@ TEST(LlffPhotos, BecomeAStaticSceneOfTheChosenSize) {
   EXPECT_EQ(half.split_indices(Split::kTest), (std::vector<int>{0, 4}));
   EXPECT_EQ(full.split_indices(Split::kTest), (std::vector<int>{0}));
   EXPECT_EQ(half.frames[3].camera_name, "b03");
-  EXPECT_EQ(half.frames[3].image.data, patterned_picture(kWidth / 2, kHeight / 2, 3, 3).data);
+  EXPECT_EQ(half.frames[3].image.data, patterned_image(kWidth / 2, kHeight / 2, 3, 3).data);
   for (size_t i = 0; i < 6; ++i)  // B7: the same rays
     EXPECT_LT(glm::distance(ray_through(full.frames[i].camera, 50, 4),
                             ray_through(half.frames[i].camera, 25, 2)),
               1e-9);
   std::filesystem::remove(folder / "capture/images/b02.png");
   expect_input_error([&] { ingest_capture(folder / "capture", folder / "third", {}, {}); },
-                     {"has 6 rows", "has 5 pictures"});
+                     {"has 6 rows", "has 5 images"});
 }
 
 TEST(Layouts, PhotosByWhatLiesBesideThem) {
   const TemporaryFolder folder;
-  write_pictures(folder / "a/images");
+  write_images(folder / "a/images");
   EXPECT_EQ(detect_layout(folder / "a"), CaptureLayout::kPhotos);
   EXPECT_EQ(detect_layout(folder / "a/images"), CaptureLayout::kPhotos);
   setenv("TESSERA_COLMAP", "/nowhere/colmap", 1);  // poses are estimated, where it is there
@@ -212,14 +212,14 @@ TEST(Layouts, DamagedModelNamesThePosesBesideIt) {
   }
 }
 
-/// Median over points and colours of |pixel − colour|, of pictures[(i + shift) % n] by camera i.
-double median_colour_error(const std::vector<Camera>& cameras, const std::vector<Image8>& pictures,
+/// Median over points and colours of |pixel − colour|, of images[(i + shift) % n] by camera i.
+double median_colour_error(const std::vector<Camera>& cameras, const std::vector<Image8>& images,
                            const PointCloud& points, size_t shift) {
   std::vector<int> errors;
   for (size_t i = 0; i < cameras.size(); ++i)
     for (size_t p = 0; p < points.position.size(); ++p) {
-      const Image8& picture = pictures[(i + shift) % pictures.size()];
-      const uint8_t* rgb = pixel_of(cameras[i], picture, points.position[p]);
+      const Image8& image = images[(i + shift) % images.size()];
+      const uint8_t* rgb = pixel_of(cameras[i], image, points.position[p]);
       for (size_t c = 0; rgb != nullptr && c < 3; ++c)
         errors.push_back(std::abs(int(rgb[c]) - int(points.colour[p][c])));
     }
@@ -227,16 +227,16 @@ double median_colour_error(const std::vector<Camera>& cameras, const std::vector
   return median(std::move(errors));
 }
 
-/// Points lie on their colours with the right pictures, and not with those of the neighbours.
+/// Points lie on their colours with the right images, and not with those of the neighbours.
 void expect_points_on_colours(const Scene& scene, const PointCloud& points, const char* name) {
   std::vector<Camera> cameras;
-  std::vector<Image8> pictures;
+  std::vector<Image8> images;
   for (const Frame& frame : scene.frames)
-    cameras.push_back(frame.camera), pictures.push_back(frame.image);
-  const double right = median_colour_error(cameras, pictures, points, 0);
+    cameras.push_back(frame.camera), images.push_back(frame.image);
+  const double right = median_colour_error(cameras, images, points, 0);
   double permuted = 1e9;
   for (size_t shift = 1; shift < cameras.size(); ++shift)
-    permuted = std::min(permuted, median_colour_error(cameras, pictures, points, shift));
+    permuted = std::min(permuted, median_colour_error(cameras, images, points, shift));
   EXPECT_GT(right, 0) << name;
   EXPECT_LT(right, 0.6 * permuted)  // seen: 14 / 57, 23 / 43, 13 / 38, 17 / 38 of 255
       << name;
@@ -305,7 +305,7 @@ TEST(RealConventions, N3dvPointsLieOnTheirColours) {
   const Scene colmap = load_scene(folder / "colmap", {});
   expect_points_on_colours(colmap, colmap.points, "n3dv_one_instant, COLMAP");
   IngestOptions options;
-  options.layout = CaptureLayout::kLlff, options.pictures = "images_4";
+  options.layout = CaptureLayout::kLlff, options.images = "images_4";
   ingest_capture(data, folder / "llff", options, {});
   const Scene llff = load_scene(folder / "llff", {});
   std::vector<Camera> here, there;

@@ -60,7 +60,7 @@ TEST(PreparedScene, WrittenAndLoadedIsEqual) {
   const TemporaryFolder folder;
   const PreparedScene written = example_scene();
   for (const PreparedFrame& frame : written.frames)
-    write_png(folder / frame.file_path, patterned_picture(8, 6, 3, int(frame.frame.frame_number)));
+    write_png(folder / frame.file_path, patterned_image(8, 6, 3, int(frame.frame.frame_number)));
   const PointCloud points{{{1, 2, 3}, {-1, 0.5f, 1e-7f}}, {{{1, 2, 3}}, {{255, 0, 128}}}, {}, {}};
   write_points(folder / "points.ply", points);
   write_prepared_scene(folder.path(), written);
@@ -80,7 +80,7 @@ TEST(PreparedScene, WrittenAndLoadedIsEqual) {
     EXPECT_EQ(one.time, other.time);
     EXPECT_EQ(one.split, other.split);
     expect_same_camera(one.camera, other.camera, 1e-14);
-    EXPECT_EQ(other.image.data, patterned_picture(8, 6, 3, int(i % 2)).data);
+    EXPECT_EQ(other.image.data, patterned_image(8, 6, 3, int(i % 2)).data);
   }
 }
 
@@ -108,7 +108,7 @@ TEST(PreparedScene, NewerVersionsAndImpossibleTimesAreRefused) {
   PreparedScene scene = example_scene();
   scene.has_points = false;
   for (const PreparedFrame& frame : scene.frames)
-    write_png(folder / frame.file_path, patterned_picture(8, 6, 3));
+    write_png(folder / frame.file_path, patterned_image(8, 6, 3));
   write_prepared_scene(folder.path(), scene);
   const auto with = [&](const std::function<void(json&)>& change, std::vector<std::string> parts) {
     write_prepared_scene(folder.path(), scene);

@@ -186,7 +186,7 @@ TEST(RealData, FernPosesAgreeWithTheirColmapModel) {
   size_t i = 0;
   for (const auto& [name, stored] : model) {
     // This rebuilt model holds the inverse rotations beside the usual translations (its cameras
-    // would look apart, not at the fern); the poses of LLFF are what the picture shows.
+    // would look apart, not at the fern); the poses of LLFF are what the image shows.
     Camera camera = stored;
     camera.cam_from_world = glm::transpose(stored.cam_from_world);
     EXPECT_LT(glm::distance(camera.position(), poses[i].camera.position()), 1e-3) << name;

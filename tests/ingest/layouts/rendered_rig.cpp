@@ -128,12 +128,12 @@ double distance_to_surface(const glm::dvec3& point) {
   return nearest;
 }
 
-Image8 rendered_picture(const RenderedRig& rig, int number, int frame) {
+Image8 rendered_image(const RenderedRig& rig, int number, int frame) {
   const Camera camera = true_cameras(rig)[size_t(number)];
   const glm::dvec3 centre = camera.position();
   const double shift = rig.panel_step * (frame + (rig.clocks_agree ? 0 : number));
-  Image8 picture{rig.width, rig.height, 3, {}};
-  picture.data.resize(size_t(rig.width * rig.height * 3));
+  Image8 image{rig.width, rig.height, 3, {}};
+  image.data.resize(size_t(rig.width * rig.height * 3));
   parallel_for(rig.height, 8, [&](int64_t begin, int64_t end) {
     for (auto y = int(begin); y < int(end); ++y)
       for (int x = 0; x < rig.width; ++x) {
@@ -143,11 +143,11 @@ Image8 rendered_picture(const RenderedRig& rig, int number, int frame) {
               trace(centre, ray_through(camera, x + 0.25 + 0.5 * (s % 2), y + 0.25 + s / 2 * 0.5),
                     rig.panel_step != 0, shift);
         for (int c = 0; c < 3; ++c)
-          picture.data[size_t((y * rig.width + x) * 3 + c)] =
+          image.data[size_t((y * rig.width + x) * 3 + c)] =
               c == 2 && number == rig.blue_camera ? 255 : uint8_t(40 + 170 * sum[c] / 4);
       }
   });
-  return picture;
+  return image;
 }
 
 RigClip clip_of(const std::filesystem::path& video) {
@@ -166,7 +166,7 @@ std::vector<RigClip> write_rig(const std::filesystem::path& folder, const Render
   for (int camera = 0; camera < rig.cameras; ++camera) {
     TestVideo video;
     for (int frame = 0; frame < rig.frames; ++frame)
-      video.frames.push_back(rendered_picture(rig, camera, frame));
+      video.frames.push_back(rendered_image(rig, camera, frame));
     const auto path = folder / fmt::format("cam{:02}.mp4", camera);
     write_video(path, video);
     clips.push_back(clip_of(path));

@@ -94,7 +94,7 @@ TEST(Scene, OneFrameOfOneCameraIsAStaticScene) {
 }
 
 // B20, the loader's part. Bug put back: a least size of 2 in the PNG reader; seen to fail.
-TEST(Scene, OnePixelPicturesLoad) {
+TEST(Scene, OnePixelImagesLoad) {
   const TemporaryFolder folder;
   SmallCapture capture;
   capture.width = capture.height = 1;
@@ -110,7 +110,7 @@ TEST(Scene, OnePixelPicturesLoad) {
 TEST(Scene, KnownColoursOnBlackAndWhite) {
   const TemporaryFolder folder;
   write_dnerf(folder.path(), {});
-  write_png(folder / "train/r_000.png", constant_picture(8, 6, {200, 100, 51, 128}));
+  write_png(folder / "train/r_000.png", constant_image(8, 6, {200, 100, 51, 128}));
   SceneOptions options;
   const Scene black = load_scene(folder.path(), options);
   options.background = {255, 255, 255};
@@ -124,20 +124,20 @@ TEST(Scene, KnownColoursOnBlackAndWhite) {
   EXPECT_EQ(black.frames[0].image.height, 6);
   ASSERT_EQ(black.frames[0].image.channels, 3);
   // 200·128/255 = 100.39, 100·128/255 = 50.2, 51·128/255 = 25.6; 255·127/255 = 127 more on white
-  EXPECT_EQ(black.frames[0].image.data, constant_picture(8, 6, {100, 50, 26}).data);
-  EXPECT_EQ(white.frames[0].image.data, constant_picture(8, 6, {227, 177, 153}).data);
+  EXPECT_EQ(black.frames[0].image.data, constant_image(8, 6, {100, 50, 26}).data);
+  EXPECT_EQ(white.frames[0].image.data, constant_image(8, 6, {227, 177, 153}).data);
 }
 
-TEST(Scene, OpaqueAndGreyPicturesPassThrough) {
+TEST(Scene, OpaqueAndGreyImagesPassThrough) {
   const TemporaryFolder folder;
   SmallCapture capture;
   capture.channels = 3;
   write_dnerf(folder.path(), capture);
-  write_png(folder / "train/r_001.png", constant_picture(8, 6, {77}));
+  write_png(folder / "train/r_001.png", constant_image(8, 6, {77}));
   const Scene scene = load_scene(folder.path(), {});
   EXPECT_FALSE(scene.had_alpha);
-  EXPECT_EQ(scene.frames[0].image.data, patterned_picture(8, 6, 3, 0).data);
-  EXPECT_EQ(scene.frames[1].image.data, constant_picture(8, 6, {77, 77, 77}).data);
+  EXPECT_EQ(scene.frames[0].image.data, patterned_image(8, 6, 3, 0).data);
+  EXPECT_EQ(scene.frames[1].image.data, constant_image(8, 6, {77, 77, 77}).data);
 }
 
 TEST(Scene, WithoutPixelsEverythingElseIsThere) {
@@ -177,7 +177,7 @@ TEST(Scene, FewHeldOutFramesKeepTheirTimes) {
 
 // Bugs put back, each seen to fail: the error of the last bad frame reported (not the first);
 // require_image() returning the stated path without looking.
-TEST(BadScene, PicturesThatAreMissingOrDamagedAreNamed) {
+TEST(BadScene, ImagesThatAreMissingOrDamagedAreNamed) {
   const TemporaryFolder folder;
   write_dnerf(folder.path(), {});
   const std::string bytes = read_bytes(folder / "train/r_001.png");
@@ -188,7 +188,7 @@ TEST(BadScene, PicturesThatAreMissingOrDamagedAreNamed) {
   expect_input_error([&] { load_scene(folder.path(), {}); }, {"r_003.png", "empty"});
   std::filesystem::remove(folder / "train/r_003.png");
   expect_input_error([&] { load_scene(folder.path(), {}); },
-                     {"transforms_train.json", "frame 3", "no such picture"});
+                     {"transforms_train.json", "frame 3", "no such image"});
   write_bytes(folder / "train/r_003.jpg", "x");
   expect_input_error([&] { load_scene(folder.path(), {}); },
                      {"r_003.jpg", "not a PNG", "tessera ingest"});

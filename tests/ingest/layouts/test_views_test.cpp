@@ -13,12 +13,12 @@ void add(TestViews& views, const std::string& camera, Split split, int count) {
   for (int i = 0; i < count; ++i) views.add(frame);
 }
 
-// Bug put back: frames that are set aside for validation counted; seen to fail.
+// Bug put back: validation frames counted; seen to fail.
 TEST(TestViews, WholeCamerasAndPartsOfThemAreNamed) {
   TestViews rig;
   add(rig, "cam00", Split::kTest, 24);
   add(rig, "cam01", Split::kTrain, 20);
-  add(rig, "cam01", Split::kAside, 4);
+  add(rig, "cam01", Split::kValidation, 4);
   EXPECT_EQ(rig.count(), 24);
   EXPECT_EQ(rig.text(), "will be scored: 24 test views (camera cam00)");
   add(rig, "cam02", Split::kTest, 23);

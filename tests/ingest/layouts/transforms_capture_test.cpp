@@ -10,8 +10,8 @@
 #include "ingest/files/point_cloud.h"
 #include "ingest/ingest.h"
 #include "ingest/layouts/scene_reader.h"
+#include "ingest/media/images/image_scale.h"
 #include "ingest/media/images/image_source.h"
-#include "ingest/media/images/picture_scale.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {
@@ -79,7 +79,7 @@ TEST(TransformsCapture, StaticCapturesStayStatic) {
 }
 
 // B7. Bug put back: the size scaled and the intrinsics not (scaled_camera); seen to fail.
-TEST(TransformsCapture, ScaledPicturesHaveTheSameRays) {
+TEST(TransformsCapture, ScaledImagesHaveTheSameRays) {
   const TemporaryFolder folder;
   write_dnerf(folder / "capture", {});
   IngestOptions options;
@@ -152,7 +152,7 @@ TEST(TransformsCapture, FirstInstantsOfEachCamera) {
   EXPECT_EQ(scene.frames[3].name, "test/r_000");
 }
 
-TEST(TransformsCapture, BadPicturesAreNamedAndNothingIsLeft) {
+TEST(TransformsCapture, BadImagesAreNamedAndNothingIsLeft) {
   const TemporaryFolder folder;
   write_dnerf(folder / "capture", {});
   const std::string bytes = read_bytes(folder / "capture/train/r_002.png");
@@ -160,7 +160,7 @@ TEST(TransformsCapture, BadPicturesAreNamedAndNothingIsLeft) {
   IngestOptions strict;  // otherwise it is left out (damaged_capture_test.cpp)
   strict.strict = true;
   expect_input_error([&] { ingest_capture(folder / "capture", folder / "scene", strict, {}); },
-                     {"r_002.png", "1 of 6 pictures", "--strict"});
+                     {"r_002.png", "1 of 6 images", "--strict"});
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
 }
 
@@ -179,22 +179,22 @@ TEST(TransformsCapture, OtherFormatsBecomePng) {
 }
 
 // Bug put back: the high byte taken for the rounded value; seen to fail (two of four values).
-TEST(Picture, SixteenBitIsReducedWithRounding) {
+TEST(RenderedImage, SixteenBitIsReducedWithRounding) {
   const TemporaryFolder folder;
   const std::string values("\x00\x00\x00\x81\x80\x90\xff\xff", 8);  // 0, 0.502, 128.06+, 65535
   write_bytes(folder / "a.pgm", "P5\n4 1\n65535\n" + values);
-  const Image8 grey = read_picture(folder / "a.pgm");
+  const Image8 grey = read_image(folder / "a.pgm");
   EXPECT_EQ(grey.channels, 1);
   EXPECT_EQ(grey.data, (std::vector<uint8_t>{0, 1, 128, 255}));
-  write_bytes(folder / "bad.jpg", "no picture");
-  expect_input_error([&] { read_picture(folder / "bad.jpg"); }, {"bad.jpg"});
-  expect_input_error([&] { read_picture(folder / "none.jpg"); }, {"none.jpg"});
+  write_bytes(folder / "bad.jpg", "no image");
+  expect_input_error([&] { read_image(folder / "bad.jpg"); }, {"bad.jpg"});
+  expect_input_error([&] { read_image(folder / "none.jpg"); }, {"none.jpg"});
 }
 
 // Bug put back: colours averaged without their alpha; seen to fail (green 191).
 // B16. Bug put back: the marker not looked for, so that libjpeg fills the rest with grey; seen to
 // fail.
-TEST(Picture, TruncatedJpegIsNamed) {
+TEST(RenderedImage, TruncatedJpegIsNamed) {
   // clang-format off
   const std::array<unsigned char, 202> jpeg{
     0xff, 0xd8, 0xff, 0xe0, 0x00, 0x10, 0x4a, 0x46, 0x49, 0x46, 0x00, 0x01, 0x02, 0x00, 0x00, 0x01,
@@ -214,21 +214,21 @@ TEST(Picture, TruncatedJpegIsNamed) {
   const std::string whole(jpeg.begin(), jpeg.end());
   const TemporaryFolder folder;
   write_bytes(folder / "whole.jpg", whole);
-  EXPECT_EQ(read_picture(folder / "whole.jpg").width, 8);
+  EXPECT_EQ(read_image(folder / "whole.jpg").width, 8);
   for (size_t cut : {size_t{2}, size_t{8}, whole.size() / 2}) {
     write_bytes(folder / "cut.jpg", whole.substr(0, whole.size() - cut));
-    expect_input_error([&] { read_picture(folder / "cut.jpg"); }, {"cut.jpg", "truncated JPEG"});
+    expect_input_error([&] { read_image(folder / "cut.jpg"); }, {"cut.jpg", "truncated JPEG"});
   }
 }
 
-TEST(Picture, ScalingWeighsColoursByAlpha) {
-  Image8 picture = constant_picture(2, 2, {0, 255, 0, 0});
-  std::copy_n(constant_picture(1, 1, {255, 10, 20, 255}).data.begin(), 4, picture.data.begin());
-  EXPECT_EQ(scale_picture(picture, 1, 1).data, (std::vector<uint8_t>{255, 10, 20, 64}));
+TEST(RenderedImage, ScalingWeighsColoursByAlpha) {
+  Image8 image = constant_image(2, 2, {0, 255, 0, 0});
+  std::copy_n(constant_image(1, 1, {255, 10, 20, 255}).data.begin(), 4, image.data.begin());
+  EXPECT_EQ(scale_image(image, 1, 1).data, (std::vector<uint8_t>{255, 10, 20, 64}));
   Image8 grey{2, 2, 1, {0, 100, 50, 51}};
-  EXPECT_EQ(scale_picture(grey, 1, 1).data, (std::vector<uint8_t>{50}));
-  EXPECT_EQ(scale_picture(constant_picture(3, 3, {0, 255, 0, 0}), 2, 2).data,
-            constant_picture(2, 2, {0, 0, 0, 0}).data);
+  EXPECT_EQ(scale_image(grey, 1, 1).data, (std::vector<uint8_t>{50}));
+  EXPECT_EQ(scale_image(constant_image(3, 3, {0, 255, 0, 0}), 2, 2).data,
+            constant_image(2, 2, {0, 0, 0, 0}).data);
 }
 
 }  // namespace

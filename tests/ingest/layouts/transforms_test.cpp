@@ -17,7 +17,7 @@ using namespace tessera::testing;
 using nlohmann::json;
 
 // B7. Bug put back: intrinsics of another size taken as they are (no `resized`); seen to fail.
-TEST(Intrinsics, HalfSizePicturesHaveTheSameRays) {
+TEST(Intrinsics, HalfSizeImagesHaveTheSameRays) {
   Camera full, half;
   StatedIntrinsics stated;
   stated.fl_x = 1100.25, stated.fl_y = 1090.5, stated.cx = 401, stated.cy = 297.5;
@@ -140,17 +140,17 @@ TEST(Transforms, MasksThatDoNotFitAreNamed) {
     expect_input_error([&] { load_scene(folder.path(), {}); }, parts);
   };
   refused({"frame 1", "no such mask", "m.png"});
-  write_png(folder / "m.png", constant_picture(6, 8, {255}));
+  write_png(folder / "m.png", constant_image(6, 8, {255}));
   refused({"m.png", "6x8", "8x6"});
-  write_png(folder / "m.png", constant_picture(8, 6, {1}));
+  write_png(folder / "m.png", constant_image(8, 6, {1}));
   refused({"m.png", "largest value is 1", "255"});
 }
 
 TEST(Transforms, AlphaOfAMaskCountsWhereItSaysAnything) {
-  Image8 picture = constant_picture(2, 1, {0, 255, 0, 255});
-  EXPECT_EQ(mask_of_picture(picture, "m").data, (std::vector<uint8_t>{255, 255}));
-  picture.data[3] = 0;
-  EXPECT_EQ(mask_of_picture(picture, "m").data, (std::vector<uint8_t>{0, 255}));
+  Image8 image = constant_image(2, 1, {0, 255, 0, 255});
+  EXPECT_EQ(mask_of_image(image, "m").data, (std::vector<uint8_t>{255, 255}));
+  image.data[3] = 0;
+  EXPECT_EQ(mask_of_image(image, "m").data, (std::vector<uint8_t>{0, 255}));
 }
 
 TEST(Transforms, FilesThatAreNoTransformsAreNamed) {
@@ -169,7 +169,7 @@ TEST(Transforms, FilesThatAreNoTransformsAreNamed) {
   refused("{\"camera_angle_x\": 0.7, \"frames\": []}", "lists no frames");
   refused("{\"frames\": [7]}", "no file_path");
   refused("{\"frames\": [{\"file_path\": 7}]}", "file_path");
-  refused("{\"tessera\": 7, \"frames\": [{\"file_path\": \"a\"}]}", "no such picture");
+  refused("{\"tessera\": 7, \"frames\": [{\"file_path\": \"a\"}]}", "no such image");
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ void write_photo_set(const std::filesystem::path& capture, const WrittenModel& m
   for (size_t i = 0; i < model.images.size(); ++i) {
     const auto path = capture / "images" / model.images[i].name;
     std::filesystem::create_directories(path.parent_path());
-    write_png(path, patterned_picture(int(camera.width), int(camera.height), 3, int(i)));
+    write_png(path, patterned_image(int(camera.width), int(camera.height), 3, int(i)));
   }
 }
 

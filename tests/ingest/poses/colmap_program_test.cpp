@@ -153,7 +153,7 @@ TEST(ColmapWorkspace, TakesTheLargestModelAndSaysSo) {
   std::vector<std::string> warnings;
   EXPECT_EQ(largest_colmap_model(folder.path(), warnings), folder / "1");
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("1 with 12 pictures; left out: 2 (5), 0 (3)"), std::string::npos);
+  EXPECT_NE(warnings[0].find("1 with 12 images; left out: 2 (5), 0 (3)"), std::string::npos);
   EXPECT_EQ(largest_colmap_model(folder / "none", warnings), std::filesystem::path());
 }
 

@@ -75,7 +75,7 @@ TEST(Lens, FisheyeModels) {
 }
 
 // project o unproject of every model COLMAP 3.8 has, at a focal length of 1000 pixels, over the
-// picture.
+// image.
 TEST(Lens, UnprojectingEveryModelRoundTrips) {
   const double f = 1000;
   const std::vector<std::pair<const char*, std::vector<double>>> models{
@@ -129,7 +129,7 @@ TEST(Lens, FisheyesEndAt90Degrees) {
   EXPECT_NEAR(std::atan(back->x), theta, 1e-9);
 }
 
-/// How far the corners' rays fall outside the picture that was taken; 0 or less: inside.
+/// How far the corners' rays fall outside the image that was taken; 0 or less: inside.
 double overhang(const Camera& camera, const Lens& lens, const Camera& pinhole) {
   double most = -1e9;
   for (const double x : {0.5, 50.0, 99.5})
@@ -166,12 +166,12 @@ TEST(Lens, UndistortedCameraHasNoBlankPixels) {
       {"a.jpg (RADIAL)", "turns back", "image_undistorter"});
 }
 
-// F15: a sensor of which the upper part was kept: its axis passes below the picture. A longer focal
-// length about the axis shows what lies below the picture, too. The corners of the undistorted
-// picture fall on its border (the focal length is no longer than needed) and not outside. A lens
-// that turns back where the picture has no pixels is no fault of it. Bugs put back: the principal
+// F15: a sensor of which the upper part was kept: its axis passes below the image. A longer focal
+// length about the axis shows what lies below the image, too. The corners of the undistorted
+// image fall on its border (the focal length is no longer than needed) and not outside. A lens
+// that turns back where the image has no pixels is no fault of it. Bugs put back: the principal
 // point kept; a turn looked for from the axis on; each seen to fail.
-TEST(Lens, PrincipalPointOutsideOfThePicture) {
+TEST(Lens, PrincipalPointOutsideOfTheImage) {
   const Camera camera{1920, 1048, 1400, 1400, 950, 1560, glm::dmat3(1), glm::dvec3(0)};
   const auto hangs_over = [&](const Lens& lens, const Camera& pinhole) {
     double most = -1e9;
@@ -196,7 +196,7 @@ TEST(Lens, PrincipalPointOutsideOfThePicture) {
   ASSERT_TRUE(ray);
   EXPECT_NEAR(pinhole.cx + pinhole.fl_x * ray->x, 960, 1e-9);
   EXPECT_NEAR(pinhole.cy + pinhole.fl_y * ray->y, 524, 1e-9);
-  // r(1 − 4r² + 5.5r⁴) falls from r = 0.37 to 0.52 and grows from there on; the rays of a picture
+  // r(1 − 4r² + 5.5r⁴) falls from r = 0.37 to 0.52 and grows from there on; the rays of a image
   // that is cut higher are longer than 0.6
   const Lens turning{.k1 = -4, .k2 = 5.5};
   Camera higher = camera;

@@ -49,7 +49,7 @@ TEST(StatedLens, WhatItCannotMean) {
   refused({{"k1", "x"}}, {"k1 is string"});
 }
 
-// The picture is the ramp, so that an undistorted pixel shows where the lens equation, written out
+// The image is the ramp, so that an undistorted pixel shows where the lens equation, written out
 // here, has its ray. Bugs put back: the lens of the file for that of the frame; removed lenses not
 // recorded; each seen to fail.
 TEST(PhotoDistortion, TransformsAreUndistortedAndRecorded) {
@@ -98,7 +98,7 @@ TEST(PhotoDistortion, TransformsAreUndistortedAndRecorded) {
   EXPECT_EQ(applied["cameras"][0]["removed_lenses"], removed);
 }
 
-TEST(PhotoDistortion, TrainingOpensPinholePicturesOnly) {
+TEST(PhotoDistortion, TrainingOpensPinholeImagesOnly) {
   const TemporaryFolder folder;
   write_dnerf(folder.path(), {});
   edit_json(folder / "transforms_train.json", [](json& file) { file["frames"][2]["k2"] = 0.1; });
@@ -106,21 +106,21 @@ TEST(PhotoDistortion, TrainingOpensPinholePicturesOnly) {
 }
 
 /// The centre of the light within `reach` of a place.
-glm::dvec2 light_near(const Image8& picture, const glm::dvec2& place, int reach) {
+glm::dvec2 light_near(const Image8& image, const glm::dvec2& place, int reach) {
   glm::dvec2 sum(0);
   double weight = 0;
   for (int y = int(place.y) - reach; y <= int(place.y) + reach; ++y)
     for (int x = int(place.x) - reach; x <= int(place.x) + reach; ++x) {
-      const double value = picture.data[size_t(3 * (y * picture.width + x))];
+      const double value = image.data[size_t(3 * (y * image.width + x))];
       sum += value * glm::dvec2(x + 0.5, y + 0.5), weight += value;
     }
   return sum / weight;
 }
 
 // F15: a grid of dots, filmed by a sensor of which the upper part was kept, comes back to where the
-// pinhole camera has it. Dots are round in the undistorted picture: each pixel that is filmed takes
+// pinhole camera has it. Dots are round in the undistorted image: each pixel that is filmed takes
 // its light from its ray. Bug put back: the principal point kept; seen to fail.
-TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfThePicture) {
+TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfTheImage) {
   const Camera camera{320, 174, 233, 233, 158, 260, glm::dmat3(1), glm::dvec3(0)};
   const Lens lens{.k1 = -0.27, .k2 = 0.19};
   const Camera pinhole = undistorted_camera(camera, lens, "test");
@@ -128,7 +128,7 @@ TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfThePicture) {
     return glm::dvec2(pinhole.fl_x * ray.x + pinhole.cx, pinhole.fl_y * ray.y + pinhole.cy);
   };
   constexpr double kSpacing = 30, kSigma = 2.5;
-  Image8 filmed = constant_picture(320, 174, {0, 0, 0});
+  Image8 filmed = constant_image(320, 174, {0, 0, 0});
   for (int y = 0; y < 174; ++y)
     for (int x = 0; x < 320; ++x) {
       const auto ray = lens.undistorted({(x + 0.5 - 158) / 233, (y + 0.5 - 260) / 233});
@@ -146,9 +146,9 @@ TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfThePicture) {
   EXPECT_EQ(dots, 50);
 }
 
-// B8: the same picture through each model of COLMAP, then undistorted as if it were a pinhole: the
+// B8: the same image through each model of COLMAP, then undistorted as if it were a pinhole: the
 // corner is shifted by what the equation says, f·|distorted(ray) − ray|. A dot marks the corner's
-// ray in the distorted picture.
+// ray in the distorted image.
 TEST(PhotoDistortion, TheWrongModelShiftsTheCornerAsPredicted) {
   const std::vector<std::pair<std::string, std::vector<double>>> models{
       {"SIMPLE_RADIAL", {150, 100, 80, -0.1}},
@@ -165,13 +165,13 @@ TEST(PhotoDistortion, TheWrongModelShiftsTheCornerAsPredicted) {
         make_colmap_camera(colmap_camera_model(name, "t"), 200, 160, parameters, "t");
     const glm::dvec2 ray(0.5, 0.4);  // of the ideal pixel (175, 140)
     const glm::dvec2 met = 150.0 * camera.lens.distorted(ray) + glm::dvec2(100, 80);
-    Image8 picture = constant_picture(200, 160, {0, 0, 0});
+    Image8 image = constant_image(200, 160, {0, 0, 0});
     for (int y = 0; y < 160; ++y)  // a cone of light around `met`
       for (int x = 0; x < 200; ++x)
-        picture.data[size_t(3 * (y * 200 + x))] = uint8_t(std::lround(
+        image.data[size_t(3 * (y * 200 + x))] = uint8_t(std::lround(
             std::max(0.0, 200 * (1 - glm::distance(glm::dvec2(x + 0.5, y + 0.5), met) / 4))));
     const auto light = [&](const Lens& lens) {
-      const Image8 shown = Undistortion(camera.camera, lens, camera.camera).apply(picture);
+      const Image8 shown = Undistortion(camera.camera, lens, camera.camera).apply(image);
       glm::dvec2 sum(0);
       double weight = 0;
       for (int y = 0; y < 160; ++y)

@@ -1,4 +1,4 @@
-// What: axes and poses: transforms.json, poses_bounds.npy and pictures agree; bad poses are
+// What: axes and poses: transforms.json, poses_bounds.npy and images agree; bad poses are
 // refused. Not: intrinsics or the rest of a transforms file (transforms_test.cpp).
 #include "ingest/poses/pose_matrix.h"
 
@@ -23,9 +23,9 @@ constexpr int kSide = 64;
 constexpr double kFocal = 80;
 
 /// A cube of half-side 1 around the origin: +x red, +y green, +z blue, the other faces dark, seen
-/// from `stand` by rays of a pinhole whose up is the picture's up.
-Image8 cube_picture(const Stand& stand) {
-  Image8 image = constant_picture(kSide, kSide, {0, 0, 0});
+/// from `stand` by rays of a pinhole whose up is the image's up.
+Image8 cube_image(const Stand& stand) {
+  Image8 image = constant_image(kSide, kSide, {0, 0, 0});
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x) {
       const double u = (x + 0.5 - kSide / 2.0) / kFocal, v = (y + 0.5 - kSide / 2.0) / kFocal;
@@ -55,7 +55,7 @@ void write_cube_capture(const std::filesystem::path& folder) {
   Matrix llff{0, 17, {}};
   for (const Stand& s : cube_rig()) {
     const std::string name = "r_" + std::to_string(llff.rows) + ".png";
-    write_png(folder / name, cube_picture(s));
+    write_png(folder / name, cube_image(s));
     file["frames"].push_back({{"file_path", name}, {"transform_matrix", gl_matrix(s)}});
     const double size_and_focal[3] = {kSide, kSide, kFocal};
     for (int r = 0; r < 3; ++r)  // LLFF columns: down, right, backward, centre, (H, W, f)

@@ -120,17 +120,17 @@ TEST(RigPosesFile, LlffRowsGoByTheOrderOfNames) {
                      {"has 2 rows, there are 1 cameras (x)"});
 }
 
-// Bug put back: a cut picture scaled; seen to fail.
-TEST(RigPosesFile, IntrinsicsForThePicturesSize) {
+// Bug put back: a cut image scaled; seen to fail.
+TEST(RigPosesFile, IntrinsicsForTheImagesSize) {
   const Camera stated{1088, 1920, 1680, 1681, 533, 948, glm::dmat3(1), glm::dvec3(0)};
-  const Camera cut = camera_of_picture(stated, 1080, 1920, "cam01");
+  const Camera cut = camera_of_image(stated, 1080, 1920, "cam01");
   EXPECT_EQ(cut.width, 1080);
   EXPECT_EQ(cut.fl_x, 1680);
   EXPECT_EQ(cut.cx, 533);
-  const Camera half = camera_of_picture(stated, 544, 960, "cam01");
+  const Camera half = camera_of_image(stated, 544, 960, "cam01");
   EXPECT_EQ(half.fl_x, 840);
   for (const auto& [width, height] : {std::pair{1072, 1920}, {1090, 1920}, {1080, 1912}})
-    expect_input_error([&, w = width, h = height] { camera_of_picture(stated, w, h, "cam01"); },
+    expect_input_error([&, w = width, h = height] { camera_of_image(stated, w, h, "cam01"); },
                        {"cam01", "calibrated at 1088x1920"});
 }
 

@@ -72,7 +72,7 @@ TEST(RigAlignment, UndoesASimilarityAndMeasuresWhatIsLeft) {
 }
 
 // Failure mode B5, and the product's bound: rotation 0.1 degrees, centres 0.5 % of the extent. The
-// panel fills a third of the pictures, and the cameras' clocks differ, so each sees it elsewhere.
+// panel fills a third of the images, and the cameras' clocks differ, so each sees it elsewhere.
 // The folder's name has what a shell would trip over. Catches: no
 // mask (seen without: 0.31 degrees with medians, 23.7 on first frames), points of all cameras
 // (B18), a shell.
@@ -110,7 +110,7 @@ TEST(RigPoses, MovingTextureIsMaskedAndAllCamerasComeOutRight) {
 }
 
 // Known poses. Points lie on the room's true surfaces to 0.08 units (z² / (f b) = 4.5² / (288 ·
-// 0.9): a pixel's depth between neighbours). Still ones have the first moment; the panel's their
+// 0.9): a pixel's depth between neighbours). Still ones have the first timestep; the panel's their
 // own. The clocks of this rig agree. Catches: poses or times mixed up between cameras.
 TEST(KnownPosePoints, StillAndMovingPointsLieOnTheirSurfaces) {
   if (!has_colmap()) GTEST_SKIP() << "no colmap in PATH";
@@ -152,7 +152,7 @@ TEST(MovingCamera, PhotosWithoutAModelGetOne) {
   const RenderedRig rig{.cameras = 6};
   for (int i = 0; i < rig.cameras; ++i)
     write_png(folder / "my photos" / ("p " + std::to_string(i) + ".png"),
-              rendered_picture(rig, i, 0));
+              rendered_image(rig, i, 0));
   const auto found =
       estimate_moving_camera(folder / "my photos", false, folder / "work", {}, kNoProgress);
   EXPECT_TRUE(found.warnings.empty());
@@ -175,11 +175,11 @@ TEST(ImageSequencesPosed, RigAndMovingCamera) {
     for (int n = 0; n < rig.frames; ++n) {
       const auto camera = folder / "rig" / ("cam" + std::to_string(i));
       std::filesystem::create_directories(camera);
-      write_png(camera / ("00" + std::to_string(n) + ".png"), rendered_picture(rig, i, n));
+      write_png(camera / ("00" + std::to_string(n) + ".png"), rendered_image(rig, i, n));
     }
     std::filesystem::create_directories(folder / "moving");
     write_png(folder / "moving" / ("frame_0" + std::to_string(2 * i) + ".png"),
-              rendered_picture(rig, i, 0));
+              rendered_image(rig, i, 0));
   }
   IngestOptions options;
   options.cloud = CloudDensity::kSparse;

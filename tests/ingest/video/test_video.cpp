@@ -199,7 +199,7 @@ TestVideo numbered_video(int count, int camera) {
   return video;
 }
 
-Image8 coded_picture(int width, int height, int number) {
+Image8 coded_image(int width, int height, int number) {
   Image8 image{width, height, 3, {}};
   const auto& colours = coded_colours();
   for (int y = 0; y < height; ++y)

@@ -27,7 +27,7 @@ struct TestVideo {
   int b_frames = 2;
   int keyframe_distance = 12;
   bool open_groups = false;
-  bool index_first = true;  // mp4: the index before the pictures, so a cut file opens
+  bool index_first = true;  // mp4: the index before the images, so a cut file opens
   /// The display matrix (a b; c d): a point (x, y) is shown at (a x + c y, b x + d y), y down.
   std::optional<std::array<int, 4>> display_matrix;
   std::map<std::string, std::string> tags;  // of the video track
@@ -44,9 +44,9 @@ TestVideo numbered_video(int count, int camera = 0);
 /// The grey that numbered_video gives to a frame.
 int numbered_grey(int frame, int camera = 0);
 
-/// A picture that says which one it is: ten bits as black or white blocks in the upper half, the
+/// A image that says which one it is: ten bits as black or white blocks in the upper half, the
 /// first one left, and coded_colours() as patches in the lower half.
-Image8 coded_picture(int width, int height, int number);
+Image8 coded_image(int width, int height, int number);
 int coded_number(const Image8& image);
 const std::vector<std::vector<uint8_t>>& coded_colours();
 /// The largest difference of a channel from coded_colours(), in the middles of the patches.

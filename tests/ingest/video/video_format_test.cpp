@@ -1,4 +1,4 @@
-// What: codecs, bit depths, chroma, ranges, matrices, odd sizes and turned pictures: the right
+// What: codecs, bit depths, chroma, ranges, matrices, odd sizes and turned images: the right
 //       frame, upright, in the right colours. Not: times and order alone (video_test.cpp).
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ class VideoFormat : public ::testing::TestWithParam<CodecCase> {
   /// Writes frames 1 to 4 and expects them back; ±2 as conversion to YCbCr and back rounds twice.
   void expect_frames(int width, int height, const std::string& what) {
     video_.frames.clear();
-    for (int i = 1; i <= 4; ++i) video_.frames.push_back(coded_picture(width, height, i));
+    for (int i = 1; i <= 4; ++i) video_.frames.push_back(coded_image(width, height, i));
     const auto path = folder_ / (what + GetParam().extension);
     write_video(path, video_);
     int number = 0;
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(Codecs, VideoFormat, ::testing::ValuesIn(kCodecs), [](c
   return name;
 });
 
-/// The picture that the coded one is shown as: each pixel goes where the display matrix says.
+/// The image that the coded one is shown as: each pixel goes where the display matrix says.
 Image8 shown(const Image8& coded, const std::array<int, 4>& matrix) {
   const auto& [a, b, c, d] = matrix;
   const bool lies = a == 0;
@@ -98,7 +98,7 @@ class VideoRotation : public ::testing::Test {
   void SetUp() override {
     if (!can_encode_video()) GTEST_SKIP() << "this FFmpeg has no H.264 encoder";
     video_.chroma = VideoChroma::k444;
-    video_.frames = {coded_picture(80, 64, 5), coded_picture(80, 64, 6)};
+    video_.frames = {coded_image(80, 64, 5), coded_image(80, 64, 6)};
   }
   TemporaryFolder folder_;
   TestVideo video_;
@@ -141,11 +141,11 @@ TEST_F(VideoRotation, OtherAnglesAndMirrorsAreRefused) {
                      {"mirrored.mp4", "mirrored", "encode it"});
 }
 
-// A smaller size is that of the upright picture. Bug put back: the sizes not swapped for a picture
+// A smaller size is that of the upright image. Bug put back: the sizes not swapped for a image
 // that lies; seen to fail (the shape is wrong). ±3: area averages of flat patches, rounded once
 // more.
-TEST_F(VideoRotation, SmallerPicturesAreUprightToo) {
-  video_.frames = {shown(coded_picture(160, 128, 5), {0, -1, 1, 0})};
+TEST_F(VideoRotation, SmallerImagesAreUprightToo) {
+  video_.frames = {shown(coded_image(160, 128, 5), {0, -1, 1, 0})};
   video_.display_matrix = {{0, 1, -1, 0}};
   write_video(folder_ / "turned.mp4", video_);
   DecodeOptions half;

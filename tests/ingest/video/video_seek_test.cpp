@@ -30,7 +30,7 @@ class VideoSeek : public ::testing::TestWithParam<SeekCase> {
     video.encoder = codec.encoder, video.open_groups = codec.open_groups;
     video.keyframe_distance = codec.keyframe_distance, video.b_frames = 3;
     for (int i = 0; i < kFrames; ++i) {
-      video.frames.push_back(coded_picture(80, 48, i));
+      video.frames.push_back(coded_image(80, 48, i));
       video.ticks.push_back(512 * (i + i / 11) + 13 * (i % 5));  // uneven
     }
     path_ = folder_ / (std::string("clip") + codec.extension);
@@ -108,7 +108,7 @@ class VideoFrames : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!can_encode_video()) GTEST_SKIP() << "this FFmpeg has no H.264 encoder";
-    for (int i = 0; i < 100; ++i) video_.frames.push_back(coded_picture(80, 48, i));
+    for (int i = 0; i < 100; ++i) video_.frames.push_back(coded_image(80, 48, i));
   }
   TemporaryFolder folder_;
   TestVideo video_;

@@ -68,8 +68,7 @@ TEST_F(Video, StopsWhenAskedTo) {
 void expect_colours(const std::filesystem::path& path, TestVideo video, int width, int height) {
   const std::vector<std::vector<uint8_t>> colours{{255, 255, 255}, {0, 0, 0},     {220, 30, 40},
                                                   {20, 200, 60},   {30, 40, 210}, {128, 128, 128}};
-  for (const auto& colour : colours)
-    video.frames.push_back(constant_picture(width, height, colour));
+  for (const auto& colour : colours) video.frames.push_back(constant_image(width, height, colour));
   write_video(path, video);
   const Decoded read = decode_all(path);
   ASSERT_EQ(read.frames.size(), colours.size());
@@ -109,7 +108,7 @@ TEST_F(Video, OddSizes) {
 TEST_F(Video, TruncatedFilesNameFileAndFramesRead) {
   TestVideo video = numbered_video(20);
   for (size_t i = 0; i < video.frames.size(); ++i)
-    video.frames[i] = patterned_picture(32, 24, 3, int(i));
+    video.frames[i] = patterned_image(32, 24, 3, int(i));
   write_video(folder_ / "whole.mp4", video);
   const std::string bytes = read_bytes(folder_ / "whole.mp4");
   for (const double part : {0.5, 0.7, 0.9, 0.99}) {

@@ -1,5 +1,5 @@
 // What: timelines from packets alone: times, gaps, duplicates, truncation, container clocks.
-// Not: pictures (video_test.cpp).
+// Not: images (video_test.cpp).
 #include "ingest/media/video/video_timeline.h"
 
 #include <gmock/gmock.h>
@@ -66,7 +66,7 @@ TEST_F(Timeline, RepeatedTimesAreNamedAndShownOnce) {
 TEST_F(Timeline, TruncationIsNamedAndWhatIsThereCanBeKept) {
   TestVideo video = numbered_video(20);
   for (size_t i = 0; i < video.frames.size(); ++i)
-    video.frames[i] = patterned_picture(32, 24, 3, int(i));
+    video.frames[i] = patterned_image(32, 24, 3, int(i));
   for (const char* name : {"whole.mp4", "whole.mkv"}) {
     write_video(folder_ / name, video);
     const std::string bytes = read_bytes(folder_ / name);
@@ -99,10 +99,10 @@ TEST_F(Timeline, TruncationIsNamedAndWhatIsThereCanBeKept) {
   }
 }
 
-// A frame in the middle whose bytes are wrong is an error that says where, not a picture.
+// A frame in the middle whose bytes are wrong is an error that says where, not a image.
 TEST_F(Timeline, DamageInTheMiddleNamesCameraAndTime) {
   TestVideo video;
-  for (int i = 0; i < 40; ++i) video.frames.push_back(patterned_picture(64, 48, 3, i));
+  for (int i = 0; i < 40; ++i) video.frames.push_back(patterned_image(64, 48, 3, i));
   write_video(folder_ / "cam03.mp4", video);
   std::string bytes = read_bytes(folder_ / "cam03.mp4");
   for (size_t i = bytes.size() / 2; i < bytes.size() / 2 + 3000; ++i) bytes[i] = char(i * 31);

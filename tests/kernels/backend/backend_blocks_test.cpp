@@ -94,7 +94,7 @@ void expect_equal(const TestGaussians<float>& actual, const TestGaussians<float>
 class BackendBlocks : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendBlocks);
 
-TEST_P(BackendBlocks, PicturesAndGradientsAreThoseOfFullRows) {
+TEST_P(BackendBlocks, ImagesAndGradientsAreThoseOfFullRows) {
   // Bugs put back, each seen to fail: splats of the set's first rows taken for a block's; the
   // neighbours' terms by the row in the block; the statistics of the first rows.
   struct Case {

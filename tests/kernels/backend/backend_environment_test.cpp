@@ -1,4 +1,4 @@
-// What: an environment behind the pictures of every backend, against the oracle: what is drawn, the
+// What: an environment behind the images of every backend, against the oracle: what is drawn, the
 //       gradient by texels and through the light that is left; equal inputs give equal bits.
 // Not: gradients against differences (environment_test.cpp). Source: method D.8.
 #include <limits>
@@ -30,7 +30,7 @@ TestScene<double> scene_before_a_map(uint64_t seed) {
 
 // For a device's kernels; environment_test.cpp holds the CPU's to account.
 // Bug put back: what a part's sum held before is kept; seen to fail on the CPU.
-TEST_P(BackendEnvironment, PicturesAndGradientsEqualTheOracles) {
+TEST_P(BackendEnvironment, ImagesAndGradientsEqualTheOracles) {
   const TestScene<double> scene = scene_before_a_map(91);
   const Backward<double> expected = backward(scene);
   const Backward<float> actual = backward(scene.as<float>(), backend());
@@ -54,7 +54,7 @@ TEST_P(BackendEnvironment, EqualInputsGiveEqualBits) {
 }
 
 // For a device's kernel: its sum is in fixed point, where NaN + NaN is 0 and infinity is a number.
-TEST_P(BackendEnvironment, ANonFinitePictureGradientReachesItsTexelsAndIsReported) {
+TEST_P(BackendEnvironment, ANonFiniteImageGradientReachesItsTexelsAndIsReported) {
   TestScene<float> scene = scene_before_a_map(95).as<float>();
   for (const float bad :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 3e38f}) {

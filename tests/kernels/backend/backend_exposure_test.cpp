@@ -1,4 +1,4 @@
-// What: gains of the pictures in the loss of every backend, against the oracle on pictures that
+// What: gains of the images in the loss of every backend, against the oracle on images that
 //       span many tiles of the loss, with masks and without; equal inputs give equal bits.
 // Not: their gradient against differences (exposure_test.cpp). Source: B10.
 #include "tests/kernels/backend/backend_scenes.h"
@@ -24,7 +24,7 @@ TestScene<double> gained_scene(uint64_t seed, bool masked) {
   return scene;
 }
 
-/// The loss stage alone, on pictures that lie in the backend's memory.
+/// The loss stage alone, on images that lie in the backend's memory.
 struct LossOf {
   std::vector<float> d_colour;
   StepOutcome outcome;
@@ -42,8 +42,8 @@ struct LossOf {
   }
 };
 
-// With a gain or on pictures that were multiplied by it beforehand: the same loss.
-// Bugs put back, each seen to fail on the CPU: gains of the next view; the picture's gradient
+// With a gain or on images that were multiplied by it beforehand: the same loss.
+// Bugs put back, each seen to fail on the CPU: gains of the next view; the image's gradient
 // without the gain; the last row left out of the gain's gradient; ignored pixels compared with what
 // was rendered before its gain.
 TEST_P(BackendExposure, IsTheLossOfTheProduct) {
@@ -132,7 +132,7 @@ TEST_P(BackendExposure, EqualInputsGiveEqualBits) {
 
 // Without a gradient there is none by the gains either.
 // Bug put back: zeros for it; seen to fail on the CPU.
-TEST_P(BackendExposure, LossAloneIsThatOfTheGainedPicture) {
+TEST_P(BackendExposure, LossAloneIsThatOfTheGainedImage) {
   const TestScene<float> scene = gained_scene(81, false).as<float>();
   const StoredScene<float> in(scene, memory());
   Pipeline<float> pipeline(backend());

@@ -227,7 +227,7 @@ TEST_P(BackendFailures, NonFiniteGradientNamesItsGroups) {  // C20
   }
 }
 
-TEST_P(BackendFailures, NonFinitePictureGradientIsReportedOnceOnly) {  // C20
+TEST_P(BackendFailures, NonFiniteImageGradientIsReportedOnceOnly) {  // C20
   // Bug put back: reported groups not reset; seen to fail.
   const TestScene<float> scene = random_scene(5, 5, 0.3, 7).as<float>();
   const auto result = backward<float>(scene, backend(), [](std::vector<float>& d) {

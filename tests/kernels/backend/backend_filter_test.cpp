@@ -1,5 +1,5 @@
 // What: filters against aliasing and other truncations on every backend against the CPU oracle in
-// double: pictures, gradients, opacity 0; sizes and edits of the 3D filter.
+// double: images, gradients, opacity 0; sizes and edits of the 3D filter.
 // Not: that the oracle is right (brute_force_test.cpp, gradient_test.cpp, filter_test.cpp).
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
@@ -57,7 +57,7 @@ double worst_elsewhere(const Rendered<float>& actual, const Rendered<double>& ex
   return worst;
 }
 
-TEST_P(BackendFilter, PicturesEqualTheOracles) {
+TEST_P(BackendFilter, ImagesEqualTheOracles) {
   // Bugs put back, each seen to fail: the default cut-off in blend; comp left out; φ ignored.
   for (const Mode& mode : kModes) {
     SCOPED_TRACE(mode.name);
@@ -135,7 +135,7 @@ TEST_P(BackendFilter, SizesEqualTheOracles) {
     EXPECT_GT(std::count(expected.begin(), expected.end(),
                          *std::max_element(expected.begin(), expected.end())),
               5);
-    // a mean at the margin of a picture may be sampled or not
+    // a mean at the margin of a image may be sampled or not
     expect_group(actual, expected, {1e-5, 1, 0.003, 1e-3}, "size");
   }
 }

@@ -1,4 +1,4 @@
-// What: splats, instance lists and pictures of every backend against the CPU oracle in double and
+// What: splats, instance lists and images of every backend against the CPU oracle in double and
 // against the formulas. failure_modes C1, C8. Not: gradients (backend_gradient_test.cpp).
 #include <set>
 
@@ -11,11 +11,11 @@ namespace {
 
 class BackendForward : public EveryBackend {
  protected:
-  void expect_pictures(const TestScene<double>& scene) {
+  void expect_images(const TestScene<double>& scene) {
     const Rendered<float> actual = render(scene.as<float>(), backend());
     const Rendered<double> expected = render(scene);
     expect_batch(actual.colour, actual.transmittance, expected, critical_pixels(scene));
-    // a splat may lie within rounding of an edge of the picture, an ellipse of that of a tile
+    // a splat may lie within rounding of an edge of the image, an ellipse of that of a tile
     const auto near = [](int64_t a, int64_t b) { return std::abs(a - b) <= 1 + b / 500; };
     EXPECT_PRED2(near, actual.report.splats, expected.report.splats);
     EXPECT_PRED2(near, actual.report.instances, expected.report.instances);
@@ -24,39 +24,39 @@ class BackendForward : public EveryBackend {
 };
 TESSERA_ON_EVERY_BACKEND(BackendForward);
 
-TEST_P(BackendForward, PicturesOfThreeViews) {
+TEST_P(BackendForward, ImagesOfThreeViews) {
   // Bugs put back, each seen to fail: all stored bands drawn whatever the degree; means 1e-5 off;
   // the background not dimmed.
   for (const SceneCase& c : kSceneCases) {
     SCOPED_TRACE(c.name);
-    expect_pictures(scene_of(c, 1));
+    expect_images(scene_of(c, 1));
   }
 }
 
-TEST_P(BackendForward, PicturesOfOneViewAndOfFive) {
+TEST_P(BackendForward, ImagesOfOneViewAndOfFive) {
   // Bug put back: the fifth view left out; seen to fail.
   TestScene<double> scene = random_scene(80, 80, 0.2, 2);
   set_views(scene, {three_views()[1]}, 3);
-  expect_pictures(scene);
+  expect_images(scene);
   set_views(scene, five_views(), 3);
-  expect_pictures(scene);
+  expect_images(scene);
 }
 
-TEST_P(BackendForward, PicturesLargerThanTheBlocksOfAnyStage) {
+TEST_P(BackendForward, ImagesLargerThanTheBlocksOfAnyStage) {
   // Bug put back: two splats exchanged in the order of depth; seen to fail.
   TestScene<double> scene = random_scene(700, 900, 0.1, 4);
   std::vector<View> views = three_views();
   for (View& view : views)
     view.camera = view.camera.resized(3 * view.camera.width, 3 * view.camera.height);
   set_views(scene, views, 5);
-  expect_pictures(scene);
+  expect_images(scene);
 }
 
-TEST_P(BackendForward, PicturesWhereManyOpaqueLayersStopTheLight) {
+TEST_P(BackendForward, ImagesWhereManyOpaqueLayersStopTheLight) {
   // Bug put back: the stop tested before blending; seen to fail.
   TestScene<double> scene = random_scene(300, 200, 0.4, 6);
   for (double& logit : scene.fixed.group[kOpacityLogit]) logit = 4;
-  expect_pictures(scene);
+  expect_images(scene);
 }
 
 TEST_P(BackendForward, ZeroGaussiansInEitherOrBothSets) {  // C1
@@ -64,7 +64,7 @@ TEST_P(BackendForward, ZeroGaussiansInEitherOrBothSets) {  // C1
   for (const auto& [fixed, moving] : {std::pair{0, 0}, {40, 0}, {0, 40}}) {
     SCOPED_TRACE(fixed);
     const TestScene<double> scene = random_scene(fixed, moving, 0.2, 7);
-    expect_pictures(scene);
+    expect_images(scene);
     const Backward<float> result = backward(scene.as<float>(), backend());
     EXPECT_EQ(result.bad, 0u);
     if (fixed + moving > 0) continue;
@@ -226,7 +226,7 @@ TEST_P(BackendForward, EqualDepthsKeepTheOrderOfGaussians) {
   for (int64_t t = 0; t < run.batch.tiles; ++t)
     for (int64_t i = run.tile_begin[size_t(t)] + 1; i < run.tile_begin[size_t(t) + 1]; ++i)
       ASSERT_LT(run.instance_splat[size_t(i - 1)], run.instance_splat[size_t(i)]);
-  expect_pictures(scene);
+  expect_images(scene);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What: loss, dL/d picture, gradients by splats and by parameters, and the statistic of density
+// What: loss, dL/d image, gradients by splats and by parameters, and the statistic of density
 // control of every backend against the CPU oracle in double. failure_modes C17, C18: the oracle
 // itself is held against central differences (gradient_test.cpp), so that a backend's gradient in
 // float against the oracle's in double is a test against differences at float's precision.
@@ -18,7 +18,7 @@ class BackendGradient : public EveryBackend {
     EXPECT_EQ(actual.bad, 0u);
     ASSERT_EQ(actual.losses.size(), expected.losses.size());
     for (size_t b = 0; b < expected.losses.size(); ++b) {
-      // means over pixels of differences of pictures that agree to 1e-6 on average
+      // means over pixels of differences of images that agree to 1e-6 on average
       EXPECT_NEAR(actual.losses[b].l1, expected.losses[b].l1, 5e-6);
       EXPECT_NEAR(actual.losses[b].ssim, expected.losses[b].ssim, 2e-5);
       EXPECT_NEAR(actual.losses[b].total, expected.losses[b].total, 1e-5);
@@ -29,14 +29,14 @@ class BackendGradient : public EveryBackend {
       for (int g = 0; g < group_count(e.dim()); ++g)
         expect_group(a.group[g], e.group[g], kGradientBounds, group_name(Group(g), e.form));
       expect_group(actual.statistic[set], expected.statistic[set], kGradientBounds, "statistic");
-      // a Gaussian at the edge of a picture may be counted as seen or not
+      // a Gaussian at the edge of a image may be counted as seen or not
       expect_group(actual.seen[set], expected.seen[set], {0, 1, 0.01, 0.01}, "seen");
     }
   }
 };
 TESSERA_ON_EVERY_BACKEND(BackendGradient);
 
-/// The truth keeps away from the picture: no sign of I − G depends on rounding.
+/// The truth keeps away from the image: no sign of I − G depends on rounding.
 TestScene<double> smooth_scene(const SceneCase& c, uint64_t seed) {
   TestScene<double> scene = scene_of(c, seed);
   keep_truth_away(scene, seed + 1);
@@ -63,7 +63,7 @@ TEST_P(BackendGradient, OneViewAndFive) {
   }
 }
 
-TEST_P(BackendGradient, PicturesAndSetsLargerThanTheBlocksOfAnyStage) {
+TEST_P(BackendGradient, ImagesAndSetsLargerThanTheBlocksOfAnyStage) {
   TestScene<double> scene = random_scene(700, 900, 0.1, 25);
   std::vector<View> views = three_views();
   for (View& view : views)
@@ -124,7 +124,7 @@ std::map<int64_t, std::array<double, 9>> rows_of(const StageRun<Real>& run) {
 TEST_P(BackendGradient, SplatsEqualTheOracles) {
   // Bug put back: d_conic.xy without the half; seen to fail.
   const TestScene<double> scene = random_scene(150, 150, 0.2, 33);
-  // the same dL/d picture for both
+  // the same dL/d image for both
   const auto noise = [](auto& d_colour) {
     Random random(34);
     for (auto& d : d_colour) d = float(random.uniform(-1, 1));
@@ -146,7 +146,7 @@ TEST_P(BackendGradient, SplatsEqualTheOracles) {
   }
 }
 
-/// A picture without a renderer: noise, smooth waves and a constant, side by side.
+/// A image without a renderer: noise, smooth waves and a constant, side by side.
 std::vector<double> patterns(const std::vector<View>& views, Random& random) {
   std::vector<double> colour;
   for (const View& view : views)
@@ -163,9 +163,9 @@ std::vector<double> patterns(const std::vector<View>& views, Random& random) {
 }
 
 template <class Real>
-std::vector<Real> picture_gradient(BackendOf<Real>& backend, const TestScene<double>& scene,
-                                   const std::vector<double>& colour, const LossWeights& weights,
-                                   std::vector<ViewLoss>& losses) {
+std::vector<Real> image_gradient(BackendOf<Real>& backend, const TestScene<double>& scene,
+                                 const std::vector<double>& colour, const LossWeights& weights,
+                                 std::vector<ViewLoss>& losses) {
   Memory& memory = backend.memory();
   const ViewBatch<Real> batch = make_view_batch<Real>(scene.views);
   const StoredScene<Real> in(scene.as<Real>(), memory);
@@ -179,7 +179,7 @@ std::vector<Real> picture_gradient(BackendOf<Real>& backend, const TestScene<dou
   return fetched(d_colour, memory);
 }
 
-TEST_P(BackendGradient, LossAndPictureGradientEqualTheOracles) {
+TEST_P(BackendGradient, LossAndImageGradientEqualTheOracles) {
   // Bugs put back, each seen to fail: no 1/B; the weight of L1 ignored; the last pixel not written;
   // the partial by E[x²] 0.5 % off.
   TestScene<double> scene;
@@ -192,8 +192,8 @@ TEST_P(BackendGradient, LossAndPictureGradientEqualTheOracles) {
   for (const LossWeights& weights : {LossWeights{0.8, 0.2}, {1, 0}, {0, 1}}) {
     SCOPED_TRACE(weights.dssim);
     std::vector<ViewLoss> actual, expected;
-    const std::vector<double> e = picture_gradient(oracle, scene, colour, weights, expected);
-    const std::vector<float> a = picture_gradient(backend(), scene, colour, weights, actual);
+    const std::vector<double> e = image_gradient(oracle, scene, colour, weights, expected);
+    const std::vector<float> a = image_gradient(backend(), scene, colour, weights, actual);
     ASSERT_EQ(actual.size(), expected.size());
     for (size_t b = 0; b < expected.size(); ++b) {
       EXPECT_NEAR(actual[b].l1, expected[b].l1, 1e-6);
@@ -201,7 +201,7 @@ TEST_P(BackendGradient, LossAndPictureGradientEqualTheOracles) {
       EXPECT_NEAR(actual[b].total, expected[b].total, 1e-6);
     }
     // variances are differences of moments of order 1, exact to 1e-7, over (0.03)²; each view's
-    // gradient has a scale of its own, the 1 × 1 picture's the largest
+    // gradient has a scale of its own, the 1 × 1 image's the largest
     size_t first = 0;
     for (const View& view : scene.views) {
       const size_t size = size_t(3 * view.camera.width * view.camera.height);

@@ -1,5 +1,5 @@
 // What: laws that hold for any scene, on every backend: batch, permutation, static = lifted
-// dynamic, memory used again. failure_modes C16. Not: what the pictures are (backend_forward_test).
+// dynamic, memory used again. failure_modes C16. Not: what the images are (backend_forward_test).
 #include "tests/support/backends.h"
 #include "tests/support/compare.h"
 #include "tests/support/render.h"

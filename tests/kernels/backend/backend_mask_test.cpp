@@ -1,5 +1,5 @@
 // What: masks in the loss of every backend: what is ignored has no gradient and no say, what
-//       is used keeps its own; against the oracle on pictures that span many tiles.
+//       is used keeps its own; against the oracle on images that span many tiles.
 // Not: the loss's definition (ssim_test.cpp), nor where masks come from (tests/ingest).
 // Source: failure mode B17.
 #include "kernels/math/ssim.h"
@@ -96,7 +96,7 @@ TEST_P(BackendMask, WhatIsIgnoredMayBeAnything) {
 }
 
 // Bug put back: SSIM of ignored pixels summed; seen to fail on the CPU.
-TEST_P(BackendMask, PictureWithoutAUsedPixelHasNoLoss) {
+TEST_P(BackendMask, ImageWithoutAUsedPixelHasNoLoss) {
   TestScene<double> scene = large_scene(60);
   set_masks(scene, [](int b, int, int) { return b != 2; });
   const StageRun<float> run = run_stages(scene.as<float>(), backend());

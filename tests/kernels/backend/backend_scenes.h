@@ -1,4 +1,4 @@
-// What: the random scenes that every backend is compared on, and the bounds for its pictures and
+// What: the random scenes that every backend is compared on, and the bounds for its images and
 // gradients. Not: the comparison (tests/support/compare.h).
 #pragma once
 #include "tests/support/brute_force.h"
@@ -23,7 +23,7 @@ inline constexpr SceneCase kSceneCases[] = {
     {"mixed, degree 2", 90, 110, 0.15, 2},
     {"velocity, degree 1", 40, 110, 0.15, 1, Form::kVelocity},
     {"specks", 120, 120, 0.01, 3},
-    {"splats larger than the picture", 20, 20, 2.0, 3}};
+    {"splats larger than the image", 20, 20, 2.0, 3}};
 
 inline TestScene<double> scene_of(const SceneCase& c, uint64_t seed) {
   TestScene<double> scene = random_scene(c.fixed, c.moving, c.size, seed, c.form);
@@ -44,8 +44,8 @@ inline constexpr double kCutoffBand = 1e-4;
 /// most some 1/pixel for splats that matter; a device's exp is good to 2 + 1.2·ln 255 units in the
 /// last place, 1e-6: α moves by some 1e-6 per splat, and a pixel sums a few. A pixel at a cut-off
 /// may gain or lose one splat of α = 1/255, and one such pixel moves the mean of the smallest
-/// picture by up to 5e-6.
-inline constexpr PictureBounds kPictureBounds{2e-5, 1.2 / 255, 0.02, 5e-6};
+/// image by up to 5e-6.
+inline constexpr ImageBounds kPictureBounds{2e-5, 1.2 / 255, 0.02, 5e-6};
 
 /// Sums of some 1000 pixels whose terms are exact to 1e-6 and partly cancel; behind nearly opaque
 /// splats R/(1−α) multiplies rounding. A pixel at a cut-off may add or lose α = 1/255 of one splat,
@@ -72,10 +72,10 @@ inline void expect_batch(const std::vector<float>& colour, const std::vector<flo
       const auto begin = all.begin() + ptrdiff_t(planes * first);
       return std::vector<double>(begin, begin + ptrdiff_t(planes * mask.size()));
     };
-    expect_picture(colour.data() + 3 * first, part(expected.colour, 3), mask, kPictureBounds,
-                   "colour");
-    expect_picture(transmittance.data() + first, part(expected.transmittance, 1), mask,
-                   kPictureBounds, "transmittance");
+    expect_image(colour.data() + 3 * first, part(expected.colour, 3), mask, kPictureBounds,
+                 "colour");
+    expect_image(transmittance.data() + first, part(expected.transmittance, 1), mask,
+                 kPictureBounds, "transmittance");
     first += mask.size();
   }
   EXPECT_EQ(first, transmittance.size());

@@ -1,5 +1,5 @@
 // What: what every backend says of its splats: the change of the squared error where one is really
-// taken out, weights that add up to the light, pictures by weight, the gradient's equations; and
+// taken out, weights that add up to the light, images by weight, the gradient's equations; and
 // the residual that it is asked about. Against the oracle, which is held against taking Gaussians
 // out. Not: sums over the views of a Gaussian.
 #include "tests/kernels/backend/backend_scenes.h"
@@ -13,15 +13,15 @@ namespace {
 template <class Real>
 struct Sensed {
   std::vector<SplatSensitivity<Real>> splat;
-  std::vector<SplatGradient<Real>> gradient;  // by the same picture, of Σ x·colour
+  std::vector<SplatGradient<Real>> gradient;  // by the same image, of Σ x·colour
   StageRun<Real> run;
-  std::vector<Real> picture;  // x: the residual, but for `edit`
+  std::vector<Real> image;  // x: the residual, but for `edit`
 };
 
 /// What a scene's splats are to its residual; what a stage writes is poisoned first.
 template <class Real>
 Sensed<Real> sense(const TestScene<Real>& scene, BackendOf<Real>& backend,
-                   const EditPictureGradient<Real>& edit = {}) {
+                   const EditImageGradient<Real>& edit = {}) {
   Memory& memory = backend.memory();
   const StoredScene<Real> in(scene, memory);
   Sensed<Real> out;
@@ -40,16 +40,16 @@ Sensed<Real> sense(const TestScene<Real>& scene, BackendOf<Real>& backend,
     backend.environment(environment, images);
   }
   const Target target = in.target();
-  Buffer<Real> picture(3 * batch.pixels, memory);
-  poison(picture, memory);
+  Buffer<Real> image(3 * batch.pixels, memory);
+  poison(image, memory);
   backend.residual({&batch, &images, target.truth, target.weights, target.mask, target.gain},
-                   picture.span());
-  out.picture = fetched(picture, memory);
+                   image.span());
+  out.image = fetched(image, memory);
   if (edit) {
-    edit(out.picture);
-    store_over(out.picture, picture.span(), memory);
+    edit(out.image);
+    store_over(out.image, image.span(), memory);
   }
-  const BlendBackwardArgs<Real> pass{blend, &images, picture.span()};
+  const BlendBackwardArgs<Real> pass{blend, &images, image.span()};
   Buffer<SplatSensitivity<Real>> sums(splats.count, memory);
   poison(sums, memory);
   backend.sensitivity({pass, target.mask, target.gain}, sums.span());
@@ -68,9 +68,9 @@ Sensed<Real> sense(const TestScene<Real>& scene) {
   return sense(scene, backend);
 }
 
-double total(const std::vector<double>& picture) {
+double total(const std::vector<double>& image) {
   double sum = 0;
-  for (const double x : picture) sum += x * x;
+  for (const double x : image) sum += x * x;
   return sum;
 }
 
@@ -83,7 +83,7 @@ std::vector<double> term(const Sensed<Real>& sensed, int k) {
   for (const SplatSensitivity<Real>& s : sensed.splat)
     values.push_back(double(k == 0   ? s.weight
                             : k == 1 ? s.weight2
-                            : k < 5  ? s.picture[k - 2]
+                            : k < 5  ? s.image[k - 2]
                             : k == 5 ? s.removal1
                                      : s.removal2));
   return values;
@@ -119,7 +119,7 @@ void add_environment(TestScene<double>& scene) {
 void expect_promises_kept(const TestScene<double>& scene) {
   const Sensed<double> sensed = sense(scene);
   for (const double T : sensed.run.transmittance) ASSERT_GT(T, 1e-4);
-  const double whole = total(sensed.picture);
+  const double whole = total(sensed.image);
   int moved = 0;
   for (int64_t n = 0; n < scene.fixed.count + scene.moving.count; ++n) {
     double promised = 0, size = 0;
@@ -131,7 +131,7 @@ void expect_promises_kept(const TestScene<double>& scene) {
     TestScene<double> without = scene;
     *(n < scene.fixed.count ? without.fixed.at(kOpacityLogit, n)
                             : without.moving.at(kOpacityLogit, n - scene.fixed.count)) = -40;
-    const double change = total(sense(without).picture) - whole;
+    const double change = total(sense(without).image) - whole;
     EXPECT_NEAR(promised, change, 1e-9 * size + 1e-12 * whole) << n;
     moved += std::abs(change) > 1e-3;
   }
@@ -228,21 +228,21 @@ TEST_P(BackendSensitivity, WeightsAndLightThatIsLeftAddUpToPixels) {
 }
 
 // Masks and gains are in the change of the error alone.
-// Bug put back: gains in the picture; seen to fail on the CPU.
-TEST_P(BackendSensitivity, PictureOfOnesGivesTheWeight) {
+// Bug put back: gains in the image; seen to fail on the CPU.
+TEST_P(BackendSensitivity, ImageOfOnesGivesTheWeight) {
   TestScene<double> scene = random_scene(100, 100, 0.2, 79);
   add_masks_and_gains(scene, 80);
-  const Sensed<float> sensed = sense<float>(
-      scene.as<float>(), backend(),
-      [](std::vector<float>& picture) { std::fill(picture.begin(), picture.end(), 1.0f); });
+  const Sensed<float> sensed =
+      sense<float>(scene.as<float>(), backend(),
+                   [](std::vector<float>& image) { std::fill(image.begin(), image.end(), 1.0f); });
   for (const SplatSensitivity<float>& s : sensed.splat)
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(s.picture[c], s.weight, 1e-6 * s.weight);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(s.image[c], s.weight, 1e-6 * s.weight);
 }
 
 // dC/dc = w and ΔC = −α·dC/dα: two ways to the same numbers.
 // Bugs put back, each seen to fail on the CPU: red read for green; the own weight left in Q; the
 // first order without its 2.
-TEST_P(BackendSensitivity, AgreesWithTheGradientByTheSamePicture) {
+TEST_P(BackendSensitivity, AgreesWithTheGradientByTheSameImage) {
   TestScene<double> scene = random_scene(150, 150, 0.2, 81);
   set_views(scene, five_views(), 82);
   const Sensed<float> sensed = sense(scene.as<float>(), backend());
@@ -261,13 +261,13 @@ TEST_P(BackendSensitivity, AgreesWithTheGradientByTheSamePicture) {
 
 // Bugs put back, each seen to fail on the CPU: the mask's polarity; the mask of the next view;
 // gains of the next view; the truth read plane by plane.
-TEST_P(BackendSensitivity, ResidualIsThePictureLessItsTruth) {
+TEST_P(BackendSensitivity, ResidualIsTheImageLessItsTruth) {
   TestScene<double> scene = large_scene(83);
   for (const bool plain : {true, false}) {
     SCOPED_TRACE(plain);
     if (!plain) add_masks_and_gains(scene, 84);
     const Sensed<float> sensed = sense(scene.as<float>(), backend());
-    ASSERT_EQ(sensed.picture.size(), sensed.run.colour.size());
+    ASSERT_EQ(sensed.image.size(), sensed.run.colour.size());
     int64_t ignored = 0;
     for (size_t b = 0; b < scene.views.size(); ++b) {
       const size_t pixels = scene.truth[b].size() / 3;
@@ -279,9 +279,9 @@ TEST_P(BackendSensitivity, ResidualIsThePictureLessItsTruth) {
         const double miss =
             gain * double(sensed.run.colour[first + i]) - scene.truth[b][3 * p + c] / 255.0;
         if (counts)
-          EXPECT_NEAR(sensed.picture[first + i], miss, 1e-6);
+          EXPECT_NEAR(sensed.image[first + i], miss, 1e-6);
         else
-          EXPECT_EQ(sensed.picture[first + i], 0.0f);
+          EXPECT_EQ(sensed.image[first + i], 0.0f);
         ignored += !counts;
       }
     }
@@ -310,9 +310,8 @@ TEST_P(BackendSensitivity, WithoutGaussiansThereIsAResidualAlone) {
   scene.options.background[1] = 0.5;
   const Sensed<float> sensed = sense(scene, backend());
   EXPECT_TRUE(sensed.splat.empty());
-  for (size_t i = 0; i < sensed.picture.size(); ++i)
-    EXPECT_NEAR(sensed.picture[i], (i / (kFrontSize * kFrontSize) == 1 ? 0.5 : 0) - 77 / 255.0,
-                1e-6);
+  for (size_t i = 0; i < sensed.image.size(); ++i)
+    EXPECT_NEAR(sensed.image[i], (i / (kFrontSize * kFrontSize) == 1 ? 0.5 : 0) - 77 / 255.0, 1e-6);
 }
 
 // On a device with the switch. Bug put back: sums that begin where those of the last call ended;
@@ -335,7 +334,7 @@ TEST_P(BackendSensitivity, OfThePipelineIsThatOfTheStages) {
   Pipeline<float> pipeline(backend());
   pipeline.forward(in.forward(true));
   pipeline.residual(in.target());
-  EXPECT_EQ(fetched(pipeline.d_colour(), memory()), stages.picture);
+  EXPECT_EQ(fetched(pipeline.d_colour(), memory()), stages.image);
   Sensed<float> sensed;
   sensed.splat = fetched(pipeline.sensitivity(), memory());
   for (int k = 0; k < kTerms; ++k) EXPECT_EQ(term(sensed, k), term(stages, k)) << k;

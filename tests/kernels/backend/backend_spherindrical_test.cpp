@@ -1,4 +1,4 @@
-// What: colours that follow time, of every backend: pictures and gradients against the oracle's,
+// What: colours that follow time, of every backend: images and gradients against the oracle's,
 // the fused optimizer against the separate one, levels that catch up against those that take every
 // step, and sets without levels against sets whose levels are not active.
 // Not: that the oracle is right (brute_force_test.cpp, gradient_test.cpp).
@@ -23,7 +23,7 @@ TestScene<double> levelled_scene(Form form, int levels, uint64_t seed, int coeff
 class BackendSpherindrical : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendSpherindrical);
 
-TEST_P(BackendSpherindrical, PicturesAndGradientsAreTheOracles) {
+TEST_P(BackendSpherindrical, ImagesAndGradientsAreTheOracles) {
   // Bugs put back in float alone, each seen to fail: weights left out of the gradient; the slope
   // left out of the mean time's; levels left out of the colour.
   struct Case {

@@ -1,5 +1,5 @@
-// What: no kernel switch changes what is computed: each one's pictures equal the default's and its
-// gradients the oracle's; looser bounds list supersets. Not: what a switch is worth in time.
+// What: no kernel switch changes what is computed: each one's images equal the default's and its
+// gradients the oracle's; looser bounds list supersets. Not: what a switch saves in time.
 #include <map>
 
 #include "tests/kernels/backend/backend_scenes.h"
@@ -75,7 +75,7 @@ std::vector<TestScene<double>> switch_scenes() {
 class BackendSwitches : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendSwitches);
 
-TEST_P(BackendSwitches, PicturesAndGradientsDoNotChange) {
+TEST_P(BackendSwitches, ImagesAndGradientsDoNotChange) {
   // Bugs put back, each seen to fail: one form's d_opacity 0.2 % off; the last tile of a row left
   // out without culling, or with intervals.
   for (const TestScene<double>& scene : switch_scenes()) {

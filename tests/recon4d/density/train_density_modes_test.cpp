@@ -84,14 +84,14 @@ GaussianModel without_unseen(const GaussianModel& model, const std::vector<doubl
   return kept;
 }
 
-/// Largest difference of a value of two models' pictures of frames.
+/// Largest difference of a value of two models' images of frames.
 double largest_difference(const GaussianModel& a, const GaussianModel& b,
                           const std::vector<Frame>& frames) {
   std::vector<View> views;
   for (const Frame& frame : frames) views.push_back({frame.camera, frame.time});
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  const std::vector<Picture> left = render_views(*backend, a, views),
-                             right = render_views(*backend, b, views);
+  const std::vector<RenderedImage> left = render_views(*backend, a, views),
+                                   right = render_views(*backend, b, views);
   double largest = 0;
   for (size_t i = 0; i < left.size(); ++i)
     for (size_t p = 0; p < left[i].rgb.size(); ++p)
@@ -99,14 +99,14 @@ double largest_difference(const GaussianModel& a, const GaussianModel& b,
   return largest;
 }
 
-// C12: what no training picture of any moment shows can go, and pictures stay equal to the bit;
+// C12: what no training image of any moment shows can go, and images stay equal to the bit;
 // what one moment does not show cannot. A held-out camera may see one that was just too faint for
 // the others, 1/255; the failure mode's 1e-4 holds where α has no such threshold.
 TEST(DensityModes, OnlyWhatNoMomentShowsCanGo) {
   TinyCapture capture;
-  capture.moments = 6;
+  capture.timesteps = 6;
   Scene scene = tiny_capture(capture);
-  const std::vector<Frame> held_out(scene.frames.end() - capture.moments, scene.frames.end());
+  const std::vector<Frame> held_out(scene.frames.end() - capture.timesteps, scene.frames.end());
   scene.frames.resize(scene.frames.size() - held_out.size());
   std::vector<Frame> first;
   for (const Frame& frame : scene.frames)
@@ -124,7 +124,7 @@ TEST(DensityModes, OnlyWhatNoMomentShowsCanGo) {
   EXPECT_GT(largest_difference(model, wrong, scene.frames), 0.05);
 }
 
-// C19: a wall without texture that fills all pictures: nothing calls for more Gaussians, and they
+// C19: a wall without texture that fills all images: nothing calls for more Gaussians, and they
 // do not flicker. With prune_extent as of 3DGS what is large and right is removed and its place
 // filled by small ones: 300 → 2,070 were seen, so it is off here.
 // Bug put back: densify_threshold 0; seen to fail.
@@ -147,12 +147,12 @@ TEST(DensityModes, AWallWithoutTextureStaysAsItIs) {
   constexpr int kMoments = 9;
   for (int i = 0; i < kMoments; ++i)
     views.push_back({scene.frames[0].camera, i / double(kMoments - 1)});
-  const std::vector<Picture> film = render_views(training.backend(), training.model(), views);
+  const std::vector<RenderedImage> film = render_views(training.backend(), training.model(), views);
   double largest = 0;  // standard deviation of a value over time
   for (size_t p = 0; p < film[0].rgb.size(); ++p) {
     double sum = 0, squares = 0;
-    for (const Picture& picture : film) sum += picture.rgb[p];
-    for (const Picture& picture : film) squares += std::pow(picture.rgb[p] - sum / kMoments, 2);
+    for (const RenderedImage& image : film) sum += image.rgb[p];
+    for (const RenderedImage& image : film) squares += std::pow(image.rgb[p] - sum / kMoments, 2);
     largest = std::max(largest, std::sqrt(squares / kMoments));
   }
   EXPECT_LT(largest, 0.5 / 255);  // 0.11/255 was seen

@@ -1,4 +1,4 @@
-// What: density control as a Markov chain on sets made by hand, and trainings by it: exact counts,
+// What: MCMC densification on sets made by hand, and trainings by it: exact counts,
 //       what copies inherit, the size of the noise, the same again after a pause.
 // Not: what n copies look like and who is drawn (tests/kernels/relocation_test.cpp).
 #include "recon4d/density/mcmc.h"

@@ -1,6 +1,6 @@
 // What: models remember how they are to be drawn: 2D filter, truncation, temporal filter, the
 //       scale of training.
-// Not: what these do to a picture (tests/kernels), nor checkpoints (train_checkpoint_test.cpp).
+// Not: what these do to a image (tests/kernels), nor checkpoints (train_checkpoint_test.cpp).
 #include "recon4d/model/model_file.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
@@ -31,10 +31,10 @@ TEST(DrawnAsTrained, IsKeptInTheModelFileAndInCopies) {
 }
 
 // Bug put back: render_options leaves one of them at its default; seen to fail.
-TEST(DrawnAsTrained, EachChangesThePicture) {
+TEST(DrawnAsTrained, EachChangesTheImage) {
   const GaussianModel model = random_model(30, 30);
   const View view = three_views()[0];
-  const Picture usual = render_one(model, view);
+  const RenderedImage usual = render_one(model, view);
   GaussianModel other = clone(model);
   other.filter_2d = true;
   EXPECT_FALSE(same_bits(render_one(other, view), usual));

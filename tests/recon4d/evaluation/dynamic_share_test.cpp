@@ -36,7 +36,7 @@ TEST(DynamicShare, IsTheOpacityLessTheLightOfTheStaticSet) {
                 turned.static_set.group(kSh).value.end(), 0.5f / float(kSh0));
       std::fill(turned.dynamic_set.group(kSh).value.begin(),
                 turned.dynamic_set.group(kSh).value.end(), -0.5f / float(kSh0));
-      const Picture rest = render_one(turned, view), whole = render_one(model, view);
+      const RenderedImage rest = render_one(turned, view), whole = render_one(model, view);
       ASSERT_EQ(share.size(), whole.alpha.size());
       double most = 0, hidden = 0;
       for (size_t p = 0; p < share.size(); ++p) {
@@ -54,8 +54,8 @@ TEST(DynamicShare, OfOneSetAloneIsAllOrNothing) {
   const View view = three_views()[0];
   const GaussianModel moving = random_model(0, 40), still = random_model(40, 0);
   const std::vector<float> all = share_of(moving, view);
-  const Picture picture = render_one(moving, view);
-  for (size_t p = 0; p < all.size(); ++p) EXPECT_NEAR(all[p], picture.alpha[p], 1e-6);
+  const RenderedImage image = render_one(moving, view);
+  for (size_t p = 0; p < all.size(); ++p) EXPECT_NEAR(all[p], image.alpha[p], 1e-6);
   for (const float share : share_of(still, view)) EXPECT_NEAR(share, 0, 1e-7);
 }
 
@@ -65,7 +65,7 @@ TEST(MovingRegion, CountsWeightInsideAndPixelsThatAreCovered) {
   MovingRegionScore score;
   EXPECT_FALSE(score.dynamic_weight_inside());
   EXPECT_FALSE(score.moving_pixels_covered());
-  //         never, at another moment, a little now, half of it now, wholly now (twice)
+  //         never, at another timestep, a little now, half of it now, wholly now (twice)
   score.add({0.25f, 0.5f, 0.75f, 0.25f, 0.5f, 1.0f}, {0, 128, 150, 192, 255, 255});
   EXPECT_DOUBLE_EQ(score.dynamic_weight_inside().value(), 3.0 / 3.25);
   EXPECT_DOUBLE_EQ(score.moving_pixels_covered().value(), 2.0 / 3);

@@ -9,14 +9,14 @@
 namespace tessera::testing {
 namespace {
 
-Image8 random_picture(int width, int height, uint64_t seed) {
+Image8 random_image(int width, int height, uint64_t seed) {
   Random random(seed);
   Image8 image{width, height, 3, std::vector<uint8_t>(size_t(3 * width * height))};
   for (uint8_t& byte : image.data) byte = uint8_t(random.below(256));
   return image;
 }
 
-/// A picture that looks like another: noise of a few steps.
+/// A image that looks like another: noise of a few steps.
 Image8 disturbed(const Image8& image, uint64_t seed) {
   Random random(seed);
   Image8 other = image;
@@ -61,7 +61,7 @@ double direct_ssim(const Image8& a, const Image8& b, bool reflect) {
 
 // Failure mode D1. Bug put back: 20·log10 in psnr_of_mse; seen to fail.
 TEST(Metrics, PsnrOfAUniformOffsetOfTen) {
-  Image8 a = random_picture(31, 20, 1);
+  Image8 a = random_image(31, 20, 1);
   for (uint8_t& byte : a.data) byte = uint8_t(byte % 240);
   Image8 b = a;
   for (uint8_t& byte : b.data) byte = uint8_t(byte + 10);
@@ -73,7 +73,7 @@ TEST(Metrics, PsnrOfAUniformOffsetOfTen) {
 // Failure mode D1. Bug put back: zero padding used for both names; seen to fail.
 TEST(Metrics, SsimEqualsTheDirectSum) {
   for (const auto& [width, height] : {std::pair{29, 17}, {6, 11}, {16, 40}}) {
-    const Image8 a = random_picture(width, height, 5), b = disturbed(a, 6);
+    const Image8 a = random_image(width, height, 5), b = disturbed(a, 6);
     EXPECT_NEAR(ssim(a, b, SsimPadding::kReflect).value(), direct_ssim(a, b, true), 1e-6);
     EXPECT_NEAR(ssim(a, b, SsimPadding::kZero).value(), direct_ssim(a, b, false), 1e-6);
     EXPECT_GT(std::abs(direct_ssim(a, b, true) - direct_ssim(a, b, false)), 1e-4);
@@ -95,7 +95,7 @@ TEST(Metrics, MeanOfPsnrIsNotPsnrOfTheMean) {
 }
 
 // Failure mode D3. Bug put back: quantise by truncation; seen to fail.
-TEST(Metrics, ScoresTheQuantisedPictureAndTheFloatsApart) {
+TEST(Metrics, ScoresTheQuantisedImageAndTheFloatsApart) {
   const Image8 truth{8, 8, 3, std::vector<uint8_t>(192, 100)};
   std::vector<float> drawn(192, 100.4f / 255);
   const Span<const float> planar{drawn.data(), 192};
@@ -116,9 +116,9 @@ TEST(Metrics, QuantisesToTheNearestAndClamps) {
 }
 
 // Failure mode B20. Bug put back: no size check before reflecting; seen to fail.
-TEST(Metrics, TinyPicturesHaveNoReflectedSsimAndNeverNan) {
+TEST(Metrics, TinyImagesHaveNoReflectedSsimAndNeverNan) {
   for (const auto& [width, height] : {std::pair{1, 1}, {5, 40}, {10, 10}, {15, 17}}) {
-    const Image8 a = random_picture(width, height, 8), b = random_picture(width, height, 9);
+    const Image8 a = random_image(width, height, 8), b = random_image(width, height, 9);
     EXPECT_TRUE(std::isfinite(psnr(a, b)));
     const auto reflected = ssim(a, b, SsimPadding::kReflect);
     EXPECT_EQ(reflected.has_value(), width > 5 && height > 5);
@@ -130,7 +130,7 @@ TEST(Metrics, TinyPicturesHaveNoReflectedSsimAndNeverNan) {
 // B17. Bugs put back, each seen to fail: the mean taken over all pixels; inverted polarity; ignored
 // pixels counted; their truth read in the windows of others.
 TEST(Metrics, IgnoredPixelsDoNotCount) {
-  const Image8 a = random_picture(20, 16, 10);
+  const Image8 a = random_image(20, 16, 10);
   Image8 b = a, garbage = a;
   std::vector<uint8_t> mask(320, 255);
   for (size_t p = 0; p < 320; ++p) {

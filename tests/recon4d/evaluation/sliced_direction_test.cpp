@@ -1,4 +1,4 @@
-// What: the option sliced_direction of a model: in pictures, in its file, in slices.
+// What: the option sliced_direction of a model: in images, in its file, in slices.
 // Not: its gradient (tests/kernels), nor the checkpoint (train_checkpoint_test.cpp).
 #include "recon4d/model/model_file.h"
 #include "static3d/transform/lift.h"
@@ -8,9 +8,9 @@
 namespace tessera::testing {
 namespace {
 
-/// Share of the values that differ by more than expect_same_picture lets pass, of which it allows
+/// Share of the values that differ by more than expect_same_image lets pass, of which it allows
 /// 0.002.
-double share_that_differs(const Picture& a, const Picture& b) {
+double share_that_differs(const RenderedImage& a, const RenderedImage& b) {
   int64_t count = 0;
   for (size_t i = 0; i < a.rgb.size(); ++i) count += std::abs(a.rgb[i] - b.rgb[i]) > 1e-4f;
   return double(count) / double(a.rgb.size());
@@ -29,10 +29,10 @@ View at_time(double time) {
 }
 
 // Bug put back: render_options leaves it at its default; seen to fail.
-TEST(SlicedDirection, ChangesThePictureOfWhatMovesAndOnlyThat) {
+TEST(SlicedDirection, ChangesTheImageOfWhatMovesAndOnlyThat) {
   const GaussianModel moving = random_model(0, 60), fixed = random_model(60, 0);
   const View view = at_time(0.8);
-  const Picture sliced = render_one(moving, view), other = render_one(unsliced(moving), view);
+  const RenderedImage sliced = render_one(moving, view), other = render_one(unsliced(moving), view);
   EXPECT_GT(coverage(sliced), 0.1);
   EXPECT_GT(share_that_differs(sliced, other), 0.1);
   EXPECT_EQ(sliced.alpha, other.alpha) << "only colours depend on it";
@@ -77,8 +77,8 @@ TEST(SlicedDirection, SlicesAreExactOnlyWithIt) {
   const GaussianModel model = random_model(20, 60), other = unsliced(model);
   for (double time : {0.1, 0.5, 0.8}) {
     const View view = at_time(time);
-    expect_same_picture(render_one(static_model(model, slice_model(model, time)), view),
-                        render_one(model, view));
+    expect_same_image(render_one(static_model(model, slice_model(model, time)), view),
+                      render_one(model, view));
     EXPECT_GT(share_that_differs(render_one(static_model(other, slice_model(other, time)), view),
                                  render_one(other, view)),
               0.1);

@@ -11,7 +11,7 @@
 namespace tessera::testing {
 namespace {
 
-/// Pictures by whole numbers, so that other programs can make the same: a pattern, and the pattern
+/// Images by whole numbers, so that other programs can make the same: a pattern, and the pattern
 /// with errors of up to 20 steps.
 std::pair<Image8, Image8> stored_pair(int width, int height) {
   Image8 a{width, height, 3, {}}, b = a;
@@ -126,7 +126,7 @@ TEST(StructureScores, NothingWhereUndefined) {
 
 // Opposite structure has a negative factor, whose power is none. Bug put back: no limit at 0; seen
 // to fail (NaN).
-TEST(StructureScores, OppositePicturesAreZeroNotNan) {
+TEST(StructureScores, OppositeImagesAreZeroNotNan) {
   Image8 a = stored_pair(161, 161).first, b = a;
   for (uint8_t& value : b.data) value = uint8_t(255 - value);
   EXPECT_EQ(structure_scores(a, b).multi_scale, 0.0);

@@ -1,4 +1,4 @@
-// What: flicker and moving pixels of pictures whose answers are known.
+// What: flicker and moving pixels of images whose answers are known.
 // Not: rendering. Failure mode A14.
 #include "recon4d/evaluation/temporal_scores.h"
 
@@ -14,14 +14,14 @@ namespace {
 
 constexpr int kWidth = 6, kHeight = 5, kPixels = kWidth * kHeight;
 
-/// A standing camera whose left half never changes and whose right half does by 40 a moment.
-Scene two_halves(int moments) {
+/// A standing camera whose left half never changes and whose right half does by 40 a timestep.
+Scene two_halves(int timesteps) {
   Scene scene;
   scene.path = "halves";
-  for (int m = 0; m < moments; ++m) {
+  for (int m = 0; m < timesteps; ++m) {
     Frame frame;
     frame.camera_name = "cam", frame.name = "cam/" + std::to_string(m);
-    frame.time = double(m) / (moments - 1), frame.split = Split::kTest;
+    frame.time = double(m) / (timesteps - 1), frame.split = Split::kTest;
     frame.camera = look_at({0, 0, -4}, {0, 0, 0}, kWidth, kHeight, 5);
     frame.image = {kWidth, kHeight, 3, std::vector<uint8_t>(3 * kPixels, 100)};
     for (int p = 0; p < kPixels; ++p)
@@ -34,13 +34,13 @@ Scene two_halves(int moments) {
 
 /// The truth plus `offset`(pixel) in 8-bit units.
 template <class Offset>
-Picture drawn(const Frame& frame, Offset&& offset) {
-  Picture picture{kWidth, kHeight, std::vector<float>(3 * kPixels), {}};
+RenderedImage drawn(const Frame& frame, Offset&& offset) {
+  RenderedImage image{kWidth, kHeight, std::vector<float>(3 * kPixels), {}};
   for (int c = 0; c < 3; ++c)
     for (int p = 0; p < kPixels; ++p)
-      picture.rgb[size_t(c * kPixels + p)] =
+      image.rgb[size_t(c * kPixels + p)] =
           float(frame.image.data[size_t(3 * p + c)] + offset(p)) / 255.0f;
-  return picture;
+  return image;
 }
 
 template <class Offset>
@@ -58,7 +58,7 @@ TEST(Flicker, IsTheErrorOfChanges) {
   const auto constant = flicker(scene, [](int, int) { return 7.0; });
   ASSERT_EQ(constant.size(), 1u);
   EXPECT_EQ(constant[0].camera, "cam");
-  EXPECT_EQ(constant[0].moments, 4);
+  EXPECT_EQ(constant[0].timesteps, 4);
   EXPECT_NEAR(constant[0].change_error, 0, 1e-4) << "an error that stays is no flicker";
   EXPECT_NEAR(constant[0].still_deviation.value(), 0, 1e-3);
   EXPECT_NEAR(constant[0].still_deviation_truth.value(), 0, 1e-6);

@@ -56,11 +56,11 @@ TEST(ModelFile, AnEmptyModelIsAFile) {
   save_model(folder / "empty.ply", empty);
   const GaussianModel reloaded = load_model(folder / "empty.ply");
   expect_same_model(empty, reloaded);
-  const Picture picture = render_one(reloaded, three_views()[0]);
-  const size_t pixels = picture.alpha.size();
+  const RenderedImage image = render_one(reloaded, three_views()[0]);
+  const size_t pixels = image.alpha.size();
   for (size_t c = 0; c < 3; ++c)
     for (size_t p = 0; p < pixels; ++p)
-      ASSERT_EQ(picture.rgb[c * pixels + p], float(empty.background[c] / 255.0));
+      ASSERT_EQ(image.rgb[c * pixels + p], float(empty.background[c] / 255.0));
   const nlohmann::json info = model_info(reloaded);
   EXPECT_EQ(info["num_gaussians"], 0);
   EXPECT_TRUE(info["bounds"].is_null());

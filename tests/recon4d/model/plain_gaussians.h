@@ -1,5 +1,5 @@
 // What: Gaussians put by hand into a model, round and of one colour, for tests of what each is
-//       worth to the pictures of a scene.
+//       contribution to the images of a scene.
 // Not: the cameras (tests/support/tiny_capture.h).
 #pragma once
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "recon4d/evaluation/render.h"
-#include "recon4d/reduction/worth.h"
+#include "recon4d/reduction/contributions.h"
 #include "tests/support/tiny_capture.h"
 
 namespace tessera::testing {
@@ -55,13 +55,13 @@ inline GaussianSet plain_set(const GaussianSet& like, const std::vector<Plain>& 
   return set;
 }
 
-inline Worth worth_of(const GaussianModel& model, const Scene& scene) {
+inline Contributions worth_of(const GaussianModel& model, const Scene& scene) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  return measure_worth(*backend, model, look_at_training(scene));
+  return measure_contributions(*backend, model, sample_training_frames(scene));
 }
 
-/// The pictures of the frames of `at`, in their order.
-inline std::vector<Picture> pictures_of(const GaussianModel& model, const LookedAt& at) {
+/// The images of the frames of `at`, in their order.
+inline std::vector<RenderedImage> images_of(const GaussianModel& model, const FrameSample& at) {
   std::vector<View> views;
   for (const int i : at.frames)
     views.push_back({at.scene->frames[size_t(i)].camera, at.scene->frames[size_t(i)].time});

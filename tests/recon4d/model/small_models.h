@@ -84,20 +84,20 @@ inline bool same_bits(const GaussianSet& a, const GaussianSet& b) {
   return true;
 }
 
-inline bool same_bits(const Picture& a, const Picture& b) {
+inline bool same_bits(const RenderedImage& a, const RenderedImage& b) {
   return a.rgb.size() == b.rgb.size() && a.alpha.size() == b.alpha.size() &&
          std::memcmp(a.rgb.data(), b.rgb.data(), a.rgb.size() * sizeof(float)) == 0 &&
          std::memcmp(a.alpha.data(), b.alpha.data(), a.alpha.size() * sizeof(float)) == 0;
 }
 
-inline Picture render_one(const GaussianModel& model, const View& view) {
+inline RenderedImage render_one(const GaussianModel& model, const View& view) {
   const auto backend = make_cpu_backend();
   return std::move(render_views(*backend, model, {view}).front());
 }
 
-/// Two correct pictures differ by rounding, and where it decides whether α reaches 1/255.
-inline void expect_same_picture(const Picture& actual, const Picture& expected,
-                                double tolerance = 1e-4) {
+/// Two correct images differ by rounding, and where it decides whether α reaches 1/255.
+inline void expect_same_image(const RenderedImage& actual, const RenderedImage& expected,
+                              double tolerance = 1e-4) {
   constexpr double kCutoffBand = 1.0 / 255 + 1e-4;  // of one faint splat
   constexpr double kCutoffShare = 0.002;            // of the values
   ASSERT_EQ(actual.rgb.size(), expected.rgb.size());
@@ -113,11 +113,11 @@ inline void expect_same_picture(const Picture& actual, const Picture& expected,
   EXPECT_LE(double(beyond), kCutoffShare * double(actual.rgb.size())) << "worst " << worst;
 }
 
-/// How much a picture differs from its background: 0 for an empty one.
-inline double coverage(const Picture& picture) {
+/// How much a image differs from its background: 0 for an empty one.
+inline double coverage(const RenderedImage& image) {
   double sum = 0;
-  for (float a : picture.alpha) sum += a;
-  return sum / double(picture.alpha.size());
+  for (float a : image.alpha) sum += a;
+  return sum / double(image.alpha.size());
 }
 
 /// Frames of noise seen by `cameras` training cameras at `times` moments, plus a held-out camera

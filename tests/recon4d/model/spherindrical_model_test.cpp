@@ -5,9 +5,9 @@
 
 #include "ingest/files/ply.h"
 #include "kernels/math/rotation3.h"
-#include "recon4d/model/hygiene.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/model/model_info.h"
+#include "recon4d/model/validity.h"
 #include "recon4d/options/forecast.h"
 #include "static3d/transform/motion_form.h"
 #include "static3d/transform/slicer.h"
@@ -56,9 +56,9 @@ TEST(SpherindricalModel, ASliceRendersAsTheModel) {
       for (const double time : {0.3, 0.62}) {
         View view = three_views()[1];
         view.time = time;
-        const Picture moving = render_one(model, view);
+        const RenderedImage moving = render_one(model, view);
         EXPECT_GT(coverage(moving), 0.1);
-        expect_same_picture(render_one(static_model(model, Slicer(model).at(time)), view), moving);
+        expect_same_image(render_one(static_model(model, Slicer(model).at(time)), view), moving);
         EXPECT_FALSE(same_bits(render_one(without_levels(model), view), moving));
       }
     }
@@ -118,13 +118,13 @@ TEST(SpherindricalModel, FilesThatLackAPartAreRefused) {
 }
 
 // Bug put back: levels not turned; seen to fail.
-TEST(SpherindricalModel, PicturesStayInAnotherWorld) {
+TEST(SpherindricalModel, ImagesStayInAnotherWorld) {
   const GaussianModel model = random_model_in_time(10, 60, 2, 31, 16, Form::kVelocity);
   Similarity world;
   world.scale = 1.7, world.translation = {0.4, -1, 0.2};
   world.rotation = rotation_matrix(normalised(Vec4<double>(0.4, -0.3, 0.8, 0.2)));
   for (const View& view : three_views())
-    expect_same_picture(
+    expect_same_image(
         render_one(model_in_world(world, model), {camera_in_world(world, view.camera), view.time}),
         render_one(model, view), 2e-5);
 }
@@ -142,8 +142,8 @@ TEST(SpherindricalModel, LevelsStayInTheOtherFormOfMotion) {
   }
 }
 
-// Bugs put back, each seen to fail: a selection without levels; levels not looked at by is_sound;
-// sh_time_period not copied.
+// Bugs put back, each seen to fail: a selection without levels; levels not looked at by
+// is_valid_element; sh_time_period not copied.
 TEST(SpherindricalModel, CopiesSelectionsAndFactsHaveThem) {
   GaussianModel model = random_model_in_time(2, 6, 2, 35, 4);
   model.sh_time_period = 0.5;
@@ -155,7 +155,7 @@ TEST(SpherindricalModel, CopiesSelectionsAndFactsHaveThem) {
   EXPECT_TRUE(std::equal(selected.values().at(kShTime, 0), selected.values().at(kShTime, 0) + 24,
                          model.dynamic_set.values().at(kShTime, 4)));
   model.dynamic_set.values().at(kShTime, 3)[23] = INFINITY;
-  EXPECT_EQ(sound_rows(model.dynamic_set).size(), 5u);
+  EXPECT_EQ(valid_rows(model.dynamic_set).size(), 5u);
   const nlohmann::json info = model_info(model);
   EXPECT_EQ(info["sh_time"], (nlohmann::json{{"degree", 2}, {"levels", 2}, {"period", 0.5}}));
   EXPECT_EQ(info["value_bytes"], 4 * (2 * (11 + 12) + 6 * (17 + 12 + 24)));

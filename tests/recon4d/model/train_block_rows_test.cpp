@@ -1,7 +1,7 @@
 // What: rows of a training sorted into blocks of one SH degree, kept, added, put in order, pruned,
 //       on every backend.
 // Not: steps (train_blocks_test.cpp), nor what the stages do
-// (tests/kernels/backend_blocks_test.cpp).
+// (tests/kernels/backend/backend_blocks_test.cpp).
 #include <algorithm>
 #include <numeric>
 

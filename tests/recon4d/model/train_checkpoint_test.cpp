@@ -38,7 +38,7 @@ class CheckpointFile : public ::testing::Test {
 
   static Scene small_scene() {
     TinyCapture capture;
-    capture.cameras = 2, capture.moments = 2, capture.size = 10;
+    capture.cameras = 2, capture.timesteps = 2, capture.size = 10;
     Scene scene = tiny_capture(capture);
     scene.time_axis = {12.1, 0.3};
     return scene;

@@ -1,4 +1,4 @@
-// What: gains of cameras and of pictures learnt in a training: recovered, gauge fixed, kept by a
+// What: gains of cameras and of images learnt in a training: recovered, gauge fixed, kept by a
 //       checkpoint, refused where they mean nothing.
 // Not: their gradient (tests/kernels/exposure_test.cpp). Source: failure mode B10.
 #include <gtest/gtest.h>
@@ -18,15 +18,15 @@ using Gains = std::vector<Vec3<double>>;
 
 TinyCapture ring() {
   TinyCapture capture;
-  capture.cameras = 5, capture.moments = 3, capture.size = 24;
+  capture.cameras = 5, capture.timesteps = 3, capture.size = 24;
   return capture;
 }
 
-/// Every picture times the gain of its row, of pictures darkened so that none is clipped.
+/// Every image times the gain of its row, of images darkened so that none is clipped.
 Scene gained(const TinyCapture& capture, const Gains& gains, bool by_camera) {
   Scene scene = tiny_capture(capture);
   for (size_t f = 0; f < scene.frames.size(); ++f) {
-    const Vec3<double>& gain = gains[by_camera ? f / size_t(capture.moments) : f];
+    const Vec3<double>& gain = gains[by_camera ? f / size_t(capture.timesteps) : f];
     std::vector<uint8_t>& bytes = scene.frames[f].image.data;
     for (size_t i = 0; i < bytes.size(); ++i)
       bytes[i] = uint8_t(std::lround(0.7 * gain[int(i % 3)] * bytes[i]));
@@ -34,7 +34,7 @@ Scene gained(const TinyCapture& capture, const Gains& gains, bool by_camera) {
   return scene;
 }
 
-/// The Gaussians that the pictures show, in brighter colours; no density control moves their rows.
+/// The Gaussians that the images show, in brighter colours; no density control moves their rows.
 TrainOptions still_options(int64_t iterations) {
   TrainOptions options = tiny_options();
   options.iterations = options.schedule_iterations = iterations;
@@ -43,7 +43,7 @@ TrainOptions still_options(int64_t iterations) {
   return options;
 }
 
-/// The truth with its colours times `dim`; 0.7 would be those of the pictures.
+/// The truth with its colours times `dim`; 0.7 would be those of the images.
 TrainState dimmed_truth(const TinyCapture& capture, double dim) {
   TrainState state;
   state.model = tiny_truth(capture);
@@ -83,7 +83,7 @@ void expect_mean_of_one(const Gains& gains) {
 }
 
 // B10. One camera is (1.2, 1.0, 0.9) of the others. The gains are that by the mean of all, and the
-// Gaussians have the colours of the unmodified pictures times that mean.
+// Gaussians have the colours of the unmodified images times that mean.
 // Bugs put back, each seen to fail: gauge not fixed; gains of the next view; the gain left out of
 // the loss; what rounding leaves not spread.
 TEST(TrainExposure, OneCameraThatDiffersIsFoundAndColoursAreLeft) {
@@ -111,12 +111,12 @@ TEST(TrainExposure, OneCameraThatDiffersIsFoundAndColoursAreLeft) {
 }
 
 // B10. Bug put back: rows of cameras for those of frames; seen to fail.
-TEST(TrainExposure, WobbleOfEveryPictureIsFound) {
+TEST(TrainExposure, WobbleOfEveryImageIsFound) {
   TinyCapture capture = ring();
-  capture.moving = false;  // of one moment there are five pictures: a blob's life explains a wobble
+  capture.moving = false;  // of one moment there are five images: a blob's life explains a wobble
   Random random(5);
   Gains truth;
-  for (int f = 0; f < capture.cameras * capture.moments; ++f)
+  for (int f = 0; f < capture.cameras * capture.timesteps; ++f)
     truth.emplace_back(random.uniform(0.99, 1.01), random.uniform(0.99, 1.01),
                        random.uniform(0.99, 1.01));
   const Scene scene = gained(capture, truth, false);
@@ -134,7 +134,7 @@ TEST(TrainExposure, WobbleOfEveryPictureIsFound) {
       wobble += std::pow(truth[r][c] / mean[c] - 1, 2);
       left += std::pow(gains[r][c] * mean[c] / truth[r][c] - 1, 2);
     }
-  EXPECT_LT(std::sqrt(left), 0.3 * std::sqrt(wobble));  // pictures are rounded to 8 bits
+  EXPECT_LT(std::sqrt(left), 0.3 * std::sqrt(wobble));  // images are rounded to 8 bits
 }
 
 // E5. Bug put back: moments not in the checkpoint; seen to fail.
@@ -200,7 +200,7 @@ TEST(TrainExposure, IsRefusedWhereItMeansNothing) {
   TinyCapture capture;
   capture.cameras = 1;
   expect_refused(tiny_capture(capture), "camera", {"4 training frames", "ring0", "frame"});
-  capture.moments = 1;
+  capture.timesteps = 1;
   expect_refused(tiny_capture(capture), "frame", {"--exposure none"});
   capture.cameras = 3, capture.background = {255, 255, 255};
   expect_refused(tiny_capture(capture), "camera", {"background"});

@@ -1,5 +1,6 @@
-// What: that a still background shows no border between moments, drawn whole or exported by frames.
-// Not: flicker of a set without time terms (evaluate_test.cpp). The clip is trained whole: there
+// What: that a still background shows no border between timesteps, drawn whole or exported by
+// frames. Not: flicker of a set without time terms (evaluate_test.cpp). The clip is trained whole:
+// there
 //      are no chunks, so every pair of neighbouring frames is a border. Source: failure mode A13.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ constexpr int kBelow = 34;  // rows from here on never see the ball
 /// A ball crosses before the upper half of a wall.
 Film wall_film() {
   Film film;
-  film.moments = 21;
+  film.timesteps = 21;
   film.world = [](double time) {
     synth::World world = even_world();
     add_solid(world, synth::ShapeKind::kBox, {0.9, 0.05, 0.8}, {0, 0.5, 0}, cold(0.15), false);
@@ -32,11 +33,11 @@ Film wall_film() {
   return film;
 }
 
-/// Mean difference of neighbouring pictures in the rows that never change, 8-bit steps.
-std::vector<double> borders(const std::vector<Picture>& pictures) {
+/// Mean difference of neighbouring images in the rows that never change, 8-bit steps.
+std::vector<double> borders(const std::vector<RenderedImage>& images) {
   std::vector<double> steps;
-  for (size_t m = 1; m < pictures.size(); ++m) {
-    const Picture &a = pictures[m - 1], &b = pictures[m];
+  for (size_t m = 1; m < images.size(); ++m) {
+    const RenderedImage &a = images[m - 1], &b = images[m];
     const size_t pixels = a.alpha.size(), first = size_t(kBelow * a.width);
     double sum = 0;
     for (size_t i = 0; i < a.rgb.size(); ++i)
@@ -48,9 +49,9 @@ std::vector<double> borders(const std::vector<Picture>& pictures) {
 
 /// The row's bound is 1.1 × the median; that of a background of static Gaussians is 0, so that
 /// anything would be a border: what is far below a step of 8 bits is none.
-void expect_no_border(const std::vector<Picture>& pictures) {
-  constexpr double kUnseen = 0.1;  // 8-bit steps, mean of a picture
-  const std::vector<double> steps = borders(pictures);
+void expect_no_border(const std::vector<RenderedImage>& images) {
+  constexpr double kUnseen = 0.1;  // 8-bit steps, mean of a image
+  const std::vector<double> steps = borders(images);
   std::vector<double> sorted = steps;
   std::sort(sorted.begin(), sorted.end());
   const double median = sorted[sorted.size() / 2];
@@ -65,12 +66,12 @@ TEST(Borders, OfAStillBackgroundAreNotSeen) {
   scene.points = surface_cloud(film, 400, 300);
   const GaussianModel model = trained(scene, short_training("balanced", 500));
   EXPECT_GT(middle_psnr(model, scene), 26);
-  expect_no_border(middle_pictures(model, scene));
+  expect_no_border(middle_images(model, scene));
   const ScratchFolder folder;
   std::vector<double> times;
   for (const Frame* frame : held_out(scene)) times.push_back(frame->time);
   export_sequence(model, folder.path(), times, splat_format("ply"));
-  std::vector<Picture> exported;
+  std::vector<RenderedImage> exported;
   for (size_t m = 0; m < times.size(); ++m) {
     SplatFile frame = load_splat_file(folder / fmt::format("frame_{:04}.ply", m));
     exported.push_back(render_one(static_model(model, std::move(frame.set)),

@@ -11,10 +11,10 @@
 namespace tessera::testing {
 namespace {
 
-/// A picture on a wall in light that grows evenly over the clip; `wide` 2.5 fills the view.
+/// A image on a wall in light that grows evenly over the clip; `wide` 2.5 fills the view.
 Film lamp_film(double from, double to, double wide = 1) {
   Film film;
-  film.moments = 21;
+  film.timesteps = 21;
   film.world = [from, to, wide](double time) {
     synth::World world = even_world();
     add_solid(world, synth::ShapeKind::kQuad, wide * glm::dvec3(0.7, 0.6, 0), {0, 0, 0},
@@ -25,12 +25,12 @@ Film lamp_film(double from, double to, double wide = 1) {
 }
 
 /// Mean of a channel inside the quad, 8-bit steps.
-double level(const Picture& picture, int channel) {
+double level(const RenderedImage& image, int channel) {
   constexpr int kFirst = 20, kEnd = 44;  // of 64 pixels, both ways
   double sum = 0;
   for (int y = kFirst; y < kEnd; ++y)
     for (int x = kFirst; x < kEnd; ++x)
-      sum += picture.rgb[size_t((channel * picture.height + y) * picture.width + x)];
+      sum += image.rgb[size_t((channel * image.height + y) * image.width + x)];
   return 255 * sum / ((kEnd - kFirst) * (kEnd - kFirst));
 }
 
@@ -48,24 +48,24 @@ TEST(ColourChange, IsNotStill) {
   }
 }
 
-// Falls short of the row at single moments: of two seeds the worst of the channels was 1.4 and 1.7
-// steps off, where the row has 1. Not for restless last steps: with learning rates that fall to 0
-// over the last tenth to four tenths it is 1.5 to 2.3.
-// Bug put back: all points static; seen to fail by 58 steps.
+// Falls short of the row at single timesteps: of two seeds the worst of the channels was 1.4
+// and 1.7 steps off, where the row has 1. Not for varying last steps: with learning rates that
+// fall to 0 over the last tenth to four tenths it is 1.5 to 2.3. Bug put back: all points static;
+// seen to fail by 58 steps.
 TEST(ColourChange, IsRecovered) {
   const Film film = lamp_film(0.25, 1);
   Scene scene = shoot(film);
   scene.points = surface_cloud(film, 0, 400);
-  const std::vector<Picture> pictures =
-      middle_pictures(trained(scene, short_training("balanced", 500)), scene);
+  const std::vector<RenderedImage> images =
+      middle_images(trained(scene, short_training("balanced", 500)), scene);
   const std::vector<const Frame*> frames = held_out(scene);
   for (int c = 0; c < 3; ++c) {
     double sum = 0, worst = 0;
-    for (size_t m = 0; m < pictures.size(); ++m) {
-      const double off = level(pictures[m], c) - level(picture_of(frames[m]->image), c);
+    for (size_t m = 0; m < images.size(); ++m) {
+      const double off = level(images[m], c) - level(image_of(frames[m]->image), c);
       sum += std::abs(off), worst = std::max(worst, std::abs(off));
     }
-    EXPECT_LT(sum / double(pictures.size()), 1) << "channel " << c;
+    EXPECT_LT(sum / double(images.size()), 1) << "channel " << c;
     EXPECT_LT(worst, 2) << "channel " << c;
   }
 }

@@ -1,4 +1,4 @@
-// What: worlds → pictures → scenes; presets cut short; numbers out of pictures.
+// What: worlds → images → scenes; presets cut short; numbers out of images.
 // Not: assertions.
 #include "tests/recon4d/modes/modes_film.h"
 
@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "recon4d/evaluation/metrics.h"
-#include "recon4d/reduction/parsimony.h"
-#include "recon4d/reduction/size_contract.h"
+#include "recon4d/reduction/model_reduction.h"
+#include "recon4d/reduction/size_limit.h"
 #include "recon4d/training/validation.h"
 #include "tests/support/random.h"
 #include "tools/synth/render.h"
@@ -31,7 +31,7 @@ Camera camera_of(const Film& film, int c) {
 }
 
 /// Over black.
-Image8 developed(const synth::Picture& shot) {
+Image8 developed(const synth::RenderedImage& shot) {
   const size_t pixels = size_t(shot.width) * size_t(shot.height);
   std::vector<float> planar(3 * pixels);
   for (size_t p = 0; p < pixels; ++p)
@@ -50,13 +50,13 @@ Scene shoot(const Film& film) {
   Scene scene;
   scene.path = "film";
   scene.had_alpha = film.alpha;
-  scene.is_static = film.moments == 1;
-  scene.frames.resize(size_t(film.moments * (film.cameras + 1)));
+  scene.is_static = film.timesteps == 1;
+  scene.frames.resize(size_t(film.timesteps * (film.cameras + 1)));
   const synth::World still = film.world(0);
   for (int c = 0; c <= film.cameras; ++c) {
     const Camera camera = camera_of(film, c);
     const synth::StaticLayer layer = synth::render_static(still, camera, kGrid);
-    for (int m = 0; m < film.moments; ++m) {
+    for (int m = 0; m < film.timesteps; ++m) {
       Frame& frame = scene.frames[size_t(m * (film.cameras + 1) + c)];
       frame.camera = camera;
       frame.camera_name = c == film.cameras ? "middle" : "cam" + std::to_string(c);
@@ -75,7 +75,7 @@ PointCloud surface_cloud(const Film& film, int still, int moving) {
   Random random(11);
   int wanted[2] = {moving, still};
   for (int i = 0; i < kTries && (wanted[0] > 0 || wanted[1] > 0); ++i) {
-    const double time = film.time(int(random.below(film.moments)));
+    const double time = film.time(int(random.below(film.timesteps)));
     const synth::World world = film.world(time);
     std::vector<synth::PlacedSolid> solids = place(world, synth::Part::kStatic, time);
     for (const synth::PlacedSolid& placed : place(world, synth::Part::kMoving, time))
@@ -159,13 +159,13 @@ GaussianModel decided(const Scene& scene, TrainOptions options) {
   Training training(scene, options);
   Validation validation(training.backend(), scene, options, ValidationRecord{});
   const auto bytes = [](const GaussianModel&) -> int64_t { return 0; };  // not asked for
-  Parsimony parsimony(training.backend(), options, bytes);
-  training.run(options.iterations, parsimony, validation);
-  return fit_to({}, training.backend(), training.trainer().host_model(),
-                training.trainer().looked_at(0));
+  ModelReduction reduction(training.backend(), options, bytes);
+  training.run(options.iterations, reduction, validation);
+  return fit_to_limit({}, training.backend(), training.trainer().host_model(),
+                      training.trainer().sample_frames(0));
 }
 
-std::vector<Picture> middle_pictures(const GaussianModel& model, const Scene& scene) {
+std::vector<RenderedImage> middle_images(const GaussianModel& model, const Scene& scene) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   std::vector<View> views;
   for (const Frame* frame : held_out(scene)) views.push_back({frame->camera, frame->time});
@@ -173,21 +173,21 @@ std::vector<Picture> middle_pictures(const GaussianModel& model, const Scene& sc
 }
 
 double middle_psnr(const GaussianModel& model, const Scene& scene) {
-  const std::vector<Picture> pictures = middle_pictures(model, scene);
+  const std::vector<RenderedImage> images = middle_images(model, scene);
   const std::vector<const Frame*> frames = held_out(scene);
   double sum = 0;
-  for (size_t i = 0; i < pictures.size(); ++i)
-    sum += psnr_float(pictures[i].planar(), frames[i]->image);
-  return sum / double(pictures.size());
+  for (size_t i = 0; i < images.size(); ++i)
+    sum += psnr_float(images[i].planar(), frames[i]->image);
+  return sum / double(images.size());
 }
 
-std::vector<double> deviation_over_time(const std::vector<Picture>& pictures) {
+std::vector<double> deviation_over_time(const std::vector<RenderedImage>& images) {
   std::vector<double> deviation;
-  const double count = double(pictures.size());
-  for (size_t i = 0; i < pictures[0].rgb.size(); ++i) {
+  const double count = double(images.size());
+  for (size_t i = 0; i < images[0].rgb.size(); ++i) {
     double sum = 0, squares = 0;
-    for (const Picture& picture : pictures) {
-      const double value = 255 * std::clamp(double(picture.rgb[i]), 0.0, 1.0);
+    for (const RenderedImage& image : images) {
+      const double value = 255 * std::clamp(double(image.rgb[i]), 0.0, 1.0);
       sum += value, squares += value * value;
     }
     deviation.push_back(std::sqrt(std::max(0.0, squares / count - sum / count * sum / count)));
@@ -195,29 +195,29 @@ std::vector<double> deviation_over_time(const std::vector<Picture>& pictures) {
   return deviation;
 }
 
-std::array<double, 2> centroid(const Picture& picture) {
+std::array<double, 2> centroid(const RenderedImage& image) {
   double sum = 0, x_sum = 0, y_sum = 0;
-  for (size_t i = 0; i < picture.rgb.size(); ++i) {
-    const size_t p = i % picture.alpha.size();
-    const double value = std::clamp(double(picture.rgb[i]), 0.0, 1.0);
+  for (size_t i = 0; i < image.rgb.size(); ++i) {
+    const size_t p = i % image.alpha.size();
+    const double value = std::clamp(double(image.rgb[i]), 0.0, 1.0);
     sum += value;
-    x_sum += value * (double(p % size_t(picture.width)) + 0.5);
-    y_sum += value * (double(p / size_t(picture.width)) + 0.5);
+    x_sum += value * (double(p % size_t(image.width)) + 0.5);
+    y_sum += value * (double(p / size_t(image.width)) + 0.5);
   }
   if (sum == 0) return {-1, -1};
   return {x_sum / sum, y_sum / sum};
 }
 
-Picture picture_of(const Image8& image) {
+RenderedImage image_of(const Image8& image) {
   const size_t pixels = image.data.size() / 3;
-  Picture picture{image.width, image.height, std::vector<float>(3 * pixels),
-                  std::vector<float>(pixels, 1)};
+  RenderedImage planar{image.width, image.height, std::vector<float>(3 * pixels),
+                       std::vector<float>(pixels, 1)};
   for (size_t i = 0; i < image.data.size(); ++i)
-    picture.rgb[i % 3 * pixels + i / 3] = float(image.data[i]) / 255;
-  return picture;
+    planar.rgb[i % 3 * pixels + i / 3] = float(image.data[i]) / 255;
+  return planar;
 }
 
-double largest_difference(const Picture& a, const Picture& b) {
+double largest_difference(const RenderedImage& a, const RenderedImage& b) {
   double worst = 0;
   for (size_t i = 0; i < a.rgb.size(); ++i)
     worst = std::max(worst, std::abs(double(a.rgb[i]) - double(b.rgb[i])));

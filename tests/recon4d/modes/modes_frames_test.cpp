@@ -1,5 +1,5 @@
 // What: the same motion filmed with fewer frames, and with ten times as many.
-// Not: a held-out moment in closed form (evaluate_test.cpp). Source: failure modes A15, A16.
+// Not: a held-out timestep in closed form (evaluate_test.cpp). Source: failure modes A15, A16.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,9 +12,9 @@ namespace tessera::testing {
 namespace {
 
 /// A ball on a curve above a shelf.
-Film curve_film(int moments, double cycles) {
+Film curve_film(int timesteps, double cycles) {
   Film film;
-  film.moments = moments;
+  film.timesteps = timesteps;
   film.world = [cycles](double time) {
     const double turn = 2 * std::numbers::pi * cycles * time;
     synth::World world = even_world();
@@ -26,8 +26,8 @@ Film curve_film(int moments, double cycles) {
   return film;
 }
 
-// Of all frames of the held-out camera, whether their moment was trained on or not; the same steps.
-// Bug put back: only the first 54 frames are ever drawn; seen to fail.
+// Of all frames of the held-out camera, whether their timestep was trained on or not; the same
+// steps. Bug put back: only the first 54 frames are ever drawn; seen to fail.
 TEST(FrameRate, FewerFramesAreNeverBetter) {
   constexpr int kMoments = 33;
   constexpr double kBand = 0.5;  // dB between two seeds
@@ -45,7 +45,7 @@ TEST(FrameRate, FewerFramesAreNeverBetter) {
   }
 }
 
-// The same motion in ten times the frames, trained for the same steps, scored at the moments that
+// The same motion in ten times the frames, trained for the same steps, scored at the timesteps that
 // both were trained on. The row's 0.3 dB hold in the mean of three seeds, which gained −0.46, −0.35
 // and 0.38 dB; that spread is allowed here.
 // Bug put back: only the first 54 frames are ever drawn; seen to fail by 7 dB.
@@ -53,11 +53,11 @@ TEST(LongClip, TenTimesTheFramesAreAsGood) {
   constexpr double kCycles = 0.25, kAllowed = 0.3, kSpread = 0.5;  // dB
   const Scene few = shoot(curve_film(9, kCycles));
   double psnr[2];
-  for (const int moments : {9, 81}) {
-    const Film film = curve_film(moments, kCycles);
-    Scene scene = moments == 9 ? few : shoot(film);
+  for (const int timesteps : {9, 81}) {
+    const Film film = curve_film(timesteps, kCycles);
+    Scene scene = timesteps == 9 ? few : shoot(film);
     scene.points = surface_cloud(film, 200, 400);
-    psnr[moments > 9] = middle_psnr(trained(scene, short_training("balanced", 500)), few);
+    psnr[timesteps > 9] = middle_psnr(trained(scene, short_training("balanced", 500)), few);
   }
   EXPECT_GT(psnr[1], psnr[0] - kAllowed - kSpread);
 }
@@ -75,14 +75,14 @@ int64_t peak_of_training(const Scene& scene, int64_t feed_bytes) {
 // Bug put back: the budget not read, all frames brought over; seen to fail.
 TEST(LongClip, TenTimesTheFramesTakeNoMoreOfADevice) {
   int64_t peak[2], whole = 0;
-  for (const int moments : {9, 81}) {
-    Scene scene = shoot(curve_film(moments, 0.5));
+  for (const int timesteps : {9, 81}) {
+    Scene scene = shoot(curve_film(timesteps, 0.5));
     scene.points = surface_cloud(curve_film(9, 0.5), 200, 400);
-    peak[moments > 9] = peak_of_training(scene, 1);
-    if (moments > 9) whole = peak_of_training(scene, 0);
+    peak[timesteps > 9] = peak_of_training(scene, 1);
+    if (timesteps > 9) whole = peak_of_training(scene, 0);
   }
   EXPECT_LT(double(peak[1]), 1.2 * double(peak[0]));
-  EXPECT_GT(double(whole), 1.2 * double(peak[0])) << "frames are worth counting";
+  EXPECT_GT(double(whole), 1.2 * double(peak[0])) << "frames do count";
 }
 
 }  // namespace

@@ -10,13 +10,13 @@
 namespace tessera::testing {
 namespace {
 
-constexpr int kFirst = 8, kLast = 12;  // moments of 21 at which the cube is there
+constexpr int kFirst = 8, kLast = 12;  // timesteps of 21 at which the cube is there
 
 /// A ball stands on the left; on the right a cube is there for t in [0.4, 0.6].
 Film cube_film() {
   Film film;
-  film.moments = 21;
-  film.world = [last = film.moments - 1](double) {
+  film.timesteps = 21;
+  film.world = [last = film.timesteps - 1](double) {
     synth::World world = even_world();
     add_solid(world, synth::ShapeKind::kSphere, glm::dvec3(0.35), {-0.6, 0, 0}, warm(0.12), false);
     synth::Solid& cube =
@@ -27,11 +27,11 @@ Film cube_film() {
   return film;
 }
 
-std::vector<double> psnr_by_moment(const std::vector<Picture>& pictures, const Scene& scene) {
+std::vector<double> psnr_by_timestep(const std::vector<RenderedImage>& images, const Scene& scene) {
   const std::vector<const Frame*> frames = held_out(scene);
   std::vector<double> values;
-  for (size_t i = 0; i < pictures.size(); ++i)
-    values.push_back(psnr_float(pictures[i].planar(), frames[i]->image));
+  for (size_t i = 0; i < images.size(); ++i)
+    values.push_back(psnr_float(images[i].planar(), frames[i]->image));
   return values;
 }
 
@@ -50,18 +50,18 @@ TEST(Presence, WhatAppearsIsGoneBeforeAndAfter) {
   TrainOptions options = short_training("balanced", 500);
   options.lr_scale_time = 0.02;  // lives come as far as in the preset's own steps
   const GaussianModel model = trained(scene, options);
-  const std::vector<Picture> pictures = middle_pictures(model, scene);
-  EXPECT_GT(mean(psnr_by_moment(pictures, scene), kFirst, kLast), 30);
-  for (int m = 0; m < int(pictures.size()); ++m) {
+  const std::vector<RenderedImage> images = middle_images(model, scene);
+  EXPECT_GT(mean(psnr_by_timestep(images, scene), kFirst, kLast), 30);
+  for (int m = 0; m < int(images.size()); ++m) {
     if (m >= kFirst - 1 && m <= kLast + 1) continue;
-    EXPECT_LT(largest_difference(pictures[size_t(m)], pictures[0]), 2) << m;
+    EXPECT_LT(largest_difference(images[size_t(m)], images[0]), 2) << m;
   }
 }
 
 /// A ball passes behind a wall and comes back the way it went.
 Film wall_film() {
   Film film;
-  film.moments = 25, film.arc = 0.8;
+  film.timesteps = 25, film.arc = 0.8;
   film.world = [](double time) {
     synth::World world = even_world();
     const double x = -0.7 + 0.95 * (1 - std::abs(2 * time - 1));
@@ -72,14 +72,14 @@ Film wall_film() {
   return film;
 }
 
-// Bug put back: all start at the first moment; seen to fail by 8 dB.
+// Bug put back: all start at the first timestep; seen to fail by 8 dB.
 TEST(Presence, WhatComesBackIsAsItWas) {
   Scene scene = shoot(wall_film());
   scene.points = surface_cloud(wall_film(), 200, 400);
   TrainOptions options = short_training("balanced", 500);
   options.max_gaussians = 2000;
   const GaussianModel model = trained(scene, options);
-  const std::vector<double> psnr = psnr_by_moment(middle_pictures(model, scene), scene);
+  const std::vector<double> psnr = psnr_by_timestep(middle_images(model, scene), scene);
   const int last = int(psnr.size()) - 1;
   const double before = mean(psnr, 0, 6), after = mean(psnr, last - 6, last);
   EXPECT_GT(before, 30);

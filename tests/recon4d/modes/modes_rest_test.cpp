@@ -19,7 +19,7 @@ constexpr int kMoments = 51;
 /// A ball comes 16 pixels in the first second and goes as far in the last, over a shelf.
 Film resting_film() {
   Film film;
-  film.moments = kMoments;
+  film.timesteps = kMoments;
   film.world = [unit = film.pixels_a_unit()](double time) {
     const double coming = std::min(0.0, (time - kMoves) / kMoves);
     const double going = std::max(0.0, (time - (1 - kMoves)) / kMoves);
@@ -45,11 +45,11 @@ int short_lives_in_the_rest(const GaussianModel& model) {
   return count;
 }
 
-/// Mean over pixels of the standard deviation over the moments of the rest, 8-bit steps.
-double unrest(const std::vector<Picture>& pictures) {
+/// Mean over pixels of the standard deviation over the timesteps of the rest, 8-bit steps.
+double unrest(const std::vector<RenderedImage>& images) {
   constexpr int kFirst = 7, kEnd = 44;
   const std::vector<double> deviation =
-      deviation_over_time({pictures.begin() + kFirst, pictures.begin() + kEnd});
+      deviation_over_time({images.begin() + kFirst, images.begin() + kEnd});
   return std::accumulate(deviation.begin(), deviation.end(), 0.0) / double(deviation.size());
 }
 
@@ -65,14 +65,14 @@ TEST(LongRest, IsHeldByLongLives) {
   EXPECT_GT(model.dynamic_set.count(), 20);
   EXPECT_LT(model.dynamic_set.count(), model.static_set.count() / 4) << "a fifth of the clip moves";
   EXPECT_EQ(short_lives_in_the_rest(model), 0);
-  EXPECT_LT(unrest(middle_pictures(model, scene)), 0.1);
+  EXPECT_LT(unrest(middle_images(model, scene)), 0.1);
   EXPECT_GT(middle_psnr(model, scene), 28);
 }
 
 // Bug put back: the last eighth of the clip not looked at; seen to fail by 50 of 79 points.
 TEST(LongRest, WhatLeavesAtTheEndIsNotStill) {
   Film film;
-  film.moments = kMoments;
+  film.timesteps = kMoments;
   film.world = [unit = film.pixels_a_unit()](double time) {
     const double going = std::max(0.0, (time - (1 - kMoves)) / kMoves);
     synth::World world = even_world();

@@ -1,5 +1,6 @@
 // What: how fast a thing may move and still be where it was filmed.
-// Not: moments between frames (evaluate_test.cpp, modes_frames_test.cpp). Source: failure mode A4.
+// Not: timesteps between frames (evaluate_test.cpp, modes_frames_test.cpp). Source: failure mode
+// A4.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +20,7 @@ double zigzag(double way, double span) {
 Film ball_film(double speed) {
   Film film;
   film.width = 96, film.height = 48;
-  film.world = [speed, last = film.moments - 1, unit = film.pixels_a_unit()](double time) {
+  film.world = [speed, last = film.timesteps - 1, unit = film.pixels_a_unit()](double time) {
     synth::World world = even_world();
     const double x = zigzag(speed * time * last, 68) - 34;
     add_solid(world, synth::ShapeKind::kSphere, glm::dvec3(0.26), {x / unit, 0, 0.1}, warm(0.12));
@@ -33,11 +34,11 @@ double worst_error(double speed, TrainOptions options) {
   const Film film = ball_film(speed);
   Scene scene = shoot(film);
   scene.points = surface_cloud(film, 0, 400);
-  const std::vector<Picture> pictures = middle_pictures(trained(scene, options), scene);
+  const std::vector<RenderedImage> images = middle_images(trained(scene, options), scene);
   const std::vector<const Frame*> frames = held_out(scene);
   double worst = 0;
-  for (size_t i = 0; i < pictures.size(); ++i) {
-    const auto drawn = centroid(pictures[i]), truth = centroid(picture_of(frames[i]->image));
+  for (size_t i = 0; i < images.size(); ++i) {
+    const auto drawn = centroid(images[i]), truth = centroid(image_of(frames[i]->image));
     worst = std::max(worst, std::hypot(drawn[0] - truth[0], drawn[1] - truth[1]));
   }
   return worst;

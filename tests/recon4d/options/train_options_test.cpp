@@ -247,20 +247,20 @@ TEST(TrainOptions, GrowsBeyondWhatIsAskedForAndThinsThen) {
   EXPECT_EQ(growth_limit(made(500, 0)), 500);
   EXPECT_EQ(growth_limit(made(500, 70)), 500);
   EXPECT_EQ(growth_limit(made(50, 70)), 70) << "asked for, so grown to";
-  EXPECT_FALSE(is_thinned(made(0, 0)));
-  EXPECT_FALSE(is_thinned(made(0, 70))) << "grown to and no further";
-  EXPECT_FALSE(is_thinned(made(500, 0)));
-  EXPECT_FALSE(is_thinned(made(50, 70)));
-  EXPECT_TRUE(is_thinned(made(500, 70)));
+  EXPECT_FALSE(prunes_after_growth(made(0, 0)));
+  EXPECT_FALSE(prunes_after_growth(made(0, 70))) << "grown to and no further";
+  EXPECT_FALSE(prunes_after_growth(made(500, 0)));
+  EXPECT_FALSE(prunes_after_growth(made(50, 70)));
+  EXPECT_TRUE(prunes_after_growth(made(500, 70)));
   TrainOptions options;
   options.size = "knee";
-  EXPECT_TRUE(is_thinned(options));
+  EXPECT_TRUE(prunes_after_growth(options));
   options = {};
   options.max_bytes = 1;
-  EXPECT_TRUE(is_thinned(options));
+  EXPECT_TRUE(prunes_after_growth(options));
   options = {};
   options.within_db = 0.1;
-  EXPECT_TRUE(is_thinned(options));
+  EXPECT_TRUE(prunes_after_growth(options));
 }
 
 // Bug put back: one of them without decide_colour; seen to fail.

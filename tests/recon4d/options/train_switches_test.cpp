@@ -34,7 +34,7 @@ struct Alternative {
   const char* key;
   json value;
   json with = json::object();  // set in both; then by a narrow rig, with a cloud swept from it
-  bool behind = false;         // by pictures without alpha, and for all but itself before a map
+  bool behind = false;         // by images without alpha, and for all but itself before a map
 };
 
 const std::vector<Alternative>& alternatives() {
@@ -139,7 +139,7 @@ const std::vector<Alternative>& of_validation() {
 }
 
 /// Rows that thin out and move between the sets; with what makes that seen.
-const std::vector<Alternative>& of_parsimony() {
+const std::vector<Alternative>& of_reduction() {
   static const std::vector<Alternative> rows = {
       {"size", "knee", {{"size", "grown"}}},
       {"max_bytes", 2000},
@@ -160,16 +160,16 @@ std::vector<uint32_t> decided(const TrainOptions& options) {
   const Scene scene = tiny_capture();
   Training training(scene, options);
   Validation validation(training.backend(), scene, options);
-  Parsimony parsimony(training.backend(), options,
-                      [](const GaussianModel& model) { return 50 * model.count(); });
-  training.run(options.iterations, parsimony, validation);
+  ModelReduction reduction(training.backend(), options,
+                           [](const GaussianModel& model) { return 50 * model.count(); });
+  training.run(options.iterations, reduction, validation);
   return state_bits(training.state());
 }
 
 /// The model that is kept, and the steps until then and until the end.
 std::vector<uint32_t> kept(const TrainOptions& options) {
   Scene scene = tiny_capture();
-  set_aside(scene, options.validation_share, uint64_t(options.seed));
+  hold_out_validation(scene, options.validation_share, uint64_t(options.seed));
   Training training(scene, options);
   Validation validation(training.backend(), scene, options);
   training.run(options.iterations, validation);
@@ -193,7 +193,7 @@ std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false,
   return model_bits(training.run().model());
 }
 
-/// Tile instances of the last step before density control, of pictures of several tiles.
+/// Tile instances of the last step before density control, of images of several tiles.
 int64_t some_instances(const std::string& key, bool value) {
   TinyCapture capture;
   capture.size = 100;
@@ -234,7 +234,7 @@ TEST_P(Switch, ChangesTheModel) {
       EXPECT_TRUE(kept(options) != usual) << row.key << " = " << row.value << " is dead";
       return;
     }
-  for (const Alternative& row : of_parsimony())
+  for (const Alternative& row : of_reduction())
     if (GetParam() == row.key) {
       options.size = "knee", options.densify_until = 18;
       options.thin_until = 30, options.thin_rounds = 3, options.decide_interval = 6;

@@ -1,4 +1,4 @@
-// What: smaller pictures of a scene: means of areas, cameras that see the same, masks.
+// What: smaller images of a scene: means of areas, cameras that see the same, masks.
 // Not: the program's --scales (tests/tools/commands/cli_scales_test.cpp).
 #include "recon4d/training/scene_scale.h"
 
@@ -15,18 +15,16 @@ Image8 grey(int width, int height, std::vector<uint8_t> data) {
 
 // Bugs put back, each seen to fail: nearest pixels; shares of pixels at an edge taken as whole.
 TEST(SceneScale, PixelsAreMeansOfTheirAreas) {
-  EXPECT_EQ(averaged_picture(grey(4, 2, {0, 10, 20, 30, 4, 14, 24, 34}), 2, 1).data,
+  EXPECT_EQ(averaged_image(grey(4, 2, {0, 10, 20, 30, 4, 14, 24, 34}), 2, 1).data,
             (std::vector<uint8_t>{7, 27}));
   // 3 → 2: 2/3 of a whole pixel and 1/3 of the one between
-  EXPECT_EQ(averaged_picture(grey(3, 1, {30, 90, 150}), 2, 1).data,
-            (std::vector<uint8_t>{50, 130}));
-  EXPECT_EQ(averaged_picture(grey(1, 3, {30, 90, 150}), 1, 2).data,
-            (std::vector<uint8_t>{50, 130}));
-  EXPECT_EQ(averaged_picture(grey(2, 1, {0, 1}), 1, 1).data, (std::vector<uint8_t>{1}));  // 0.5
+  EXPECT_EQ(averaged_image(grey(3, 1, {30, 90, 150}), 2, 1).data, (std::vector<uint8_t>{50, 130}));
+  EXPECT_EQ(averaged_image(grey(1, 3, {30, 90, 150}), 1, 2).data, (std::vector<uint8_t>{50, 130}));
+  EXPECT_EQ(averaged_image(grey(2, 1, {0, 1}), 1, 1).data, (std::vector<uint8_t>{1}));  // 0.5
   const Image8 rgb{2, 1, 3, {10, 20, 30, 20, 40, 60}};
-  EXPECT_EQ(averaged_picture(rgb, 1, 1).data, (std::vector<uint8_t>{15, 30, 45}));
+  EXPECT_EQ(averaged_image(rgb, 1, 1).data, (std::vector<uint8_t>{15, 30, 45}));
   const Image8 white{7, 5, 1, std::vector<uint8_t>(35, 255)};
-  for (const uint8_t value : averaged_picture(white, 3, 4).data) EXPECT_EQ(value, 255);
+  for (const uint8_t value : averaged_image(white, 3, 4).data) EXPECT_EQ(value, 255);
 }
 
 // Bugs put back, each seen to fail: the camera left at its size; pixels used where any of their

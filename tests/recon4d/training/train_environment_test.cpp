@@ -43,8 +43,8 @@ Scene before_sky(const TinyCapture& capture, GaussianModel& truth) {
   truth.environment = sky();
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   for (Frame& frame : scene.frames) {
-    const Picture picture = render_views(*backend, truth, {{frame.camera, frame.time}}).front();
-    frame.image = quantise(picture.planar(), picture.width, picture.height);
+    const RenderedImage image = render_views(*backend, truth, {{frame.camera, frame.time}}).front();
+    frame.image = quantise(image.planar(), image.width, image.height);
   }
   return scene;
 }
@@ -60,13 +60,13 @@ std::vector<double> weight_seen(const Scene& scene, const GaussianModel& truth) 
   std::vector<double> seen(size_t(2 * kHeight * kHeight), 0.0);
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   for (const Frame& frame : scene.frames) {
-    const Picture picture = render_views(*backend, truth, {{frame.camera, frame.time}}).front();
+    const RenderedImage image = render_views(*backend, truth, {{frame.camera, frame.time}}).front();
     const ViewBatch<double> batch = make_view_batch<double>({{frame.camera, frame.time}});
-    for (int p = 0; p < picture.width * picture.height; ++p) {
+    for (int p = 0; p < image.width * image.height; ++p) {
       const auto tap = environment_tap(
-          pixel_direction(batch.views[0], p % picture.width, p / picture.width), kHeight);
+          pixel_direction(batch.views[0], p % image.width, p / image.width), kHeight);
       for (int k = 0; k < 4; ++k)
-        seen[size_t(tap.texel[k])] += tap.share[k] * (1 - double(picture.alpha[size_t(p)]));
+        seen[size_t(tap.texel[k])] += tap.share[k] * (1 - double(image.alpha[size_t(p)]));
     }
   }
   return seen;
@@ -76,7 +76,7 @@ std::vector<double> weight_seen(const Scene& scene, const GaussianModel& truth) 
 // steps at a hundredth of their size.
 TEST(TrainEnvironment, SkyBehindGaussiansIsFound) {
   TinyCapture capture;
-  capture.moments = 2;
+  capture.timesteps = 2;
   GaussianModel truth;
   const Scene scene = before_sky(capture, truth);
   TrainOptions options = sky_options();

@@ -72,7 +72,7 @@ TEST_P(NotANumber, StopsInThatStepAndNamesTheParameter) {
 
 TEST(TrainFailures, StaticSetsAreNamedInTheirOwnWords) {
   TinyCapture still;
-  still.moments = 1;
+  still.timesteps = 1;
   const Scene scene = tiny_capture(still);
   const TrainOptions options = tiny_options();
   FaultyBackend backend(Fault::kConic, 3);
@@ -108,9 +108,9 @@ TEST(TrainFailures, ZeroGaussiansTrainSaveAndResume) {
 
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   const Frame& frame = scene.frames[0];
-  const Picture picture = render_views(*backend, rest.model(), {{frame.camera, frame.time}})[0];
-  for (size_t i = 0; i < picture.rgb.size(); ++i)
-    ASSERT_EQ(picture.rgb[i], float(grey.background[i / picture.alpha.size()] / 255.0));
+  const RenderedImage image = render_views(*backend, rest.model(), {{frame.camera, frame.time}})[0];
+  for (size_t i = 0; i < image.rgb.size(); ++i)
+    ASSERT_EQ(image.rgb[i], float(grey.background[i / image.alpha.size()] / 255.0));
 }
 
 TEST(TrainFailures, AllPrunedOnTheWayTrainsOn) {

@@ -67,8 +67,8 @@ TEST(TrainFilter, ModelsThatLeaveTheTrainerHaveItBakedIn) {
       pipeline.forward(drawn_values(state, 0, options), drawn_values(state, 1, options), views,
                        render_options(state.model));
   const GaussianModel model = caught_up_model(state, options);
-  const Picture baked = render_views(*backend, model, views)[0];
-  const Picture raw = render_views(*backend, state.model, views)[0];
+  const RenderedImage baked = render_views(*backend, model, views)[0];
+  const RenderedImage raw = render_views(*backend, state.model, views)[0];
   double worst = 0, matters = 0;
   for (size_t i = 0; i < baked.rgb.size(); ++i) {
     worst = std::max(worst, std::abs(double(baked.rgb[i]) - drawn.colour[int64_t(i)]));

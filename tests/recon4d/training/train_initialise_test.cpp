@@ -22,7 +22,7 @@ using testing::Training;
 /// A scene whose cloud has `count` points in a ball of radius 0.7, coloured.
 Scene scene_with_cloud(int count) {
   TinyCapture small;
-  small.cameras = 3, small.moments = 2, small.size = 8;
+  small.cameras = 3, small.timesteps = 2, small.size = 8;
   Scene scene = tiny_capture(small);
   Random random(9);
   for (int i = 0; i < count; ++i) {
@@ -126,7 +126,7 @@ TEST(Initialise, LargeCloudsAreThinnedWithoutRepetition) {
 }
 
 // Bugs put back: the time of a point not used; unknown `still` taken as moving; seen to fail.
-TEST(Initialise, TimesAndStillnessOfACloudAreTaken) {
+TEST(Initialise, TimesAndStaticPointsOfACloudAreTaken) {
   Scene scene = scene_with_cloud(30);
   for (int i = 0; i < 30; ++i) {
     scene.points.time.push_back(i % 3 == 2 ? NAN : float(i) / 30);

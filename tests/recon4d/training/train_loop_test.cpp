@@ -52,7 +52,7 @@ void expect_learns(const TinyCapture& capture, double static_fraction, double fl
 
 TEST(TrainLoop, StaticSceneIsLearnt) {
   TinyCapture still;
-  still.moments = 1, still.moving = false, still.cameras = 12;
+  still.timesteps = 1, still.moving = false, still.cameras = 12;
   expect_learns(still, 0, 38);
 }
 
@@ -122,7 +122,7 @@ TEST(TrainLoop, ResumeGoesOnBitForBit) {
 // Bug put back: the loss gradient is not divided by the batch; seen to fail. (C16)
 TEST(TrainLoop, BatchOfEqualViewsIsOneView) {
   TinyCapture capture;
-  capture.cameras = 1, capture.moments = 1;
+  capture.cameras = 1, capture.timesteps = 1;
   const Scene scene = tiny_capture(capture);
   TrainOptions single = tiny_options();
   single.batch = 1, single.iterations = 1;
@@ -150,7 +150,7 @@ TEST(TrainLoop, BatchOfEqualViewsIsOneView) {
   }
 }
 
-/// Masks that ignore a third of every second picture, which holds noise there.
+/// Masks that ignore a third of every second image, which holds noise there.
 Scene masked_capture(uint64_t seed) {
   Scene scene = tiny_capture();
   Random random(seed);
@@ -180,7 +180,7 @@ TEST(TrainLoop, WhatMasksIgnoreChangesNoByte) {
 // Bug put back: is_static of the scene is ignored by initialise_model; seen to fail. (B13)
 TEST(TrainLoop, OneTimestepIsStatic) {
   TinyCapture still;
-  still.moments = 1;
+  still.timesteps = 1;
   const Scene scene = tiny_capture(still);
   TrainOptions options = tiny_options(), static_only = tiny_options();
   static_only.static_only = true;
@@ -192,7 +192,8 @@ TEST(TrainLoop, OneTimestepIsStatic) {
 
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   const Camera& camera = scene.frames[0].camera;
-  const std::vector<Picture> at = render_views(*backend, a.model(), {{camera, 0}, {camera, 0.7}});
+  const std::vector<RenderedImage> at =
+      render_views(*backend, a.model(), {{camera, 0}, {camera, 0.7}});
   EXPECT_EQ(at[0].rgb, at[1].rgb);
 }
 

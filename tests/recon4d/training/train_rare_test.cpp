@@ -58,11 +58,11 @@ struct RareCapture {
       if (i % (kViews / kRare) == 0) rare.push_back(views.back());
     }
     const std::unique_ptr<Backend> backend = make_cpu_backend();
-    const std::vector<Picture> pictures = render_views(*backend, model, views);
+    const std::vector<RenderedImage> images = render_views(*backend, model, views);
     for (size_t i = 0; i < views.size(); ++i) {
       Frame frame;
       frame.camera = views[i].camera, frame.name = std::to_string(i);
-      frame.image = quantise(pictures[i].planar(), kSize, kSize);
+      frame.image = quantise(images[i].planar(), kSize, kSize);
       scene.frames.push_back(std::move(frame));
     }
     Random random(5);

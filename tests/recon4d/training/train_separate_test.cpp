@@ -1,6 +1,6 @@
 // What: training and rendering on a backend whose memory is not the host's: nothing of it is
 //       touched from outside, and the bytes are those of the CPU.
-// Not: a device (tests/kernels has those); the feed alone is train_feed_test.cpp's subject.
+// Not: a device (tests/kernels has those); the feed alone is train_frame_cache_test.cpp's subject.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,7 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& way) { return way.param.name; });
 
 // Bugs put back, each seen to fail: statistics that stay in the host's memory, no wait_copies in
-// FrameFeed::truth, host_state kept over steps, moments not copied, host_model without the filter.
+// FrameCache::truth, host_state kept over steps, moments not copied, host_model without the filter.
 TEST_P(Separate, TrainsAsOnTheHost) {
   const Scene scene = tiny_capture();
   const TrainOptions options = options_of(GetParam());
@@ -122,12 +122,13 @@ TEST(SeparateRenderer, UploadsOnceAndWhenTold) {
   const std::vector<View> views = {{scene.frames[1].camera, scene.frames[1].time},
                                    {scene.frames[6].camera, scene.frames[6].time}};
   const std::unique_ptr<Backend> cpu = make_cpu_backend();
-  const auto expect_equal = [](const std::vector<Picture>& a, const std::vector<Picture>& b) {
+  const auto expect_equal = [](const std::vector<RenderedImage>& a,
+                               const std::vector<RenderedImage>& b) {
     ASSERT_EQ(a.size(), b.size());
     for (size_t i = 0; i < a.size(); ++i)
       EXPECT_TRUE(a[i].rgb == b[i].rgb && a[i].alpha == b[i].alpha) << i;
   };
-  const std::vector<Picture> before = render_views(*cpu, model, views);
+  const std::vector<RenderedImage> before = render_views(*cpu, model, views);
   SeparateBackend backend;
   Renderer renderer(backend, model);
   expect_equal(renderer.render(views), before);
@@ -136,7 +137,7 @@ TEST(SeparateRenderer, UploadsOnceAndWhenTold) {
   expect_equal(renderer.render(views), before);
   EXPECT_EQ(backend.own.copies, copies + 2) << "colour and transmittance of the whole batch";
   renderer.refresh();
-  const std::vector<Picture> after = render_views(*cpu, model, views);
+  const std::vector<RenderedImage> after = render_views(*cpu, model, views);
   EXPECT_FALSE(after[0].rgb == before[0].rgb);
   expect_equal(renderer.render(views), after);
 

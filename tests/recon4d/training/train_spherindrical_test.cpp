@@ -28,7 +28,7 @@ constexpr double kBase[] = {0.5, 0.4, 0.55}, kSwing[] = {0.3, -0.2, 0.1};
 /// Two cameras at eight moments before a wall of colour base + swing·cos(2πt).
 Scene changing_wall() {
   TinyCapture capture;
-  capture.cameras = 2, capture.moments = 8, capture.size = 12;
+  capture.cameras = 2, capture.timesteps = 8, capture.size = 12;
   Scene scene = tiny_capture(capture);
   for (Frame& frame : scene.frames)
     for (size_t i = 0; i < frame.image.data.size(); ++i)
@@ -37,7 +37,7 @@ Scene changing_wall() {
   return scene;
 }
 
-/// One opaque Gaussian that fills every picture and lives the whole clip; only colours learn.
+/// One opaque Gaussian that fills every image and lives the whole clip; only colours learn.
 TrainOptions wall_options(int64_t levels) {
   TrainOptions options;
   options.iterations = options.schedule_iterations = 300;

@@ -61,10 +61,9 @@ double psnr_of(const std::vector<Frame>& frames, const GaussianModel& model) {
   std::vector<View> views;
   for (const Frame& frame : frames) views.push_back({frame.camera, frame.time});
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  const std::vector<Picture> pictures = render_views(*backend, model, views);
+  const std::vector<RenderedImage> images = render_views(*backend, model, views);
   double sum = 0;
-  for (size_t i = 0; i < pictures.size(); ++i)
-    sum += psnr_float(pictures[i].planar(), frames[i].image);
+  for (size_t i = 0; i < images.size(); ++i) sum += psnr_float(images[i].planar(), frames[i].image);
   return sum / double(frames.size());
 }
 
@@ -79,7 +78,7 @@ double psnr_from(Scene scene, const PointCloud& points) {
 // its place. Bug put back: points of later moments are dropped; seen to fail.
 TEST(TrainStarts, PointsOfAllMomentsBeatTheFirstAndThatBeatsNone) {
   TinyCapture capture;
-  capture.moments = 6;
+  capture.timesteps = 6;
   const GaussianModel truth = late_truth(capture);
   const Scene scene = tiny_capture(capture, truth);
   const double random = psnr_from(scene, {});
@@ -95,14 +94,14 @@ TEST(TrainStarts, MoreCamerasAreBetterAndTwoAreEnoughToFinish) {
   TinyCapture capture;
   capture.cameras = 17, capture.size = 24;
   const Scene full = tiny_capture(capture);
-  const auto last = full.frames.end() - capture.moments;
+  const auto last = full.frames.end() - capture.timesteps;
   const std::vector<Frame> held_out(last, full.frames.end());
   double before = 0;
   for (const int cameras : {2, 4, 8, 16}) {
     Scene scene = full;
     scene.frames.clear();
     for (auto frame = full.frames.begin(); frame != last; ++frame)
-      if ((frame - full.frames.begin()) / capture.moments % (16 / cameras) == 0)
+      if ((frame - full.frames.begin()) / capture.timesteps % (16 / cameras) == 0)
         scene.frames.push_back(*frame);
     double sum = 0;
     for (int seed = 0; seed < 3; ++seed) {

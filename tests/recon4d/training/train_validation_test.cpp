@@ -1,4 +1,4 @@
-// What: frames set aside from training, the best model by their score, the end that they decide;
+// What: validation frames, the best model by their score, the end that they decide;
 //       and that none of it reads the held-out splits.
 // Not: the run folder of a training (tests/tools). Source: failure modes A10, D4, E5.
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ using testing::tiny_options;
 using testing::TinyCapture;
 using testing::Training;
 
-/// Frames without pictures.
+/// Frames without images.
 Scene bare_scene(int cameras, int moments) {
   Scene scene;
   scene.path = "bare";
@@ -45,8 +45,8 @@ Scene bare_scene(int cameras, int moments) {
 }
 
 std::vector<int> aside_frames(Scene scene, double share, uint64_t seed) {
-  const int64_t count = set_aside(scene, share, seed);
-  std::vector<int> frames = scene.split_indices(Split::kAside);
+  const int64_t count = hold_out_validation(scene, share, seed);
+  std::vector<int> frames = scene.split_indices(Split::kValidation);
   EXPECT_EQ(count, int64_t(frames.size()));
   return frames;
 }
@@ -89,7 +89,7 @@ TEST(SetAside, TakesPhotosAndLeavesOtherSplits) {
   EXPECT_EQ(frames.size(), 6u);
   EXPECT_GE(frames.front(), 4);
   Scene one = bare_scene(1, 1);
-  EXPECT_THROW(set_aside(one, 0.5, 1), InputError);
+  EXPECT_THROW(hold_out_validation(one, 0.5, 1), InputError);
 }
 
 // Bugs put back, each seen to fail: the gain counted from the best; patience reset by any gain.
@@ -168,11 +168,11 @@ TEST(ValidationRecord, ComesBackWhole) {
   EXPECT_NE(to_json(read), to_json(ValidationRecord{}));
 }
 
-/// A capture that is soon known by heart: few noisy pictures, many Gaussians. The first camera is
+/// A capture that is soon known by heart: few noisy images, many Gaussians. The first camera is
 /// held out.
 Scene noisy_capture() {
   TinyCapture capture;
-  capture.cameras = 4, capture.moments = 6;
+  capture.cameras = 4, capture.timesteps = 6;
   Scene scene = tiny_capture(capture);
   add_noise(scene, 40, 5);
   for (size_t i = 0; i < 6; ++i) scene.frames[i].split = Split::kTest;
@@ -201,7 +201,7 @@ double test_psnr(Backend& backend, const GaussianModel& model, const Scene& scen
 TEST(Stopping, EndsAtThePeakThatATrainingWithoutItLeaves) {
   Scene scene = noisy_capture();
   const TrainOptions options = long_options();
-  set_aside(scene, options.validation_share, 1);
+  hold_out_validation(scene, options.validation_share, 1);
   Training training(scene, options);
   TrainOptions endless = options;
   endless.stop_patience = 0;
@@ -241,13 +241,14 @@ Outcome outcome(const Scene& scene, const TrainOptions& options) {
           validation.record().best_iteration};
 }
 
-// D4. Bug put back: the frames of the test split checked in place of those set aside; seen to fail.
+// D4. Bug put back: the frames of the test split checked in place of the validation frames; seen to
+// fail.
 TEST(Stopping, NeverReadsTheTestSplit) {
   Scene scene = noisy_capture();
   scene.frames[8].split = Split::kVal;  // nor the other one
   TrainOptions options = long_options();
   options.stop_patience = 3;
-  set_aside(scene, options.validation_share, 1);
+  hold_out_validation(scene, options.validation_share, 1);
   const Outcome first = outcome(scene, options);
   EXPECT_LT(first.stopped_at, options.iterations);
   EXPECT_GT(first.stopped_at, first.best_at);
@@ -261,9 +262,9 @@ TEST(Stopping, NeverReadsTheTestSplit) {
   EXPECT_TRUE(first.best == second.best);
   EXPECT_TRUE(first.last == second.last);
   for (Frame& frame : scene.frames)
-    if (frame.split == Split::kAside)
+    if (frame.split == Split::kValidation)
       for (uint8_t& value : frame.image.data) value = uint8_t(random.below(256));
-  EXPECT_NE(first.best_at, outcome(scene, options).best_at) << "the frames set aside do decide";
+  EXPECT_NE(first.best_at, outcome(scene, options).best_at) << "the validation frames do decide";
 }
 
 TrainOptions checked_options() {
@@ -283,7 +284,7 @@ nlohmann::json untimed(const ValidationRecord& record) {
 TEST(Stopping, ResumeGoesOnBitForBit) {
   Scene scene = tiny_capture();
   const TrainOptions options = checked_options();
-  set_aside(scene, options.validation_share, 1);
+  hold_out_validation(scene, options.validation_share, 1);
   Training whole(scene, options);
   Validation checks(whole.backend(), scene, options);
   whole.run(options.iterations, checks);
@@ -314,7 +315,7 @@ TEST_P(ValidationOn, ChecksDoNotChangeTheTraining) {
   Scene scene = tiny_capture();
   TrainOptions options = checked_options();
   options.deterministic = true, options.idle_updates = "lazy", options.stop_patience = 0;
-  set_aside(scene, options.validation_share, 1);
+  hold_out_validation(scene, options.validation_share, 1);
   Training unchecked(scene, options, testing::first_state(scene, options), backend());
   unchecked.run(24);
   Training checked(scene, options, testing::first_state(scene, options), backend());
@@ -354,7 +355,7 @@ TESSERA_ON_EVERY_BACKEND(FrameRateOn);
 TEST(Stopping, ShipsTheBestWithoutWhatCannotBeDrawn) {
   Scene scene = tiny_capture();
   const TrainOptions options = checked_options();
-  set_aside(scene, options.validation_share, 1);
+  hold_out_validation(scene, options.validation_share, 1);
   Training training(scene, options);
   Validation validation(training.backend(), scene, options);
   GaussianModel model = training.model().clone_values();

@@ -74,7 +74,7 @@ nlohmann::json manifest_of(const fs::path& folder) {
   return nlohmann::json::parse(read_text_file(folder / "manifest.json"));
 }
 
-double largest_difference(const Picture& a, const Picture& b) {
+double largest_difference(const RenderedImage& a, const RenderedImage& b) {
   double worst = 0;
   for (size_t i = 0; i < a.rgb.size(); ++i)
     worst = std::max(worst, std::abs(double(a.rgb[i]) - double(b.rgb[i])));
@@ -87,7 +87,7 @@ View view_at(double time) {
   return view;
 }
 
-/// Largest difference of a channel of a picture, of 1: about 1.5 × what is measured here (ply 0,
+/// Largest difference of a channel of a image, of 1: about 1.5 × what is measured here (ply 0,
 /// compressed 0.0169, spz 0.0652, splat 0.0033, 4D 0.0157, lossless 0), and what causes it.
 const std::map<std::string, double> kRoundTrip = {
     {"ply", 1e-4},
@@ -113,7 +113,7 @@ TEST(FormatModes, E1FramesLookLikeTheModel) {
     for (size_t i = 0; i < times.size(); ++i) {
       SplatFile frame = load_splat_file(folder / name / sequence_file_name(int64_t(i), 3, format));
       EXPECT_TRUE(frame.warnings.empty()) << frame.warnings.front();
-      const Picture shown =
+      const RenderedImage shown =
           render_one(static_model(model, std::move(frame.set)), view_at(times[i]));
       worst = std::max(worst, largest_difference(shown, render_one(model, view_at(times[i]))));
     }
@@ -122,11 +122,11 @@ TEST(FormatModes, E1FramesLookLikeTheModel) {
 }
 
 // The same for the file that holds time. Bug put back: means of the clip's beginning taken for
-// those of each Gaussian's own moment; seen to fail.
+// those of each Gaussian's own timestep; seen to fail.
 TEST(FormatModes, E1TheFileThatHoldsTimeLooksLikeTheModel) {
   const TemporaryFolder folder;
   GaussianModel model = plain_model(40, 60);
-  for (int64_t n = 0; n < 60; n += 3) {  // drawn in the clip, at their own moment out of it
+  for (int64_t n = 0; n < 60; n += 3) {  // drawn in the clip, at their own timestep out of it
     model.dynamic_set.group(kMeanTime).value[n] = n % 2 == 0 ? -0.3f : 1.3f;
     model.dynamic_set.group(kLogScaleTime).value[n] = std::log(0.5f);
   }
@@ -156,7 +156,7 @@ TEST(FormatModes, E2ASecondExportIsTheSame) {
     if (!format.is_read) continue;
     SCOPED_TRACE(name);
     model.sh_degree = name == "splat" ? 0 : 3;
-    const Picture expected = render_one(model, view);
+    const RenderedImage expected = render_one(model, view);
     save_splat_file(format, folder / fmt::format("0{}", format.extension), model.static_set, 3);
     std::string before = read_text_file(folder / fmt::format("0{}", format.extension));
     double worst = 0;
@@ -208,7 +208,7 @@ int64_t non_finite_of_glb(const std::string& bytes) {
   return count;
 }
 
-// Failure mode E3. Bug put back: is_sound always true; seen to fail for each.
+// Failure mode E3. Bug put back: is_valid_element always true; seen to fail for each.
 TEST(FormatModes, E3NothingBrokenIsWritten) {
   const TemporaryFolder folder;
   const GaussianModel model = spoilt_model();

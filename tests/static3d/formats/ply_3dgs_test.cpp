@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "ingest/files/ply.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 #include "static3d/transform/splat_quanta.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
@@ -67,7 +67,7 @@ TEST(Ply3dgs, NamesWhatIsMissingOrOdd) {
   expect_input_error([&] { load_splat_file(folder / "a.ply"); }, {"a.ply", "no element 'vertex'"});
 }
 
-// Failure mode C5. Bug put back: is_sound without the test for finite values; seen to fail.
+// Failure mode C5. Bug put back: is_valid_element without the test for finite values; seen to fail.
 TEST(Ply3dgs, DropsBrokenRowsNormalisesAndSaysSo) {
   const TemporaryFolder folder;
   PlyFile file = foreign_file(9, 6);
@@ -103,8 +103,8 @@ TEST(Ply3dgs, WritesTheSameBytesAfterARoundTrip) {
     EXPECT_EQ(read_bytes(folder / "a.ply"), read_bytes(folder / "b.ply"));
     GaussianModel cut = clone(model);
     cut.sh_degree = degree;
-    expect_same_picture(render_one(static_model(cut, read.set.clone_values()), three_views()[0]),
-                        render_one(cut, three_views()[0]));
+    expect_same_image(render_one(static_model(cut, read.set.clone_values()), three_views()[0]),
+                      render_one(cut, three_views()[0]));
   }
 }
 
@@ -181,7 +181,7 @@ TEST(Ply3dgs, ReadsCompressedFiles) {
   expect_foreign_file_renders(large, 152746, {});
 }
 
-Picture shown(const GaussianSet& set, int sh_degree, const View& view) {
+RenderedImage shown(const GaussianSet& set, int sh_degree, const View& view) {
   GaussianModel model;
   model.sh_degree = sh_degree, model.near_plane = 1e-3;
   model.static_set = set.clone_values();
@@ -189,7 +189,7 @@ Picture shown(const GaussianSet& set, int sh_degree, const View& view) {
 }
 
 /// Of floats, dB: 8 bits would hide differences as small as these.
-double exact_psnr(const Picture& a, const Picture& b) {
+double exact_psnr(const RenderedImage& a, const RenderedImage& b) {
   double sum = 0;
   for (size_t i = 0; i < a.rgb.size(); ++i) sum += std::pow(double(a.rgb[i]) - b.rgb[i], 2);
   return -10 * std::log10(sum / double(a.rgb.size()));
@@ -249,7 +249,7 @@ GaussianSet rounded_otherwise(const GaussianSet& set) {
   return other;
 }
 
-// Two files of one object, each rounded: their pictures differ as much as those of one file whose
+// Two files of one object, each rounded: their images differ as much as those of one file whose
 // values are moved within both formats' steps, not more.
 // Bugs put back: the world of .spz taken as that of .ply; its quaternions as w, x, y, z; its
 // opacities 2 % too small. Each seen to fail.
@@ -261,9 +261,9 @@ TEST(Ply3dgs, TheSameObjectInTwoFormatsLooksTheSame) {
   EXPECT_EQ(a.sh_degree, b.sh_degree);
   EXPECT_TRUE(b.warnings.empty());
   const View view = view_of(a.set);
-  const Picture picture = shown(a.set, a.sh_degree, view);
-  const double expected = exact_psnr(picture, shown(rounded_otherwise(a.set), a.sh_degree, view));
-  const double actual = exact_psnr(picture, shown(b.set, b.sh_degree, view));
+  const RenderedImage image = shown(a.set, a.sh_degree, view);
+  const double expected = exact_psnr(image, shown(rounded_otherwise(a.set), a.sh_degree, view));
+  const double actual = exact_psnr(image, shown(b.set, b.sh_degree, view));
   EXPECT_GT(expected, 40);
   EXPECT_GT(actual, expected - 0.5) << "by the formats' steps " << expected << " dB";
   RecordProperty("actual_db", std::to_string(actual));  // 60.6, by the steps 60.9

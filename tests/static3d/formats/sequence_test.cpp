@@ -1,4 +1,4 @@
-// What: the numbered sequence: names, hygiene, manifest, and that its frames render as the model.
+// What: the numbered sequence: names, validity, manifest, and that its frames render as the model.
 // Not: the slice (slice_test.cpp). Failure modes E1, E3, E4, E7.
 #include "static3d/formats/frame_sequence.h"
 
@@ -53,12 +53,12 @@ TEST(Sequence, FramesRenderAsTheModelDoes) {
     EXPECT_TRUE(frame.warnings.empty());
     View view = three_views()[0];
     view.time = times[i];
-    expect_same_picture(render_one(static_model(model, std::move(frame.set)), view),
-                        render_one(model, view));
+    expect_same_image(render_one(static_model(model, std::move(frame.set)), view),
+                      render_one(model, view));
   }
 }
 
-// Failure mode E3. Bug put back: is_sound always true; seen to fail.
+// Failure mode E3. Bug put back: is_valid_element always true; seen to fail.
 TEST(Sequence, NothingBrokenLeavesTheProgram) {
   const TemporaryFolder folder;
   GaussianModel model = random_model(40, 40);

@@ -17,7 +17,7 @@
 #include "ingest/files/gzip.h"
 #include "kernels/elements/load_gaussian.h"
 #include "kernels/math/spherical_harmonics.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 #include "static3d/transform/axis_flip.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
@@ -310,13 +310,13 @@ TEST(SplatFiles, OfOtherWritersAreAllRead) {
     ASSERT_TRUE(counts.contains(name));
     const SplatFile read = load_splat_file(entry.path());
     EXPECT_EQ(read.set.count(), counts.at(name));
-    EXPECT_EQ(sound_rows(read.set).size(), size_t(read.set.count()));
+    EXPECT_EQ(valid_rows(read.set).size(), size_t(read.set.count()));
   }
   expect_input_error([&] { load_splat_file(folder / "small/minimal.ksplat"); },
                      {"minimal.ksplat", "splat-transform"});
 }
 
-/// A colour over all, so that a picture is not only background.
+/// A colour over all, so that a image is not only background.
 TEST(SplatFiles, ASplatFileOfOthersIsSeen) {
   TESSERA_NEED_DATA(path, "splats/sample.splat");
   SplatFile read = load_splat_file(path);

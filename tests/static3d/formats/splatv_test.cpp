@@ -1,5 +1,5 @@
-// What: .splatv: what players compute from its words at a moment is what the model shows there.
-// Not: pictures in players (tests/browser). Source: formats 2: the layout and the player's shader.
+// What: .splatv: what players compute from its words at a timestep is what the model shows there.
+// Not: images in players (tests/browser). Source: formats 2: the layout and the player's shader.
 #include "static3d/formats/splatv.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ SplatvFile read_splatv(const std::filesystem::path& path) {
   return read;
 }
 
-/// A Gaussian of the file at a moment, as the players' shader has it.
+/// A Gaussian of the file at a timestep, as the players' shader has it.
 struct Shown {
   double mean[3], opacity, rgb[3];
   Sym3<double> covariance;
@@ -119,7 +119,7 @@ double fastest(const GaussianModel& model) {
 
 // Bugs put back: the width without √2; motion from word 9 on; red in the highest byte. Each seen to
 // fail.
-TEST(Splatv, ShowsTheModelAtEveryMoment) {
+TEST(Splatv, ShowsTheModelAtEveryTimestep) {
   const ScratchFolder folder;
   for (Form form : {Form::kPair, Form::kVelocity}) {
     const GaussianModel model = random_model(30, 60, 5, 16, form);
@@ -147,8 +147,8 @@ TEST(Splatv, ShowsTheModelAtEveryMoment) {
   }
 }
 
-// The moment of greatest opacity is a half float: off by up to 2⁻¹¹ of the clip.
-// Bug put back: the mean as at the moment before it is rounded; seen to fail.
+// The timestep of greatest opacity is a half float: off by up to 2⁻¹¹ of the clip.
+// Bug put back: the mean as at present before it is rounded; seen to fail.
 TEST(Splatv, RoundingTimeMovesNothing) {
   const ScratchFolder folder;
   const GaussianModel model = random_model(0, 40, 5, 1, Form::kVelocity);
@@ -167,7 +167,7 @@ TEST(Splatv, RoundingTimeMovesNothing) {
   EXPECT_GT(farthest, 1e-4);
 }
 
-// Levels of time: the colour is that of the moment at which a Gaussian is brightest.
+// Levels of time: the colour is that of the timestep at which a Gaussian is brightest.
 // Bug put back: levels left out; seen to fail.
 TEST(Splatv, BakesColoursThatFollowTime) {
   const ScratchFolder folder;

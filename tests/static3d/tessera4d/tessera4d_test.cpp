@@ -1,5 +1,5 @@
 // What: the Tessera 4D file: bit-equal without loss, within its stated steps with it, every
-//       Gaussian in the blocks of the moments at which it is drawn.
+//       Gaussian in the blocks of the timesteps at which it is drawn.
 // Not: hostile files (tessera4d_spoilt_test.cpp) or players.
 // Source: docs/format.md; failure modes E1, E2, E3.
 #include "static3d/tessera4d/tessera4d.h"
@@ -12,7 +12,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/hygiene.h"
+#include "recon4d/model/validity.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/transform/morton_order.h"
@@ -78,7 +78,7 @@ View view_at(double time) {
 }
 
 double psnr_at(const GaussianModel& a, const GaussianModel& b, double time) {
-  const Picture x = render_one(a, view_at(time)), y = render_one(b, view_at(time));
+  const RenderedImage x = render_one(a, view_at(time)), y = render_one(b, view_at(time));
   double sum = 0;
   for (size_t i = 0; i < x.rgb.size(); ++i) sum += std::pow(double(x.rgb[i]) - y.rgb[i], 2);
   return -10 * std::log10(sum / double(x.rgb.size()));
@@ -101,12 +101,12 @@ TEST(Tessera4d, WithoutLossEveryGaussianIsBitEqual) {
 
 // Bug put back: quaternions not made of length 1 before their largest part is left out; seen to
 // fail with 27 dB.
-TEST(Tessera4d, PicturesStay) {
+TEST(Tessera4d, ImagesStay) {
   const GaussianModel model = clip_model();
   const Tessera4dInput exact = through_folder(model, lossless()), read = through_folder(model);
   EXPECT_LT(read.bytes, exact.bytes * 3 / 4);
   for (double time : {0.0, 0.21, 0.5, 0.83, 1.0}) {
-    expect_same_picture(render_one(exact.model, view_at(time)), render_one(model, view_at(time)));
+    expect_same_image(render_one(exact.model, view_at(time)), render_one(model, view_at(time)));
     EXPECT_GT(psnr_at(read.model, model, time), 45) << time;
   }
 }
@@ -124,7 +124,7 @@ TEST(Tessera4d, PairsAreReadBackAsTheirVelocities) {
   const Tessera4dInput read = through_folder(model, lossless());
   ASSERT_EQ(read.model.dynamic_set.form(), Form::kVelocity);
   for (double time : {0.1, 0.6})
-    expect_same_picture(render_one(read.model, view_at(time)), render_one(model, view_at(time)));
+    expect_same_image(render_one(read.model, view_at(time)), render_one(model, view_at(time)));
 }
 
 /// One stream at a time, against the steps that docs/format.md states.
@@ -132,7 +132,7 @@ class Steps : public ::testing::Test {
  protected:
   Steps() {
     const Span<float> velocity = model_.dynamic_set.group(kVelocity).value.span();
-    for (int64_t i = 0; i < velocity.size; ++i) velocity.data[i] *= 60;  // moments matter then
+    for (int64_t i = 0; i < velocity.size; ++i) velocity.data[i] *= 60;  // timesteps matter then
     const GaussianSet drawn = drawn_rows(model_);
     const BlockRules rules{false, 3, model_.cutoff<double>()};
     block_ = encode_block(drawn, rules);
@@ -195,7 +195,7 @@ TEST_F(Steps, ValuesAreOffByHalfAStepAtMost) {
                 sigmoid(double(*truth_.values().at(kOpacityLogit, n))), 0.5 / 255 + kFloat);
 }
 
-// Bug put back: positions at the unrounded moment; seen to fail.
+// Bug put back: positions at the unrounded timestep; seen to fail.
 TEST_F(Steps, PathsStayWithinAStepWhereverTheyAreDrawn) {
   const double q = step("position");
   for (int64_t n = 0; n < read_.count(); ++n) {
@@ -224,7 +224,7 @@ TEST_F(Steps, RotationsAreWithinTheirAngle) {
 }
 
 // Bug put back: intervals of blocks from the middle of the segment; seen to fail.
-TEST(Tessera4d, BlocksOfAMomentHoldAllThatIsDrawnThen) {
+TEST(Tessera4d, BlocksOfATimestepHoldAllThatIsDrawnThen) {
   const GaussianModel model = clip_model();
   const Tessera4dFile file = encode_tessera4d(model, {});
   GaussianModel rules;
@@ -297,11 +297,11 @@ TEST(Tessera4d, TheTemporalFilterIsPartOfTheScale) {
   const Tessera4dInput read = through_folder(model, lossless());
   EXPECT_EQ(read.model.time_filter, 0);
   for (double time : {0.3, 0.7})
-    expect_same_picture(render_one(read.model, view_at(time)), render_one(model, view_at(time)));
+    expect_same_image(render_one(read.model, view_at(time)), render_one(model, view_at(time)));
 }
 
 // Bug put back: levels left out; seen to fail.
-TEST(Tessera4d, ColoursThatFollowTimeAreThoseOfTheirMoment) {
+TEST(Tessera4d, ColoursThatFollowTimeAreThoseOfTheirTimestep) {
   const GaussianModel model = random_model_in_time(0, 1, 2, 5, 16, Form::kVelocity);
   const Tessera4dInput read = through_folder(model, lossless());
   ASSERT_EQ(read.model.dynamic_set.count(), 1);

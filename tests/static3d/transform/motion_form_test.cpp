@@ -15,13 +15,13 @@
 namespace tessera::testing {
 namespace {
 
-/// Pictures of float sums of Gaussians whose shape was rounded once more: α moves by some 1e-5; a
+/// Images of float sums of Gaussians whose shape was rounded once more: α moves by some 1e-5; a
 /// faint splat may cross its cut-off.
-void expect_same_pictures(const GaussianModel& a, const GaussianModel& b) {
+void expect_same_images(const GaussianModel& a, const GaussianModel& b) {
   for (View view : three_views())
     for (double time : {0.1, 0.4, 0.5, 0.9}) {
       view.time = time;
-      const Picture x = render_one(a, view), y = render_one(b, view);
+      const RenderedImage x = render_one(a, view), y = render_one(b, view);
       EXPECT_GT(coverage(x), 0.05);
       size_t off = 0;
       for (size_t i = 0; i < x.rgb.size(); ++i) {
@@ -43,10 +43,10 @@ TEST(MotionForm, ConvertedSetsRenderAsBefore) {
     converted.dynamic_set = in_form(model.dynamic_set, other);
     EXPECT_EQ(converted.dynamic_set.form(), other);
     ASSERT_EQ(converted.dynamic_set.count(), 150);
-    expect_same_pictures(model, converted);
+    expect_same_images(model, converted);
     GaussianModel back = clone(model);
     back.dynamic_set = in_form(converted.dynamic_set, form);
-    expect_same_pictures(model, back);
+    expect_same_images(model, back);
   }
 }
 
@@ -79,8 +79,8 @@ TEST(MotionForm, SlicesWorldsAndLiftsOfVelocitySets) {
   for (double time : {0.3, 0.6}) {
     View view = three_views()[0];
     view.time = time;
-    expect_same_picture(render_one(static_model(model, slice_model(model, time)), view),
-                        render_one(model, view));
+    expect_same_image(render_one(static_model(model, slice_model(model, time)), view),
+                      render_one(model, view));
   }
   Similarity world;  // Bug put back: velocities not scaled with the world; seen to fail.
   world.scale = 2.5;
@@ -88,8 +88,8 @@ TEST(MotionForm, SlicesWorldsAndLiftsOfVelocitySets) {
   world.translation = {1, -2, 0.5};
   GaussianModel moved = model_in_world(world, model);
   for (View view : three_views()) {
-    const Picture before = render_one(model, view);
-    const Picture after = render_one(moved, {camera_in_world(world, view.camera), view.time});
+    const RenderedImage before = render_one(model, view);
+    const RenderedImage after = render_one(moved, {camera_in_world(world, view.camera), view.time});
     size_t off = 0;
     for (size_t i = 0; i < before.rgb.size(); ++i)
       off += std::abs(before.rgb[i] - after.rgb[i]) > 1e-4f;
@@ -99,7 +99,7 @@ TEST(MotionForm, SlicesWorldsAndLiftsOfVelocitySets) {
   lifted.dynamic_set = lift_to_4d(model.static_set, 8, Form::kVelocity);
   lifted.static_set = GaussianSet(Form::kStatic, 4);
   const GaussianModel still = static_model(model, model.static_set.clone_values());
-  expect_same_picture(render_one(lifted, three_views()[1]), render_one(still, three_views()[1]));
+  expect_same_image(render_one(lifted, three_views()[1]), render_one(still, three_views()[1]));
 }
 
 // Bug put back: the file's form not looked at; seen to fail.

@@ -1,4 +1,4 @@
-// What: 4D → 3D at a moment and back against the renderer itself; eigen-decomposition.
+// What: 4D → 3D at a timestep and back against the renderer itself; eigen-decomposition.
 // Not: the slice's formula (tests/kernels). Failure modes A6, B13, C14, C15, E1.
 #include "kernels/math/eigen3.h"
 #include "kernels/math/rotation3.h"
@@ -55,9 +55,9 @@ void expect_slices_as_rendered(const GaussianModel& model) {
     EXPECT_LT(frozen.count(), model.count() + 1);
     for (View view : three_views()) {
       view.time = time;
-      const Picture moving = render_one(model, view);
+      const RenderedImage moving = render_one(model, view);
       EXPECT_GT(coverage(moving), 0.1);
-      expect_same_picture(render_one(frozen, view), moving);
+      expect_same_image(render_one(frozen, view), moving);
     }
   }
 }
@@ -108,14 +108,14 @@ TEST(Slice, OneFrameAsDim4IsTheSameAsDim3) {
   for (View view : three_views())
     for (double time : {0.0, 0.5, 1.0}) {
       view.time = time;
-      expect_same_picture(render_one(lifted, view), render_one(model, view));
+      expect_same_image(render_one(lifted, view), render_one(model, view));
     }
   const GaussianSet back = slice_model(lifted, 0.5);
   ASSERT_EQ(back.count(), model.count());
   for (int64_t i = 0; i < back.group(kMean).value.size(); ++i)
     EXPECT_EQ(back.group(kMean).value[i], model.static_set.group(kMean).value[i]);
-  expect_same_picture(render_one(static_model(model, back.clone_values()), three_views()[0]),
-                      render_one(model, three_views()[0]));
+  expect_same_image(render_one(static_model(model, back.clone_values()), three_views()[0]),
+                    render_one(model, three_views()[0]));
 }
 
 // Bug put back: the sign of Σ2 not looked at in project_ewa; seen to crash in bin.
@@ -134,7 +134,7 @@ TEST(Slice, AStaticModelIsTheSameAtAllTimes) {
   const GaussianModel model = random_model(80, 0);
   View view = three_views()[0];
   view.time = 0;
-  const Picture first = render_one(model, view);
+  const RenderedImage first = render_one(model, view);
   for (double time : {0.1, 0.5, 1.0, -3.0, 1e6}) {
     view.time = time;
     EXPECT_TRUE(same_bits(render_one(model, view), first)) << time;
@@ -146,9 +146,9 @@ TEST(Slice, AStaticModelIsTheSameAtAllTimes) {
 TEST(Render, BackgroundsDifferByTheLightThatRemains) {
   GaussianModel model = random_model(30, 30);
   model.background = {0, 0, 0};
-  const Picture black = render_one(model, three_views()[0]);
+  const RenderedImage black = render_one(model, three_views()[0]);
   model.background = {255, 255, 255};
-  const Picture white = render_one(model, three_views()[0]);
+  const RenderedImage white = render_one(model, three_views()[0]);
   const size_t pixels = black.alpha.size();
   for (size_t i = 0; i < black.rgb.size(); ++i)
     ASSERT_NEAR(white.rgb[i] - black.rgb[i], 1 - black.alpha[i % pixels], 2e-6);
@@ -178,7 +178,7 @@ TEST(Render, ADegreeIsTheSameAsZeroHigherBands) {
         std::copy(sh, sh + 3 * kept, small.values().at(kSh, n));
       }
     }
-    const Picture expected = render_one(zeroed, three_views()[1]);
+    const RenderedImage expected = render_one(zeroed, three_views()[1]);
     EXPECT_TRUE(same_bits(render_one(full, three_views()[1]), expected)) << degree;
     EXPECT_TRUE(same_bits(render_one(cut, three_views()[1]), expected)) << degree;
   }

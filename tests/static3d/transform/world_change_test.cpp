@@ -37,7 +37,7 @@ View view_in_world(const Similarity& world, const View& view) {
   return {camera_in_world(world, view.camera), view.time};
 }
 
-double largest_difference(const Picture& a, const Picture& b) {
+double largest_difference(const RenderedImage& a, const RenderedImage& b) {
   double largest = 0;
   for (size_t i = 0; i < a.rgb.size(); ++i)
     largest = std::max(largest, std::abs(double(a.rgb[i]) - double(b.rgb[i])));
@@ -127,7 +127,7 @@ TEST(FourRotation, AScaleOfSpaceScalesVelocityAndCovariance) {
 
 // Law of similarities. Bugs put back, each seen to fail: SH not turned; ln s not added to the log
 // scales; only the left quaternion turned; clip planes not scaled.
-TEST(WorldChange, PicturesStayFromMovedCameras) {
+TEST(WorldChange, ImagesStayFromMovedCameras) {
   GaussianModel model = random_model(40, 60);
   model.near_plane = 3.2;  // through the middle of the Gaussians: it must move along
   for (const auto& [seed, scale] : {std::pair{11, 1.0}, {12, 0.21}, {13, 7.5}}) {
@@ -135,16 +135,16 @@ TEST(WorldChange, PicturesStayFromMovedCameras) {
     const GaussianModel moved = model_in_world(world, model);
     EXPECT_EQ(moved.prepared_from_source, world);
     for (const View& view : three_views()) {
-      const Picture expected = render_one(model, view);
+      const RenderedImage expected = render_one(model, view);
       EXPECT_GT(coverage(expected), 0.05);
-      // Single rounding of parameters of size 1 to 30: 30 · 6e-8 of a picture's width or height.
-      expect_same_picture(render_one(moved, view_in_world(world, view)), expected, 2e-5);
+      // Single rounding of parameters of size 1 to 30: 30 · 6e-8 of a image's width or height.
+      expect_same_image(render_one(moved, view_in_world(world, view)), expected, 2e-5);
     }
   }
 }
 
 // The static part alone, with degree 3 and clear anisotropy, is exact to single rounding.
-TEST(WorldChange, StaticPicturesStayTo1e5) {
+TEST(WorldChange, StaticImagesStayTo1e5) {
   const GaussianModel model = random_model(60, 0);
   Similarity world = random_similarity(21, 1.6);
   world.translation *= 0.1;
@@ -164,7 +164,7 @@ TEST(WorldChange, ThereAndBackAndTheIdentity) {
   EXPECT_TRUE(back.prepared_from_source.is_identity());
   EXPECT_NEAR(back.near_plane, model.near_plane, 1e-12);
   for (const View& view : three_views())
-    expect_same_picture(render_one(back, view), render_one(model, view), 1e-5);
+    expect_same_image(render_one(back, view), render_one(model, view), 1e-5);
   for (Group same : {kMeanTime, kOpacityLogit})
     for (int64_t n = 0; n < 30; ++n)
       EXPECT_EQ(back.dynamic_set.group(same).value[n], model.dynamic_set.group(same).value[n]);
@@ -212,8 +212,8 @@ TEST(WorldChange, EnvironmentIsSeenAsBefore) {
   const GaussianModel moved = model_in_world(world, model);
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   for (const View& view : three_views()) {
-    const Picture before = render_views(*backend, model, {view}).front();
-    const Picture after = render_views(*backend, moved, {view_in_world(world, view)}).front();
+    const RenderedImage before = render_views(*backend, model, {view}).front();
+    const RenderedImage after = render_views(*backend, moved, {view_in_world(world, view)}).front();
     EXPECT_LT(largest_difference(before, after), 1e-4);
   }
 }

@@ -1,5 +1,5 @@
 // What: the folder of a batch → its report and page: medians, failures, missing pieces, escaping.
-// Not: pictures (cli_report_test.cpp) nor the workflow that fills the folder.
+// Not: images (cli_report_test.cpp) nor the workflow that fills the folder.
 #include "tools/batch/batch_report.h"
 
 #include <gtest/gtest.h>

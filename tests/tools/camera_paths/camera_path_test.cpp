@@ -1,5 +1,5 @@
 // What: the paths of a camera: closed forms of circle, spiral and spline, in a turned world.
-// Not: files and moments (cli_path_test.cpp).
+// Not: files and timesteps (cli_path_test.cpp).
 #include "tools/camera_paths/camera_path.h"
 
 #include <gtest/gtest.h>

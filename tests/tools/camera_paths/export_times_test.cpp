@@ -1,4 +1,4 @@
-// What: the moments of an export: closed forms of each option, and what is refused.
+// What: the timesteps of an export: closed forms of each option, and what is refused.
 // Not: the export (tests/static3d/formats/sequence_test.cpp).
 #include "tools/camera_paths/export_times.h"
 
@@ -19,7 +19,7 @@ std::vector<double> times_of(ExportTimes request) {
 }
 
 // Bug put back: count in place of count − 1 in the step; seen to fail.
-TEST(ExportTimes, FramesReachFromTheFirstMomentToTheLast) {
+TEST(ExportTimes, FramesReachFromTheFirstTimestepToTheLast) {
   EXPECT_EQ(times_of({.frames = 5}), (std::vector<double>{0, 0.25, 0.5, 0.75, 1}));
   EXPECT_EQ(times_of({.frames = 1}), (std::vector<double>{0}));
   EXPECT_EQ(times_of({.frames = 3, .range = "0.25:0.75"}), (std::vector<double>{0.25, 0.5, 0.75}));
@@ -49,9 +49,9 @@ TEST(ExportTimes, WithoutOptionsAreTwentyFourASecond) {
 
 /// `count` frames at `fps` frames in a unit of time from `begin` on.
 std::set<double> filmed(int count, double fps, double begin = 0) {
-  std::set<double> moments;
-  for (int i = 0; i < count; ++i) moments.insert(begin + i / fps);
-  return moments;
+  std::set<double> timesteps;
+  for (int i = 0; i < count; ++i) timesteps.insert(begin + i / fps);
+  return timesteps;
 }
 
 // Thirty frames of thirty cameras, the clocks of three of which were set by 3 to 5 ms: there are
@@ -59,7 +59,7 @@ std::set<double> filmed(int count, double fps, double begin = 0) {
 // a camera's mean distance of frames for its rhythm; the median distance alone, on times that are
 // rounded to milliseconds; each seen to fail.
 TEST(CaptureTimes, GoByTheRateOfTheCameras) {
-  CameraMoments cameras;
+  CameraTimesteps cameras;
   for (int c = 0; c < 30; ++c)
     cameras["cam" + std::to_string(c)] = filmed(30, 29, c % 10 == 0 ? 0.002 + 0.0001 * c : 0);
   EXPECT_NEAR(capture_rate(cameras), 29, 1e-9);
@@ -76,7 +76,7 @@ TEST(CaptureTimes, GoByTheRateOfTheCameras) {
   EXPECT_NEAR(capture_rate({{"rounded", rounded}}), 30, 0.01);
 }
 
-TEST(CaptureTimes, OfPhotosAndOfOneMoment) {
+TEST(CaptureTimes, OfPhotosAndOfOneTimestep) {
   EXPECT_EQ(capture_times({{"a", {0}}, {"b", {0}}}, 60), (std::vector<double>{0}));
   EXPECT_EQ(capture_rate({{"a", {0.5}}}), 0);
   EXPECT_TRUE(capture_times({}, 60).empty());
@@ -91,7 +91,7 @@ TEST(ExportTimes, AtTheRateOfTheCaptureWhereItIsKnown) {
   EXPECT_EQ(times_of({.fps = 2, .capture_fps = 7.5}).size(), 9u);
 }
 
-// Bug put back: seconds counted from the clock's zero, not from the clip's first moment; seen to
+// Bug put back: seconds counted from the clock's zero, not from the clip's first timestep; seen to
 // fail.
 TEST(ExportTimes, RangesHaveEitherUnitAndEitherEnd) {
   const auto expect = [](const char* text, double begin, double end) {

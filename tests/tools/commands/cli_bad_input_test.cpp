@@ -44,21 +44,21 @@ TEST(CliBadInput, JsonWithoutFrames) {
 TEST(CliBadInput, ListedFrameIsAbsent) {
   const CliWorkspace work;
   std::filesystem::remove(work / kPicture);
-  expect_capture_refused(work, {"transforms_train.json, frame 0", "no such picture", "r_000"});
+  expect_capture_refused(work, {"transforms_train.json, frame 0", "no such image", "r_000"});
 }
 
 // Seen to fail with read_png going on after libpng's error.
-TEST(CliBadInput, TruncatedPicture) {
+TEST(CliBadInput, TruncatedImage) {
   const CliWorkspace work;
   const std::string bytes = work.read(kPicture);
   work.write(kPicture, bytes.substr(0, bytes.size() / 2));
   expect_capture_refused(work, {"r_000.png", "truncated"});
-  work.write(kPicture, "this is not a picture");
+  work.write(kPicture, "this is not a image");
   expect_capture_refused(work, {"r_000.png", "is not a PNG"});
 }
 
 // Seen to fail with the PNG header's size not looked at.
-TEST(CliBadInput, ZeroSizePicture) {
+TEST(CliBadInput, ZeroSizeImage) {
   const CliWorkspace work;
   std::string bytes = work.read(kPicture);
   bytes.replace(16, 4, std::string(4, '\0'));  // IHDR: width
@@ -87,7 +87,7 @@ TEST(CliBadInput, SingularPose) {
   expect_capture_refused(work, {"transforms_train.json, frame 1"});
 }
 
-// Seen to fail with normalise_times taking equal times as one moment.
+// Seen to fail with normalise_times taking equal times as one timestep.
 TEST(CliBadInput, TimesAllEqual) {
   const CliWorkspace work;
   for (const char* split : {"train", "val", "test"})
@@ -111,12 +111,12 @@ TEST(CliBadInput, WrongPly) {
 // Seen to fail with model_kind taking every file for a .ply.
 TEST(CliBadInput, NotAModel) {
   const CliWorkspace work;
-  const std::string picture = work.at(kPicture);
-  work.expect_refused({"evaluate", picture, "--scene", work.at("capture")},
+  const std::string image = work.at(kPicture);
+  work.expect_refused({"evaluate", image, "--scene", work.at("capture")},
                       {"r_000.png", "not a model", "expected a run folder"});
   work.expect_refused({"render", work.at("capture"), "--cameras", work.at("capture"), "-o", "x"},
                       {"neither model.ply nor checkpoint.ckpt"});
-  work.expect_refused({"info", picture}, {"r_000.png", "unrecognised file type"});
+  work.expect_refused({"info", image}, {"r_000.png", "unrecognised file type"});
 }
 
 // Seen to fail with size and checksum of a checkpoint not compared.

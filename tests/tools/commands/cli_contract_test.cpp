@@ -1,6 +1,6 @@
 // What: the size that is asked for on the command line is the size that is shipped: Gaussians,
 //       bytes, decibels.
-// Not: how it is met (tests/recon4d/reduction/size_contract_test.cpp, parsimony_test.cpp).
+// Not: how it is met (tests/recon4d/reduction/size_limit_test.cpp, model_reduction_test.cpp).
 // Source: failure mode C13.
 #include <gtest/gtest.h>
 

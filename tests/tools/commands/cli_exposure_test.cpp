@@ -1,4 +1,4 @@
-// What: gains of the training pictures as the program learns them: options, file, resume.
+// What: gains of the training images as the program learns them: options, file, resume.
 // Not: what is learnt (tests/recon4d/model/train_exposure_test.cpp). Source: B10.
 #include <gtest/gtest.h>
 

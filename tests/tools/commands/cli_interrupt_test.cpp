@@ -20,7 +20,7 @@ void expect_no_partial_files(const fs::path& folder) {
 }
 
 // Seen to fail with SIGINT left to its default.
-TEST(CliInterrupt, RenderStopsBetweenPictures) {
+TEST(CliInterrupt, RenderStopsBetweenImages) {
   const CliWorkspace work;
   ASSERT_EQ(work.train("run").exit_code, 0);
   work.edit_json("capture/transforms_test.json", [](nlohmann::json& file) {

@@ -1,4 +1,4 @@
-// What: the masks of `synth patch`, the pictures of `render --dynamic-share` and the numbers of
+// What: the masks of `synth patch`, the images of `render --dynamic-share` and the numbers of
 //       `evaluate --moving-masks` fit each other.
 // Not: how good a training is.
 #include <gtest/gtest.h>

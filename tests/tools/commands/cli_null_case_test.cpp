@@ -19,8 +19,8 @@ constexpr const char* kFrames = "30";
 /// What a training of the room gives.
 struct Trained {
   json scores;
-  int64_t bytes = 0;             // of the exported Tessera 4D file
-  std::vector<Image8> pictures;  // of the held-out camera, by moment
+  int64_t bytes = 0;           // of the exported Tessera 4D file
+  std::vector<Image8> images;  // of the held-out camera, by timestep
 };
 
 class NullCase : public ::testing::Test {
@@ -65,7 +65,7 @@ class NullCase : public ::testing::Test {
     work.run({"render", work.at(name), "--cameras", work.at("scene"), "--split", "test", "-o",
               work.at(name + "_pictures")});
     for (const auto& entry : fs::recursive_directory_iterator(work / (name + "_pictures")))
-      if (entry.path().extension() == ".png") trained.pictures.push_back(read_png(entry.path()));
+      if (entry.path().extension() == ".png") trained.images.push_back(read_png(entry.path()));
     return trained;
   }
   /// The whole row of A6.
@@ -77,10 +77,9 @@ class NullCase : public ::testing::Test {
     EXPECT_EQ(found.scores["num_dynamic"], 0);
     EXPECT_LE(double(found.bytes), 1.05 * double(given.bytes));
     EXPECT_GE(double(found.scores["psnr"]), double(given.scores["psnr"]) - 0.05);
-    ASSERT_EQ(found.pictures.size(), size_t(std::stoi(kFrames)));
-    for (const Image8& picture : found.pictures)
-      changed += picture.data != found.pictures.front().data;
-    EXPECT_EQ(changed, 0) << "moments that look different from the first";
+    ASSERT_EQ(found.images.size(), size_t(std::stoi(kFrames)));
+    for (const Image8& image : found.images) changed += image.data != found.images.front().data;
+    EXPECT_EQ(changed, 0) << "timesteps that look different from the first";
     ASSERT_GT(given.bytes, 0);
   }
   CliWorkspace work;

@@ -1,4 +1,4 @@
-// What: `tessera render --path`: pictures and the video of them, which is decoded again; moments;
+// What: `tessera render --path`: images and the video of them, which is decoded again; timesteps;
 //       what is refused.
 // Not: the curves (camera_path_test.cpp).
 #include <fmt/format.h>
@@ -89,7 +89,7 @@ double largest_mean_shift(const Image8& a, const Image8& b) {
 
 // Bugs put back, each seen to fail: frames twice; BT.601 numbers under a tag of BT.709; --fps
 // rounded to a whole number.
-TEST_F(CliPath, TheVideoDecodesToThePictures) {
+TEST_F(CliPath, TheVideoDecodesToTheImages) {
   const std::vector<std::string> orbit{"--path", "orbit",  "--fps", "30000/1001",   "--seconds",
                                        "0.4",    "--size", "64x48", "--background", "200,60,40"};
   std::vector<std::string> video = orbit;
@@ -108,9 +108,9 @@ TEST_F(CliPath, TheVideoDecodesToThePictures) {
   EXPECT_EQ(stream.height, 48);
   for (size_t i = 0; i < frames.size(); ++i) {
     EXPECT_NEAR(stream.time_base.at(frames[i].ticks), double(i) * 1001 / 30000, 1e-5);
-    const Image8 picture = read_png(work / fmt::format("pictures/frame_{:04}.png", i));
-    EXPECT_GE(psnr(frames[i].image, picture), 35) << i;
-    EXPECT_LE(largest_mean_shift(frames[i].image, picture), 1.5) << i;
+    const Image8 image = read_png(work / fmt::format("pictures/frame_{:04}.png", i));
+    EXPECT_GE(psnr(frames[i].image, image), 35) << i;
+    EXPECT_LE(largest_mean_shift(frames[i].image, image), 1.5) << i;
   }
 }
 

@@ -41,7 +41,7 @@ class CliResume : public ::testing::Test {
   CliWorkspace work;
 };
 
-// Seen to fail with the moments of Adam left out of what a checkpoint gives back, and with the
+// Seen to fail with Adam's state left out of what a checkpoint gives back, and with the
 // sampler's position left at 0.
 TEST_F(CliResume, TwoHalvesAreTheWhole) {
   ASSERT_EQ(train("whole").exit_code, 0);

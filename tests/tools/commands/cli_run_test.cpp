@@ -48,7 +48,7 @@ TEST_F(CliRun, MakesModelScoresAndFrames) {
   for (const char* key : {"psnr", "ssim", "num_gaussians", "per_view", "splits"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["training"]["finished"], true);
-  EXPECT_EQ(json["export"]["frames"], 2);  // the two moments of the training split
+  EXPECT_EQ(json["export"]["frames"], 2);  // the two timesteps of the training split
   for (const char* file : {"run/model.ply", "run/metrics.json", "run/log.jsonl", "run/config.json",
                            "frames/frame_0000.ply", "frames/frame_0001.ply"})
     EXPECT_TRUE(fs::exists(work / "out" / file)) << file;

@@ -1,4 +1,4 @@
-// What: training on smaller pictures, and scores at several sizes against truth of each.
+// What: training on smaller images, and scores at several sizes against truth of each.
 // Not: the averaging (tests/recon4d/training/scene_scale_test.cpp).
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What: a training that chooses its model by frames set aside, as the program does it: what it
+// What: a training that chooses its model by validation frames, as the program does it: what it
 //       ships, what it says, what it does not read, and how it goes on after a stop.
 // Not: the rule itself (tests/recon4d/training/train_validation_test.cpp).
 // Source: failure modes D4, D5, D7, E5.
@@ -19,7 +19,7 @@ using nlohmann::json;
 class CliValidation : public ::testing::Test {
  protected:
   CliValidation() { work.film_object("six", 6, 32); }
-  /// Steps so large that the score soon falls; two frames of six are set aside.
+  /// Steps so large that the score soon falls; two frames of six are validation frames.
   json train(const std::string& run, const std::vector<std::string>& more = {}) const {
     // clang-format off
     std::vector<std::string> arguments{
@@ -79,8 +79,8 @@ TEST_F(CliValidation, ShipsTheBestModelAndSaysWhenItWas) {
   EXPECT_GE(trained["wall_seconds"]["train"], 0.99 * double(trained["seconds"]));
 }
 
-// D4. Bug put back: the test split checked in place of the frames set aside; seen to fail.
-TEST_F(CliValidation, NeverReadsHeldOutPictures) {
+// D4. Bug put back: the test split checked in place of the validation frames; seen to fail.
+TEST_F(CliValidation, NeverReadsHeldOutImages) {
   const json first = train("first", {"--stop-patience", "4"});
   Random random(5);
   for (const char* split : {"test", "val"})
@@ -90,7 +90,7 @@ TEST_F(CliValidation, NeverReadsHeldOutPictures) {
       write_png(entry.path(), noise);
     }
   const json second = train("second", {"--stop-patience", "4"});
-  EXPECT_NE(first["scores"]["psnr"], second["scores"]["psnr"]) << "the pictures are others";
+  EXPECT_NE(first["scores"]["psnr"], second["scores"]["psnr"]) << "the images are others";
   EXPECT_EQ(first["iterations"], second["iterations"]);
   EXPECT_EQ(first["validation"]["best_iteration"], second["validation"]["best_iteration"]);
   EXPECT_EQ(work.read("first/model.ply"), work.read("second/model.ply"));

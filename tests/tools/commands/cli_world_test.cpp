@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// A room with its true surface points as initial cloud, trained for a moment.
+/// A room with its true surface points as initial cloud, trained for a timestep.
 class CliWorld : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -108,7 +108,7 @@ TEST_F(CliWorld, CamerasOfEitherWorldSeeTheSame) {
   EXPECT_NEAR(psnr("run", "kept"), expected, 1e-3);
   EXPECT_NEAR(psnr("model/model.ply", "scene"), expected, 1e-3);
   EXPECT_NEAR(psnr("model/model.ply", "kept"), expected, 1e-3);
-  // Pictures of the run by foreign cameras are those by its own.
+  // Images of the run by foreign cameras are those by its own.
   const auto render = [&](const std::string& cameras, const std::string& out) {
     const ChildResult result =
         work_.run({"render", work_.at("run"), "--cameras", work_.at(cameras), "-o", work_.at(out),

@@ -18,7 +18,7 @@
 namespace tessera::testing {
 namespace {
 
-Image8 random_picture(int width, int height, uint64_t seed) {
+Image8 random_image(int width, int height, uint64_t seed) {
   Random random(seed);
   Image8 image{width, height, 3, std::vector<uint8_t>(size_t(3 * width * height))};
   for (uint8_t& byte : image.data) byte = uint8_t(random.below(256));
@@ -40,9 +40,9 @@ class LpipsFile : public ::testing::Test {
   }
   void expect_refused(const std::string& bytes, const std::vector<std::string>& parts) const {
     const std::filesystem::path file = write(bytes);
-    const Image8 picture = random_picture(20, 16, 1);
+    const Image8 image = random_image(20, 16, 1);
     try {
-      Lpips(file, false).distance(picture, picture);
+      Lpips(file, false).distance(image, image);
       ADD_FAILURE() << "was taken";
     } catch (const InputError& error) {
       const std::string message = error.what();
@@ -54,10 +54,10 @@ class LpipsFile : public ::testing::Test {
   ScratchFolder folder_;
 };
 
-// Bugs put back, each seen to fail: pictures in [0, 1]; the truth given to both inputs.
+// Bugs put back, each seen to fail: images in [0, 1]; the truth given to both inputs.
 TEST_F(LpipsFile, GivesTheNetworksNumber) {
   for (const auto& [width, height] : {std::pair{20, 16}, {33, 7}}) {
-    const Image8 a = random_picture(width, height, 1), b = random_picture(width, height, 2);
+    const Image8 a = random_image(width, height, 1), b = random_image(width, height, 2);
     Lpips any(write(onnx_file()), false);
     EXPECT_NEAR(any.distance(a, b), 2 * mean_distance(a, b), 1e-5);
     EXPECT_NEAR(any.distance(a, a), 0, 1e-7);
@@ -71,7 +71,7 @@ TEST_F(LpipsFile, GivesTheNetworksNumber) {
 // Bugs put back, each seen to fail: height and width exchanged; blue first; interleaved values.
 TEST_F(LpipsFile, PlacesAndColoursAreTheNetworks) {
   const int width = 9, height = 5;
-  const Image8 a = random_picture(width, height, 3), b = random_picture(width, height, 4);
+  const Image8 a = random_image(width, height, 3), b = random_image(width, height, 4);
   const auto difference = [&](int x, int y, int c) {
     const size_t i = size_t((y * width + x) * 3 + c);
     return (double(a.data[i]) - double(b.data[i])) * 2 / 255;
@@ -91,7 +91,7 @@ TEST_F(LpipsFile, OtherSidesAreRefusedOrResized) {
   OnnxNetwork fixed;
   fixed.width = 10, fixed.height = 8;
   expect_refused(onnx_file(fixed), {"net.onnx", "10 x 8", "20 x 16", "--lpips-resize"});
-  Image8 a = random_picture(20, 16, 1), b = a;
+  Image8 a = random_image(20, 16, 1), b = a;
   for (size_t i = 0; i < a.data.size(); ++i) a.data[i] = 10, b.data[i] = 61;
   Lpips resized(write(onnx_file(fixed)), true);
   EXPECT_NEAR(resized.distance(a, b), 2 * 2 * 51 / 255.0, 1e-5);
@@ -102,11 +102,11 @@ TEST_F(LpipsFile, FilesThatAreNotWhatIsAskedFor) {
   EXPECT_EQ(onnx_inputs("net.onnx", onnx_file()).size(), 2u);
   EXPECT_EQ(onnx_inputs("net.onnx", onnx_file())[1].name, "truth");
   EXPECT_EQ(onnx_inputs("net.onnx", onnx_file())[0].shape, (std::vector<int64_t>{1, 3, -1, -1}));
-  OnnxNetwork one, picture;
+  OnnxNetwork one, image;
   one.inputs = {"rendered"};
-  picture.reduces = false;
-  expect_refused(onnx_file(one), {"net.onnx", "1 inputs", "expected two pictures"});
-  expect_refused(onnx_file(picture), {"net.onnx", "960 values, expected one"});
+  image.reduces = false;
+  expect_refused(onnx_file(one), {"net.onnx", "1 inputs", "expected two images"});
+  expect_refused(onnx_file(image), {"net.onnx", "960 values, expected one"});
   expect_refused("", {"net.onnx", "not an ONNX model"});
   expect_refused("this is no network", {"net.onnx", "not an ONNX model"});
   const std::string whole = onnx_file();

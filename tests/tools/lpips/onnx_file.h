@@ -1,4 +1,4 @@
-// What: tiny networks as ONNX files, written field by field: factor · mean |a − b| of two pictures,
+// What: tiny networks as ONNX files, written field by field: factor · mean |a − b| of two images,
 //       one that looks at places and colours, and files that differ from these in one thing.
 // Not: a writer of any other network.
 // Source: onnx.proto3, protocol buffers' wire format.
@@ -13,7 +13,7 @@ namespace tessera::testing {
 struct OnnxNetwork {
   std::vector<std::string> inputs{"rendered", "truth"};
   int64_t height = 0, width = 0;  // 0: any
-  bool reduces = true;            // else the output is a picture
+  bool reduces = true;            // else the output is a image
   float factor = 2;               // a weight, listed among the inputs as old exporters do
 };
 

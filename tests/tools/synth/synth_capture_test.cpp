@@ -1,5 +1,5 @@
 // What: captures on disk: D-NeRF folders, truth, refusals, whole or not at all, bytes by seed.
-// Not: pictures themselves (synth_test.cpp) or video (synth_video_test.cpp).
+// Not: images themselves (synth_test.cpp) or video (synth_video_test.cpp).
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -63,7 +63,7 @@ std::string error_of(const SynthOptions& options, const fs::path& out) {
 }
 
 // Seen to fail: two rows of the pose exchanged; a val split with train's count.
-TEST_F(SynthCapture, DnerfFolderHasItsSplitsPosesAndPictures) {
+TEST_F(SynthCapture, DnerfFolderHasItsSplitsPosesAndImages) {
   const SynthReport report = make_capture(tiny_dnerf(), folder_ / "toy", {});
   EXPECT_EQ(report.cameras, 1);
   EXPECT_EQ(report.images, 12);
@@ -167,18 +167,19 @@ TEST_F(SynthCapture, BytesFollowFromTheSeed) {
   EXPECT_NE(a.at("train/r_000.png"), other.at("train/r_000.png"));
   EXPECT_NE(a.at("ground_truth/points.ply"), other.at("ground_truth/points.ply"));
   const Camera camera = synth::look_at({3, -3, 2}, {0, 0, 0}, 48, 40, 0.7);
-  const auto picture = [&](uint64_t seed) {
+  const auto image = [&](uint64_t seed) {
     return synth::render(synth::build_world(SynthScene::kObject, seed, 0), camera, 0, 1).rgba;
   };
-  EXPECT_EQ(picture(1), picture(1));
-  EXPECT_NE(picture(1), picture(2));
+  EXPECT_EQ(image(1), image(1));
+  EXPECT_NE(image(1), image(2));
 }
 
 // Seen to fail: sigma taken as a share of 1, one noise for all frames.
 TEST(SynthSensor, NoiseAndExposureAreAsAsked) {
   SynthOptions options;
   options.noise_sigma = 3;
-  const synth::Picture grey{200, 100, std::vector<float>(80000, 0.5f), std::vector<uint8_t>(20000)};
+  const synth::RenderedImage grey{200, 100, std::vector<float>(80000, 0.5f),
+                                  std::vector<uint8_t>(20000)};
   const Image8 first = synth::expose(grey, options, 3, 0, 0);
   const Image8 second = synth::expose(grey, options, 3, 0, 1);
   double sum = 0, squares = 0, product = 0;

@@ -1,5 +1,5 @@
-// What: the scene whose moving region covers a given share of the picture, its masks, and which
-//       pictures of a capture have the exact exposure.
+// What: the scene whose moving region covers a given share of the image, its masks, and which
+//       images of a capture have the exact exposure.
 // Not: the other scenes (synth_test.cpp), files in general (synth_capture_test.cpp).
 #include <gtest/gtest.h>
 
@@ -31,20 +31,20 @@ double share_of(const std::vector<uint8_t>& pixels) {
          double(pixels.size());
 }
 
-bool same_pixel(const Picture& a, const Picture& b, size_t p) {
+bool same_pixel(const RenderedImage& a, const RenderedImage& b, size_t p) {
   return std::equal(&a.rgba[4 * p], &a.rgba[4 * p] + 4, &b.rgba[4 * p]);
 }
 
 /// What a camera of the patch sees over the clip.
 struct Filmed {
-  std::vector<Picture> pictures;
+  std::vector<RenderedImage> images;
   std::vector<uint8_t> ever;
-  Picture without;  // the mover
+  RenderedImage without;  // the mover
 
   Filmed(const SynthOptions& options, const World& world, const Camera& camera) {
     const StaticLayer layer = render_static(world, camera, options.supersampling);
     for (const double time : clip_times(options))
-      pictures.push_back(render(world, camera, time, layer));
+      images.push_back(render(world, camera, time, layer));
     ever = ever_covered(world, camera, clip_times(options), layer);
     World still = world;
     std::erase_if(still.solids, [](const Solid& solid) { return solid.moves; });
@@ -53,7 +53,7 @@ struct Filmed {
 };
 
 // Bugs put back, each seen to fail: a radius by the square root of the share alone; a region of the
-// first moment; the room's other movers left in it.
+// first timestep; the room's other movers left in it.
 TEST(SynthPatch, MovesInARegionOfTheSizeThatIsAskedFor) {
   for (const double share : {0.01, 0.05, 0.25}) {
     const SynthOptions options = small_patch(share);
@@ -65,8 +65,8 @@ TEST(SynthPatch, MovesInARegionOfTheSizeThatIsAskedFor) {
       EXPECT_NEAR(share_of(filmed.ever), share, (c == 0 ? 0.04 : 0.2) * share) << c;
       for (size_t p = 0; p < filmed.ever.size(); ++p) {
         bool changes = false;
-        for (const Picture& picture : filmed.pictures)
-          changes |= !same_pixel(picture, filmed.without, p);
+        for (const RenderedImage& image : filmed.images)
+          changes |= !same_pixel(image, filmed.without, p);
         ASSERT_EQ(changes, filmed.ever[p] != 0) << share << " camera " << c << " pixel " << p;
       }
     }
@@ -78,8 +78,8 @@ TEST(SynthPatch, OutlineAndTextureMoveAtEveryStep) {
   const SynthOptions options = small_patch(0.25);
   const World world = build_world(options.scene, options.seed, 0, patch_radius(options));
   const Filmed filmed(options, world, video_rig(options, world.target).front());
-  for (size_t i = 1; i < filmed.pictures.size(); ++i) {
-    const Picture &before = filmed.pictures[i - 1], &now = filmed.pictures[i];
+  for (size_t i = 1; i < filmed.images.size(); ++i) {
+    const RenderedImage &before = filmed.images[i - 1], &now = filmed.images[i];
     int64_t outline = 0, inside = 0, changed = 0;
     for (size_t p = 0; p < now.mask.size(); ++p) {
       outline += now.mask[p] != before.mask[p];
@@ -94,16 +94,16 @@ TEST(SynthPatch, OutlineAndTextureMoveAtEveryStep) {
   }
 }
 
-// Bug put back: levels of 255 by the share alone, so that what moves at other moments is 0; seen to
-// fail.
+// Bug put back: levels of 255 by the share alone, so that what moves at other timesteps is 0; seen
+// to fail.
 TEST(SynthPatch, MasksSayNowAndEver) {
   const ScratchFolder folder;
   SynthOptions options = small_patch(0.05);
   options.layout = SynthLayout::kDnerf, options.held_out_frames = 2, options.points = 50;
   make_capture(options, folder / "patch", {});
-  int pictures = 0;
+  int images = 0;
   for (const auto& [split, count] : {std::pair{"train", 12}, {"val", 2}, {"test", 2}})
-    for (int i = 0; i < count; ++i, ++pictures) {
+    for (int i = 0; i < count; ++i, ++images) {
       char name[32];
       std::snprintf(name, sizeof(name), "%s/r_%03d.png", split, i);
       const Image8 moving = read_png(folder / "patch/ground_truth/moving" / name);
@@ -121,7 +121,7 @@ TEST(SynthPatch, MasksSayNowAndEver) {
       EXPECT_GT(elsewhen, 40) << name;
       EXPECT_NEAR(share_of(moving.data), 0.05, 0.015) << name;
     }
-  EXPECT_EQ(pictures, 16);
+  EXPECT_EQ(images, 16);
 }
 
 // Bug put back: the share taken by every scene; seen to fail.
@@ -146,7 +146,7 @@ TEST(SynthPatch, AShareIsOfThatSceneAndInRange) {
 
 // What is held out by default is exposed exactly; each training frame has a gain of its own.
 // Bug put back: gains for all; seen to fail.
-TEST(SynthSensor, HeldOutPicturesHaveTheExactExposure) {
+TEST(SynthSensor, HeldOutImagesHaveTheExactExposure) {
   SynthOptions options;
   options.exposure_wobble = 0.01;
   for (int frame = 0; frame < 5; ++frame) {

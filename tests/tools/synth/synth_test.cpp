@@ -1,4 +1,4 @@
-// What: the rendered picture against its truth: cameras, masks, lifetimes, anti-aliasing, texture.
+// What: the rendered image against its truth: cameras, masks, lifetimes, anti-aliasing, texture.
 // Not: files (synth_capture_test.cpp) or video (synth_video_test.cpp).
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ World marker_world(const glm::dvec3& at, double radius) {
   return world;
 }
 
-double largest_difference(const Picture& a, const Picture& b, bool outside_masks) {
+double largest_difference(const RenderedImage& a, const RenderedImage& b, bool outside_masks) {
   double largest = 0;
   for (size_t p = 0; p < a.mask.size(); ++p) {
     if (outside_masks && (a.mask[p] != 0 || b.mask[p] != 0)) continue;
@@ -44,11 +44,11 @@ double largest_difference(const Picture& a, const Picture& b, bool outside_masks
   return largest;
 }
 
-int64_t masked(const Picture& picture) {
-  return std::count(picture.mask.begin(), picture.mask.end(), 255);
+int64_t masked(const RenderedImage& image) {
+  return std::count(image.mask.begin(), image.mask.end(), 255);
 }
 
-double mean_difference(const Picture& a, const Picture& b) {
+double mean_difference(const RenderedImage& a, const RenderedImage& b) {
   double sum = 0;
   for (size_t i = 0; i < a.rgba.size(); ++i) sum += std::abs(double(a.rgba[i]) - b.rgba[i]);
   return sum / double(a.rgba.size());
@@ -66,14 +66,14 @@ TEST(SynthRender, MarkerIsWhereThePoseProjectsIt) {
         for (size_t i = 0; i < 3; ++i) in_camera[k] += c2w[i][k] * (at[int(i)] - c2w[i][3]);
       const double u = camera.fl_x * in_camera[0] / -in_camera[2] + camera.cx;
       const double v = camera.fl_y * -in_camera[1] / -in_camera[2] + camera.cy;
-      const Picture picture = render(marker_world(at, 0.02), camera, 0, 4);
+      const RenderedImage image = render(marker_world(at, 0.02), camera, 0, 4);
       double weight = 0, x = 0, y = 0;
       for (int p = 0; p < camera.width * camera.height; ++p) {
-        const double a = picture.rgba[size_t(4 * p + 3)];
+        const double a = image.rgba[size_t(4 * p + 3)];
         weight += a, x += a * (p % camera.width + 0.5), y += a * (p / camera.width + 0.5);
       }
       ASSERT_GT(weight, 10);
-      EXPECT_NEAR(x / weight, u, 0.06);  // of 960: 0.015 pixels of a 240 pixel picture
+      EXPECT_NEAR(x / weight, u, 0.06);  // of 960: 0.015 pixels of a 240 pixel image
       EXPECT_NEAR(y / weight, v, 0.06);
     }
 }
@@ -82,14 +82,14 @@ TEST(SynthRender, MarkerIsWhereThePoseProjectsIt) {
 TEST(SynthRender, StaticRoomNeverChangesAndIsTheRoomAtItsStart) {
   const Camera camera = room_camera(1);
   const World still = build_world(SynthScene::kRoomStatic, 1, 0);
-  const Picture first = render(still, camera, 0, 2);
+  const RenderedImage first = render(still, camera, 0, 2);
   EXPECT_EQ(masked(first), 0);
   for (const double time : {0.31, 0.5, 1.0}) {
-    const Picture later = render(still, camera, time, 2);
+    const RenderedImage later = render(still, camera, time, 2);
     EXPECT_EQ(first.rgba, later.rgba);
     EXPECT_EQ(masked(later), 0);
   }
-  const Picture start = render(build_world(SynthScene::kRoom, 1, 0), camera, 0, 2);
+  const RenderedImage start = render(build_world(SynthScene::kRoom, 1, 0), camera, 0, 2);
   EXPECT_LT(largest_difference(first, start, false), 1e-6);
 }
 
@@ -100,10 +100,10 @@ TEST(SynthRender, MaskHoldsEverythingThatChanges) {
   std::erase_if(empty.solids, [](const Solid& solid) { return solid.moves; });
   for (const int index : {0, 1, 4}) {
     const Camera camera = room_camera(index);
-    const Picture background = render(empty, camera, 0, 2);
-    Picture before = render(room, camera, 0, 2);
+    const RenderedImage background = render(empty, camera, 0, 2);
+    RenderedImage before = render(room, camera, 0, 2);
     for (const double time : {0.2, 0.45, 0.7, 1.0}) {
-      const Picture now = render(room, camera, time, 2);
+      const RenderedImage now = render(room, camera, time, 2);
       const double share = double(masked(now)) / double(now.mask.size());
       EXPECT_GT(share, 0.03);
       EXPECT_LT(share, 0.4);
@@ -118,17 +118,17 @@ TEST(SynthRender, MaskHoldsEverythingThatChanges) {
   }
 }
 
-// A mover that no screen bounds restrict gives the same picture: bounds only save time.
+// A mover that no screen bounds restrict gives the same image: bounds only save time.
 // Seen to fail: bounds that take the far depth for the near one; bounds of half the radius.
 TEST(SynthRender, ScreenBoundsCutNothing) {
   World room = build_world(SynthScene::kRoom, 1, 0);
   const Camera camera = room_camera(2);
   for (const double time : {0.1, 0.5, 0.9}) {
-    const Picture bounded = render(room, camera, time, 2);
+    const RenderedImage bounded = render(room, camera, time, 2);
     World unbounded{
         {},
         room.light,
-        {}};  // as still solids at their pose of that moment, movers are cast everywhere
+        {}};  // as still solids at their pose of that timestep, movers are cast everywhere
     for (const PlacedSolid& mover : place(room, Part::kMoving, time)) {
       if (mover.solid->shape.kind == ShapeKind::kCloth) continue;  // waves with time itself
       Solid solid = *mover.solid;
@@ -138,12 +138,12 @@ TEST(SynthRender, ScreenBoundsCutNothing) {
       solid.moves = false, solid.lifetime = {};
       unbounded.solids.push_back(solid);
     }
-    const Picture alone = render(unbounded, camera, 0, 2);
+    const RenderedImage alone = render(unbounded, camera, 0, 2);
     World background = room;
     std::erase_if(background.solids, [](const Solid& solid) {
       return !solid.moves || solid.shape.kind == ShapeKind::kCloth;
     });
-    const Picture movers = render(background, camera, time, 2);
+    const RenderedImage movers = render(background, camera, time, 2);
     EXPECT_LT(largest_difference(alone, movers, false), 1e-5);
     EXPECT_GT(masked(bounded), 0);
   }
@@ -182,7 +182,7 @@ TEST(SynthRender, StretchKeepsVolumeAndStandsStill) {
 
 // Seen to fail: all samples of a pixel at its middle (no value between).
 TEST(SynthRender, EdgesAreSmoothAndThreeByThreeIsCloseToEightByEight) {
-  const Picture edge = render(marker_world({0.3, 0.2, 1.1}, 0.2), room_camera(0), 0, 3);
+  const RenderedImage edge = render(marker_world({0.3, 0.2, 1.1}, 0.2), room_camera(0), 0, 3);
   int64_t between = 0;
   for (size_t p = 0; p < edge.mask.size(); ++p) {
     const float alpha = edge.rgba[4 * p + 3];
@@ -191,15 +191,15 @@ TEST(SynthRender, EdgesAreSmoothAndThreeByThreeIsCloseToEightByEight) {
   EXPECT_GE(between, 10);
   const World room = build_world(SynthScene::kRoom, 1, 0);
   const Camera camera = room_camera(1);
-  const Picture fine = render(room, camera, 0.4, 8);
+  const RenderedImage fine = render(room, camera, 0.4, 8);
   EXPECT_LT(mean_difference(render(room, camera, 0.4, 3), fine), 0.009);
 }
 
 /// Corners by Harris's measure on 3 × 3 sums of gradients, strongest of their 5 × 5 neighbours.
-int count_corners(const Picture& picture) {
-  const int w = picture.width, h = picture.height;
+int count_corners(const RenderedImage& image) {
+  const int w = image.width, h = image.height;
   const auto grey = [&](int x, int y) {
-    const float* c = &picture.rgba[size_t(4 * (y * w + x))];
+    const float* c = &image.rgba[size_t(4 * (y * w + x))];
     return double(c[0] + c[1] + c[2]) / 3;
   };
   std::vector<double> strength(size_t(w * h));
@@ -232,9 +232,9 @@ TEST(SynthRender, RoomHasManyCornersToMatch) {
   options.width = 240, options.height = 180;
   const World room = build_world(SynthScene::kRoom, options.seed, 0);
   for (const Camera& camera : video_rig(options, room.target)) {
-    const Picture picture = render(room, camera, 0, 3);
-    EXPECT_GT(count_corners(picture), 400);
-    for (const float value : picture.rgba) ASSERT_TRUE(value > 0.01f && value <= 1.f);
+    const RenderedImage image = render(room, camera, 0, 3);
+    EXPECT_GT(count_corners(image), 400);
+    for (const float value : image.rgba) ASSERT_TRUE(value > 0.01f && value <= 1.f);
   }
 }
 

@@ -111,7 +111,7 @@ TEST_F(SynthVideo, DecodesToWhatWasRendered) {
     EXPECT_EQ(video.range, AVCOL_RANGE_MPEG);
     const StaticLayer layer = render_static(world, cameras[size_t(number)], 3);
     for (int frame = 0; frame < 11; ++frame) {
-      const Picture truth =
+      const RenderedImage truth =
           render(world, cameras[size_t(number)], normalised_time(options_, frame), layer);
       EXPECT_LT(mean_error(video.frames[size_t(frame)], expose(truth, options_, 3, number, frame)),
                 3);
@@ -136,7 +136,7 @@ TEST_F(SynthVideo, ShiftedCameraFilmsLater) {
     const StaticLayer layer = render_static(world, cameras[size_t(number)], 3);
     for (const int frame : {0, 5, 10}) {
       const double instant = frame + options_.shifts[size_t(number)];
-      const Picture truth =
+      const RenderedImage truth =
           render(world, cameras[size_t(number)], instant / (options_.frames - 1), layer);
       EXPECT_LT(mean_error(video.frames[size_t(frame)], expose(truth, options_, 3, number, frame)),
                 3);
@@ -162,12 +162,12 @@ TEST_F(SynthVideo, FlatColoursReturnWithinTwoLevels) {
   for (const int height : {96, 720}) {
     const int width = 128;
     const uint8_t colours[4][3] = {{200, 60, 40}, {40, 180, 70}, {60, 50, 210}, {128, 128, 128}};
-    Image8 picture{width, height, 3, {}};
+    Image8 image{width, height, 3, {}};
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)
-        for (int k = 0; k < 3; ++k) picture.data.push_back(colours[x / 32][k]);
+        for (int k = 0; k < 3; ++k) image.data.push_back(colours[x / 32][k]);
     VideoEncoder encoder(folder_ / "flat.mp4", {width, height, {24, 1}, 4});
-    for (int frame = 0; frame < 3; ++frame) encoder.add(picture);
+    for (int frame = 0; frame < 3; ++frame) encoder.add(image);
     encoder.finish();
     const Decoded video = decode(folder_ / "flat.mp4");
     ASSERT_EQ(video.frames.size(), 3u);
@@ -185,14 +185,14 @@ TEST_F(SynthVideo, FlatColoursReturnWithinTwoLevels) {
 TEST_F(SynthVideo, ChromaIsSitedInTheCentre) {
   for (const bool across : {true, false}) {
     const int size = 96;
-    Image8 picture{size, size, 3, {}};
+    Image8 image{size, size, 3, {}};
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) {
         const int ramp = 2 * (across ? x : y);
-        for (const int level : {30 + ramp, 128, 220 - ramp}) picture.data.push_back(uint8_t(level));
+        for (const int level : {30 + ramp, 128, 220 - ramp}) image.data.push_back(uint8_t(level));
       }
     VideoEncoder encoder(folder_ / "ramp.mp4", {size, size, {24, 1}, 1});
-    encoder.add(picture);
+    encoder.add(image);
     encoder.finish();
     const Decoded video = decode(folder_ / "ramp.mp4");
     ASSERT_EQ(video.frames.size(), 1u);
@@ -200,7 +200,7 @@ TEST_F(SynthVideo, ChromaIsSitedInTheCentre) {
     for (int y = 20; y < 76; ++y)
       for (int x = 20; x < 76; ++x) {
         const size_t at = size_t(3 * (y * size + x));
-        shift += int(video.frames[0].data[at]) - int(picture.data[at]);
+        shift += int(video.frames[0].data[at]) - int(image.data[at]);
       }
     EXPECT_NEAR(shift / (56 * 56), 0, 0.4) << (across ? "x" : "y");
   }

@@ -1,0 +1,62 @@
+// What: timesteps of a reference camera, and every frame at the nearest of them.
+// Not: images.
+#include "ingest/clocks/timesteps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace tessera {
+namespace {
+
+using Times = std::set<double>;
+
+Times reference_times(const std::vector<FrameTime>& frames) {
+  std::map<std::string, Times> cameras;
+  Times all, most;
+  for (const FrameTime& frame : frames) {
+    cameras[frame.camera].insert(frame.time);
+    all.insert(frame.time);
+  }
+  for (const auto& [name, times] : cameras)
+    if (times.size() > most.size()) most = times;
+  return most.size() > 1 ? most : all;
+}
+
+double smallest_gap(const std::vector<double>& times) {
+  double gap = INFINITY;
+  for (size_t i = 1; i < times.size(); ++i) gap = std::min(gap, times[i] - times[i - 1]);
+  return gap;
+}
+
+}  // namespace
+
+std::vector<Timestep> group_timesteps(const std::vector<FrameTime>& frames) {
+  const Times reference = reference_times(frames);
+  const std::vector<double> times(reference.begin(), reference.end());
+  std::vector<Timestep> timesteps;
+  for (double time : times) timesteps.push_back({time, {}});
+  const double reach = 0.5 * smallest_gap(times);
+  for (const FrameTime& frame : frames) {
+    const auto above =
+        size_t(std::lower_bound(times.begin(), times.end(), frame.time) - times.begin());
+    size_t nearest = std::min(above, times.size() - 1);
+    if (above > 0 && frame.time - times[above - 1] < std::abs(times[nearest] - frame.time))
+      nearest = above - 1;
+    if (std::abs(times[nearest] - frame.time) <= reach)
+      timesteps[nearest].frames.push_back(frame.index);
+  }
+  return timesteps;
+}
+
+std::vector<Timestep> spread_timesteps(const std::vector<Timestep>& timesteps, int64_t count) {
+  const auto all = int64_t(timesteps.size());
+  if (count >= all) return timesteps;
+  std::vector<Timestep> chosen;
+  for (int64_t i = 0; i < count; ++i)
+    chosen.push_back(timesteps[size_t(count > 1 ? i * (all - 1) / (count - 1) : all / 2)]);
+  return chosen;
+}
+
+}  // namespace tessera

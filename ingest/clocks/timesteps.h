@@ -1,0 +1,31 @@
+// What: which frames of several cameras show the same timestep, and an even choice of timesteps.
+// Not: clocks: times are taken as they are; cameras may be apart by parts of a frame.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+/// A frame by what tells its timestep.
+struct FrameTime {
+  std::string camera;
+  double time = 0;  // normalised
+  int index = 0;    // the caller's
+};
+
+struct Timestep {
+  double time = 0;          // of the camera with the most timesteps
+  std::vector<int> frames;  // FrameTime::index, in the order given
+};
+
+/// Timesteps in order of time: those of the camera that has the most (the first by name), each with
+/// the frames nearest to it, as far as half of that camera's smallest frame gap. Where no camera
+/// has two timesteps, frames of equal times go together.
+std::vector<Timestep> group_timesteps(const std::vector<FrameTime>& frames);
+
+/// At most `count` of the timesteps, evenly spread, the first and the last among them where count
+/// is 2 or more.
+std::vector<Timestep> spread_timesteps(const std::vector<Timestep>& timesteps, int64_t count);
+
+}  // namespace tessera

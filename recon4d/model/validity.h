@@ -1,0 +1,18 @@
+// What: which Gaussians are fit to leave the program: finite, with rotations of some length.
+// Not: pruning by importance (density.h); nothing here looks at a image.
+// Source: failure modes C5, E3.
+#pragma once
+#include <vector>
+
+#include "recon4d/model/gaussian_set.h"
+
+namespace tessera {
+
+/// Whether every stored value of Gaussian n is finite and its quaternions are rotations.
+bool is_valid_element(const GaussianSpans<const float>& set, int64_t n);
+/// Indices of the sound Gaussians, ascending.
+std::vector<int64_t> valid_rows(const GaussianSet& set);
+/// The Gaussians at `rows`, in that order, without moments.
+GaussianSet select_rows(const GaussianSet& set, const std::vector<int64_t>& rows);
+
+}  // namespace tessera

@@ -1,0 +1,25 @@
+// What: static Gaussians become dynamic where what is left over them changes with time by more than
+//       noise, and others are born beside them at present when most is left.
+// Not: growth by gradients (density.h); the way back (static_demotion.h).
+// Source: docs/reduction.md; residuals that change with time as a sign: [Ex4DGS].
+#pragma once
+#include "recon4d/reduction/contributions.h"
+
+namespace tessera {
+
+/// Rows of the static set over which the residual changes with time beyond noise, and by more
+/// squared error than `least`; at most `most`, those with the largest gain, ascending.
+std::vector<int64_t> time_varying_rows(const Contributions& contributions, double least,
+                                       int64_t most);
+
+/// They themselves as dynamic Gaussians in the form and layout of the dynamic set: at rest, and as
+/// long as the clip, so that images hardly change.
+GaussianSet as_dynamic(const GaussianModel& model, const Contributions& contributions,
+                       const std::vector<int64_t>& rows);
+
+/// Their like, at rest in the same place at present when most is left over, as long as it is,
+/// coloured by it.
+GaussianSet spawn_dynamic(const GaussianModel& model, const Contributions& contributions,
+                          const std::vector<int64_t>& rows);
+
+}  // namespace tessera

@@ -1,0 +1,62 @@
+// What: which Gaussians go first: the squared error that each adds by going, by the bytes that it
+//       frees; the curve of size and error that follows; where it bends.
+// Not: when (model_reduction.h) or what that error is (contributions.h).
+// Source: docs/reduction.md.
+#pragma once
+#include <vector>
+
+#include "recon4d/model/train_state.h"
+#include "recon4d/reduction/contributions.h"
+
+namespace tessera {
+
+/// What a Gaussian takes of the shipped file, bytes. Measured on files of trained scenes
+/// (docs/reduction.md); only ratios matter to what is decided.
+struct ByteRates {
+  double still = 12.5;  // mean, scales, rotation, opacity, first colour
+  double time = 7.5;    // mean timestep, life, velocity
+  double band = 0.55;   // of each further SH scalar
+
+  double of(bool dynamic, int sh_degree) const;
+};
+
+/// A Gaussian that could go.
+struct Removal {
+  int set = 0;  // 0: static, 1: dynamic
+  int64_t row = 0;
+  /// Squared error that its going adds, by the second order alone: the first is that of a gradient,
+  /// which training drives to 0, and of what others take over.
+  double error = 0;
+  double bytes = 0;  // that it frees
+
+  double error_per_byte() const { return error / bytes; }
+};
+
+/// All Gaussians of a model, the cheapest first; of equals those without light, then in the order
+/// of their rows.
+std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
+                                   const ByteRates& rates = {});
+
+/// Gaussians that are left where the curve of ln(bytes) and dB, as removals in this order add to
+/// it, is farthest above the line from its end of `least_share` of the bytes to its beginning, each
+/// axis scaled to [0, 1]. No fewer than one, if there are any.
+int64_t knee_count(const std::vector<Removal>& order, const Contributions& contributions,
+                   double least_share = 1.0 / 32);
+
+/// Error by byte of the last removal that leaves `count`: the slope of the rate–distortion curve
+/// there; 0 where nothing goes.
+double error_per_byte_at(const std::vector<Removal>& order, int64_t count);
+
+/// Rows of each set that are left when only `count` are, ascending: exactly so many, or all where
+/// there are fewer.
+struct KeptRows {
+  std::vector<int64_t> of[2];
+};
+KeptRows kept_rows(const GaussianModel& model, const std::vector<Removal>& order, int64_t count);
+
+/// Leaves only these rows, in the host's memory; optimizer state and statistics
+/// stay with their rows.
+void keep_rows(TrainState& state, const KeptRows& rows);
+GaussianModel with_rows(const GaussianModel& model, const KeptRows& rows);
+
+}  // namespace tessera

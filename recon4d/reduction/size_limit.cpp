@@ -1,0 +1,49 @@
+// What: one look at all frames, then the number of Gaussians that fits.
+// Not: the order in which they go (pruning.h).
+#include "recon4d/reduction/size_limit.h"
+
+#include <algorithm>
+
+#include "recon4d/reduction/pruning.h"
+
+namespace tessera {
+namespace {
+
+/// The largest number in [low, high] that is good, where those up to it are and those above are
+/// not; to `step`. `low` is taken to be good.
+int64_t largest_good(int64_t low, int64_t high, int64_t step,
+                     const std::function<bool(int64_t count)>& good) {
+  if (good(high)) return high;
+  while (high - low > step) {
+    const int64_t middle = low + (high - low) / 2;
+    (good(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+GaussianModel fit_to_limit(const SizeLimit& limit, Backend& backend, const GaussianModel& model,
+                           const FrameSample& at) {
+  const Contributions contributions = measure_contributions(backend, model, at);
+  const std::vector<Removal> order = removal_order(model, contributions);
+  int64_t unseen = 0;
+  for (const SetContributions& of : contributions.sets)
+    unseen += std::count_if(of.weight.begin(), of.weight.end(), [](float w) { return !(w > 0); });
+  const auto left = [&](int64_t count) { return with_rows(model, kept_rows(model, order, count)); };
+  int64_t count = model.count() - unseen;
+  const int64_t step = std::max<int64_t>(1, count / 1000);
+  if (limit.gaussians > 0) {
+    count = std::min(count, limit.gaussians);
+  } else if (limit.bytes > 0) {
+    count = largest_good(0, count, step,
+                         [&](int64_t c) { return limit.shipped_bytes(left(c)) <= limit.bytes; });
+  } else if (limit.least_psnr > 0) {
+    count -= largest_good(0, count, step, [&](int64_t gone) {
+      return limit.psnr(left(count - gone)) >= limit.least_psnr;
+    });
+  }
+  return left(count);
+}
+
+}  // namespace tessera

@@ -1,0 +1,28 @@
+// What: which dynamic Gaussians may be static: tried, all at once, over all cameras and timesteps;
+//       the error that it adds is shared out by light.
+// Not: a threshold on how long a Gaussian lasts or how fast it is.
+// Source: docs/reduction.md; idea of a Gaussian that gives up its time: [Hybrid4D].
+#pragma once
+#include "recon4d/reduction/contributions.h"
+
+namespace tessera {
+
+/// Gaussians of a dynamic set as static ones: where and as opaque as they are on the average of
+/// their light, with the shape and colours of their slice there. Rows without light or that are
+/// no Gaussians are where their own timestep has them.
+GaussianSet as_static(const GaussianModel& model, const SetContributions& contributions);
+
+struct DemotionTrial {
+  std::vector<int64_t> rows;  // of the dynamic set that may be static, ascending
+  GaussianSet demoted{Form::kStatic, kMaxShCoefficients};  // [rows] what they become
+  /// Squared error that all of them add; where the last round has taken some away, the sum of the
+  /// shares that the others had in it.
+  double error = 0;
+};
+/// `allowed`: squared error that one of them may add; `rounds`: how often those that are left are
+/// tried, at most. The model lies in the host's memory.
+DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
+                           const Contributions& contributions, const FrameSample& at,
+                           double allowed, int rounds = 4);
+
+}  // namespace tessera

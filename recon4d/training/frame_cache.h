@@ -1,0 +1,68 @@
+// What: the ground truth of a step where the backend can read it, masks included: the frames as
+//       they are on the host; on a device all frames at once, or, where they do not fit, a ring
+//       that is filled ahead of the steps.
+// Not: the choice of frames (batch_sampler.h), nor decoding (ingest).
+#pragma once
+#include <vector>
+
+#include "ingest/scene.h"
+#include "kernels/base/buffer.h"
+
+namespace tessera {
+
+/// Of a batch, as PhotometricArgs takes it.
+struct TargetImages {
+  std::vector<Span<const uint8_t>> images;  // [B] each [height, width, 3]
+  std::vector<Span<const uint8_t>> masks;   // [B] each [height, width], or empty: no mask
+};
+
+/// Places of the training frames in a scene. Errors: InputError: there are none.
+std::vector<int> training_frames(const Scene& scene);
+
+class FrameCache {
+ public:
+  /// `frames`: places of the training frames in the scene, which must outlive the feed. `budget`:
+  /// bytes for frames; 0: what is free but for a reserve. `batch`: frames of a step. Errors:
+  /// InputError: no frames.
+  FrameCache(Memory& memory, const Scene& scene, std::vector<int> frames, int64_t budget,
+             int64_t batch);
+  FrameCache(const FrameCache&) = delete;
+  ~FrameCache();
+
+  /// Of training frames `indices`, for what is computed next.
+  TargetImages truth(const std::vector<int64_t>& indices);
+
+  /// How many batches `prefetch` wants to know.
+  int64_t ahead() const { return place_ == Place::kRing ? kSlots - 1 : 0; }
+  /// Begins to bring over the batches of the next steps, over those of steps before the one whose
+  /// `truth` was asked for last. These must be done: call it after the forward pass of that step.
+  void prefetch(const std::vector<std::vector<int64_t>>& upcoming);
+
+ private:
+  enum class Place { kHost, kResident, kRing };
+  static constexpr int64_t kSlots = 3;  // this step's, the next one's, and the one being filled
+
+  struct Slot {
+    explicit Slot(Memory& memory) : bytes(memory) {}
+    std::vector<int64_t> indices;
+    Buffer<uint8_t> bytes;
+  };
+
+  const Frame& frame(int64_t index) const { return scene_.frames[size_t(frames_[size_t(index)])]; }
+  void upload_all();
+  /// Begins to bring a frame over to `to`: its image, then its mask.
+  void copy_frame(int64_t index, uint8_t* to);
+  Slot* find(const std::vector<int64_t>& indices);
+  void fill(Slot& slot, const std::vector<int64_t>& indices);
+
+  Memory& memory_;
+  const Scene& scene_;
+  std::vector<int> frames_;
+  Place place_ = Place::kHost;
+  Buffer<uint8_t> resident_;
+  std::vector<int64_t> offset_;  // [frames] of each in `resident_`
+  std::vector<Slot> slots_;
+  std::vector<int64_t> current_;  // what `truth` was asked for last
+};
+
+}  // namespace tessera

@@ -1,0 +1,52 @@
+// What: where a model's bytes are: by component, static and dynamic Gaussians apart; as it lies in
+//       memory and as it is shipped, a Tessera 4D file.
+// Not: how it is encoded (tessera4d/), nor what its Gaussians are like (model_histograms.h).
+#pragma once
+#include <array>
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string_view>
+
+#include "static3d/tessera4d/tessera4d.h"
+
+namespace tessera {
+
+/// What a number of a Gaussian is for. kTime: what a dynamic Gaussian has besides a static one:
+/// centre and length of its life, its motion (velocity or the second quaternion of a pair), levels
+/// of time of its colour.
+enum class Component { kMeans, kRotations, kScales, kOpacity, kColour, kTime };
+inline constexpr int kComponents = 6;
+
+const char* component_name(Component component);  // "means", …
+/// Of a parameter group of either set; of a stream of the Tessera 4D file, of any block.
+Component component_of(Group group);
+Component component_of_stream(std::string_view name);
+
+/// Of the Gaussians of one set.
+struct ComponentBytes {
+  int64_t count = 0;                         // Gaussians
+  std::array<int64_t, kComponents> bytes{};  // by Component
+
+  int64_t total() const;
+};
+
+struct SizeBreakdown {
+  ComponentBytes fixed, moving;
+  int64_t environment = 0;  // in memory: the map of light at infinity; files do not hold it
+  int64_t container = 0;    // of a file: manifest and header
+
+  /// All bytes.
+  int64_t total() const;
+};
+
+/// Float values as they are rendered, without optimizer state.
+SizeBreakdown memory_breakdown(const GaussianModel& model);
+/// `bytes`: of the whole file, manifest and header with it (Tessera4dInput::bytes).
+SizeBreakdown shipped_breakdown(const Tessera4dManifest& manifest, int64_t bytes);
+
+/// `bytes`, container_bits, environment_bits; `static`, `dynamic` and `all`, each with `gaussians`,
+/// `bits` of every component and their `sum`, and the same as `bits_per_gaussian` (null without
+/// Gaussians).
+nlohmann::json to_json(const SizeBreakdown& account);
+
+}  // namespace tessera
