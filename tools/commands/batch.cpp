@@ -154,7 +154,6 @@ int batch(const CLI::App& command, BatchRequest& request) {
   engine.out = fs::absolute(engine.out).lexically_normal();
   engine.cores = std::max(1u, std::thread::hardware_concurrency());
   engine.memory_mb = machine_memory() >> 20;
-  check_engine();
   write_batch(command, request);
   const std::vector<std::string> arguments = engine_arguments(engine);
   say(shell_line(arguments));
