@@ -150,6 +150,17 @@ TEST(CliBadInput, PathBelowAFileCannotBeWritten) {
   work.expect_refused({"train", work.at("capture"), "-o", below}, parts);
 }
 
+// Bug put back: what std::filesystem throws is taken for a failure of the program; seen to fail.
+TEST(CliBadInput, PathThatTheSystemRefuses) {
+  const CliWorkspace work;
+  const std::string path = work.at(std::string(300, 'a'));
+  for (const char* command : {"info", "train"}) {
+    std::vector<std::string> arguments{command, path};
+    if (arguments[0] == "train") arguments.insert(arguments.end(), {"-o", work.at("run")});
+    work.expect_refused(arguments, {path + ": cannot be reached (File name too long)"});
+  }
+}
+
 // Seen to fail with nearest_name returning the last name.
 TEST(CliBadInput, UnknownNamesSuggestTheNearest) {
   const CliWorkspace work;
