@@ -227,6 +227,31 @@ TEST(SplatFiles, GlbHasChunksAndColumnsOfTheExtension) {
   expect_input_error([&] { load_splat_file(folder / "a.glb"); }, {"a.glb", "no splats"});
 }
 
+// Bytes as nianticlabs/spz documents them. Bugs put back, each seen to fail: w first in the
+// quaternion; the header's fractional bits not looked at.
+TEST(SplatFiles, SpzOfVersionTwoByItsBytes) {
+  const unsigned char bytes[] = {
+      'N', 'G', 'S', 'P',  2,    0,    0,    0, 1, 0, 0, 0,  // magic, version, splats
+      0,   8,   0,   0,                                      // SH degree, fractional bits, flags, 0
+      0,   1,   0,   0x00, 0xFE, 0xFF, 0x80, 0, 0,           // position 1, −2, ½ in 1/256
+      255, 255, 0,   0,                                      // opacity; colour
+      160, 176, 144,                                         // log scales 0, 1, −1
+      204, 51,  128};  // x 0.6, y −0.6, z 0.004 of the rotation
+  const ScratchFolder folder;
+  write_text_file(folder / "2.spz", gzip({reinterpret_cast<const char*>(bytes), std::size(bytes)}));
+  const GaussianSet set = load_splat_file(folder / "2.spz").set;
+  ASSERT_EQ(set.count(), 1);
+  const auto values = set.values();
+  // right-up-back to right-down-front: y and z change their signs
+  const double mean[] = {1, 2, -0.5}, log_scale[] = {0, 1, -1};
+  const double z = 128 / 127.5 - 1, rotation[] = {std::sqrt(1 - 0.72 - z * z), 0.6, 0.6, -z};
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_FLOAT_EQ(values.at(kMean, 0)[k], float(mean[k])) << k;
+    EXPECT_FLOAT_EQ(values.at(kLogScale, 0)[k], float(log_scale[k])) << k;
+  }
+  for (int k = 0; k < 4; ++k) EXPECT_NEAR(values.at(kRotation, 0)[k], rotation[k], 1e-6) << k;
+}
+
 // Bug put back: spz_format(4) with the writer of version 3; seen to fail.
 TEST(SplatFiles, SpzIsOfTheVersionAskedFor) {
   const ScratchFolder folder;
