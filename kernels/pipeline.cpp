@@ -67,7 +67,7 @@ void Pipeline<Real>::residual(const Target& target) {
 
 template <class Real>
 Span<const SplatSensitivity<Real>> Pipeline<Real>::sensitivity() {
-  check(d_colour_.size() == 3 * batch_.pixels, "sensitivity without a image");
+  check(d_colour_.size() == 3 * batch_.pixels, "sensitivity without an image");
   check(for_backward_, "sensitivity after a forward pass that was not for it");
   sensitivity_.resize(splats_.count);
   const StageTimer timer(backend_.clock(), kBlendBackward);

@@ -82,7 +82,7 @@ void report(const Scene& scene, const std::map<size_t, size_t>& equal, const cha
 }  // namespace
 
 Leakage check_leakage(const Scene& scene, const std::vector<std::filesystem::path>& images) {
-  check(images.size() == scene.frames.size(), "check_leakage: a image a frame");
+  check(images.size() == scene.frames.size(), "check_leakage: an image a frame");
   Leakage leakage;
   Fnv1a manifest;
   for (const Frame& frame : scene.frames) {

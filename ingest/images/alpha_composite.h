@@ -1,4 +1,4 @@
-// What: a image with alpha over a background colour, once, as the D-NeRF protocol does it.
+// What: an image with alpha over a background colour, once, as the D-NeRF protocol does it.
 // Not: resizing of images with alpha (ingest/media/images/image_scale.h).
 #pragma once
 #include <array>

@@ -76,7 +76,7 @@ size_t llff_rows(const std::filesystem::path& capture) {
 }
 
 /// Whether the images are those of a rig. Poses of photos decide where there are some: LLFF has a
-/// row a image, a rig a row a camera. Errors: AmbiguousCapture.
+/// row an image, a rig a row a camera. Errors: AmbiguousCapture.
 bool has_image_rig(const std::filesystem::path& capture, std::optional<ImageReading> reading) {
   if (reading) return *reading == ImageReading::kRig;
   const ImageSequences found = find_image_sequences(capture);

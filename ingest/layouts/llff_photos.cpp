@@ -16,7 +16,7 @@ ColmapModel read_llff_photos(const std::filesystem::path& poses,
   const auto files = images_in(images);
   if (rows.size() != files.size())
     throw InputError(fmt::format(
-        "{}: has {} rows, {} has {} images; LLFF has one row a image in the order of their "
+        "{}: has {} rows, {} has {} images; LLFF has one row an image in the order of their "
         "names: put back the missing ones or remove those without a pose",
         poses.string(), rows.size(), images.string(), files.size()));
   ColmapModel model;

@@ -59,7 +59,7 @@ struct PreparedScene {
   std::vector<SourceFile> sources;
 };
 
-/// Notes that `camera` took a image through `lens`, which was removed; a pinhole is nothing.
+/// Notes that `camera` took an image through `lens`, which was removed; a pinhole is nothing.
 void note_removed_lens(PreparedCamera& camera, const RemovedLens& removed);
 
 /// Writes `folder`/transforms.json. Errors: InputError when it cannot be written.

@@ -31,7 +31,7 @@ void require_png(const std::filesystem::path& file, const std::string& where) {
       file.filename().string()));
 }
 
-/// The frame's mask, or without pixels its size, for a image of width × height.
+/// The frame's mask, or without pixels its size, for an image of width × height.
 Image8 load_mask(const TransformsFrame& listed, int width, int height, bool load_pixels) {
   require_png(listed.mask, listed.where);
   const Image8 image = load_pixels ? read_png(listed.mask) : read_png_size(listed.mask);

@@ -36,13 +36,13 @@ struct TransformsCapture {
   std::optional<TimeAxis> prepared_axis;     // set where a `tessera` object is present
   bool prepared_static = false;
   Similarity prepared_from_source;   // of the poses' world; identity without a `tessera` object
-  std::vector<std::string> missing;  // file_path of frames without a image, left out
+  std::vector<std::string> missing;  // file_path of frames without an image, left out
   std::vector<std::string> warnings;
 };
 
 /// Reads what can be trained on as it is from `folder`: transforms_train/val/test.json where
 /// transforms_train.json is there, else transforms.json. Errors: InputError naming file, frame and
-/// remedy; also for a image that is missing and for lens distortion.
+/// remedy; also for an image that is missing and for lens distortion.
 TransformsCapture read_transforms(const std::filesystem::path& folder);
 
 /// The same of a capture that is to be prepared: lenses are read, and frames whose image is not

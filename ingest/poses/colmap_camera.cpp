@@ -97,7 +97,7 @@ ColmapCamera make_colmap_camera(const ColmapCameraModel& model, uint64_t width, 
   const auto names = names_of(model.parameters);
   if (width < 1 || height < 1 || width > kLongestSide || height > kLongestSide)
     throw InputError(
-        fmt::format("{}: states a image of {}x{} pixels; {}", where, width, height, kRemedy));
+        fmt::format("{}: states an image of {}x{} pixels; {}", where, width, height, kRemedy));
   if (parameters.size() != names.size())
     throw InputError(fmt::format("{}: has {} parameters, {} has {} ({}); {}", where,
                                  parameters.size(), model.name, names.size(), model.parameters,

@@ -1,4 +1,4 @@
-// What: the intrinsics that a transforms.json states, at two levels, and what they mean for a
+// What: the intrinsics that a transforms.json states, at two levels, and what they mean for an
 //       image of a given size.
 // Not: distortion, which is refused (transforms_json.cpp), and not poses (pose_matrix.h).
 #pragma once
@@ -20,7 +20,7 @@ struct StatedIntrinsics {
   StatedIntrinsics or_else(const StatedIntrinsics& file) const;
 };
 
-/// Sets size and intrinsics of `camera` for a image of width × height. Stated for another size of
+/// Sets size and intrinsics of `camera` for an image of width × height. Stated for another size of
 /// the same shape (within a pixel), they are scaled, so rays do not change. Errors: InputError that
 /// starts with `where`: no focal length, a value that is not positive, another shape.
 void set_intrinsics(Camera& camera, const StatedIntrinsics& stated, int width, int height,

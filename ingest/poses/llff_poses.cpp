@@ -18,7 +18,7 @@ constexpr int64_t kColumns = 17;
 int pixels(double value, const std::string& where) {
   if (!(value >= 1 && value <= (1 << 20)))
     throw InputError(fmt::format(
-        "{}: states a image size of {}, expected pixels; correct poses_bounds.npy", where, value));
+        "{}: states an image size of {}, expected pixels; correct poses_bounds.npy", where, value));
   return int(std::lround(value));
 }
 

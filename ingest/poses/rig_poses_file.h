@@ -1,5 +1,5 @@
 // What: a file of cameras (`--poses FILE`) → the cameras of a rig's videos or photos, by name.
-// Not: poses that are estimated (ingest/media/poses/pose_estimation.h), or a image's pixels.
+// Not: poses that are estimated (ingest/media/poses/pose_estimation.h), or an image's pixels.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -18,7 +18,7 @@ namespace tessera {
 ///   `transform_matrix` (camera-to-world, OpenGL axes), or `R_w2c` and `t_w2c` (world to camera,
 ///   OpenCV axes). Its intrinsics and Nerfstudio's distortion keys (fl_x fl_y cx cy w h, k1 …; fx,
 ///   fy too) stand in the entry, else in the file or its object `intrinsics`; w and h are needed.
-/// Sizes are those that the file states; camera_of_image() brings them to a image's. Errors:
+/// Sizes are those that the file states; camera_of_image() brings them to an image's. Errors:
 /// InputError naming the file: no such format, names without a camera (all in one line), a camera
 /// listed twice with different poses, another number of rows than of names.
 std::vector<RigCamera> read_rig_cameras(const std::filesystem::path& file,
@@ -32,7 +32,7 @@ std::vector<std::optional<RigCamera>> find_rig_cameras(const std::filesystem::pa
 inline constexpr const char* kUnposedRemedy =
     "rename them alike, or leave those without a pose out of the capture";
 
-/// `stated` for a image of width × height: scaled where the shape is the same. Where one side is
+/// `stated` for an image of width × height: scaled where the shape is the same. Where one side is
 /// the same and the other up to 15 pixels shorter, the image was cut to it from whole 16-pixel
 /// blocks, right or below: the intrinsics stay, in pixels. Errors: InputError that starts with
 /// `where`: another shape.

@@ -57,7 +57,7 @@ Cutoff<Real> make_cutoff(double sigma, bool by_falloff) {
   return {by_falloff ? Real(0) : threshold, by_falloff ? threshold : Real(0), Real(inverse)};
 }
 
-/// How tightly a splat's tiles are found. No choice changes a image: pixels are cut off by
+/// How tightly a splat's tiles are found. No choice changes an image: pixels are cut off by
 /// themselves. Looser bounds only list splats in tiles where they draw nothing.
 struct BoundsOptions {
   bool rectangular = true;     // else a square of the longer half extent  [3DGS]

@@ -1,4 +1,4 @@
-// What: the exposure of a image: its gain on one colour channel, before the loss, and backward.
+// What: the exposure of an image: its gain on one colour channel, before the loss, and backward.
 // Not: whose gain it is, nor what the gains of all images must satisfy
 // (recon4d/model/exposure.h). Source: x = e·c, failure mode B10.
 #pragma once

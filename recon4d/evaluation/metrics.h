@@ -25,7 +25,7 @@ void check_pair(const Image8& a, const Image8& b);
 inline bool is_used(Span<const uint8_t> mask, size_t pixel) {
   return mask.empty() || mask[int64_t(pixel)] != 0;
 }
-/// Of a image of `pixels`, at least one.
+/// Of an image of `pixels`, at least one.
 size_t used_pixels(Span<const uint8_t> mask, size_t pixels);
 
 }  // namespace tessera

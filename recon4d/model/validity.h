@@ -1,5 +1,5 @@
 // What: which Gaussians are fit to leave the program: finite, with rotations of some length.
-// Not: pruning by importance (density.h); nothing here looks at a image.
+// Not: pruning by importance (density.h); nothing here looks at an image.
 // Source: failure modes C5, E3.
 #pragma once
 #include <vector>

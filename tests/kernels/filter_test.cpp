@@ -16,7 +16,7 @@ double weighted(const BruteImage& image, const std::vector<double>& weights) {
   return sum;
 }
 
-/// A view of a few Gaussians that no cut-off ends within a image: differences meet no jump.
+/// A view of a few Gaussians that no cut-off ends within an image: differences meet no jump.
 TestScene<double> smooth_scene(uint64_t seed) {
   TestScene<double> scene = random_scene(4, 4, 0.1, seed);
   scene.views.resize(1), scene.truth.resize(1);

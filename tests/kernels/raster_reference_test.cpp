@@ -25,7 +25,7 @@ std::vector<std::filesystem::path> files_in(const std::string& folder) {
 
 constexpr const char* kAbsent = "raster_reference not found beside the project (TESSERA_DATA)";
 // Shares of the largest element. The third party computes in float: positions of 100 pixels are
-// rounded to 8e-6, a image sums several α, a gradient some thousand pixels with both signs. Its
+// rounded to 8e-6, an image sums several α, a gradient some thousand pixels with both signs. Its
 // own tests allow 1e-5 or 1 % per element.
 constexpr double kProjection = 5e-7, kPicture = 5e-6, kGradient = 3e-5;
 

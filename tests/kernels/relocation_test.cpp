@@ -58,7 +58,7 @@ TEST(Relocation, KeepsTheIntegralThroughTheCentre) {
     }
 }
 
-/// A Gaussian of a set in the middle of a image of 33 × 33 pixels, whose centre pixel it hits.
+/// A Gaussian of a set in the middle of an image of 33 × 33 pixels, whose centre pixel it hits.
 TestScene<double> single(const TestGaussians<double>& set, double time) {
   TestScene<double> scene;
   (set.form == Form::kStatic ? scene.fixed : scene.moving) = set;

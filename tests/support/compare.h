@@ -1,4 +1,4 @@
-// What: how a image or a gradient of a backend may differ from the truth: per element, over all,
+// What: how an image or a gradient of a backend may differ from the truth: per element, over all,
 // and how many pixels at a cut-off may decide otherwise.
 // Not: PSNR; these bounds are for equal formulas.
 #pragma once

@@ -35,7 +35,7 @@ struct KeyFrame {
 };
 
 /// The frames of a transforms file, of one split or of all ("").
-/// Errors: InputError: unreadable, no size of a image.
+/// Errors: InputError: unreadable, no size of an image.
 std::vector<KeyFrame> read_key_frames(const std::filesystem::path& file, const std::string& split,
                                       const GaussianModel& model);
 

@@ -32,13 +32,13 @@ void warn_of_unused_cuda(const std::string& reason) {
 
 std::unique_ptr<Backend> make_backend(const std::string& backend) {
   ChosenBackend chosen = choose_backend(backend);
-  if (chosen.kind == "cpu" && !chosen.is_expected) warn_of_unused_cuda(chosen.reason);
+  if (chosen.choice.leaves_cuda_unused()) warn_of_unused_cuda(chosen.choice.reason);
   return std::move(chosen.backend);
 }
 
 bool is_cuda_chosen(const std::string& backend) {
   const DeviceChoice choice = find_backend(backend);
-  if (!choice.cuda && !choice.is_expected) warn_of_unused_cuda(choice.reason);
+  if (choice.leaves_cuda_unused()) warn_of_unused_cuda(choice.reason);
   return choice.cuda;
 }
 

@@ -9,7 +9,7 @@ namespace tessera {
 
 /// RGB as rendered, clamped and rounded.
 void write_image_png(const std::filesystem::path& path, const RenderedImage& image);
-/// RGBA with straight alpha, of a image that was rendered on black.
+/// RGBA with straight alpha, of an image that was rendered on black.
 void write_image_png_alpha(const std::filesystem::path& path, const RenderedImage& image);
 /// RGB floats as rendered, unclamped: PFM, little-endian, bottom row first.
 void write_image_pfm(const std::filesystem::path& path, const RenderedImage& image);

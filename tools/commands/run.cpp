@@ -14,7 +14,6 @@
 #include "ingest/layouts/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/scene_scale.h"

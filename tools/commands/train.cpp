@@ -2,27 +2,18 @@
 // Not: the training (train_session.cpp).
 #include <fmt/format.h>
 
-#include <cmath>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "ingest/files/json_file.h"
-#include "ingest/layouts/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/model/checkpoint.h"
-#include "recon4d/options/ablations.h"
-#include "recon4d/options/scene_facts.h"
-#include "recon4d/options/train_options_json.h"
-#include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/export/in_time.h"
-#include "tools/session/held_out_scores.h"
 #include "tools/session/output_place.h"
 #include "tools/session/time_limit.h"
 #include "tools/session/train_session.h"

@@ -42,13 +42,13 @@ ChosenBackend choose_backend(const std::string& backend) {
   DeviceChoice choice = find(wish);
   if (choice.cuda) {
     try {
-      return {make_cuda_backend(wish.gpu.value_or(0)), "cuda", choice.reason, choice.is_expected};
+      return {make_cuda_backend(wish.gpu.value_or(0)), choice};
     } catch (const DeviceError& error) {
       if (wish.name == "cuda" || wish.gpu) throw;
       choice = {false, error.what(), false};
     }
   }
-  return {make_cpu_backend(), "cpu", choice.reason, choice.is_expected};
+  return {make_cpu_backend(), choice};
 }
 
 }  // namespace tessera

@@ -11,9 +11,7 @@ namespace tessera {
 
 struct ChosenBackend {
   std::unique_ptr<Backend> backend;
-  std::string kind;          // "cpu", "cuda"
-  std::string reason;        // why this one
-  bool is_expected = false;  // as DeviceChoice::is_expected
+  DeviceChoice choice;  // why this one
 };
 
 /// `backend`: as parse_backend. Makes nothing. Errors: InputError for another name or device,

@@ -27,6 +27,10 @@ struct DeviceChoice {
   bool cuda = false;
   std::string reason;        // in words
   bool is_expected = false;  // on the CPU: there is nothing that CUDA could run on
+
+  const char* kind() const { return cuda ? "cuda" : "cpu"; }
+  /// On the CPU, although the machine looks as if CUDA could be used.
+  bool leaves_cuda_unused() const { return !cuda && !is_expected; }
 };
 
 /// Errors: InputError: no device of that number; DeviceError: a device was asked for, and cannot be

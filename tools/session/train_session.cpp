@@ -79,9 +79,10 @@ class Session {
         hold_out_validation(scene_, options_.validation_share, uint64_t(options_.seed));
     wall_.time(WallSplit::kInit, [&] {
       if (!previous_) complete_cloud(scene_, options_);
-      chosen_ = choose_backend(request_.backend);
-      backend_ = std::move(chosen_.backend);
-      if (chosen_.kind == "cpu" && !chosen_.is_expected) observer_.on_cuda_unused(chosen_.reason);
+      ChosenBackend chosen = choose_backend(request_.backend);
+      backend_ = std::move(chosen.backend);
+      choice_ = std::move(chosen.choice);
+      if (choice_.leaves_cuda_unused()) observer_.on_cuda_unused(choice_.reason);
       config_ = make_config(request_, options_, scene_, backend_->name());
       if (previous_) check_frames();
       make_folder(run_.root);
@@ -114,7 +115,7 @@ class Session {
     if (!previous_) replace_previous_run();
     log_.emplace(run_.log(), options_.iterations, state.iteration, observer_);
     log_->event("start", {{"iteration", state.iteration}, {"initialisation", source}});
-    const std::string why = chosen_.kind == "cpu" ? fmt::format(" ({})", chosen_.reason) : "";
+    const std::string why = choice_.cuda ? "" : fmt::format(" ({})", choice_.reason);
     observer_.on_message(fmt::format("{} training frames, initialised from {}, on {}{}",
                                      config_["train_frames"].dump(), source, backend_->name(),
                                      why));
@@ -371,8 +372,8 @@ class Session {
                    {"num_static", shipped.static_set.count()},
                    {"num_dynamic", shipped.dynamic_set.count()},
                    {"device", backend_->name()},
-                   {"backend", chosen_.kind},
-                   {"backend_reason", chosen_.reason},
+                   {"backend", choice_.kind()},
+                   {"backend_reason", choice_.reason},
                    {"wall_seconds", wall_.json()},
                    {"validation", validation_result()},
                    {"exposure", exposure_result()},
@@ -394,7 +395,7 @@ class Session {
   std::optional<Checkpoint> previous_;
   TrainOptions options_;
   Scene scene_;
-  ChosenBackend chosen_;
+  DeviceChoice choice_;
   std::unique_ptr<Backend> backend_;
   json config_, scores_ = json::object();
   int64_t end_ = 0;  // of this call, steps

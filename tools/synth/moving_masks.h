@@ -1,4 +1,4 @@
-// What: where a image of a world shows something that changes: at its timestep and at any.
+// What: where an image of a world shows something that changes: at its timestep and at any.
 // Not: the masks of single timesteps that every capture has (layout_*.cpp).
 #pragma once
 #include <cstdint>

@@ -14,7 +14,7 @@ namespace tessera {
 namespace {
 
 constexpr size_t kLeastMatches = 12;    // of a pair
-constexpr int64_t kLeastFeatures = 60;  // of a image
+constexpr int64_t kLeastFeatures = 60;  // of an image
 constexpr double kSuspicious = 0.0015;  // of the diagonal: 0.9 pixels at 480 × 360
 constexpr double kWrong = 0.0035;       // of the diagonal: 2.1 pixels at 480 × 360
 
@@ -40,7 +40,7 @@ void judge_texture(PoseCheck& check) {
             : ""});
 }
 
-/// Of a moving camera in a moving scene a image may disagree because of what moved: no verdict.
+/// Of a moving camera in a moving scene an image may disagree because of what moved: no verdict.
 void judge_cameras(double image_diagonal, bool moving_camera, PoseCheck& check) {
   size_t named = 0;
   for (const PoseResidual& camera : check.cameras) {

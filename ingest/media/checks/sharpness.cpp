@@ -1,4 +1,4 @@
-// What: two Laplacians a image, medians over frames and cameras.
+// What: two Laplacians an image, medians over frames and cameras.
 // Not: depth of field: a soft background counts like motion.
 #include "ingest/media/checks/sharpness.h"
 

@@ -30,7 +30,7 @@ struct ClockShift {
 
 /// Matches frames of a and b that show one instant if b's clock is set later than a's by `shift` of
 /// a's time, among features within `gate` of their epipolar lines. Misses and gate are in pixels of
-/// a image of 480 pixels.
+/// an image of 480 pixels.
 std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFeatures& b,
                                           const ClockShift& shift, double gate);
 

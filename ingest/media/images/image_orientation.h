@@ -1,4 +1,4 @@
-// What: EXIF orientation: turning a image upright, and which order of pixels a pose belongs to.
+// What: EXIF orientation: turning an image upright, and which order of pixels a pose belongs to.
 // Not: reading the tag (image_source.h).
 #pragma once
 #include "ingest/media/images/image_source.h"

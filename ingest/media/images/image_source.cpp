@@ -94,7 +94,7 @@ SourceImage read_through_oiio(const path& file) {
   const auto input = OIIO::ImageInput::open(file.string(), &wishes);
   if (input == nullptr) {
     const std::string seen = OIIO::geterror();
-    fail(file, fmt::format("cannot be opened as a image ({})", seen.substr(0, seen.find('\n'))));
+    fail(file, fmt::format("cannot be opened as an image ({})", seen.substr(0, seen.find('\n'))));
   }
   const OIIO::ImageSpec& spec = input->spec();
   check_spec(file, spec);
@@ -126,7 +126,7 @@ SourceImage read_source_image(const path& file) {
   const std::string bytes = read_text_file(file);
   if (bytes.empty())
     throw InputError(fmt::format(
-        "{}: is an empty file, expected a image; copy it again or take it out of the capture",
+        "{}: is an empty file, expected an image; copy it again or take it out of the capture",
         file.string()));
   if (bytes.starts_with("\x89PNG") || file.extension() == ".png" || file.extension() == ".PNG")
     if (!bytes.starts_with("\xff\xd8")) return {read_png(file)};  // a JPEG may be called .png

@@ -1,5 +1,5 @@
 // What: a source image of any format → Image8 in sRGB, pixels in the order they are stored.
-// Not: video (video_decoder.h), or turning a image upright (image_orientation.h).
+// Not: video (video_decoder.h), or turning an image upright (image_orientation.h).
 #pragma once
 #include <filesystem>
 

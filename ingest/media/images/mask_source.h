@@ -12,11 +12,11 @@
 
 namespace tessera {
 
-/// The mask of a image below `options.masks`: for "a/b.jpg" a/b.png, a/b.jpg.png, else a/b with
+/// The mask of an image below `options.masks`: for "a/b.jpg" a/b.png, a/b.jpg.png, else a/b with
 /// another extension of images; for a camera's videos its name. Empty when there is none.
 std::filesystem::path find_mask(const IngestOptions& options, const std::filesystem::path& image);
 
-/// Reads the mask of a image of width × height, or of one of the same shape that was larger;
+/// Reads the mask of an image of width × height, or of one of the same shape that was larger;
 /// turned with options.invert_masks. An empty `file` gives an empty mask, as do the two functions
 /// below for one. Errors: InputError naming the file.
 Image8 read_mask(const std::filesystem::path& file, int width, int height,

@@ -38,7 +38,7 @@ Converted convert_photos(const std::filesystem::path& capture, const std::filesy
 /// calling thread and stops what it wants to stop. Errors: the InputError of the first image.
 void convert_images(size_t count, const IngestProgress& progress,
                     const std::function<void(size_t)>& convert);
-/// The camera of a image scaled by `scale`; its rays are those of the original.
+/// The camera of an image scaled by `scale`; its rays are those of the original.
 Camera scaled_camera(const Camera& camera, double scale);
 /// Scales `image` and writes it as an RGB or RGBA PNG (grey becomes RGB).
 void write_prepared_image(const std::filesystem::path& path, Image8 image, double scale);

@@ -1,5 +1,5 @@
 // What: unreadable images by index, and the scene without them.
-// Not: a second try: a image is read once.
+// Not: a second try: an image is read once.
 #include "ingest/media/layouts/image_intake.h"
 
 #include <fmt/format.h>

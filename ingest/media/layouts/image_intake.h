@@ -25,7 +25,7 @@ class ImageIntake {
 
   /// Takes what was not read out of `scene`, whose frames and first sources are in the order of
   /// `index`, notes tone mapping and alpha in it, and adds a warning for each image left out.
-  /// Errors: InputError: a image was left out and `strict`; none is left, or none to train on.
+  /// Errors: InputError: an image was left out and `strict`; none is left, or none to train on.
   void finish(PreparedScene& scene, bool strict, std::vector<std::string>& warnings) const;
 
  private:

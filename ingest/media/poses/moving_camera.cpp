@@ -1,4 +1,4 @@
-// What: photos or frames of one camera that moves → a COLMAP model, a pose a image.
+// What: photos or frames of one camera that moves → a COLMAP model, a pose an image.
 // Not: the scene that is made of it (colmap_capture.cpp), or a rig (rig_poses.cpp).
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@ namespace tessera {
 namespace {
 
 constexpr size_t kExhaustive = 500;        // images; beyond, all pairs take hours
-constexpr const char* kNeighbours = "20";  // of a image in order, that it is matched with
+constexpr const char* kNeighbours = "20";  // of an image in order, that it is matched with
 
 std::vector<std::filesystem::path> images_below(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;

@@ -44,7 +44,7 @@ struct RigSolver {
 
 size_t RigSolver::clip_of(const std::string& name) const {
   const auto found = std::find(names.begin(), names.end(), name);
-  check(found != names.end(), "COLMAP names a image that it was not given");
+  check(found != names.end(), "COLMAP names an image that it was not given");
   return size_t(found - names.begin());
 }
 

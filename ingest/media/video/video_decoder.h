@@ -39,7 +39,7 @@ VideoStream probe_video(const std::filesystem::path& path);
 /// repeat a presentation time are left out. Decoding and conversion use thread_count() = T threads.
 /// Memory: at most T decoded images, 2 T in RGB, and the codec's own min(T + 1, 16) + 16.
 /// Errors: InputError naming file, camera, time and the frames read so far: no video in it,
-/// truncated (unless told to keep what is there), damaged, without times, times that go back, a
+/// truncated (unless told to keep what is there), damaged, without times, times that go back, an
 /// image size that changes, a flag of mirroring or of an angle that is no quarter turn.
 VideoStream decode_video(const std::filesystem::path& path,
                          const std::function<bool(VideoFrame)>& on_frame,

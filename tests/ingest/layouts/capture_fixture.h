@@ -29,7 +29,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// A image in which every pixel and channel differs from its neighbours.
+/// An image in which every pixel and channel differs from its neighbours.
 Image8 patterned_image(int width, int height, int channels, int seed = 0);
 Image8 constant_image(int width, int height, const std::vector<uint8_t>& pixel);
 /// Red and green are the pixel's column and row.

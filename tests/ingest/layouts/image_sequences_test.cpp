@@ -79,7 +79,7 @@ TEST(ImageSequences, PosesDecideWhatImagesAre) {
   std::vector<LlffPose> poses(6);
   for (LlffPose& pose : poses) pose.camera.width = 8, pose.camera.height = 6, pose.camera.fl_x = 9;
   write_llff_poses(folder / "poses_bounds.npy", poses);
-  EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kLlff);  // a row a image
+  EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kLlff);  // a row an image
   poses.resize(2);
   write_llff_poses(folder / "poses_bounds.npy", poses);
   EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kSequences);  // a row a camera

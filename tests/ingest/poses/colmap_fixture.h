@@ -47,7 +47,7 @@ void stand_at(WrittenImage& image, const Stand& stand);
 void write_colmap_bin(const std::filesystem::path& folder, const WrittenModel& model);
 void write_colmap_txt(const std::filesystem::path& folder, const WrittenModel& model);
 
-/// A capture: the model as .bin in sparse/0, and a image in `images` for each image, each of the
+/// A capture: the model as .bin in sparse/0, and an image in `images` for each image, each of the
 /// camera's size.
 void write_photo_set(const std::filesystem::path& capture, const WrittenModel& model);
 

@@ -196,7 +196,7 @@ TEST(Lens, PrincipalPointOutsideOfTheImage) {
   ASSERT_TRUE(ray);
   EXPECT_NEAR(pinhole.cx + pinhole.fl_x * ray->x, 960, 1e-9);
   EXPECT_NEAR(pinhole.cy + pinhole.fl_y * ray->y, 524, 1e-9);
-  // r(1 − 4r² + 5.5r⁴) falls from r = 0.37 to 0.52 and grows from there on; the rays of a image
+  // r(1 − 4r² + 5.5r⁴) falls from r = 0.37 to 0.52 and grows from there on; the rays of an image
   // that is cut higher are longer than 0.6
   const Lens turning{.k1 = -4, .k2 = 5.5};
   Camera higher = camera;

@@ -44,7 +44,7 @@ TestVideo numbered_video(int count, int camera = 0);
 /// The grey that numbered_video gives to a frame.
 int numbered_grey(int frame, int camera = 0);
 
-/// A image that says which one it is: ten bits as black or white blocks in the upper half, the
+/// An image that says which one it is: ten bits as black or white blocks in the upper half, the
 /// first one left, and coded_colours() as patches in the lower half.
 Image8 coded_image(int width, int height, int number);
 int coded_number(const Image8& image);

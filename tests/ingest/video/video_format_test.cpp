@@ -141,7 +141,7 @@ TEST_F(VideoRotation, OtherAnglesAndMirrorsAreRefused) {
                      {"mirrored.mp4", "mirrored", "encode it"});
 }
 
-// A smaller size is that of the upright image. Bug put back: the sizes not swapped for a image
+// A smaller size is that of the upright image. Bug put back: the sizes not swapped for an image
 // that lies; seen to fail (the shape is wrong). ±3: area averages of flat patches, rounded once
 // more.
 TEST_F(VideoRotation, SmallerImagesAreUprightToo) {

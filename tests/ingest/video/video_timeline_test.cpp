@@ -99,7 +99,7 @@ TEST_F(Timeline, TruncationIsNamedAndWhatIsThereCanBeKept) {
   }
 }
 
-// A frame in the middle whose bytes are wrong is an error that says where, not a image.
+// A frame in the middle whose bytes are wrong is an error that says where, not an image.
 TEST_F(Timeline, DamageInTheMiddleNamesCameraAndTime) {
   TestVideo video;
   for (int i = 0; i < 40; ++i) video.frames.push_back(patterned_image(64, 48, 3, i));

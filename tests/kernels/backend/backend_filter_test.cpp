@@ -135,7 +135,7 @@ TEST_P(BackendFilter, SizesEqualTheOracles) {
     EXPECT_GT(std::count(expected.begin(), expected.end(),
                          *std::max_element(expected.begin(), expected.end())),
               5);
-    // a mean at the margin of a image may be sampled or not
+    // a mean at the margin of an image may be sampled or not
     expect_group(actual, expected, {1e-5, 1, 0.003, 1e-3}, "size");
   }
 }

@@ -29,7 +29,7 @@ class BackendGradient : public EveryBackend {
       for (int g = 0; g < group_count(e.dim()); ++g)
         expect_group(a.group[g], e.group[g], kGradientBounds, group_name(Group(g), e.form));
       expect_group(actual.statistic[set], expected.statistic[set], kGradientBounds, "statistic");
-      // a Gaussian at the edge of a image may be counted as seen or not
+      // a Gaussian at the edge of an image may be counted as seen or not
       expect_group(actual.seen[set], expected.seen[set], {0, 1, 0.01, 0.01}, "seen");
     }
   }
@@ -146,7 +146,7 @@ TEST_P(BackendGradient, SplatsEqualTheOracles) {
   }
 }
 
-/// A image without a renderer: noise, smooth waves and a constant, side by side.
+/// An image without a renderer: noise, smooth waves and a constant, side by side.
 std::vector<double> patterns(const std::vector<View>& views, Random& random) {
   std::vector<double> colour;
   for (const View& view : views)

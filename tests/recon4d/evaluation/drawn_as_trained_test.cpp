@@ -1,6 +1,6 @@
 // What: models remember how they are to be drawn: 2D filter, truncation, temporal filter, the
 //       scale of training.
-// Not: what these do to a image (tests/kernels), nor checkpoints (train_checkpoint_test.cpp).
+// Not: what these do to an image (tests/kernels), nor checkpoints (train_checkpoint_test.cpp).
 #include "recon4d/model/model_file.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"

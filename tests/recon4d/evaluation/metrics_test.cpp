@@ -1,6 +1,7 @@
 // What: known answers of PSNR and SSIM, against sums written out here.
 // Not: the window's convolution (tests/kernels). Failure modes D1–D3, B20.
 #include "recon4d/evaluation/metrics.h"
+#include "tests/support/random_image.h"
 
 #include "kernels/math/ssim.h"
 #include "recon4d/evaluation/evaluate.h"
@@ -9,14 +10,7 @@
 namespace tessera::testing {
 namespace {
 
-Image8 random_image(int width, int height, uint64_t seed) {
-  Random random(seed);
-  Image8 image{width, height, 3, std::vector<uint8_t>(size_t(3 * width * height))};
-  for (uint8_t& byte : image.data) byte = uint8_t(random.below(256));
-  return image;
-}
-
-/// A image that looks like another: noise of a few steps.
+/// An image that looks like another: noise of a few steps.
 Image8 disturbed(const Image8& image, uint64_t seed) {
   Random random(seed);
   Image8 other = image;

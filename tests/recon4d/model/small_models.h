@@ -113,7 +113,7 @@ inline void expect_same_image(const RenderedImage& actual, const RenderedImage& 
   EXPECT_LE(double(beyond), kCutoffShare * double(actual.rgb.size())) << "worst " << worst;
 }
 
-/// How much a image differs from its background: 0 for an empty one.
+/// How much an image differs from its background: 0 for an empty one.
 inline double coverage(const RenderedImage& image) {
   double sum = 0;
   for (float a : image.alpha) sum += a;

@@ -50,7 +50,7 @@ std::vector<double> borders(const std::vector<RenderedImage>& images) {
 /// The row's bound is 1.1 × the median; that of a background of static Gaussians is 0, so that
 /// anything would be a border: what is far below a step of 8 bits is none.
 void expect_no_border(const std::vector<RenderedImage>& images) {
-  constexpr double kUnseen = 0.1;  // 8-bit steps, mean of a image
+  constexpr double kUnseen = 0.1;  // 8-bit steps, mean of an image
   const std::vector<double> steps = borders(images);
   std::vector<double> sorted = steps;
   std::sort(sorted.begin(), sorted.end());

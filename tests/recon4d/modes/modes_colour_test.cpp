@@ -11,7 +11,7 @@
 namespace tessera::testing {
 namespace {
 
-/// A image on a wall in light that grows evenly over the clip; `wide` 2.5 fills the view.
+/// An image on a wall in light that grows evenly over the clip; `wide` 2.5 fills the view.
 Film lamp_film(double from, double to, double wide = 1) {
   Film film;
   film.timesteps = 21;

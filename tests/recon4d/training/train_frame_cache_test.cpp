@@ -41,7 +41,7 @@ const Frame& frame_of(const Scene& scene, int64_t index) {
   return scene.frames[size_t(trained()[size_t(index)])];
 }
 
-/// Copies that bring a batch over: one a image, one a mask.
+/// Copies that bring a batch over: one an image, one a mask.
 int64_t copies_of(const Scene& scene, const std::vector<int64_t>& indices) {
   int64_t copies = 0;
   for (const int64_t index : indices) copies += frame_of(scene, index).mask.data.empty() ? 1 : 2;

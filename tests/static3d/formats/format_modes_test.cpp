@@ -87,7 +87,7 @@ View view_at(double time) {
   return view;
 }
 
-/// Largest difference of a channel of a image, of 1: about 1.5 × what is measured here (ply 0,
+/// Largest difference of a channel of an image, of 1: about 1.5 × what is measured here (ply 0,
 /// compressed 0.0169, spz 0.0652, splat 0.0033, 4D 0.0157, lossless 0), and what causes it.
 const std::map<std::string, double> kRoundTrip = {
     {"ply", 1e-4},

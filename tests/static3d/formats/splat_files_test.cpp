@@ -341,7 +341,7 @@ TEST(SplatFiles, OfOtherWritersAreAllRead) {
                      {"minimal.ksplat", "splat-transform"});
 }
 
-/// A colour over all, so that a image is not only background.
+/// A colour over all, so that an image is not only background.
 TEST(SplatFiles, ASplatFileOfOthersIsSeen) {
   TESSERA_NEED_DATA(path, "splats/sample.splat");
   SplatFile read = load_splat_file(path);

@@ -137,7 +137,7 @@ TEST(WorldChange, ImagesStayFromMovedCameras) {
     for (const View& view : three_views()) {
       const RenderedImage expected = render_one(model, view);
       EXPECT_GT(coverage(expected), 0.05);
-      // Single rounding of parameters of size 1 to 30: 30 · 6e-8 of a image's width or height.
+      // Single rounding of parameters of size 1 to 30: 30 · 6e-8 of an image's width or height.
       expect_same_image(render_one(moved, view_in_world(world, view)), expected, 2e-5);
     }
   }

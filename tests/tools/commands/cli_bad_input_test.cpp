@@ -53,7 +53,7 @@ TEST(CliBadInput, TruncatedImage) {
   const std::string bytes = work.read(kPicture);
   work.write(kPicture, bytes.substr(0, bytes.size() / 2));
   expect_capture_refused(work, {"r_000.png", "truncated"});
-  work.write(kPicture, "this is not a image");
+  work.write(kPicture, "this is not an image");
   expect_capture_refused(work, {"r_000.png", "is not a PNG"});
 }
 

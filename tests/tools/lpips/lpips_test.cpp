@@ -3,6 +3,7 @@
 // Not: the published network, whose weights are not ours.
 // Source: method 0.25; failure mode D1.
 #include "tools/lpips/lpips.h"
+#include "tests/support/random_image.h"
 
 #include <gtest/gtest.h>
 
@@ -17,13 +18,6 @@
 
 namespace tessera::testing {
 namespace {
-
-Image8 random_image(int width, int height, uint64_t seed) {
-  Random random(seed);
-  Image8 image{width, height, 3, std::vector<uint8_t>(size_t(3 * width * height))};
-  for (uint8_t& byte : image.data) byte = uint8_t(random.below(256));
-  return image;
-}
 
 /// Of values in [−1, 1].
 double mean_distance(const Image8& a, const Image8& b) {

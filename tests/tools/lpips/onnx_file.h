@@ -13,7 +13,7 @@ namespace tessera::testing {
 struct OnnxNetwork {
   std::vector<std::string> inputs{"rendered", "truth"};
   int64_t height = 0, width = 0;  // 0: any
-  bool reduces = true;            // else the output is a image
+  bool reduces = true;            // else the output is an image
   float factor = 2;               // a weight, listed among the inputs as old exporters do
 };
 
