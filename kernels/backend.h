@@ -18,7 +18,6 @@ struct ProjectArgs {
   const ViewBatch<Real>* batch = nullptr;
   GaussianSpans<const Real> sets[2];  // static, dynamic; either may be empty
   RenderOptions options;
-  LazySh<Real> lazy[2];  // of each set's SH
 };
 
 template <class Real>
@@ -73,7 +72,6 @@ struct ProjectBackwardArgs {
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];  // empty spans: not gathered
   RegulariserWeights regulariser;         // into the gradients
-  MotionPairs<Real> pairs;                // of the dynamic set
 };
 
 /// Light from beyond the scene, behind all Gaussians (math/environment.h).
@@ -153,8 +151,6 @@ class BackendOf {
   /// finite.
   virtual void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam,
                            Span<Real> value, Span<Real> moment1, Span<Real> moment2) = 0;
-  /// Every Gaussian's SH coefficients and moments take the steps they are behind.
-  virtual void catch_up(const LazySh<Real>& lazy) = 0;
 
   /// to[i] = from[index[i]] for rows of `width` scalars; index −1 writes zeros, as do rows from
   /// `inherited` on.

@@ -56,7 +56,6 @@ SplatRules<Real> make_splat_rules(const RenderOptions& options) {
           options.filter_2d ? kFilter2d<Real> : kDilation<Real>,
           Real(options.time_filter),
           options.filter_2d,
-          options.filter_2d_full_gradient,
           make_cutoff<Real>(options),
           options.kernels.bounds};
 }

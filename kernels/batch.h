@@ -6,6 +6,7 @@
 #include "kernels/base/buffer.h"
 #include "kernels/base/camera.h"
 #include "kernels/math/blending.h"
+#include "kernels/math/photometric.h"
 #include "kernels/math/spherindrical.h"
 #include "kernels/math/splat_rules.h"
 
@@ -24,9 +25,8 @@ ViewBatch<Real> make_view_batch(const std::vector<View>& views);
 
 /// How the gradient of blending is traversed on a device; the CPU has one way.
 enum class BackwardForm {
-  kSubTile,      // lanes are pixels of an 8 × 4 part of a tile, splats that miss it are skipped
-  kPixel,        // lanes are pixels, every splat of the tile is visited  [3DGS]
-  kPerGaussian,  // lanes are splats, pixels pass through; from checkpoints of the forward pass
+  kSubTile,  // lanes are pixels of an 8 × 4 part of a tile, splats that miss it are skipped
+  kPixel,    // lanes are pixels, every splat of the tile is visited  [3DGS]
 };
 
 /// Techniques of [Faster-GS] that can be taken out one by one, to measure what each contributes.
@@ -51,7 +51,6 @@ struct RenderOptions {
   double truncation_sigma = kTruncationSigma;  // where splats end (Cutoff), standard deviations
   bool truncation_by_falloff = false;          // whatever their opacity
   bool filter_2d = false;                      // dilation 0.1 with compensation, else 0.3 without
-  bool filter_2d_full_gradient = false;        // through the compensation too
   double time_filter = 0;                      // added to σ_t² in the marginal, normalised time²
   KernelSwitches kernels;
 };
@@ -80,8 +79,6 @@ struct alignas(16) Splat {
   Real power;         // of the cut-off ellipse
   int32_t view;
   uint32_t negative;  // bit c: channel c was clamped
-
-  TESSERA_HD Footprint<Real> footprint() const { return {mean2d, conic, power}; }
 };
 
 /// Visible (Gaussian, view) pairs. Those of one Gaussian are neighbours, in the order of views.
@@ -99,7 +96,7 @@ struct Splats {
   Buffer<Splat<Real>> splat;  // [S]
   Buffer<Real> depth;         // [S] world units
   Buffer<TileRect> rect;      // [S]
-  Buffer<int32_t> tiles;      // [S] tiles touched; a splat with none is as good as invisible
+  Buffer<int32_t> tiles;      // [S] tiles of `rect`; a splat with none is as good as invisible
   Buffer<int32_t> gaussian;   // [S] static set first, then dynamic; a device's, else empty
   Buffer<int64_t> first_of;   // [N+1] first splat of each Gaussian
   int64_t instances = 0;      // Σ tiles
@@ -135,16 +132,6 @@ struct Images {
   Buffer<Real> colour;         // [3·pixels] background included, not clamped
   Buffer<Real> transmittance;  // [pixels] light of the background that remains
   Buffer<int32_t> used;        // [pixels] 1 + place in the tile's list of the last blended splat
-};
-
-struct LossWeights {
-  double l1 = 0.8;     // weight of mean |I − G|
-  double dssim = 0.2;  // weight of 1 − SSIM
-};
-
-/// Loss of one view, un-divided by B.
-struct ViewLoss {
-  double l1 = 0, ssim = 0, total = 0;
 };
 
 }  // namespace tessera

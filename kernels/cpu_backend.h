@@ -27,7 +27,6 @@ class CpuBackend final : public BackendOf<Real> {
   void adam(const SinkArgs<Real>& args) override;
   void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam, Span<Real> value,
                    Span<Real> moment1, Span<Real> moment2) override;
-  void catch_up(const LazySh<Real>& lazy) override;
   void gather_rows(Span<const Real> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<Real> to) override;
   void select_rows(const GaussianSpans<const Real>& set,
@@ -46,9 +45,8 @@ class CpuBackend final : public BackendOf<Real> {
  private:
   HostStageClock clock_;
   StepOutcome outcome_;
-  Buffer<Real> velocities_;                         // [N, 3] of the dynamic set, for its pairs
-  Buffer<Real> environment_parts_;                  // [parts] gradients of a map each
-  Buffer<SplatGradient<Real>> instance_gradients_;  // [I] by slot, summed per splat in order
+  Buffer<Real> environment_parts_;                         // [parts] gradients of a map each
+  Buffer<SplatGradient<Real>> instance_gradients_;         // [I] by slot, summed per splat in order
   Buffer<SplatSensitivity<Real>> instance_sensitivities_;  // the same
 };
 

@@ -152,66 +152,16 @@ struct AdamGroups {
 /// What the fused optimizer does for a Gaussian that no view of the batch sees.
 enum class IdleUpdate {
   kDense,  // its step with a zero gradient, like any other: the trajectory of plain Adam
-  kLazy,   // the same for all but SH, which catch up in closed form when they are next seen
   kSkip,   // nothing  [Taming]: not the trajectory of plain Adam
 };
 
-/// SH coefficients that may be behind: those of Gaussian n have taken the steps up to last_step[n]
-/// [method G.3]. `project` brings those that it draws up to date. Empty last_step: none is behind.
-template <class Real>
-struct LazySh {
-  Span<int32_t> last_step;                   // [N] 0: none yet
-  Span<const double> table;                  // lazy_adam_table
-  Span<Real> value, moment1, moment2;        // [N, K, 3]
-  int64_t step = 0;                          // steps that are done
-  Real rate = Real(0), rate_rest = Real(0);  // learning rates of coefficient 0 and of the others
-  // [N, L, K, 3] of kShTime, at rate_rest
-  Span<Real> time_value = {}, time_moment1 = {}, time_moment2 = {};
-  ShBlocks blocks = {};  // as those of the set
-
-  /// The rows of a block.
-  LazySh block(const ShBlock& block) const {
-    if (last_step.empty()) return *this;
-    LazySh out = *this;
-    out.blocks = {};
-    out.last_step = part_of(last_step, block.first, block.count);
-    const int64_t first = 3 * block.sh_first, scalars = 3 * block.count * block.coefficients;
-    for (Span<Real>* all : {&out.value, &out.moment1, &out.moment2})
-      *all = part_of(*all, first, scalars);
-    const int64_t levels = time_value.size / value.size;
-    for (Span<Real>* all : {&out.time_value, &out.time_moment1, &out.time_moment2})
-      *all = part_of(*all, levels * first, levels * scalars);
-    return out;
-  }
-  /// Calls visit(block) for the blocks.
-  template <class Visit>
-  void for_each_block(Visit&& visit) const {
-    const int64_t N = last_step.size;
-    tessera::for_each_block(blocks, N, N > 0 ? int(value.size / (3 * N)) : 0, visit);
-  }
-};
-
 /// Terms of the loss that each Gaussian adds by its parameters alone, not in the losses that are
-/// reported: means over the Gaussians of both sets, or of the dynamic one alone. A view's loss has
-/// those in opacity and scale of what it draws; the others are there whether any view draws a
-/// Gaussian or not, but for IdleUpdate::kSkip  [method B, D.8].
+/// reported: means over the Gaussians of both sets. A view's loss has those of the static Gaussians
+/// that it draws; those of dynamic Gaussians are there whether any view draws them or not, but for
+/// IdleUpdate::kSkip  [method B].
 struct RegulariserWeights {
   double opacity = 0;  // of mean σ(logit)
   double scale = 0;    // of mean e^{s̃}, world units, over the three axes in space of each
-  // of the dynamic set
-  double motion = 0;    // of mean √(‖v‖² + slow²), world units per clip
-  double extent = 0;    // of mean max(0, ln 1/σ_t), σ_t in clip lengths
-  double rigidity = 0;  // of MotionPairs
-  double slow = 1e-6;   // world units per clip: the pull of `motion` and `rigidity` fades below it
-};
-
-/// Gaussians of the dynamic set that are to move alike: `rigidity` weighs the sum over pairs of
-/// affinity·√(‖v_i − v_j‖² + slow²). Every pair stands at both of its ends  [method D.8].
-template <class Real>
-struct MotionPairs {
-  Span<const int64_t> first;  // [N + 1] where the pairs of each Gaussian begin; empty: no pairs
-  Span<const int32_t> other;  // [2 · pairs] the Gaussian at the other end
-  Span<const Real> affinity;  // [2 · pairs]
 };
 
 /// Where a set's gradients go. With `fused` they are consumed by Adam where they arise.
@@ -222,14 +172,12 @@ struct SinkArgs {
   GaussianSpans<Real> value, moment1, moment2;  // ApplyAdam
   AdamGroups<Real> adam;                        // ApplyAdam
   IdleUpdate idle = IdleUpdate::kDense;         // ApplyAdam
-  LazySh<Real> lazy;                            // ApplyAdam with kLazy
 
   /// Of the rows of a block.
   SinkArgs block(const ShBlock& block) const {
     SinkArgs out = *this;
     for (GaussianSpans<Real>* spans : {&out.gradient, &out.value, &out.moment1, &out.moment2})
       *spans = spans->block(block);
-    out.lazy = lazy.block(block);
     return out;
   }
 };

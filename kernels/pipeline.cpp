@@ -9,7 +9,7 @@ namespace tessera {
 template <class Real>
 const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
   batch_ = make_view_batch<Real>(args.views);
-  project_ = {&batch_, {args.sets[0], args.sets[1]}, args.options, {args.lazy[0], args.lazy[1]}};
+  project_ = {&batch_, {args.sets[0], args.sets[1]}, args.options};
   for_backward_ = args.for_backward;
   environment_ = args.environment, environment_.batch = &batch_;
   StageClock& clock = backend_.clock();
@@ -46,8 +46,7 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
       backend_.environment_backward(environment_, images_, d_colour_.span(), args.d_environment);
     backend_.blend_backward({blend_args(), &images_, d_colour_.span()}, d_splats_.span());
   }
-  ProjectBackwardArgs<Real> project{project_, &splats_,         d_splats_.span(), {},
-                                    {},       args.regulariser, args.pairs};
+  ProjectBackwardArgs<Real> project{project_, &splats_, d_splats_.span(), {}, {}, args.regulariser};
   for (int set = 0; set < 2; ++set) {
     project.sinks[set] = args.sinks[set];
     project.statistics[set] = args.statistics[set];

@@ -21,7 +21,6 @@ struct BackwardArgs {
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];
   RegulariserWeights regulariser;
-  MotionPairs<Real> pairs;
   Span<Real> d_environment = {};  // [H, 2H, 3] written where the forward pass had an environment
 };
 
@@ -31,7 +30,6 @@ struct ForwardArgs {
   GaussianSpans<const Real> sets[2];  // static, dynamic
   std::vector<View> views;
   RenderOptions options;
-  LazySh<Real> lazy[2];
   bool for_backward = false;
   EnvironmentArgs<Real> environment = {};  // its batch is the pipeline's
 };
@@ -61,7 +59,7 @@ class Pipeline {
                               const GaussianSpans<const Real>& dynamic_set,
                               const std::vector<View>& views, const RenderOptions& options,
                               bool for_backward = false) {
-    return forward({{static_set, dynamic_set}, views, options, {}, for_backward});
+    return forward({{static_set, dynamic_set}, views, options, for_backward});
   }
   /// Loss of each view of the last forward, un-divided by B; `outcome` has it.
   void loss(const Target& target, bool for_backward = false);

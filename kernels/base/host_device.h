@@ -2,20 +2,16 @@
 // Not: anything that selects a backend; backends are chosen at link time (backend.h).
 #pragma once
 
-// TESSERA_ONE_COPY: for a function whose calls must all round alike. Inlined into different loops,
-// the same products may be contracted to different fused multiply-adds.
 // TESSERA_UNROLL: before a short loop over an array that must stay in registers.
 
 #if defined(__CUDACC__)
 #include <cuda.h>
 #define TESSERA_HD __host__ __device__
-#define TESSERA_ONE_COPY  // project.cu and bin.cu are compiled without contraction instead
 #define TESSERA_UNROLL _Pragma("unroll")
 #ifndef GLM_FORCE_CUDA
 #define GLM_FORCE_CUDA
 #endif
 #else
 #define TESSERA_HD
-#define TESSERA_ONE_COPY [[gnu::noinline, gnu::noclone]]
 #define TESSERA_UNROLL
 #endif

@@ -1,13 +1,12 @@
 // What: what all sums over a splat's pixels read and write; a pixel's step of the gradient.
-// Not: the forms of the walk (splat_sums.cuh, blend_backward_per_gaussian.cu).
+// Not: the walk (splat_sums.cuh).
 #pragma once
 #include "kernels/cuda/tile_block.cuh"
 
 namespace tessera {
 
-inline constexpr int kSegment = 128;      // splats between two checkpoints where lists are cut
-inline constexpr int kGradientTerms = 9;  // floats of a SplatGradient
-static_assert(sizeof(SplatGradient<float>) == kGradientTerms * sizeof(float));
+inline constexpr int kSegment = 128;  // splats between two checkpoints where lists are cut
+static_assert(sizeof(SplatGradient<float>) == kSplatGradientTerms * sizeof(float));
 
 struct BlendBackward {
   const ViewArgs<float>* views;
@@ -41,10 +40,10 @@ struct BlendBackward {
 /// A pixel on its way back through the splats.
 struct PixelBackward {
   using Args = BlendBackward;
-  static constexpr int kTerms = kGradientTerms;
-  float x = 0, y = 0;  // centre
-  float T = 1, R = 0;  // light that is left; ⟨colour still to come, dL/dC⟩
-  float g0 = 0, g1 = 0, g2 = 0;
+  static constexpr int kTerms = kSplatGradientTerms;
+  float x = 0, y = 0;               // centre
+  float T = 1, R = 0;               // light that is left; ⟨colour still to come, dL/dC⟩
+  Vec3<float> g{0.0f, 0.0f, 0.0f};  // dL/dC
   int32_t used = 0;
 
   __device__ PixelBackward() = default;
@@ -53,36 +52,22 @@ struct PixelBackward {
       : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(before.w) {
     if (!at.inside) return;
     const int64_t c0 = at.colour_at(0), c1 = at.colour_at(1), c2 = at.colour_at(2);
-    g0 = a.d_colour[c0], g1 = a.d_colour[c1], g2 = a.d_colour[c2];
-    R = g0 * (a.colour[c0] - before.x) + g1 * (a.colour[c1] - before.y) +
-        g2 * (a.colour[c2] - before.z);
+    g = {a.d_colour[c0], a.d_colour[c1], a.d_colour[c2]};
+    R = g[0] * (a.colour[c0] - before.x) + g[1] * (a.colour[c1] - before.y) +
+        g[2] * (a.colour[c2] - before.z);
     used = a.used[at.index];
   }
 
   /// Takes its step past a splat and adds its share of the splat's gradient, in the order of
   /// SplatGradient but for the factors of `scale`.
   __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on,
-                       float (&v)[kGradientTerms]) {
-    const float alpha = on ? p.alpha : 0.0f;
-    const float weight = T * alpha, rest = 1.0f - alpha;
-    const float kappa = s.b.z * g0 + s.b.w * g1 + s.c.x * g2;
-    R -= weight * kappa;
-    const float beyond = __fdividef(R, fmaxf(rest, kMinOneMinusAlpha<float>));
-    const float d_alpha = on ? T * kappa - beyond : 0.0f;
-    T *= rest;
-    const float h = -alpha * d_alpha, hx = h * p.dx, hy = h * p.dy;
-    v[0] += h * p.gx, v[1] += h * p.gy;
-    v[2] += hx * p.dx, v[3] += hx * p.dy, v[4] += hy * p.dy;
-    v[5] += p.falloff * d_alpha;
-    v[6] += weight * g0, v[7] += weight * g1, v[8] += weight * g2;
+                       float (&v)[kSplatGradientTerms]) {
+    blend_backward_step(p, on, s.colour(), g, T, R, [&](int k, float term) { v[k] += term; });
   }
   /// What sums of `step` still have to be multiplied with.
   __device__ static float scale(int term) {
     return term < 2 ? 1.0f / kExponent : term < 5 ? 0.5f : 1.0f;
   }
 };
-
-/// Lanes as splats; needs checkpoints.
-void launch_per_gaussian(const BlendBackward& args, int64_t instances, cudaStream_t stream);
 
 }  // namespace tessera

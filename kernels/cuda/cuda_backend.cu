@@ -89,9 +89,8 @@ StepOutcome CudaBackend::outcome() {
   outcome.bad_values = counters_host_.data()[1].bad_values != 0;
   for (size_t b = 0; b < loss_views_.size(); ++b) {
     const double samples = 3.0 * loss_views_[b].width * loss_views_[b].height;
-    const double l1 = loss_sums_host_.data()[2 * b] / samples;
-    const double ssim = loss_sums_host_.data()[2 * b + 1] / samples;
-    outcome.losses.push_back({l1, ssim, loss_weights_.l1 * l1 + loss_weights_.dssim * (1 - ssim)});
+    outcome.losses.push_back(view_loss(loss_weights_, loss_sums_host_.data()[2 * b],
+                                       loss_sums_host_.data()[2 * b + 1], samples));
   }
   const double* const d_gain = loss_sums_host_.data() + 2 * loss_views_.size();
   for (int64_t i = 0; i < loss_sums_.size() - 2 * int64_t(loss_views_.size()); i += 3)

@@ -73,7 +73,6 @@ class CudaBackend final : public Backend {
   void adam(const SinkArgs<float>& args) override;
   void adam_values(Span<const float> gradient, const AdamScalars<float>& adam, Span<float> value,
                    Span<float> moment1, Span<float> moment2) override;
-  void catch_up(const LazySh<float>& lazy) override;
   void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<float> to) override;
   void select_rows(const GaussianSpans<const float>& set,
@@ -136,10 +135,9 @@ class CudaBackend final : public Backend {
 
   Buffer<int32_t> visible_{memory_};       // [N] how many views draw a Gaussian
   Buffer<uint32_t> seen_by_{memory_};      // [N, words] a bit for each of them
-  Buffer<float> velocities_{memory_};      // [N, 3] of the dynamic set, for its pairs
   Buffer<uint8_t> scratch_{memory_};       // of the stage that runs
   Buffer<uint8_t> sort_scratch_{memory_};  // of the library's sorts and scans
-  int checkpoint_interval_ = 0;            // splats between two of the last blend; 0: none
+  bool has_checkpoints_ = false;           // of the last blend
   Buffer<float4> checkpoints_{memory_};    // [checkpoints, 256] colour and T
   Buffer<int64_t> bucket_begin_{memory_};  // [tiles+1]
   Buffer<float> instance_sums_{memory_};   // [parts, I, terms] when they are added in order

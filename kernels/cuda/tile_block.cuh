@@ -84,6 +84,7 @@ struct alignas(16) SharedSplat {
   float4 b;  // conic yy, opacity, colour r, g
   float4 c;  // colour b, power, view, negative
 
+  __device__ Vec3<float> colour() const { return {b.z, b.w, c.x}; }
   __device__ static SharedSplat load(const Splat<float>* splat) {
     const float4* from = reinterpret_cast<const float4*>(splat);
     SharedSplat s{from[0], from[1], from[2]};
@@ -112,10 +113,8 @@ __device__ inline float exp2_approximate(float x) {
   return result;
 }
 
-/// Response of a splat at a pixel: offset, scaled conic · offset, falloff, α  (splat_falloff).
-struct PixelResponse {
-  float dx, dy, gx, gy, falloff, alpha;
-
+/// Response of a splat at a pixel, its conic times kExponent  (splat_falloff).
+struct PixelResponse : SplatAtPixel<float> {
   __device__ PixelResponse() {}
   __device__ PixelResponse(const SharedSplat& s, float x, float y) {  // pixel centre
     dx = s.a.x - x, dy = s.a.y - y;

@@ -20,6 +20,18 @@ TESSERA_HD inline Real splat_falloff(const Sym2<Real>& conic, Real dx, Real dy) 
   return fast_exp(min_of(e, Real(0)));
 }
 
+/// A pixel's step past a splat of that α (0: it is not drawn): its colour gains T·α·c, and T is
+/// what is left behind the splat afterwards.
+template <class Real>
+TESSERA_HD inline void blend_step(Real alpha, const Vec3<Real>& colour, Real& red, Real& green,
+                                  Real& blue, Real& transmittance) {
+  const Real weight = transmittance * alpha;
+  red += weight * colour[0];
+  green += weight * colour[1];
+  blue += weight * colour[2];
+  transmittance *= Real(1) - alpha;
+}
+
 /// Gradient of one splat, summed over pixels.
 template <class Real>
 struct SplatGradient {
@@ -30,10 +42,56 @@ struct SplatGradient {
 
   TESSERA_HD SplatGradient& operator+=(const SplatGradient& o) {
     mean2d += o.mean2d;
-    conic.xx += o.conic.xx, conic.xy += o.conic.xy, conic.yy += o.conic.yy;
-    opacity += o.opacity, colour += o.colour;
+    conic.xx += o.conic.xx;
+    conic.xy += o.conic.xy;
+    conic.yy += o.conic.yy;
+    opacity += o.opacity;
+    colour += o.colour;
     return *this;
   }
 };
+
+/// How a splat meets a pixel.
+template <class Real>
+struct SplatAtPixel {
+  Real dx, dy;   // mean2d − pixel centre
+  Real gx, gy;   // conic · (dx, dy), or a multiple of it
+  Real falloff;  // G
+  Real alpha;    // o·p·G
+};
+
+inline constexpr int kSplatGradientTerms = 9;  // scalars of a SplatGradient
+
+/// A pixel's step past a splat, backward: calls add(k, term) with its share of the k-th scalar of
+/// the splat's gradient, in the order of SplatGradient. `drawn`: whether the splat is drawn there;
+/// `g`: dL/dC; `remaining`: R = ⟨colour still to come, g⟩, in front of the splat before and behind
+/// it afterwards, as T is  [method A.11]. The share of the conic is twice its gradient, and that of
+/// mean2d by gx and gy as they are given.
+template <class Real, class Add>
+TESSERA_HD inline void blend_backward_step(const SplatAtPixel<Real>& at, bool drawn,
+                                           const Vec3<Real>& colour, const Vec3<Real>& g,
+                                           Real& transmittance, Real& remaining, Add&& add) {
+  const Real alpha = drawn ? at.alpha : Real(0);
+  const Real weight = transmittance * alpha;
+  const Real kappa = colour[0] * g[0] + colour[1] * g[1] + colour[2] * g[2];
+  remaining -= weight * kappa;
+  // by the α of any splat: where none is drawn the quotient is not used, and loops stay vectors
+  const Real rest = max_of(Real(1) - at.alpha, kMinOneMinusAlpha<Real>);
+  const Real beyond = fast_divide(remaining, rest);
+  const Real d_alpha = drawn ? transmittance * kappa - beyond : Real(0);
+  const Real h = -alpha * d_alpha;
+  const Real hx = h * at.dx;
+  const Real hy = h * at.dy;
+  add(0, h * at.gx);
+  add(1, h * at.gy);
+  add(2, hx * at.dx);
+  add(3, hx * at.dy);
+  add(4, hy * at.dy);
+  add(5, at.falloff * d_alpha);
+  add(6, weight * g[0]);
+  add(7, weight * g[1]);
+  add(8, weight * g[2]);
+  transmittance *= Real(1) - alpha;
+}
 
 }  // namespace tessera

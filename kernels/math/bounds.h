@@ -1,7 +1,8 @@
-// What: how far a splat reaches: its cut-off ellipse, its tile rectangle, the exact test per tile.
-// Not: the loop that counts or writes instances: `for_each_tile` is the one function both use, so
-// that a count can never differ from a fill.
-// Source: [StopThePop] tile culling, [Faster-GS] opacity-aware bounds; method A.6, A.7, C.3.
+// What: how far a splat reaches: its cut-off ellipse, its tile rectangle, its response in a
+// rectangle.
+// Not: a test of each tile: an instance where a splat draws nothing costs less than the test
+// (docs/performance.md).
+// Source: [Faster-GS] opacity-aware bounds; [StopThePop] least_power_in; method A.6, A.7, C.3.
 #pragma once
 #include "kernels/math/ewa.h"
 
@@ -60,10 +61,8 @@ Cutoff<Real> make_cutoff(double sigma, bool by_falloff) {
 /// How tightly a splat's tiles are found. No choice changes an image: pixels are cut off by
 /// themselves. Looser bounds only list splats in tiles where they draw nothing.
 struct BoundsOptions {
-  bool rectangular = true;     // else a square of the longer half extent  [3DGS]
-  bool opacity_aware = true;   // else every splat reaches as far as an opaque one
-  bool tile_culling = true;    // else every tile of the bounding box
-  bool row_intervals = false;  // tiles of a row by its interval, instead of a test for each tile
+  bool rectangular = true;    // else a square of the longer half extent  [3DGS]
+  bool opacity_aware = true;  // else every splat reaches as far as an opaque one
 };
 
 /// Tiles [x0, x1) × [y0, y1) of one view.
@@ -72,14 +71,6 @@ struct TileRect {
   TESSERA_HD bool empty() const { return x0 >= x1 || y0 >= y1; }
   /// Fits: make_view_batch refuses views with more tiles.
   TESSERA_HD int area() const { return (x1 - x0) * (y1 - y0); }
-};
-
-/// What the tile test needs of a splat.
-template <class Real>
-struct Footprint {
-  Vec2<Real> mean2d;  // pixels
-  Sym2<Real> conic;   // pixels⁻²
-  Real power;         // ½ dᵀ conic d ≤ power is drawn
 };
 
 /// First and last+1 tile along one axis; −0.5 because only pixel centres are sampled. Computed in
@@ -142,72 +133,11 @@ TESSERA_HD inline Real least_power_in(const Vec2<Real>& mean2d, const Sym2<Real>
   return Real(0.5) * (c.xx * qx * qx + c.yy * qy * qy) + c.xy * qx * qy;
 }
 
-/// Whether the splat reaches the cut-off at some pixel-centre position of the tile. One copy:
-/// splats are counted with it in one stage and written with it in another.
-template <class Real>
-TESSERA_HD TESSERA_ONE_COPY inline bool touches_tile(const Footprint<Real>& splat, int tile_x,
-                                                     int tile_y) {
-  const Real half = Real(0.5), span = Real(kTileSize - 1);
-  return least_power_in(splat.mean2d, splat.conic, Real(tile_x * kTileSize) + half,
-                        Real(tile_y * kTileSize) + half, span, span) <= splat.power;
-}
-
-/// The tiles [first, last) of a row that the cut-off ellipse reaches: the hull of its intersections
-/// with the row's two outer lines of pixel centres, and of its extreme points between them. O(1)
-/// for a row of any length  [Speedy-Splat].
-template <class Real>
-TESSERA_HD TESSERA_ONE_COPY inline void row_interval(const Footprint<Real>& splat,
-                                                     const TileRect& rect, int tile_y, int& first,
-                                                     int& last) {
-  const Sym2<Real>& c = splat.conic;
-  const Real det = c.xx * c.yy - c.xy * c.xy;
-  const Real y0 = Real(tile_y * kTileSize) + Real(0.5) - splat.mean2d[1];
-  const Real y1 = y0 + Real(kTileSize - 1);
-  // x of the ellipse's leftmost and rightmost points, and the y at which they lie
-  const Real reach = sqrt(Real(2) * splat.power * c.yy / det);
-  const Real slope = -c.xy / c.yy;  // y = slope·x at the extremes
-  Real low = Real(0), high = Real(0);
-  bool any = false;
-  const auto cut = [&](Real y) {
-    const Real inside = Real(2) * splat.power * c.xx - det * y * y;
-    if (!(inside >= Real(0))) return;
-    const Real root = sqrt(inside), middle = -c.xy * y;
-    const Real a = (middle - root) / c.xx, b = (middle + root) / c.xx;
-    low = any ? min_of(low, a) : a;
-    high = any ? max_of(high, b) : b;
-    any = true;
-  };
-  cut(y0), cut(y1);
-  for (int side = -1; side <= 1; side += 2) {
-    const Real x = Real(side) * reach, y = slope * x;
-    if (!(y >= y0 && y <= y1)) continue;
-    low = any ? min_of(low, x) : x;
-    high = any ? max_of(high, x) : x;
-    any = true;
-  }
-  first = last = rect.x0;
-  if (!any) return;
-  // pixel centres between low and high
-  const Real limit_low = Real(rect.x0) * Real(kTileSize), limit_high = Real(rect.x1 * kTileSize);
-  const Real begin = ceil(clamp_to(splat.mean2d[0] + low - Real(0.5), limit_low, limit_high));
-  const Real end = floor(
-      clamp_to(splat.mean2d[0] + high - Real(0.5), limit_low - Real(1), limit_high - Real(1)));
-  if (end < begin) return;
-  first = int(begin) / kTileSize;
-  last = int(end) / kTileSize + 1;
-}
-
-/// Calls visit(tile_y · tiles_x + tile_x) for each tile that the splat is drawn in, row by row.
-template <class Real, class Visit>
-TESSERA_HD inline void for_each_tile(const BoundsOptions& options, const Footprint<Real>& splat,
-                                     const TileRect& rect, int tiles_x, Visit&& visit) {
-  for (int y = rect.y0; y < rect.y1; ++y) {
-    int first = rect.x0, last = rect.x1;
-    if (options.tile_culling && options.row_intervals) row_interval(splat, rect, y, first, last);
-    const bool test = options.tile_culling && !options.row_intervals;
-    for (int x = first; x < last; ++x)
-      if (!test || touches_tile(splat, x, y)) visit(y * tiles_x + x);
-  }
+/// Calls visit(tile_y · tiles_x + tile_x) for each tile of a splat, row by row.
+template <class Visit>
+TESSERA_HD inline void for_each_tile(const TileRect& rect, int tiles_x, Visit&& visit) {
+  for (int y = rect.y0; y < rect.y1; ++y)
+    for (int x = rect.x0; x < rect.x1; ++x) visit(y * tiles_x + x);
 }
 
 }  // namespace tessera

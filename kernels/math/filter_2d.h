@@ -18,16 +18,4 @@ TESSERA_HD inline Real compensation(const Sym2<Real>& conic, Real dilation) {
   return sqrt(max_of(Real(0), x * y - xy * xy));
 }
 
-/// Adds the gradient by the conic (symmetric convention). Nothing where comp is 0.
-template <class Real>
-TESSERA_HD inline void compensation_backward(const Sym2<Real>& conic, Real dilation, Real comp,
-                                             Real d_comp, Sym2<Real>& d_conic) {
-  constexpr Real kLeast = Real(1e-6);  // of 2·comp
-  if (!(comp > Real(0))) return;
-  const Real d_square = d_comp / max_of(Real(2) * comp, kLeast) * dilation;
-  d_conic.xx -= d_square * (Real(1) - dilation * conic.yy);
-  d_conic.xy -= d_square * dilation * conic.xy;
-  d_conic.yy -= d_square * (Real(1) - dilation * conic.xx);
-}
-
 }  // namespace tessera

@@ -16,7 +16,6 @@ enum class RandomStream : uint32_t {
   kSplit = 3,
   kRelocation = 4,
   kPositionNoise = 5,
-  kTime = 6,
   kValidationSplit = 9
 };
 

@@ -28,6 +28,12 @@ TESSERA_HD inline Real level_weight(const ColourRules<Real>& rules, int n, Real 
   return cos_turns(Real(n) * delta / rules.period);
 }
 
+/// dL/dc_nk of one colour channel, for Y_k at the viewing direction and the level's weight.
+template <class Real>
+TESSERA_HD inline Real sh_gradient(Real Y, Real weight, Real d_colour) {
+  return weight * Y * d_colour;
+}
+
 /// d cos(2πnΔ/T)/dμ_t = 2πn/T·sin(2πnΔ/T), because dΔ/dμ_t = −1.
 template <class Real>
 TESSERA_HD inline Real level_slope(const ColourRules<Real>& rules, int n, Real delta) {

@@ -28,10 +28,6 @@ struct ViewSplat {
   Real opacity;  // effective: o·p, with the 2D filter o·p·comp
   Real power;    // of the cut-off ellipse
   TileRect rect;
-
-  TESSERA_HD Footprint<Real> footprint() const {
-    return {projection.mean2d, projection.conic, power};
-  }
 };
 
 /// Direction from the camera to the Gaussian, and its length.

@@ -12,7 +12,6 @@ struct SplatRules {
   Real dilation;               // κ, pixels²
   Real time_filter;            // f, normalised time²: added to σ_t² in the marginal
   bool compensated;            // 2D filter: opacities are multiplied by comp
-  bool full_gradient;          // 2D filter: comp is differentiated, else taken as constant
   Cutoff<Real> cutoff;
   BoundsOptions bounds;
 };

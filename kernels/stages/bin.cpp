@@ -1,5 +1,5 @@
 // What: splats → tile instances: depth order once, then a stable counting sort by tile.
-// Not: the tile test (math/bounds.h), which project used for the counts that this stage trusts.
+// Not: the rectangles of tiles, which are `project`'s.
 // Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.9.
 #include <type_traits>
 
@@ -23,7 +23,7 @@ template <class Real, class Visit>
 void visit_tiles(const BinArgs<Real>& args, int64_t s, Visit&& visit) {
   const Splat<Real>& splat = args.splats->splat[s];
   const ViewArgs<Real>& view = args.batch->views[size_t(splat.view)];
-  for_each_tile(args.options.kernels.bounds, splat.footprint(), args.splats->rect[s], view.tiles_x,
+  for_each_tile(args.splats->rect[s], view.tiles_x,
                 [&](int tile) { visit(view.first_tile + tile); });
 }
 

@@ -1,6 +1,5 @@
 // What: splats → tile instances on the device: depth order once, then a stable sort by tile.
-// Not: the tile test (math/bounds.h, walked in cuda/tile_walk.cuh), which project has counted with.
-// Compiled without contraction to fused multiply-adds, as project.cu.
+// Not: the rectangles of tiles, which are `project`'s.
 // Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.8, A.9.
 #include "kernels/base/count_limit.h"
 #include "kernels/base/errors.h"
@@ -41,31 +40,31 @@ struct InstanceTarget {
 /// The splat of rank r in `order` (null: as they stand) writes its tiles from offset[r] on.
 template <class Key>
 __global__ void __launch_bounds__(kThreads)
-    write_instances(BoundsOptions bounds, bool balanced, const ViewArgs<float>* views,
-                    const Splat<float>* splats, const TileRect* rects, const int32_t* order,
-                    const int64_t* offset, int64_t count, InstanceTarget<Key> target,
-                    int64_t* first_of) {
+    write_instances(bool balanced, const ViewArgs<float>* views, const Splat<float>* splats,
+                    const TileRect* rects, const int32_t* order, const int64_t* offset,
+                    int64_t count, InstanceTarget<Key> target, int64_t* first_of) {
   const int64_t r = int64_t(blockIdx.x) * kThreads + threadIdx.x;
   const bool on = r < count;
   const int32_t s = on ? (order != nullptr ? order[r] : int32_t(r)) : 0;
-  Splat<float> splat{};
   TileRect rect{};
   int64_t entry = 0, first_tile = 0;
   int tiles_x = 0;
   if (on) {
-    splat = splats[s], rect = rects[s], entry = offset[r];
-    first_tile = views[splat.view].first_tile, tiles_x = views[splat.view].tiles_x;
+    const ViewArgs<float>& view = views[splats[s].view];
+    rect = rects[s];
+    entry = offset[r];
+    first_tile = view.first_tile;
+    tiles_x = view.tiles_x;
     if (first_of != nullptr) first_of[s] = entry;
   }
   const int64_t begin = entry;
   walk_tiles(
-      bounds, balanced, splat.footprint(), rect, tiles_x,
-      [&](int tile) { target.write(entry++, first_tile + tile, s); },
-      [&](int owner, bool hit, int tile, int place) {
+      balanced, rect, tiles_x, [&](int tile) { target.write(entry++, first_tile + tile, s); },
+      [&](int owner, bool listed, int tile, int place) {
         const int64_t their_entry = __shfl_sync(~0u, begin, owner) + place;
         const int64_t their_tile = __shfl_sync(~0u, first_tile, owner) + tile;
         const int32_t their_splat = __shfl_sync(~0u, s, owner);
-        if (hit) target.write(their_entry, their_tile, their_splat);
+        if (listed) target.write(their_entry, their_tile, their_splat);
       });
 }
 
@@ -136,8 +135,8 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
   }
   const InstanceTarget<Key> target{keys.data, values.data, splat_of.data, splats.depth.data()};
   write_instances<Key><<<grid_of(S, kThreads), kThreads, 0, stream_>>>(
-      switches.bounds, switches.balanced_instances, views_of(*args.batch), splats.splat.data(),
-      splats.rect.data(), separate ? out.depth_order.data() : nullptr, offsets.data, S, target,
+      switches.balanced_instances, views_of(*args.batch), splats.splat.data(), splats.rect.data(),
+      separate ? out.depth_order.data() : nullptr, offsets.data, S, target,
       slots ? out.first_of.data() : nullptr);
   check_launch("bin: write_instances");
   const int bits = bits_of(args.batch->tiles) + (separate ? 0 : 32);

@@ -20,18 +20,16 @@ template <bool ByFalloff, class Real>
 void blend_row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int32_t index,
                TileState<Real>& state) {
   const Real dy = splat.dy0 - Real(y);
-  Real* T = state.transmittance[y];
+  Real* const red = state.colour[0][y];
+  Real* const green = state.colour[1][y];
+  Real* const blue = state.colour[2][y];
+  Real* const T = state.transmittance[y];
   int32_t* used = state.used[y];
   for (int x = 0; x < kTileSize; ++x) {
     const Real G = splat_falloff(splat.conic, splat.dx0 - Real(x), dy);
     const Real alpha = splat.opacity * G;
     const bool on = cutoff.template draws<ByFalloff>(alpha, G) && T[x] >= kMinTransmittance<Real>;
-    const Real drawn = on ? alpha : Real(0);
-    const Real weight = T[x] * drawn;
-    state.colour[0][y][x] += weight * splat.colour[0];
-    state.colour[1][y][x] += weight * splat.colour[1];
-    state.colour[2][y][x] += weight * splat.colour[2];
-    T[x] *= Real(1) - drawn;
+    blend_step(on ? alpha : Real(0), splat.colour, red[x], green[x], blue[x], T[x]);
     used[x] = on ? index + 1 : used[x];
   }
 }

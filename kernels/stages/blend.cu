@@ -24,7 +24,6 @@ struct Blend {
   int32_t* used;
   float4* checkpoints;          // [checkpoints, 256] colour and T
   const int64_t* bucket_begin;  // [tiles+1] first of each tile
-  int interval;                 // splats between two
 };
 
 /// A pixel on its way through the splats.
@@ -42,9 +41,7 @@ struct PixelForward {
   __device__ void blend(const SharedSplat& s, const Cutoff<float>& cutoff, int32_t number) {
     const PixelResponse p(s, x, y);
     const bool on = cutoff.draws(p.alpha, p.falloff) && alive();
-    const float alpha = on ? p.alpha : 0.0f, weight = T * alpha;
-    red += weight * s.b.z, green += weight * s.b.w, blue += weight * s.c.x;
-    T *= 1.0f - alpha;
+    blend_step(on ? p.alpha : 0.0f, s.colour(), red, green, blue, T);
     used = on ? number : used;
   }
 };
@@ -67,8 +64,8 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) blend_tiles(Blend
   WarpSplats splats(a.splats, a.instance + first, 0, int32_t(a.tile_begin[tile + 1] - first),
                     shared[threadIdx.x / 32]);
   while (!splats.done() && __any_sync(~0u, alive())) {
-    if (Checkpoint && splats.next_begin() % a.interval == 0) {
-      const int64_t bucket = a.bucket_begin[tile] + splats.next_begin() / a.interval;
+    if (Checkpoint && splats.next_begin() % kSegment == 0) {
+      const int64_t bucket = a.bucket_begin[tile] + splats.next_begin() / kSegment;
       for (int p = 0; p < Pixels; ++p)
         a.checkpoints[bucket * kTilePixels + part.pixel(p).number] = pixel[p].state();
     }
@@ -91,11 +88,10 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) blend_tiles(Blend
   }
 }
 
-__global__ void count_buckets(const int64_t* tile_begin, int64_t tiles, int interval,
-                              int32_t* buckets) {
+__global__ void count_buckets(const int64_t* tile_begin, int64_t tiles, int32_t* buckets) {
   const int64_t t = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
   if (t < tiles)
-    buckets[t] = int32_t((tile_begin[t + 1] - tile_begin[t] + interval - 1) / interval);
+    buckets[t] = int32_t((tile_begin[t + 1] - tile_begin[t] + kSegment - 1) / kSegment);
 }
 
 }  // namespace
@@ -104,11 +100,11 @@ void CudaBackend::reserve_checkpoints(const BlendArgs<float>& args) {
   const int64_t tiles = args.batch->tiles;
   Buffer<int32_t> buckets(tiles, memory_);
   count_buckets<<<grid_of(tiles, 256), 256, 0, stream_>>>(args.instances->tile_begin.data(), tiles,
-                                                          checkpoint_interval_, buckets.data());
+                                                          buckets.data());
   bucket_begin_.resize(tiles + 1);
   exclusive_sums(stream_, buckets.span(), bucket_begin_.span(), sort_scratch_);
   // every tile's last bucket may be incomplete: no more than this, whatever the lists are
-  checkpoints_.resize((args.instances->count / checkpoint_interval_ + tiles) * kTilePixels);
+  checkpoints_.resize((args.instances->count / kSegment + tiles) * kTilePixels);
 }
 
 /// With few tiles, lanes of one pixel and lists cut into segments keep the device busy; with many,
@@ -124,13 +120,9 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
   images.transmittance.resize(args.batch->pixels);
   images.used.resize(args.batch->pixels);
   const bool small = is_small(*args.batch);
-  checkpoint_interval_ = 0;
-  if (args.for_backward && !switches.deterministic) {
-    if (switches.backward == BackwardForm::kPerGaussian) checkpoint_interval_ = kBucket;
-    if (switches.backward == BackwardForm::kSubTile && small) checkpoint_interval_ = kSegment;
-  }
-  const bool keep = checkpoint_interval_ > 0;
-  if (keep) reserve_checkpoints(args);
+  has_checkpoints_ = args.for_backward && !switches.deterministic && small &&
+                     switches.backward == BackwardForm::kSubTile;
+  if (has_checkpoints_) reserve_checkpoints(args);
   Blend a{views_of(*args.batch),
           int(args.batch->views.size()),
           args.instances->tile_begin.data(),
@@ -143,8 +135,7 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
           images.transmittance.data(),
           images.used.data(),
           checkpoints_.data(),
-          bucket_begin_.data(),
-          checkpoint_interval_};
+          bucket_begin_.data()};
   for (int c = 0; c < 3; ++c) a.background[c] = float(args.options.background[c]);
   const auto launch = [&](auto pixels, auto cull, auto checkpoint) {
     constexpr int kPixels = decltype(pixels)::value;
@@ -160,9 +151,9 @@ void CudaBackend::blend(const BlendArgs<float>& args, Images<float>& images) {
   const auto by_size = [&](auto checkpoint) {
     small ? by_cull(One(), checkpoint) : by_cull(Two(), checkpoint);
   };
-  keep ? by_size(std::true_type()) : by_size(std::false_type());
+  has_checkpoints_ ? by_size(std::true_type()) : by_size(std::false_type());
   check_launch("blend: blend_tiles");
-  const double checkpointed = keep ? 16.0 * kTilePixels / checkpoint_interval_ : 0.0;
+  const double checkpointed = has_checkpoints_ ? 16.0 * kTilePixels / kSegment : 0.0;
   clock_.add_bytes(kBlend, double(args.instances->count) * (4 + 48 + checkpointed) +
                                20.0 * double(args.batch->pixels));
 }

@@ -10,7 +10,7 @@ namespace {
 template <class Real>
 struct GradientWalk : WalkState<Real> {
   using Sum = SplatGradient<Real>;
-  static constexpr int kTerms = 9;    // mean2d 2, conic 3, opacity 1, colour 3
+  static constexpr int kTerms = kSplatGradientTerms;
   TileValues<Real> d_colour[3] = {};  // g
   TileValues<Real> remaining = {};    // R
 
@@ -32,37 +32,31 @@ struct GradientWalk : WalkState<Real> {
            Real (&sum)[kTerms][kTileSize]) {
     const Real dy = splat.dy0 - Real(y);
     const Sym2<Real>& conic = splat.conic;
-    const Real *g0 = d_colour[0][y], *g1 = d_colour[1][y], *g2 = d_colour[2][y];
-    Real *T = this->transmittance[y], *R = remaining[y];
+    const Real* const g0 = d_colour[0][y];
+    const Real* const g1 = d_colour[1][y];
+    const Real* const g2 = d_colour[2][y];
+    Real* const T = this->transmittance[y];
+    Real* const R = remaining[y];
     const int32_t* until = this->used[y];
     for (int x = 0; x < kTileSize; ++x) {
       const Real dx = splat.dx0 - Real(x);
       const Real G = splat_falloff(conic, dx, dy);
       const Real alpha = splat.opacity * G;
-      const bool on = cutoff.template draws<ByFalloff>(alpha, G) && index < until[x];
-      const Real drawn = on ? alpha : Real(0);
-      const Real weight = T[x] * drawn;
-      const Real kappa =
-          splat.colour[0] * g0[x] + splat.colour[1] * g1[x] + splat.colour[2] * g2[x];
-      R[x] -= weight * kappa;
-      const Real beyond = R[x] / max_of(Real(1) - drawn, kMinOneMinusAlpha<Real>);
-      const Real d_alpha = on ? T[x] * kappa - beyond : Real(0);
-      const Real h = -drawn * d_alpha;
-      sum[0][x] += h * (conic.xx * dx + conic.xy * dy);
-      sum[1][x] += h * (conic.xy * dx + conic.yy * dy);
-      sum[2][x] += Real(0.5) * h * dx * dx;
-      sum[3][x] += Real(0.5) * h * dx * dy;
-      sum[4][x] += Real(0.5) * h * dy * dy;
-      sum[5][x] += G * d_alpha;
-      sum[6][x] += weight * g0[x];
-      sum[7][x] += weight * g1[x];
-      sum[8][x] += weight * g2[x];
-      T[x] *= Real(1) - drawn;
+      const bool lit = index < until[x];
+      const bool on = cutoff.template draws<ByFalloff>(alpha, G) && lit;
+      const SplatAtPixel<Real> at{
+          dx, dy, conic.xx * dx + conic.xy * dy, conic.xy * dx + conic.yy * dy, G, alpha};
+      blend_backward_step<Real>(at, on, splat.colour, {g0[x], g1[x], g2[x]}, T[x], R[x],
+                                [&](int k, Real term) { sum[k][x] += term; });
     }
   }
 
   static Sum reduced(const Real (&t)[kTerms]) {
-    return {Vec2<Real>(t[0], t[1]), {t[2], t[3], t[4]}, t[5], Vec3<Real>(t[6], t[7], t[8])};
+    constexpr Real kHalf = Real(0.5);  // of blend_backward_step
+    return {Vec2<Real>(t[0], t[1]),
+            {kHalf * t[2], kHalf * t[3], kHalf * t[4]},
+            t[5],
+            Vec3<Real>(t[6], t[7], t[8])};
   }
 };
 

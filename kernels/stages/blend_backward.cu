@@ -1,6 +1,5 @@
 // What: gradient of blending on the device, front to back from the scalar R = ⟨colour still to
-// come, dL/dC⟩: lanes are pixels. The other form, lanes as splats, is in
-// blend_backward_per_gaussian.cu.
+// come, dL/dC⟩: lanes are pixels.
 // Not: the walk through tiles and splats (splat_sums.cuh).
 // Source: method A.11, C.3, G.4.
 #include "kernels/cuda/cuda_backend.h"
@@ -32,16 +31,15 @@ void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
                                  Span<SplatGradient<float>> d_splats) {
   const TileInstances<float>& instances = *args.forward.instances;
   const KernelSwitches& switches = args.forward.options.kernels;
-  const Span<float> sums(reinterpret_cast<float*>(d_splats.data), kGradientTerms * d_splats.size);
+  const Span<float> sums(reinterpret_cast<float*>(d_splats.data),
+                         kSplatGradientTerms * d_splats.size);
   const BlendBackward a = pass_of(args, sums.data);
   clear_sums(sums, stream_);
   const bool cull = switches.backward != BackwardForm::kPixel;
   if (switches.deterministic) {
     cull ? launch_sums_in_order<PixelBackward, true>(a, args.forward, instance_sums_, stream_)
          : launch_sums_in_order<PixelBackward, false>(a, args.forward, instance_sums_, stream_);
-  } else if (switches.backward == BackwardForm::kPerGaussian) {
-    launch_per_gaussian(a, instances.count, stream_);
-  } else if (checkpoint_interval_ == kSegment) {
+  } else if (has_checkpoints_) {
     launch_sums<PixelBackward, 1, true, false, true>(a, instances.count / kSegment + a.tiles,
                                                      stream_);
   } else {

@@ -4,7 +4,7 @@
 // traversal's (IdleUpdate).
 #pragma once
 #include "kernels/gaussians.h"
-#include "kernels/math/lazy_adam.h"
+#include "kernels/math/adam.h"
 #include "kernels/math/spherical_harmonics.h"
 #include "kernels/math/symmetric.h"
 
@@ -86,27 +86,5 @@ struct ApplyAdam {
     return group == kSh && j < 3 ? adam.group[kSh] : adam.sh_rest;
   }
 };
-
-/// Brings scalar j of Gaussian n's SH coefficients and its moments up to date.
-template <class Real>
-TESSERA_HD inline void catch_up_sh(const LazySh<Real>& lazy, const LazyGap<Real>& gap, int64_t at,
-                                   int j) {
-  lazy_catch_up(gap, j < 3 ? lazy.rate : lazy.rate_rest, lazy.value[at + j], lazy.moment1[at + j],
-                lazy.moment2[at + j]);
-}
-
-/// All coefficients of one Gaussian, `width` scalars and the levels of time.
-template <class Real>
-TESSERA_HD inline void catch_up_gaussian(const LazySh<Real>& lazy, int64_t n, int width) {
-  const int64_t last = lazy.last_step[n];
-  if (last >= lazy.step) return;
-  const LazyGap<Real> gap = lazy_gap<Real>(lazy.table.data, last, lazy.step);
-  for (int j = 0; j < width; ++j) catch_up_sh(lazy, gap, n * width, j);
-  const int64_t levels = lazy.time_value.size / lazy.last_step.size;
-  for (int64_t i = n * levels; i < (n + 1) * levels; ++i)
-    lazy_catch_up(gap, lazy.rate_rest, lazy.time_value[i], lazy.time_moment1[i],
-                  lazy.time_moment2[i]);
-  lazy.last_step[n] = int32_t(lazy.step);
-}
 
 }  // namespace tessera

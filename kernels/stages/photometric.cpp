@@ -88,8 +88,7 @@ PlaneLoss plane_loss(const Plane<Real>& plane, const LossWeights& weights, Real 
     convolve(of->data(), width, height, Padding::kZero, s.moments.scratch.data(), of->data());
   const Real l1 = Real(weights.l1) * scale;
   for (size_t p = 0; p < pixels; ++p) {
-    const Real sign = x[p] > y[p] ? Real(1) : (x[p] < y[p] ? Real(-1) : Real(0));
-    const Real d = l1 * sign + s.by_x[p] + Real(2) * x[p] * s.by_xx[p] + y[p] * s.by_xy[p];
+    const Real d = photometric_gradient(l1, x[p], y[p], s.by_x[p], s.by_xx[p], s.by_xy[p]);
     d_x[p] = ignored(p) ? Real(0) : d;
   }
   if (plane.gain != nullptr) loss.d_gain = through_gain(plane, pixels, d_x);
@@ -125,12 +124,13 @@ void CpuBackend<Real>::photometric(const PhotometricArgs<Real>& args, Span<Real>
   outcome_.d_gain.assign(d_colour.empty() ? 0 : args.gain.size(), Vec3<double>(0));
   for (size_t b = 0; b < views.size(); ++b) {
     const double samples = 3.0 * views[b].width * views[b].height;
+    double l1 = 0, ssim = 0;
     for (size_t c = 0; c < 3; ++c) {
-      losses[b].l1 += planes[3 * b + c].l1 / samples;
-      losses[b].ssim += planes[3 * b + c].ssim / samples;
+      l1 += planes[3 * b + c].l1;
+      ssim += planes[3 * b + c].ssim;
       if (!outcome_.d_gain.empty()) outcome_.d_gain[b][int(c)] = planes[3 * b + c].d_gain;
     }
-    losses[b].total = args.weights.l1 * losses[b].l1 + args.weights.dssim * (1 - losses[b].ssim);
+    losses[b] = view_loss(args.weights, l1, ssim, samples);
   }
 }
 

@@ -6,6 +6,7 @@
 // Source: method A.15.
 #include "kernels/cuda/photometric_tile.cuh"
 #include "kernels/math/gain.h"
+#include "kernels/math/photometric.h"
 
 namespace tessera {
 
@@ -147,8 +148,7 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs a
       for (int j = 0; j < 4; ++j) {
         const float b = j < count ? truth_value(__ldg(block.truth + 3 * (p + j))) : 0.0f;
         const float x = block.compared<Gained>(a[j]);
-        const float sign = x > b ? 1.0f : (x < b ? -1.0f : 0.0f);
-        d[j] = l1 * sign + m[0][j] + 2.0f * x * m[1][j] + b * m[2][j];
+        d[j] = photometric_gradient(l1, x, b, m[0][j], m[1][j], m[2][j]);
         if (j < count && !block.counts<Masked>(p + j)) d[j] = 0.0f;
         if constexpr (Gained) {
           const GainGradient<float> through = gain_backward(block.gain, a[j], d[j]);

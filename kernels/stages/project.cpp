@@ -6,7 +6,6 @@
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/elements/load_gaussian.h"
-#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 namespace {
@@ -56,7 +55,6 @@ void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chu
   const GaussianSpans<const Real> set = args.sets[run.set].block(run.block);
   const ColourRules<Real> colours =
       make_colour_rules<Real>(args.options, set.coefficients, set.time_levels);
-  const LazySh<Real> lazy = args.lazy[run.set].block(run.block);
   for (int64_t n = run.begin; n < run.end; ++n) {
     chunk.starts.push_back(int64_t(chunk.records.size()));
     GaussianState<Real> g;
@@ -68,12 +66,8 @@ void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chu
       ViewSplat<Real> splat;
       if (!splat_in_view(views[b], g, rules, splat)) continue;
       Record<Real> record;
-      record.tiles = 0;
-      for_each_tile(rules.bounds, splat.footprint(), splat.rect, views[b].tiles_x,
-                    [&](int) { ++record.tiles; });
-      if (record.tiles == 0) continue;
+      record.tiles = splat.rect.area();
       Splat<Real>& out = record.splat;
-      if (!lazy.last_step.empty()) catch_up_gaussian(lazy, n, 3 * set.coefficients);
       Real distance, room[3 * kMaxShCoefficients];
       const Vec3<Real> direction =
           view_direction(views[b], colours.sliced_direction ? splat.slice.mean : g.mean, distance);

@@ -1,17 +1,15 @@
 // What: Gaussians → splats of every view on the device. One thread a Gaussian finds the views that
 // draw it; after a scan, one thread a splat: in 4D most Gaussians are out of time in most views,
 // and a loop over views would leave most lanes of a warp idle.
-// Not: equations (math/splat.h). Compiled without contraction to fused multiply-adds: the passes
-// must decide alike, and so must the tile test here and in bin.cu.
+// Not: equations (math/splat.h). Compiled without contraction to fused multiply-adds: the two
+// passes must decide alike.
 // Source: method A.5–A.8; order of the splats without atomics: method 0.27.
 #include "kernels/base/count_limit.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
-#include "kernels/cuda/lazy_sh.h"
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sh_registers.cuh"
 #include "kernels/cuda/sort.h"
-#include "kernels/cuda/tile_walk.cuh"
 #include "kernels/elements/load_gaussian.h"
 
 namespace tessera {
@@ -105,22 +103,20 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
 /// One thread a splat; the tiles of each, and of all of them in 64 bits.
 template <Form form>
 __global__ void __launch_bounds__(kThreads)
-    write_splats_of(SetArgs a, SplatTargets out, bool balanced, StepCounters* counters) {
+    write_splats_of(SetArgs a, SplatTargets out, StepCounters* counters) {
   const int64_t s = out.first_of[a.first] + int64_t(blockIdx.x) * kThreads + threadIdx.x;
   const bool on = s < min(out.first_of[a.first + a.set.count], out.capacity);
   Splat<float> splat{};
   TileRect rect{};
-  int tiles_x = 0, count = 0;
+  int count = 0;
   if (on) {
     if (!make_splat<form>(a, out, s, splat, rect) && s == out.first_of[out.gaussian[s]])
       atomicAdd(&counters->invalid, 1u);
-    out.splat[s] = splat, out.rect[s] = rect;
-    tiles_x = a.views[splat.view].tiles_x;
+    count = rect.area();
+    out.splat[s] = splat;
+    out.rect[s] = rect;
+    out.tiles[s] = count;
   }
-  walk_tiles(
-      a.rules.bounds, balanced, splat.footprint(), rect, tiles_x, [&](int) { ++count; },
-      [&](int more) { count += more; });
-  if (on) out.tiles[s] = count;
   unsigned long long sum = (unsigned long long)count;
   for (int step = 16; step > 0; step /= 2) sum += __shfl_down_sync(~0u, sum, step);
   if (threadIdx.x % 32 == 0 && sum > 0) atomicAdd(&counters->instances, sum);
@@ -145,12 +141,10 @@ SetArgs set_args(const ProjectArgs<float>& args, const GaussianSpans<const float
 void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& splats) {
   const int64_t capacity = splats.splat.size();
   const int64_t gaussians = args.sets[0].count + args.sets[1].count;
-  const int64_t behind = max_of(args.lazy[0].last_step.size, args.lazy[1].last_step.size);
   Scratch scratch(scratch_);
-  scratch.plan<int32_t>(capacity), scratch.plan<LazyGap<float>>(behind);
+  scratch.plan<int32_t>(capacity);
   scratch.allocate();
   const Span<int32_t> view = scratch.take<int32_t>(capacity);
-  const Span<LazyGap<float>> gaps = scratch.take<LazyGap<float>>(behind);
   const int words = int(args.batch->views.size() + 31) / 32;
   list_splats<<<grid_of(gaussians, 256), 256, 0, stream_>>>(seen_by_.data(), words, gaussians,
                                                             splats.first_of.data(), capacity,
@@ -162,15 +156,12 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;
     const int64_t first = set == 0 ? 0 : args.sets[0].count;
-    const LazySh<float>& lazy = args.lazy[set];
-    if (!lazy.last_step.empty())
-      launch_catch_up(lazy, splats.first_of.data() + first, gaps.data, stream_);
     for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& rows) {
       const SetArgs a =
           set_args(args, spans.block(rows), first + rows.first, views_of(*args.batch));
       with_form(spans.form, [&](auto form) {
-        write_splats_of<form()><<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(
-            a, out, args.options.kernels.balanced_instances, counters_.data());
+        write_splats_of<form()>
+            <<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(a, out, counters_.data());
       });
     });
   }

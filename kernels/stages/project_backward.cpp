@@ -10,7 +10,6 @@
 #include "kernels/elements/load_gaussian.h"
 #include "kernels/stages/regulariser.h"
 #include "kernels/stages/splat_gradient.h"
-#include "kernels/stages/velocities.h"
 
 namespace tessera {
 namespace {
@@ -31,13 +30,12 @@ void add_sh(const ColourRules<Real>& rules, const ColourGradient<Real>& colour,
             GaussianGradient<Real>& out) {
   Real Y[kMaxShCoefficients];
   sh_basis(rules.degree, colour.direction, Y);
-  for (int k = 0; k < sh_coefficients(rules.degree); ++k)
-    for (int c = 0; c < 3; ++c) out.sh[3 * k + c] += Y[k] * colour.d_colour[c];
-  for (int n = 1; n <= rules.levels; ++n) {
-    const Real weight = level_weight(rules, n, colour.delta);
-    Real* const d_level = out.sh_time + (n - 1) * rules.row;
+  for (int n = 0; n <= rules.levels; ++n) {
+    const Real weight = n == 0 ? Real(1) : level_weight(rules, n, colour.delta);
+    Real* const d_level = n == 0 ? out.sh : out.sh_time + (n - 1) * rules.row;
     for (int k = 0; k < sh_coefficients(rules.degree); ++k)
-      for (int c = 0; c < 3; ++c) d_level[3 * k + c] += weight * Y[k] * colour.d_colour[c];
+      for (int c = 0; c < 3; ++c)
+        d_level[3 * k + c] += sh_gradient(Y[k], weight, colour.d_colour[c]);
   }
 }
 
@@ -53,7 +51,7 @@ bool all_finite(const Real* scalars, int count) {
 template <class Real>
 struct BlockArgs {
   GaussianSpans<const Real> set;
-  int64_t first_row, first_gaussian;
+  int64_t first_gaussian;
   SinkArgs<Real> sink;
   DensityStatistics<Real> statistics;
 };
@@ -61,9 +59,8 @@ struct BlockArgs {
 /// Row n of a block, whose splats are `first` … `last`.
 template <Form form, class Real>
 void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
-                       const SplatRules<Real>& rules, const ColourRules<Real>& colours,
-                       const RegulariserTerms<Real>& terms, int64_t n, int64_t first, int64_t last,
-                       GaussianGradient<Real>& out) {
+                       const SplatRules<Real>& rules, const ColourRules<Real>& colours, int64_t n,
+                       int64_t first, int64_t last, GaussianGradient<Real>& out) {
   const GaussianSpans<const Real>& params = block.set;
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
   GaussianState<Real> g;
@@ -77,16 +74,13 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
     add_sh(colours, add_view_gradient(view, g, sh, colours, rules, splat, args.d_splats[s], sums),
            out);
   }
-  if (terms.template in_spacetime<form>())
-    add_spacetime_regulariser(terms, block.first_row + n, g.spacetime, sums.spacetime);
   out.geometry = geometry_gradient<form>(params, n, g, sums);
-  if (first == last) return;
   if (!all_finite(out.sh, params.width(kSh))) out.bad |= 1u << kSh;
   if (!all_finite(out.sh_time, params.width(kShTime))) out.bad |= 1u << kShTime;
   const DensityStatistics<Real>& statistics = block.statistics;
   if (statistics.count.empty()) return;
-  // per-image gradients: the batch loss is their mean, so multiply by B, divide by n_v
-  statistics.gradient_sum[n] += sums.ndc_norms * Real(views.size()) / Real(last - first);
+  statistics.gradient_sum[n] +=
+      mean_view_norm(sums.ndc_norms, int(views.size()), int(last - first));
   statistics.count[n] += Real(1);
 }
 
@@ -107,16 +101,12 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Rea
     if (first == last && idle == IdleUpdate::kSkip) continue;
     GaussianGradient<Real> gradient;
     std::fill_n(gradient.sh_time, params.width(kShTime), Real(0));
-    if (first < last || terms.template in_spacetime<form>())
-      gaussian_gradient<form>(args, block, rules, colours, terms, n, first, last, gradient);
+    if (first < last)
+      gaussian_gradient<form>(args, block, rules, colours, n, first, last, gradient);
     const Real share = Real(last - first) / Real(args.forward.batch->views.size());
     add_regulariser<form>(terms, params, n, share, gradient.geometry);
     bad |= gradient.bad | gradient.geometry.template non_finite<form>();
     sink.template accept<form>(n, gradient.geometry);
-    if (idle == IdleUpdate::kLazy) {
-      if (first == last) continue;
-      wanted.lazy.last_step[n] = int32_t(wanted.lazy.step + 1);
-    }
     for (int j = 0; j < params.width(kSh); ++j) sink.accept_sh(kSh, n, j, gradient.sh[j]);
     for (int j = 0; j < params.width(kShTime); ++j)
       sink.accept_sh(kShTime, n, j, gradient.sh_time[j]);
@@ -145,17 +135,15 @@ unsigned backward_block(const ProjectBackwardArgs<Real>& args, const BlockArgs<R
 
 template <class Real>
 void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
-  outcome_.bad_groups = 0, outcome_.bad_values = false;
-  const GaussianSpans<const Real>&fixed = args.forward.sets[0], &moving = args.forward.sets[1];
-  velocities_.resize(args.pairs.first.empty() ? 0 : 3 * moving.count);
-  if (!args.pairs.first.empty()) find_velocities(moving, velocities_.data());
-  const RegulariserTerms<Real> terms(args.regulariser, args.pairs,
-                                     std::as_const(velocities_).span(), fixed.count, moving.count);
+  outcome_.bad_groups = 0;
+  outcome_.bad_values = false;
+  const RegulariserTerms<Real> terms(args.regulariser,
+                                     args.forward.sets[0].count + args.forward.sets[1].count);
   int64_t first_gaussian = 0;
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const Real>& spans = args.forward.sets[set];
     for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& rows) {
-      const BlockArgs<Real> block{spans.block(rows), rows.first, first_gaussian + rows.first,
+      const BlockArgs<Real> block{spans.block(rows), first_gaussian + rows.first,
                                   args.sinks[set].block(rows), args.statistics[set].block(rows)};
       outcome_.bad_groups |= with_form(
           spans.form, [&](auto form) { return backward_block<form()>(args, block, terms); });

@@ -34,7 +34,6 @@ struct Backward {
   SplatGradient<float>* d_splats;
   DensityStatistics<float> statistics;
   IdleUpdate idle;
-  LazySh<float> lazy;
   RegulariserTerms<float> regulariser;
   StepCounters* counters;
 };
@@ -44,14 +43,6 @@ struct Backward {
 __device__ inline void keep_colour(const ColourGradient<float>& colour, SplatGradient<float>& d) {
   d.colour = colour.d_colour, d.opacity = colour.delta;
   d.conic = {colour.direction[0], colour.direction[1], colour.direction[2]};
-}
-
-/// One thread a Gaussian: v of all, before any is changed.
-template <Form form>
-__global__ void __launch_bounds__(kThreads)
-    find_velocities(GaussianSpans<const float> set, float* velocities) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  if (n < set.count) store_velocity<form>(set, n, velocities);
 }
 
 /// One thread a splat: its share of its Gaussian's sums.
@@ -85,18 +76,15 @@ __global__ void __launch_bounds__(kThreads)
   GeometryGradient<float> gradient;
   GaussianState<float> g;
   int seen = 0;
-  const bool regularised = a.regulariser.in_spacetime<form>();
-  if ((begin < end || regularised) && load_gaussian<form>(a.set, n, g)) {
+  if (begin < end && load_gaussian<form>(a.set, n, g)) {
     ViewSums<float> sums;
     for (int64_t s = begin; s < end; ++s) {
       sums += view_sums[s];
       seen += a.tiles[s] > 0;
     }
-    if (regularised) add_spacetime_regulariser(a.regulariser, n, g.spacetime, sums.spacetime);
     gradient = geometry_gradient<form>(a.set, n, g, sums);
     if (seen > 0 && !a.statistics.count.empty()) {
-      // per-image gradients: the batch loss is their mean, so multiply by B, divide by n_v
-      a.statistics.gradient_sum[n] += sums.ndc_norms * float(a.view_count) / float(seen);
+      a.statistics.gradient_sum[n] += mean_view_norm(sums.ndc_norms, a.view_count, seen);
       a.statistics.count[n] += 1.0f;
     }
   }
@@ -154,8 +142,6 @@ __global__ void __launch_bounds__(kShThreads) sh_backward(Backward a, Sink sink,
   const int k = in_level / 3;
   const int64_t begin = a.first_of[a.first + n], end = a.first_of[a.first + n + 1];
   if (begin == end && a.idle != IdleUpdate::kDense) return;
-  if (group == kSh && a.idle == IdleUpdate::kLazy && first == 0)
-    a.lazy.last_step[n] = int32_t(a.lazy.step + 1);
   // coefficients of bands and levels that are not active yet have neither gradient nor moments
   const bool active = k < sh_coefficients(a.colours.degree) && level <= a.colours.levels;
   if (!active && !stores) return;
@@ -163,16 +149,16 @@ __global__ void __launch_bounds__(kShThreads) sh_backward(Backward a, Sink sink,
   for (int64_t s = active ? begin : end; s < end; ++s) {
     const SplatGradient<float>& d = a.d_splats[s];
     const Vec3<float> direction(d.conic.xx, d.conic.xy, d.conic.yy);
-    float2 Y = two_of_basis(a.colours.degree, direction, k);
-    if (group == kShTime) {
-      const float weight = level_weight(a.colours, level, d.opacity);
-      Y.x *= weight, Y.y *= weight;
-    }
+    const float2 Y = two_of_basis(a.colours.degree, direction, k);
+    const float weight = group == kShTime ? level_weight(a.colours, level, d.opacity) : 1.0f;
     const float red = d.colour[0], green = d.colour[1], blue = d.colour[2];
     TESSERA_UNROLL
     for (int j = 0; j < Scalars; ++j) {
       const int c = (in_level + j) % 3;
-      sum[j] += ((in_level + j) / 3 == k ? Y.x : Y.y) * (c == 0 ? red : c == 1 ? green : blue);
+      sum[j] += sh_gradient((in_level + j) / 3 == k ? Y.x : Y.y, weight,
+                            c == 0   ? red
+                            : c == 1 ? green
+                                     : blue);
     }
   }
   float check = 0;
@@ -206,7 +192,6 @@ void backward_set(const Backward& a, const RenderOptions& options, int64_t splat
     for_each_block(a.set.blocks, a.set.count, a.set.coefficients, [&](const ShBlock& rows) {
       Backward block = a;
       block.set = a.set.block(rows), block.first = a.first + rows.first;
-      block.lazy = a.lazy.block(rows);
       block.colours =
           make_colour_rules<float>(options, block.set.coefficients, block.set.time_levels);
       launch(block, rows);
@@ -232,18 +217,8 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
   int64_t first = 0;
   scratch_.resize(args.splats->count * int64_t(sizeof(ViewSums<float>)));
   ViewSums<float>* const sums = reinterpret_cast<ViewSums<float>*>(scratch_.data());
-  const GaussianSpans<const float>& moving = args.forward.sets[1];
-  velocities_.resize(args.pairs.first.empty() ? 0 : 3 * moving.count);
-  if (!velocities_.empty()) {
-    with_form(moving.form, [&](auto form) {
-      find_velocities<form()>
-          <<<grid_of(moving.count, kThreads), kThreads, 0, stream_>>>(moving, velocities_.data());
-    });
-    check_launch("project_backward: find_velocities");
-  }
-  const RegulariserTerms<float> terms(args.regulariser, args.pairs,
-                                      std::as_const(velocities_).span(), args.forward.sets[0].count,
-                                      moving.count);
+  const RegulariserTerms<float> terms(args.regulariser,
+                                      args.forward.sets[0].count + args.forward.sets[1].count);
   double bytes = double(args.splats->count) * (48 + 36 * 2 + 24 * 2 + 64 * 2);
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];
@@ -262,7 +237,6 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      args.d_splats.data,
                      args.statistics[set],
                      sink.fused ? sink.idle : IdleUpdate::kDense,
-                     sink.lazy,
                      terms,
                      counters_.data()};
     with_form(spans.form, [&](auto form) {

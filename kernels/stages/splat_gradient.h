@@ -1,10 +1,10 @@
 // What: gradient of one splat → sums over the views of its Gaussian → gradient by what is stored.
-// Not: loops over splats, nor the SH coefficients: their gradient is Y_k(direction) ⊗ d_colour, and
-// at a level of time level_weight times that.
+// Not: loops over splats, nor the SH coefficients (math/spherindrical.h).
 // Source: method A.12, C.1, C.2, D.2, D.3, D.6.
 #pragma once
 #include "kernels/batch.h"
 #include "kernels/elements/load_gaussian.h"
+#include "kernels/math/screen_gradient.h"
 #include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
@@ -41,17 +41,11 @@ TESSERA_HD inline ColourGradient<Real> add_view_gradient(
     const ColourRules<Real>& colours, const SplatRules<Real>& rules, const Splat<Real>& splat,
     const SplatGradient<Real>& d, ViewSums<Real>& sums) {
   const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
-  Sym2<Real> d_conic = d.conic;
-  Real comp = Real(1);
-  if (rules.compensated) {
-    comp = compensation(splat.conic, rules.dilation);
-    if (rules.full_gradient)
-      compensation_backward(splat.conic, rules.dilation, comp,
-                            d.opacity * g.opacity * slice.marginal, d_conic);
-  }
+  // a constant of the gradient  [Faster-GS]
+  const Real comp = rules.compensated ? compensation(splat.conic, rules.dilation) : Real(1);
   Vec3<Real> d_mean(Real(0));
   project_ewa_backward(view, to_camera(view, slice.mean), g.spacetime.covariance, splat.conic,
-                       d.mean2d, d_conic, d_mean, sums.spacetime.covariance);
+                       d.mean2d, d.conic, d_mean, sums.spacetime.covariance);
   ColourGradient<Real> colour;
   for (int c = 0; c < 3; ++c) colour.d_colour[c] = splat.negative >> c & 1 ? Real(0) : d.colour[c];
   colour.delta = slice.delta;
@@ -66,9 +60,7 @@ TESSERA_HD inline ColourGradient<Real> add_view_gradient(
         levels_backward(colours, slice.delta, g.sh_time, colour.direction, colour.d_colour);
   sums.mean += colours.sliced_direction ? d_mean : d_mean + d_eye;
   sums.opacity += d.opacity * comp * slice.marginal;
-  const Real ndc_x = d.mean2d[0] * Real(view.width) * Real(0.5);
-  const Real ndc_y = d.mean2d[1] * Real(view.height) * Real(0.5);
-  sums.ndc_norms += sqrt(ndc_x * ndc_x + ndc_y * ndc_y);
+  sums.ndc_norms += ndc_gradient_norm(d.mean2d, view.width, view.height);
   return colour;
 }
 

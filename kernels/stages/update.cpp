@@ -42,16 +42,6 @@ void CpuBackend<Real>::adam(const SinkArgs<Real>& args) {
 }
 
 template <class Real>
-void CpuBackend<Real>::catch_up(const LazySh<Real>& lazy) {
-  lazy.for_each_block([&](const ShBlock& block) {
-    const LazySh<Real> rows = lazy.block(block);
-    parallel_for(block.count, kGrain, [&](int64_t begin, int64_t end) {
-      for (int64_t n = begin; n < end; ++n) catch_up_gaussian(rows, n, 3 * block.coefficients);
-    });
-  });
-}
-
-template <class Real>
 void CpuBackend<Real>::gather_rows(Span<const Real> from, Span<const int64_t> index, int width,
                                    int64_t inherited, Span<Real> to) {
   check(to.size == index.size * width, "gather_rows: target size");
@@ -78,7 +68,6 @@ void CpuBackend<Real>::fill_zero(Span<Real> values) {
 
 #define TESSERA_INSTANTIATE(Real)                                                                  \
   template void CpuBackend<Real>::adam(const SinkArgs<Real>&);                                     \
-  template void CpuBackend<Real>::catch_up(const LazySh<Real>&);                                   \
   template void CpuBackend<Real>::gather_rows(Span<const Real>, Span<const int64_t>, int, int64_t, \
                                               Span<Real>);                                         \
   template void CpuBackend<Real>::limit_values(Span<Real>, Real);                                  \

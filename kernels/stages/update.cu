@@ -1,10 +1,8 @@
-// What: the optimizer as a stage of its own, SH catching up, rows gathered by index, on the device.
+// What: the optimizer as a stage of its own, rows gathered by index, on the device.
 // Not: the fused optimizer (project_backward.cu).
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
-#include "kernels/cuda/lazy_sh.h"
-#include "kernels/cuda/scratch.h"
 #include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
@@ -60,15 +58,6 @@ void CudaBackend::adam(const SinkArgs<float>& args) {
   });
   check_launch("adam");
   clock_.add_bytes(kUpdate, 28 * scalars);
-}
-
-void CudaBackend::catch_up(const LazySh<float>& lazy) {
-  if (lazy.last_step.empty()) return;
-  Scratch scratch(scratch_);
-  scratch.plan<LazyGap<float>>(lazy.last_step.size);
-  scratch.allocate();
-  launch_catch_up(lazy, nullptr, scratch.take<LazyGap<float>>(lazy.last_step.size).data, stream_);
-  clock_.add_bytes(kUpdate, 24.0 * double(lazy.value.size + lazy.time_value.size));
 }
 
 void CudaBackend::gather_rows(Span<const float> from, Span<const int64_t> index, int width,

@@ -75,7 +75,7 @@ DensityReport control_density(Backend& backend, const DensityContext& context, G
   gather(backend, std::as_const(rows.index).span(), rows.survivors, set);
   backend.place_children(set.values(), rows.survivors + rows.clones,
                          uint64_t(context.options.seed) ^ uint64_t(context.step) << 20);
-  statistics.reset(backend, set.count(), context.step);
+  statistics.reset(backend, set.count());
   return {rows.clones, rows.parents, rows.pruned, before, set.count()};
 }
 
@@ -105,7 +105,7 @@ void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics) {
   move_rows(backend, moves, set, statistics);
 }
 
-int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics, int64_t step,
+int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics,
                         double least) {
   const StageTimer timer(backend.clock(), kDensity);
   DensityRule rule;
@@ -121,7 +121,7 @@ int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& stati
     pruned += rows.pruned;
   });
   if (pruned > 0) move_rows(backend, moves, set, statistics);
-  statistics.reset(backend, set.count(), step);
+  statistics.reset(backend, set.count());
   return pruned;
 }
 

@@ -22,8 +22,6 @@ struct DensityContext {
   int64_t step;      // steps done; names the random numbers of the split
 };
 
-/// All of these want a set whose SH coefficients are not behind (Backend::catch_up).
-
 /// Row i of every group becomes its row values[i], of the moments row moments[i]; −1: zeros.
 void take_rows(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
                GaussianSet& set);
@@ -41,8 +39,8 @@ void reset_opacity(Backend& backend, GaussianSet& set, Span<float> filter_size =
 void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics);
 
 /// Removes what can never be drawn: opacity below `least` (Cutoff), a quaternion without length.
-/// Returns how many. For the end of a training, after `step` steps.
-int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics, int64_t step,
+/// Returns how many. For the end of a training.
+int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics,
                         double least = 1.0 / 255);
 
 }  // namespace tessera

@@ -65,7 +65,7 @@ std::array<DensityReport, 2> control_mcmc(Backend& backend, const TrainOptions& 
     report.added = shares[size_t(k)];
     if (report.added > 0) relocate(backend, rule(k, kNobody, report.added), set);
     report.after = set.count();
-    state.statistics[k].reset(backend, set.count(), state.iteration);
+    state.statistics[k].reset(backend, set.count());
   }
   return reports;
 }

@@ -20,7 +20,7 @@ int64_t grown_count(int64_t count, double growth, int64_t limit);
 
 /// Relocates within each set, then adds to both: what is added is divided by the opacity that lived
 /// in them. Sources lose their moments, what is added has none, what was dead keeps its own as the
-/// sources of the method do. Wants SH that are not behind (Backend::catch_up).
+/// sources of the method do.
 /// Errors: NumericalError: nobody is alive, and nothing would ever be drawn again.
 std::array<DensityReport, 2> control_mcmc(Backend& backend, const TrainOptions& options,
                                           TrainState& state);

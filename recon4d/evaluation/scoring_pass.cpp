@@ -68,7 +68,6 @@ void ScoringPass::draw(const FrameSample& at, int64_t begin, int64_t end) {
       {std::as_const(static_set_).values(), std::as_const(dynamic_set_).values()},
       {},
       render_options(model_),
-      {},
       true};
   args.options.kernels = at.kernels;
   args.environment = environment_of(model_, std::as_const(environment_).span());

@@ -27,12 +27,10 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
     }
     visit(statistics.gradient_sum, set.count());
     visit(statistics.count, set.count());
-    visit(statistics.sh_step, set.count());
     if (parts.filter_sizes) visit(statistics.filter_size, set.count());
   };
   visit_set(state.model.static_set, state.statistics[0]);
   visit_set(state.model.dynamic_set, state.statistics[1]);
-  if (parts.anchor) visit(state.statistics[1].anchor, 3 * state.model.dynamic_set.count());
   auto& map = state.model.environment.map;
   const int64_t texels = environment_scalars(state.model.environment.height);
   visit(map.value, texels);

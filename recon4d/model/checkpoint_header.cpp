@@ -94,12 +94,11 @@ void check_header(const CheckpointReader& file, const json& header) {
   const CheckpointParts parts = parts_of(header);
   const int64_t environment = header.at("environment_height");
   const int coefficients = header.at("sh_coefficients"), levels = sh_time.at("levels");
-  // values and two moments each; statistics and sh_step, filter size where kept, four bytes like
-  // all
+  // values and two moments each; statistics, filter size where kept
   const auto scalars = [&](Form form, int64_t count, const ShBlocks& blocks) {
     const int sets = form == Form::kStatic ? 1 : 1 + levels;
     const int64_t all = blocks.mixed() ? blocks.coefficients() : count * coefficients;
-    return count * (int64_t{3} * geometry_scalars(form) + 3 + parts.filter_sizes) + 9 * all * sets;
+    return count * (int64_t{3} * geometry_scalars(form) + 2 + parts.filter_sizes) + 9 * all * sets;
   };
   const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
   constexpr int64_t kMost = int64_t{1} << 40;
@@ -116,10 +115,10 @@ void check_header(const CheckpointReader& file, const json& header) {
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse_checkpoint(file.path(), "damaged checkpoint: impossible numbers in its header");
-  const auto promised = uint64_t(
-      kScalar * (scalars(Form::kStatic, statics, of_static) +
-                 scalars(dynamic_form(header), dynamics, of_dynamic) + 3 * dynamics * parts.anchor +
-                 kExposureScalars * parts.exposures + 3 * environment_scalars(environment)));
+  const auto promised = uint64_t(kScalar * (scalars(Form::kStatic, statics, of_static) +
+                                            scalars(dynamic_form(header), dynamics, of_dynamic) +
+                                            kExposureScalars * parts.exposures +
+                                            3 * environment_scalars(environment)));
   if (file.array_bytes() != promised)
     refuse_checkpoint(file.path(),
                       fmt::format("truncated checkpoint: {} bytes, its header promises {}",
@@ -159,7 +158,6 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
       {"time_filter", model.time_filter},
       {"train_scale", model.train_scale},
       {"filter_sizes", state.has_filter_sizes()},
-      {"anchor", state.has_anchor()},
       {"exposures", state.exposure.rows()},
       {"environment_height", model.environment.height},
       {"options", to_json(options)},
@@ -172,11 +170,11 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
 }
 
 CheckpointParts parts_of(const TrainState& state) {
-  return {state.has_filter_sizes(), state.has_anchor(), state.exposure.rows()};
+  return {state.has_filter_sizes(), state.exposure.rows()};
 }
 
 CheckpointParts parts_of(const json& header) {
-  return {header.at("filter_sizes"), header.at("anchor"), header.at("exposures")};
+  return {header.at("filter_sizes"), header.at("exposures")};
 }
 
 json parse_checkpoint_header(const CheckpointReader& file) {

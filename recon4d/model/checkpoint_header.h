@@ -14,7 +14,7 @@ nlohmann::json checkpoint_header(const TrainState& state, const TrainOptions& op
 
 /// Of the arrays that not every state has.
 struct CheckpointParts {
-  bool filter_sizes, anchor;
+  bool filter_sizes;
   int64_t exposures;  // rows
 };
 CheckpointParts parts_of(const TrainState& state);

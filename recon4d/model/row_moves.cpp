@@ -104,8 +104,6 @@ void move_rows(Backend& backend, const std::vector<RowMove>& moves, GaussianSet&
   for (Buffer<float>* values :
        {&statistics.gradient_sum, &statistics.count, &statistics.filter_size})
     if (!values->empty()) gather(*values);
-  statistics.sh_step.resize(count);  // one number throughout
-  statistics.anchor.resize(0);
 }
 
 }  // namespace tessera

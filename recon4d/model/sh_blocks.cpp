@@ -84,20 +84,13 @@ class Joiner {
 
 /// Statistics of joined sets; `before`: rows of the one that grew.
 void join_statistics(Backend& backend, const Joiner& joiner, const SetStatistics& from,
-                     int64_t before, int64_t count, SetStatistics& to) {
+                     int64_t before, SetStatistics& to) {
   joiner.join(backend, 1, false, &from.gradient_sum, to.gradient_sum);
   joiner.join(backend, 1, false, &from.count, to.count);
   if ((before == 0 || !to.filter_size.empty()) && !from.filter_size.empty())
     joiner.join(backend, 1, false, &from.filter_size, to.filter_size);
   else
     to.filter_size.resize(0);  // to be measured
-  int32_t step = 0;            // one number throughout
-  const Buffer<int32_t>& steps = before > 0 ? to.sh_step : from.sh_step;
-  if (!steps.empty()) backend.memory().copy(&step, steps.data(), sizeof(step));
-  Buffer<int32_t> filled(count);
-  std::fill(filled.begin(), filled.end(), step);
-  to.sh_step.copy_from(filled);
-  to.anchor.resize(0);
 }
 
 /// Colours of a set, `levels` of each row, with as many coefficients in every row.
@@ -183,7 +176,7 @@ std::vector<int64_t> append_rows(Backend& backend, const GaussianSet& from,
     joiner.join(backend, scalars, colours, nullptr, group.moment2);
   }
   to.set_count(count, joiner.blocks());
-  join_statistics(backend, joiner, from_statistics, before, count, statistics);
+  join_statistics(backend, joiner, from_statistics, before, statistics);
   return joiner.order(before);
 }
 

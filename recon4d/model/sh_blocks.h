@@ -9,8 +9,8 @@
 
 namespace tessera {
 
-// All of these want sets whose SH coefficients are not behind (Backend::catch_up). Density control
-// and relocation want sets whose rows are alike: degrees are decided when growth has ended.
+// Density control and relocation want sets whose rows are alike: degrees are decided when growth
+// has ended.
 
 /// SH degree of each row in storage order, [N].
 std::vector<uint8_t> sh_degrees(const GaussianSet& set);

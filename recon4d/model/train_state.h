@@ -10,7 +10,7 @@
 namespace tessera {
 
 struct TrainState {
-  GaussianModel model;          // in any memory; its SH may be behind, see LazySh
+  GaussianModel model;          // in any memory
   SetStatistics statistics[2];  // static, dynamic
   ExposureState exposure;       // on the host
   int64_t iteration = 0;        // steps done
@@ -30,18 +30,9 @@ struct TrainState {
   bool has_blocks() const {
     return model.static_set.blocks().mixed() || model.dynamic_set.blocks().mixed();
   }
-  bool has_anchor() const { return !statistics[1].anchor.empty(); }
   /// Values of set k with the sizes of the 3D filter, for Backend::edit_by_filter.
   GaussianSpans<float> filtered_values(int k);
 };
-
-/// The SH of set k as they may be behind; empty where the options do not let them. `table`:
-/// lazy_adam_table in the state's memory.
-LazySh<float> lazy_sh(TrainState& state, int k, const TrainOptions& options,
-                      Span<const double> table);
-
-/// Whether SH of a state in the host's memory are behind its steps.
-bool is_behind(const TrainState& state, const TrainOptions& options);
 
 /// Values of set k as they are to be drawn: with the 3D filter where the options say so.
 GaussianSpans<const float> drawn_values(const TrainState& state, int k,
@@ -50,10 +41,10 @@ GaussianSpans<const float> drawn_values(const TrainState& state, int k,
 /// Whether the model of a state still has a 3D filter to be baked.
 bool is_filtered(const TrainState& state, const TrainOptions& options);
 
-/// A copy of the model of a state in the host's memory, with all SH up to date, the 3D filter baked
-/// and rows that are alike.
-GaussianModel caught_up_model(const TrainState& state, const TrainOptions& options);
+/// A copy of the model of a state in the host's memory, with the 3D filter baked and rows that are
+/// alike.
+GaussianModel baked_model(const TrainState& state, const TrainOptions& options);
 /// The same of a state that nobody needs any longer: in its own memory.
-GaussianModel caught_up_model(TrainState&& state, const TrainOptions& options);
+GaussianModel baked_model(TrainState&& state, const TrainOptions& options);
 
 }  // namespace tessera

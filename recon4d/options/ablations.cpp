@@ -11,12 +11,11 @@ namespace tessera {
 namespace {
 
 /// Options of the full method and of the basis, which has none of the techniques.
-const OptionOverrides kFull = {{"idle_updates", "lazy"}};
+const OptionOverrides kFull = {{"idle_updates", "dense"}};
 const OptionOverrides kBasis = {
-    {"idle_updates", "dense"},  {"rectangular_bounds", false}, {"opacity_bounds", false},
-    {"tile_culling", false},    {"row_intervals", false},      {"balanced_instances", false},
-    {"separate_sort", false},   {"warp_culling", false},       {"backward", "pixel"},
-    {"fused_optimizer", false}, {"reorder_interval", 0}};
+    {"idle_updates", "dense"},     {"rectangular_bounds", false}, {"opacity_bounds", false},
+    {"balanced_instances", false}, {"separate_sort", false},      {"warp_culling", false},
+    {"backward", "pixel"},         {"fused_optimizer", false},    {"reorder_interval", 0}};
 
 /// `without`: on top of full; `with`: on top of basis; empty where there is no such row.
 struct Technique {
@@ -39,11 +38,6 @@ const std::vector<Technique>& techniques() {
        "opacity-bounds",
        {{"opacity_bounds", true}},
        "faint splats reach less far"},
-      {"no-tile-culling",
-       {{"tile_culling", false}},
-       "tile-culling",
-       {{"tile_culling", true}},
-       "an exact test of each tile of the box"},
       {"no-balanced-instances",
        {{"balanced_instances", false}},
        "balanced-instances",
@@ -65,7 +59,7 @@ const std::vector<Technique>& techniques() {
        {{"backward", "sub-tile"}},
        "gradients by parts of a tile that splats miss, not by pixels"},
       {"no-fused-optimizer",
-       {{"fused_optimizer", false}, {"idle_updates", "dense"}},
+       {{"fused_optimizer", false}},
        "fused-optimizer",
        {{"fused_optimizer", true}},
        "Adam inside the backward pass"},
@@ -74,26 +68,11 @@ const std::vector<Technique>& techniques() {
        "z-order",
        {{"reorder_interval", TrainOptions{}.reorder_interval}},
        "neighbours in space are neighbours in memory"},
-      {"dense-idle",
-       {{"idle_updates", "dense"}},
-       "lazy-idle",
-       {{"fused_optimizer", true}, {"idle_updates", "lazy"}},
-       "colours of Gaussians out of sight catch up when they are seen"},
-      {"per-gaussian-backward",
-       {{"backward", "per-gaussian"}},
-       "per-gaussian-backward",
-       {{"backward", "per-gaussian"}},
-       "instead of by parts of a tile: lanes are splats, pixels pass through"},
       {"skip-invisible",
        {{"idle_updates", "skip"}},
        "skip-invisible",
        {{"fused_optimizer", true}, {"idle_updates", "skip"}},
-       "instead of catching up: Gaussians out of sight do nothing"},
-      {"row-intervals",
-       {{"row_intervals", true}},
-       "row-intervals",
-       {{"tile_culling", true}, {"row_intervals", true}},
-       "instead of a test for each tile: an interval of each row"},
+       "Gaussians out of sight do nothing"},
   };
   return rows;
 }

@@ -9,7 +9,6 @@ namespace {
 
 BackwardForm backward_form(const std::string& name) {
   if (name == "pixel") return BackwardForm::kPixel;
-  if (name == "per-gaussian") return BackwardForm::kPerGaussian;
   check(name == "sub-tile", "an unknown form of the backward pass");
   return BackwardForm::kSubTile;
 }
@@ -20,8 +19,6 @@ KernelSwitches kernel_switches(const TrainOptions& options) {
   KernelSwitches switches;
   switches.bounds.rectangular = options.rectangular_bounds;
   switches.bounds.opacity_aware = options.opacity_bounds;
-  switches.bounds.tile_culling = options.tile_culling;
-  switches.bounds.row_intervals = options.row_intervals;
   switches.balanced_instances = options.balanced_instances;
   switches.separate_sort = options.separate_sort;
   switches.warp_culling = options.warp_culling;
@@ -37,7 +34,6 @@ Form dynamic_form(const TrainOptions& options) {
 }
 
 IdleUpdate idle_update(const TrainOptions& options) {
-  if (options.idle_updates == "lazy") return IdleUpdate::kLazy;
   if (options.idle_updates == "skip") return IdleUpdate::kSkip;
   check(options.idle_updates == "dense", "an unknown update of idle Gaussians");
   return IdleUpdate::kDense;

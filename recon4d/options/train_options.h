@@ -36,13 +36,12 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   bool sliced_direction = true;
   // aliasing, and where splats end
   bool filter_2d = false;
-  std::string filter_2d_gradient = "detached", filter_3d = "none";
+  std::string filter_3d = "none";
   double truncation_sigma = kTruncationSigma;
   bool truncation_by_falloff = false;
   double time_filter = 0;
   // loss
-  double lambda_dssim = 0.2, opacity_weight = 0, scale_weight = 0, time_noise = 0;
-  double motion_weight = 0, extent_weight = 0, rigidity_weight = 0;
+  double lambda_dssim = 0.2, opacity_weight = 0, scale_weight = 0;
   // light from beyond the scene
   bool environment = false;
   int64_t environment_size = 256;
@@ -52,7 +51,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   double lr_exposure = 0.01;
   // learning rates
   double lr_mean = 1.6e-4, lr_mean_final = 1.6e-6;
-  double lr_mean_time = 1.6e-4, mean_time_decay = 1;
+  double lr_mean_time = 1.6e-4;
   double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3, lr_velocity = 5e-4;
   double lr_opacity = 0.05, lr_sh = 2.5e-3, lr_sh_rest = 1.25e-4;
   bool fused_optimizer = true;
@@ -73,9 +72,8 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   bool decide_motion = false, decide_colour = false;
   int64_t decide_interval = 3000;
   // how kernels work (KernelSwitches); none changes what is drawn
-  bool rectangular_bounds = true, opacity_bounds = true, tile_culling = true;
-  bool row_intervals = false, balanced_instances = true, separate_sort = true;
-  bool warp_culling = true;
+  bool rectangular_bounds = true, opacity_bounds = true;
+  bool balanced_instances = true, separate_sort = true, warp_culling = true;
   std::string backward = "sub-tile";
   bool deterministic = false;
   int64_t feed_bytes = 0;

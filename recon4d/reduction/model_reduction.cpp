@@ -34,7 +34,7 @@ bool has_timesteps(const FrameSample& at) {
 void add_rows(TrainState& state, int k, const GaussianSet& added) {
   const std::unique_ptr<Backend> host = make_cpu_backend();
   SetStatistics statistics;
-  statistics.reset(added.count(), state.iteration);
+  statistics.reset(added.count());
   append_rows(*host, added, statistics, state.set(k), state.statistics[k]);
 }
 

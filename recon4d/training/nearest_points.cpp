@@ -16,25 +16,22 @@ namespace {
 constexpr int64_t kLeaf = 8;      // points that are scanned rather than split
 constexpr int64_t kGrain = 1024;  // points per task
 
-/// The K nearest met so far and their squared distances, ascending.
-template <int K>
+/// The nearest met so far: their squared distances, ascending.
 struct Nearest {
-  std::array<float, K> squared;
-  std::array<int32_t, K> point;
+  static constexpr int kMost = 3;
+  std::array<float, kMost> squared;
   int found = 0;
 
-  void offer(float value, int32_t other) {
-    if (found == K && value >= squared[K - 1]) return;
-    int place = std::min(found, K - 1);
-    while (place > 0 && squared[size_t(place - 1)] > value) {
+  void offer(float value) {
+    if (!reaches(value)) return;
+    int place = std::min(found, kMost - 1);
+    for (; place > 0 && squared[size_t(place - 1)] > value; --place)
       squared[size_t(place)] = squared[size_t(place - 1)];
-      point[size_t(place)] = point[size_t(place - 1)];
-      --place;
-    }
-    squared[size_t(place)] = value, point[size_t(place)] = other;
-    found = std::min(found + 1, K);
+    squared[size_t(place)] = value;
+    found = std::min(found + 1, kMost);
   }
-  bool reaches(float plane_squared) const { return found < K || plane_squared < squared[K - 1]; }
+  /// Whether a point at that squared distance is among them.
+  bool reaches(float value) const { return found < kMost || value < squared[kMost - 1]; }
 };
 
 class Tree {
@@ -45,9 +42,8 @@ class Tree {
     split(0, int64_t(points.size()));
   }
 
-  template <int K>
-  Nearest<K> query(int32_t i) const {
-    Nearest<K> nearest;
+  Nearest query(int32_t i) const {
+    Nearest nearest;
     search(0, int64_t(order_.size()), i, nearest);
     return nearest;
   }
@@ -73,16 +69,14 @@ class Tree {
     split(middle + 1, end);
   }
 
-  template <int K>
-  void offer(int64_t position, int32_t i, Nearest<K>& nearest) const {
+  void offer(int64_t position, int32_t i, Nearest& nearest) const {
     const int32_t other = at(position);
     if (other == i) return;
     const glm::vec3 d = points_[size_t(other)] - points_[size_t(i)];
-    nearest.offer(d.x * d.x + d.y * d.y + d.z * d.z, other);
+    nearest.offer(d.x * d.x + d.y * d.y + d.z * d.z);
   }
 
-  template <int K>
-  void search(int64_t begin, int64_t end, int32_t i, Nearest<K>& nearest) const {
+  void search(int64_t begin, int64_t end, int32_t i, Nearest& nearest) const {
     if (end - begin <= kLeaf) {
       for (int64_t k = begin; k < end; ++k) offer(k, i, nearest);
       return;
@@ -109,23 +103,10 @@ std::vector<float> mean_squared_neighbour_distance(const std::vector<glm::vec3>&
   const Tree tree(points);
   parallel_for(int64_t(points.size()), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
-      const auto nearest = tree.query<3>(tree.at(k));
+      const Nearest nearest = tree.query(tree.at(k));
       float sum = 0;
       for (int j = 0; j < nearest.found; ++j) sum += nearest.squared[size_t(j)];
       result[size_t(tree.at(k))] = nearest.found > 0 ? sum / float(nearest.found) : 0.0f;
-    }
-  });
-  return result;
-}
-
-std::vector<std::vector<Neighbour>> nearest_neighbours(const std::vector<glm::vec3>& points) {
-  std::vector<std::vector<Neighbour>> result(points.size());
-  const Tree tree(points);
-  parallel_for(int64_t(points.size()), kGrain, [&](int64_t begin, int64_t end) {
-    for (int64_t k = begin; k < end; ++k) {
-      const auto nearest = tree.query<kNeighbours>(tree.at(k));
-      for (size_t j = 0; j < size_t(nearest.found); ++j)
-        result[size_t(tree.at(k))].push_back({nearest.point[j], nearest.squared[j]});
     }
   });
   return result;

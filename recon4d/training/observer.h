@@ -13,6 +13,7 @@ struct StepReport {
   double loss = 0, l1 = 0, ssim = 0;  // mean over the batch
   int64_t num_static = 0, num_dynamic = 0;
   int64_t splats = 0, instances = 0, invalid_gaussians = 0;
+  int64_t pixels = 0;      // of the batch
   int64_t peak_bytes = 0;  // of the backend's memory, so far
   double seconds = 0;      // since the report before, or since `run` began
 };

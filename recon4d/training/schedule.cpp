@@ -50,11 +50,6 @@ bool Schedule::reorder(int64_t i) const {
          i % reorder_interval_ == 0;
 }
 
-double Schedule::time_noise(int64_t i) const {
-  const double end = 2.0 / 3 * double(options_.iterations);
-  return options_.time_noise * std::max(0.0, 1 - double(i) / std::max(1.0, end));
-}
-
 bool Schedule::measure_filter(int64_t i) const {
   if (options_.filter_3d == "none") return false;
   if (i == 0 || densify(i)) return true;
@@ -93,8 +88,7 @@ AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   set(kSh, options_.lr_sh);
   groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
   if (form == Form::kStatic) return groups;
-  set(kMeanTime, extent_ * decayed(options_.lr_mean_time,
-                                   options_.mean_time_decay * options_.lr_mean_time, i));
+  set(kMeanTime, extent_ * options_.lr_mean_time);
   set(kLogScaleTime, options_.lr_scale_time);
   if (form == Form::kPair)
     set(kRotationRight, options_.lr_rotation);

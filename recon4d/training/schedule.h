@@ -26,8 +26,6 @@ class Schedule {
   bool reorder(int64_t i) const;
   /// The sizes of the 3D filter: at the start, after density control, and on from its end.
   bool measure_filter(int64_t i) const;
-  /// What time_noise is multiplied by: 1 at the start, 0 from two thirds of the training on.
-  double time_noise(int64_t i) const;
   /// Learning rate of the means at step i, world units.
   double mean_rate(int64_t i) const;
   /// Learning rate of log gains at step i.

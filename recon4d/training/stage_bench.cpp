@@ -1,21 +1,18 @@
-// What: a model of the wanted size, and steps of it.
-// Not: the clock: the backend's own.
+// What: a model of the wanted size, and the trainer's steps of it.
+// Not: a step of its own, nor the clock: the backend's.
 #include "recon4d/training/stage_bench.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "kernels/base/errors.h"
-#include "kernels/lazy_schedule.h"
 #include "kernels/math/random.h"
-#include "kernels/pipeline.h"
-#include "recon4d/density/density.h"
-#include "recon4d/evaluation/render.h"
-#include "recon4d/model/train_state.h"
-#include "recon4d/options/kernel_options.h"
 #include "recon4d/training/frame_cache.h"
 #include "recon4d/training/initialise.h"
+#include "recon4d/training/trainer.h"
 
 namespace tessera {
 namespace {
@@ -70,123 +67,60 @@ GaussianModel initial_load(const Scene& scene, const TrainOptions& options,
 }
 
 /// Rows in an order that has nothing to do with where they lie.
-void shuffle(Backend& backend, GaussianSet& set, uint64_t seed) {
+void shuffle(GaussianSet& set, uint64_t seed) {
   std::vector<std::pair<uint32_t, int64_t>> keys;
   for (int64_t n = 0; n < set.count(); ++n)
     keys.emplace_back(philox(seed, RandomStream::kSampler, uint64_t(n)).word[0], n);
   std::sort(keys.begin(), keys.end());
-  Buffer<int64_t> host(set.count()), order(set.count(), backend.memory());
-  for (int64_t n = 0; n < set.count(); ++n) host[n] = keys[size_t(n)].second;
-  order.copy_from(host);
   for (int g = 0; g < set.groups(); ++g) {
     const int width = set.width(Group(g));
     Buffer<float>& values = set.group(Group(g)).value;
-    Buffer<float> to(set.count() * width, backend.memory());
-    backend.gather_rows(std::as_const(values).span(), std::as_const(order).span(), width,
-                        set.count(), to.span());
+    Buffer<float> to(values.size());
+    for (size_t n = 0; n < keys.size(); ++n)
+      std::copy_n(values.data() + keys[n].second * width, width, to.data() + int64_t(n) * width);
     values = std::move(to);
   }
 }
 
-/// A step after another over the training views.
-class Load {
+/// Options of a training that leaves its load as it is: nothing is learnt, added or removed.
+TrainOptions options_at_rest(TrainOptions options, int64_t steps) {
+  constexpr int64_t kNever = 1000000000;
+  options.iterations = options.schedule_iterations = steps;
+  for (double* rate :
+       {&options.lr_mean, &options.lr_mean_final, &options.lr_mean_time, &options.lr_scale,
+        &options.lr_scale_time, &options.lr_rotation, &options.lr_velocity, &options.lr_opacity,
+        &options.lr_sh, &options.lr_sh_rest, &options.lr_environment, &options.lr_exposure})
+    *rate = 0;
+  options.sh_interval = 1;
+  options.densify_from = options.densify_until = kNever;  // statistics are gathered all the same
+  options.opacity_reset_interval = 0;
+  options.mcmc_noise = 0;
+  return options;
+}
+
+/// The load before its first step. Its iteration is one by which all SH bands are in use and at
+/// which a training would bring Gaussians into order.
+TrainState load_of(const Scene& scene, const TrainOptions& options,
+                   const StageBenchOptions& bench) {
+  constexpr int64_t kAllBands = 100;
+  TrainState state;
+  state.model = bench.model ? bench.model->clone_values() : initial_load(scene, options, bench);
+  state.iteration = std::max(options.reorder_interval, kAllBands);
+  for (int k = 0; k < 2; ++k) {
+    GaussianSet& set = state.set(k);
+    set.ensure_moments();
+    state.statistics[k].reset(set.count());
+    if (options.reorder_interval == 0) shuffle(set, uint64_t(options.seed));
+  }
+  return state;
+}
+
+/// Keeps the report of the last step.
+class LastReport : public Observer {
  public:
-  Load(Backend& backend, const Scene& scene, const TrainOptions& options,
-       const StageBenchOptions& bench)
-      : backend_(backend),
-        scene_(scene),
-        options_(options),
-        frames_(training_frames(scene)),
-        cache_(backend.memory(), scene, frames_, 0, options.batch),
-        pipeline_(backend),
-        gradients_{{Form::kStatic, 1}, {Form::kPair, 1}},
-        table_(backend.memory()),
-        d_environment_(backend.memory()) {
-    state_.model = bench.model ? bench.model->clone_values() : initial_load(scene, options, bench);
-    for (int k = 0; k < 2; ++k) {
-      state_.set(k).ensure_moments();
-      state_.statistics[k].reset(state_.set(k).count());
-    }
-    state_ = state_.clone_to(backend.memory());
-    for (int k = 0; k < 2; ++k) arrange(k);
-    const std::vector<double> table = lazy_adam_table(bench.warm_up + bench.steps + 1);
-    table_.resize(int64_t(table.size()));
-    backend.memory().copy(table_.data(), table.data(), table.size() * sizeof(double));
-  }
+  void on_step(const StepReport& report) override { last = report; }
 
-  void step() {
-    std::vector<int64_t> chosen;
-    ForwardArgs<float> forward;
-    for (int64_t b = 0; b < options_.batch; ++b) {
-      chosen.push_back((state_.iteration * options_.batch + b) % int64_t(frames_.size()));
-      const Frame& frame = scene_.frames[size_t(frames_[size_t(chosen.back())])];
-      forward.views.push_back({frame.camera, frame.time});
-    }
-    forward.options = render_options(state_.model);
-    forward.options.kernels = kernel_switches(options_);
-    forward.for_backward = true;
-    forward.environment = environment_of(std::as_const(state_).model);
-    for (int k = 0; k < 2; ++k) {
-      forward.sets[k] = std::as_const(state_).set(k).values();
-      forward.lazy[k] = lazy(k);
-    }
-    pipeline_.forward(forward);
-    const TargetImages fed = cache_.truth(chosen);
-    pipeline_.loss({fed.images, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks},
-                   true);
-    backward();
-    ++state_.iteration;
-  }
-
-  const TrainState& state() const { return state_; }
-  Pipeline<float>& pipeline() { return pipeline_; }
-
- private:
-  /// Order of the rows, room for gradients.
-  void arrange(int k) {
-    GaussianSet& set = state_.set(k);
-    if (set.count() == 0) return;
-    if (options_.reorder_interval > 0)
-      reorder(backend_, set, state_.statistics[k]);
-    else
-      shuffle(backend_, set, uint64_t(options_.seed));
-    gradients_[k] = set.like(backend_.memory());
-    if (!options_.fused_optimizer) gradients_[k].resize(set.count());
-  }
-
-  LazySh<float> lazy(int k) { return lazy_sh(state_, k, options_, std::as_const(table_).span()); }
-
-  void backward() {
-    BackwardArgs<float> args;
-    for (int k = 0; k < 2; ++k) {
-      GaussianSet& set = state_.set(k);
-      SinkArgs<float>& sink = args.sinks[k];
-      sink.fused = options_.fused_optimizer, sink.value = set.values();
-      sink.moment1 = set.moments1(), sink.moment2 = set.moments2();
-      sink.gradient = gradients_[k].values();
-      sink.idle = idle_update(options_), sink.lazy = lazy(k);
-      for (AdamScalars<float>& scalars : sink.adam.group) scalars = adam_scalars<float>(0, 1);
-      sink.adam.sh_rest = adam_scalars<float>(0, 1);
-      args.statistics[k] = state_.statistics[k].spans();
-    }
-    d_environment_.resize(state_.model.environment.map.value.size());
-    args.d_environment = d_environment_.span();
-    pipeline_.backward(args);
-    if (options_.fused_optimizer) return;
-    const StageTimer timer(backend_.clock(), kUpdate);
-    for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
-  }
-
-  Backend& backend_;
-  const Scene& scene_;
-  const TrainOptions& options_;
-  std::vector<int> frames_;
-  FrameCache cache_;
-  TrainState state_;
-  Pipeline<float> pipeline_;
-  GaussianSet gradients_[2];  // only with a separate optimizer
-  Buffer<double> table_;
-  Buffer<float> d_environment_;
+  StepReport last;
 };
 
 }  // namespace
@@ -194,24 +128,28 @@ class Load {
 StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainOptions& options,
                               const StageBenchOptions& bench) {
   check_options(bench);
-  Load load(backend, scene, options, bench);
-  for (int64_t i = 0; i < bench.warm_up; ++i) load.step();
-  load.pipeline().outcome();
+  training_frames(scene);  // refuses a scene without
+  TrainState load = load_of(scene, options, bench);
+  const int64_t first = load.iteration + bench.warm_up;
+  const int64_t last = first + bench.steps;
+  LastReport reports;
+  // one step more than are run, so that the model is not cleaned up
+  Trainer trainer(backend, scene, options_at_rest(options, last + 1), std::move(load), reports);
+  trainer.run(first);
   const std::array<StageTotals, kStages> before = backend.clock().totals();
   const Clock::time_point begin = Clock::now();
-  for (int64_t i = 0; i < bench.steps; ++i) load.step();
-  load.pipeline().outcome();
-  const double steps = double(std::max<int64_t>(1, bench.steps));
+  trainer.run(last);
+  const double steps = double(bench.steps);
   StageBenchReport report;
   report.step_seconds = seconds_since(begin) / steps;
   const std::array<StageTotals, kStages>& after = backend.clock().totals();
   for (size_t s = 0; s < kStages; ++s)
     report.stages[s] = {(after[s].seconds - before[s].seconds) / steps,
                         (after[s].bytes - before[s].bytes) / steps};
-  const PipelineReport counts = load.pipeline().report();
-  report.gaussians = load.state().model.count();
-  report.splats = counts.splats, report.instances = counts.instances;
-  report.pixels = load.pipeline().batch().pixels;
+  report.gaussians = trainer.state().model.count();
+  report.splats = reports.last.splats;
+  report.instances = reports.last.instances;
+  report.pixels = reports.last.pixels;
   report.peak_bytes = backend.memory().peak_bytes();
   return report;
 }

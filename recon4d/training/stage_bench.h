@@ -25,8 +25,8 @@ struct StageBenchReport {
   int64_t peak_bytes = 0;                     // ground truth included
 };
 
-/// Kernel switches, idle updates and the kind of optimizer are the options'; without reordering the
-/// Gaussians are shuffled.
+/// Steps of a Trainer with the options, learning rates and density control left out; without
+/// reordering the Gaussians are shuffled.
 /// Errors: InputError: an option out of range, no training frames, no points.
 StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainOptions& options,
                               const StageBenchOptions& bench);

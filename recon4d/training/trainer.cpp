@@ -12,8 +12,6 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
-#include "kernels/lazy_schedule.h"
-#include "kernels/math/random.h"
 #include "recon4d/density/mcmc.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/options/kernel_options.h"
@@ -22,14 +20,6 @@
 
 namespace tessera {
 namespace {
-
-/// Mean distance between two moments of the training frames, in clip lengths; 0 for one moment.
-double distance_of_moments(const Scene& scene, const std::vector<int>& frames) {
-  std::set<double> times;
-  for (const int f : frames) times.insert(scene.frames[size_t(f)].time);
-  if (times.size() < 2) return 0;
-  return (*times.rbegin() - *times.begin()) / double(times.size() - 1);
-}
 
 std::string group_names(unsigned bits, Form form) {
   std::string names;
@@ -89,7 +79,6 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       state_(std::move(state)),
       observer_(observer),
       train_frames_(training_frames(scene)),
-      moment_distance_(distance_of_moments(scene, train_frames_)),
       rig_(make_camera_rig(scene.training_cameras())),
       schedule_(options, rig_.extent),
       sampler_(int64_t(train_frames_.size()), uint64_t(options.seed)),
@@ -97,8 +86,6 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       pipeline_(backend),
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
-      table_(backend.memory()),
-      neighbours_(backend.memory()),
       d_environment_(backend.memory()),
       exposed_(exposure_rows(scene, train_frames_, options_)) {
   validate(options_);
@@ -111,11 +98,6 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
   if (options_.filter_3d != "none")
     for (int k = 0; k < 2; ++k)
       filter_views_[k] = make_view_batch<float>(filter_views(scene, train_frames_, k == 1));
-  if (idle_update(options_) == IdleUpdate::kLazy) {
-    const std::vector<double> table = lazy_adam_table(options_.iterations);
-    table_.resize(int64_t(table.size()));
-    backend.memory().copy(table_.data(), table.data(), table.size() * sizeof(double));
-  }
   if (&backend.memory() != &host_memory()) state_ = state_.clone_to(backend.memory());
 }
 
@@ -135,15 +117,13 @@ const TrainState& Trainer::host_state() {
 
 const GaussianModel& Trainer::host_model() {
   const TrainState& state = host_state();
-  if (!is_behind(state, options_) && !is_filtered(state, options_) && !state.has_blocks())
-    return state.model;
-  if (!host_model_) host_model_ = caught_up_model(state, options_);
+  if (!is_filtered(state, options_) && !state.has_blocks()) return state.model;
+  if (!host_model_) host_model_ = baked_model(state, options_);
   return *host_model_;
 }
 
 void Trainer::edit_on_host(const std::function<void(TrainState&)>& change) {
   complete_pending();
-  catch_up();
   forget_copies();
   pipeline_.release();
   if (&backend_.memory() == &host_memory()) {
@@ -154,7 +134,6 @@ void Trainer::edit_on_host(const std::function<void(TrainState&)>& change) {
     state_ = TrainState();  // its memory is free before the next is taken
     state_ = state.clone_to(backend_.memory());
   }
-  neighbours_ = RigidityLists(backend_.memory());
   for (int k = 0; k < 2 && options_.filter_3d != "none"; ++k) measure_filter(k);
 }
 
@@ -178,17 +157,10 @@ int64_t Trainer::room_of(int k) const {
   return k == 1 || room == 0 ? room : room * model.static_set.count() / model.count();
 }
 
-void Trainer::catch_up() {
-  if (idle_update(options_) != IdleUpdate::kLazy) return;
-  const StageTimer timer(backend_.clock(), kUpdate);
-  for (int k = 0; k < 2; ++k) backend_.catch_up(lazy(k));
-}
-
 void Trainer::control() {
   const int64_t i = state_.iteration;
   GaussianModel& model = state_.model;
   const int degree = schedule_.sh_degree(i), time_degree = schedule_.sh_time_degree(i);
-  const bool ramps = degree != model.sh_degree || time_degree != model.sh_time_degree;
   const bool densifies = schedule_.densify(i), reorders = schedule_.reorder(i);
   if (densifies) {
     complete_pending();  // it waits for the backend anyway
@@ -196,7 +168,6 @@ void Trainer::control() {
     if (&backend_.memory() != &host_memory()) pipeline_.release();
     backend_.memory().trim();
   }
-  if (densifies || reorders || ramps) catch_up();
   model.sh_degree = degree, model.sh_time_degree = time_degree;
   if (densifies) densify();
   for (int k = 0; k < 2; ++k) {
@@ -209,14 +180,6 @@ void Trainer::control() {
           backend_, set,
           is_filtered(state_, options_) ? state_.statistics[k].filter_size.span() : Span<float>());
   }
-}
-
-double Trainer::training_time(double time, int64_t index) const {
-  const double deviation = schedule_.time_noise(state_.iteration) * moment_distance_;
-  if (deviation == 0) return time;
-  const RandomBlock random = philox(uint64_t(options_.seed), RandomStream::kTime,
-                                    uint64_t(state_.iteration), uint32_t(index));
-  return time + deviation * double(normals(random)[0]);
 }
 
 void Trainer::measure_filter(int k) {
@@ -254,14 +217,12 @@ void Trainer::step() {
   ForwardArgs<float> args{{drawn_values(state_, 0, options_), drawn_values(state_, 1, options_)},
                           {},
                           render_options(state_.model),
-                          {lazy(0), lazy(1)},
                           true};
   args.environment = environment_of(std::as_const(state_).model);
   args.options.kernels = kernel_switches(options_);
-  args.options.filter_2d_full_gradient = options_.filter_2d_gradient == "full";
   for (const int64_t index : batch) {
     const Frame& frame = scene_.frames[size_t(train_frames_[size_t(index)])];
-    args.views.push_back({frame.camera, training_time(frame.time, index)});
+    args.views.push_back({frame.camera, frame.time});
   }
   pipeline_.forward(args);
   complete_pending();  // the forward pass has waited for that step
@@ -271,7 +232,9 @@ void Trainer::step() {
   report.iteration = state_.iteration + 1;
   report.num_static = state_.model.static_set.count();
   report.num_dynamic = state_.model.dynamic_set.count();
-  report.splats = counts.splats, report.instances = counts.instances;
+  report.splats = counts.splats;
+  report.instances = counts.instances;
+  report.pixels = pipeline_.batch().pixels;
   report.invalid_gaussians = counts.invalid_gaussians;
   report.peak_bytes = backend_.memory().peak_bytes();
   const TargetImages fed = cache_.truth(batch);
@@ -296,23 +259,6 @@ std::vector<Vec3<double>> Trainer::gains(const std::vector<int64_t>& batch) {
   return gains;
 }
 
-void Trainer::find_neighbours() {
-  constexpr int64_t kInterval = 500;  // steps, where density control does not ask for it earlier
-  const GaussianSet& set = std::as_const(state_).set(1);
-  if (options_.rigidity_weight == 0 || set.count() == 0) {
-    neighbours_ = RigidityLists(backend_.memory());
-    return;
-  }
-  Buffer<float>& anchor = state_.statistics[1].anchor;
-  const bool due = anchor.empty() || state_.iteration % kInterval == 0;
-  if (!due && !neighbours_.first.empty()) return;
-  const StageTimer timer(backend_.clock(), kDensity);
-  if (due) anchor.copy_from(set.group(kMean).value);
-  std::vector<glm::vec3> means(static_cast<size_t>(set.count()));
-  backend_.memory().copy(means.data(), anchor.data(), means.size() * sizeof(glm::vec3));
-  neighbours_ = rigidity_lists(means, backend_.memory());
-}
-
 void Trainer::backward() {
   const int64_t i = state_.iteration;
   BackwardArgs<float> args;
@@ -322,18 +268,14 @@ void Trainer::backward() {
     sink.fused = options_.fused_optimizer;
     sink.value = set.values(), sink.moment1 = set.moments1();
     sink.moment2 = set.moments2(), sink.adam = schedule_.adam(i, set.form());
-    sink.idle = idle_update(options_), sink.lazy = lazy(k);
+    sink.idle = idle_update(options_);
     if (!sink.fused) {
       gradients_[k].resize(set.count(), set.blocks());
       sink.gradient = gradients_[k].values();
     }
     if (schedule_.gathers_statistics(i)) args.statistics[k] = state_.statistics[k].spans();
   }
-  find_neighbours();
-  args.pairs = neighbours_.pairs();
-  constexpr double kSlow = 1e-3;  // scene extents per clip
-  args.regulariser = {options_.opacity_weight, options_.scale_weight,    options_.motion_weight,
-                      options_.extent_weight,  options_.rigidity_weight, kSlow * rig_.extent};
+  args.regulariser = {options_.opacity_weight, options_.scale_weight};
   ParameterGroup& environment = state_.model.environment.map;
   d_environment_.resize(environment.value.size());
   args.d_environment = d_environment_.span();
@@ -391,11 +333,10 @@ void Trainer::complete_pending() {
 
 void Trainer::finish() {
   forget_copies();
-  catch_up();
   const bool filtered = is_filtered(state_, options_);
   for (int k = 0; k < 2; ++k) {
     if (filtered) backend_.edit_by_filter(FilterEdit::kBake, state_.filtered_values(k), 0);
-    prune_invisible(backend_, state_.set(k), state_.statistics[k], state_.iteration,
+    prune_invisible(backend_, state_.set(k), state_.statistics[k],
                     state_.model.cutoff<double>().least_alpha);
     reorder(backend_, state_.set(k), state_.statistics[k]);
   }

@@ -13,7 +13,6 @@
 #include "recon4d/training/batch_sampler.h"
 #include "recon4d/training/frame_cache.h"
 #include "recon4d/training/observer.h"
-#include "recon4d/training/rigidity.h"
 #include "recon4d/training/schedule.h"
 
 namespace tessera {
@@ -36,11 +35,10 @@ class Trainer {
   const TrainState& state() const { return state_; }
   /// The same in the host's memory, e.g. for a checkpoint. Valid until the next step.
   const TrainState& host_state();
-  /// The model in the host's memory with all SH up to date, e.g. for evaluation. Valid until the
-  /// next step.
+  /// The model in the host's memory as it is drawn, e.g. for evaluation. Valid until the next step.
   const GaussianModel& host_model();
-  /// Lets `change` work on the state in the host's memory, all SH up to date; Gaussians may be
-  /// fewer or more after it, statistics must fit them.
+  /// Lets `change` work on the state in the host's memory; Gaussians may be fewer or more after it,
+  /// statistics must fit them.
   void edit_on_host(const std::function<void(TrainState&)>& change);
   /// Notes that a decision was made after the steps that are done: what it leaves to be thinned to,
   /// and the time it took.
@@ -59,13 +57,8 @@ class Trainer {
   void control();
   void measure_filter(int k);
   void densify();
-  /// Neighbours of the dynamic Gaussians, from their means now or from those kept in the state.
-  void find_neighbours();
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
-  void catch_up();
-  /// The frame's moment with the noise of this step.
-  double training_time(double time, int64_t index) const;
   void backward();
   /// Gains of the views of a batch, which are noted for the step of the gains; empty: none.
   std::vector<Vec3<double>> gains(const std::vector<int64_t>& batch);
@@ -74,7 +67,6 @@ class Trainer {
   void complete_pending();
   void finish();
   void forget_copies() { host_state_.reset(), host_model_.reset(); }
-  LazySh<float> lazy(int k) { return lazy_sh(state_, k, options_, table_.span()); }
 
   Backend& backend_;
   const Scene& scene_;
@@ -82,15 +74,12 @@ class Trainer {
   TrainState state_;
   Observer& observer_;
   std::vector<int> train_frames_;  // before the rig, which needs one
-  double moment_distance_;         // mean, of the training frames, in clip lengths
   CameraRig rig_;
   Schedule schedule_;
   BatchSampler sampler_;
   FrameCache cache_;
   Pipeline<float> pipeline_;
   GaussianSet gradients_[2];  // only with a separate optimizer
-  Buffer<double> table_;      // only with lazy updates
-  RigidityLists neighbours_;  // only with rigidity
   /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
   ViewBatch<float> filter_views_[2];
   Buffer<float> d_environment_;

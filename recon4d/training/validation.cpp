@@ -115,7 +115,7 @@ GaussianModel Validation::shipped() const {
   for (GaussianSet* set : {&model.static_set, &model.dynamic_set}) {
     SetStatistics statistics;
     statistics.reset(set->count());
-    prune_invisible(*host, *set, statistics, record_.best_iteration);
+    prune_invisible(*host, *set, statistics);
   }
   return model;
 }

@@ -48,8 +48,7 @@ Splats<double> as_splats(const std::vector<SplatFields>& fields, const ViewArgs<
                   0};
     s.depth[i] = double(i + 1);
     s.rect[i] = {0, 0, uint16_t(view.tiles_x), uint16_t(view.tiles_y)};
-    s.tiles[i] = 0;
-    for_each_tile({}, s.splat[i].footprint(), s.rect[i], view.tiles_x, [&](int) { ++s.tiles[i]; });
+    s.tiles[i] = s.rect[i].area();
     s.instances += s.tiles[i];
   }
   return s;

@@ -1,6 +1,10 @@
-// What: the tile test and the tile rectangle against brute force over pixel centres.
+// What: the tile rectangle, and the least response in a rectangle, against brute force over pixel
+// centres; looser bounds.
 // Not: counting or writing instances (bin stage; validity_test.cpp).
 #include "kernels/math/bounds.h"
+
+#include <algorithm>
+#include <set>
 
 #include "tests/support/footprints.h"
 
@@ -24,7 +28,15 @@ double least_over_rectangle(const Footprint<double>& f, int tile_x, int tile_y) 
   return least;
 }
 
-TEST(Bounds, TouchesTileIsTheExactMinimumOverTheRectangle) {
+/// By least_power_in.
+template <class Real>
+bool reaches_tile(const Footprint<Real>& f, int tile_x, int tile_y) {
+  const Real half = Real(0.5), span = Real(kTileSize - 1);
+  return least_power_in(f.mean2d, f.conic, Real(tile_x * kTileSize) + half,
+                        Real(tile_y * kTileSize) + half, span, span) <= f.power;
+}
+
+TEST(Bounds, LeastPowerIsTheExactMinimumOverTheRectangle) {
   // Trap 24, bug put back: the corner by `left` with a strict comparison, the direction into the
   // tile by the sign of X0 − mx; seen to fail where the mean is on a line of pixel centres.
   Random random(1);
@@ -35,7 +47,7 @@ TEST(Bounds, TouchesTileIsTheExactMinimumOverTheRectangle) {
       const double least = least_over_rectangle(c.footprint, tile % 4, tile / 4);
       if (std::abs(least - c.footprint.power) < 1e-9) continue;
       const bool expected = least <= c.footprint.power;
-      EXPECT_EQ(touches_tile(c.footprint, tile % 4, tile / 4), expected)
+      EXPECT_EQ(reaches_tile(c.footprint, tile % 4, tile / 4), expected)
           << "mean " << c.footprint.mean2d[0] << " " << c.footprint.mean2d[1] << " tile " << tile;
       touched += expected;
     }
@@ -50,7 +62,7 @@ TEST(Bounds, NoTileWithADrawnPixelIsMissed) {
     const FootprintCase c = random_footprint(random, round % 2 == 0);
     for (int tile = 0; tile < 16; ++tile) {
       if (least_over_centres(c.footprint, tile % 4, tile / 4) > c.footprint.power - 1e-9) continue;
-      EXPECT_TRUE(touches_tile(c.footprint, tile % 4, tile / 4)) << "tile " << tile;
+      EXPECT_TRUE(reaches_tile(c.footprint, tile % 4, tile / 4)) << "tile " << tile;
       ++drawn;
     }
   }
@@ -60,10 +72,10 @@ TEST(Bounds, NoTileWithADrawnPixelIsMissed) {
 TEST(Bounds, MeanOnAPixelCentreLineKeepsTheTilesOnBothSides) {
   // Trap 24: the mean lies exactly on the first column of pixel centres of tile 1, far above it
   const Footprint<float> tall{{16.5f, -3.0f}, {1.0f, 0.0f, 0.01f}, cutoff_power(1.0f)};
-  EXPECT_TRUE(touches_tile(tall, 1, 0));
-  EXPECT_TRUE(touches_tile(tall, 0, 0));  // one pixel to the left: ½ ≤ ln 255
-  EXPECT_TRUE(touches_tile(tall, 1, 1));
-  EXPECT_FALSE(touches_tile(tall, 2, 0));
+  EXPECT_TRUE(reaches_tile(tall, 1, 0));
+  EXPECT_TRUE(reaches_tile(tall, 0, 0));  // one pixel to the left: ½ ≤ ln 255
+  EXPECT_TRUE(reaches_tile(tall, 1, 1));
+  EXPECT_FALSE(reaches_tile(tall, 2, 0));
 }
 
 TEST(Bounds, TileRectHoldsEveryTileWithADrawnPixel) {
@@ -98,6 +110,50 @@ TEST(Bounds, TileRectOfSplatsOutsideOrOfAnySizeIsSafe) {
   EXPECT_EQ(all.y0, 0);
   EXPECT_EQ(all.x1, 4);
   EXPECT_EQ(all.y1, 4);
+}
+
+/// Tiles of an image of 4 × 4.
+std::set<int> bounded_tiles(const BoundsOptions& options, const FootprintCase& c) {
+  constexpr int kTiles = 4;
+  ViewArgs<double> view{};
+  view.width = view.height = kTiles * kTileSize;
+  view.tiles_x = view.tiles_y = kTiles;
+  std::set<int> tiles;
+  for_each_tile(
+      tile_rect(options, view, c.footprint.mean2d, c.cov2d, bounds_power(options, c.opacity)),
+      kTiles, [&](int tile) { tiles.insert(tile); });
+  return tiles;
+}
+
+TEST(BoundsOptions, EachLooserChoiceListsASupersetThatDrawsNothingMore) {
+  // Bugs put back, seen to fail: the square of the shorter half extent; opacity_aware inverted.
+  const BoundsOptions looser[] = {{false, true}, {true, false}, {false, false}};
+  Random random(4);
+  size_t more[3] = {}, tight_tiles = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const FootprintCase c = random_footprint(random, round % 2 == 0, round % 5 == 4);
+    const std::set<int> tight = bounded_tiles({}, c);
+    tight_tiles += tight.size();
+    for (size_t k = 0; k < 3; ++k) {
+      const std::set<int> loose = bounded_tiles(looser[k], c);
+      EXPECT_TRUE(std::includes(loose.begin(), loose.end(), tight.begin(), tight.end())) << k;
+      more[k] += loose.size() - tight.size();
+      for (const int tile : loose) {
+        if (tight.count(tile) > 0) continue;
+        EXPECT_GT(least_over_centres(c.footprint, tile % 4, tile / 4),
+                  c.footprint.power * (1 - 1e-9));
+      }
+    }
+  }
+  for (const size_t extra : more) EXPECT_GT(extra, tight_tiles / 20);
+  EXPECT_GT(more[2], more[0]);
+  EXPECT_GT(more[2], more[1]);
+}
+
+TEST(BoundsOptions, BoundsOfAnOpaqueSplatDoNotDependOnOpacity) {
+  const BoundsOptions options{true, false};
+  EXPECT_EQ(bounds_power(options, 0.3), cutoff_power(1.0));
+  EXPECT_EQ(bounds_power({}, 0.3), cutoff_power(0.3));
 }
 
 }  // namespace

@@ -80,7 +80,7 @@ TEST(Truncation, ByFalloffOpacityZeroIsDrawnAndHasAFiniteGradient) {
     TestScene<double> scene = random_scene(6, 6, 0.2, 5);
     for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
       std::fill(set->group[kOpacityLogit].begin(), set->group[kOpacityLogit].end(), logit);
-    scene.options.filter_2d = true, scene.options.filter_2d_full_gradient = true;
+    scene.options.filter_2d = true;
     add_filter_3d(scene, 0.1, 6);
     EXPECT_EQ(render(scene).report.splats, 0);
     scene.options.truncation_by_falloff = true;

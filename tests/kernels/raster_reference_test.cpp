@@ -154,7 +154,7 @@ SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector
   const ViewBatch<double> batch = make_view_batch<double>(scene.views);
   TileInstances<double> instances;
   Images<double> images;
-  backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options, {}}, splats);
+  backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options}, splats);
   backend.bin({&batch, &splats, scene.options, true}, instances);
   const size_t pixels = size_t(batch.pixels);
   const auto gradients = [&](const std::vector<double>& d_colour) {
@@ -188,7 +188,7 @@ TestGaussians<double> parameter_gradients(const TestScene<double>& scene,
   const ViewBatch<double> batch = make_view_batch<double>(scene.views);
   TestGaussians<double> out(Form::kStatic, scene.fixed.count), none(Form::kPair);
   ProjectBackwardArgs<double> args;
-  args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options, {}};
+  args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options};
   args.splats = &splats, args.d_splats = {d_splats.data(), splats.count};
   args.sinks[0].gradient = out.spans(), args.sinks[1].gradient = none.spans();
   CpuBackend<double> backend;

@@ -73,7 +73,7 @@ std::vector<double> norms_alone(const TestScene<double>& scene, size_t v) {
   Splats<double> splats;
   TileInstances<double> instances;
   Images<double> images;
-  backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options, {}}, splats);
+  backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options}, splats);
   backend.bin({&batch, &splats, scene.options, true}, instances);
   const BlendArgs<double> blend{&batch, &splats, &instances, scene.options, true};
   backend.blend(blend, images);

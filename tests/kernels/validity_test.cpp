@@ -85,7 +85,7 @@ unsigned groups_reported(const TestScene<float>& scene,
   CpuBackend<float> backend;
   const ViewBatch<float> batch = make_view_batch<float>(scene.views);
   ProjectBackwardArgs<float> args;
-  args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options, {}};
+  args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options};
   Splats<float> splats;
   backend.project(args.forward, splats);
   std::vector<SplatGradient<float>> d_splats(size_t(splats.count));

@@ -71,7 +71,6 @@ class FaultyBackend final : public Backend {
                    Span<float> moment1, Span<float> moment2) override {
     cpu_->adam_values(gradient, adam, value, moment1, moment2);
   }
-  void catch_up(const LazySh<float>& lazy) override { cpu_->catch_up(lazy); }
   void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<float> to) override {
     cpu_->gather_rows(from, index, width, inherited, to);

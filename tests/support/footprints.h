@@ -6,6 +6,14 @@
 
 namespace tessera::testing {
 
+/// Where a splat is drawn: ½ dᵀ conic d ≤ power.
+template <class Real>
+struct Footprint {
+  Vec2<Real> mean2d;  // pixels
+  Sym2<Real> conic;   // pixels⁻²
+  Real power;
+};
+
 struct FootprintCase {
   Footprint<double> footprint;
   Sym2<double> cov2d;

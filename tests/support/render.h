@@ -108,8 +108,6 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   const TestGaussians<Real>* sets[2] = {&scene.fixed, &scene.moving};
   BackwardArgs<Real> args;
   args.regulariser = scene.regulariser;
-  const StoredPairs<Real> pairs(scene.pairs, memory);
-  args.pairs = pairs.view();
   std::vector<StoredGaussians<Real>> gradients;
   std::vector<Buffer<Real>> statistics;
   for (const TestGaussians<Real>* set : sets) {

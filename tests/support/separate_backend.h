@@ -93,7 +93,7 @@ class SeparateBackend final : public Backend {
   StageClock& clock() override { return cpu_->clock(); }
   void project(const ProjectArgs<float>& args, Splats<float>& splats) override {
     calls.push_back("project");
-    for (int k = 0; k < 2; ++k) check_lies_here(args.sets[k]), check_lies_here(args.lazy[k]);
+    for (int k = 0; k < 2; ++k) check_lies_here(args.sets[k]);
     own.inside([&] { cpu_->project(args, splats); });
   }
   void bin(const BinArgs<float>& args, TileInstances<float>& instances) override {
@@ -153,10 +153,6 @@ class SeparateBackend final : public Backend {
     check_lies_here(gradient), check_lies_here(value);
     own.inside([&] { cpu_->adam_values(gradient, adam, value, moment1, moment2); });
   }
-  void catch_up(const LazySh<float>& lazy) override {
-    check_lies_here(lazy);
-    own.inside([&] { cpu_->catch_up(lazy); });
-  }
   void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
                    Span<float> to) override {
     check_lies_here(from), check_lies_here(index), check_lies_here(to);
@@ -212,14 +208,8 @@ class SeparateBackend final : public Backend {
     for (const Span<T>& group : set.group) check_lies_here(group);
     check_lies_here(set.filter_size);
   }
-  void check_lies_here(const LazySh<float>& lazy) {
-    check_lies_here(lazy.last_step), check_lies_here(lazy.table), check_lies_here(lazy.value);
-    check_lies_here(lazy.moment1), check_lies_here(lazy.moment2);
-    for (const Span<float>& s : {lazy.time_value, lazy.time_moment1, lazy.time_moment2})
-      check_lies_here(s);
-  }
   void check_lies_here(const SinkArgs<float>& sink) {
-    check_lies_here(sink.value), check_lies_here(sink.gradient), check_lies_here(sink.lazy);
+    check_lies_here(sink.value), check_lies_here(sink.gradient);
     check_lies_here(sink.moment1), check_lies_here(sink.moment2);
   }
 

@@ -104,7 +104,7 @@ StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend
   TileInstances<Real> instances(memory);
   Images<Real> images(memory);
   Buffer<Real> d_colour(3 * batch.pixels, memory);
-  backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options, {}}, splats);
+  backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options}, splats);
   const BinArgs<Real> bin{&batch, &splats, scene.options, true};
   backend.bin(bin, instances);
   poison_all(instances, memory);

@@ -74,20 +74,6 @@ class StoredGaussians {
   Buffer<Real> filter_size_;
 };
 
-/// TestPairs in a backend's memory.
-template <class Real>
-struct StoredPairs {
-  Buffer<int64_t> first;
-  Buffer<int32_t> other;
-  Buffer<Real> affinity;
-
-  StoredPairs(const TestPairs& pairs, Memory& memory)
-      : first(stored(pairs.first, memory)),
-        other(stored(pairs.other, memory)),
-        affinity(stored(std::vector<Real>(pairs.affinity.begin(), pairs.affinity.end()), memory)) {}
-  MotionPairs<Real> view() const { return {first.span(), other.span(), affinity.span()}; }
-};
-
 /// Parameters and ground truth of a TestScene in a backend's memory.
 template <class Real>
 struct StoredScene {
@@ -121,7 +107,6 @@ struct StoredScene {
     return {{sets[0].view(), sets[1].view()},
             views,
             options,
-            {},
             for_backward,
             {nullptr, environment.span(), environment_height, turned()}};
   }

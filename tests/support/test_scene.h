@@ -69,13 +69,6 @@ struct TestGaussians {
   }
 };
 
-/// MotionPairs of a test.
-struct TestPairs {
-  std::vector<int64_t> first;
-  std::vector<int32_t> other;
-  std::vector<double> affinity;
-};
-
 template <class Real>
 struct TestScene {
   TestGaussians<Real> fixed{Form::kStatic}, moving{Form::kPair};
@@ -85,7 +78,6 @@ struct TestScene {
   LossWeights weights;
   std::vector<std::vector<uint8_t>> mask;  // [B] each [height, width] or empty; none: no masks
   RegulariserWeights regulariser;          // of `backward` alone
-  TestPairs pairs;                         // as well
   std::vector<Vec3<double>> gain;          // [B] RGB, of the loss; none: the images as rendered
   int environment_height = 0;              // H; 0: there is none
   std::vector<Real> environment = {};      // [H, 2H, 3]
@@ -100,7 +92,6 @@ struct TestScene {
             weights,
             mask,
             regulariser,
-            pairs,
             gain,
             environment_height,
             std::vector<To>(environment.begin(), environment.end())};

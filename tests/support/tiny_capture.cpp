@@ -199,7 +199,6 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
     append_bits(bits, statistics.gradient_sum);
     append_bits(bits, statistics.count);
     append_bits(bits, statistics.filter_size);
-    append_bits(bits, statistics.anchor);
   }
   for (const Buffer<float>* values :
        {&state.exposure.log_gain, &state.exposure.moment1, &state.exposure.moment2})

@@ -118,7 +118,7 @@ BenchTable optimizer_table() {
           {},
           {row("full", true, "dense", "full"),
            row("separate optimizer", false, "dense", "no-fused-optimizer"),
-           row("skip idle", true, "skip", "skip-invisible"), row("lazy", true, "lazy", "")}};
+           row("skip idle", true, "skip", "skip-invisible")}};
 }
 
 const OptionOverrides kFullFilters = {{"filter_2d", true}, {"filter_3d", "clamp"}};

@@ -67,7 +67,7 @@ ModelInput load_model_input(const fs::path& path) {
   switch (model_kind(input.file)) {
     case ModelKind::kCheckpoint: {
       Checkpoint checkpoint = load_checkpoint(input.file);
-      input.model = caught_up_model(std::move(checkpoint.state), checkpoint.options);
+      input.model = baked_model(std::move(checkpoint.state), checkpoint.options);
       input.with_optimizer = true;
       break;
     }

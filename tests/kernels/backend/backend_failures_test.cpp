@@ -190,7 +190,7 @@ unsigned groups_reported(const TestScene<float>& scene, Backend& backend,
   const ViewBatch<float> batch = make_view_batch<float>(scene.views);
   Splats<float> splats(memory);
   ProjectBackwardArgs<float> args;
-  args.forward = {&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options, {}};
+  args.forward = {&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options};
   backend.project(args.forward, splats);
   std::vector<SplatGradient<float>> d_splats(size_t(splats.count), SplatGradient<float>{});
   StoredGaussians<float> fixed(TestGaussians<float>(Form::kStatic, scene.fixed.count), memory);

@@ -10,23 +10,22 @@ namespace {
 
 struct Mode {
   const char* name;
-  bool filter_2d = false, full = false, filter_3d = false;
+  bool filter_2d = false, filter_3d = false;
   double sigma = kTruncationSigma;
   bool by_falloff = false;
 };
 
 const Mode kModes[] = {{"2D filter", true},
-                       {"2D filter, full gradient", true, true},
-                       {"3D filter", false, false, true},
-                       {"4 sigma", false, false, false, 4},
-                       {"2 sigma", false, false, false, 2},
-                       {"by falloff", false, false, false, kTruncationSigma, true},
-                       {"by falloff, 1 sigma", false, false, false, 1, true},
-                       {"together", true, true, true, 3, true}};
+                       {"3D filter", false, true},
+                       {"4 sigma", false, false, 4},
+                       {"2 sigma", false, false, 2},
+                       {"by falloff", false, false, kTruncationSigma, true},
+                       {"by falloff, 1 sigma", false, false, 1, true},
+                       {"together", true, true, 3, true}};
 
 TestScene<double> scene_of(const Mode& mode, uint64_t seed) {
   TestScene<double> scene = random_scene(120, 120, 0.12, seed);
-  scene.options.filter_2d = mode.filter_2d, scene.options.filter_2d_full_gradient = mode.full;
+  scene.options.filter_2d = mode.filter_2d;
   if (mode.filter_3d) add_filter_3d(scene, 0.12, seed + 1);
   scene.options.truncation_sigma = mode.sigma;
   scene.options.truncation_by_falloff = mode.by_falloff;
@@ -72,11 +71,10 @@ TEST_P(BackendFilter, ImagesEqualTheOracles) {
 }
 
 TEST_P(BackendFilter, GradientsEqualTheOraclesInEveryForm) {
-  // Bugs put back, each seen to fail: the default cut-off in blend_backward; the full gradient
-  // always; the opacity's gradient by o'(1 − o').
+  // Bugs put back, each seen to fail: the default cut-off in blend_backward; the opacity's gradient
+  // by o'(1 − o').
   for (const Mode& mode : kModes)
-    for (const BackwardForm form :
-         {BackwardForm::kSubTile, BackwardForm::kPixel, BackwardForm::kPerGaussian}) {
+    for (const BackwardForm form : {BackwardForm::kSubTile, BackwardForm::kPixel}) {
       if (!is_cuda() && form != BackwardForm::kSubTile) continue;  // the CPU has one way
       SCOPED_TRACE(std::string(mode.name) + ", form " + std::to_string(int(form)));
       TestScene<double> scene = scene_of(mode, 54);

@@ -42,7 +42,7 @@ struct Projected {
         instances(backend.memory()),
         options(scene.options) {
     const StoredScene<float> in(scene, backend.memory());
-    backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, options, {}}, splats);
+    backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, options}, splats);
   }
   void bin(Backend& backend) { backend.bin({&batch, &splats, options, false}, instances); }
 };
@@ -92,7 +92,7 @@ std::string refusal(Work&& work) {
 TEST_P(BackendLimits, CountsBeyond31BitsAreRefusedByNumber) {
   constexpr int64_t kTooMany = int64_t{1} << 31;
   const ViewBatch<float> batch = make_view_batch<float>({front_view()});
-  ProjectArgs<float> args{&batch, {}, {}, {}};
+  ProjectArgs<float> args{&batch, {}, {}};
   args.sets[0].count = kTooMany - 1, args.sets[1].count = 1;
   Splats<float> splats(memory());
   EXPECT_EQ(refusal([&] { backend().project(args, splats); }),

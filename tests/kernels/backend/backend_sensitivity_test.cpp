@@ -30,7 +30,7 @@ Sensed<Real> sense(const TestScene<Real>& scene, BackendOf<Real>& backend,
   Splats<Real> splats(memory);
   TileInstances<Real> instances(memory);
   Images<Real> images(memory);
-  backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options, {}}, splats);
+  backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options}, splats);
   backend.bin({&batch, &splats, scene.options, true}, instances);
   const BlendArgs<Real> blend{&batch, &splats, &instances, scene.options, true};
   backend.blend(blend, images);
@@ -206,8 +206,7 @@ TEST_P(BackendSensitivity, EqualsTheOraclesWhereTheLightStops) {
 
 TEST_P(BackendSensitivity, NoSwitchChangesIt) {
   TestScene<double> scene = random_scene(150, 150, 0.25, 77);
-  for (const BackwardForm form :
-       {BackwardForm::kSubTile, BackwardForm::kPixel, BackwardForm::kPerGaussian})
+  for (const BackwardForm form : {BackwardForm::kSubTile, BackwardForm::kPixel})
     for (const bool deterministic : {false, true}) {
       SCOPED_TRACE(int(form) * 2 + deterministic);
       scene.options.kernels.backward = form;

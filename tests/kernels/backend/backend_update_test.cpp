@@ -1,5 +1,5 @@
 // What: the optimizer of every backend: fused and separate, dense and skipping, against each other
-// and against the oracle. Not: catching up (backend_lazy_test.cpp), nor Adam's equation.
+// and against the oracle. Not: Adam's equation.
 #include "tests/support/backends.h"
 #include "tests/support/compare.h"
 #include "tests/support/optimised.h"

@@ -23,10 +23,6 @@ DensityReport control(HandmadeSet& made, bool prune_large = false, int64_t room 
                          made.statistics);
 }
 
-std::vector<int32_t> steps_of(const SetStatistics& statistics) {
-  return {statistics.sh_step.begin(), statistics.sh_step.end()};
-}
-
 std::vector<Tag> tags(std::initializer_list<int> values) {
   std::vector<Tag> result;
   for (int value : values) result.push_back(Tag(value));
@@ -78,7 +74,6 @@ TEST_P(Density, TheStatisticIsAMean) {
   EXPECT_EQ(made.statistics.gradient_sum.size(), 4);
   for (int64_t n = 0; n < 4; ++n)
     EXPECT_EQ(made.statistics.count[n] + made.statistics.gradient_sum[n], 0) << "reset";
-  EXPECT_EQ(steps_of(made.statistics), std::vector<int32_t>(4, 7)) << "colours are up to date";
 }
 
 // Bug put back: large Gaussians pruned from the first step; seen to fail.
@@ -168,7 +163,7 @@ TEST_P(Density, AllPrunedAndNoneAtAll) {
   EXPECT_EQ(control(made).before, 0);
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   reorder(*backend, made.set, made.statistics);
-  EXPECT_EQ(prune_invisible(*backend, made.set, made.statistics, 40), 0);
+  EXPECT_EQ(prune_invisible(*backend, made.set, made.statistics), 0);
   EXPECT_EQ(made.set.count(), 0);
 }
 
@@ -196,11 +191,10 @@ TEST_P(Density, PruneInvisibleKeepsWhatIsDrawn) {
   for (int k = 0; k < 4; ++k) made.set.values().at(kRotation, 2)[k] = 0;
   const float moment = made.set.group(kMean).moment1[3 * 3];
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  EXPECT_EQ(prune_invisible(*backend, made.set, made.statistics, 40), 2);
+  EXPECT_EQ(prune_invisible(*backend, made.set, made.statistics), 2);
   EXPECT_EQ(made.tags(), tags({1, 3}));
   EXPECT_EQ(made.set.group(kMean).moment1[3], moment);
   EXPECT_EQ(made.statistics.count.size(), 2);
-  EXPECT_EQ(steps_of(made.statistics), (std::vector<int32_t>{40, 40}));
 }
 
 // Bug put back: 0 as the smallest limit instead of none; seen to fail.

@@ -26,7 +26,7 @@ Rows some_rows(Form form, int64_t count, int levels, uint64_t seed) {
   if (levels > 0) add_time_levels(made, levels, seed + 1);
   Rows rows{set_of(made), SetStatistics()};
   rows.set.ensure_moments();
-  rows.statistics.reset(count, 17);
+  rows.statistics.reset(count);
   for (int g = 0; g < rows.set.groups(); ++g)
     for (auto moment : {&ParameterGroup::moment1, &ParameterGroup::moment2})
       for (float& x : rows.set.group(Group(g)).*moment) x = float(random.uniform(1, 2));
@@ -34,8 +34,6 @@ Rows some_rows(Form form, int64_t count, int levels, uint64_t seed) {
   for (Buffer<float>* values :
        {&rows.statistics.gradient_sum, &rows.statistics.count, &rows.statistics.filter_size})
     for (float& x : *values) x = float(random.uniform(0, 1));
-  rows.statistics.anchor.resize(3 * count);
-  std::fill(rows.statistics.anchor.begin(), rows.statistics.anchor.end(), 0.0f);
   return rows;
 }
 
@@ -76,10 +74,7 @@ void expect_rows(const Rows& actual, const Rows& before, const std::vector<int64
     for (auto member :
          {&SetStatistics::gradient_sum, &SetStatistics::count, &SetStatistics::filter_size})
       ASSERT_EQ((actual.statistics.*member)[int64_t(i)], (before.statistics.*member)[rows[i]]);
-    ASSERT_EQ(actual.statistics.sh_step[int64_t(i)], 17);
   }
-  EXPECT_EQ(actual.statistics.sh_step.size(), int64_t(rows.size()));
-  EXPECT_TRUE(actual.statistics.anchor.empty());
 }
 
 /// Bytes of rows that have these degrees, values and both moments.
@@ -292,7 +287,7 @@ TEST_P(BlockRows, OrdersAndPrunesInsideTheBlocks) {
   EXPECT_FALSE(std::is_sorted(rows.begin(), rows.end()));
 
   const Rows pruned = edited(before, [&](Rows& there) {
-    EXPECT_EQ(prune_invisible(backend(), there.set, there.statistics, 17), 16);
+    EXPECT_EQ(prune_invisible(backend(), there.set, there.statistics), 16);
   });
   rows = rows_in(pruned);
   EXPECT_EQ(rows.size(), 64u);

@@ -142,11 +142,11 @@ TEST_F(CheckpointFile, ForeignFiles) {
   expect_says(refusal(""), "not a Tessera checkpoint");
   expect_says(refusal("ply\nformat ascii 1.0\nelement vertex 0\n"), "not a Tessera checkpoint");
   std::string newer = bytes_;
-  newer[8] = 5;
-  expect_says(refusal(newer), "checkpoint version 5, this program reads version 4");
+  newer[8] = 6;
+  expect_says(refusal(newer), "checkpoint version 6, this program reads version 5");
   std::string older = bytes_;
-  older[8] = 3;
-  expect_says(refusal(older), "checkpoint version 3, this program reads version 4; resume it");
+  older[8] = 4;
+  expect_says(refusal(older), "checkpoint version 4, this program reads version 5; resume it");
   std::string endless = bytes_;
   for (size_t i = 0; i < 8; ++i) endless[testing::kHeaderBytesAt + i] = char(0xff);
   expect_says(refusal(endless), "header incomplete");

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "kernels/base/median.h"
 #include "recon4d/evaluation/metrics.h"
 #include "tests/recon4d/modes/modes_film.h"
 
@@ -72,18 +73,22 @@ Film wall_film() {
   return film;
 }
 
-// Bug put back: all start at the first timestep; seen to fail by 8 dB.
+// Medians of three seeds. Bug put back: all start at the first timestep; seen to fail by 8 dB.
 TEST(Presence, WhatComesBackIsAsItWas) {
   Scene scene = shoot(wall_film());
   scene.points = surface_cloud(wall_film(), 200, 400);
   TrainOptions options = short_training("balanced", 500);
   options.max_gaussians = 2000;
-  const GaussianModel model = trained(scene, options);
-  const std::vector<double> psnr = psnr_by_timestep(middle_images(model, scene), scene);
-  const int last = int(psnr.size()) - 1;
-  const double before = mean(psnr, 0, 6), after = mean(psnr, last - 6, last);
-  EXPECT_GT(before, 30);
-  EXPECT_GT(after, before - 0.5);
+  std::vector<double> before, gain;
+  for (options.seed = 1; options.seed <= 3; ++options.seed) {
+    const GaussianModel model = trained(scene, options);
+    const std::vector<double> psnr = psnr_by_timestep(middle_images(model, scene), scene);
+    const int last = int(psnr.size()) - 1;
+    before.push_back(mean(psnr, 0, 6));
+    gain.push_back(mean(psnr, last - 6, last) - before.back());
+  }
+  EXPECT_GT(median(before), 30);
+  EXPECT_GT(median(gain), -0.5);
 }
 
 }  // namespace

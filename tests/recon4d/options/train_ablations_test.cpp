@@ -41,43 +41,40 @@ TEST(Ablations, EachRowIsKnownAndChangesAnOption) {
     const char* base = row.name == "full" || row.name == "basis" ? "" : added ? "basis" : "full";
     for (const Preset& preset : presets()) {
       // these presets are the full method already
-      if (row.name == "full" && options_of("", preset.name).at("idle_updates") == "lazy") continue;
+      if (row.name == "full" && options_of("", preset.name).at("idle_updates") == "dense") continue;
       EXPECT_FALSE(
           difference(options_of(row.name, preset.name), options_of(base, preset.name)).empty())
           << row.name << " of " << preset.name;
     }
   }
   for (const char* name :
-       {"full", "basis", "no-rectangular-bounds", "no-opacity-bounds", "no-tile-culling",
-        "no-balanced-instances", "no-separate-sort", "no-warp-culling", "pixel-backward",
-        "per-gaussian-backward", "no-fused-optimizer", "no-z-order", "dense-idle", "skip-invisible",
-        "row-intervals", "basis+rectangular-bounds", "basis+fused-optimizer", "basis+z-order",
-        "basis+lazy-idle"})
+       {"full", "basis", "no-rectangular-bounds", "no-opacity-bounds", "no-balanced-instances",
+        "no-separate-sort", "no-warp-culling", "pixel-backward", "no-fused-optimizer", "no-z-order",
+        "skip-invisible", "basis+rectangular-bounds", "basis+fused-optimizer", "basis+z-order"})
     EXPECT_TRUE(names.count(name)) << name;
 }
 
 TEST(Ablations, FullAndBasisAreOppositeEnds) {
   using Keys = std::set<std::string>;
-  EXPECT_EQ(difference(options_of("full", "fast"), options_of("", "fast")), Keys{"idle_updates"});
+  EXPECT_EQ(difference(options_of("full", "3dgs"), options_of("", "3dgs")), Keys{"idle_updates"});
   EXPECT_EQ(difference(options_of("full"), options_of("basis")),
-            (Keys{"idle_updates", "rectangular_bounds", "opacity_bounds", "tile_culling",
-                  "balanced_instances", "separate_sort", "warp_culling", "backward",
-                  "fused_optimizer", "reorder_interval"}));
-  EXPECT_EQ(difference(options_of("no-tile-culling"), options_of("full")), Keys{"tile_culling"});
+            (Keys{"rectangular_bounds", "opacity_bounds", "balanced_instances", "separate_sort",
+                  "warp_culling", "backward", "fused_optimizer", "reorder_interval"}));
+  EXPECT_EQ(difference(options_of("no-warp-culling"), options_of("full")), Keys{"warp_culling"});
   EXPECT_EQ(difference(options_of("no-fused-optimizer"), options_of("full")),
-            (Keys{"fused_optimizer", "idle_updates"}));
-  EXPECT_EQ(difference(options_of("basis+lazy-idle"), options_of("basis")),
+            Keys{"fused_optimizer"});
+  EXPECT_EQ(difference(options_of("basis+skip-invisible"), options_of("basis")),
             (Keys{"fused_optimizer", "idle_updates"}));
 }
 
 TEST(Ablations, UnknownNamesSuggestTheNearest) {
   TrainOptions options;
   try {
-    apply_ablation(options, "no-tile-cullling");
+    apply_ablation(options, "no-warp-cullling");
     FAIL() << "accepted";
   } catch (const InputError& error) {
     const std::string message = error.what();
-    for (const char* part : {"'no-tile-cullling'", "did you mean 'no-tile-culling'", "basis+"})
+    for (const char* part : {"'no-warp-cullling'", "did you mean 'no-warp-culling'", "basis+"})
       EXPECT_NE(message.find(part), std::string::npos) << message;
   }
   EXPECT_EQ(to_json(options), to_json(TrainOptions{}));

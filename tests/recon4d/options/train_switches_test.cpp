@@ -45,7 +45,6 @@ const std::vector<Alternative>& alternatives() {
       {"seed", 7},
       {"static_only", true},
       {"motion_form", "velocity"},
-      {"time_noise", 0.5},
       {"background", "white"},
       {"near_plane", 3.9},
       {"far_plane", 4.1},
@@ -62,7 +61,6 @@ const std::vector<Alternative>& alternatives() {
       {"sh_time_degree", 1},
       {"sliced_direction", false},
       {"filter_2d", true},
-      {"filter_2d_gradient", "full", {{"filter_2d", true}}},
       {"filter_3d", "mip"},
       {"truncation_sigma", 2.5},
       {"truncation_by_falloff", true},
@@ -70,9 +68,6 @@ const std::vector<Alternative>& alternatives() {
       {"lambda_dssim", 0.5},
       {"opacity_weight", 0.01},
       {"scale_weight", 0.01},
-      {"motion_weight", 0.01},
-      {"extent_weight", 0.01},
-      {"rigidity_weight", 0.01},
       {"environment", true, json::object(), true},
       {"environment_size", 8, json::object(), true},
       {"lr_environment", 0.02, json::object(), true},
@@ -81,7 +76,6 @@ const std::vector<Alternative>& alternatives() {
       {"lr_mean", 3e-4},
       {"lr_mean_final", 1.6e-4},
       {"lr_mean_time", 3e-4},
-      {"mean_time_decay", 0.1},
       {"lr_scale", 1e-2},
       {"lr_scale_time", 1e-2},
       {"lr_rotation", 1e-2},
@@ -116,7 +110,7 @@ const std::vector<Alternative>& same_models() {
   static const std::vector<Alternative> rows = {
       {"fused_optimizer", false}, {"balanced_instances", false}, {"separate_sort", false},
       {"warp_culling", false},    {"backward", "pixel"},         {"deterministic", true},
-      {"feed_bytes", 1000},       {"row_intervals", true},
+      {"feed_bytes", 1000},
   };
   return rows;
 }
@@ -126,7 +120,7 @@ const std::vector<Alternative>& same_models() {
 const char* const kBeforeTraining[] = {"sweep", "train_scale"};
 
 /// Rows that list splats in more tiles: the instances of a step say so.
-const char* const kBounds[] = {"rectangular_bounds", "opacity_bounds", "tile_culling"};
+const char* const kBounds[] = {"rectangular_bounds", "opacity_bounds"};
 
 /// Rows that decide which model is kept and when training ends; with what makes that seen.
 const std::vector<Alternative>& of_validation() {
@@ -199,7 +193,6 @@ int64_t some_instances(const std::string& key, bool value) {
   capture.size = 100;
   const Scene scene = tiny_capture(capture);
   TrainOptions options = usual_options();
-  if (key == "rectangular_bounds") options.tile_culling = false;  // which would make up for it
   set_option_from_json(options, key, value);
   Training training(scene, options);
   return training.run(options.densify_from).steps().back().instances;
@@ -265,19 +258,18 @@ TEST_P(Switch, ChangesTheModel) {
 TEST(KernelOptions, EachSwitchIsItsOwn) {
   const auto bits = [](const TrainOptions& options) {
     const KernelSwitches k = kernel_switches(options);
-    return std::vector<int>{k.bounds.rectangular,   k.bounds.opacity_aware, k.bounds.tile_culling,
-                            k.bounds.row_intervals, k.balanced_instances,   k.separate_sort,
-                            k.warp_culling,         int(k.backward),        k.deterministic};
+    return std::vector<int>{k.bounds.rectangular, k.bounds.opacity_aware, k.balanced_instances,
+                            k.separate_sort,      k.warp_culling,         int(k.backward),
+                            k.deterministic};
   };
   const KernelSwitches usual;
   EXPECT_EQ(bits({}),
             (std::vector<int>{usual.bounds.rectangular, usual.bounds.opacity_aware,
-                              usual.bounds.tile_culling, usual.bounds.row_intervals,
                               usual.balanced_instances, usual.separate_sort, usual.warp_culling,
                               int(usual.backward), usual.deterministic}));
-  const char* const keys[] = {"rectangular_bounds", "opacity_bounds",     "tile_culling",
-                              "row_intervals",      "balanced_instances", "separate_sort",
-                              "warp_culling",       "backward",           "deterministic"};
+  const char* const keys[] = {"rectangular_bounds", "opacity_bounds", "balanced_instances",
+                              "separate_sort",      "warp_culling",   "backward",
+                              "deterministic"};
   for (size_t i = 0; i < std::size(keys); ++i) {
     TrainOptions options;
     const json before = to_json(options)[keys[i]];
@@ -287,11 +279,8 @@ TEST(KernelOptions, EachSwitchIsItsOwn) {
       EXPECT_EQ(bits(options)[j] != bits({})[j], i == j) << keys[i] << " at " << j;
   }
   TrainOptions options;
-  options.backward = "per-gaussian";
-  EXPECT_EQ(kernel_switches(options).backward, BackwardForm::kPerGaussian);
-  for (const auto& [name, idle] : {std::pair{"dense", IdleUpdate::kDense},
-                                   {"lazy", IdleUpdate::kLazy},
-                                   {"skip", IdleUpdate::kSkip}}) {
+  for (const auto& [name, idle] :
+       {std::pair{"dense", IdleUpdate::kDense}, {"skip", IdleUpdate::kSkip}}) {
     options.idle_updates = name;
     EXPECT_EQ(idle_update(options), idle);
   }

@@ -21,7 +21,7 @@ void add_white_noise(Scene& scene, double deviation, uint64_t seed) {
   uint64_t index = 0;
   for (Frame& frame : scene.frames)
     for (size_t i = 0; i < frame.image.data.size(); ++i) {
-      const float normal = normals(philox(seed, RandomStream::kTime, index++))[0];
+      const float normal = normals(philox(seed, RandomStream::kInitialise, index++))[0];
       const double value = frame.image.data[i] + deviation * double(normal);
       frame.image.data[i] = uint8_t(std::clamp(std::lround(value), 0l, 255l));
     }

@@ -192,7 +192,6 @@ TEST(Thinning, RowsKeepTheirValuesTimestepsAndStatistics) {
       for (int64_t i = 0; i < state.set(k).count(); ++i)
         EXPECT_EQ(row_of(state.set(k), i), row_of(before[k], rows.of[k][size_t(i)])) << k << i;
       ASSERT_EQ(state.statistics[k].count.size(), state.set(k).count());
-      EXPECT_EQ(state.statistics[k].sh_step.size(), state.set(k).count());
       for (int64_t i = 0; i < state.set(k).count(); ++i)
         EXPECT_EQ(state.statistics[k].count[i], gathered(k, rows.of[k][size_t(i)]));
     }

@@ -66,7 +66,7 @@ TEST(TrainFilter, ModelsThatLeaveTheTrainerHaveItBakedIn) {
   const Images<float>& drawn =
       pipeline.forward(drawn_values(state, 0, options), drawn_values(state, 1, options), views,
                        render_options(state.model));
-  const GaussianModel model = caught_up_model(state, options);
+  const GaussianModel model = baked_model(state, options);
   const RenderedImage baked = render_views(*backend, model, views)[0];
   const RenderedImage raw = render_views(*backend, state.model, views)[0];
   double worst = 0, matters = 0;
@@ -122,7 +122,7 @@ TEST(TrainFilter, ResetOpacityIsThatAfterTheFilter) {
   options.lr_opacity = 0;
   Training training(scene, options);
   training.run(16);  // one step after the reset
-  const GaussianModel model = caught_up_model(training.state(), options);
+  const GaussianModel model = baked_model(training.state(), options);
   double above = 0, at = 0;  // of all: some were fainter already
   for (const GaussianSet* set : {&model.static_set, &model.dynamic_set})
     for (const float logit : set->group(kOpacityLogit).value) {

@@ -40,15 +40,14 @@ TrainOptions options_of(const Way& way) {
 }
 
 class Separate : public ::testing::TestWithParam<Way> {};
-INSTANTIATE_TEST_SUITE_P(
-    Ways, Separate,
-    ::testing::Values(Way{"fused", {}}, Way{"stored_gradients", {{"fused_optimizer", false}}},
-                      Way{"lazy", {{"idle_updates", "lazy"}}},
-                      Way{"filtered", {{"filter_3d", "mip"}, {"idle_updates", "lazy"}}},
-                      Way{"rigidity", {{"rigidity_weight", 0.1}}},
-                      Way{"clamped", {{"filter_3d", "clamp"}}},
-                      Way{"fed_ahead", {{"feed_bytes", 1}, {"batch", 3}}}),
-    [](const auto& way) { return way.param.name; });
+INSTANTIATE_TEST_SUITE_P(Ways, Separate,
+                         ::testing::Values(Way{"fused", {}},
+                                           Way{"stored_gradients", {{"fused_optimizer", false}}},
+                                           Way{"skipped", {{"idle_updates", "skip"}}},
+                                           Way{"filtered", {{"filter_3d", "mip"}}},
+                                           Way{"clamped", {{"filter_3d", "clamp"}}},
+                                           Way{"fed_ahead", {{"feed_bytes", 1}, {"batch", 3}}}),
+                         [](const auto& way) { return way.param.name; });
 
 // Bugs put back, each seen to fail: statistics that stay in the host's memory, no wait_copies in
 // FrameCache::truth, host_state kept over steps, moments not copied, host_model without the filter.
@@ -63,8 +62,7 @@ TEST_P(Separate, TrainsAsOnTheHost) {
     host.run(pause);
     trainer.run(pause);
     EXPECT_TRUE(state_bits(trainer.host_state()) == state_bits(host.state())) << "at " << pause;
-    EXPECT_TRUE(model_bits(trainer.host_model()) ==
-                model_bits(caught_up_model(host.state(), options)));
+    EXPECT_TRUE(model_bits(trainer.host_model()) == model_bits(baked_model(host.state(), options)));
   }
   EXPECT_TRUE(trainer.host_state().finished);
   EXPECT_TRUE(model_bits(trainer.host_model()) == model_bits(host.model()));

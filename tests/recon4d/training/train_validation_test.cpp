@@ -314,7 +314,7 @@ class ValidationOn : public testing::EveryBackend {};
 TEST_P(ValidationOn, ChecksDoNotChangeTheTraining) {
   Scene scene = tiny_capture();
   TrainOptions options = checked_options();
-  options.deterministic = true, options.idle_updates = "lazy", options.stop_patience = 0;
+  options.deterministic = true, options.idle_updates = "skip", options.stop_patience = 0;
   hold_out_validation(scene, options.validation_share, 1);
   Training unchecked(scene, options, testing::first_state(scene, options), backend());
   unchecked.run(24);
