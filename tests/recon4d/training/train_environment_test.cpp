@@ -103,6 +103,27 @@ TEST(TrainEnvironment, SkyBehindGaussiansIsFound) {
   EXPECT_GT(compared, 30);
 }
 
+// The first step of Adam is as long as its rate, whatever the gradient. Bug put back: t counted
+// from 2; seen to fail.
+TEST(TrainEnvironment, StepsAreAdams) {
+  GaussianModel truth;
+  const Scene scene = before_sky({}, truth);
+  const TrainOptions options = sky_options();
+  Training training(scene, options);
+  Buffer<float> before;
+  before.copy_from(training.model().environment.map.value);
+  training.run(1);
+  const Buffer<float>& after = training.model().environment.map.value;
+  int moved = 0;
+  for (int64_t i = 0; i < before.size(); ++i) {
+    const double change = std::abs(double(after[i]) - double(before[i]));
+    if (change == 0) continue;
+    ++moved;
+    EXPECT_NEAR(change, options.lr_environment, 1e-3 * options.lr_environment) << i;
+  }
+  EXPECT_GT(moved, 50);
+}
+
 // E5. Bug put back: moments of the map not in the checkpoint; seen to fail.
 TEST(TrainEnvironment, ResumeGoesOnBitForBit) {
   GaussianModel truth;
