@@ -5,7 +5,6 @@
 #pragma once
 #include "kernels/gaussians.h"
 #include "kernels/math/adam.h"
-#include "kernels/math/spherical_harmonics.h"
 #include "kernels/math/symmetric.h"
 
 namespace tessera {

@@ -16,7 +16,6 @@ template <class Real>
 struct Record {
   Splat<Real> splat;
   Real depth;
-  int32_t tiles;
   TileRect rect;
 };
 
@@ -66,7 +65,6 @@ void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chu
       ViewSplat<Real> splat;
       if (!splat_in_view(views[b], g, rules, splat)) continue;
       Record<Real> record;
-      record.tiles = splat.rect.area();
       Splat<Real>& out = record.splat;
       Real distance, room[3 * kMaxShCoefficients];
       const Vec3<Real> direction =
@@ -79,7 +77,7 @@ void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chu
       out.view = int32_t(b), out.opacity = splat.opacity, out.power = splat.power;
       out.mean2d = splat.projection.mean2d, out.conic = splat.projection.conic;
       record.depth = splat.projection.in_cam[2], record.rect = splat.rect;
-      chunk.instances += record.tiles;
+      chunk.instances += record.rect.area();
       chunk.records.push_back(record);
     }
   }
@@ -95,7 +93,7 @@ void resize_splats(Splats<Real>& splats, int64_t count, int64_t gaussians) {
 template <class Real>
 void store(const Record<Real>& r, int64_t s, Splats<Real>& splats) {
   splats.splat[s] = r.splat, splats.depth[s] = r.depth, splats.rect[s] = r.rect;
-  splats.tiles[s] = r.tiles;
+  splats.tiles[s] = r.rect.area();
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/math/random.h"
+#include "recon4d/density/density.h"
 #include "recon4d/training/frame_cache.h"
 #include "recon4d/training/initialise.h"
 #include "recon4d/training/trainer.h"
@@ -72,14 +73,10 @@ void shuffle(GaussianSet& set, uint64_t seed) {
   for (int64_t n = 0; n < set.count(); ++n)
     keys.emplace_back(philox(seed, RandomStream::kSampler, uint64_t(n)).word[0], n);
   std::sort(keys.begin(), keys.end());
-  for (int g = 0; g < set.groups(); ++g) {
-    const int width = set.width(Group(g));
-    Buffer<float>& values = set.group(Group(g)).value;
-    Buffer<float> to(values.size());
-    for (size_t n = 0; n < keys.size(); ++n)
-      std::copy_n(values.data() + keys[n].second * width, width, to.data() + int64_t(n) * width);
-    values = std::move(to);
-  }
+  Buffer<int64_t> order(set.count());
+  for (int64_t n = 0; n < set.count(); ++n) order[n] = keys[size_t(n)].second;
+  const Span<const int64_t> rows = std::as_const(order).span();
+  take_rows(*make_cpu_backend(), rows, rows, set);
 }
 
 /// Options of a training that leaves its load as it is: nothing is learnt, added or removed.
@@ -103,9 +100,10 @@ TrainOptions options_at_rest(TrainOptions options, int64_t steps) {
 TrainState load_of(const Scene& scene, const TrainOptions& options,
                    const StageBenchOptions& bench) {
   constexpr int64_t kAllBands = 100;
+  const int64_t interval = std::max(options.reorder_interval, int64_t{1});
   TrainState state;
   state.model = bench.model ? bench.model->clone_values() : initial_load(scene, options, bench);
-  state.iteration = std::max(options.reorder_interval, kAllBands);
+  state.iteration = (kAllBands + interval - 1) / interval * interval;
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state.set(k);
     set.ensure_moments();

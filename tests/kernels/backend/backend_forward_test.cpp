@@ -164,6 +164,10 @@ double margin(const Splat<float>& s, int x, int y) {
                  double(s.power);
 }
 
+bool holds(const TileRect& rect, int x, int y) {
+  return x >= rect.x0 && x < rect.x1 && y >= rect.y0 && y < rect.y1;
+}
+
 TEST_P(BackendForward, ListsHoldTheSplatsThatReachATileFrontToBack) {  // C8
   // Bugs put back, seen to fail: every 97th place not written; instances counted one short.
   const StageRun<float> run = run_stages(random_scene(250, 250, 0.25, 10).as<float>(), backend());
@@ -181,6 +185,7 @@ TEST_P(BackendForward, ListsHoldTheSplatsThatReachATileFrontToBack) {  // C8
         ASSERT_TRUE(s >= 0 && s < run.splats) << "poison left at " << i;
         ASSERT_EQ(run.splat[size_t(s)].view, int32_t(b));
         ASSERT_TRUE(here.insert(s).second) << "twice in a list";
+        ASSERT_TRUE(holds(run.rect[size_t(s)], x, y)) << "splat " << s << " tile " << tile;
         ++listed[size_t(s)];
         if (i == run.tile_begin[t]) continue;
         const int32_t before = run.instance_splat[size_t(i - 1)];
@@ -190,6 +195,7 @@ TEST_P(BackendForward, ListsHoldTheSplatsThatReachATileFrontToBack) {  // C8
       for (int32_t s = 0; s < run.splats; ++s) {
         if (run.splat[size_t(s)].view != int32_t(b) || here.count(s) > 0) continue;
         ASSERT_LE(margin(run.splat[size_t(s)], x, y), 1e-4) << "splat " << s << " tile " << tile;
+        ASSERT_FALSE(holds(run.rect[size_t(s)], x, y)) << "splat " << s << " tile " << tile;
       }
     }
   EXPECT_EQ(listed, run.tiles);  // counted = filled

@@ -1,6 +1,6 @@
 // What: colours that follow time, of every backend: images and gradients against the oracle's,
-// the fused optimizer against the separate one, levels that catch up against those that take every
-// step, and sets without levels against sets whose levels are not active.
+// the fused optimizer against the separate one, and sets without levels against sets whose levels
+// are not active.
 // Not: that the oracle is right (brute_force_test.cpp, gradient_test.cpp).
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
