@@ -7,8 +7,8 @@
 
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
+#include "kernels/math/contribution.h"
 #include "kernels/math/filter_3d.h"
-#include "kernels/math/sensitivity.h"
 #include "kernels/stage_clock.h"
 
 namespace tessera {
@@ -64,6 +64,16 @@ struct SensitivityArgs {
   std::vector<Vec3<double>> gain;         // as PhotometricArgs::gain
 };
 
+/// Splats of a forward pass and their sums, to be added to those of their Gaussians.
+template <class Real>
+struct ContributionArgs {
+  ProjectArgs<Real> forward;
+  const Splats<Real>* splats = nullptr;
+  Span<const SplatSensitivity<Real>> sums;  // [S]
+  Span<ElementSums<Real>> elements;         // [N] static set first
+  Span<TimeVariation> variation;            // [N of the static set]; empty: not wanted
+};
+
 template <class Real>
 struct ProjectBackwardArgs {
   ProjectArgs<Real> forward;
@@ -101,8 +111,9 @@ struct StepOutcome {
   std::vector<Vec3<double>> d_gain;  // [B] of the mean loss by each gain; empty: there were none
 };
 
-/// A device runs behind the host: only `project`, `outcome`, `select_rows`, `relocate_rows` and
-/// memory().copy wait for it. All spans and buffers of the arguments lie in memory().
+/// A device runs behind the host: only `project`, `outcome`, `select_elements`,
+/// `relocate_elements`, `sum_of_squares` and memory().copy wait for it. All spans and buffers of
+/// the arguments lie in memory().
 template <class Real>
 class BackendOf {
  public:
@@ -139,6 +150,16 @@ class BackendOf {
   /// What each splat is to the images; written, zeros for a splat that draws no pixel. After a
   /// forward pass with for_backward. Masks and gains are in removal1 and removal2 alone.
   virtual void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) = 0;
+  /// Adds the sums of splats to those of their Gaussians, view by view.
+  virtual void contributions(const ContributionArgs<Real>& args) = 0;
+  /// Ends the timestep that the last contributions were of.
+  virtual void close_timestep(double time, Span<TimeVariation> variation) = 0;
+  /// Of two residuals of one batch, laid out as Images::colour: by how much the squared error of
+  /// each pixel grew, in the first channel of `residual`; zeros in the others.
+  virtual void added_squares(const ViewBatch<Real>& batch, Span<const Real> before,
+                             Span<Real> residual) = 0;
+  /// Equal inputs give equal bits. Waits.
+  virtual double sum_of_squares(Span<const Real> values) = 0;
   /// Splat gradients → parameter gradients, summed over views, into the sinks.
   virtual void project_backward(const ProjectBackwardArgs<Real>& args) = 0;
   /// Of the last photometric and project_backward, and of adam_values after it; waits for these,
@@ -152,25 +173,26 @@ class BackendOf {
   virtual void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam,
                            Span<Real> value, Span<Real> moment1, Span<Real> moment2) = 0;
 
-  /// to[i] = from[index[i]] for rows of `width` scalars; index −1 writes zeros, as do rows from
-  /// `inherited` on.
-  virtual void gather_rows(Span<const Real> from, Span<const int64_t> index, int width,
-                           int64_t inherited, Span<Real> to) = 0;
-  /// Which rows survive, are cloned and are split. Where room is short the strongest grow.
-  virtual void select_rows(const GaussianSpans<const Real>& set,
-                           const DensityStatistics<const Real>& statistics, const DensityRule& rule,
-                           DensityRows& rows) = 0;
-  /// Rows from `first` on become samples of the Gaussian they are copies of, and smaller.
+  /// to[i] = from[index[i]] for elements of `width` scalars; index −1 writes zeros, as do elements
+  /// from `inherited` on.
+  virtual void gather_elements(Span<const Real> from, Span<const int64_t> index, int width,
+                               int64_t inherited, Span<Real> to) = 0;
+  /// Which elements survive, are cloned and are split. Where room is short the strongest grow.
+  virtual void select_elements(const GaussianSpans<const Real>& set,
+                               const DensityStatistics<const Real>& statistics,
+                               const DensityRule& rule, DensityElements& elements) = 0;
+  /// Elements from `first` on become samples of the Gaussian they are copies of, and smaller.
   virtual void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) = 0;
-  /// Draws a living Gaussian for every dead one and for every row that is added, with probability
-  /// in proportion to opacity and with replacement. Those that were drawn n − 1 times become, in
-  /// place, n Gaussians in one spot that together look as the one did; `rows` says who copies whom.
-  /// Where nobody lives nothing is moved, and `added` must be 0.
-  virtual void relocate_rows(const GaussianSpans<Real>& set, const RelocationRule& rule,
-                             RelocationRows& rows) = 0;
+  /// Draws a living Gaussian for every dead one and for every element that is added, with
+  /// probability in proportion to opacity and with replacement. Those that were drawn n − 1 times
+  /// become, in place, n Gaussians in one spot that together look as the one did; `elements` says
+  /// who copies whom. Where nobody lives nothing is moved, and `added` must be 0.
+  virtual void relocate_elements(const GaussianSpans<Real>& set, const RelocationRule& rule,
+                                 RelocationElements& elements) = 0;
   /// means += Σ·ξ · scale / (1 + exp(100·opacity − ½)), ξ normal.
   virtual void add_position_noise(const GaussianSpans<Real>& set, const PositionNoise& noise) = 0;
-  /// Rows in Morton order of the means; of a Dim 4 set then stably by 32 bins of temporal means.
+  /// Elements in Morton order of the means; of a Dim 4 set then stably by 32 bins of temporal
+  /// means.
   virtual void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) = 0;
   /// φ[n] = √0.2·d/f, d the least depth of Gaussian n in the views that sample it, each at its own
   /// moment; of one that none samples: the largest φ of the others; 0 where there are no others.
@@ -185,7 +207,6 @@ class BackendOf {
 using Backend = BackendOf<float>;
 
 std::unique_ptr<Backend> make_cpu_backend();
-std::unique_ptr<BackendOf<double>> make_oracle_backend();
 /// On the device of that number, which becomes the calling thread's; device_probe.h tells what is
 /// there. Errors: DeviceError when this build or machine has no such CUDA device.
 std::unique_ptr<Backend> make_cuda_backend(int device = 0);

@@ -32,12 +32,16 @@ ViewBatch<Real> make_view_batch(const std::vector<View>& views) {
     const Camera& c = view.camera;
     check_size(c);
     ViewArgs<Real> v;
-    v.fl_x = Real(c.fl_x), v.fl_y = Real(c.fl_y), v.cx = Real(c.cx), v.cy = Real(c.cy);
+    v.fl_x = Real(c.fl_x);
+    v.fl_y = Real(c.fl_y);
+    v.cx = Real(c.cx);
+    v.cy = Real(c.cy);
     v.cam_from_world = Mat3<Real>(c.cam_from_world);
     v.translation = Vec3<Real>(c.translation);
     v.position = Vec3<Real>(c.position());
     v.time = Real(view.time);
-    v.width = c.width, v.height = c.height;
+    v.width = c.width;
+    v.height = c.height;
     v.tiles_x = (c.width + kTileSize - 1) / kTileSize;
     v.tiles_y = (c.height + kTileSize - 1) / kTileSize;
     v.first_tile = batch.tiles;

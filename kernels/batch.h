@@ -5,6 +5,7 @@
 
 #include "kernels/base/buffer.h"
 #include "kernels/base/camera.h"
+#include "kernels/drawing_rules.h"
 #include "kernels/math/blending.h"
 #include "kernels/math/photometric.h"
 #include "kernels/math/spherindrical.h"
@@ -40,25 +41,11 @@ struct KernelSwitches {
   bool deterministic = false;  // gradients are added in a fixed order
 };
 
-struct RenderOptions {
-  int sh_degree = kMaxShDegree;         // bands evaluated, of those that are stored
-  int sh_time_degree = kMaxTimeLevels;  // levels of time evaluated, of those that are stored
-  double sh_time_period = 1;            // T of the levels, normalised time
-  double background[3] = {0, 0, 0};     // linear blend target, [0, 1] RGB
-  double near_plane = 0.2;              // world units along the viewing axis
-  double far_plane = 1e4;
-  bool sliced_direction = true;  // colours look along eye → mean at the view's moment; else → μ
-  double truncation_sigma = kTruncationSigma;  // where splats end (Cutoff), standard deviations
-  bool truncation_by_falloff = false;          // whatever their opacity
-  bool filter_2d = false;                      // dilation 0.1 with compensation, else 0.3 without
-  double time_filter = 0;                      // added to σ_t² in the marginal, normalised time²
+struct RenderOptions : DrawingRules {
+  double background[3] = {0, 0, 0};  // linear blend target, [0, 1] RGB
   KernelSwitches kernels;
 };
 
-template <class Real>
-Cutoff<Real> make_cutoff(const RenderOptions& options) {
-  return make_cutoff<Real>(options.truncation_sigma, options.truncation_by_falloff);
-}
 template <class Real>
 SplatRules<Real> make_splat_rules(const RenderOptions& options);
 /// Of a set that stores `coefficients` in each of `time_levels` beside the first.

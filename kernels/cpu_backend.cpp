@@ -18,8 +18,5 @@ template std::string CpuBackend<double>::name() const;
 std::unique_ptr<Backend> make_cpu_backend() {
   return std::make_unique<CpuBackend<float>>();
 }
-std::unique_ptr<BackendOf<double>> make_oracle_backend() {
-  return std::make_unique<CpuBackend<double>>();
-}
 
 }  // namespace tessera

@@ -22,19 +22,24 @@ class CpuBackend final : public BackendOf<Real> {
   void blend_backward(const BlendBackwardArgs<Real>& args,
                       Span<SplatGradient<Real>> d_splats) override;
   void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) override;
+  void contributions(const ContributionArgs<Real>& args) override;
+  void close_timestep(double time, Span<TimeVariation> variation) override;
+  void added_squares(const ViewBatch<Real>& batch, Span<const Real> before,
+                     Span<Real> residual) override;
+  double sum_of_squares(Span<const Real> values) override;
   void project_backward(const ProjectBackwardArgs<Real>& args) override;
   StepOutcome outcome() override { return outcome_; }
   void adam(const SinkArgs<Real>& args) override;
   void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam, Span<Real> value,
                    Span<Real> moment1, Span<Real> moment2) override;
-  void gather_rows(Span<const Real> from, Span<const int64_t> index, int width, int64_t inherited,
-                   Span<Real> to) override;
-  void select_rows(const GaussianSpans<const Real>& set,
-                   const DensityStatistics<const Real>& statistics, const DensityRule& rule,
-                   DensityRows& rows) override;
+  void gather_elements(Span<const Real> from, Span<const int64_t> index, int width,
+                       int64_t inherited, Span<Real> to) override;
+  void select_elements(const GaussianSpans<const Real>& set,
+                       const DensityStatistics<const Real>& statistics, const DensityRule& rule,
+                       DensityElements& elements) override;
   void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) override;
-  void relocate_rows(const GaussianSpans<Real>& set, const RelocationRule& rule,
-                     RelocationRows& rows) override;
+  void relocate_elements(const GaussianSpans<Real>& set, const RelocationRule& rule,
+                         RelocationElements& elements) override;
   void add_position_noise(const GaussianSpans<Real>& set, const PositionNoise& noise) override;
   void locality_order(const GaussianSpans<const Real>& set, Buffer<int64_t>& order) override;
   void filter_sizes(const FilterArgs<Real>& args, Span<Real> sizes) override;

@@ -102,25 +102,27 @@ template <class T>
 struct GaussianSpans {
   Form form = Form::kStatic;
   int64_t count = 0;      // N
-  int coefficients = 16;  // K, the most that a row has
+  int coefficients = 16;  // K, the most that an element has
   int time_levels = 0;    // L; 0 in Dim 3
   Span<T> group[kGroupCount];
   Span<T> filter_size;  // [N] φ of the 3D filter that is applied, world units; empty: none is
-  ShBlocks blocks;      // where rows differ in K
+  ShBlocks blocks;      // where elements differ in K
 
   TESSERA_HD int dim() const { return dim_of(form); }
   TESSERA_HD int width(Group g) const { return group_width(g, coefficients, form, time_levels); }
 
-  /// First scalar of Gaussian n in a group; of kSh and kShTime in a set whose rows are alike, e.g.
-  /// in a block.
+  /// First scalar of Gaussian n in a group; of kSh and kShTime in a set whose elements are alike,
+  /// e.g. in a block.
   TESSERA_HD T* at(Group g, int64_t n) const {
     assert(!blocks.mixed() || (g != kSh && g != kShTime));
     return group[g].data + n * width(g);
   }
-  /// The rows of a block, as a set whose rows are alike.
+  /// The elements of a block, as a set whose elements are alike.
   GaussianSpans block(const ShBlock& block) const {
     GaussianSpans out = *this;
-    out.count = block.count, out.coefficients = block.coefficients, out.blocks = {};
+    out.count = block.count;
+    out.coefficients = block.coefficients;
+    out.blocks = {};
     for (int g = 0; g < kGroupCount; ++g) {
       const bool colour = g == kSh || g == kShTime;
       const int64_t scalars = group_width(Group(g), 1, form, time_levels);
@@ -134,8 +136,11 @@ struct GaussianSpans {
   /// The same, not to be written.
   TESSERA_HD GaussianSpans<const T> view() const {
     GaussianSpans<const T> out;
-    out.form = form, out.count = count, out.coefficients = coefficients;
-    out.time_levels = time_levels, out.blocks = blocks;
+    out.form = form;
+    out.count = count;
+    out.coefficients = coefficients;
+    out.time_levels = time_levels;
+    out.blocks = blocks;
     for (int g = 0; g < kGroupCount; ++g) out.group[g] = group[g];
     out.filter_size = filter_size;
     return out;
@@ -173,7 +178,7 @@ struct SinkArgs {
   AdamGroups<Real> adam;                        // ApplyAdam
   IdleUpdate idle = IdleUpdate::kDense;         // ApplyAdam
 
-  /// Of the rows of a block.
+  /// Of the elements of a block.
   SinkArgs block(const ShBlock& block) const {
     SinkArgs out = *this;
     for (GaussianSpans<Real>* spans : {&out.gradient, &out.value, &out.moment1, &out.moment2})
@@ -188,7 +193,7 @@ struct DensityStatistics {
   Span<Real> gradient_sum;  // [N] Σ over batches of the mean over views of ‖dL/d mean2D‖ in NDC
   Span<Real> count;         // [N] batches in which it was visible
 
-  /// Of the rows of a block.
+  /// Of the elements of a block.
   DensityStatistics block(const ShBlock& block) const {
     return {part_of(gradient_sum, block.first, block.count),
             part_of(count, block.first, block.count)};
@@ -208,16 +213,16 @@ struct DensityRule {
 struct RelocationRule {
   double dead_opacity = 0;   // not more opaque ones are dead, as are those that are no Gaussians
   double least_opacity = 0;  // of a Gaussian that was copied, and of its copies
-  int64_t added = 0;         // rows behind the last one
+  int64_t added = 0;         // elements behind the last one
   uint64_t seed = 0;
 };
 
-/// What rows of a set are taken from when Gaussians have been relocated.
-struct RelocationRows {
-  explicit RelocationRows(Memory& memory = host_memory()) : values(memory), moments(memory) {}
+/// What elements of a set are taken from when Gaussians have been relocated.
+struct RelocationElements {
+  explicit RelocationElements(Memory& memory = host_memory()) : values(memory), moments(memory) {}
 
-  Buffer<int64_t> values;   // [N + added] row of the values
-  Buffer<int64_t> moments;  // [N + added] row of the moments; −1: zeros
+  Buffer<int64_t> values;   // [N + added] element of the values
+  Buffer<int64_t> moments;  // [N + added] element of the moments; −1: zeros
   int64_t moved = 0;        // dead ones that became copies
   int64_t weight = 0;       // Σ draw_weight of those that were alive
 };
@@ -229,9 +234,9 @@ struct PositionNoise {
   int64_t step = 0;
 };
 
-/// The rows of a set that make up the next one: survivors, clones, first and second children.
-struct DensityRows {
-  explicit DensityRows(Memory& memory = host_memory()) : index(memory) {}
+/// The elements of a set that make up the next one: survivors, clones, first and second children.
+struct DensityElements {
+  explicit DensityElements(Memory& memory = host_memory()) : index(memory) {}
 
   Buffer<int64_t> index;
   int64_t survivors = 0, clones = 0, parents = 0, pruned = 0;

@@ -2,6 +2,8 @@
 // Not: any arithmetic.
 #include "kernels/pipeline.h"
 
+#include <utility>
+
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -11,7 +13,8 @@ const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
   batch_ = make_view_batch<Real>(args.views);
   project_ = {&batch_, {args.sets[0], args.sets[1]}, args.options};
   for_backward_ = args.for_backward;
-  environment_ = args.environment, environment_.batch = &batch_;
+  environment_ = args.environment;
+  environment_.batch = &batch_;
   StageClock& clock = backend_.clock();
   {
     const StageTimer timer(clock, kProject);
@@ -76,11 +79,22 @@ Span<const SplatSensitivity<Real>> Pipeline<Real>::sensitivity() {
 }
 
 template <class Real>
+void Pipeline<Real>::add_contributions(Span<ElementSums<Real>> elements,
+                                       Span<TimeVariation> variation) {
+  const StageTimer timer(backend_.clock(), kProjectBackward);
+  backend_.contributions(
+      {project_, &splats_, std::as_const(sensitivity_).span(), elements, variation});
+}
+
+template <class Real>
 void Pipeline<Real>::release() {
   Memory& memory = backend_.memory();
-  splats_ = Splats<Real>(memory), instances_ = TileInstances<Real>(memory);
+  splats_ = Splats<Real>(memory);
+  instances_ = TileInstances<Real>(memory);
   images_ = Images<Real>(memory);
-  d_colour_.release(), d_splats_.release(), sensitivity_.release();
+  d_colour_.release();
+  d_splats_.release();
+  sensitivity_.release();
 }
 
 template class Pipeline<float>;

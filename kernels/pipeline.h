@@ -73,6 +73,9 @@ class Pipeline {
   /// d_colour() for the image x: that of `residual`, whose masks and gains it also takes, or any
   /// that was written there. [S] in the backend's memory, valid until the next call.
   Span<const SplatSensitivity<Real>> sensitivity();
+  /// Adds the splats of the last forward, with the sums that the last sensitivity found, to their
+  /// Gaussians: `elements` [N] static set first, `variation` [N of the static set] or empty.
+  void add_contributions(Span<ElementSums<Real>> elements, Span<TimeVariation> variation);
   /// Gives the memory of the last step back, so that something else can have it for a while.
   void release();
   /// Losses and non-finite gradients of the last loss and backward. On a device the wait is short

@@ -1,4 +1,4 @@
-// What: rows of a set by the degree of their spherical harmonics: those of one degree stand
+// What: elements of a set by the degree of their spherical harmonics: those of one degree stand
 //       together, a block, which every stage takes as a set of its own.
 // Not: which degree a Gaussian has (recon4d/model/sh_blocks.h).
 #pragma once
@@ -8,39 +8,39 @@
 
 namespace tessera {
 
-/// Rows of one degree.
+/// Elements of one degree.
 struct ShBlock {
-  int coefficients = 0;          // K of each of its rows
-  int64_t first = 0, count = 0;  // rows
-  int64_t sh_first = 0;          // coefficients of the rows before it
+  int coefficients = 0;          // K of each of its elements
+  int64_t first = 0, count = 0;  // elements
+  int64_t sh_first = 0;          // coefficients of the elements before it
 };
 
-/// Where the blocks of a set are. The order of degrees is that of storage: with it rows of 48 and
-/// of 12 scalars begin at multiples of 16 bytes, whatever the counts, and nothing is padded.
+/// Where the blocks of a set are. The order of degrees is that of storage: with it elements of 48
+/// and of 12 scalars begin at multiples of 16 bytes, whatever the counts, and nothing is padded.
 struct ShBlocks {
   static constexpr int kOrder[kMaxShDegree + 1] = {3, 1, 2, 0};
 
-  /// By degree. All 0: every row has as many coefficients as the set says.
-  int64_t rows[kMaxShDegree + 1] = {};
+  /// By degree. All 0: every element has as many coefficients as the set says.
+  int64_t elements[kMaxShDegree + 1] = {};
 
   TESSERA_HD bool mixed() const { return count() > 0; }
   TESSERA_HD int64_t count() const {
     int64_t sum = 0;
-    for (const int64_t some : rows) sum += some;
+    for (const int64_t some : elements) sum += some;
     return sum;
   }
-  /// Of all rows together.
+  /// Of all elements together.
   int64_t coefficients() const {
     int64_t sum = 0;
     for (int degree = 0; degree <= kMaxShDegree; ++degree)
-      sum += rows[degree] * sh_coefficients(degree);
+      sum += elements[degree] * sh_coefficients(degree);
     return sum;
   }
   bool operator==(const ShBlocks&) const = default;
 };
 
-/// Calls visit(block) for the blocks that have rows, in storage order; for one of all `count` rows,
-/// of `coefficients` each, where they are alike.
+/// Calls visit(block) for the blocks that have elements, in storage order; for one of all `count`
+/// elements, of `coefficients` each, where they are alike.
 template <class Visit>
 void for_each_block(const ShBlocks& blocks, int64_t count, int coefficients, Visit&& visit) {
   if (!blocks.mixed()) {
@@ -49,9 +49,11 @@ void for_each_block(const ShBlocks& blocks, int64_t count, int coefficients, Vis
   }
   ShBlock block;
   for (const int degree : ShBlocks::kOrder) {
-    block.coefficients = sh_coefficients(degree), block.count = blocks.rows[degree];
+    block.coefficients = sh_coefficients(degree);
+    block.count = blocks.elements[degree];
     if (block.count > 0) visit(block);
-    block.first += block.count, block.sh_first += block.count * block.coefficients;
+    block.first += block.count;
+    block.sh_first += block.count * block.coefficients;
   }
 }
 

@@ -40,6 +40,7 @@ if [ -f /etc/ssl/certs/ca-certificates.crt ]; then
   cp /etc/ssl/certs/ca-certificates.crt "$root/opt/certificates/"
 fi
 git clone -q --no-hardlinks . "$root/root/tessera"
+commit=$(git -C "$root/root/tessera" rev-parse HEAD)
 
 # git, which fetches the clone on a real machine, comes with the first command
 inside() {
@@ -70,7 +71,7 @@ done
 version=$(sed -n 's/^project(tessera VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 joined=$(printf ', %s' "${records[@]}")
 cat >"$work/$suite.json" <<JSON
-{"check": "scripts/check_fresh.sh $suite", "version": "$version", "commit": "$(git rev-parse HEAD)",
+{"check": "scripts/check_fresh.sh $suite", "version": "$version", "commit": "$commit",
  "cores": $(nproc), "date": "$(date -u +%F)", "commands": [${joined:2}]}
 JSON
 exit $status

@@ -38,6 +38,8 @@ inline const std::vector<BannedWord> kBannedWords = {
     {R"(\bMarkov chain\b)", "MCMC densification"},
     {R"(\bframes (that are )?set aside\b)", "validation frames"},
     {R"(\bbegins anew\b)", "restarts"},
+    {R"(\bfrontiers?\b)", "Pareto front", {"tools/bench/", "tests/tools/bench/"}},  // a JSON key
+    {R"(\b(own|mine|there|at|of) = )", "a noun"},
     {R"(\bpictures?\b)", "image (file), frame (of a video), view (rendered)"},
     {R"(\bmoments?\b)", "timestep, time, timestamp", kOfAdam},
 };

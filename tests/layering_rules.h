@@ -96,8 +96,10 @@ inline std::string include_complaint(const std::string& file, const std::string&
   const std::vector<std::string>* allowed = nullptr;
   size_t longest = 0;
   for (const auto& [folder, prefixes] : kMayInclude)
-    if (file.starts_with(folder) && folder.size() > longest)
-      allowed = &prefixes, longest = folder.size();
+    if (file.starts_with(folder) && folder.size() > longest) {
+      allowed = &prefixes;
+      longest = folder.size();
+    }
   if (allowed == nullptr) return file + " belongs to no layer";
   if (!starts_with_any(header, *allowed)) return file + " may not include \"" + header + "\"";
   return "";

@@ -159,7 +159,7 @@ TEST(LayeringRules, AreSeenToRefuse) {
       {"kernels/a.cpp", "#include <nlohmann/json.hpp>"},
       {"ingest/a.cpp", "#include \"recon4d/model/gaussian_set.h\""},
       {"recon4d/a.cpp", "#include \"ingest/layouts/scene_reader.h\""},
-      {"recon4d/a.cpp", "#include \"static3d/transform/lift.h\""},
+      {"recon4d/a.cpp", "#include \"static3d/transform/slicer.h\""},
       {"recon4d/a.cpp", "#include <cuda_runtime.h>"},
       {"recon4d/a.cpp", "#include <cuda.h>"},
       {"recon4d/a.cpp", "#include \"kernels/cuda/device_memory.h\""},

@@ -20,8 +20,9 @@ std::map<std::string, double> frame_seconds_of(const Scene& scene) {
   std::map<std::string, double> seconds;
   for (const auto& [camera, timesteps] : times) {
     std::vector<double> steps;
-    for (auto next = timesteps.begin(), at = next++; next != timesteps.end(); at = next++)
-      steps.push_back(*next - *at);
+    for (auto next = timesteps.begin(), previous = next++; next != timesteps.end();
+         previous = next++)
+      steps.push_back(*next - *previous);
     if (steps.empty()) continue;
     seconds[camera] = lower_median(std::move(steps)) * scene.time_axis.duration;
   }

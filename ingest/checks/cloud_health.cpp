@@ -46,7 +46,8 @@ void count_places(const Scene& scene, const std::vector<Station>& stations, Clou
     double x = 0, y = 0;
     for (size_t s = 0; s < stations.size() && seen < 2; ++s)
       seen += project_into(stations[s].camera, glm::dvec3(p), x, y);
-    health.unseen += seen == 0, health.seen_by_one += seen == 1;
+    health.unseen += seen == 0;
+    health.seen_by_one += seen == 1;
   }
   if (distances.empty()) return;
   const double far = 10 * median(distances);
@@ -60,9 +61,9 @@ double difference(const std::array<uint8_t, 3>& a, const std::array<double, 3>& 
 }
 
 double quantile(std::vector<double>& values, size_t numerator, size_t denominator) {
-  const auto at = values.begin() + std::ptrdiff_t(values.size() * numerator / denominator);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  const auto nth = values.begin() + std::ptrdiff_t(values.size() * numerator / denominator);
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
 }
 
 /// Median over points of the lower quartile over cameras (some are hidden from it); against the
@@ -73,26 +74,29 @@ double colour_ratio(const Scene& scene, const std::vector<Station>& stations) {
   const size_t step = std::max<size_t>(1, count / kColourSamples);
   std::vector<Image8> images;
   for (const Station& station : stations) images.push_back(median_image(scene, station));
-  std::vector<double> own, other;
+  std::vector<double> own_differences, other_differences;
   for (size_t i = 0; i < count; i += step) {
     if (!finite(cloud.position[i])) continue;
-    std::vector<double> mine, theirs;
+    std::vector<double> own_cameras, other_cameras;
     const auto& another = cloud.colour[(i + count / 2 + 17 * i) % count];
     for (size_t s = 0; s < stations.size(); ++s) {
       double x = 0, y = 0;
       if (!project_into(stations[s].camera, cloud.position[i], x, y)) continue;
       const std::array<double, 3> colour = colour_at(images[s], x, y);
       if (*std::min_element(colour.begin(), colour.end()) < 0) continue;
-      mine.push_back(difference(cloud.colour[i], colour));
-      theirs.push_back(difference(another, colour));
+      own_cameras.push_back(difference(cloud.colour[i], colour));
+      other_cameras.push_back(difference(another, colour));
     }
-    if (mine.empty()) continue;
-    own.push_back(quantile(mine, 1, 4)), other.push_back(quantile(theirs, 1, 4));
+    if (own_cameras.empty()) continue;
+    own_differences.push_back(quantile(own_cameras, 1, 4));
+    other_differences.push_back(quantile(other_cameras, 1, 4));
   }
   constexpr size_t kLeast = 50;
-  if (own.size() < kLeast) return -1;
-  const double chance = quantile(other, 1, 2);
-  return chance < 6 ? -1 : quantile(own, 1, 2) / chance;  // one colour everywhere tells nothing
+  if (own_differences.size() < kLeast) return -1;
+  const double chance = quantile(other_differences, 1, 2);
+  return chance < 6
+             ? -1
+             : quantile(own_differences, 1, 2) / chance;  // one colour everywhere tells nothing
 }
 
 void judge(const Scene& scene, CloudHealth& health) {

@@ -22,7 +22,8 @@ glm::dvec3 axis_of(const Camera& camera) {
 /// The point nearest to all viewing axes: Σ (1 − d dᵀ)(x − c) = 0; parallel axes: a unit ahead.
 glm::dvec3 focus_of(const std::vector<Station>& stations) {
   glm::dmat3 sum(0.0);
-  glm::dvec3 right(0.0), ahead(0.0);
+  glm::dvec3 right(0.0);
+  glm::dvec3 ahead(0.0);
   for (const Station& station : stations) {
     const glm::dvec3 d = axis_of(station.camera);
     const glm::dmat3 across = glm::dmat3(1.0) - glm::outerProduct(d, d);
@@ -146,11 +147,14 @@ CoverageCheck check_coverage(const Scene& scene) {
   check.seen_by_none = double(std::count(cameras.begin(), cameras.end(), 0)) / count;
   check.seen_by_one = double(std::count(cameras.begin(), cameras.end(), 1)) / count;
   for (size_t s = 0; s < stations.size(); ++s) {
-    int64_t mine = 0, alone = 0;
+    int64_t seen_cells = 0, alone = 0;
     for (size_t p = 0; p < samples.size(); ++p)
-      if (seen[s][p]) ++mine, alone += cameras[p] == 1;
+      if (seen[s][p]) {
+        ++seen_cells;
+        alone += cameras[p] == 1;
+      }
     check.name.push_back(stations[s].name);
-    check.alone.push_back(mine == 0 ? 0 : double(alone) / double(mine));
+    check.alone.push_back(seen_cells == 0 ? 0 : double(alone) / double(seen_cells));
   }
   judge(check);
   return check;

@@ -91,7 +91,8 @@ Leakage check_leakage(const Scene& scene, const std::vector<std::filesystem::pat
   }
   leakage.training_manifest = manifest.hex();
   const std::map<size_t, size_t> files = equal_images(scene, images), views = equal_views(scene);
-  leakage.same_images = int64_t(files.size()), leakage.same_views = int64_t(views.size());
+  leakage.same_images = int64_t(files.size());
+  leakage.same_views = int64_t(views.size());
   report(scene, files, "the very image", leakage.findings);
   report(scene, views, "pose and timestep", leakage.findings);
   leakage.findings.push_back(

@@ -66,7 +66,10 @@ glm::dvec3 common_up(const std::vector<Station>& cameras) {
       if (glm::length(sum) > 1e-6) up = glm::normalize(sum);
     }
     const size_t count = agreeing(cameras, up).size();
-    if (count > most) most = count, best = up;
+    if (count > most) {
+      most = count;
+      best = up;
+    }
   }
   return best;
 }

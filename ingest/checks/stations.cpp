@@ -76,7 +76,9 @@ std::array<double, 3> colour_at(const Image8& image, double x, double y) {
     for (int v = row - 1; v <= row + 1; ++v)
       for (int u = column - 1; u <= column + 1; ++u) {
         const int value = image.data[(size_t(v) * size_t(image.width) + size_t(u)) * 3 + k];
-        sum += value, low = std::min(low, value), high = std::max(high, value);
+        sum += value;
+        low = std::min(low, value);
+        high = std::max(high, value);
       }
     if (low > 5 && high < 250) colour[k] = sum / 9.0;
   }

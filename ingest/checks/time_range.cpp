@@ -29,9 +29,12 @@ int64_t missing_timesteps(const std::vector<double>& times) {
 
 void judge_cameras(SceneTimes& range) {
   std::vector<double> firsts, lasts;
-  for (const CameraTimes& camera : range.cameras)
-    firsts.push_back(camera.first), lasts.push_back(camera.last);
-  std::sort(firsts.begin(), firsts.end()), std::sort(lasts.begin(), lasts.end());
+  for (const CameraTimes& camera : range.cameras) {
+    firsts.push_back(camera.first);
+    lasts.push_back(camera.last);
+  }
+  std::sort(firsts.begin(), firsts.end());
+  std::sort(lasts.begin(), lasts.end());
   const double first = firsts[firsts.size() / 2], last = lasts[lasts.size() / 2];
   size_t named = 0;
   for (const CameraTimes& camera : range.cameras) {
@@ -96,8 +99,10 @@ double dynamic_share(const Scene& scene) {
     std::vector<uint8_t> low = scene.frames[size_t(station.frames.front())].image.data, high = low;
     for (const int index : station.frames) {
       const std::vector<uint8_t>& data = scene.frames[size_t(index)].image.data;
-      for (size_t k = 0; k < data.size(); ++k)
-        low[k] = std::min(low[k], data[k]), high[k] = std::max(high[k], data[k]);
+      for (size_t k = 0; k < data.size(); ++k) {
+        low[k] = std::min(low[k], data[k]);
+        high[k] = std::max(high[k], data[k]);
+      }
     }
     int64_t moved = 0;
     for (size_t p = 0; p + 2 < low.size(); p += 3) {

@@ -34,7 +34,7 @@ std::vector<size_t> every_frame(const std::vector<double>& seconds, double start
   const auto begin = std::lower_bound(seconds.begin(), seconds.end(), start - kRounding);
   const auto stop = std::lower_bound(begin, seconds.end(), end - kRounding);
   std::vector<size_t> kept;
-  for (auto at = begin; at != stop; ++at) kept.push_back(size_t(at - seconds.begin()));
+  for (auto frame = begin; frame != stop; ++frame) kept.push_back(size_t(frame - seconds.begin()));
   return kept;
 }
 
@@ -81,8 +81,8 @@ std::vector<size_t> choose_frames(const std::vector<double>& seconds, const Fram
     check(*window.fps > 0, "a frame rate is positive");
     const double rate = *window.fps;
     const double asked = std::ceil((length - kRounding) * rate);  // k / fps < duration
-    const double there = std::floor((common.last - start + kRounding) * rate) + 1;  // <= last
-    const double count = std::min({asked, there, double(limit)});
+    const double available = std::floor((common.last - start + kRounding) * rate) + 1;  // <= last
+    const double count = std::min({asked, available, double(limit)});
     return at_rate(seconds, start, rate, int64_t(count));
   }
   const double half = half_distance(seconds);

@@ -30,8 +30,10 @@ std::vector<bool> largest_group(int count, const std::vector<PairOffset>& pairs)
   int best = 0;
   int64_t most = 0;
   for (const int candidate : group)
-    if (const int64_t n = std::count(group.begin(), group.end(), candidate); n > most)
-      most = n, best = candidate;
+    if (const int64_t n = std::count(group.begin(), group.end(), candidate); n > most) {
+      most = n;
+      best = candidate;
+    }
   std::vector<bool> inside;
   for (const int g : group) inside.push_back(most > 1 && g == best);
   return inside;
@@ -46,7 +48,10 @@ Table inverse(Table m) {
   for (size_t i = 0; i < n; ++i) result[i][i] = 1;
   for (size_t column = 0; column < n; ++column) {
     const double pivot = m[column][column];
-    for (size_t k = 0; k < n; ++k) m[column][k] /= pivot, result[column][k] /= pivot;
+    for (size_t k = 0; k < n; ++k) {
+      m[column][k] /= pivot;
+      result[column][k] /= pivot;
+    }
     for (size_t row = 0; row < n; ++row) {
       if (row == column) continue;
       const double factor = m[row][column];
@@ -75,9 +80,12 @@ Table solve_weighted(const std::vector<PairOffset>& pairs, const std::vector<dou
   for (size_t p = 0; p < pairs.size(); ++p) {
     const size_t a = size_t(pairs[p].a), b = size_t(pairs[p].b);
     if (!inside[a]) continue;
-    normal[a][a] += weights[p], normal[b][b] += weights[p];
-    normal[a][b] -= weights[p], normal[b][a] -= weights[p];
-    right[b] += weights[p] * pairs[p].offset, right[a] -= weights[p] * pairs[p].offset;
+    normal[a][a] += weights[p];
+    normal[b][b] += weights[p];
+    normal[a][b] -= weights[p];
+    normal[b][a] -= weights[p];
+    right[b] += weights[p] * pairs[p].offset;
+    right[a] -= weights[p] * pairs[p].offset;
   }
   Table covariance = inverse(std::move(normal));
   const double group = double(std::count(inside.begin(), inside.end(), true));
@@ -92,8 +100,8 @@ constexpr double kPixels = 1;         // within which a miss agrees while the sh
 constexpr size_t kFewestMisses = 24;  // that agree: 12 a parameter of a line, doubled
 constexpr double kCorrelation = 3;    // a texture's error lasts about nine frames: √9
 
-double error_of(const EpipolarMiss& m, const PairShift& at) {
-  return m.miss - m.slope * (at.shift + at.rate * m.seconds);
+double error_of(const EpipolarMiss& m, const PairShift& shift) {
+  return m.miss - m.slope * (shift.shift + shift.rate * m.seconds);
 }
 
 /// The best of a grid of shifts and rates within ±reach and ±rate_reach.
@@ -108,12 +116,15 @@ PairShift most_votes(const std::vector<EpipolarMiss>& moving, double reach, doub
   const int shifts = int(reach / step), rates = int(rate_reach / rate_step);
   for (int k = -rates; k <= rates; ++k)
     for (int i = -shifts; i <= shifts; ++i) {
-      const PairShift at{i * step, 0, 0, k * rate_step, 0};
+      const PairShift shift{i * step, 0, 0, k * rate_step, 0};
       double votes = 0;
-      for (const EpipolarMiss& m : moving) votes += cauchy_weight(error_of(m, at), kPixels);
-      const double size = std::abs(at.shift) + longest * std::abs(at.rate);
+      for (const EpipolarMiss& m : moving) votes += cauchy_weight(error_of(m, shift), kPixels);
+      const double size = std::abs(shift.shift) + longest * std::abs(shift.rate);
       const double least = std::abs(found.shift) + longest * std::abs(found.rate);
-      if (votes > best || (votes == best && size < least)) best = votes, found = at;
+      if (votes > best || (votes == best && size < least)) {
+        best = votes;
+        found = shift;
+      }
     }
   return found;
 }
@@ -127,48 +138,52 @@ struct ShiftEquations {
 
   void add(const EpipolarMiss& m, double error, double weight) {
     const double by_rate = m.slope * m.seconds;
-    ss += weight * m.slope * m.slope, sr += weight * m.slope * by_rate;
+    ss += weight * m.slope * m.slope;
+    sr += weight * m.slope * by_rate;
     rr += weight * by_rate * by_rate;
-    s += weight * m.slope * error, r += weight * by_rate * error;
+    s += weight * m.slope * error;
+    r += weight * by_rate * error;
   }
-  void solve(bool with_rate, PairShift& at) const {
+  void solve(bool with_rate, PairShift& shift) const {
     if (!with_rate || !tells_rate()) {
-      at.shift += s / ss;
+      shift.shift += s / ss;
       return;
     }
-    at.shift += (rr * s - sr * r) / determinant();
-    at.rate += (ss * r - sr * s) / determinant();
+    shift.shift += (rr * s - sr * r) / determinant();
+    shift.rate += (ss * r - sr * s) / determinant();
   }
 };
 
-/// Iterated least squares from `at`, for the shift alone or with its rate. False where too few
+/// Iterated least squares from `shift`, for the shift alone or with its rate. False where too few
 /// misses are near.
-bool refine(const std::vector<EpipolarMiss>& moving, bool with_rate, PairShift& at) {
+bool refine(const std::vector<EpipolarMiss>& moving, bool with_rate, PairShift& shift) {
   double sigma = kPixels;
   ShiftEquations equations;
   for (int round = 0; round < 20; ++round) {
-    equations = {}, at.support = 0;
+    equations = {};
+    shift.support = 0;
     std::vector<double> near;
     for (const EpipolarMiss& m : moving) {
-      const double error = error_of(m, at);
+      const double error = error_of(m, shift);
       equations.add(m, error, cauchy_weight(error, sigma));
       if (std::abs(error) < 3 * kPixels) near.push_back(std::abs(error));
-      at.support += std::abs(error) < kPixels ? 1 : 0;
+      shift.support += std::abs(error) < kPixels ? 1 : 0;
     }
     if (near.size() < kFewestMisses) return false;
-    equations.solve(with_rate, at);
+    equations.solve(with_rate, shift);
     sigma = std::clamp(1.4826 * median(near), 0.05, kPixels);
   }
-  at.sigma = kCorrelation * sigma / std::sqrt(equations.ss);
-  at.rate_sigma = equations.tells_rate()
-                      ? kCorrelation * sigma * std::sqrt(equations.ss / equations.determinant())
-                      : std::numeric_limits<double>::infinity();
+  shift.sigma = kCorrelation * sigma / std::sqrt(equations.ss);
+  shift.rate_sigma = equations.tells_rate()
+                         ? kCorrelation * sigma * std::sqrt(equations.ss / equations.determinant())
+                         : std::numeric_limits<double>::infinity();
   return true;
 }
 
 /// Where fewer than a third agree, the matches are mostly wrong and any shift would do.
-bool is_agreed(const PairShift& at, size_t moving, double reach) {
-  return at.support >= kFewestMisses && 3 * at.support >= moving && std::abs(at.shift) <= reach;
+bool is_agreed(const PairShift& shift, size_t moving, double reach) {
+  return shift.support >= kFewestMisses && 3 * shift.support >= moving &&
+         std::abs(shift.shift) <= reach;
 }
 
 }  // namespace
@@ -246,7 +261,8 @@ std::optional<PairShift> shift_from_misses(const std::vector<EpipolarMiss>& miss
   if (!agreed) return std::nullopt;
   PairShift line = found;  // the constant shift stays; how far from constant it is stands beside
   if (!refine(moving, true, line)) line.rate_sigma = std::numeric_limits<double>::infinity();
-  found.rate = line.rate, found.rate_sigma = line.rate_sigma;
+  found.rate = line.rate;
+  found.rate_sigma = line.rate_sigma;
   return found;
 }
 

@@ -44,7 +44,8 @@ struct Line {
   bool at(double w, double& u, double& v) const {
     const glm::dvec3 p = a + w * b;
     if (p.z <= 0) return false;
-    u = camera->fl_x * p.x / p.z + camera->cx, v = camera->fl_y * p.y / p.z + camera->cy;
+    u = camera->fl_x * p.x / p.z + camera->cx;
+    v = camera->fl_y * p.y / p.z + camera->cy;
     if (!(u >= 0 && v >= 0 && u < image->width && v < image->height)) return false;
     return has_patch(*image, int(u), int(v)) && !is_ignored(*mask, int(u), int(v));
   }
@@ -212,8 +213,8 @@ bool PlaneSweep::confirmed(int frame, const glm::dvec3& point, int by) const {
     const glm::dvec3 q = camera.cam_from_world * p + camera.translation;
     return glm::dvec2(camera.fl_x * q.x / q.z + camera.cx, camera.fl_y * q.y / q.z + camera.cy);
   };
-  const glm::dvec2 there = pixel(scene_.frames[size_t(by)].camera, point);
-  const std::optional<Depth> back = search(by, int(there.x), int(there.y));
+  const glm::dvec2 other_pixel = pixel(scene_.frames[size_t(by)].camera, point);
+  const std::optional<Depth> back = search(by, int(other_pixel.x), int(other_pixel.y));
   if (!back) return false;
   const Camera& camera = scene_.frames[size_t(frame)].camera;
   return glm::distance(pixel(camera, back->point), pixel(camera, point)) <= kSamePoint;

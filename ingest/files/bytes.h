@@ -34,7 +34,7 @@ class ByteReader {
     return taken;
   }
   /// `count` rows of `width` bytes, without overflow.
-  std::string_view take_rows(uint64_t count, uint64_t width) {
+  std::string_view take_elements(uint64_t count, uint64_t width) {
     return take(width > 0 && count > bytes_.size() / width ? bytes_.size() + 1 : count * width);
   }
   template <typename T>

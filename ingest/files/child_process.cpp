@@ -188,7 +188,8 @@ ChildResult run_child(const ChildCommand& command,
   if (::pipe2(ends, O_CLOEXEC) != 0)
     throw InputError(fmt::format("{}: no pipe to it ({}); close other programs",
                                  command.arguments[0], std::strerror(errno)));
-  ours.number = ends[0], theirs.number = ends[1];
+  ours.number = ends[0];
+  theirs.number = ends[1];
   ProcessGroup group(spawn(command, theirs.number));
   theirs.close();
   bool open = true;

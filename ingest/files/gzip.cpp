@@ -85,7 +85,8 @@ std::string gunzip_head(std::string_view bytes, uint64_t count, const std::files
   z_stream stream{};
   check(inflateInit2(&stream, kGzipWindow) == Z_OK, "gunzip: zlib does not start");
   std::string out(count, '\0');
-  stream.next_out = reinterpret_cast<Bytef*>(out.data()), stream.avail_out = uInt(count);
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = uInt(count);
   int state = Z_OK;
   while (state == Z_OK && stream.avail_out > 0 && (stream.avail_in > 0 || !bytes.empty())) {
     feed(stream, bytes);

@@ -30,9 +30,9 @@ constexpr std::string_view kMagic = "\x93NUMPY";
 
 /// What follows `'key':` in the header dictionary, blanks skipped; empty when the key is missing.
 std::string_view value_of(std::string_view header, std::string_view key) {
-  const size_t at = header.find(fmt::format("'{}'", key));
-  if (at == std::string_view::npos) return {};
-  const size_t colon = header.find(':', at);
+  const size_t position = header.find(fmt::format("'{}'", key));
+  if (position == std::string_view::npos) return {};
+  const size_t colon = header.find(':', position);
   if (colon == std::string_view::npos) return {};
   const size_t value = header.find_first_not_of(' ', colon + 1);
   return value == std::string_view::npos ? std::string_view{} : header.substr(value);
@@ -78,7 +78,8 @@ Layout parse_header(const std::filesystem::path& path, std::string_view header) 
   const auto shape = parse_tuple(value_of(header, "shape"));
   if (!shape) fail(path, "has no readable shape");
   if (shape->size() != 2) fail(path, fmt::format("has {} dimensions", shape->size()));
-  layout.rows = (*shape)[0], layout.columns = (*shape)[1];
+  layout.rows = (*shape)[0];
+  layout.columns = (*shape)[1];
   return layout;
 }
 

@@ -35,10 +35,11 @@ std::optional<PlyType> type_named(std::string_view name) {
 
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
-  for (size_t at = 0; (at = line.find_first_not_of(" \t", at)) != std::string_view::npos;) {
-    const size_t end = std::min(line.find_first_of(" \t", at), line.size());
-    words.push_back(line.substr(at, end - at));
-    at = end;
+  for (size_t position = 0;
+       (position = line.find_first_not_of(" \t", position)) != std::string_view::npos;) {
+    const size_t end = std::min(line.find_first_of(" \t", position), line.size());
+    words.push_back(line.substr(position, end - position));
+    position = end;
   }
   return words;
 }

@@ -71,7 +71,8 @@ std::map<std::string, ImageSequence> sequences_by_name(const fs::path& folder) {
     const auto name = parse_stem(file.stem().string());
     if (!name) return {};
     ImageSequence& camera = cameras[name->camera];
-    camera.camera = name->camera, camera.path = folder / name->camera;
+    camera.camera = name->camera;
+    camera.path = folder / name->camera;
     camera.images.push_back({name->number, file});
   }
   for (auto& [name, camera] : cameras) {
@@ -115,7 +116,8 @@ std::vector<ImageSequence> sequences_by_folder(const fs::path& folder) {
     auto sequences = sequences_by_name(place);
     if (sequences.size() != 1) continue;
     ImageSequence& camera = cameras.emplace_back(std::move(sequences.begin()->second));
-    camera.camera = candidate.filename().string(), camera.path = candidate;
+    camera.camera = candidate.filename().string();
+    camera.path = candidate;
   }
   const auto is_camera = [](const ImageSequence& s) { return is_camera_name(s.camera); };
   if (std::count_if(cameras.begin(), cameras.end(), is_camera) > 1)
@@ -189,7 +191,8 @@ ImageSequence single_sequence(const fs::path& folder) {
   auto sequences = sequences_by_name(folder);
   if (sequences.size() == 1) {
     ImageSequence all = std::move(sequences.begin()->second);
-    all.camera = folder.filename().string(), all.path = folder;
+    all.camera = folder.filename().string();
+    all.path = folder;
     return all;
   }
   ImageSequence all{folder.filename().string(), folder, {}};

@@ -65,7 +65,8 @@ void keep(TransformsCapture& capture, std::vector<double>& time, const std::vect
     frames.push_back(std::move(capture.frames[size_t(i)]));
     times.push_back(time[size_t(i)]);
   }
-  capture.frames = std::move(frames), time = std::move(times);
+  capture.frames = std::move(frames);
+  time = std::move(times);
 }
 
 std::vector<int> frames_of(const TransformsCapture& capture, Split split) {

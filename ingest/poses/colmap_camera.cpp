@@ -105,7 +105,8 @@ ColmapCamera make_colmap_camera(const ColmapCameraModel& model, uint64_t width, 
   ColmapCamera camera;
   camera.model = model.name;
   camera.lens.projection = model.projection;
-  camera.camera.width = int(width), camera.camera.height = int(height);
+  camera.camera.width = int(width);
+  camera.camera.height = int(height);
   for (size_t i = 0; i < names.size(); ++i) {
     const bool is_focal = names[i].front() == 'f';
     if (!std::isfinite(parameters[i]) || (is_focal && parameters[i] <= 0))

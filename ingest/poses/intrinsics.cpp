@@ -44,8 +44,10 @@ StatedIntrinsics StatedIntrinsics::or_else(const StatedIntrinsics& file) const {
     merged.fl_y = file.fl_y;
     merged.camera_angle_y = file.camera_angle_y;
   }
-  merged.cx = first_of(cx, file.cx), merged.cy = first_of(cy, file.cy);
-  merged.w = first_of(w, file.w), merged.h = first_of(h, file.h);
+  merged.cx = first_of(cx, file.cx);
+  merged.cy = first_of(cy, file.cy);
+  merged.w = first_of(w, file.w);
+  merged.h = first_of(h, file.h);
   return merged;
 }
 

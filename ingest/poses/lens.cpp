@@ -103,7 +103,8 @@ bool sees_all(const Camera& camera, const Lens& lens, const Camera& target) {
 }
 
 Camera with_focal(Camera camera, double factor) {
-  camera.fl_x *= factor, camera.fl_y *= factor;
+  camera.fl_x *= factor;
+  camera.fl_y *= factor;
   return camera;
 }
 

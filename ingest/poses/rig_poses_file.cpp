@@ -98,7 +98,8 @@ RigCamera parse_camera(const json& entry, const json& file, const std::string& f
            entry.contains("R_w2c") ? gl_rows_of_opencv(entry, where) : pose_rows(entry, where),
            where);
   const StatedLens lens = stated_lens(entry, shared, where);
-  camera.lens = lens.lens, camera.lens_model = lens.model;
+  camera.lens = lens.lens;
+  camera.lens_model = lens.model;
   return camera;
 }
 
@@ -169,7 +170,8 @@ Camera camera_of_image(const Camera& stated, int width, int height, const std::s
         "or correct the camera",
         where, width, height, stated.width, stated.height));
   Camera camera = stated;
-  camera.width = width, camera.height = height;
+  camera.width = width;
+  camera.height = height;
   return camera;
 }
 

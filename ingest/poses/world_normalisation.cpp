@@ -95,7 +95,9 @@ bool find_meeting(const std::vector<Camera>& cameras, dvec3& centre) {
     for (size_t c = 0; c < cameras.size(); ++c) {
       const dvec3 d = forward_of(cameras[c]);
       const dmat3 across = weights[c] * (dmat3(1.0) - glm::outerProduct(d, d));
-      sum += across, right_side += across * cameras[c].position(), total += weights[c];
+      sum += across;
+      right_side += across * cameras[c].position();
+      total += weights[c];
     }
     const Eigen3 eigen = symmetric_eigen({sum[0][0], sum[1][0], sum[2][0],  //
                                           sum[1][1], sum[2][1], sum[2][2]});

@@ -75,11 +75,17 @@ class Buffer {
   }
 
   /// Sets the length; contents are undefined afterwards where memory had to grow.
-  void resize(int64_t count) { reserve(count, 0), size_ = count; }
+  void resize(int64_t count) {
+    reserve(count, 0);
+    size_ = count;
+  }
   /// Gives the memory back; the length becomes 0.
   void release() { *this = Buffer(*memory_); }
   /// Sets the length and keeps the values that fit.
-  void grow_keep(int64_t count) { reserve(count, std::min(size_, count)), size_ = count; }
+  void grow_keep(int64_t count) {
+    reserve(count, std::min(size_, count));
+    size_ = count;
+  }
 
   /// Becomes a copy of a buffer that lives here or in another memory.
   void copy_from(const Buffer& from) {

@@ -25,9 +25,12 @@ struct Camera {
   Camera resized(int new_width, int new_height) const {
     const double sx = double(new_width) / width, sy = double(new_height) / height;
     Camera scaled = *this;
-    scaled.width = new_width, scaled.height = new_height;
-    scaled.fl_x *= sx, scaled.cx *= sx;
-    scaled.fl_y *= sy, scaled.cy *= sy;
+    scaled.width = new_width;
+    scaled.height = new_height;
+    scaled.fl_x *= sx;
+    scaled.cx *= sx;
+    scaled.fl_y *= sy;
+    scaled.cy *= sy;
     return scaled;
   }
 };

@@ -9,9 +9,9 @@ namespace tessera {
 
 /// `values` must not be empty; `share` of 0 is the least, of 1 the largest.
 inline double quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  const auto nth = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
 }
 
 }  // namespace tessera

@@ -53,8 +53,8 @@ using SimilarityNumbers = std::array<double, kSimilarityNumbers>;
 inline SimilarityNumbers similarity_numbers(const Similarity& s) {
   SimilarityNumbers numbers{s.scale};
   for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) numbers[size_t(1 + 3 * r + c)] = s.rotation[c][r];
-    numbers[size_t(10 + r)] = s.translation[r];
+    for (int c = 0; c < 3; ++c) numbers[1 + 3 * size_t(r) + size_t(c)] = s.rotation[c][r];
+    numbers[10 + size_t(r)] = s.translation[r];
   }
   return numbers;
 }
@@ -63,8 +63,8 @@ inline Similarity similarity_from_numbers(const SimilarityNumbers& numbers) {
   Similarity s;
   s.scale = numbers[0];
   for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) s.rotation[c][r] = numbers[size_t(1 + 3 * r + c)];
-    s.translation[r] = numbers[size_t(10 + r)];
+    for (int c = 0; c < 3; ++c) s.rotation[c][r] = numbers[1 + 3 * size_t(r) + size_t(c)];
+    s.translation[r] = numbers[10 + size_t(r)];
   }
   return s;
 }

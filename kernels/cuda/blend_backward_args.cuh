@@ -48,14 +48,16 @@ struct PixelBackward {
 
   __device__ PixelBackward() = default;
   /// `before`: colour and T in front of the first splat it meets.
-  __device__ PixelBackward(const BlendBackward& a, const TilePixel& at, const float4& before)
-      : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(before.w) {
-    if (!at.inside) return;
-    const int64_t c0 = at.colour_at(0), c1 = at.colour_at(1), c2 = at.colour_at(2);
+  __device__ PixelBackward(const BlendBackward& a, const TilePixel& tile_pixel,
+                           const float4& before)
+      : x(float(tile_pixel.x) + 0.5f), y(float(tile_pixel.y) + 0.5f), T(before.w) {
+    if (!tile_pixel.inside) return;
+    const int64_t c0 = tile_pixel.colour_at(0), c1 = tile_pixel.colour_at(1),
+                  c2 = tile_pixel.colour_at(2);
     g = {a.d_colour[c0], a.d_colour[c1], a.d_colour[c2]};
     R = g[0] * (a.colour[c0] - before.x) + g[1] * (a.colour[c1] - before.y) +
         g[2] * (a.colour[c2] - before.z);
-    used = a.used[at.index];
+    used = a.used[tile_pixel.index];
   }
 
   /// Takes its step past a splat and adds its share of the splat's gradient, in the order of

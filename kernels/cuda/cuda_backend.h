@@ -68,19 +68,24 @@ class CudaBackend final : public Backend {
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatGradient<float>> d_splats) override;
   void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override;
+  void contributions(const ContributionArgs<float>& args) override;
+  void close_timestep(double time, Span<TimeVariation> variation) override;
+  void added_squares(const ViewBatch<float>& batch, Span<const float> before,
+                     Span<float> residual) override;
+  double sum_of_squares(Span<const float> values) override;
   void project_backward(const ProjectBackwardArgs<float>& args) override;
   StepOutcome outcome() override;
   void adam(const SinkArgs<float>& args) override;
   void adam_values(Span<const float> gradient, const AdamScalars<float>& adam, Span<float> value,
                    Span<float> moment1, Span<float> moment2) override;
-  void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
-                   Span<float> to) override;
-  void select_rows(const GaussianSpans<const float>& set,
-                   const DensityStatistics<const float>& statistics, const DensityRule& rule,
-                   DensityRows& rows) override;
+  void gather_elements(Span<const float> from, Span<const int64_t> index, int width,
+                       int64_t inherited, Span<float> to) override;
+  void select_elements(const GaussianSpans<const float>& set,
+                       const DensityStatistics<const float>& statistics, const DensityRule& rule,
+                       DensityElements& elements) override;
   void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override;
-  void relocate_rows(const GaussianSpans<float>& set, const RelocationRule& rule,
-                     RelocationRows& rows) override;
+  void relocate_elements(const GaussianSpans<float>& set, const RelocationRule& rule,
+                         RelocationElements& elements) override;
   void add_position_noise(const GaussianSpans<float>& set, const PositionNoise& noise) override;
   void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override;
   void filter_sizes(const FilterArgs<float>& args, Span<float> sizes) override;

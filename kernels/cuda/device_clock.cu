@@ -75,7 +75,8 @@ void DeviceStageClock::collect(bool wait) {
       continue;
     }
     totals_[size_t(span.stage)].seconds += 1e-3 * double(milliseconds) * span.weight;
-    spare_.push_back(span.begin), spare_.push_back(span.end);
+    spare_.push_back(span.begin);
+    spare_.push_back(span.end);
   }
   pending_ = std::move(rest);
 }

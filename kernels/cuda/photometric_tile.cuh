@@ -23,11 +23,11 @@ template <int Planes, int Rows>
 using Lines = float[Planes][Rows][kThreads];
 
 struct Taps {
-  float at[kSsimTaps];
+  float tap[kSsimTaps];
 };
 constexpr Taps ssim_taps() {
   Taps taps{};
-  for (int k = 0; k < kSsimTaps; ++k) taps.at[k] = kSsimWindow<float>[k];
+  for (int k = 0; k < kSsimTaps; ++k) taps.tap[k] = kSsimWindow<float>[k];
   return taps;
 }
 
@@ -57,8 +57,11 @@ struct Block {
   __device__ explicit Block(const KernelArgs& args) {
     const int channel = int(blockIdx.x % 3), b = int(blockIdx.z);
     const ViewArgs<float>& view = args.call.views[b];
-    width = view.width, height = view.height, pitch = int(round_up_to_4(width));
-    x0 = int(blockIdx.x / 3) * kTileWidth, y0 = int(blockIdx.y) * kTileHeight;
+    width = view.width;
+    height = view.height;
+    pitch = int(round_up_to_4(width));
+    x0 = int(blockIdx.x / 3) * kTileWidth;
+    y0 = int(blockIdx.y) * kTileHeight;
     const int64_t first = view.first_pixel, pixels = int64_t(width) * height;
     plane = 3 * first + channel * pixels;
     map = 3 * (round_up_to_4(first) + b * args.view_gap) + channel * int64_t(pitch) * height;
@@ -115,7 +118,7 @@ __device__ inline void convolve_column(Lines<Planes, Rows>& lines, Sample&& samp
 #pragma unroll
       for (int i = 0; i < Planes; ++i) {
         const float before = k == 0 ? 0.0f : sum[i][row];
-        sum[i][row] = k == 0 ? kTaps.at[k] * value[i] : fmaf(kTaps.at[k], value[i], before);
+        sum[i][row] = k == 0 ? kTaps.tap[k] * value[i] : fmaf(kTaps.tap[k], value[i], before);
         if (k == kSsimTaps - 1) lines[i][row][threadIdx.x] = sum[i][row];
       }
     }
@@ -134,14 +137,16 @@ __device__ inline void convolve_row(const Lines<Planes, Rows>& lines, int row, i
 #pragma unroll
     for (int q = 0; q < 4; ++q) {
       const float4 four = from[q];
-      value[4 * q] = four.x, value[4 * q + 1] = four.y;
-      value[4 * q + 2] = four.z, value[4 * q + 3] = four.w;
+      value[4 * q] = four.x;
+      value[4 * q + 1] = four.y;
+      value[4 * q + 2] = four.z;
+      value[4 * q + 3] = four.w;
     }
 #pragma unroll
     for (int j = 0; j < 4; ++j) {
-      out[i][j] = kTaps.at[0] * value[j];
+      out[i][j] = kTaps.tap[0] * value[j];
 #pragma unroll
-      for (int k = 1; k < kSsimTaps; ++k) out[i][j] = fmaf(kTaps.at[k], value[j + k], out[i][j]);
+      for (int k = 1; k < kSsimTaps; ++k) out[i][j] = fmaf(kTaps.tap[k], value[j + k], out[i][j]);
     }
   }
 }
@@ -158,7 +163,10 @@ __device__ inline double2 sum_of_block(double2 sum) {
   __syncthreads();
   sum = warps[0];
 #pragma unroll
-  for (int w = 1; w < kWarps; ++w) sum.x += warps[w].x, sum.y += warps[w].y;
+  for (int w = 1; w < kWarps; ++w) {
+    sum.x += warps[w].x;
+    sum.y += warps[w].y;
+  }
   return sum;
 }
 

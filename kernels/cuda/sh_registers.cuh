@@ -14,7 +14,10 @@ __device__ inline void visit_sh(const float* from, int row, int wanted, Visit&& 
     for (int j = 0; j < 3 * kMaxShCoefficients; j += 4) {
       if (j >= wanted) break;
       const float4 four = *reinterpret_cast<const float4*>(from + j);
-      visit(j, four.x), visit(j + 1, four.y), visit(j + 2, four.z), visit(j + 3, four.w);
+      visit(j, four.x);
+      visit(j + 1, four.y);
+      visit(j + 2, four.z);
+      visit(j + 3, four.w);
     }
   } else {
     TESSERA_UNROLL

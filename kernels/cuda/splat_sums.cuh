@@ -6,6 +6,7 @@
 #pragma once
 #include "kernels/cuda/blend_backward_args.cuh"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 
 namespace tessera {
 
@@ -20,17 +21,17 @@ __device__ inline float reduce_eight(const float (&v)[Terms]) {
   TESSERA_UNROLL
   for (int k = 0; k < 4; ++k) {
     const float upper = k + 4 < Terms ? v[k + 4] : 0.0f;
-    const float mine = upper16 ? upper : v[k], theirs = upper16 ? v[k] : upper;
-    w[k] = mine + __shfl_xor_sync(~0u, theirs, 16);
+    const float kept = upper16 ? upper : v[k], sent = upper16 ? v[k] : upper;
+    w[k] = kept + __shfl_xor_sync(~0u, sent, 16);
   }
   float u[2];
   TESSERA_UNROLL
   for (int k = 0; k < 2; ++k) {
-    const float mine = upper8 ? w[k + 2] : w[k], theirs = upper8 ? w[k] : w[k + 2];
-    u[k] = mine + __shfl_xor_sync(~0u, theirs, 8);
+    const float kept = upper8 ? w[k + 2] : w[k], sent = upper8 ? w[k] : w[k + 2];
+    u[k] = kept + __shfl_xor_sync(~0u, sent, 8);
   }
-  const float mine = upper4 ? u[1] : u[0], theirs = upper4 ? u[0] : u[1];
-  float sum = mine + __shfl_xor_sync(~0u, theirs, 4);
+  const float kept = upper4 ? u[1] : u[0], sent = upper4 ? u[0] : u[1];
+  float sum = kept + __shfl_xor_sync(~0u, sent, 4);
   sum += __shfl_xor_sync(~0u, sum, 2);
   return sum + __shfl_xor_sync(~0u, sum, 1);
 }
@@ -88,11 +89,11 @@ struct Work {
     }
   }
   template <class Pixel>
-  __device__ Pixel pixel(const typename Pixel::Args& a, const TilePixel& at) const {
+  __device__ Pixel pixel(const typename Pixel::Args& a, const TilePixel& tile_pixel) const {
     if constexpr (Segmented)
-      return {a, at, a.checkpoints[bucket * kTilePixels + at.number]};
+      return {a, tile_pixel, a.checkpoints[bucket * kTilePixels + tile_pixel.number]};
     else
-      return {a, at, {0, 0, 0, 1}};
+      return {a, tile_pixel, {0, 0, 0, 1}};
   }
 };
 
@@ -107,8 +108,8 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) sum_tiles(typenam
   const Work<Segmented> work(a);
   if (work.none) return;
   const int64_t first = a.tile_begin[work.tile];
-  const BatchTile at(a.views, a.view_count, work.tile);
-  const WarpPart<Pixels> part(at);
+  const BatchTile batch_tile(a.views, a.view_count, work.tile);
+  const WarpPart<Pixels> part(batch_tile);
   const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
   Pixel pixel[Pixels];
   int32_t last = 0;
@@ -132,7 +133,10 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) sum_tiles(typenam
       int term = lane % 4 == 0 ? lane / 4 : Pixel::kTerms;
       if constexpr (Pixel::kTerms > 8) {
         const float ninth = reduce_one(v[8]);
-        if (lane == 1) value = ninth, term = 8;
+        if (lane == 1) {
+          value = ninth;
+          term = 8;
+        }
       }
       if (term >= Pixel::kTerms) continue;
       value *= Pixel::scale(term);
@@ -151,14 +155,14 @@ template <int Terms>
 __global__ void add_instances(const float* instance_sums, int64_t instances, int parts,
                               const int64_t* first_of, const int32_t* tiles, const int64_t* slot,
                               int64_t count, float* sums) {
-  const int64_t at = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
-  const int64_t s = at / Terms;
+  const int64_t i = linear_index();
+  const int64_t s = i / Terms;
   if (s >= count) return;
   float sum = 0;
   for (int k = 0; k < tiles[s]; ++k)
     for (int part = 0; part < parts; ++part)
-      sum += instance_sums[(part * instances + slot[first_of[s] + k]) * Terms + at % Terms];
-  sums[at] = sum;
+      sum += instance_sums[(part * instances + slot[first_of[s] + k]) * Terms + i % Terms];
+  sums[i] = sum;
 }
 
 template <class Pixel, int Pixels, bool Cull, bool Ordered, bool Segmented>
@@ -184,9 +188,9 @@ void launch_sums_in_order(typename Pixel::Args a, const BlendArgs<float>& forwar
   a.instance_sums = instance_sums.data();
   launch_sums<Pixel, 2, Cull, true, false>(a, a.tiles, stream);
   const int64_t splats = forward.splats->count;
-  add_instances<Pixel::kTerms><<<grid_of(splats * Pixel::kTerms, 256), 256, 0, stream>>>(
-      a.instance_sums, a.instances, kParts, instances.first_of.data(), forward.splats->tiles.data(),
-      instances.slot.data(), splats, a.sums);
+  launch_linear<256>(stream, "add_instances", add_instances<Pixel::kTerms>, splats * Pixel::kTerms,
+                     a.instance_sums, a.instances, kParts, instances.first_of.data(),
+                     forward.splats->tiles.data(), instances.slot.data(), splats, a.sums);
 }
 
 }  // namespace tessera

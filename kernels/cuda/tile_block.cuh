@@ -30,7 +30,8 @@ struct BatchTile {
     while (b + 1 < view_count && tile >= views[b + 1].first_tile) ++b;
     view = views + b;
     const int local = int(tile - view->first_tile);
-    x0 = local % view->tiles_x * kTileSize, y0 = local / view->tiles_x * kTileSize;
+    x0 = local % view->tiles_x * kTileSize;
+    y0 = local / view->tiles_x * kTileSize;
   }
 };
 
@@ -41,11 +42,11 @@ struct TilePixel {
   bool inside;    // of the image
   int64_t index;  // within the batch's one-channel images
   int64_t first_colour, plane;
-  const ViewArgs<float>* of;
+  const ViewArgs<float>* image;
 
   /// (dx, dy): within the tile.
   __device__ TilePixel(const BatchTile& tile, int dx, int dy)
-      : x(tile.x0 + dx), y(tile.y0 + dy), number(dy * kTileSize + dx), of(tile.view) {
+      : x(tile.x0 + dx), y(tile.y0 + dy), number(dy * kTileSize + dx), image(tile.view) {
     const ViewArgs<float>& view = *tile.view;
     inside = x < view.width && y < view.height;
     plane = int64_t(view.width) * view.height;
@@ -64,9 +65,10 @@ struct WarpPart {
   const BatchTile& tile;
   int dx, dy;  // of its first pixel, within the tile
 
-  __device__ WarpPart(const BatchTile& of) : tile(of) {
+  __device__ WarpPart(const BatchTile& batch_tile) : tile(batch_tile) {
     const int warp = int(threadIdx.x) / 32;
-    dx = warp % Parts::kColumns * kPartWidth, dy = warp / Parts::kColumns * Parts::kHeight;
+    dx = warp % Parts::kColumns * kPartWidth;
+    dy = warp / Parts::kColumns * Parts::kHeight;
   }
   /// Pixel p of this lane.
   __device__ TilePixel pixel(int p) const {
@@ -88,7 +90,9 @@ struct alignas(16) SharedSplat {
   __device__ static SharedSplat load(const Splat<float>* splat) {
     const float4* from = reinterpret_cast<const float4*>(splat);
     SharedSplat s{from[0], from[1], from[2]};
-    s.a.z *= kExponent, s.a.w *= kExponent, s.b.x *= kExponent;
+    s.a.z *= kExponent;
+    s.a.w *= kExponent;
+    s.b.x *= kExponent;
     return s;
   }
 };
@@ -117,8 +121,10 @@ __device__ inline float exp2_approximate(float x) {
 struct PixelResponse : SplatAtPixel<float> {
   __device__ PixelResponse() {}
   __device__ PixelResponse(const SharedSplat& s, float x, float y) {  // pixel centre
-    dx = s.a.x - x, dy = s.a.y - y;
-    gx = s.a.z * dx + s.a.w * dy, gy = s.a.w * dx + s.b.x * dy;
+    dx = s.a.x - x;
+    dy = s.a.y - y;
+    gx = s.a.z * dx + s.a.w * dy;
+    gy = s.a.w * dx + s.b.x * dy;
     falloff = exp2_approximate(fminf(dx * gx + dy * gy, 0.0f));
     alpha = s.b.y * falloff;
   }
@@ -128,10 +134,11 @@ struct PixelResponse : SplatAtPixel<float> {
 /// numbers of the one after it are on their way while this one is worked on.
 class WarpSplats {
  public:
-  /// Places [begin, end) of the list at `instance`; `mine`: this warp's 32 places in shared memory.
+  /// Places [begin, end) of the list at `instance`; `shared`: this warp's 32 places in shared
+  /// memory.
   __device__ WarpSplats(const Splat<float>* splats, const int32_t* instance, int32_t begin,
-                        int32_t end, SharedSplat* mine)
-      : splats_(splats), instance_(instance), end_(end), next_(begin), mine_(mine) {
+                        int32_t end, SharedSplat* shared)
+      : splats_(splats), instance_(instance), end_(end), next_(begin), shared_(shared) {
     fetch_number(begin);
     fetch_record();
     fetch_number(begin + kBucket);
@@ -145,7 +152,7 @@ class WarpSplats {
     const bool meets = listed && (!Cull || meets_part(record_, part));
     number_ = record_number_;
     __syncwarp();  // the last bucket has been read
-    if (meets) mine_[lane] = record_;
+    if (meets) shared_[lane] = record_;
     __syncwarp();
     begin_ = next_;
     next_ += kBucket;
@@ -157,7 +164,7 @@ class WarpSplats {
   /// Place in the tile's list of the first splat of this bucket and of the next.
   __device__ int32_t begin() const { return begin_; }
   __device__ int32_t next_begin() const { return next_; }
-  __device__ const SharedSplat& operator[](int i) const { return mine_[i]; }
+  __device__ const SharedSplat& operator[](int i) const { return shared_[i]; }
   /// Number of the bucket's splat i in the batch; all lanes ask together.
   __device__ int32_t number(int i) const { return __shfl_sync(~0u, number_, i); }
 
@@ -174,7 +181,7 @@ class WarpSplats {
   const Splat<float>* splats_;
   const int32_t* instance_;
   int32_t end_, next_, begin_ = 0, number_ = 0, record_number_ = 0, next_number_ = 0;
-  SharedSplat* mine_;
+  SharedSplat* shared_;
   SharedSplat record_;
 };
 

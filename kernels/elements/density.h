@@ -1,5 +1,5 @@
 // What: what becomes of one Gaussian in density control, and where the children of a split go.
-// Not: ranking where room is short, nor lists of rows (stages/density).
+// Not: ranking where room is short, nor lists of elements (stages/density).
 // Source: method A.13, D.7.
 #pragma once
 #include "kernels/elements/load_gaussian.h"
@@ -60,7 +60,7 @@ TESSERA_HD inline Fate fate_of(const DensityLimits<Real>& limits, const Gaussian
   return grows ? Fate::kCloned : Fate::kKept;
 }
 
-/// Moves the copy at row n to a sample of the distribution it is a copy of, and shrinks it.
+/// Moves the copy at element n to a sample of the distribution it is a copy of, and shrinks it.
 template <Form form, class Real>
 TESSERA_HD inline void place_child(const GaussianSpans<Real>& v, int64_t n, uint64_t seed) {
   const Vec4<float> noise =

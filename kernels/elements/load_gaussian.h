@@ -41,7 +41,7 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
     g.spacetime = static_spacetime(q, log_scale);
   }
   g.mean = load3(set.at(kMean, n));
-  // of a set whose rows differ in K these lead nowhere: who needs colours has a block of it
+  // of a set whose elements differ in K these lead nowhere: who needs colours has a block of it
   g.sh = set.group[kSh].data + n * set.width(kSh);
   g.sh_time = set.group[kShTime].data + n * set.width(kShTime);
   const Sym3<Real>& c = g.spacetime.covariance;

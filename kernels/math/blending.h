@@ -68,26 +68,26 @@ inline constexpr int kSplatGradientTerms = 9;  // scalars of a SplatGradient
 /// it afterwards, as T is  [method A.11]. The share of the conic is twice its gradient, and that of
 /// mean2d by gx and gy as they are given.
 template <class Real, class Add>
-TESSERA_HD inline void blend_backward_step(const SplatAtPixel<Real>& at, bool drawn,
+TESSERA_HD inline void blend_backward_step(const SplatAtPixel<Real>& splat, bool drawn,
                                            const Vec3<Real>& colour, const Vec3<Real>& g,
                                            Real& transmittance, Real& remaining, Add&& add) {
-  const Real alpha = drawn ? at.alpha : Real(0);
+  const Real alpha = drawn ? splat.alpha : Real(0);
   const Real weight = transmittance * alpha;
   const Real kappa = colour[0] * g[0] + colour[1] * g[1] + colour[2] * g[2];
   remaining -= weight * kappa;
   // by the α of any splat: where none is drawn the quotient is not used, and loops stay vectors
-  const Real rest = max_of(Real(1) - at.alpha, kMinOneMinusAlpha<Real>);
+  const Real rest = max_of(Real(1) - splat.alpha, kMinOneMinusAlpha<Real>);
   const Real beyond = fast_divide(remaining, rest);
   const Real d_alpha = drawn ? transmittance * kappa - beyond : Real(0);
   const Real h = -alpha * d_alpha;
-  const Real hx = h * at.dx;
-  const Real hy = h * at.dy;
-  add(0, h * at.gx);
-  add(1, h * at.gy);
-  add(2, hx * at.dx);
-  add(3, hx * at.dy);
-  add(4, hy * at.dy);
-  add(5, at.falloff * d_alpha);
+  const Real hx = h * splat.dx;
+  const Real hy = h * splat.dy;
+  add(0, h * splat.gx);
+  add(1, h * splat.gy);
+  add(2, hx * splat.dx);
+  add(3, hx * splat.dy);
+  add(4, hy * splat.dy);
+  add(5, splat.falloff * d_alpha);
   add(6, weight * g[0]);
   add(7, weight * g[1]);
   add(8, weight * g[2]);

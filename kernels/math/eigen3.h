@@ -55,9 +55,11 @@ TESSERA_HD inline Vec4<double> quaternion_from_rotation(const Mat3<double>& R) {
     if (square[k] > square[largest]) largest = k;
   const double wx = R[1][2] - R[2][1], wy = R[2][0] - R[0][2], wz = R[0][1] - R[1][0];
   const double xy = R[0][1] + R[1][0], xz = R[0][2] + R[2][0], yz = R[1][2] + R[2][1];
-  const double own = square[largest];
-  const Vec4<double> rows[4] = {
-      {own, wx, wy, wz}, {wx, own, xy, xz}, {wy, xy, own, yz}, {wz, xz, yz, own}};
+  const double diagonal = square[largest];
+  const Vec4<double> rows[4] = {{diagonal, wx, wy, wz},
+                                {wx, diagonal, xy, xz},
+                                {wy, xy, diagonal, yz},
+                                {wz, xz, yz, diagonal}};
   Vec4<double> q = rows[largest];
   q = q * (1.0 / sqrt(dot(q, q)));
   return q[0] < 0 ? -q : q;

@@ -1,6 +1,6 @@
 // What: n Gaussians in one spot in place of one, such that they look as it did: their opacity and
 // size; who is dead, and who is drawn to be copied.
-// Not: rows and buffers (stages/mcmc), nor when (recon4d/density/mcmc.h).
+// Not: elements and buffers (stages/mcmc), nor when (recon4d/density/mcmc.h).
 // Source: method B  [3DGS-MCMC], in double; the double sum of the source collapsed.
 #pragma once
 #include "kernels/math/random.h"
@@ -39,16 +39,16 @@ TESSERA_HD inline int32_t draw_weight(double opacity) {
   return opacity > 0 ? int32_t(floor(opacity * 16777216.0 + 0.5)) : 0;
 }
 
-/// The Gaussian that row i copies: sums[n] = Σ_{m<n} weight_m, and the total at [count], which is
-/// not 0.
+/// The Gaussian that element i copies: sums[n] = Σ_{m<n} weight_m, and the total at [count], which
+/// is not 0.
 TESSERA_HD inline int64_t drawn_source(const int64_t* sums, int64_t count, uint64_t seed,
                                        int64_t i) {
   const RandomBlock random = philox(seed, RandomStream::kRelocation, uint64_t(i));
-  const int64_t at = int64_t(uniform_below(random, uint64_t(sums[count])));
-  int64_t low = 0, high = count;  // sums[low] ≤ at < sums[high]
+  const int64_t place = int64_t(uniform_below(random, uint64_t(sums[count])));
+  int64_t low = 0, high = count;  // sums[low] ≤ place < sums[high]
   while (high - low > 1) {
     const int64_t middle = low + (high - low) / 2;
-    (sums[middle] <= at ? low : high) = middle;
+    (sums[middle] <= place ? low : high) = middle;
   }
   return low;
 }

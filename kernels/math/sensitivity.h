@@ -21,8 +21,11 @@ struct SplatSensitivity {
   Real removal2;     // Σ (e_c·ΔC_c)²
 
   TESSERA_HD SplatSensitivity& operator+=(const SplatSensitivity& o) {
-    weight += o.weight, weight2 += o.weight2, image += o.image;
-    removal1 += o.removal1, removal2 += o.removal2;
+    weight += o.weight;
+    weight2 += o.weight2;
+    image += o.image;
+    removal1 += o.removal1;
+    removal2 += o.removal2;
     return *this;
   }
 };

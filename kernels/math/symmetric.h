@@ -49,16 +49,15 @@ struct Sym3 {
                       xz * v[0] + yz * v[1] + zz * v[2]);
   }
   TESSERA_HD Sym3& operator+=(const Sym3& o) {
-    xx += o.xx, xy += o.xy, xz += o.xz, yy += o.yy, yz += o.yz, zz += o.zz;
+    xx += o.xx;
+    xy += o.xy;
+    xz += o.xz;
+    yy += o.yy;
+    yz += o.yz;
+    zz += o.zz;
     return *this;
   }
 };
-
-/// aᵀ S b.
-template <class Real>
-TESSERA_HD inline Real quadratic(const Vec3<Real>& a, const Sym3<Real>& s, const Vec3<Real>& b) {
-  return dot(a, s * b);
-}
 
 /// R diag(v) Rᵀ.
 template <class Real>

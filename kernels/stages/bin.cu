@@ -5,6 +5,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
 #include "kernels/cuda/tile_walk.cuh"
@@ -15,7 +16,7 @@ namespace {
 constexpr int kThreads = 128;
 
 __global__ void count_up(int32_t* values, int64_t count) {
-  const int64_t i = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  const int64_t i = linear_index();
   if (i < count) values[i] = int32_t(i);
 }
 
@@ -43,7 +44,7 @@ __global__ void __launch_bounds__(kThreads)
     write_instances(bool balanced, const ViewArgs<float>* views, const Splat<float>* splats,
                     const TileRect* rects, const int32_t* order, const int64_t* offset,
                     int64_t count, InstanceTarget<Key> target, int64_t* first_of) {
-  const int64_t r = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t r = linear_index();
   const bool on = r < count;
   const int32_t s = on ? (order != nullptr ? order[r] : int32_t(r)) : 0;
   TileRect rect{};
@@ -71,10 +72,10 @@ __global__ void __launch_bounds__(kThreads)
 /// begin[t] = first sorted instance of a tile ≥ t.
 template <class Key>
 __global__ void find_tiles(const Key* keys, int64_t count, int64_t tiles, int64_t* begin) {
-  const int64_t i = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  const int64_t i = linear_index();
   if (i > count) return;
-  const auto tile = [keys](int64_t at) {
-    return sizeof(Key) == 8 ? int64_t(uint64_t(keys[at]) >> 32) : int64_t(keys[at]);
+  const auto tile = [keys](int64_t k) {
+    return sizeof(Key) == 8 ? int64_t(uint64_t(keys[k]) >> 32) : int64_t(keys[k]);
   };
   const int64_t from = i == 0 ? -1 : tile(i - 1), to = i == count ? tiles : tile(i);
   for (int64_t t = from + 1; t <= to; ++t) begin[t] = i;
@@ -84,7 +85,7 @@ __global__ void find_tiles(const Key* keys, int64_t count, int64_t tiles, int64_
 /// longer.
 __global__ void rate_tiles(const int64_t* tile_begin, int64_t tiles, uint16_t* key,
                            int32_t* number) {
-  const int64_t t = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  const int64_t t = linear_index();
   if (t >= tiles) return;
   const int64_t length = tile_begin[t + 1] - tile_begin[t];
   key[t] = uint16_t(255 - min(int64_t{255}, (length + 15) / 16));
@@ -94,7 +95,7 @@ __global__ void rate_tiles(const int64_t* tile_begin, int64_t tiles, uint16_t* k
 /// Sorted entry numbers → splats, and where each entry went.
 __global__ void resolve_entries(const int32_t* sorted, const int32_t* splat_of, int64_t count,
                                 int32_t* splat, int64_t* slot) {
-  const int64_t i = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  const int64_t i = linear_index();
   if (i >= count) return;
   const int32_t entry = sorted[i];
   splat[i] = splat_of[entry];
@@ -112,10 +113,18 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
   const bool separate = sizeof(Key) < 8;
   const int64_t S = splats.count, I = out.count;
   Scratch scratch(scratch_);
-  scratch.plan<Key>(I), scratch.plan<Key>(I), scratch.plan<int32_t>(I);
-  if (slots) scratch.plan<int32_t>(I), scratch.plan<int32_t>(I);
+  scratch.plan<Key>(I);
+  scratch.plan<Key>(I);
+  scratch.plan<int32_t>(I);
+  if (slots) {
+    scratch.plan<int32_t>(I);
+    scratch.plan<int32_t>(I);
+  }
   scratch.plan<int64_t>(S + 1);
-  if (separate) scratch.plan<uint32_t>(S), scratch.plan<int32_t>(S);
+  if (separate) {
+    scratch.plan<uint32_t>(S);
+    scratch.plan<int32_t>(S);
+  }
   scratch.allocate();
   const Span<Key> keys = scratch.take<Key>(I), sorted = scratch.take<Key>(I);
   const Span<int32_t> values = scratch.take<int32_t>(I);
@@ -125,7 +134,7 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
   if (separate) {
     const Span<uint32_t> sorted_depth = scratch.take<uint32_t>(S);
     const Span<int32_t> numbers = scratch.take<int32_t>(S);
-    count_up<<<grid_of(S, 256), 256, 0, stream_>>>(numbers.data, S);
+    launch_linear<256>(stream_, "bin: count_up", count_up, S, numbers.data, S);
     // z > 0, so the bits of a depth order as the depth does; equal ones keep the Gaussians' order
     const Span<const uint32_t> depth{reinterpret_cast<const uint32_t*>(splats.depth.data()), S};
     sort_pairs(stream_, depth, numbers, 32, sorted_depth, out.depth_order.span(), sort_scratch_);
@@ -134,21 +143,19 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
     exclusive_sums(stream_, splats.tiles.span(), offsets, sort_scratch_);
   }
   const InstanceTarget<Key> target{keys.data, values.data, splat_of.data, splats.depth.data()};
-  write_instances<Key><<<grid_of(S, kThreads), kThreads, 0, stream_>>>(
-      switches.balanced_instances, views_of(*args.batch), splats.splat.data(), splats.rect.data(),
-      separate ? out.depth_order.data() : nullptr, offsets.data, S, target,
-      slots ? out.first_of.data() : nullptr);
-  check_launch("bin: write_instances");
+  launch_linear<kThreads>(stream_, "bin: write_instances", write_instances<Key>, S,
+                          switches.balanced_instances, views_of(*args.batch), splats.splat.data(),
+                          splats.rect.data(), separate ? out.depth_order.data() : nullptr,
+                          offsets.data, S, target, slots ? out.first_of.data() : nullptr);
   const int bits = bits_of(args.batch->tiles) + (separate ? 0 : 32);
   const Span<int32_t> carried = slots ? entries : out.splat.span();
   sort_pairs(stream_, Span<const Key>(keys), Span<const int32_t>(values), bits, sorted, carried,
              sort_scratch_);
-  find_tiles<Key><<<grid_of(I + 1, 256), 256, 0, stream_>>>(sorted.data, I, args.batch->tiles,
-                                                            out.tile_begin.data());
+  launch_linear<256>(stream_, "bin: find_tiles", find_tiles<Key>, I + 1, sorted.data, I,
+                     args.batch->tiles, out.tile_begin.data());
   if (slots)
-    resolve_entries<<<grid_of(I, 256), 256, 0, stream_>>>(entries.data, splat_of.data, I,
-                                                          out.splat.data(), out.slot.data());
-  check_launch("bin: find_tiles");
+    launch_linear<256>(stream_, "bin: resolve_entries", resolve_entries, I, entries.data,
+                       splat_of.data, I, out.splat.data(), out.slot.data());
   const double passes = std::ceil(bits / 8.0);
   clock_.add_bytes(kBin, double(S) * (4 * 8 * 2 + 16 + 48 + 16) +
                              double(I) * (sizeof(Key) + 4) * (1 + 2 * passes));
@@ -165,11 +172,10 @@ void CudaBackend::order_tiles(TileInstances<float>& out) {
   const Span<uint16_t> sorted = scratch.take<uint16_t>(tiles);
   const Span<int32_t> numbers = scratch.take<int32_t>(tiles);
   out.tile_order.resize(tiles);
-  rate_tiles<<<grid_of(tiles, 256), 256, 0, stream_>>>(out.tile_begin.data(), tiles, keys.data,
-                                                       numbers.data);
+  launch_linear<256>(stream_, "bin: rate_tiles", rate_tiles, tiles, out.tile_begin.data(), tiles,
+                     keys.data, numbers.data);
   sort_pairs(stream_, Span<const uint16_t>(keys), Span<const int32_t>(numbers), kBits, sorted,
              out.tile_order.span(), sort_scratch_);
-  check_launch("bin: order_tiles");
 }
 
 void CudaBackend::bin(const BinArgs<float>& args, TileInstances<float>& out) {

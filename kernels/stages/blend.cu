@@ -5,6 +5,7 @@
 #include "kernels/cuda/blend_backward_args.cuh"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/sort.h"
 
 namespace tessera {
@@ -33,8 +34,10 @@ struct PixelForward {
   int32_t used = 0;
 
   __device__ PixelForward() {}
-  __device__ explicit PixelForward(const TilePixel& at)
-      : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(at.inside ? 1.0f : 0.0f) {}
+  __device__ explicit PixelForward(const TilePixel& tile_pixel)
+      : x(float(tile_pixel.x) + 0.5f),
+        y(float(tile_pixel.y) + 0.5f),
+        T(tile_pixel.inside ? 1.0f : 0.0f) {}
   __device__ float4 state() const { return {red, green, blue, T}; }
   __device__ bool alive() const { return T >= kMinTransmittance<float>; }
 
@@ -50,8 +53,8 @@ template <int Pixels, bool Cull, bool Checkpoint>
 __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) blend_tiles(Blend a) {
   __shared__ SharedSplat shared[TileParts<Pixels>::kWarps][kBucket];
   const int64_t tile = a.tile_order[blockIdx.x];
-  const BatchTile at(a.views, a.view_count, tile);
-  const WarpPart<Pixels> part(at);
+  const BatchTile batch_tile(a.views, a.view_count, tile);
+  const WarpPart<Pixels> part(batch_tile);
   PixelForward pixel[Pixels];
   TESSERA_UNROLL
   for (int p = 0; p < Pixels; ++p) pixel[p] = PixelForward(part.pixel(p));
@@ -89,7 +92,7 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) blend_tiles(Blend
 }
 
 __global__ void count_buckets(const int64_t* tile_begin, int64_t tiles, int32_t* buckets) {
-  const int64_t t = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  const int64_t t = linear_index();
   if (t < tiles)
     buckets[t] = int32_t((tile_begin[t + 1] - tile_begin[t] + kSegment - 1) / kSegment);
 }
@@ -99,8 +102,8 @@ __global__ void count_buckets(const int64_t* tile_begin, int64_t tiles, int32_t*
 void CudaBackend::reserve_checkpoints(const BlendArgs<float>& args) {
   const int64_t tiles = args.batch->tiles;
   Buffer<int32_t> buckets(tiles, memory_);
-  count_buckets<<<grid_of(tiles, 256), 256, 0, stream_>>>(args.instances->tile_begin.data(), tiles,
-                                                          buckets.data());
+  launch_linear<256>(stream_, "blend: count_buckets", count_buckets, tiles,
+                     args.instances->tile_begin.data(), tiles, buckets.data());
   bucket_begin_.resize(tiles + 1);
   exclusive_sums(stream_, buckets.span(), bucket_begin_.span(), sort_scratch_);
   // every tile's last bucket may be incomplete: no more than this, whatever the lists are

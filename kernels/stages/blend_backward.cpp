@@ -44,9 +44,9 @@ struct GradientWalk : WalkState<Real> {
       const Real alpha = splat.opacity * G;
       const bool lit = index < until[x];
       const bool on = cutoff.template draws<ByFalloff>(alpha, G) && lit;
-      const SplatAtPixel<Real> at{
+      const SplatAtPixel<Real> splat_at_pixel{
           dx, dy, conic.xx * dx + conic.xy * dy, conic.xy * dx + conic.yy * dy, G, alpha};
-      blend_backward_step<Real>(at, on, splat.colour, {g0[x], g1[x], g2[x]}, T[x], R[x],
+      blend_backward_step<Real>(splat_at_pixel, on, splat.colour, {g0[x], g1[x], g2[x]}, T[x], R[x],
                                 [&](int k, Real term) { sum[k][x] += term; });
     }
   }

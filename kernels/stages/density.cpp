@@ -1,4 +1,4 @@
-// What: density control of a set as lists of rows; the order of a set in memory.
+// What: density control of a set as lists of elements; the order of a set in memory.
 // Not: when (recon4d/training/schedule.h); the rule for one Gaussian is in elements/density.h.
 // Source: method A.13, A.14, D.7.
 #include <algorithm>
@@ -37,9 +37,9 @@ std::vector<char> growing(const DensityLimits<Real>& limits,
 }  // namespace
 
 template <class Real>
-void CpuBackend<Real>::select_rows(const GaussianSpans<const Real>& set,
-                                   const DensityStatistics<const Real>& statistics,
-                                   const DensityRule& rule, DensityRows& rows) {
+void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>& set,
+                                       const DensityStatistics<const Real>& statistics,
+                                       const DensityRule& rule, DensityElements& elements) {
   const DensityLimits<Real> limits = density_limits<Real>(rule);
   std::vector<char> alive(size_t(set.count), 0);
   int64_t dead = 0;
@@ -57,11 +57,12 @@ void CpuBackend<Real>::select_rows(const GaussianSpans<const Real>& set,
     if (fate == Fate::kCloned) clones.push_back(n);
     if (fate == Fate::kSplit) parents.push_back(n);
   }
-  rows.survivors = int64_t(survivors.size()), rows.clones = int64_t(clones.size());
-  rows.parents = int64_t(parents.size());
-  rows.pruned = set.count - rows.survivors - rows.parents;
-  rows.index.resize(rows.survivors + rows.clones + 2 * rows.parents);
-  int64_t* out = rows.index.data();
+  elements.survivors = int64_t(survivors.size());
+  elements.clones = int64_t(clones.size());
+  elements.parents = int64_t(parents.size());
+  elements.pruned = set.count - elements.survivors - elements.parents;
+  elements.index.resize(elements.survivors + elements.clones + 2 * elements.parents);
+  int64_t* out = elements.index.data();
   for (const auto* list : {&survivors, &clones, &parents, &parents})
     out = std::copy(list->begin(), list->end(), out);
 }
@@ -97,9 +98,9 @@ void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>& set,
 }
 
 #define TESSERA_INSTANTIATE(Real)                                                                \
-  template void CpuBackend<Real>::select_rows(const GaussianSpans<const Real>&,                  \
-                                              const DensityStatistics<const Real>&,              \
-                                              const DensityRule&, DensityRows&);                 \
+  template void CpuBackend<Real>::select_elements(const GaussianSpans<const Real>&,              \
+                                                  const DensityStatistics<const Real>&,          \
+                                                  const DensityRule&, DensityElements&);         \
   template void CpuBackend<Real>::place_children(const GaussianSpans<Real>&, int64_t, uint64_t); \
   template void CpuBackend<Real>::locality_order(const GaussianSpans<const Real>&,               \
                                                  Buffer<int64_t>&);

@@ -10,6 +10,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/scratch.h"
 #include "kernels/math/adam.h"
 
@@ -34,8 +35,9 @@ struct Ray {
 
   __device__ bool load(const Rays& rays) {
     const ViewArgs<float>& view = rays.views[blockIdx.y];
-    pixels = int64_t(view.width) * view.height, first = view.first_pixel;
-    plane = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+    pixels = int64_t(view.width) * view.height;
+    first = view.first_pixel;
+    plane = linear_index();
     if (plane >= pixels) return false;
     const Vec3<float> in_world =
         pixel_direction(view, int(plane % view.width), int(plane / view.width));
@@ -63,20 +65,20 @@ __global__ void __launch_bounds__(kThreads)
     const float g = T * d_colour[3 * ray.first + c * ray.pixels + ray.plane];
     for (int k = 0; k < 4; ++k) {
       const float scaled = ray.tap.share[k] * g * kFixedPoint;
-      const int64_t at = 3 * ray.tap.texel[k] + c;
+      const int64_t scalar = 3 * ray.tap.texel[k] + c;
       if (!(fabsf(scaled) < kMost)) {  // fixed point has no NaN
-        bad[at] = 1;
+        bad[scalar] = 1;
         continue;
       }
       const long long fixed = __float2ll_rn(scaled);
-      if (fixed != 0) atomicAdd(sums + at, static_cast<unsigned long long>(fixed));
+      if (fixed != 0) atomicAdd(sums + scalar, static_cast<unsigned long long>(fixed));
     }
   }
 }
 
 __global__ void __launch_bounds__(kThreads)
     to_floats(const unsigned long long* sums, const uint32_t* bad, Span<float> d_map) {
-  const int64_t i = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t i = linear_index();
   if (i >= d_map.size) return;
   d_map[i] = bad[i] != 0 ? CUDART_NAN_F : float(static_cast<long long>(sums[i])) / kFixedPoint;
 }
@@ -84,18 +86,10 @@ __global__ void __launch_bounds__(kThreads)
 __global__ void __launch_bounds__(kThreads)
     adam_all(Span<const float> gradient, AdamScalars<float> adam, float* value, float* m, float* v,
              StepCounters* counters) {
-  const int64_t i = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t i = linear_index();
   if (i >= gradient.size) return;
   adam_step(adam, gradient[i], value[i], m[i], v[i]);
   if (!isfinite(gradient[i])) counters->bad_values = 1;  // all who write it write the same
-}
-
-/// One thread a pixel of the largest view, one row of blocks a view.
-dim3 grid_of_views(const ViewBatch<float>& batch) {
-  int64_t most = 0;
-  for (const ViewArgs<float>& view : batch.views)
-    most = max_of(most, int64_t(view.width) * view.height);
-  return dim3(grid_of(most, kThreads), unsigned(batch.views.size()));
 }
 
 }  // namespace
@@ -103,7 +97,7 @@ dim3 grid_of_views(const ViewBatch<float>& batch) {
 void CudaBackend::environment(const EnvironmentArgs<float>& args, Images<float>& images) {
   check(args.map.size == environment_scalars(args.height), "environment: size of the map");
   if (args.batch->pixels == 0) return;
-  add_environment<<<grid_of_views(*args.batch), kThreads, 0, stream_>>>(
+  add_environment<<<grid_of_views(*args.batch, kThreads), kThreads, 0, stream_>>>(
       Rays{views_of(*args.batch), args.map_from_world, args.height}, args.map.data,
       images.transmittance.data(), images.colour.data());
   check_launch("environment");
@@ -115,7 +109,8 @@ void CudaBackend::environment_backward(const EnvironmentArgs<float>& args,
                                        Span<float> d_map) {
   check(d_map.size == environment_scalars(args.height), "environment: size of the gradient");
   Scratch scratch(scratch_);
-  scratch.plan<unsigned long long>(d_map.size), scratch.plan<uint32_t>(d_map.size);
+  scratch.plan<unsigned long long>(d_map.size);
+  scratch.plan<uint32_t>(d_map.size);
   scratch.allocate();
   const Span<unsigned long long> sums = scratch.take<unsigned long long>(d_map.size);
   const Span<uint32_t> bad = scratch.take<uint32_t>(d_map.size);  // 1: not finite
@@ -124,20 +119,19 @@ void CudaBackend::environment_backward(const EnvironmentArgs<float>& args,
   check_device(cudaMemsetAsync(bad.data, 0, sizeof(*bad.data) * size_t(bad.size), stream_),
                "memset");
   if (args.batch->pixels > 0)
-    add_gradients<<<grid_of_views(*args.batch), kThreads, 0, stream_>>>(
+    add_gradients<<<grid_of_views(*args.batch, kThreads), kThreads, 0, stream_>>>(
         Rays{views_of(*args.batch), args.map_from_world, args.height}, images.transmittance.data(),
         d_colour.data, sums.data, bad.data);
-  to_floats<<<grid_of(d_map.size, kThreads), kThreads, 0, stream_>>>(sums.data, bad.data, d_map);
-  check_launch("environment_backward");
+  launch_linear<kThreads>(stream_, "environment_backward: to_floats", to_floats, d_map.size,
+                          sums.data, bad.data, d_map);
   clock_.add_bytes(kBlendBackward, 16.0 * double(args.batch->pixels));
 }
 
 void CudaBackend::adam_values(Span<const float> gradient, const AdamScalars<float>& adam,
                               Span<float> value, Span<float> moment1, Span<float> moment2) {
   if (value.empty()) return;
-  adam_all<<<grid_of(value.size, kThreads), kThreads, 0, stream_>>>(
-      gradient, adam, value.data, moment1.data, moment2.data, counters_.data());
-  check_launch("adam_values");
+  launch_linear<kThreads>(stream_, "adam_values: adam_all", adam_all, value.size, gradient, adam,
+                          value.data, moment1.data, moment2.data, counters_.data());
   report();  // once more: project_backward's came before
   clock_.add_bytes(kUpdate, 28.0 * double(value.size));
 }

@@ -5,6 +5,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 #include "kernels/elements/filter_3d.h"
 
 namespace tessera {
@@ -17,7 +18,7 @@ template <Form form>
 __global__ void measure(GaussianSpans<const float> set, const ViewArgs<float>* views,
                         int64_t view_count, float near_plane, float focal, float time_filter,
                         float* sizes, unsigned* largest) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t n = linear_index();
   float size = -1.0f;
   if (n < set.count) {
     size = filter_size_in<form>(set, n, views, view_count, near_plane, focal, time_filter);
@@ -29,12 +30,12 @@ __global__ void measure(GaussianSpans<const float> set, const ViewArgs<float>* v
 }
 
 __global__ void fill_unseen(float* sizes, int64_t count, const unsigned* largest) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t n = linear_index();
   if (n < count && sizes[n] < 0.0f) sizes[n] = __uint_as_float(*largest);
 }
 
 __global__ void edit_all(FilterEdit edit, GaussianSpans<float> set, float limit) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t n = linear_index();
   if (n < set.count) edit_by_filter(edit, set, n, limit);
 }
 
@@ -46,21 +47,20 @@ void CudaBackend::filter_sizes(const FilterArgs<float>& args, Span<float> sizes)
   scratch_.resize(sizeof(unsigned));
   unsigned* const largest = reinterpret_cast<unsigned*>(scratch_.data());
   check_device(cudaMemsetAsync(largest, 0, sizeof(unsigned), stream_), "memset");
-  const unsigned grid = grid_of(sizes.size, kThreads);
   with_form(args.set.form, [&](auto form) {
-    measure<form()><<<grid, kThreads, 0, stream_>>>(
-        args.set, views_of(*args.views), int64_t(args.views->views.size()), args.near_plane,
-        args.focal, args.time_filter, sizes.data, largest);
+    launch_linear<kThreads>(stream_, "filter_sizes: measure", measure<form()>, sizes.size, args.set,
+                            views_of(*args.views), int64_t(args.views->views.size()),
+                            args.near_plane, args.focal, args.time_filter, sizes.data, largest);
   });
-  fill_unseen<<<grid, kThreads, 0, stream_>>>(sizes.data, sizes.size, largest);
-  check_launch("filter_sizes");
+  launch_linear<kThreads>(stream_, "filter_sizes: fill_unseen", fill_unseen, sizes.size, sizes.data,
+                          sizes.size, largest);
 }
 
 void CudaBackend::edit_by_filter(FilterEdit edit, const GaussianSpans<float>& set, float limit) {
   check(set.filter_size.size == set.count, "edit_by_filter: one size a Gaussian");
   if (set.count == 0) return;
-  edit_all<<<grid_of(set.count, kThreads), kThreads, 0, stream_>>>(edit, set, limit);
-  check_launch("edit_by_filter");
+  launch_linear<kThreads>(stream_, "edit_by_filter: edit_all", edit_all, set.count, edit, set,
+                          limit);
 }
 
 }  // namespace tessera

@@ -34,37 +34,39 @@ Weighed weigh(const GaussianSpans<const Real>& set, double dead_opacity) {
 }
 
 template <Form form, class Real>
-void relocate(const GaussianSpans<Real>& set, const RelocationRule& rule, RelocationRows& rows) {
+void relocate(const GaussianSpans<Real>& set, const RelocationRule& rule,
+              RelocationElements& elements) {
   const Weighed weighed = weigh<form>(set.view(), rule.dead_opacity);
-  rows.moved = 0, rows.weight = weighed.sums.back();
-  check(rule.added == 0 || rows.weight > 0, "relocate_rows: nobody to copy");
-  rows.values.resize(set.count + rule.added);
-  rows.moments.resize(set.count + rule.added);
+  elements.moved = 0;
+  elements.weight = weighed.sums.back();
+  check(rule.added == 0 || elements.weight > 0, "relocate_elements: nobody to copy");
+  elements.values.resize(set.count + rule.added);
+  elements.moments.resize(set.count + rule.added);
   std::vector<int32_t> copies(size_t(set.count), 1);
-  for (int64_t i = 0; i < rows.values.size(); ++i) {
-    rows.values[i] = rows.moments[i] = i;
+  for (int64_t i = 0; i < elements.values.size(); ++i) {
+    elements.values[i] = elements.moments[i] = i;
     const bool is_new = i >= set.count;
-    if (!is_new && (!weighed.dead[size_t(i)] || rows.weight == 0)) continue;
-    rows.values[i] = drawn_source(weighed.sums.data(), set.count, rule.seed, i);
-    ++copies[size_t(rows.values[i])];
+    if (!is_new && (!weighed.dead[size_t(i)] || elements.weight == 0)) continue;
+    elements.values[i] = drawn_source(weighed.sums.data(), set.count, rule.seed, i);
+    ++copies[size_t(elements.values[i])];
     if (is_new)
-      rows.moments[i] = -1;
+      elements.moments[i] = -1;
     else
-      ++rows.moved;  // with the moments that it has
+      ++elements.moved;  // with the moments that it has
   }
   for (int64_t n = 0; n < set.count; ++n) {
     if (copies[size_t(n)] == 1) continue;
     become_copies<form>(set, n, copies[size_t(n)], rule.least_opacity);
-    rows.moments[n] = -1;
+    elements.moments[n] = -1;
   }
 }
 
 }  // namespace
 
 template <class Real>
-void CpuBackend<Real>::relocate_rows(const GaussianSpans<Real>& set, const RelocationRule& rule,
-                                     RelocationRows& rows) {
-  with_form(set.form, [&](auto form) { relocate<form()>(set, rule, rows); });
+void CpuBackend<Real>::relocate_elements(const GaussianSpans<Real>& set, const RelocationRule& rule,
+                                         RelocationElements& elements) {
+  with_form(set.form, [&](auto form) { relocate<form()>(set, rule, elements); });
 }
 
 template <class Real>
@@ -76,10 +78,10 @@ void CpuBackend<Real>::add_position_noise(const GaussianSpans<Real>& set,
   });
 }
 
-#define TESSERA_INSTANTIATE(Real)                                                                  \
-  template void CpuBackend<Real>::relocate_rows(const GaussianSpans<Real>&, const RelocationRule&, \
-                                                RelocationRows&);                                  \
-  template void CpuBackend<Real>::add_position_noise(const GaussianSpans<Real>&,                   \
+#define TESSERA_INSTANTIATE(Real)                                                                \
+  template void CpuBackend<Real>::relocate_elements(const GaussianSpans<Real>&,                  \
+                                                    const RelocationRule&, RelocationElements&); \
+  template void CpuBackend<Real>::add_position_noise(const GaussianSpans<Real>&,                 \
                                                      const PositionNoise&);
 TESSERA_INSTANTIATE(float)
 TESSERA_INSTANTIATE(double)

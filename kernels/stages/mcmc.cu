@@ -6,6 +6,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
 #include "kernels/elements/position_noise.h"
@@ -20,7 +21,7 @@ constexpr int kThreads = 256;
 template <Form form>
 __global__ void weigh(GaussianSpans<const float> set, double dead_opacity, int32_t* weight,
                       int32_t* dead, int32_t* copies) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t n = linear_index();
   if (n >= set.count) return;
   const double opacity = living_opacity<form>(set, n);
   const bool lives = opacity > dead_opacity;
@@ -29,11 +30,11 @@ __global__ void weigh(GaussianSpans<const float> set, double dead_opacity, int32
   copies[n] = 1;
 }
 
-/// Where each row comes from. Nobody is copied where all weights are 0.
-__global__ void draw(const int64_t* sums, const int32_t* dead, int64_t count, int64_t rows,
+/// Where each element comes from. Nobody is copied where all weights are 0.
+__global__ void draw(const int64_t* sums, const int32_t* dead, int64_t count, int64_t elements,
                      uint64_t seed, int32_t* copies, int64_t* values, int64_t* moments) {
-  const int64_t i = int64_t(blockIdx.x) * kThreads + threadIdx.x;
-  if (i >= rows) return;
+  const int64_t i = linear_index();
+  if (i >= elements) return;
   const bool is_new = i >= count;
   const bool is_copy = is_new || (dead[i] != 0 && sums[count] > 0);
   const int64_t source = is_copy ? drawn_source(sums, count, seed, i) : i;
@@ -45,7 +46,7 @@ __global__ void draw(const int64_t* sums, const int32_t* dead, int64_t count, in
 template <Form form>
 __global__ void settle(GaussianSpans<float> set, const int32_t* copies, double least_opacity,
                        int64_t* moments) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t n = linear_index();
   if (n >= set.count || copies[n] == 1) return;
   become_copies<form>(set, n, copies[n], least_opacity);
   moments[n] = -1;
@@ -53,20 +54,20 @@ __global__ void settle(GaussianSpans<float> set, const int32_t* copies, double l
 
 template <Form form>
 __global__ void make_noise(GaussianSpans<float> set, PositionNoise noise) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t n = linear_index();
   if (n < set.count) add_position_noise<form>(set, n, noise);
 }
 
 }  // namespace
 
-void CudaBackend::relocate_rows(const GaussianSpans<float>& set, const RelocationRule& rule,
-                                RelocationRows& rows) {
+void CudaBackend::relocate_elements(const GaussianSpans<float>& set, const RelocationRule& rule,
+                                    RelocationElements& elements) {
   const int64_t N = set.count, all = N + rule.added;
-  rows.values.resize(all), rows.moments.resize(all);
-  rows.moved = rows.weight = 0;
-  check(rule.added == 0 || N > 0, "relocate_rows: nobody to copy");
+  elements.values.resize(all);
+  elements.moments.resize(all);
+  elements.moved = elements.weight = 0;
+  check(rule.added == 0 || N > 0, "relocate_elements: nobody to copy");
   if (N == 0) return;
-  const unsigned grid = grid_of(N, kThreads);
   Scratch scratch(scratch_);
   for (int k = 0; k < 3; ++k) scratch.plan<int32_t>(N);
   for (int k = 0; k < 2; ++k) scratch.plan<int64_t>(N + 1);
@@ -76,33 +77,30 @@ void CudaBackend::relocate_rows(const GaussianSpans<float>& set, const Relocatio
   const Span<int64_t> sums = scratch.take<int64_t>(N + 1), deaths = scratch.take<int64_t>(N + 1);
 
   with_form(set.form, [&](auto form) {
-    weigh<form()><<<grid, kThreads, 0, stream_>>>(set.view(), rule.dead_opacity, weight.data,
-                                                  dead.data, copies.data);
+    launch_linear<kThreads>(stream_, "relocate_elements: weigh", weigh<form()>, N, set.view(),
+                            rule.dead_opacity, weight.data, dead.data, copies.data);
   });
-  check_launch("relocate_rows: weigh");
   exclusive_sums(stream_, Span<const int32_t>(weight), sums, sort_scratch_);
   exclusive_sums(stream_, Span<const int32_t>(dead), deaths, sort_scratch_);
-  memory_.copy(&rows.weight, sums.data + N, sizeof(int64_t));
-  memory_.copy(&rows.moved, deaths.data + N, sizeof(int64_t));
-  if (rows.weight == 0) rows.moved = 0;
-  check(rule.added == 0 || rows.weight > 0, "relocate_rows: nobody to copy");
-  draw<<<grid_of(all, kThreads), kThreads, 0, stream_>>>(sums.data, dead.data, N, all, rule.seed,
-                                                         copies.data, rows.values.data(),
-                                                         rows.moments.data());
-  check_launch("relocate_rows: draw");
+  memory_.copy(&elements.weight, sums.data + N, sizeof(int64_t));
+  memory_.copy(&elements.moved, deaths.data + N, sizeof(int64_t));
+  if (elements.weight == 0) elements.moved = 0;
+  check(rule.added == 0 || elements.weight > 0, "relocate_elements: nobody to copy");
+  launch_linear<kThreads>(stream_, "relocate_elements: draw", draw, all, sums.data, dead.data, N,
+                          all, rule.seed, copies.data, elements.values.data(),
+                          elements.moments.data());
   with_form(set.form, [&](auto form) {
-    settle<form()>
-        <<<grid, kThreads, 0, stream_>>>(set, copies.data, rule.least_opacity, rows.moments.data());
+    launch_linear<kThreads>(stream_, "relocate_elements: settle", settle<form()>, N, set,
+                            copies.data, rule.least_opacity, elements.moments.data());
   });
-  check_launch("relocate_rows: settle");
 }
 
 void CudaBackend::add_position_noise(const GaussianSpans<float>& set, const PositionNoise& noise) {
   if (set.count == 0) return;
   with_form(set.form, [&](auto form) {
-    make_noise<form()><<<grid_of(set.count, kThreads), kThreads, 0, stream_>>>(set, noise);
+    launch_linear<kThreads>(stream_, "add_position_noise: make_noise", make_noise<form()>,
+                            set.count, set, noise);
   });
-  check_launch("add_position_noise");
   clock_.add_bytes(kUpdate, 4.0 * double(set.count));  // opacities; most go no further
 }
 

@@ -63,7 +63,7 @@ PlaneLoss plane_loss(const Plane<Real>& plane, const LossWeights& weights, Real 
   const size_t pixels = size_t(width) * size_t(height);
   const Real* const x = compared(plane, pixels, s);
   const auto ignored = [mask](size_t p) { return mask != nullptr && mask[p] == 0; };
-  for (std::vector<Real>* of : {&s.truth, &s.by_x, &s.by_xx, &s.by_xy}) of->resize(pixels);
+  for (std::vector<Real>* map : {&s.truth, &s.by_x, &s.by_xx, &s.by_xy}) map->resize(pixels);
   for (size_t p = 0; p < pixels; ++p)
     s.truth[p] = ignored(p) ? x[p] : Real(plane.truth[3 * p]) / Real(255);
   const Real* y = s.truth.data();
@@ -84,8 +84,8 @@ PlaneLoss plane_loss(const Plane<Real>& plane, const LossWeights& weights, Real 
     s.by_xy[p] = lambda * point.d_xy;
   }
   if (d_x == nullptr) return loss;
-  for (std::vector<Real>* of : {&s.by_x, &s.by_xx, &s.by_xy})
-    convolve(of->data(), width, height, Padding::kZero, s.moments.scratch.data(), of->data());
+  for (std::vector<Real>* map : {&s.by_x, &s.by_xx, &s.by_xy})
+    convolve(map->data(), width, height, Padding::kZero, s.moments.scratch.data(), map->data());
   const Real l1 = Real(weights.l1) * scale;
   for (size_t p = 0; p < pixels; ++p) {
     const Real d = photometric_gradient(l1, x[p], y[p], s.by_x[p], s.by_xx[p], s.by_xy[p]);

@@ -48,12 +48,15 @@ void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_
   check_target(args);
   const int64_t count = int64_t(views.size());
   int width = 0, height = 0;
-  for (const ViewArgs<float>& view : views)
-    width = max_of(width, view.width), height = max_of(height, view.height);
+  for (const ViewArgs<float>& view : views) {
+    width = max_of(width, view.width);
+    height = max_of(height, view.height);
+  }
   const DeviceTarget target = target_of(args.truth, args.mask, args.gain);
   const bool d_gain = !args.gain.empty() && !d_colour.empty();
   loss_sums_.resize(d_gain ? 5 * count : 2 * count);
-  loss_views_ = views, loss_weights_ = args.weights;
+  loss_views_ = views;
+  loss_weights_ = args.weights;
   scratch_.resize(int64_t(
       photometric_scratch_bytes(args.batch->pixels, int(count), width, height, !d_colour.empty())));
   launch_photometric({views_of(*args.batch), target.truth, target.mask, int(count), width, height,

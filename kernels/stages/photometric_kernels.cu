@@ -64,7 +64,11 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs ar
       const float t = block.counts<Masked>(p) ? truth_value(__ldg(block.truth + 3 * p)) : x;
       const bool inside = block.contains(row, column);
       const float a = inside ? x : 0.0f, b = inside ? t : 0.0f;
-      value[0] = a, value[1] = b, value[2] = a * a, value[3] = b * b, value[4] = a * b;
+      value[0] = a;
+      value[1] = b;
+      value[2] = a * a;
+      value[3] = b * b;
+      value[4] = a * b;
       if (r >= kSsimRadius && r < kSsimRadius + kForwardRows) l1 += of_tile ? fabsf(a - b) : 0.0f;
     });
     __syncthreads();
@@ -140,7 +144,10 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs a
       const int p = (y + row) * block.width + x, count = min(4, block.width - x);
       if (aligned) {
         const float4 four = __ldg(reinterpret_cast<const float4*>(block.colour + p));
-        a[0] = four.x, a[1] = four.y, a[2] = four.z, a[3] = four.w;
+        a[0] = four.x;
+        a[1] = four.y;
+        a[2] = four.z;
+        a[3] = four.w;
       } else {
         for (int j = 0; j < 4; ++j) a[j] = j < count ? block.colour[p + j] : 0.0f;
       }
@@ -176,8 +183,10 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs a
 __global__ void __launch_bounds__(kThreads) photometric_sums(KernelArgs args, int blocks_per_view) {
   const double2* const from = args.block_sums + int64_t(blockIdx.x) * blocks_per_view;
   double2 sum{0, 0};
-  for (int i = int(threadIdx.x); i < blocks_per_view; i += kThreads)
-    sum.x += from[i].x, sum.y += from[i].y;
+  for (int i = int(threadIdx.x); i < blocks_per_view; i += kThreads) {
+    sum.x += from[i].x;
+    sum.y += from[i].y;
+  }
   sum = sum_of_block(sum);
   if (threadIdx.x != 0) return;
   args.call.sums[2 * blockIdx.x] = sum.x;

@@ -27,11 +27,11 @@ struct Chunk {
   int64_t instances = 0, invalid = 0;
 };
 
-/// Some rows of a block of a set.
+/// Some elements of a block of a set.
 struct Run {
   int set;
   ShBlock block;
-  int64_t begin, end;  // rows of the block
+  int64_t begin, end;  // elements of the block
 };
 
 template <class Real>
@@ -74,9 +74,13 @@ void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chu
         ++chunk.invalid;
         break;
       }
-      out.view = int32_t(b), out.opacity = splat.opacity, out.power = splat.power;
-      out.mean2d = splat.projection.mean2d, out.conic = splat.projection.conic;
-      record.depth = splat.projection.in_cam[2], record.rect = splat.rect;
+      out.view = int32_t(b);
+      out.opacity = splat.opacity;
+      out.power = splat.power;
+      out.mean2d = splat.projection.mean2d;
+      out.conic = splat.projection.conic;
+      record.depth = splat.projection.in_cam[2];
+      record.rect = splat.rect;
       chunk.instances += record.rect.area();
       chunk.records.push_back(record);
     }
@@ -86,13 +90,18 @@ void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chu
 template <class Real>
 void resize_splats(Splats<Real>& splats, int64_t count, int64_t gaussians) {
   splats.count = count;
-  splats.splat.resize(count), splats.depth.resize(count), splats.rect.resize(count);
-  splats.tiles.resize(count), splats.first_of.resize(gaussians + 1);
+  splats.splat.resize(count);
+  splats.depth.resize(count);
+  splats.rect.resize(count);
+  splats.tiles.resize(count);
+  splats.first_of.resize(gaussians + 1);
 }
 
 template <class Real>
 void store(const Record<Real>& r, int64_t s, Splats<Real>& splats) {
-  splats.splat[s] = r.splat, splats.depth[s] = r.depth, splats.rect[s] = r.rect;
+  splats.splat[s] = r.splat;
+  splats.depth[s] = r.depth;
+  splats.rect[s] = r.rect;
   splats.tiles[s] = r.rect.area();
 }
 
@@ -109,8 +118,8 @@ void CpuBackend<Real>::project(const ProjectArgs<Real>& args, Splats<Real>& spla
     with_form(args.sets[run.set].form,
               [&](auto form) { project_run<form()>(args, run, chunks[size_t(c)]); });
   });
-
-  std::vector<int64_t> offset(chunks.size() + 1, 0), gaussian(chunks.size() + 1, 0);
+  std::vector<int64_t> offset(chunks.size() + 1, 0);
+  std::vector<int64_t> gaussian(chunks.size() + 1, 0);
   splats.instances = splats.invalid = 0;
   for (size_t c = 0; c < chunks.size(); ++c) {
     offset[c + 1] = offset[c] + int64_t(chunks[c].records.size());

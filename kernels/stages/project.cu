@@ -7,6 +7,7 @@
 #include "kernels/base/count_limit.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sh_registers.cuh"
 #include "kernels/cuda/sort.h"
@@ -32,7 +33,7 @@ struct SetArgs {
 template <Form form>
 __global__ void __launch_bounds__(kThreads)
     count_views(SetArgs a, int words, uint32_t* seen_by, int32_t* visible, StepCounters* counters) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t n = linear_index();
   if (n >= a.set.count) return;
   GaussianState<float> g;
   const bool valid = load_gaussian<form>(a.set, n, g);
@@ -54,7 +55,7 @@ __global__ void __launch_bounds__(kThreads)
 __global__ void list_splats(const uint32_t* seen_by, int words, int64_t gaussians,
                             const int64_t* first_of, int64_t capacity, int32_t* gaussian,
                             int32_t* view) {
-  const int64_t n = int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+  const int64_t n = linear_index();
   if (n >= gaussians) return;
   int64_t s = first_of[n];
   for (int word = 0; word < words; ++word)
@@ -87,8 +88,11 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
   ViewSplat<float> in_view;
   load_gaussian<form>(a.set, n, g);
   splat_in_view(a.views[b], g, a.rules, in_view);
-  splat.mean2d = in_view.projection.mean2d, splat.conic = in_view.projection.conic;
-  splat.opacity = in_view.opacity, splat.power = in_view.power, splat.view = b;
+  splat.mean2d = in_view.projection.mean2d;
+  splat.conic = in_view.projection.conic;
+  splat.opacity = in_view.opacity;
+  splat.power = in_view.power;
+  splat.view = b;
   out.depth[s] = in_view.projection.in_cam[2];
   rect = in_view.rect;
   float sh[3 * kMaxShCoefficients] = {}, distance;
@@ -96,7 +100,10 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
   const Vec3<float> direction =
       view_direction(a.views[b], colours.sliced_direction ? in_view.slice.mean : g.mean, distance);
   const bool finite = drawn_colour(colours.degree, direction, sh, splat.colour, splat.negative);
-  if (!finite) splat.negative = kNotDrawn, rect = {};
+  if (!finite) {
+    splat.negative = kNotDrawn;
+    rect = {};
+  }
   return finite;
 }
 
@@ -104,7 +111,7 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
 template <Form form>
 __global__ void __launch_bounds__(kThreads)
     write_splats_of(SetArgs a, SplatTargets out, StepCounters* counters) {
-  const int64_t s = out.first_of[a.first] + int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t s = out.first_of[a.first] + linear_index();
   const bool on = s < min(out.first_of[a.first + a.set.count], out.capacity);
   Splat<float> splat{};
   TileRect rect{};
@@ -146,9 +153,9 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
   scratch.allocate();
   const Span<int32_t> view = scratch.take<int32_t>(capacity);
   const int words = int(args.batch->views.size() + 31) / 32;
-  list_splats<<<grid_of(gaussians, 256), 256, 0, stream_>>>(seen_by_.data(), words, gaussians,
-                                                            splats.first_of.data(), capacity,
-                                                            splats.gaussian.data(), view.data);
+  launch_linear<256>(stream_, "project: list_splats", list_splats, gaussians, seen_by_.data(),
+                     words, gaussians, splats.first_of.data(), capacity, splats.gaussian.data(),
+                     view.data);
   const SplatTargets out{
       splats.first_of.data(), splats.gaussian.data(), view.data,          capacity,
       splats.splat.data(),    splats.depth.data(),    splats.rect.data(), splats.tiles.data()};
@@ -156,16 +163,15 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;
     const int64_t first = set == 0 ? 0 : args.sets[0].count;
-    for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& rows) {
+    for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& elements) {
       const SetArgs a =
-          set_args(args, spans.block(rows), first + rows.first, views_of(*args.batch));
+          set_args(args, spans.block(elements), first + elements.first, views_of(*args.batch));
       with_form(spans.form, [&](auto form) {
-        write_splats_of<form()>
-            <<<grid_of(capacity, kThreads), kThreads, 0, stream_>>>(a, out, counters_.data());
+        launch_linear<kThreads>(stream_, "project: write_splats_of", write_splats_of<form()>,
+                                capacity, a, out, counters_.data());
       });
     });
   }
-  check_launch("project: write_splats");
   check_device(cudaMemcpyAsync(counters_host_.data(), counters_.data(), sizeof(StepCounters),
                                cudaMemcpyDeviceToHost, stream_),
                "copy of counters");
@@ -185,19 +191,22 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;
     with_form(spans.form, [&](auto form) {
-      count_views<form()><<<grid_of(spans.count, kThreads), kThreads, 0, stream_>>>(
+      launch_linear<kThreads>(
+          stream_, "project: count_views", count_views<form()>, spans.count,
           set_args(args, spans, set == 0 ? 0 : args.sets[0].count, views_of(*args.batch)), words,
           seen_by_.data(), visible_.data(), counters_.data());
     });
   }
-  check_launch("project: count_views");
   exclusive_sums(stream_, visible_.span(), splats.first_of.span(), sort_scratch_);
   store_total<<<1, 1, 0, stream_>>>(splats.first_of.data() + gaussians, counters_.data());
 
   // room for as many splats as there have ever been; once more where that is too little
   const auto resize = [&](int64_t count) {
-    splats.splat.resize(count), splats.depth.resize(count), splats.rect.resize(count);
-    splats.tiles.resize(count), splats.gaussian.resize(count);
+    splats.splat.resize(count);
+    splats.depth.resize(count);
+    splats.rect.resize(count);
+    splats.tiles.resize(count);
+    splats.gaussian.resize(count);
   };
   resize(splats.splat.capacity());
   write_splats(args, splats);
@@ -207,7 +216,8 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
     return project(args, splats);
   }
   const StepCounters& counted = *counters_host_.data();
-  splats.count = int64_t(counted.splats), splats.instances = int64_t(counted.instances);
+  splats.count = int64_t(counted.splats);
+  splats.instances = int64_t(counted.instances);
   splats.invalid = counted.invalid;
   resize(splats.count);
   double bytes = 20.0 * double(gaussians) + double(splats.count) * (8 + 48 + 4 + 8 + 4);

@@ -56,7 +56,7 @@ struct BlockArgs {
   DensityStatistics<Real> statistics;
 };
 
-/// Row n of a block, whose splats are `first` … `last`.
+/// Element n of a block, whose splats are `first` … `last`.
 template <Form form, class Real>
 void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
                        const SplatRules<Real>& rules, const ColourRules<Real>& colours, int64_t n,
@@ -142,9 +142,10 @@ void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
   int64_t first_gaussian = 0;
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const Real>& spans = args.forward.sets[set];
-    for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& rows) {
-      const BlockArgs<Real> block{spans.block(rows), first_gaussian + rows.first,
-                                  args.sinks[set].block(rows), args.statistics[set].block(rows)};
+    for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& elements) {
+      const BlockArgs<Real> block{spans.block(elements), first_gaussian + elements.first,
+                                  args.sinks[set].block(elements),
+                                  args.statistics[set].block(elements)};
       outcome_.bad_groups |= with_form(
           spans.form, [&](auto form) { return backward_block<form()>(args, block, terms); });
     });

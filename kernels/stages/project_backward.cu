@@ -9,6 +9,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/sh_registers.cuh"
 #include "kernels/elements/load_gaussian.h"
 #include "kernels/stages/regulariser.h"
@@ -41,14 +42,15 @@ struct Backward {
 /// What the SH need takes the place of a splat's gradient once it is used: the gradient by colour,
 /// the direction, Δ.
 __device__ inline void keep_colour(const ColourGradient<float>& colour, SplatGradient<float>& d) {
-  d.colour = colour.d_colour, d.opacity = colour.delta;
+  d.colour = colour.d_colour;
+  d.opacity = colour.delta;
   d.conic = {colour.direction[0], colour.direction[1], colour.direction[2]};
 }
 
 /// One thread a splat: its share of its Gaussian's sums.
 template <Form form>
 __global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<float>* sums) {
-  const int64_t s = a.first_of[a.first] + int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t s = a.first_of[a.first] + linear_index();
   if (s >= a.first_of[a.first + a.set.count]) return;
   const int64_t n = a.gaussian[s] - a.first;
   ViewSums<float> sum;
@@ -69,7 +71,7 @@ __global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<
 template <Form form, class Sink>
 __global__ void __launch_bounds__(kThreads)
     geometry_backward(Backward a, const ViewSums<float>* view_sums, Sink sink) {
-  const int64_t n = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t n = linear_index();
   if (n >= a.set.count) return;
   const int64_t begin = a.first_of[a.first + n], end = a.first_of[a.first + n + 1];
   if (begin == end && a.idle == IdleUpdate::kSkip) return;
@@ -105,7 +107,7 @@ template <Group group, int Scalars>
 __device__ inline void accept_sh(const ApplyAdam<float>& sink, int64_t n, int first,
                                  const float (&g)[Scalars]) {
   struct alignas(4 * Scalars) Lane {
-    float at[Scalars];
+    float value[Scalars];
   };
   Lane& value = reinterpret_cast<Lane&>(sink.value.at(group, n)[first]);
   Lane& moment1 = reinterpret_cast<Lane&>(sink.moment1.at(group, n)[first]);
@@ -113,8 +115,10 @@ __device__ inline void accept_sh(const ApplyAdam<float>& sink, int64_t n, int fi
   Lane x = value, m = moment1, v = moment2;
   TESSERA_UNROLL
   for (int j = 0; j < Scalars; ++j)
-    adam_step(sink.sh_scalars(group, first + j), g[j], x.at[j], m.at[j], v.at[j]);
-  value = x, moment1 = m, moment2 = v;
+    adam_step(sink.sh_scalars(group, first + j), g[j], x.value[j], m.value[j], v.value[j]);
+  value = x;
+  moment1 = m;
+  moment2 = v;
 }
 
 /// Basis functions k and k + 1 at a direction; k differs between lanes.
@@ -129,14 +133,14 @@ __device__ inline float2 two_of_basis(int degree, const Vec3<float>& direction, 
 }
 
 /// A thread has `Scalars` neighbouring ones of a Gaussian's coefficients, all of one level of time:
-/// 4 where rows allow it.
+/// 4 where elements allow it.
 template <Group group, int Scalars, class Sink>
 __global__ void __launch_bounds__(kShThreads) sh_backward(Backward a, Sink sink, bool stores) {
-  const int64_t at = int64_t(blockIdx.x) * kShThreads + threadIdx.x;
+  const int64_t scalar = linear_index();
   const int per_gaussian = a.set.width(group) / Scalars;
-  const int64_t n = at / per_gaussian;
+  const int64_t n = scalar / per_gaussian;
   if (n >= a.set.count) return;
-  const int first = int(at - n * per_gaussian) * Scalars;
+  const int first = int(scalar - n * per_gaussian) * Scalars;
   const int level = group == kShTime ? 1 + first / a.colours.row : 0;
   const int in_level = group == kShTime ? first - (level - 1) * a.colours.row : first;
   const int k = in_level / 3;
@@ -173,8 +177,8 @@ void backward_sh(const Backward& a, const Sink& sink, bool stores, cudaStream_t 
   const bool fours = a.colours.row % 4 == 0;
   const auto kernel = fours ? sh_backward<group, 4, Sink> : sh_backward<group, 1, Sink>;
   const int64_t threads = a.set.count * a.set.width(group) / (fours ? 4 : 1);
-  kernel<<<grid_of(threads, kShThreads), kShThreads, 0, stream>>>(a, sink, stores);
-  check_launch("project_backward: sh_backward");
+  launch_linear<kShThreads>(stream, "project_backward: sh_backward", kernel, threads, a, sink,
+                            stores);
 }
 
 template <class Sink>
@@ -189,23 +193,23 @@ template <Form form, class Sink>
 void backward_set(const Backward& a, const RenderOptions& options, int64_t splats,
                   ViewSums<float>* sums, const SinkArgs<float>& args, cudaStream_t stream) {
   const auto each_block = [&](auto&& launch) {
-    for_each_block(a.set.blocks, a.set.count, a.set.coefficients, [&](const ShBlock& rows) {
+    for_each_block(a.set.blocks, a.set.count, a.set.coefficients, [&](const ShBlock& elements) {
       Backward block = a;
-      block.set = a.set.block(rows), block.first = a.first + rows.first;
+      block.set = a.set.block(elements);
+      block.first = a.first + elements.first;
       block.colours =
           make_colour_rules<float>(options, block.set.coefficients, block.set.time_levels);
-      launch(block, rows);
+      launch(block, elements);
     });
   };
   each_block([&](const Backward& block, const ShBlock&) {
-    splat_backward<form><<<grid_of(splats, kThreads), kThreads, 0, stream>>>(block, sums);
+    launch_linear<kThreads>(stream, "project_backward: splat_backward", splat_backward<form>,
+                            splats, block, sums);
   });
-  check_launch("project_backward: splat_backward");
-  geometry_backward<form, Sink>
-      <<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sums, sink_of<Sink>(args));
-  check_launch("project_backward: geometry_backward");
-  each_block([&](const Backward& block, const ShBlock& rows) {
-    const Sink sink = sink_of<Sink>(args.block(rows));
+  launch_linear<kThreads>(stream, "project_backward: geometry_backward",
+                          geometry_backward<form, Sink>, a.set.count, a, sums, sink_of<Sink>(args));
+  each_block([&](const Backward& block, const ShBlock& elements) {
+    const Sink sink = sink_of<Sink>(args.block(elements));
     backward_sh<kSh>(block, sink, !args.fused, stream);
     if constexpr (form != Form::kStatic) backward_sh<kShTime>(block, sink, !args.fused, stream);
   });

@@ -4,6 +4,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/photometric_tile.cuh"
 #include "kernels/math/gain.h"
 #include "kernels/stages/target_check.h"
@@ -18,7 +19,7 @@ __global__ void __launch_bounds__(kThreads)
                    float* residual) {
   const ViewArgs<float>& view = views[blockIdx.y];
   const int64_t pixels = int64_t(view.width) * view.height;
-  const int64_t p = int64_t(blockIdx.x) * kThreads + threadIdx.x;
+  const int64_t p = linear_index();
   if (p >= pixels) return;
   const bool counts = target.counts(blockIdx.y, p);
   for (int c = 0; c < 3; ++c) {
@@ -33,12 +34,9 @@ __global__ void __launch_bounds__(kThreads)
 void CudaBackend::residual(const PhotometricArgs<float>& args, Span<float> residual) {
   check_target(args);
   check(residual.size == 3 * args.batch->pixels, "residual: size of the images");
-  const std::vector<ViewArgs<float>>& views = args.batch->views;
-  int64_t most = 0;  // pixels of a view
-  for (const ViewArgs<float>& view : views) most = max_of(most, int64_t(view.width) * view.height);
-  if (most == 0) return;
+  if (args.batch->pixels == 0) return;
   const DeviceTarget target = target_of(args.truth, args.mask, args.gain);
-  write_residual<<<dim3(grid_of(most, kThreads), unsigned(views.size())), kThreads, 0, stream_>>>(
+  write_residual<<<grid_of_views(*args.batch, kThreads), kThreads, 0, stream_>>>(
       views_of(*args.batch), target, args.images->colour.data(), residual.data);
   check_launch("residual");
   clock_.add_bytes(kPhotometric, 3.0 * double(args.batch->pixels) * (4 + 1 + 4));

@@ -49,7 +49,9 @@ struct SensitivityWalk : WalkState<Real> {
       const Sum step =
           sensitivity_step(on ? alpha : Real(0), splat.colour, Vec3<Real>(x0[x], x1[x], x2[x]),
                            Vec3<Real>(e0[x], e1[x], e2[x]), T[x], Q);
-      Q0[x] = Q.x, Q1[x] = Q.y, Q2[x] = Q.z;
+      Q0[x] = Q.x;
+      Q1[x] = Q.y;
+      Q2[x] = Q.z;
       sum[0][x] += step.weight;
       sum[1][x] += step.weight2;
       sum[2][x] += step.image.x;

@@ -25,27 +25,33 @@ struct PixelSensitivity {
 
   __device__ PixelSensitivity() {}
   /// `before`: colour and T in front of the first splat it meets.
-  __device__ PixelSensitivity(const SensitivityPass& a, const TilePixel& at, const float4& before)
-      : x(float(at.x) + 0.5f), y(float(at.y) + 0.5f), T(before.w) {
-    if (!at.inside) return;
-    const int64_t c0 = at.colour_at(0), c1 = at.colour_at(1), c2 = at.colour_at(2);
+  __device__ PixelSensitivity(const SensitivityPass& a, const TilePixel& tile_pixel,
+                              const float4& before)
+      : x(float(tile_pixel.x) + 0.5f), y(float(tile_pixel.y) + 0.5f), T(before.w) {
+    if (!tile_pixel.inside) return;
+    const int64_t c0 = tile_pixel.colour_at(0), c1 = tile_pixel.colour_at(1),
+                  c2 = tile_pixel.colour_at(2);
     image = Vec3<float>(a.d_colour[c0], a.d_colour[c1], a.d_colour[c2]);
     to_come =
         Vec3<float>(a.colour[c0] - before.x, a.colour[c1] - before.y, a.colour[c2] - before.z);
-    const int64_t view = at.of - a.views;
-    if (a.target.counts(view, at.index - at.of->first_pixel))
+    const int64_t view = tile_pixel.image - a.views;
+    if (a.target.counts(view, tile_pixel.index - tile_pixel.image->first_pixel))
       response = Vec3<float>(a.target.gain_of(view, 0), a.target.gain_of(view, 1),
                              a.target.gain_of(view, 2));
-    used = a.used[at.index];
+    used = a.used[tile_pixel.index];
   }
 
   /// Takes its step past a splat and adds its share, in the order of SplatSensitivity.
   __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on, float (&v)[kTerms]) {
     const SplatSensitivity<float> share = sensitivity_step(
         on ? p.alpha : 0.0f, Vec3<float>(s.b.z, s.b.w, s.c.x), image, response, T, to_come);
-    v[0] += share.weight, v[1] += share.weight2;
-    v[2] += share.image.x, v[3] += share.image.y, v[4] += share.image.z;
-    v[5] += share.removal1, v[6] += share.removal2;
+    v[0] += share.weight;
+    v[1] += share.weight2;
+    v[2] += share.image.x;
+    v[3] += share.image.y;
+    v[4] += share.image.z;
+    v[5] += share.removal1;
+    v[6] += share.removal2;
   }
   __device__ static float scale(int) { return 1.0f; }
 };

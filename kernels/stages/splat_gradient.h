@@ -18,10 +18,13 @@ struct ViewSums {
   Real ndc_norms{};  // Σ_v ‖dL/d mean2D in NDC‖
 
   TESSERA_HD ViewSums& operator+=(const ViewSums& o) {
-    spacetime.covariance += o.spacetime.covariance, spacetime.velocity += o.spacetime.velocity;
+    spacetime.covariance += o.spacetime.covariance;
+    spacetime.velocity += o.spacetime.velocity;
     spacetime.mean_time += o.spacetime.mean_time;
     spacetime.precision_time += o.spacetime.precision_time;
-    mean += o.mean, opacity += o.opacity, ndc_norms += o.ndc_norms;
+    mean += o.mean;
+    opacity += o.opacity;
+    ndc_norms += o.ndc_norms;
     return *this;
   }
 };
@@ -77,8 +80,10 @@ TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<c
   if constexpr (form == Form::kPair) {
     const PairGradient<Real> d = pair_backward(q, load4(set.at(kRotationRight, n)), log_scale,
                                                *set.at(kLogScaleTime, n), sums.spacetime);
-    out.rotation = d.rotation_left, out.rotation_right = d.rotation_right;
-    out.log_scale = d.log_scale, out.log_scale_time = d.log_scale_time;
+    out.rotation = d.rotation_left;
+    out.rotation_right = d.rotation_right;
+    out.log_scale = d.log_scale;
+    out.log_scale_time = d.log_scale_time;
     out.mean_time = sums.spacetime.mean_time;
   } else {
     covariance3_backward(q, log_scale, sums.spacetime.covariance, out.rotation, out.log_scale);

@@ -1,4 +1,4 @@
-// What: the optimizer as a stage of its own, and rows gathered by index (density control,
+// What: the optimizer as a stage of its own, and elements gathered by index (density control,
 // ordering). Not: the fused optimizer, which is the ApplyAdam sink of project_backward.
 #include <algorithm>
 
@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr int64_t kGrain = 1024;  // Gaussians or rows per task
+constexpr int64_t kGrain = 1024;  // Gaussians or elements per task
 
 template <Form form, class Real>
 void adam_run(const SinkArgs<Real>& args, int64_t begin, int64_t end) {
@@ -34,24 +34,24 @@ template <class Real>
 void CpuBackend<Real>::adam(const SinkArgs<Real>& args) {
   const GaussianSpans<Real>& set = args.value;
   for_each_block(set.blocks, set.count, set.coefficients, [&](const ShBlock& block) {
-    const SinkArgs<Real> rows = args.block(block);
+    const SinkArgs<Real> elements = args.block(block);
     parallel_for(block.count, kGrain, [&](int64_t begin, int64_t end) {
-      with_form(set.form, [&](auto form) { adam_run<form()>(rows, begin, end); });
+      with_form(set.form, [&](auto form) { adam_run<form()>(elements, begin, end); });
     });
   });
 }
 
 template <class Real>
-void CpuBackend<Real>::gather_rows(Span<const Real> from, Span<const int64_t> index, int width,
-                                   int64_t inherited, Span<Real> to) {
-  check(to.size == index.size * width, "gather_rows: target size");
+void CpuBackend<Real>::gather_elements(Span<const Real> from, Span<const int64_t> index, int width,
+                                       int64_t inherited, Span<Real> to) {
+  check(to.size == index.size * width, "gather_elements: target size");
   parallel_for(index.size, kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
-      Real* row = to.data + i * width;
+      Real* element = to.data + i * width;
       if (i >= inherited || index[i] < 0)
-        std::fill_n(row, width, Real(0));
+        std::fill_n(element, width, Real(0));
       else
-        std::copy_n(from.data + index[i] * width, width, row);
+        std::copy_n(from.data + index[i] * width, width, element);
     }
   });
 }
@@ -66,11 +66,11 @@ void CpuBackend<Real>::fill_zero(Span<Real> values) {
   std::fill(values.begin(), values.end(), Real(0));
 }
 
-#define TESSERA_INSTANTIATE(Real)                                                                  \
-  template void CpuBackend<Real>::adam(const SinkArgs<Real>&);                                     \
-  template void CpuBackend<Real>::gather_rows(Span<const Real>, Span<const int64_t>, int, int64_t, \
-                                              Span<Real>);                                         \
-  template void CpuBackend<Real>::limit_values(Span<Real>, Real);                                  \
+#define TESSERA_INSTANTIATE(Real)                                                             \
+  template void CpuBackend<Real>::adam(const SinkArgs<Real>&);                                \
+  template void CpuBackend<Real>::gather_elements(Span<const Real>, Span<const int64_t>, int, \
+                                                  int64_t, Span<Real>);                       \
+  template void CpuBackend<Real>::limit_values(Span<Real>, Real);                             \
   template void CpuBackend<Real>::fill_zero(Span<Real>);
 TESSERA_INSTANTIATE(float)
 TESSERA_INSTANTIATE(double)

@@ -1,4 +1,4 @@
-// What: density control as rows chosen by the backend and gathered buffer by buffer.
+// What: density control as elements chosen by the backend and gathered buffer by buffer.
 // Not: gradients or schedules, and no arithmetic: that is the backend's.
 #include "recon4d/density/density.h"
 
@@ -8,24 +8,24 @@
 #include <vector>
 
 #include "kernels/base/errors.h"
-#include "recon4d/model/row_moves.h"
+#include "recon4d/model/element_moves.h"
 
 namespace tessera {
 namespace {
 
-/// Row i becomes row index[i]; −1 and rows from `inherited` on: zeros. One copy of one buffer at a
-/// time.
+/// Element i becomes element index[i]; −1 and elements from `inherited` on: zeros. One copy of one
+/// buffer at a time.
 void gather(Backend& backend, Span<const int64_t> index, int width, int64_t inherited,
             Buffer<float>& buffer) {
   Buffer<float> to(index.size * width, backend.memory());
-  backend.gather_rows(std::as_const(buffer).span(), index, width, inherited, to.span());
+  backend.gather_elements(std::as_const(buffer).span(), index, width, inherited, to.span());
   buffer = std::move(to);
-  // the old rows of a large group are not kept beside the new ones of the next
+  // the old elements of a large group are not kept beside the new ones of the next
   constexpr int64_t kLarge = int64_t{1} << 22;
   if (buffer.size() > kLarge) backend.memory().trim();
 }
 
-/// Rows of the values and of the moments; moments of places ≥ `inherited` become zero.
+/// Elements of the values and of the moments; moments of places ≥ `inherited` become zero.
 void gather(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
             int64_t inherited, GaussianSet& set) {
   const bool has_moments = set.has_moments();
@@ -57,10 +57,10 @@ DensityRule rule_of(const DensityContext& context) {
 
 }  // namespace
 
-void take_rows(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
-               GaussianSet& set) {
-  check(!set.blocks().mixed(), "take_rows: of a set of several SH degrees");
-  check(values.size == moments.size, "take_rows: as many rows of moments as of values");
+void take_elements(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
+                   GaussianSet& set) {
+  check(!set.blocks().mixed(), "take_elements: of a set of several SH degrees");
+  check(values.size == moments.size, "take_elements: as many elements of moments as of values");
   gather(backend, values, moments, moments.size, set);
 }
 
@@ -69,14 +69,14 @@ DensityReport control_density(Backend& backend, const DensityContext& context, G
   check(!set.blocks().mixed(), "control_density: of a set of several SH degrees");
   const StageTimer timer(backend.clock(), kDensity);
   const int64_t before = set.count();
-  DensityRows rows(backend.memory());
-  backend.select_rows(std::as_const(set).values(), std::as_const(statistics).spans(),
-                      rule_of(context), rows);
-  gather(backend, std::as_const(rows.index).span(), rows.survivors, set);
-  backend.place_children(set.values(), rows.survivors + rows.clones,
+  DensityElements elements(backend.memory());
+  backend.select_elements(std::as_const(set).values(), std::as_const(statistics).spans(),
+                          rule_of(context), elements);
+  gather(backend, std::as_const(elements.index).span(), elements.survivors, set);
+  backend.place_children(set.values(), elements.survivors + elements.clones,
                          uint64_t(context.options.seed) ^ uint64_t(context.step) << 20);
   statistics.reset(backend, set.count());
-  return {rows.clones, rows.parents, rows.pruned, before, set.count()};
+  return {elements.clones, elements.parents, elements.pruned, before, set.count()};
 }
 
 void reset_opacity(Backend& backend, GaussianSet& set, Span<float> filter_size) {
@@ -97,12 +97,12 @@ void reset_opacity(Backend& backend, GaussianSet& set, Span<float> filter_size) 
 void reorder(Backend& backend, GaussianSet& set, SetStatistics& statistics) {
   if (set.count() == 0) return;
   const StageTimer timer(backend.clock(), kDensity);
-  std::vector<RowMove> moves;
+  std::vector<ElementMove> moves;
   for_each_block(set, [&](const ShBlock& block) {
     moves.push_back({block, block.coefficients, Buffer<int64_t>(backend.memory())});
     backend.locality_order(std::as_const(set).values().block(block), moves.back().index);
   });
-  move_rows(backend, moves, set, statistics);
+  move_elements(backend, moves, set, statistics);
 }
 
 int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& statistics,
@@ -111,16 +111,16 @@ int64_t prune_invisible(Backend& backend, GaussianSet& set, SetStatistics& stati
   DensityRule rule;
   rule.threshold = std::numeric_limits<double>::infinity();
   rule.prune_opacity = least;
-  std::vector<RowMove> moves;
+  std::vector<ElementMove> moves;
   int64_t pruned = 0;
   for_each_block(set, [&](const ShBlock& block) {
-    DensityRows rows(backend.memory());
-    backend.select_rows(std::as_const(set).values().block(block),
-                        std::as_const(statistics).spans().block(block), rule, rows);
-    moves.push_back({block, block.coefficients, std::move(rows.index)});
-    pruned += rows.pruned;
+    DensityElements elements(backend.memory());
+    backend.select_elements(std::as_const(set).values().block(block),
+                            std::as_const(statistics).spans().block(block), rule, elements);
+    moves.push_back({block, block.coefficients, std::move(elements.index)});
+    pruned += elements.pruned;
   });
-  if (pruned > 0) move_rows(backend, moves, set, statistics);
+  if (pruned > 0) move_elements(backend, moves, set, statistics);
   statistics.reset(backend, set.count());
   return pruned;
 }

@@ -22,9 +22,10 @@ struct DensityContext {
   int64_t step;      // steps done; names the random numbers of the split
 };
 
-/// Row i of every group becomes its row values[i], of the moments row moments[i]; −1: zeros.
-void take_rows(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
-               GaussianSet& set);
+/// Element i of every group becomes its element values[i], of the moments element moments[i]; −1:
+/// zeros.
+void take_elements(Backend& backend, Span<const int64_t> values, Span<const int64_t> moments,
+                   GaussianSet& set);
 
 /// Clones, splits and prunes; new Gaussians have zero moments; statistics are reset.
 DensityReport control_density(Backend& backend, const DensityContext& context, GaussianSet& set,

@@ -1,4 +1,4 @@
-// What: relocation and growth of both sets as rows chosen by the backend.
+// What: relocation and growth of both sets as elements chosen by the backend.
 // Not: arithmetic on Gaussians: that is the backend's.
 #include "recon4d/density/mcmc.h"
 
@@ -12,13 +12,14 @@
 namespace tessera {
 namespace {
 
-/// One draw for the dead of a set, or for rows that are added to it.
-RelocationRows relocate(Backend& backend, const RelocationRule& rule, GaussianSet& set) {
-  RelocationRows rows(backend.memory());
-  backend.relocate_rows(set.values(), rule, rows);
-  if (rows.moved > 0 || rule.added > 0)
-    take_rows(backend, std::as_const(rows.values).span(), std::as_const(rows.moments).span(), set);
-  return rows;
+/// One draw for the dead of a set, or for elements that are added to it.
+RelocationElements relocate(Backend& backend, const RelocationRule& rule, GaussianSet& set) {
+  RelocationElements elements(backend.memory());
+  backend.relocate_elements(set.values(), rule, elements);
+  if (elements.moved > 0 || rule.added > 0)
+    take_elements(backend, std::as_const(elements.values).span(),
+                  std::as_const(elements.moments).span(), set);
+  return elements;
 }
 
 }  // namespace
@@ -48,8 +49,9 @@ std::array<DensityReport, 2> control_mcmc(Backend& backend, const TrainOptions& 
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state.set(k);
     reports[size_t(k)].before = set.count();
-    const RelocationRows rows = relocate(backend, rule(k, options.prune_opacity, 0), set);
-    reports[size_t(k)].relocated = rows.moved, weights[size_t(k)] = rows.weight;
+    const RelocationElements elements = relocate(backend, rule(k, options.prune_opacity, 0), set);
+    reports[size_t(k)].relocated = elements.moved;
+    weights[size_t(k)] = elements.weight;
   }
   const int64_t count = state.model.count();
   if (count > 0 && weights[0] + weights[1] == 0)

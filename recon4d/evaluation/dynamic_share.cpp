@@ -31,7 +31,7 @@ GaussianModel dynamic_set_white(const GaussianModel& model) {
   painted.dynamic_set = repainted(model.dynamic_set, 1);
   painted.environment = EnvironmentLight();
   painted.background = {0, 0, 0};
-  painted.sh_degree = painted.sh_time_degree = 0;
+  painted.drawing.sh_degree = painted.drawing.sh_time_degree = 0;
   return painted;
 }
 

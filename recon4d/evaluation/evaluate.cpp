@@ -51,7 +51,10 @@ std::optional<double> mean_of(const std::vector<ViewScore>& views,
   double sum = 0;
   int64_t count = 0;
   for (const ViewScore& view : views)
-    if (const std::optional<double> v = value(view)) sum += *v, ++count;
+    if (const std::optional<double> v = value(view)) {
+      sum += *v;
+      ++count;
+    }
   return count > 0 ? std::optional<double>(sum / double(count)) : std::nullopt;
 }
 
@@ -94,8 +97,10 @@ void add_means(EvaluationReport& report) {
       mean_of_those(views, [](const ViewScore& view) { return view.held_out_view; });
   report.held_out_times =
       mean_of_those(views, [](const ViewScore& view) { return view.held_out_time; });
-  report.novel_view = group(true, false), report.novel_time = group(false, true);
-  report.novel_view_and_time = group(false, false), report.withheld = group(true, true);
+  report.novel_view = group(true, false);
+  report.novel_time = group(false, true);
+  report.novel_view_and_time = group(false, false);
+  report.withheld = group(true, true);
 }
 
 /// `drawn` where the mask of the frame uses it, the truth elsewhere.
@@ -120,7 +125,7 @@ std::optional<double> psnr_within(const Image8& drawn, const Frame& frame,
 /// What a view's score has of the pixels that move and of the others.
 void add_regions(DynamicRegions& regions, const Frame& frame, const RenderedImage& image,
                  ViewScore& score) {
-  std::vector<uint8_t> moves = regions.of(frame);
+  std::vector<uint8_t> moves = regions.mask_of(frame);
   if (moves.empty()) return;
   const Image8 drawn = quantise(image.planar(), image.width, image.height);
   score.psnr_dynamic = psnr_within(drawn, frame, moves);
@@ -179,8 +184,11 @@ MeanScore mean_score(const std::vector<ViewScore>& views) {
 ViewScore score_view(const Frame& frame, const RenderedImage& image,
                      const EvaluateOptions& options) {
   ViewScore score;
-  score.name = frame.name, score.camera = frame.camera_name, score.time = frame.time;
-  score.width = image.width, score.height = image.height;
+  score.name = frame.name;
+  score.camera = frame.camera_name;
+  score.time = frame.time;
+  score.width = image.width;
+  score.height = image.height;
   const Image8 drawn = quantise(image.planar(), image.width, image.height);
   const Span<const uint8_t> mask{frame.mask.data.data(), int64_t(frame.mask.data.size())};
   score.masked = !mask.empty();

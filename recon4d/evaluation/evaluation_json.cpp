@@ -77,7 +77,8 @@ json flicker_json(const std::vector<FlickerScore>& cameras) {
                                  {"still_deviation", or_null(score.still_deviation)},
                                  {"still_deviation_truth", or_null(score.still_deviation_truth)}});
     change += score.change_error;
-    still += score.still_deviation.value_or(0), with_still += score.still_deviation.has_value();
+    still += score.still_deviation.value_or(0);
+    with_still += score.still_deviation.has_value();
   }
   object["change_error"] = change / double(cameras.size());
   object["still_deviation"] = with_still > 0 ? json(still / double(with_still)) : json(nullptr);

@@ -9,15 +9,9 @@ namespace tessera {
 
 RenderOptions render_options(const GaussianModel& model) {
   RenderOptions options;
-  options.sh_degree = model.sh_degree;
-  options.sh_time_degree = model.sh_time_degree, options.sh_time_period = model.sh_time_period;
+  static_cast<DrawingRules&>(options) = model.drawing;
   for (size_t c = 0; c < 3; ++c) options.background[c] = model.background[c] / 255.0;
   if (model.environment.height > 0) std::fill_n(options.background, 3, 0.0);  // it is behind all
-  options.near_plane = model.near_plane, options.far_plane = model.far_plane;
-  options.sliced_direction = model.sliced_direction;
-  options.truncation_sigma = model.truncation_sigma;
-  options.truncation_by_falloff = model.truncation_by_falloff;
-  options.filter_2d = model.filter_2d, options.time_filter = model.time_filter;
   return options;
 }
 
@@ -42,9 +36,10 @@ void Renderer::draw_no_background() {
 
 void Renderer::refresh() {
   for (int k = 0; k < 2; ++k) {
-    const GaussianSet& own = k == 0 ? model_.static_set : model_.dynamic_set;
+    const GaussianSet& model_set = k == 0 ? model_.static_set : model_.dynamic_set;
     copies_[k].reset();
-    if (&own.memory() != &backend_.memory()) copies_[k] = own.clone_values(backend_.memory());
+    if (&model_set.memory() != &backend_.memory())
+      copies_[k] = model_set.clone_values(backend_.memory());
   }
   const Buffer<float>& map = model_.environment.map.value;
   if (!map.empty() && &map.memory() != &backend_.memory()) environment_.copy_from(map);
@@ -66,8 +61,10 @@ std::vector<RenderedImage> Renderer::render(const std::vector<View>& views) {
   const Images<float>& images = draw(views);
   const float *colour = images.colour.data(), *transmittance = images.transmittance.data();
   if (&backend_.memory() != &host_memory()) {
-    colour_.copy_from(images.colour), transmittance_.copy_from(images.transmittance);
-    colour = colour_.data(), transmittance = transmittance_.data();
+    colour_.copy_from(images.colour);
+    transmittance_.copy_from(images.transmittance);
+    colour = colour_.data();
+    transmittance = transmittance_.data();
   }
   for (const ViewArgs<float>& view : pipeline_.batch().views) {
     const int64_t pixels = int64_t(view.width) * view.height;

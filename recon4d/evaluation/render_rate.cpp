@@ -30,7 +30,8 @@ RenderRate measure_render_rate(Backend& backend, const GaussianModel& model,
   for (int64_t i = 0; i < options.warm_up && (i == 0 || since(start) < options.seconds / 4); ++i)
     draw(i);
   RenderRate rate;
-  rate.width = views.front().camera.width, rate.height = views.front().camera.height;
+  rate.width = views.front().camera.width;
+  rate.height = views.front().camera.height;
   rate.num_gaussians = model.count();
   const double before = stage_seconds(backend);
   const Clock::time_point begin = Clock::now();

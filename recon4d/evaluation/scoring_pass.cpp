@@ -22,8 +22,8 @@ Span<const uint8_t> bring(const std::vector<uint8_t>& from, Buffer<uint8_t>& to)
 }  // namespace
 
 FrameSample sample_training_frames(const Scene& scene, int64_t most) {
-  FrameSample at;
-  at.scene = &scene;
+  FrameSample sample;
+  sample.scene = &scene;
   std::vector<int> frames = scene.split_indices(Split::kTrain);
   const auto by_time = [&](int a, int b) {
     return scene.frames[size_t(a)].time < scene.frames[size_t(b)].time;
@@ -31,8 +31,8 @@ FrameSample sample_training_frames(const Scene& scene, int64_t most) {
   std::stable_sort(frames.begin(), frames.end(), by_time);
   const auto count = int64_t(frames.size());
   if (most <= 0 || count <= most) {
-    at.frames = std::move(frames);
-    return at;
+    sample.frames = std::move(frames);
+    return sample;
   }
   // whole timesteps: what cameras miss each in its own way must not look like a change with time
   std::vector<int64_t> first;  // frame of each timestep
@@ -41,65 +41,94 @@ FrameSample sample_training_frames(const Scene& scene, int64_t most) {
   const auto timesteps = int64_t(first.size());
   first.push_back(count);
   if (timesteps == 1) {
-    for (int64_t i = 0; i < most; ++i) at.frames.push_back(frames[size_t(i * count / most)]);
-    return at;
+    for (int64_t i = 0; i < most; ++i) sample.frames.push_back(frames[size_t(i * count / most)]);
+    return sample;
   }
-  const int64_t wanted = std::clamp<int64_t>(most * timesteps / count, 2, timesteps);
+  // count > most > 0
+  const int64_t wanted = std::clamp<int64_t>(most * timesteps / count, 2, timesteps);  // NOLINT
   for (int64_t m = 0; m < wanted; ++m) {
     const int64_t timestep = m * (timesteps - 1) / (wanted - 1);
     for (int64_t i = first[size_t(timestep)]; i < first[size_t(timestep) + 1]; ++i)
-      at.frames.push_back(frames[size_t(i)]);
+      sample.frames.push_back(frames[size_t(i)]);
   }
-  return at;
+  return sample;
+}
+
+ElementBuffers::ElementBuffers(Backend& backend, const GaussianModel& model)
+    : sums(model.count(), backend.memory()), variation(model.static_set.count(), backend.memory()) {
+  const auto zero = [&](auto& buffer) {
+    const auto bytes = int64_t(sizeof(*buffer.data())) * buffer.size();
+    backend.fill_zero({reinterpret_cast<float*>(buffer.data()), bytes / int64_t(sizeof(float))});
+  };
+  zero(sums);
+  zero(variation);
 }
 
 ScoringPass::ScoringPass(Backend& backend, const GaussianModel& model)
-    : backend_(backend),
-      model_(model),
-      static_set_(model.static_set.clone_values(backend.memory())),
-      dynamic_set_(model.dynamic_set.clone_values(backend.memory())),
-      environment_(backend.memory()),
-      pipeline_(backend) {
+    : backend_(backend), model_(model), environment_(backend.memory()), pipeline_(backend) {
+  for (int k = 0; k < 2; ++k) {
+    const GaussianSet& set = k == 0 ? model.static_set : model.dynamic_set;
+    if (&set.memory() != &backend.memory()) copies_[k] = set.clone_values(backend.memory());
+  }
   environment_.copy_from(model.environment.map.value);
 }
 
-void ScoringPass::draw(const FrameSample& at, int64_t begin, int64_t end) {
-  ForwardArgs<float> args{
-      {std::as_const(static_set_).values(), std::as_const(dynamic_set_).values()},
-      {},
-      render_options(model_),
-      true};
-  args.options.kernels = at.kernels;
-  args.environment = environment_of(model_, std::as_const(environment_).span());
-  Target target;
-  while (int64_t(truth_.size()) < end - begin)
-    truth_.emplace_back(backend_.memory()), mask_.emplace_back(backend_.memory());
-  for (int64_t i = begin; i < end; ++i) {
-    const Frame& frame = at.scene->frames[size_t(at.frames[size_t(i)])];
-    args.views.push_back({frame.camera, frame.time});
-    target.truth.push_back(bring(frame.image.data, truth_[size_t(i - begin)]));
-    target.mask.push_back(bring(frame.mask.data, mask_[size_t(i - begin)]));
-    if (!at.gain.empty()) target.gain.push_back(at.gain[size_t(i)]);
+void ScoringPass::draw(const FrameSample& sample, int64_t begin, int64_t end) {
+  views_.clear();
+  target_ = {};
+  kernels_ = sample.kernels;
+  while (int64_t(truth_.size()) < end - begin) {
+    truth_.emplace_back(backend_.memory());
+    mask_.emplace_back(backend_.memory());
   }
+  for (int64_t i = begin; i < end; ++i) {
+    const Frame& frame = sample.scene->frames[size_t(sample.frames[size_t(i)])];
+    views_.push_back({frame.camera, frame.time});
+    if (sample.images.empty()) {
+      target_.truth.push_back(bring(frame.image.data, truth_[size_t(i - begin)]));
+      target_.mask.push_back(bring(frame.mask.data, mask_[size_t(i - begin)]));
+    } else {
+      target_.truth.push_back(sample.images[size_t(i)]);
+      target_.mask.push_back(sample.masks[size_t(i)]);
+    }
+    if (!sample.gain.empty()) target_.gain.push_back(sample.gain[size_t(i)]);
+  }
+  draw_batch();
+}
+
+void ScoringPass::draw_frames_of(const ScoringPass& other) {
+  views_ = other.views_;
+  target_ = other.target_;
+  kernels_ = other.kernels_;
+  draw_batch();
+}
+
+void ScoringPass::draw_batch() {
+  const auto values = [&](int k, const GaussianSet& set) {
+    return copies_[k] ? std::as_const(*copies_[k]).values() : set.values();
+  };
+  ForwardArgs<float> args{{values(0, model_.static_set), values(1, model_.dynamic_set)},
+                          views_,
+                          render_options(model_),
+                          true};
+  args.options.kernels = kernels_;
+  args.environment = environment_of(model_, std::as_const(environment_).span());
   pipeline_.forward(args);
-  pipeline_.residual(target);
-  residual_.copy_from(pipeline_.d_colour());
+  pipeline_.residual(target_);
 }
 
-const ScoringPass::SplatSums& ScoringPass::sums(Span<const float> x) {
-  if (!x.empty())
-    backend_.memory().copy(pipeline_.d_colour().data(), x.data, size_t(x.size) * sizeof(float));
-  const Span<const SplatSensitivity<float>> found = pipeline_.sensitivity();
-  sums_.first_of.copy_from(pipeline_.splats().first_of);
-  sums_.sum.resize(found.size);
-  if (found.size > 0)
-    backend_.memory().copy(sums_.sum.data(), found.data, size_t(found.size) * sizeof(found[0]));
-  return sums_;
+double ScoringPass::squared_error() {
+  return backend_.sum_of_squares(std::as_const(pipeline_.d_colour()).span());
 }
 
-const Buffer<Splat<float>>& ScoringPass::splats() {
-  splats_.copy_from(pipeline_.splats().splat);
-  return splats_;
+void ScoringPass::compare(ScoringPass& before) {
+  backend_.added_squares(pipeline_.batch(), std::as_const(before.pipeline_.d_colour()).span(),
+                         pipeline_.d_colour().span());
+}
+
+void ScoringPass::add_to(ElementBuffers& elements) {
+  pipeline_.sensitivity();
+  pipeline_.add_contributions(elements.sums.span(), elements.variation.span());
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 //       when its truth is taken away.
 // Not: gradients by parameters, nor sums per Gaussian (contributions.h).
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "ingest/scene.h"
@@ -16,6 +17,8 @@ struct FrameSample {
   std::vector<int> frames;         // places in scene->frames, in the order of their timesteps
   std::vector<Vec3<double>> gain;  // [frames] RGB; empty: the images are compared as rendered
   KernelSwitches kernels;          // how they are drawn and looked at
+  /// [frames] images and masks where the backend reads them; empty: those of the scene are copied.
+  std::vector<Span<const uint8_t>> images, masks;
 
   int64_t count() const { return int64_t(frames.size()); }
 };
@@ -25,37 +28,46 @@ struct FrameSample {
 /// `most` of its frames. `gain` is left empty.
 FrameSample sample_training_frames(const Scene& scene, int64_t most = 0);
 
-/// Backend and model, in the host's memory, must outlive it; the model must not change.
+/// What the Gaussians of a model did for the frames of a pass, where the backend works.
+struct ElementBuffers {
+  /// Zeros. `model`: whose Gaussians they are.
+  ElementBuffers(Backend& backend, const GaussianModel& model);
+
+  Buffer<ElementSums<float>> sums;  // [N] static set first
+  Buffer<TimeVariation> variation;  // [N of the static set]
+};
+
+/// Backend and model must outlive it; the model must not change. A set that lies where the backend
+/// works is drawn in place, another is copied there.
 class ScoringPass {
  public:
   ScoringPass(Backend& backend, const GaussianModel& model);
 
-  /// Draws frames [begin, end) of `at` as one batch; both calls below are of this batch.
-  void draw(const FrameSample& at, int64_t begin, int64_t end);
-  /// Image · gain − truth, 0 where a mask ignores the pixel: [3·pixels] as Images::colour, on the
-  /// host.
-  const Buffer<float>& residual() const { return residual_; }
-  /// Sums of splats over their pixels, on the host.
-  struct SplatSums {
-    Buffer<SplatSensitivity<float>> sum;  // [S] of x: the residual, or what was given
-    Buffer<int64_t> first_of;             // [N + 1] first splat of each Gaussian
-  };
-  /// `x`: [3·pixels] on the host, in place of the residual; empty: the residual.
-  const SplatSums& sums(Span<const float> x = {});
-  /// The splats themselves, [S], on the host.
-  const Buffer<Splat<float>>& splats();
-  const ViewBatch<float>& views() const { return pipeline_.batch(); }
+  /// Draws frames [begin, end) of `sample` as one batch; all calls below are of this batch. The
+  /// residual is image · gain − truth, 0 where a mask ignores the pixel.
+  void draw(const FrameSample& sample, int64_t begin, int64_t end);
+  /// Draws the batch that `other` has drawn.
+  void draw_frames_of(const ScoringPass& other);
+  /// Of the residual, over pixels and channels.
+  double squared_error();
+  /// The residual becomes what each pixel's squared error has more than in `before`, which has
+  /// drawn the same frames; in the first channel, zeros in the others.
+  void compare(ScoringPass& before);
+  /// Adds what every splat is to the images, with the residual for the image x.
+  void add_to(ElementBuffers& elements);
 
  private:
+  void draw_batch();
+
   Backend& backend_;
   const GaussianModel& model_;
-  GaussianSet static_set_, dynamic_set_;  // where the backend can read them
+  std::optional<GaussianSet> copies_[2];  // static, dynamic
   Buffer<float> environment_;
   Pipeline<float> pipeline_;
-  std::vector<Buffer<uint8_t>> truth_, mask_;  // of a batch
-  Buffer<float> residual_;
-  SplatSums sums_;
-  Buffer<Splat<float>> splats_;
+  std::vector<View> views_;  // of the batch
+  Target target_;
+  KernelSwitches kernels_;
+  std::vector<Buffer<uint8_t>> truth_, mask_;  // where they were copied
 };
 
 }  // namespace tessera

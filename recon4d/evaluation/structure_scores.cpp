@@ -62,14 +62,14 @@ std::optional<double> mean_inside(const MomentPlanes<double>& moments, int width
 /// Means of 2 × 2 pixels.
 Plane halved(const Plane& from) {
   Plane to(from.width / 2, from.height / 2);
-  const auto at = [&](int x, int y) {
+  const auto value = [&](int x, int y) {
     return from.value[size_t(y) * size_t(from.width) + size_t(x)];
   };
   for (int y = 0; y < to.height; ++y)
     for (int x = 0; x < to.width; ++x)
       to.value[size_t(y) * size_t(to.width) + size_t(x)] =
-          (at(2 * x, 2 * y) + at(2 * x + 1, 2 * y) + at(2 * x, 2 * y + 1) +
-           at(2 * x + 1, 2 * y + 1)) /
+          (value(2 * x, 2 * y) + value(2 * x + 1, 2 * y) + value(2 * x, 2 * y + 1) +
+           value(2 * x + 1, 2 * y + 1)) /
           4;
   return to;
 }
@@ -90,7 +90,8 @@ double multi_scale(Plane x, Plane y, const MomentPlanes<double>& finest) {
   constexpr size_t kScales = std::size(kWeights);
   double product = std::pow(std::max(0.0, mean_structure(finest)), kWeights[0]);
   for (size_t j = 1; j < kScales; ++j) {
-    x = halved(x), y = halved(y);
+    x = halved(x);
+    y = halved(y);
     const MomentPlanes<double> moments = moments_of(x, y, Padding::kReflect, {});
     const double factor = j + 1 < kScales ? mean_structure(moments) : mean_ssim(moments, {});
     product *= std::pow(std::max(0.0, factor), kWeights[j]);

@@ -66,7 +66,8 @@ void FlickerMeter::add(const Frame& frame, const RenderedImage& image) {
 
 FlickerScore FlickerMeter::score(const std::string& camera, const Sums& sums) {
   FlickerScore score;
-  score.camera = camera, score.timesteps = sums.timesteps;
+  score.camera = camera;
+  score.timesteps = sums.timesteps;
   score.change_error = sums.change_sum / double(std::max<int64_t>(1, sums.change_count));
   const size_t pixels = sums.used.size();
   double deviation[2] = {};
@@ -74,9 +75,10 @@ FlickerScore FlickerMeter::score(const std::string& camera, const Sums& sums) {
   for (size_t i = 0; i < 3 * pixels; ++i) {
     if (sums.used[i % pixels] == 0) continue;
     ++all;
-    const auto of = [&](int k) { return std::sqrt(sums.square[k][i] / double(sums.timesteps)); };
-    if (of(1) >= FlickerScore::kStillDeviation) continue;
-    deviation[0] += of(0), deviation[1] += of(1);
+    const auto error = [&](int k) { return std::sqrt(sums.square[k][i] / double(sums.timesteps)); };
+    if (error(1) >= FlickerScore::kStillDeviation) continue;
+    deviation[0] += error(0);
+    deviation[1] += error(1);
     ++still;
   }
   score.still_share = all > 0 ? double(still) / double(all) : 0;
@@ -123,7 +125,7 @@ const std::vector<uint8_t>& DynamicRegions::median_of(const Frame& frame) {
   return median;
 }
 
-std::vector<uint8_t> DynamicRegions::of(const Frame& frame) {
+std::vector<uint8_t> DynamicRegions::mask_of(const Frame& frame) {
   const std::vector<uint8_t>& median = median_of(frame);
   if (median.empty()) return {};
   std::vector<uint8_t> moves(median.size() / 3, 0);

@@ -62,7 +62,7 @@ class DynamicRegions {
 
   /// [height, width] 255 where it moves, 0 elsewhere; empty: the camera moves, or has fewer than
   /// three timesteps.
-  std::vector<uint8_t> of(const Frame& frame);
+  std::vector<uint8_t> mask_of(const Frame& frame);
 
  private:
   const std::vector<uint8_t>& median_of(const Frame& frame);

@@ -3,8 +3,8 @@
 //      whole or not at all; the previous one stays.
 // Layout: checkpoint_file.h; a JSON header, then the arrays of the state in the order of its
 // members, float32 (steps of gains: int32) little-endian. Where Gaussians differ in SH degree, the
-// header's `sh_blocks` has the rows of degree 0 … 3 of each set; they are stored in the order of
-// ShBlocks::kOrder, with the bands that each has.
+// header's `sh_blocks` has the elements of degree 0 … 3 of each set; they are stored in the order
+// of ShBlocks::kOrder, with the bands that each has.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

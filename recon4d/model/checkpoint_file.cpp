@@ -16,7 +16,7 @@
 namespace tessera {
 namespace {
 
-constexpr uint32_t kVersion = 5;
+constexpr uint32_t kVersion = 6;
 constexpr size_t kBlock = size_t{1} << 18;  // bytes that stay in a cache between file and checksum
 
 struct Preamble {
@@ -69,11 +69,11 @@ CheckpointReader::CheckpointReader(const std::filesystem::path& path)
     : path_(path), file_(std::fopen(path.c_str(), "rb"), std::fclose) {
   if (file_ == nullptr) fail_to_read(path_, errno);
   Preamble preamble{};
-  const size_t there = std::fread(&preamble, 1, sizeof(preamble), file_.get());
+  const size_t bytes_read = std::fread(&preamble, 1, sizeof(preamble), file_.get());
   if (std::ferror(file_.get()) != 0) fail_to_read(path_, errno);
-  if (there < sizeof(kMagic) || std::memcmp(preamble.magic, kMagic, sizeof(kMagic)) != 0)
+  if (bytes_read < sizeof(kMagic) || std::memcmp(preamble.magic, kMagic, sizeof(kMagic)) != 0)
     refuse_checkpoint(path_, "not a Tessera checkpoint (the file does not begin with TESSCKPT)");
-  if (there >= kThroughVersion && preamble.version != kVersion)
+  if (bytes_read >= kThroughVersion && preamble.version != kVersion)
     refuse_checkpoint(path_, fmt::format("checkpoint version {}, this program reads version {}; "
                                          "resume it with the version that wrote it",
                                          preamble.version, kVersion));

@@ -17,52 +17,54 @@ namespace {
 
 using nlohmann::json;
 constexpr int64_t kScalar = 4;            // bytes, of float32 and int32
-constexpr int64_t kExposureScalars = 10;  // of a row
+constexpr int64_t kExposureScalars = 10;  // of an element
 
-/// Rows by SH degree of a set in the header; absent where they are alike.
+/// Elements by SH degree of a set in the header; absent where they are alike.
 ShBlocks blocks_in(const json& header, const char* set) {
   ShBlocks blocks;
   const auto all = header.find("sh_blocks");
   if (all == header.end()) return blocks;
-  const auto rows = all->at(set).get<std::array<int64_t, kMaxShDegree + 1>>();
-  std::copy(rows.begin(), rows.end(), blocks.rows);
+  const auto elements = all->at(set).get<std::array<int64_t, kMaxShDegree + 1>>();
+  std::copy(elements.begin(), elements.end(), blocks.elements);
   return blocks;
 }
 
 Form dynamic_form(const json& header) {
-  return header.at("motion_form") == "velocity" ? Form::kVelocity : Form::kPair;
+  return header.at("motion_form") == name_of(MotionForm::kVelocity) ? Form::kVelocity : Form::kPair;
 }
 
 void restore_sets(const json& header, GaussianModel& model) {
   const int coefficients = header.at("sh_coefficients");
   model.static_set = GaussianSet(Form::kStatic, coefficients);
   model.static_set.resize(header.at("num_static"), blocks_in(header, "static"));
-  model.dynamic_set = GaussianSet(dynamic_form(header), coefficients, host_memory(),
-                                  header.at("sh_time").at("levels"));
+  model.dynamic_set =
+      GaussianSet(dynamic_form(header), coefficients, host_memory(), header.at("sh_time_levels"));
   model.dynamic_set.resize(header.at("num_dynamic"), blocks_in(header, "dynamic"));
   model.environment.height = header.at("environment_height");
 }
 
 void restore_model(const json& header, GaussianModel& model) {
-  const json &sh_time = header.at("sh_time"), &time_axis = header.at("time_axis");
-  model.sh_degree = header.at("sh_degree");
-  model.sh_time_degree = sh_time.at("degree"), model.sh_time_period = sh_time.at("period");
+  const json &time_axis = header.at("time_axis"), &drawing = header.at("drawing");
+  for_each_rule(model.drawing,
+                [&](const char* name, auto& rule) { drawing.at(name).get_to(rule); });
   model.time_axis = {time_axis.at("origin"), time_axis.at("duration")};
   model.prepared_from_source = similarity_from_numbers(header.at("prepared_from_source"));
   model.background = header.at("background");
-  model.near_plane = header.at("near_plane"), model.far_plane = header.at("far_plane");
-  model.sliced_direction = header.at("sliced_direction");
-  model.truncation_sigma = header.at("truncation_sigma");
-  model.truncation_by_falloff = header.at("truncation_by_falloff");
-  model.filter_2d = header.at("filter_2d");
-  model.time_filter = header.at("time_filter");
   model.train_scale = header.at("train_scale");
 }
 
+json drawing_json(const DrawingRules& rules) {
+  json object;
+  for_each_rule(rules, [&](const char* name, const auto& rule) { object[name] = rule; });
+  return object;
+}
+
 void restore_progress(const json& header, TrainState& state) {
-  state.iteration = header.at("iteration"), state.finished = header.at("finished");
+  state.iteration = header.at("iteration");
+  state.finished = header.at("finished");
   state.seconds = header.at("seconds");
-  state.decided = header.at("decided"), state.goal = header.at("goal");
+  state.decided = header.at("decided");
+  state.goal = header.at("goal");
   state.sampler_epoch = header.at("sampler").at("epoch");
   state.sampler_position = header.at("sampler").at("position");
 }
@@ -75,14 +77,14 @@ TrainOptions restore_options(const std::filesystem::path& path, const json& head
   }
 }
 
-/// Whether blocks are of so many rows, with at most so many coefficients each.
+/// Whether blocks are of so many elements, with at most so many coefficients each.
 bool blocks_fit(const ShBlocks& blocks, int64_t count, int coefficients) {
   int64_t left = count;  // no sum that overflows
   for (int degree = 0; degree <= kMaxShDegree; ++degree) {
-    const int64_t rows = blocks.rows[degree];
-    if (rows < 0 || rows > left) return false;
-    if (rows > 0 && sh_coefficients(degree) > coefficients) return false;
-    left -= rows;
+    const int64_t elements = blocks.elements[degree];
+    if (elements < 0 || elements > left) return false;
+    if (elements > 0 && sh_coefficients(degree) > coefficients) return false;
+    left -= elements;
   }
   return left == 0 || left == count;
 }
@@ -90,10 +92,10 @@ bool blocks_fit(const ShBlocks& blocks, int64_t count, int coefficients) {
 /// Numbers of the header against each other and the size of the file, before any memory is taken.
 void check_header(const CheckpointReader& file, const json& header) {
   const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
-  const json &sh_time = header.at("sh_time"), &sampler = header.at("sampler");
+  const json& sampler = header.at("sampler");
   const CheckpointParts parts = parts_of(header);
   const int64_t environment = header.at("environment_height");
-  const int coefficients = header.at("sh_coefficients"), levels = sh_time.at("levels");
+  const int coefficients = header.at("sh_coefficients"), levels = header.at("sh_time_levels");
   // values and two moments each; statistics, filter size where kept
   const auto scalars = [&](Form form, int64_t count, const ShBlocks& blocks) {
     const int sets = form == Form::kStatic ? 1 : 1 + levels;
@@ -109,9 +111,7 @@ void check_header(const CheckpointReader& file, const json& header) {
       !within(parts.exposures, 0, kMost) || !within(environment, 0, int64_t{1} << 16) ||
       !within(coefficients, 1, kMaxShCoefficients) ||
       !blocks_fit(of_static, statics, coefficients) ||
-      !blocks_fit(of_dynamic, dynamics, coefficients) ||
-      !within(header.at("sh_degree"), 0, kMaxShDegree) || !within(levels, 0, kMaxTimeLevels) ||
-      !within(sh_time.at("degree"), 0, kMaxTimeLevels) || !(sh_time.at("period") > 0.0) ||
+      !blocks_fit(of_dynamic, dynamics, coefficients) || !within(levels, 0, kMaxTimeLevels) ||
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse_checkpoint(file.path(), "damaged checkpoint: impossible numbers in its header");
@@ -139,23 +139,13 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
       {"sampler", {{"epoch", state.sampler_epoch}, {"position", state.sampler_position}}},
       {"num_static", model.static_set.count()},
       {"num_dynamic", model.dynamic_set.count()},
-      {"motion_form", model.dynamic_set.form() == Form::kVelocity ? "velocity" : "pair"},
+      {"motion_form", name_of(motion_form_of(model.dynamic_set.form()))},
       {"sh_coefficients", model.static_set.coefficients()},
-      {"sh_degree", model.sh_degree},
-      {"sh_time",
-       {{"degree", model.sh_time_degree},
-        {"levels", model.dynamic_set.time_levels()},
-        {"period", model.sh_time_period}}},
+      {"sh_time_levels", model.dynamic_set.time_levels()},
+      {"drawing", drawing_json(model.drawing)},
       {"time_axis", {{"origin", model.time_axis.origin}, {"duration", model.time_axis.duration}}},
       {"prepared_from_source", similarity_numbers(model.prepared_from_source)},
       {"background", model.background},
-      {"near_plane", model.near_plane},
-      {"far_plane", model.far_plane},
-      {"sliced_direction", model.sliced_direction},
-      {"truncation_sigma", model.truncation_sigma},
-      {"truncation_by_falloff", model.truncation_by_falloff},
-      {"filter_2d", model.filter_2d},
-      {"time_filter", model.time_filter},
       {"train_scale", model.train_scale},
       {"filter_sizes", state.has_filter_sizes()},
       {"exposures", state.exposure.rows()},
@@ -164,8 +154,8 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
       {"provenance", provenance.empty() ? json::object() : json::parse(provenance)},
       {"validation", to_json(validation)}};
   if (state.has_blocks())
-    header["sh_blocks"] = {{"static", model.static_set.blocks().rows},
-                           {"dynamic", model.dynamic_set.blocks().rows}};
+    header["sh_blocks"] = {{"static", model.static_set.blocks().elements},
+                           {"dynamic", model.dynamic_set.blocks().elements}};
   return header;
 }
 
@@ -193,6 +183,8 @@ Checkpoint restored_without_arrays(const CheckpointReader& file, const json& hea
     checkpoint.validation = validation_record_from_json(header.at("validation"));
     restore_progress(header, checkpoint.state);
     restore_model(header, checkpoint.state.model);
+    if (const std::string wrong = wrong_rule(checkpoint.state.model.drawing); !wrong.empty())
+      refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", wrong));
     restore_sets(header, checkpoint.state.model);
   } catch (const json::exception& error) {
     refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", error.what()));

@@ -15,7 +15,7 @@ nlohmann::json checkpoint_header(const TrainState& state, const TrainOptions& op
 /// Of the arrays that not every state has.
 struct CheckpointParts {
   bool filter_sizes;
-  int64_t exposures;  // rows
+  int64_t exposures;  // elements
 };
 CheckpointParts parts_of(const TrainState& state);
 CheckpointParts parts_of(const nlohmann::json& header);

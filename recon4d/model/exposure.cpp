@@ -42,7 +42,7 @@ void fix_gauge(ExposureState& state) {
 ExposureRows exposure_rows(const Scene& scene, const std::vector<int>& frames,
                            const TrainOptions& options) {
   ExposureRows rows;
-  if (options.exposure == "none") return rows;
+  if (options.exposure == ExposureGains::kNone) return rows;
   if (scene.had_alpha && scene.background != std::array<uint8_t, 3>{0, 0, 0})
     throw InputError(
         fmt::format("{}: frames with alpha were put on {}, which has no exposure; pass "
@@ -51,7 +51,8 @@ ExposureRows exposure_rows(const Scene& scene, const std::vector<int>& frames,
   std::map<std::string, int32_t> known;
   for (const int f : frames) {
     const Frame& frame = scene.frames[size_t(f)];
-    const std::string& name = options.exposure == "camera" ? frame.camera_name : frame.name;
+    const std::string& name =
+        options.exposure == ExposureGains::kCamera ? frame.camera_name : frame.name;
     const auto [row, is_new] = known.emplace(name, int32_t(rows.names.size()));
     if (is_new) rows.names.push_back(name);
     rows.of_frame.push_back(row->second);
@@ -59,7 +60,7 @@ ExposureRows exposure_rows(const Scene& scene, const std::vector<int>& frames,
   if (rows.names.size() > 1) return rows;
   throw InputError(fmt::format(
       "{}: all {} training frames are of one {}, '{}', whose gain would be 1; pass --exposure {}",
-      scene.path, frames.size(), options.exposure, rows.names.front(),
+      scene.path, frames.size(), name_of(options.exposure), rows.names.front(),
       frames.size() > 1 ? "frame" : "none"));
 }
 
@@ -75,7 +76,8 @@ void ExposureState::reset(int64_t rows) {
 ExposureState ExposureState::clone() const {
   ExposureState copy;
   copy.log_gain.copy_from(log_gain);
-  copy.moment1.copy_from(moment1), copy.moment2.copy_from(moment2);
+  copy.moment1.copy_from(moment1);
+  copy.moment2.copy_from(moment2);
   copy.steps.copy_from(steps);
   return copy;
 }
@@ -124,7 +126,7 @@ nlohmann::json exposure_json(const ExposureRows& rows, const ExposureState& stat
   const std::vector<Vec3<double>> values = gains_of(state);
   for (size_t r = 0; r < rows.names.size(); ++r)
     gains[rows.names[r]] = {values[r][0], values[r][1], values[r][2]};
-  return {{"by", options.exposure}, {"gains", gains}};
+  return {{"by", name_of(options.exposure)}, {"gains", gains}};
 }
 
 }  // namespace tessera

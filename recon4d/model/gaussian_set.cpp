@@ -16,7 +16,7 @@ GaussianSet::GaussianSet(Form form, int coefficients, Memory& memory, int time_l
 
 int GaussianSet::width(Group group) const {
   check(!blocks_.mixed() || (group != kSh && group != kShTime),
-        "GaussianSet: rows of a set of several SH degrees have no common width");
+        "GaussianSet: elements of a set of several SH degrees have no common width");
   return group_width(group, coefficients_, form_, time_levels_);
 }
 
@@ -27,11 +27,11 @@ int64_t GaussianSet::scalars(Group group, int64_t count, const ShBlocks& blocks)
 }
 
 void GaussianSet::set_layout(int64_t count, const ShBlocks& blocks) {
-  check(!blocks.mixed() || blocks.count() == count, "GaussianSet: rows of the blocks");
+  check(!blocks.mixed() || blocks.count() == count, "GaussianSet: elements of the blocks");
   const int degree = sh_degree_of(coefficients_);
   for (int above = degree + 1; above <= kMaxShDegree; ++above)
-    check(blocks.rows[above] == 0, "GaussianSet: a block of more coefficients than the set");
-  const bool alike = coefficients_ == sh_coefficients(degree) && blocks.rows[degree] == count;
+    check(blocks.elements[above] == 0, "GaussianSet: a block of more coefficients than the set");
+  const bool alike = coefficients_ == sh_coefficients(degree) && blocks.elements[degree] == count;
   count_ = count, blocks_ = alike ? ShBlocks{} : blocks;
 }
 
@@ -48,7 +48,7 @@ void GaussianSet::resize(int64_t count, const ShBlocks& blocks) {
 void GaussianSet::set_count(int64_t count, const ShBlocks& blocks) {
   for (int g = 0; g < groups(); ++g)
     check(groups_[size_t(g)].value.size() == scalars(Group(g), count, blocks),
-          "GaussianSet: rows of a group");
+          "GaussianSet: elements of a group");
   set_layout(count, blocks);
 }
 
@@ -75,7 +75,8 @@ GaussianSet GaussianSet::clone_to(Memory& memory) const {
 
 GaussianSet GaussianSet::clone_values(Memory& memory) const {
   GaussianSet copy = like(memory);
-  copy.count_ = count_, copy.blocks_ = blocks_;
+  copy.count_ = count_;
+  copy.blocks_ = blocks_;
   for (int g = 0; g < groups(); ++g)
     copy.groups_[size_t(g)].value.copy_from(groups_[size_t(g)].value);
   return copy;
@@ -89,10 +90,12 @@ int64_t GaussianSet::value_bytes() const {
 
 EnvironmentLight EnvironmentLight::clone_to(Memory& memory, bool moments) const {
   EnvironmentLight copy(memory);
-  copy.height = height, copy.map_from_world = map_from_world;
+  copy.height = height;
+  copy.map_from_world = map_from_world;
   copy.map.value.copy_from(map.value);
   if (!moments) return copy;
-  copy.map.moment1.copy_from(map.moment1), copy.map.moment2.copy_from(map.moment2);
+  copy.map.moment1.copy_from(map.moment1);
+  copy.map.moment2.copy_from(map.moment2);
   return copy;
 }
 
@@ -102,16 +105,13 @@ GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set, Gauss
                         EnvironmentLight environment) {
   GaussianModel model;
   model.environment = std::move(environment);
-  model.static_set = std::move(static_set), model.dynamic_set = std::move(dynamic_set);
-  model.sh_degree = like.sh_degree, model.time_axis = like.time_axis;
-  model.sh_time_degree = like.sh_time_degree, model.sh_time_period = like.sh_time_period;
+  model.static_set = std::move(static_set);
+  model.dynamic_set = std::move(dynamic_set);
+  model.drawing = like.drawing;
+  model.time_axis = like.time_axis;
   model.prepared_from_source = like.prepared_from_source;
-  model.background = like.background, model.sliced_direction = like.sliced_direction;
-  model.near_plane = like.near_plane, model.far_plane = like.far_plane;
-  model.truncation_sigma = like.truncation_sigma;
-  model.truncation_by_falloff = like.truncation_by_falloff;
-  model.time_filter = like.time_filter;
-  model.filter_2d = like.filter_2d, model.train_scale = like.train_scale;
+  model.background = like.background;
+  model.train_scale = like.train_scale;
   return model;
 }
 

@@ -7,6 +7,7 @@
 
 #include "ingest/scene.h"
 #include "kernels/base/buffer.h"
+#include "kernels/drawing_rules.h"
 #include "kernels/gaussians.h"
 #include "kernels/math/bounds.h"
 #include "kernels/math/spherindrical.h"
@@ -30,24 +31,24 @@ class GaussianSet {
   Form form() const { return form_; }
   int dim() const { return dim_of(form_); }
   int64_t count() const { return count_; }
-  /// K, the most that a row has.
+  /// K, the most that an element has.
   int coefficients() const { return coefficients_; }
-  /// Where rows differ in K: in a training alone, after sh_blocks.h has sorted them.
+  /// Where elements differ in K: in a training alone, after sh_blocks.h has sorted them.
   const ShBlocks& blocks() const { return blocks_; }
   int time_levels() const { return time_levels_; }
   Memory& memory() const { return *memory_; }
   int groups() const { return group_count(dim()); }
-  /// Scalars of a row. Errors: std::logic_error of kSh and kShTime where rows differ.
+  /// Scalars of an element. Errors: std::logic_error of kSh and kShTime where elements differ.
   int width(Group group) const;
-  /// Scalars of all rows.
+  /// Scalars of all elements.
   int64_t scalars(Group group) const { return scalars(group, count_, blocks_); }
   ParameterGroup& group(Group group) { return groups_[group]; }
   const ParameterGroup& group(Group group) const { return groups_[group]; }
 
   /// Sets N; values are undefined until written. Moments are dropped.
   void resize(int64_t count, const ShBlocks& blocks = {});
-  /// Declares N after the groups were replaced row by row (density.cpp). Errors: std::logic_error
-  /// when a group does not have N rows.
+  /// Declares N after the groups were replaced element by element (density.cpp). Errors:
+  /// std::logic_error when a group does not have N elements.
   void set_count(int64_t count, const ShBlocks& blocks = {});
   /// Zero moments where there are none. Of a set in the host's memory only: std::logic_error.
   void ensure_moments();
@@ -75,8 +76,11 @@ class GaussianSet {
   template <class T, class Self>
   static GaussianSpans<T> spans(Buffer<float> ParameterGroup::*member, Self& self) {
     GaussianSpans<T> result;
-    result.form = self.form_, result.count = self.count_, result.coefficients = self.coefficients_;
-    result.time_levels = self.time_levels_, result.blocks = self.blocks_;
+    result.form = self.form_;
+    result.count = self.count_;
+    result.coefficients = self.coefficients_;
+    result.time_levels = self.time_levels_;
+    result.blocks = self.blocks_;
     for (int g = 0; g < self.groups(); ++g) result.group[g] = (self.groups_[g].*member).span();
     return result;
   }
@@ -110,23 +114,15 @@ struct GaussianModel {
   GaussianSet static_set{Form::kStatic, kMaxShCoefficients};
   GaussianSet dynamic_set{Form::kPair, kMaxShCoefficients};
   EnvironmentLight environment;                // behind both
-  int sh_degree = 3;                           // bands that are active
-  int sh_time_degree = 0;                      // levels of time that are active
-  double sh_time_period = 1;                   // T of the levels, normalised time
+  DrawingRules drawing;                        // as it was trained
   TimeAxis time_axis;                          // normalised time → the capture's own
   Similarity prepared_from_source;             // the model's world by the source's
   std::array<uint8_t, 3> background{0, 0, 0};  // sRGB, what it was trained on
-  double near_plane = 0.2, far_plane = 1e4;    // world units
-  bool sliced_direction = true;                // RenderOptions::sliced_direction
-  // as RenderOptions: a model looks right only as it was trained
-  double truncation_sigma = kTruncationSigma;
-  bool truncation_by_falloff = false, filter_2d = false;
-  double time_filter = 0;
   double train_scale = 1;  // size of the images it was trained on, by the scene's
 
   template <class Real>
   Cutoff<Real> cutoff() const {
-    return make_cutoff<Real>(truncation_sigma, truncation_by_falloff);
+    return make_cutoff<Real>(drawing);
   }
   int64_t count() const { return static_set.count() + dynamic_set.count(); }
   /// Deep copies in a memory: with the moments that there are, or of the values alone.

@@ -8,6 +8,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <type_traits>
 
 #include "ingest/files/ply_header.h"
 #include "kernels/base/errors.h"
@@ -17,7 +19,7 @@
 namespace tessera {
 namespace {
 
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 2;
 constexpr const char* kVersionKey = "tessera_4d_version";
 constexpr const char* kStaticElement = "vertex";
 constexpr const char* kDynamicElement = "vertex_dynamic";
@@ -31,16 +33,16 @@ std::vector<double> numbers_if_any(const std::filesystem::path& path,
   for (const std::string& comment : comments) {
     if (comment.rfind(key + " ", 0) != 0) continue;
     std::vector<double> numbers;
-    const char* at = comment.data() + key.size();
+    const char* cursor = comment.data() + key.size();
     const char* const end = comment.data() + comment.size();
-    while (at < end && *at == ' ') {
+    while (cursor < end && *cursor == ' ') {
       double value = 0;
-      const auto parsed = std::from_chars(at + 1, end, value);
+      const auto parsed = std::from_chars(cursor + 1, end, value);
       if (parsed.ec != std::errc() || !std::isfinite(value)) break;
       numbers.push_back(value);
-      at = parsed.ptr;
+      cursor = parsed.ptr;
     }
-    if (numbers.size() == count && at == end) return numbers;
+    if (numbers.size() == count && cursor == end) return numbers;
     throw InputError(
         fmt::format("{}: comment '{}' is malformed, expected {} numbers, finite; export again",
                     path.string(), comment, count));
@@ -59,41 +61,21 @@ std::vector<double> numbers_of(const std::filesystem::path& path,
       path.string(), key));
 }
 
-/// How it is to be drawn beyond what every file says.
+/// How it is to be drawn.
 void read_rules(const std::filesystem::path& path, const std::vector<std::string>& comments,
-                GaussianModel& model) {
-  const auto truncation = numbers_if_any(path, comments, "truncation", 2);
-  if (!truncation.empty()) {
-    if (!(truncation[0] > 0))
-      throw InputError(fmt::format("{}: truncation {}, expected a number above 0; export again",
-                                   path.string(), truncation[0]));
-    model.truncation_sigma = truncation[0], model.truncation_by_falloff = truncation[1] != 0;
-  }
-  const auto filter = numbers_if_any(path, comments, "filter_2d", 1);
-  if (!filter.empty()) model.filter_2d = filter[0] != 0;
-  const auto time_filter = numbers_if_any(path, comments, "time_filter", 1);
-  if (!time_filter.empty()) {
-    if (!(time_filter[0] >= 0))
-      throw InputError(
-          fmt::format("{}: time_filter {}, expected a number of at least 0; export again",
-                      path.string(), time_filter[0]));
-    model.time_filter = time_filter[0];
-  }
-  const auto sh_time = numbers_if_any(path, comments, "sh_time", 2);
-  if (!sh_time.empty()) {
-    if (!(sh_time[0] >= 0 && sh_time[0] <= kMaxTimeLevels && sh_time[1] > 0))
-      throw InputError(
-          fmt::format("{}: sh_time {} {}, expected 0 to {} levels and a period above 0; export "
-                      "again",
-                      path.string(), sh_time[0], sh_time[1], kMaxTimeLevels));
-    model.sh_time_degree = int(sh_time[0]), model.sh_time_period = sh_time[1];
-  }
-  const auto scale = numbers_if_any(path, comments, "train_scale", 1);
-  if (scale.empty()) return;
-  if (!(scale[0] > 0))
-    throw InputError(fmt::format("{}: train_scale {}, expected a number above 0; export again",
-                                 path.string(), scale[0]));
-  model.train_scale = scale[0];
+                DrawingRules& rules) {
+  for_each_rule(rules, [&](const char* name, auto& rule) {
+    using Rule = std::remove_reference_t<decltype(rule)>;
+    const double number = numbers_of(path, comments, name, 1)[0];
+    const double most = double(std::numeric_limits<Rule>::max());
+    if (std::is_integral_v<Rule> &&
+        !(number >= 0 && number <= most && number == std::floor(number)))
+      throw InputError(fmt::format("{}: {} is {}, expected a whole number; export again",
+                                   path.string(), name, number));
+    rule = Rule(number);
+  });
+  if (const std::string wrong = wrong_rule(rules); !wrong.empty())
+    throw InputError(fmt::format("{}: {}; export again", path.string(), wrong));
 }
 
 void read_comments(const std::filesystem::path& path, const std::vector<std::string>& comments,
@@ -109,11 +91,6 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
     throw InputError(fmt::format("{}: a clip of {} seconds, expected more than 0; export again",
                                  path.string(), axis[1]));
   model.time_axis = {axis[0], axis[1]};
-  const double degree = numbers_of(path, comments, "sh_degree", 1)[0];
-  if (!(degree >= 0 && degree <= kMaxShDegree))
-    throw InputError(fmt::format("{}: sh_degree {}, expected 0 to {}; export again", path.string(),
-                                 degree, kMaxShDegree));
-  model.sh_degree = int(degree);
   const auto background = numbers_of(path, comments, "background", 3);
   for (size_t c = 0; c < 3; ++c) {
     if (!(background[c] >= 0 && background[c] <= 255))
@@ -121,18 +98,13 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
                                    path.string(), background[c]));
     model.background[c] = uint8_t(background[c]);
   }
-  const auto planes = numbers_of(path, comments, "clip_planes", 2);
-  if (!(planes[0] > 0 && planes[1] > planes[0]))
-    throw InputError(
-        fmt::format("{}: clip planes {} and {}, expected one before the other; export "
-                    "again",
-                    path.string(), planes[0], planes[1]));
-  model.near_plane = planes[0], model.far_plane = planes[1];
-  const auto sliced = numbers_if_any(path, comments, "sliced_direction", 1);  // absent: older file
-  if (!sliced.empty()) model.sliced_direction = sliced[0] != 0;
-  read_rules(path, comments, model);
-  const auto world = numbers_if_any(path, comments, "prepared_from_source", kSimilarityNumbers);
-  if (world.empty()) return;  // older file: the source's own world
+  const double scale = numbers_of(path, comments, "train_scale", 1)[0];
+  if (!(scale > 0))
+    throw InputError(fmt::format("{}: train_scale {}, expected a number above 0; export again",
+                                 path.string(), scale));
+  model.train_scale = scale;
+  read_rules(path, comments, model.drawing);
+  const auto world = numbers_of(path, comments, "prepared_from_source", kSimilarityNumbers);
   if (!(world[0] > 0))
     throw InputError(fmt::format("{}: a world of scale {}, expected a number above 0; export again",
                                  path.string(), world[0]));
@@ -148,18 +120,13 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
   std::vector<std::string> comments = {
       fmt::format("{} {}", kVersionKey, kFormatVersion),
       fmt::format("time_axis {} {}", model.time_axis.origin, model.time_axis.duration),
-      fmt::format("sh_degree {}", model.sh_degree),
       fmt::format("background {} {} {}", rgb[0], rgb[1], rgb[2]),
-      fmt::format("clip_planes {} {}", model.near_plane, model.far_plane),
-      fmt::format("sliced_direction {}", int(model.sliced_direction)),
-      fmt::format("truncation {} {}", model.truncation_sigma, int(model.truncation_by_falloff)),
-      fmt::format("filter_2d {}", int(model.filter_2d)),
-      fmt::format("time_filter {}", model.time_filter),
       fmt::format("train_scale {}", model.train_scale),
       fmt::format("prepared_from_source {}",
                   fmt::join(similarity_numbers(model.prepared_from_source), " "))};
-  if (model.dynamic_set.time_levels() > 0)
-    comments.push_back(fmt::format("sh_time {} {}", model.sh_time_degree, model.sh_time_period));
+  for_each_rule(model.drawing, [&](const char* name, auto rule) {
+    comments.push_back(fmt::format("{} {}", name, double(rule)));
+  });
   // A model without movement is a file that any viewer of static splats opens.
   std::vector<SplatElement> elements = {
       {kStaticElement, &model.static_set, model.static_set.coefficients()}};

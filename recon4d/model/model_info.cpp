@@ -8,6 +8,7 @@
 
 #include "kernels/elements/load_gaussian.h"
 #include "recon4d/model/validity.h"
+#include "recon4d/options/choices.h"
 
 namespace tessera {
 namespace {
@@ -24,11 +25,12 @@ struct Facts {
 template <Form form>
 void gather(const GaussianSet& set, Facts& facts) {
   const GaussianSpans<const float> values = set.values();
-  for (int64_t n : valid_rows(set)) {
+  for (int64_t n : valid_elements(set)) {
     GaussianState<float> g;
     if (!load_gaussian<form>(values, n, g)) continue;
     ++facts.sound;
-    facts.low = glm::min(facts.low, g.mean), facts.high = glm::max(facts.high, g.mean);
+    facts.low = glm::min(facts.low, g.mean);
+    facts.high = glm::max(facts.high, g.mean);
     facts.opacity.push_back(g.opacity);
     for (int axis = 0; axis < 3; ++axis)
       facts.scale.push_back(std::exp(values.at(kLogScale, n)[axis]));
@@ -43,11 +45,11 @@ void gather(const GaussianSet& set, Facts& facts) {
 json percentiles(std::vector<float>& values) {
   if (values.empty()) return nullptr;
   std::sort(values.begin(), values.end());
-  const auto at = [&](double fraction) {
+  const auto rank = [&](double fraction) {
     return values[size_t(std::llround(fraction * double(values.size() - 1)))];
   };
-  return {{"min", at(0)},   {"p1", at(0.01)},  {"p10", at(0.1)}, {"p50", at(0.5)},
-          {"p90", at(0.9)}, {"p99", at(0.99)}, {"max", at(1)}};
+  return {{"min", rank(0)},   {"p1", rank(0.01)},  {"p10", rank(0.1)}, {"p50", rank(0.5)},
+          {"p90", rank(0.9)}, {"p99", rank(0.99)}, {"max", rank(1)}};
 }
 
 json point(const Vec3<float>& p) {
@@ -65,13 +67,13 @@ json model_info(const GaussianModel& model) {
   info["num_static"] = model.static_set.count();
   info["num_dynamic"] = model.dynamic_set.count();
   info["num_unsound"] = model.count() - facts.sound;
-  info["motion_form"] = model.dynamic_set.form() == Form::kVelocity ? "velocity" : "pair";
-  info["sh_degree"] = model.sh_degree;
+  info["motion_form"] = name_of(motion_form_of(model.dynamic_set.form()));
+  info["sh_degree"] = model.drawing.sh_degree;
   info["sh_coefficients"] = {{"static", model.static_set.coefficients()},
                              {"dynamic", model.dynamic_set.coefficients()}};
-  info["sh_time"] = {{"degree", model.sh_time_degree},
+  info["sh_time"] = {{"degree", model.drawing.sh_time_degree},
                      {"levels", model.dynamic_set.time_levels()},
-                     {"period", model.sh_time_period}};
+                     {"period", model.drawing.sh_time_period}};
   info["value_bytes"] = model.static_set.value_bytes() + model.dynamic_set.value_bytes();
   info["bounds"] = facts.sound == 0 ? json(nullptr)
                                     : json{{"min", point(facts.low)}, {"max", point(facts.high)}};
@@ -85,11 +87,11 @@ json model_info(const GaussianModel& model) {
   info["environment"] = model.environment.height > 0 ? json{{"height", model.environment.height},
                                                             {"width", 2 * model.environment.height}}
                                                      : json(nullptr);
-  info["clip_planes"] = {model.near_plane, model.far_plane};
-  info["truncation"] = {{"sigma", model.truncation_sigma},
-                        {"by_falloff", model.truncation_by_falloff}};
-  info["filter_2d"] = model.filter_2d;
-  info["time_filter"] = model.time_filter;
+  info["clip_planes"] = {model.drawing.near_plane, model.drawing.far_plane};
+  info["truncation"] = {{"sigma", model.drawing.truncation_sigma},
+                        {"by_falloff", model.drawing.truncation_by_falloff}};
+  info["filter_2d"] = model.drawing.filter_2d;
+  info["time_filter"] = model.drawing.time_filter;
   info["train_scale"] = model.train_scale;
   return info;
 }

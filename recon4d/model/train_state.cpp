@@ -12,9 +12,12 @@ TrainState TrainState::clone_to(Memory& memory) const {
                   {statistics[0].clone_to(memory), statistics[1].clone_to(memory)},
                   exposure.clone()};
   copy.iteration = iteration;
-  copy.sampler_epoch = sampler_epoch, copy.sampler_position = sampler_position;
-  copy.seconds = seconds, copy.finished = finished;
-  copy.decided = decided, copy.goal = goal;
+  copy.sampler_epoch = sampler_epoch;
+  copy.sampler_position = sampler_position;
+  copy.seconds = seconds;
+  copy.finished = finished;
+  copy.decided = decided;
+  copy.goal = goal;
   return copy;
 }
 
@@ -25,7 +28,7 @@ GaussianSpans<float> TrainState::filtered_values(int k) {
 }
 
 bool is_filtered(const TrainState& state, const TrainOptions& options) {
-  return options.filter_3d == "mip" && state.has_filter_sizes();
+  return options.filter_3d == Filter3d::kMip && state.has_filter_sizes();
 }
 
 GaussianSpans<const float> drawn_values(const TrainState& state, int k,

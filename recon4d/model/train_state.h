@@ -26,7 +26,7 @@ struct TrainState {
   bool has_filter_sizes() const {
     return !statistics[0].filter_size.empty() || !statistics[1].filter_size.empty();
   }
-  /// Whether rows of a set differ in their SH degree (sh_blocks.h).
+  /// Whether elements of a set differ in their SH degree (sh_blocks.h).
   bool has_blocks() const {
     return model.static_set.blocks().mixed() || model.dynamic_set.blocks().mixed();
   }
@@ -41,8 +41,8 @@ GaussianSpans<const float> drawn_values(const TrainState& state, int k,
 /// Whether the model of a state still has a 3D filter to be baked.
 bool is_filtered(const TrainState& state, const TrainOptions& options);
 
-/// A copy of the model of a state in the host's memory, with the 3D filter baked and rows that are
-/// alike.
+/// A copy of the model of a state in the host's memory, with the 3D filter baked and elements that
+/// are alike.
 GaussianModel baked_model(const TrainState& state, const TrainOptions& options);
 /// The same of a state that nobody needs any longer: in its own memory.
 GaussianModel baked_model(TrainState&& state, const TrainOptions& options);

@@ -21,23 +21,23 @@ bool is_valid_element(const GaussianSpans<const float>& set, int64_t n) {
   return has_length(kRotation) && (set.form != Form::kPair || has_length(kRotationRight));
 }
 
-std::vector<int64_t> valid_rows(const GaussianSet& set) {
+std::vector<int64_t> valid_elements(const GaussianSet& set) {
   const GaussianSpans<const float> values = set.values();
-  std::vector<int64_t> rows;
-  rows.reserve(size_t(set.count()));
+  std::vector<int64_t> elements;
+  elements.reserve(size_t(set.count()));
   for (int64_t n = 0; n < set.count(); ++n)
-    if (is_valid_element(values, n)) rows.push_back(n);
-  return rows;
+    if (is_valid_element(values, n)) elements.push_back(n);
+  return elements;
 }
 
-GaussianSet select_rows(const GaussianSet& set, const std::vector<int64_t>& rows) {
+GaussianSet select_elements(const GaussianSet& set, const std::vector<int64_t>& elements) {
   GaussianSet selected = set.like();
-  selected.resize(int64_t(rows.size()));
+  selected.resize(int64_t(elements.size()));
   const GaussianSpans<const float> from = set.values();
   const GaussianSpans<float> to = selected.values();
   for (int g = 0; g < set.groups(); ++g)
-    for (size_t i = 0; i < rows.size(); ++i)
-      std::copy_n(from.at(Group(g), rows[i]), set.width(Group(g)), to.at(Group(g), int64_t(i)));
+    for (size_t i = 0; i < elements.size(); ++i)
+      std::copy_n(from.at(Group(g), elements[i]), set.width(Group(g)), to.at(Group(g), int64_t(i)));
   return selected;
 }
 

@@ -11,8 +11,8 @@ namespace tessera {
 /// Whether every stored value of Gaussian n is finite and its quaternions are rotations.
 bool is_valid_element(const GaussianSpans<const float>& set, int64_t n);
 /// Indices of the sound Gaussians, ascending.
-std::vector<int64_t> valid_rows(const GaussianSet& set);
-/// The Gaussians at `rows`, in that order, without moments.
-GaussianSet select_rows(const GaussianSet& set, const std::vector<int64_t>& rows);
+std::vector<int64_t> valid_elements(const GaussianSet& set);
+/// The Gaussians at `elements`, in that order, without moments.
+GaussianSet select_elements(const GaussianSet& set, const std::vector<int64_t>& elements);
 
 }  // namespace tessera

@@ -22,7 +22,7 @@ constexpr double kCpuSplat = 0.58e-6;  //   at 240 × 180 with 30,000 Gaussians,
 constexpr double kGpuStep = 0.7e-3;    // seconds a step, by dnerf_lego, mic and bonsai
 constexpr double kGpuPixel = 0.05e-9, kGpuSplat = 0.45e-9;  //   on an H200
 
-int64_t row_bytes(Form form, int64_t time_levels) {
+int64_t element_bytes(Form form, int64_t time_levels) {
   return int64_t{3} * (geometry_scalars(form) + 3 * kMaxShCoefficients * (1 + time_levels)) *
          int64_t(sizeof(float));
 }
@@ -36,18 +36,18 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
   forecast.frame_bytes = load.all_bytes;
   forecast.parameter_bytes =
       forecast.gaussians * (options.static_only
-                                ? row_bytes(Form::kStatic, 0)
-                                : row_bytes(dynamic_form(options), options.sh_time_degree));
+                                ? element_bytes(Form::kStatic, 0)
+                                : element_bytes(dynamic_form(options), options.sh_time_degree));
   const int64_t batch = std::min(options.batch, std::max<int64_t>(1, load.training_frames));
   const double splats = kVisible * double(forecast.gaussians) * double(batch);
   forecast.step_bytes = batch * load.pixels * kPixelBytes + int64_t(splats) * kSplatBytes;
   forecast.total_bytes = forecast.frame_bytes + forecast.parameter_bytes + forecast.step_bytes;
   const double steps = double(options.iterations);
   const double pixels = double(batch) * double(load.pixels);
-  const double rows = kMeanShare * double(forecast.gaussians) * double(batch);
+  const double elements = kMeanShare * double(forecast.gaussians) * double(batch);
   forecast.cpu_seconds =
-      steps * (kCpuPixel * pixels + kCpuSplat * rows) / std::max(1, load.threads);
-  forecast.gpu_seconds = steps * (kGpuStep + kGpuPixel * pixels + kGpuSplat * rows);
+      steps * (kCpuPixel * pixels + kCpuSplat * elements) / std::max(1, load.threads);
+  forecast.gpu_seconds = steps * (kGpuStep + kGpuPixel * pixels + kGpuSplat * elements);
   return forecast;
 }
 

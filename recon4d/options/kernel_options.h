@@ -10,6 +10,5 @@ namespace tessera {
 KernelSwitches kernel_switches(const TrainOptions& options);
 /// Of the dynamic set.
 Form dynamic_form(const TrainOptions& options);
-IdleUpdate idle_update(const TrainOptions& options);
 
 }  // namespace tessera

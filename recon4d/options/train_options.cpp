@@ -1,5 +1,5 @@
-// What: setting options by name, with the checks of their rows; what pairs of them must satisfy.
-// Not: the table (train_option_rows.cpp), nor any use of the values.
+// What: setting options by name, with the checks of their table; what pairs of them must satisfy.
+// Not: the table (train_option_table.cpp), nor any use of the values.
 #include "recon4d/options/train_options.h"
 
 #include <fmt/format.h>
@@ -16,47 +16,48 @@ namespace {
 
 using O = TrainOptions;
 
-const OptionRow& row_of(const std::string& key) {
+const TrainOption& option_of(const std::string& key) {
   std::vector<std::string> keys;
-  for (const OptionRow& row : train_option_rows()) {
-    if (key == row.key) return row;
-    keys.push_back(row.key);
+  for (const TrainOption& option : train_option_table()) {
+    if (key == option.key) return option;
+    keys.push_back(option.key);
   }
   throw InputError(fmt::format("unknown option '{}'{}", key, did_you_mean(key, keys)));
 }
 
-double checked(const OptionRow& row, double value) {
-  if (!(value >= row.low && value <= row.high))
-    throw InputError(fmt::format("option '{}' is {}, expected {} to {}: {}", row.key, value,
-                                 row.low, row.high, row.doc));
+double checked(const TrainOption& option, double value) {
+  if (!(value >= option.low && value <= option.high))
+    throw InputError(fmt::format("option '{}' is {}, expected {} to {}: {}", option.key, value,
+                                 option.low, option.high, option.doc));
   return value;
 }
 
 struct Setter {
   TrainOptions& options;
-  const OptionRow& row;
+  const TrainOption& option;
   const OptionValue& value;
 
   [[noreturn]] void refuse(const char* expected) const {
-    throw InputError(fmt::format("option '{}' is {}, expected {}: {}", row.key, quoted_text(value),
-                                 expected, row.doc));
+    throw InputError(fmt::format("option '{}' is {}, expected {}: {}", option.key,
+                                 quoted_text(value), expected, option.doc));
   }
-  void operator()(int64_t O::*member) const {
+  void operator()(int64_t O::*member) const { options.*member = whole_number(); }
+  void operator()(int O::*member) const { options.*member = int(whole_number()); }
+  int64_t whole_number() const {
     if (const auto* whole = std::get_if<int64_t>(&value)) {
-      checked(row, double(*whole));
-      options.*member = *whole;
-      return;
+      checked(option, double(*whole));
+      return *whole;
     }
     const auto* number = std::get_if<double>(&value);  // 3e4
     if (!number || !(std::abs(*number) < 1e15) || *number != std::floor(*number))
       refuse("a whole number");
-    options.*member = int64_t(checked(row, *number));  // in range, so that it fits
+    return int64_t(checked(option, *number));  // in range, so that it fits
   }
   void operator()(double O::*member) const {
     if (const auto* whole = std::get_if<int64_t>(&value))
-      options.*member = checked(row, double(*whole));
+      options.*member = checked(option, double(*whole));
     else if (const auto* number = std::get_if<double>(&value))
-      options.*member = checked(row, *number);
+      options.*member = checked(option, *number);
     else
       refuse("a number");
   }
@@ -66,30 +67,50 @@ struct Setter {
   }
   void operator()(std::string O::*member) const {
     if (!std::holds_alternative<std::string>(value)) refuse("text");
+    options.*member = std::get<std::string>(value);
+  }
+  void operator()(const ChoiceMember& member) const {
+    if (!std::holds_alternative<std::string>(value)) refuse("text");
     const std::string& text = std::get<std::string>(value);
-    const std::vector<std::string> choices(row.choices.begin(), row.choices.end());
-    if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end())
-      throw InputError(fmt::format("option '{}' is '{}'{}: {}", row.key, text,
-                                   known_names(text, choices), row.doc));
-    options.*member = text;
+    const std::vector<std::string> names(member.names.begin(), member.names.end());
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end())
+      throw InputError(fmt::format("option '{}' is '{}'{}: {}", option.key, text,
+                                   known_names(text, names), option.doc));
+    member.set(options, size_t(found - names.begin()));
   }
 };
 
 }  // namespace
 
 void set_option(TrainOptions& options, const std::string& key, const OptionValue& value) {
-  const OptionRow& row = row_of(key);
-  std::visit(Setter{options, row, value}, row.member);
+  const TrainOption& option = option_of(key);
+  std::visit(Setter{options, option, value}, option.member);
 }
 
 void set_option_from_text(TrainOptions& options, const std::string& key, const std::string& text) {
-  const OptionRow& row = row_of(key);
-  if (std::holds_alternative<std::string O::*>(row.member)) return set_option(options, key, text);
+  const TrainOption& option = option_of(key);
+  if (std::holds_alternative<std::string O::*>(option.member) || !option.choices().empty())
+    return set_option(options, key, text);
   set_option(options, key, option_value_from_text(text));
 }
 
-OptionValue option_value(const TrainOptions& options, const OptionRow& row) {
-  return std::visit([&](auto member) { return OptionValue(options.*member); }, row.member);
+OptionValue option_value(const TrainOptions& options, const TrainOption& option) {
+  if (const auto* choice = std::get_if<ChoiceMember>(&option.member))
+    return std::string(choice->names[choice->get(options)]);
+  return std::visit(
+      [&](const auto& member) -> OptionValue {
+        if constexpr (std::is_member_pointer_v<std::decay_t<decltype(member)>>)
+          return options.*member;
+        else
+          return {};
+      },
+      option.member);
+}
+
+std::vector<const char*> TrainOption::choices() const {
+  const auto* choice = std::get_if<ChoiceMember>(&member);
+  return choice == nullptr ? std::vector<const char*>{} : choice->names;
 }
 
 int64_t growth_limit(const TrainOptions& options) {
@@ -98,7 +119,8 @@ int64_t growth_limit(const TrainOptions& options) {
 }
 
 bool prunes_after_growth(const TrainOptions& options) {
-  if (options.max_bytes > 0 || options.within_db > 0 || options.size == "knee") return true;
+  if (options.max_bytes > 0 || options.within_db > 0 || options.size == ModelSize::kKnee)
+    return true;
   return options.max_gaussians > 0 && growth_limit(options) > options.max_gaussians;
 }
 
@@ -114,16 +136,16 @@ void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t
 
 }  // namespace
 
-void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, const char* kind,
+void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, const char* kind,
                  const std::string& name, const SceneFacts& facts) {
   std::vector<std::string> names;
-  for (const NamedOptions& row : rows) {
-    names.push_back(row.name);
-    if (name != row.name) continue;
-    for (const auto& [key, value] : row.overrides) set_option(options, key, value);
+  for (const NamedOptions& named : table) {
+    names.push_back(named.name);
+    if (name != named.name) continue;
+    for (const auto& [key, value] : named.overrides) set_option(options, key, value);
     if (facts.still)
-      for (const auto& [key, value] : row.still_overrides) set_option(options, key, value);
-    limit_by_pixels(options, row.pixels_per_gaussian, facts.camera_pixels);
+      for (const auto& [key, value] : named.still_overrides) set_option(options, key, value);
+    limit_by_pixels(options, named.pixels_per_gaussian, facts.camera_pixels);
     return;
   }
   throw InputError(fmt::format("unknown {} '{}'{}", kind, name, known_names(name, names)));
@@ -134,8 +156,7 @@ namespace {
 /// What is never drawn has no gradient: Gaussians must not start, nor be reset, below the cut-off.
 void check_truncation(const TrainOptions& options) {
   constexpr double kResetOpacity = 0.01;  // reset_opacity
-  const double least =
-      make_cutoff<double>(options.truncation_sigma, options.truncation_by_falloff).least_alpha;
+  const double least = make_cutoff<double>(options).least_alpha;
   const bool starts = least < options.init_opacity;
   if (starts && !(options.opacity_reset_interval > 0 && least >= kResetOpacity)) return;
   throw InputError(
@@ -153,18 +174,18 @@ void validate(const TrainOptions& options) {
                                  options.near_plane, options.far_plane));
   parse_background(options.background);
   check_truncation(options);
-  if (!options.fused_optimizer && options.idle_updates != "dense")
+  if (!options.fused_optimizer && options.idle_updates != IdleUpdate::kDense)
     throw InputError(fmt::format(
         "idle_updates {} needs the fused optimizer; pass --fused-optimizer true or --idle-updates "
         "dense",
-        options.idle_updates));
+        name_of(options.idle_updates)));
   const int contracts =
       (options.max_gaussians > 0) + (options.max_bytes > 0) + (options.within_db > 0);
   if (contracts > 1)
     throw InputError(
         "max_gaussians, max_bytes and within_db each say how large the model may be; pass one of "
         "them");
-  if (options.densification != "mcmc") return;
+  if (options.densification != Densification::kMcmc) return;
   if (growth_limit(options) == 0)
     throw InputError(
         "densification mcmc needs a number of Gaussians to reach; pass --peak-gaussians N or "
@@ -177,12 +198,12 @@ std::array<uint8_t, 3> parse_background(const std::string& text) {
   if (text == "black") return {0, 0, 0};
   if (text == "white") return {255, 255, 255};
   std::array<uint8_t, 3> rgb{};
-  const char *at = text.data(), *const end = at + text.size();
+  const char *cursor = text.data(), *const end = cursor + text.size();
   bool good = true;
   for (size_t c = 0; c < 3 && good; ++c) {
-    const auto [rest, error] = std::from_chars(at, end, rgb[c]);
+    const auto [rest, error] = std::from_chars(cursor, end, rgb[c]);
     good = error == std::errc() && (c == 2 ? rest == end : rest != end && *rest == ',');
-    if (c < 2) at = rest + 1;
+    if (c < 2) cursor = rest + 1;
   }
   if (!good)
     throw InputError(

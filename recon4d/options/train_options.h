@@ -9,20 +9,26 @@
 #include <variant>
 #include <vector>
 
-#include "kernels/math/bounds.h"
+#include "kernels/drawing_rules.h"
+#include "recon4d/options/choices.h"
 #include "recon4d/options/option_value.h"
 
 namespace tessera {
 
-// Grouped by meaning, not by size.
-struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
+/// The drawing rules are those of the finished model. Grouped by meaning, not by size.
+struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance.Padding)
+  TrainOptions() {
+    far_plane = 100;
+    sh_time_degree = 0;
+  }
+
   // steps
   int64_t iterations = 30000, schedule_iterations = 30000, batch = 4, seed = 1;
   // scene
   bool static_only = false;
-  std::string motion_form = "pair";
+  MotionForm motion_form = MotionForm::kPair;
   std::string background = "black";
-  double near_plane = 0.2, far_plane = 100, train_scale = 1;
+  double train_scale = 1;
   // initial Gaussians
   int64_t init_points = 100000;
   double init_extent = 0, init_opacity = 0.1, init_scale_factor = 1;
@@ -32,14 +38,9 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   double validation_share = 0;
   int64_t validate_interval = 500, stop_patience = 0;
   // colour
-  int64_t sh_degree = 3, sh_interval = 1000, sh_time_degree = 0;
-  bool sliced_direction = true;
-  // aliasing, and where splats end
-  bool filter_2d = false;
-  std::string filter_3d = "none";
-  double truncation_sigma = kTruncationSigma;
-  bool truncation_by_falloff = false;
-  double time_filter = 0;
+  int64_t sh_interval = 1000;
+  // aliasing
+  Filter3d filter_3d = Filter3d::kNone;
   // loss
   double lambda_dssim = 0.2, opacity_weight = 0, scale_weight = 0;
   // light from beyond the scene
@@ -47,7 +48,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   int64_t environment_size = 256;
   double lr_environment = 2.5e-3;
   // exposure of the training images
-  std::string exposure = "none";
+  ExposureGains exposure = ExposureGains::kNone;
   double lr_exposure = 0.01;
   // learning rates
   double lr_mean = 1.6e-4, lr_mean_final = 1.6e-6;
@@ -55,9 +56,9 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   double lr_scale = 5e-3, lr_scale_time = 5e-3, lr_rotation = 1e-3, lr_velocity = 5e-4;
   double lr_opacity = 0.05, lr_sh = 2.5e-3, lr_sh_rest = 1.25e-4;
   bool fused_optimizer = true;
-  std::string idle_updates = "dense";
+  IdleUpdate idle_updates = IdleUpdate::kDense;
   // density control
-  std::string densification = "adc";
+  Densification densification = Densification::kAdc;
   int64_t densify_from = 600, densify_until = 14900, densify_interval = 100;
   double densify_threshold = 2e-4, dense_fraction = 0.01;
   double prune_opacity = 0.005, prune_extent = 0.1;
@@ -65,7 +66,7 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   int64_t reorder_interval = 5000;
   double mcmc_noise = 5e5, mcmc_growth = 1.05;
   // no more than the scene needs (docs/reduction.md)
-  std::string size = "grown";
+  ModelSize size = ModelSize::kGrown;
   int64_t peak_gaussians = 0, max_bytes = 0;
   double within_db = 0;
   int64_t thin_rounds = 4, thin_until = 25000, look_frames = 400;
@@ -74,22 +75,31 @@ struct TrainOptions {  // NOLINT(clang-analyzer-optin.performance.Padding)
   // how kernels work (KernelSwitches); none changes what is drawn
   bool rectangular_bounds = true, opacity_bounds = true;
   bool balanced_instances = true, separate_sort = true, warp_culling = true;
-  std::string backward = "sub-tile";
+  BackwardForm backward = BackwardForm::kSubTile;
   bool deterministic = false;
   int64_t feed_bytes = 0;
 };
 
-struct OptionRow {
-  const char* key;  // snake_case in JSON, dashes on the command line
-  std::variant<int64_t TrainOptions::*, double TrainOptions::*, bool TrainOptions::*,
-               std::string TrainOptions::*>
-      member;
-  double low, high;                       // numbers: inclusive range
-  const char* doc;                        // one line: meaning and unit
-  const char* source;                     // where the default comes from
-  std::vector<const char*> choices = {};  // text: what it may be; empty: anything
+/// An option of an enumeration, by the names of its values.
+struct ChoiceMember {
+  std::vector<const char*> names;
+  size_t (*get)(const TrainOptions&);
+  void (*set)(TrainOptions&, size_t);
 };
-const std::vector<OptionRow>& train_option_rows();
+
+struct TrainOption {
+  const char* key;  // snake_case in JSON, dashes on the command line
+  std::variant<int64_t TrainOptions::*, int TrainOptions::*, double TrainOptions::*,
+               bool TrainOptions::*, std::string TrainOptions::*, ChoiceMember>
+      member;
+  double low, high;    // numbers: inclusive range
+  const char* doc;     // one line: meaning and unit
+  const char* source;  // where the default comes from
+
+  /// What a choice may be; empty for other options.
+  std::vector<const char*> choices() const;
+};
+const std::vector<TrainOption>& train_option_table();
 
 using OptionOverrides = std::vector<std::pair<const char*, OptionValue>>;  // applied in order
 
@@ -108,7 +118,7 @@ struct NamedOptions {
   int64_t pixels_per_gaussian = 0;
 };
 /// `kind`: "preset", for the message. Errors: InputError naming the nearest known name.
-void apply_named(TrainOptions& options, const std::vector<NamedOptions>& rows, const char* kind,
+void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, const char* kind,
                  const std::string& name, const SceneFacts& facts = {});
 
 using Preset = NamedOptions;
@@ -120,8 +130,8 @@ void apply_preset(TrainOptions& options, const std::string& name, const SceneFac
 /// named), wrong type, out of range.
 void set_option(TrainOptions& options, const std::string& key, const OptionValue& value);
 void set_option_from_text(TrainOptions& options, const std::string& key, const std::string& text);
-OptionValue option_value(const TrainOptions& options, const OptionRow& row);
-/// What no single row can say: ranges between options. Errors: InputError.
+OptionValue option_value(const TrainOptions& options, const TrainOption& option);
+/// What no single option can say: ranges between options. Errors: InputError.
 void validate(const TrainOptions& options);
 
 /// Most Gaussians while they grow; 0: no limit.

@@ -32,8 +32,8 @@ json to_json(const OptionValue& value) {
 
 json to_json(const TrainOptions& options) {
   json object = json::object();
-  for (const OptionRow& row : train_option_rows())
-    object[row.key] = to_json(option_value(options, row));
+  for (const TrainOption& option : train_option_table())
+    object[option.key] = to_json(option_value(options, option));
   return object;
 }
 

@@ -38,12 +38,12 @@ struct Contributions {
   SetContributions sets[2];               // static, dynamic
   double squared_error = 0;               // over all images
   int64_t samples = 0;                    // 3 · pixels that count
-  double gain_variance = 0;               // of the images\' gains around 1
+  double gain_variance = 0;               // of the images' gains around 1
   double psnr_after(double added) const;  // dB, of the mean squared error with so much more
 };
 
-/// Looks at every frame of `at`. The model lies in the host's memory.
+/// Looks at every frame of `sample`.
 Contributions measure_contributions(Backend& backend, const GaussianModel& model,
-                                    const FrameSample& at);
+                                    const FrameSample& sample);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// What: the test against noise and the rows that follow from it.
+// What: the test against noise and the elements that follow from it.
 // Not: the sums it is made of (contributions.cpp).
 #include "recon4d/reduction/dynamic_promotion.h"
 
@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "kernels/math/splat.h"
+#include "recon4d/model/sh_blocks.h"
 
 namespace tessera {
 namespace {
@@ -17,28 +18,31 @@ double rare_chi_square(double freedom, double deviations) {
   return freedom * std::pow(1 - variance + deviations * std::sqrt(variance), 3);
 }
 
-/// Rows of the static set in the form and layout of the dynamic one, at present 0.
-GaussianSet at_rest(const GaussianModel& model, const std::vector<int64_t>& rows) {
+/// Elements of the static set in the form and layout of the dynamic one, at present 0; in the
+/// host's memory.
+GaussianSet at_rest(Backend& backend, const GaussianModel& model,
+                    const std::vector<int64_t>& elements) {
   GaussianSet set = model.dynamic_set.like();
-  set.resize(int64_t(rows.size()));
-  const GaussianSpans<const float> from = model.static_set.values();
+  set.resize(int64_t(elements.size()));
+  const GaussianSet chosen =
+      taken_elements(backend, model.static_set, elements).clone_values(host_memory());
+  const GaussianSpans<const float> from = chosen.values();
   const GaussianSpans<float> to = set.values();
   for (int g = 0; g < set.groups(); ++g) std::fill_n(to.group[g].data, to.group[g].size, 0.0f);
   for (int64_t i = 0; i < set.count(); ++i) {
-    const int64_t n = rows[size_t(i)];
     for (const Group group : {kMean, kLogScale, kRotation, kOpacityLogit, kSh})
-      std::copy_n(from.at(group, n), from.width(group), to.at(group, i));
+      std::copy_n(from.at(group, i), from.width(group), to.at(group, i));
     if (set.form() == Form::kPair)  // at rest: r = conj(l)
       for (int k = 0; k < 4; ++k)
-        to.at(kRotationRight, i)[k] = (k == 0 ? 1.0f : -1.0f) * from.at(kRotation, n)[k];
+        to.at(kRotationRight, i)[k] = (k == 0 ? 1.0f : -1.0f) * from.at(kRotation, i)[k];
   }
   return set;
 }
 
 }  // namespace
 
-std::vector<int64_t> time_varying_rows(const Contributions& contributions, double least,
-                                       int64_t most) {
+std::vector<int64_t> time_varying_elements(const Contributions& contributions, double least,
+                                           int64_t most) {
   // under white noise of variance s² the gain is s² · χ² with 3·(timesteps − 1) degrees of freedom
   constexpr double kDeviations = 5;
   const double noise =
@@ -55,31 +59,34 @@ std::vector<int64_t> time_varying_rows(const Contributions& contributions, doubl
   }
   std::sort(found.begin(), found.end());
   if (int64_t(found.size()) > most) found.resize(size_t(std::max<int64_t>(0, most)));
-  std::vector<int64_t> rows;
-  for (const auto& [gain, row] : found) rows.push_back(row);
-  std::sort(rows.begin(), rows.end());
-  return rows;
+  std::vector<int64_t> elements;
+  elements.reserve(found.size());
+  for (const auto& [gain, element] : found) elements.push_back(element);
+  std::sort(elements.begin(), elements.end());
+  return elements;
 }
 
-GaussianSet as_dynamic(const GaussianModel& model, const Contributions& contributions,
-                       const std::vector<int64_t>& rows) {
+GaussianSet as_dynamic(Backend& backend, const GaussianModel& model,
+                       const Contributions& contributions, const std::vector<int64_t>& elements) {
   constexpr float kLife = 1;  // clip lengths; at its ends 0.88 of the opacity is there, or more
-  GaussianSet moving = at_rest(model, rows);
+  GaussianSet moving = at_rest(backend, model, elements);
   const GaussianSpans<float> to = moving.values();
   for (int64_t i = 0; i < moving.count(); ++i) {
-    *to.at(kMeanTime, i) = contributions.sets[0].mean_time[size_t(rows[size_t(i)])];
+    *to.at(kMeanTime, i) = contributions.sets[0].mean_time[size_t(elements[size_t(i)])];
     *to.at(kLogScaleTime, i) = std::log(kLife);
   }
   return moving;
 }
 
-GaussianSet spawn_dynamic(const GaussianModel& model, const Contributions& contributions,
-                          const std::vector<int64_t>& rows) {
+GaussianSet spawn_dynamic(Backend& backend, const GaussianModel& model,
+                          const Contributions& contributions,
+                          const std::vector<int64_t>& elements) {
   constexpr float kOpacity = 0.5f;
-  GaussianSet spawned = at_rest(model, rows);
+  GaussianSet spawned = at_rest(backend, model, elements);
   const GaussianSpans<float> to = spawned.values();
   for (int64_t i = 0; i < spawned.count(); ++i) {
-    const SetContributions::Change& change = contributions.sets[0].change[size_t(rows[size_t(i)])];
+    const SetContributions::Change& change =
+        contributions.sets[0].change[size_t(elements[size_t(i)])];
     *to.at(kOpacityLogit, i) = logit(kOpacity);
     // half of the light is to be what it should be
     for (int c = 0; c < 3; ++c)

@@ -7,19 +7,19 @@
 
 namespace tessera {
 
-/// Rows of the static set over which the residual changes with time beyond noise, and by more
+/// Elements of the static set over which the residual changes with time beyond noise, and by more
 /// squared error than `least`; at most `most`, those with the largest gain, ascending.
-std::vector<int64_t> time_varying_rows(const Contributions& contributions, double least,
-                                       int64_t most);
+std::vector<int64_t> time_varying_elements(const Contributions& contributions, double least,
+                                           int64_t most);
 
 /// They themselves as dynamic Gaussians in the form and layout of the dynamic set: at rest, and as
 /// long as the clip, so that images hardly change.
-GaussianSet as_dynamic(const GaussianModel& model, const Contributions& contributions,
-                       const std::vector<int64_t>& rows);
+GaussianSet as_dynamic(Backend& backend, const GaussianModel& model,
+                       const Contributions& contributions, const std::vector<int64_t>& elements);
 
 /// Their like, at rest in the same place at present when most is left over, as long as it is,
 /// coloured by it.
-GaussianSet spawn_dynamic(const GaussianModel& model, const Contributions& contributions,
-                          const std::vector<int64_t>& rows);
+GaussianSet spawn_dynamic(Backend& backend, const GaussianModel& model,
+                          const Contributions& contributions, const std::vector<int64_t>& elements);
 
 }  // namespace tessera

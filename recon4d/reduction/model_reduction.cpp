@@ -1,4 +1,4 @@
-// What: the steps of decisions, what is to be left, and rows moved between the sets.
+// What: the steps of decisions, what is to be left, and elements moved between the sets.
 // Not: any arithmetic on images.
 #include "recon4d/reduction/model_reduction.h"
 
@@ -8,7 +8,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "recon4d/model/set_rows.h"
 #include "recon4d/model/sh_blocks.h"
 #include "recon4d/reduction/dynamic_promotion.h"
 #include "recon4d/reduction/pruning.h"
@@ -25,23 +24,23 @@ bool contains(const std::vector<int64_t>& sorted, int64_t value) {
 }
 
 /// More than one.
-bool has_timesteps(const FrameSample& at) {
-  const auto time = [&](int frame) { return at.scene->frames[size_t(frame)].time; };
-  return at.count() > 0 && time(at.frames.front()) != time(at.frames.back());
+bool has_timesteps(const FrameSample& sample) {
+  const auto time = [&](int frame) { return sample.scene->frames[size_t(frame)].time; };
+  return sample.count() > 0 && time(sample.frames.front()) != time(sample.frames.back());
 }
 
-/// Adds Gaussians to set k, without optimizer state or statistics.
-void add_rows(TrainState& state, int k, const GaussianSet& added) {
-  const std::unique_ptr<Backend> host = make_cpu_backend();
-  SetStatistics statistics;
-  statistics.reset(added.count());
-  append_rows(*host, added, statistics, state.set(k), state.statistics[k]);
+/// Adds Gaussians that lie where the backend works to set k, without optimizer state or statistics.
+void add_elements(Backend& backend, TrainState& state, int k, const GaussianSet& added) {
+  SetStatistics statistics(backend.memory());
+  statistics.reset(backend, added.count());
+  append_elements(backend, added, statistics, state.set(k), state.statistics[k]);
 }
 
-/// Rows of set k go, ascending, with their optimizer state and statistics.
-void drop_rows(TrainState& state, int k, const std::vector<int64_t>& rows) {
-  const std::unique_ptr<Backend> host = make_cpu_backend();
-  keep_rows(*host, rows_but(state.set(k).count(), rows), state.set(k), state.statistics[k]);
+/// Elements of set k go, ascending, with their optimizer state and statistics.
+void drop_elements(Backend& backend, TrainState& state, int k,
+                   const std::vector<int64_t>& elements) {
+  keep_elements(backend, elements_but(state.set(k).count(), elements), state.set(k),
+                state.statistics[k]);
 }
 
 }  // namespace
@@ -84,7 +83,7 @@ bool ModelReduction::has_pruned(int64_t iteration) const {
   return rounds_.empty() || iteration >= rounds_.back();
 }
 
-int64_t ModelReduction::goal_of(const GaussianModel& model, const std::vector<Removal>& order,
+int64_t ModelReduction::goal_of(Trainer& trainer, const std::vector<Removal>& order,
                                 const Contributions& contributions,
                                 const ValidationRecord& validation, int64_t knee) const {
   if (options_.max_gaussians > 0) return int64_t(kSpare * double(options_.max_gaussians));
@@ -99,17 +98,18 @@ int64_t ModelReduction::goal_of(const GaussianModel& model, const std::vector<Re
       error += order[size_t(gone)].error;
       if (contributions.psnr_after(0) - contributions.psnr_after(error) > room) break;
     }
-    return model.count() - gone;
+    return int64_t(order.size()) - gone;
   }
   if (options_.max_bytes == 0) return knee;
   double all = 0;
   for (const Removal& removal : order) all += removal.bytes;
-  const double scale = double(bytes_(model)) / std::max(1.0, all);  // of our rates to the file
+  const double scale =
+      double(bytes_(trainer.host_model())) / std::max(1.0, all);  // of our rates to the file
   double left = all * scale;
   int64_t gone = 0;
   while (gone < int64_t(order.size()) && left > kSpare * double(options_.max_bytes))
     left -= scale * order[size_t(gone++)].bytes;
-  return model.count() - gone;
+  return int64_t(order.size()) - gone;
 }
 
 std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
@@ -118,16 +118,18 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   const bool thins = rounds_left(i) > 0, moves = decides_motion(i);
   if ((!thins && !moves) || trainer.state().decided == i) return std::nullopt;
   const auto begin = std::chrono::steady_clock::now();
-  const FrameSample at = trainer.sample_frames(options_.look_frames);
+  const FrameSample sample = trainer.sample_frames(options_.look_frames);
   ReductionReport report;
-  report.iteration = i, report.sampled_frames = at.count();
+  report.iteration = i;
+  report.sampled_frames = sample.count();
   report.static_before = trainer.state().model.static_set.count();
   report.dynamic_before = trainer.state().model.dynamic_set.count();
   std::optional<Contributions> contributions;  // of the model as it is
-  if (moves && has_timesteps(at)) contributions = decide_motion(trainer, at, report);
+  if (moves && has_timesteps(sample)) contributions = decide_motion(trainer, sample, report);
   if (thins) {
-    if (!contributions) contributions = measure_contributions(backend_, trainer.host_model(), at);
-    prune(trainer, at, validation, std::move(*contributions), report);
+    if (!contributions)
+      contributions = measure_contributions(backend_, trainer.drawn_model(), sample);
+    prune(trainer, sample, validation, std::move(*contributions), report);
   }
   report.static_after = trainer.state().model.static_set.count();
   report.dynamic_after = trainer.state().model.dynamic_set.count();
@@ -136,7 +138,8 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   return report;
 }
 
-std::optional<Contributions> ModelReduction::decide_motion(Trainer& trainer, const FrameSample& at,
+std::optional<Contributions> ModelReduction::decide_motion(Trainer& trainer,
+                                                           const FrameSample& sample,
                                                            ReductionReport& report) {
   // of all; where several lie over each other, each spawned one would make up for the same error
   constexpr double kMostTimeVarying = 0.1, kMostSpawned = 0.02;
@@ -145,46 +148,52 @@ std::optional<Contributions> ModelReduction::decide_motion(Trainer& trainer, con
   // (docs/reduction.md)
   constexpr double kMotionCharge = 16;
   const ByteRates rates;
-  const GaussianModel& model = trainer.host_model();
-  Contributions contributions = measure_contributions(backend_, model, at);
+  const GaussianModel& model = trainer.drawn_model();
+  Contributions contributions = measure_contributions(backend_, model, sample);
   const std::vector<Removal> order = removal_order(model, contributions);
   report.psnr = contributions.psnr_after(0);
   report.error_per_byte = error_per_byte_at(order, knee_count(order, contributions));
-  const DemotionTrial trial = try_demotion(backend_, model, contributions, at,
+  const DemotionTrial trial = try_demotion(backend_, model, contributions, sample,
                                            kMotionCharge * report.error_per_byte * rates.time);
   // gains of the images, and where things are, are not known at the first decision; what is new
   // at the last round is not learnt any more
   const bool wakes = rounds_left(report.iteration) != 1 && trainer.state().decided > 0;
   const auto time_varying_share = [&](double share) {
-    return time_varying_rows(contributions, report.error_per_byte * rates.of(true, model.sh_degree),
-                             wakes ? int64_t(share * double(model.count())) : 0);
+    return time_varying_elements(
+        contributions, report.error_per_byte * rates.bytes_of(true, model.drawing.sh_degree),
+        wakes ? int64_t(share * double(model.count())) : 0);
   };
   const std::vector<int64_t> varying = time_varying_share(kMostTimeVarying);
-  const GaussianSet moving = as_dynamic(model, contributions, varying);
-  const GaussianSet spawned = spawn_dynamic(model, contributions, time_varying_share(kMostSpawned));
-  report.demoted = int64_t(trial.rows.size()), report.promoted = int64_t(varying.size());
+  const GaussianSet moving = as_dynamic(backend_, model, contributions, varying);
+  const GaussianSet spawned =
+      spawn_dynamic(backend_, model, contributions, time_varying_share(kMostSpawned));
+  report.demoted = int64_t(trial.elements.size());
+  report.promoted = int64_t(varying.size());
   report.spawned = spawned.count();
   report.demotion_error = trial.error;
-  if (trial.rows.empty() && varying.empty()) return contributions;
-  trainer.edit_on_host([&](TrainState& state) {
-    drop_rows(state, 0, varying), drop_rows(state, 1, trial.rows);
-    add_rows(state, 0, trial.demoted);
-    add_rows(state, 1, moving), add_rows(state, 1, spawned);
+  if (trial.elements.empty() && varying.empty()) return contributions;
+  trainer.edit([&](TrainState& state) {
+    drop_elements(backend_, state, 0, varying);
+    drop_elements(backend_, state, 1, trial.elements);
+    add_elements(backend_, state, 0, trial.demoted);
+    add_elements(backend_, state, 1, moving.clone_values(backend_.memory()));
+    add_elements(backend_, state, 1, spawned.clone_values(backend_.memory()));
   });
   return std::nullopt;
 }
 
-void ModelReduction::prune(Trainer& trainer, const FrameSample& at,
+void ModelReduction::prune(Trainer& trainer, const FrameSample& sample,
                            const ValidationRecord& validation, Contributions contributions,
                            ReductionReport& report) {
-  std::vector<Removal> order = removal_order(trainer.host_model(), contributions);
-  report.psnr = contributions.psnr_after(0), report.knee = knee_count(order, contributions);
+  std::vector<Removal> order = removal_order(trainer.state().model, contributions);
+  report.psnr = contributions.psnr_after(0);
+  report.knee = knee_count(order, contributions);
   report.error_per_byte = error_per_byte_at(order, report.knee);
   const int64_t before = trainer.state().model.count();
   if (before == 0) return;
   int64_t count = before, goal = trainer.state().goal;
-  if (goal == 0 || options_.size != "knee" || options_.within_db > 0)
-    goal = goal_of(trainer.host_model(), order, contributions, validation, report.knee);
+  if (goal == 0 || options_.size != ModelSize::kKnee || options_.within_db > 0)
+    goal = goal_of(trainer, order, contributions, validation, report.knee);
   report.goal = goal = std::clamp<int64_t>(goal, 1, count);
   const double share = options_.within_db > 0 ? 1.0 : 1.0 / double(rounds_left(report.iteration));
   count = std::llround(double(count) * std::pow(double(goal) / double(count), share));
@@ -194,10 +203,10 @@ void ModelReduction::prune(Trainer& trainer, const FrameSample& at,
   for (int64_t now = before; now > count;) {
     const int64_t next =
         std::max(count, now - std::max<int64_t>(1, int64_t(kAtOnce * double(now))));
-    const KeptRows kept = kept_rows(trainer.host_model(), order, next);
-    trainer.edit_on_host([&](TrainState& state) { keep_rows(state, kept); });
-    contributions = measure_contributions(backend_, trainer.host_model(), at);
-    order = removal_order(trainer.host_model(), contributions);
+    const KeptElements kept = kept_elements(trainer.state().model, order, next);
+    trainer.edit([&](TrainState& state) { keep_elements(backend_, state, kept); });
+    contributions = measure_contributions(backend_, trainer.drawn_model(), sample);
+    order = removal_order(trainer.state().model, contributions);
     now = next;
   }
   report.psnr_after = contributions.psnr_after(0);
@@ -208,21 +217,23 @@ void ModelReduction::prune(Trainer& trainer, const FrameSample& at,
 void ModelReduction::decide_colour(Trainer& trainer, const Contributions& contributions,
                                    double error_per_byte, ReductionReport& report) {
   const ByteRates rates;
-  trainer.edit_on_host([&](TrainState& state) {
-    const std::unique_ptr<Backend> host = make_cpu_backend();
+  trainer.edit([&](TrainState& state) {
     for (int k = 0; k < 2; ++k) {
       std::vector<uint8_t> degrees = sh_degrees(state.set(k));
       for (size_t n = 0; n < degrees.size(); ++n) {
-        const int most = std::min(int(degrees[n]), state.model.sh_degree);
-        double least = error_per_byte * rates.of(k == 1, most);
+        const int most = std::min(int(degrees[n]), state.model.drawing.sh_degree);
+        double least = error_per_byte * rates.bytes_of(k == 1, most);
         for (int d = most - 1; d >= 0; --d) {
           const double cost = double(contributions.sets[k].truncation_error[n][size_t(d)]) +
-                              error_per_byte * rates.of(k == 1, d);
-          if (cost <= least) least = cost, degrees[n] = uint8_t(d);
+                              error_per_byte * rates.bytes_of(k == 1, d);
+          if (cost <= least) {
+            least = cost;
+            degrees[n] = uint8_t(d);
+          }
         }
         ++report.degrees[degrees[n]];
       }
-      set_sh_degrees(*host, degrees, state.set(k), state.statistics[k]);
+      set_sh_degrees(backend_, degrees, state.set(k), state.statistics[k]);
     }
   });
 }
@@ -237,9 +248,9 @@ nlohmann::json to_json(const ReductionReport& report) {
           {"knee", report.knee},
           {"goal", report.goal},
           {"removed", report.removed},
-          {"stilled", report.demoted},
-          {"promoted = 0, spawned = 0", report.promoted},
-          {"born", report.spawned},
+          {"demoted", report.demoted},
+          {"promoted", report.promoted},
+          {"spawned", report.spawned},
           {"price", report.error_per_byte},
           {"still_error", report.demotion_error},
           {"psnr", report.psnr},

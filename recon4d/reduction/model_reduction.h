@@ -49,15 +49,15 @@ class ModelReduction {
   int64_t rounds_left(int64_t i) const;
   bool decides_motion(int64_t i) const;
   /// Returns what was found where it still holds, because nothing was changed.
-  std::optional<Contributions> decide_motion(Trainer& trainer, const FrameSample& at,
+  std::optional<Contributions> decide_motion(Trainer& trainer, const FrameSample& sample,
                                              ReductionReport& report);
   void decide_colour(Trainer& trainer, const Contributions& contributions, double error_per_byte,
                      ReductionReport& report);
   /// `contributions`: of the model as it is.
-  void prune(Trainer& trainer, const FrameSample& at, const ValidationRecord& validation,
+  void prune(Trainer& trainer, const FrameSample& sample, const ValidationRecord& validation,
              Contributions contributions, ReductionReport& report);
   /// Gaussians to be left at the end, with some to spare for the last cut.
-  int64_t goal_of(const GaussianModel& model, const std::vector<Removal>& order,
+  int64_t goal_of(Trainer& trainer, const std::vector<Removal>& order,
                   const Contributions& contributions, const ValidationRecord& validation,
                   int64_t knee) const;
 

@@ -1,4 +1,4 @@
-// What: an order by price, its running sum, and rows that are left.
+// What: an order by price, its running sum, and elements that are left.
 // Not: a look at any image.
 #include "recon4d/reduction/pruning.h"
 
@@ -12,7 +12,7 @@
 
 namespace tessera {
 
-double ByteRates::of(bool dynamic, int sh_degree) const {
+double ByteRates::bytes_of(bool dynamic, int sh_degree) const {
   return still + (dynamic ? time : 0) + band * 3 * (sh_coefficients(sh_degree) - 1);
 }
 
@@ -21,13 +21,13 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
   std::vector<Removal> order;
   order.reserve(size_t(model.count()));
   for (int k = 0; k < 2; ++k) {
-    const SetContributions& of = contributions.sets[k];
-    const double bytes = rates.of(k == 1, model.sh_degree);
-    for (size_t n = 0; n < of.weight.size(); ++n)
-      order.push_back({k, int64_t(n), double(of.removal2[n]), bytes});
+    const SetContributions& set = contributions.sets[k];
+    const double bytes = rates.bytes_of(k == 1, model.drawing.sh_degree);
+    for (size_t n = 0; n < set.weight.size(); ++n)
+      order.push_back({k, int64_t(n), double(set.removal2[n]), bytes});
   }
   const auto is_lit = [&](const Removal& removal) {
-    return contributions.sets[removal.set].weight[size_t(removal.row)] > 0;
+    return contributions.sets[removal.set].weight[size_t(removal.element)] > 0;
   };
   std::stable_sort(order.begin(), order.end(), [&](const Removal& a, const Removal& b) {
     return std::pair(a.error_per_byte(), is_lit(a)) < std::pair(b.error_per_byte(), is_lit(b));
@@ -44,9 +44,11 @@ int64_t knee_count(const std::vector<Removal>& order, const Contributions& contr
   std::vector<double> size{std::log(all)}, psnr{contributions.psnr_after(0)};
   double bytes = all, error = 0;
   for (int64_t i = 0; i + 1 < count; ++i) {
-    bytes -= order[size_t(i)].bytes, error += order[size_t(i)].error;
+    bytes -= order[size_t(i)].bytes;
+    error += order[size_t(i)].error;
     if (bytes < least_share * all) break;
-    size.push_back(std::log(bytes)), psnr.push_back(contributions.psnr_after(error));
+    size.push_back(std::log(bytes));
+    psnr.push_back(contributions.psnr_after(error));
   }
   const double wide = size.front() - size.back(), high = psnr.front() - psnr.back();
   if (!(wide > 0)) return count;
@@ -55,7 +57,10 @@ int64_t knee_count(const std::vector<Removal>& order, const Contributions& contr
   double most = 0;
   for (size_t i = 0; i < size.size(); ++i) {
     const double above = (psnr[i] - psnr.back()) / high - (size[i] - size.back()) / wide;
-    if (above > most) most = above, best = i;
+    if (above > most) {
+      most = above;
+      best = i;
+    }
   }
   return count - int64_t(best);
 }
@@ -65,24 +70,27 @@ double error_per_byte_at(const std::vector<Removal>& order, int64_t count) {
   return gone <= 0 ? 0 : order[size_t(gone - 1)].error_per_byte();
 }
 
-KeptRows kept_rows(const GaussianModel& model, const std::vector<Removal>& order, int64_t count) {
-  check(int64_t(order.size()) == model.count(), "kept_rows: an order of another model");
-  KeptRows rows;
+KeptElements kept_elements(const GaussianModel& model, const std::vector<Removal>& order,
+                           int64_t count) {
+  check(int64_t(order.size()) == model.count(), "kept_elements: an order of another model");
+  KeptElements elements;
   const size_t gone = order.size() - size_t(std::clamp<int64_t>(count, 0, model.count()));
-  for (size_t i = gone; i < order.size(); ++i) rows.of[order[i].set].push_back(order[i].row);
-  for (std::vector<int64_t>& of : rows.of) std::sort(of.begin(), of.end());
-  return rows;
+  for (size_t i = gone; i < order.size(); ++i)
+    elements.set_elements[order[i].set].push_back(order[i].element);
+  for (std::vector<int64_t>& set_elements : elements.set_elements)
+    std::sort(set_elements.begin(), set_elements.end());
+  return elements;
 }
 
-void keep_rows(TrainState& state, const KeptRows& rows) {
-  const std::unique_ptr<Backend> host = make_cpu_backend();
-  for (int k = 0; k < 2; ++k) keep_rows(*host, rows.of[k], state.set(k), state.statistics[k]);
+void keep_elements(Backend& backend, TrainState& state, const KeptElements& elements) {
+  for (int k = 0; k < 2; ++k)
+    keep_elements(backend, elements.set_elements[k], state.set(k), state.statistics[k]);
 }
 
-GaussianModel with_rows(const GaussianModel& model, const KeptRows& rows) {
+GaussianModel with_elements(const GaussianModel& model, const KeptElements& elements) {
   GaussianModel thinned = model.clone_values();
-  thinned.static_set = select_rows(model.static_set, rows.of[0]);
-  thinned.dynamic_set = select_rows(model.dynamic_set, rows.of[1]);
+  thinned.static_set = select_elements(model.static_set, elements.set_elements[0]);
+  thinned.dynamic_set = select_elements(model.dynamic_set, elements.set_elements[1]);
   return thinned;
 }
 

@@ -17,13 +17,13 @@ struct ByteRates {
   double time = 7.5;    // mean timestep, life, velocity
   double band = 0.55;   // of each further SH scalar
 
-  double of(bool dynamic, int sh_degree) const;
+  double bytes_of(bool dynamic, int sh_degree) const;
 };
 
 /// A Gaussian that could go.
 struct Removal {
   int set = 0;  // 0: static, 1: dynamic
-  int64_t row = 0;
+  int64_t element = 0;
   /// Squared error that its going adds, by the second order alone: the first is that of a gradient,
   /// which training drives to 0, and of what others take over.
   double error = 0;
@@ -33,7 +33,7 @@ struct Removal {
 };
 
 /// All Gaussians of a model, the cheapest first; of equals those without light, then in the order
-/// of their rows.
+/// of their elements.
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
                                    const ByteRates& rates = {});
 
@@ -47,16 +47,17 @@ int64_t knee_count(const std::vector<Removal>& order, const Contributions& contr
 /// there; 0 where nothing goes.
 double error_per_byte_at(const std::vector<Removal>& order, int64_t count);
 
-/// Rows of each set that are left when only `count` are, ascending: exactly so many, or all where
-/// there are fewer.
-struct KeptRows {
-  std::vector<int64_t> of[2];
+/// Elements of each set that are left when only `count` are, ascending: exactly so many, or all
+/// where there are fewer.
+struct KeptElements {
+  std::vector<int64_t> set_elements[2];
 };
-KeptRows kept_rows(const GaussianModel& model, const std::vector<Removal>& order, int64_t count);
+KeptElements kept_elements(const GaussianModel& model, const std::vector<Removal>& order,
+                           int64_t count);
 
-/// Leaves only these rows, in the host's memory; optimizer state and statistics
-/// stay with their rows.
-void keep_rows(TrainState& state, const KeptRows& rows);
-GaussianModel with_rows(const GaussianModel& model, const KeptRows& rows);
+/// Leaves only these elements, in the host's memory; optimizer state and statistics
+/// stay with their elements.
+void keep_elements(Backend& backend, TrainState& state, const KeptElements& elements);
+GaussianModel with_elements(const GaussianModel& model, const KeptElements& elements);
 
 }  // namespace tessera

@@ -24,13 +24,15 @@ int64_t largest_good(int64_t low, int64_t high, int64_t step,
 }  // namespace
 
 GaussianModel fit_to_limit(const SizeLimit& limit, Backend& backend, const GaussianModel& model,
-                           const FrameSample& at) {
-  const Contributions contributions = measure_contributions(backend, model, at);
+                           const FrameSample& sample) {
+  const Contributions contributions = measure_contributions(backend, model, sample);
   const std::vector<Removal> order = removal_order(model, contributions);
   int64_t unseen = 0;
-  for (const SetContributions& of : contributions.sets)
-    unseen += std::count_if(of.weight.begin(), of.weight.end(), [](float w) { return !(w > 0); });
-  const auto left = [&](int64_t count) { return with_rows(model, kept_rows(model, order, count)); };
+  for (const SetContributions& set : contributions.sets)
+    unseen += std::count_if(set.weight.begin(), set.weight.end(), [](float w) { return !(w > 0); });
+  const auto left = [&](int64_t count) {
+    return with_elements(model, kept_elements(model, order, count));
+  };
   int64_t count = model.count() - unseen;
   const int64_t step = std::max<int64_t>(1, count / 1000);
   if (limit.gaussians > 0) {

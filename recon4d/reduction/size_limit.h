@@ -23,12 +23,12 @@ struct SizeLimit {
   std::function<double(const GaussianModel& model)> psnr = {};  // for `least_psnr`
 };
 
-/// Gaussians without any light in the frames of `at` are gone, and no more of the others than are
-/// asked for: exactly `gaussians` are left, or all where there are fewer; the largest number whose
-/// file has no more than `bytes`; or the smallest whose PSNR is not below `least_psnr`, all in the
-/// order of their contributions. The last two by halving, to a thousandth of the Gaussians. The
-/// model lies in the host's memory.
+/// Gaussians without any light in the frames of `sample` are gone, and no more of the others than
+/// are asked for: exactly `gaussians` are left, or all where there are fewer; the largest number
+/// whose file has no more than `bytes`; or the smallest whose PSNR is not below `least_psnr`, all
+/// in the order of their contributions. The last two by halving, to a thousandth of the Gaussians.
+/// The model lies in the host's memory.
 GaussianModel fit_to_limit(const SizeLimit& limit, Backend& backend, const GaussianModel& model,
-                           const FrameSample& at);
+                           const FrameSample& sample);
 
 }  // namespace tessera

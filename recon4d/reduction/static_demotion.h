@@ -8,21 +8,24 @@
 namespace tessera {
 
 /// Gaussians of a dynamic set as static ones: where and as opaque as they are on the average of
-/// their light, with the shape and colours of their slice there. Rows without light or that are
-/// no Gaussians are where their own timestep has them.
+/// their light, with the shape and colours of their slice there. Elements without light or that are
+/// no Gaussians are where their own timestep has them. In the host's memory.
 GaussianSet as_static(const GaussianModel& model, const SetContributions& contributions);
 
 struct DemotionTrial {
-  std::vector<int64_t> rows;  // of the dynamic set that may be static, ascending
-  GaussianSet demoted{Form::kStatic, kMaxShCoefficients};  // [rows] what they become
+  explicit DemotionTrial(Memory& memory = host_memory())
+      : demoted(Form::kStatic, kMaxShCoefficients, memory) {}
+
+  std::vector<int64_t> elements;  // of the dynamic set that may be static, ascending
+  GaussianSet demoted;            // [elements] what they become, where the backend works
   /// Squared error that all of them add; where the last round has taken some away, the sum of the
   /// shares that the others had in it.
   double error = 0;
 };
 /// `allowed`: squared error that one of them may add; `rounds`: how often those that are left are
-/// tried, at most. The model lies in the host's memory.
+/// tried, at most.
 DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
-                           const Contributions& contributions, const FrameSample& at,
+                           const Contributions& contributions, const FrameSample& sample,
                            double allowed, int rounds = 4);
 
 }  // namespace tessera

@@ -40,10 +40,10 @@ Span<const uint8_t> span_of(const uint8_t* begin, const Image8& image) {
   return {image.data.empty() ? nullptr : begin, int64_t(image.data.size())};
 }
 
-/// A frame that copy_frame brought to `at`.
-void append_copied(const Frame& frame, const uint8_t* at, TargetImages& fed) {
-  fed.images.push_back(span_of(at, frame.image));
-  fed.masks.push_back(span_of(at + aligned(frame.image.data.size()), frame.mask));
+/// A frame that copy_frame copied to `bytes`.
+void append_copied(const Frame& frame, const uint8_t* bytes, TargetImages& fed) {
+  fed.images.push_back(span_of(bytes, frame.image));
+  fed.masks.push_back(span_of(bytes + aligned(frame.image.data.size()), frame.mask));
 }
 
 }  // namespace
@@ -63,7 +63,8 @@ FrameCache::FrameCache(Memory& memory, const Scene& scene, std::vector<int> fram
   for (int64_t i = 0; i < int64_t(frames_.size()); ++i) {
     const int64_t bytes = bytes_of(frame(i));
     offset_.push_back(all);
-    all += bytes, largest = std::max(largest, bytes);
+    all += bytes;
+    largest = std::max(largest, bytes);
   }
   const int64_t free_bytes = memory_.free_bytes();
   if (all <= (budget > 0 ? budget : free_bytes - reserve_of(free_bytes))) {
@@ -111,10 +112,10 @@ TargetImages FrameCache::truth(const std::vector<int64_t>& indices) {
     current_ = indices;
     if (find(indices) == nullptr) fill(slots_.front(), indices);
     memory_.wait_copies();
-    const uint8_t* at = std::as_const(find(indices)->bytes).data();
+    const uint8_t* bytes = std::as_const(find(indices)->bytes).data();
     for (const int64_t index : indices) {
-      append_copied(frame(index), at, fed);
-      at += bytes_of(frame(index));
+      append_copied(frame(index), bytes, fed);
+      bytes += bytes_of(frame(index));
     }
     return fed;
   }
@@ -151,11 +152,11 @@ FrameCache::Slot* FrameCache::find(const std::vector<int64_t>& indices) {
 }
 
 void FrameCache::fill(Slot& slot, const std::vector<int64_t>& indices) {
-  uint8_t* at = slot.bytes.data();
+  uint8_t* cursor = slot.bytes.data();
   slot.indices = indices;
   for (const int64_t index : indices) {
-    copy_frame(index, at);
-    at += bytes_of(frame(index));
+    copy_frame(index, cursor);
+    cursor += bytes_of(frame(index));
   }
 }
 

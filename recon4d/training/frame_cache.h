@@ -32,6 +32,8 @@ class FrameCache {
   /// Of training frames `indices`, for what is computed next.
   TargetImages truth(const std::vector<int64_t>& indices);
 
+  /// Whether every frame lies on a device for as long as the cache does.
+  bool is_resident() const { return place_ == Place::kResident; }
   /// How many batches `prefetch` wants to know.
   int64_t ahead() const { return place_ == Place::kRing ? kSlots - 1 : 0; }
   /// Begins to bring over the batches of the next steps, over those of steps before the one whose

@@ -141,17 +141,20 @@ void place(const InitialPoint& point, float squared_distance, const TrainOptions
 double static_share(const std::vector<InitialPoint>& points, const TrainOptions& options) {
   int64_t known = 0, still = 0;
   for (const InitialPoint& point : points)
-    if (point.still) ++known, still += *point.still;
+    if (point.still) {
+      ++known;
+      still += *point.still;
+    }
   if (known == 0 || !options.split_by_motion) return options.static_fraction;
   return std::max(options.static_fraction, double(still) / double(known));
 }
 
 /// 1 for points of the static set: all of a static scene; still points; else an even share of the
 /// rest.
-std::vector<char> static_choice(const std::vector<InitialPoint>& points, const Scene& scene,
-                                const TrainOptions& options) {
+std::vector<uint8_t> static_choice(const std::vector<InitialPoint>& points, const Scene& scene,
+                                   const TrainOptions& options) {
   const bool all = options.static_only || scene.is_static;
-  std::vector<char> chosen(points.size(), 0);
+  std::vector<uint8_t> chosen(points.size(), 0);
   const double share = static_share(points, options);
   double due = 0;  // static points owed by the share so far
   for (size_t i = 0; i < points.size(); ++i) {
@@ -176,16 +179,17 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
                                          : cloud_points(scene, rig, options, result.source);
   if (growth_limit(options) > 0) thin_out(points, growth_limit(options), result.source);
   std::vector<glm::vec3> positions;
+  positions.reserve(points.size());
   for (const InitialPoint& point : points) positions.push_back(point.position);
   const std::vector<float> squared = mean_squared_neighbour_distance(positions);
-  const std::vector<char> is_static = static_choice(points, scene, options);
+  const std::vector<uint8_t> is_static = static_choice(points, scene, options);
 
   GaussianModel& model = result.model;
   const int stored = sh_coefficients(int(options.sh_degree));
   model.static_set = GaussianSet(Form::kStatic, stored);
   model.dynamic_set =
       GaussianSet(dynamic_form(options), stored, host_memory(), int(options.sh_time_degree));
-  const int64_t statics = std::count(is_static.begin(), is_static.end(), char(1));
+  const int64_t statics = std::count(is_static.begin(), is_static.end(), uint8_t{1});
   model.static_set.resize(statics);
   model.dynamic_set.resize(int64_t(points.size()) - statics);
   int64_t placed[2] = {0, 0};
@@ -196,13 +200,10 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
   model.time_axis = scene.time_axis;
   model.prepared_from_source = scene.prepared_from_source;
   model.background = scene.background;
-  model.near_plane = options.near_plane, model.far_plane = options.far_plane;
-  model.sliced_direction = options.sliced_direction;
-  model.truncation_sigma = options.truncation_sigma;
-  model.truncation_by_falloff = options.truncation_by_falloff;
-  model.time_filter = options.time_filter;
-  model.filter_2d = options.filter_2d, model.train_scale = options.train_scale;
-  model.sh_degree = 0;
+  model.drawing = static_cast<const DrawingRules&>(options);
+  model.drawing.sh_degree = 0;  // bands and levels become active as the schedule has them
+  model.drawing.sh_time_degree = 0;
+  model.train_scale = options.train_scale;
   return result;
 }
 

@@ -52,7 +52,8 @@ class Tree {
  private:
   void split(int64_t begin, int64_t end) {
     if (end - begin <= kLeaf) return;
-    glm::vec3 low(std::numeric_limits<float>::max()), high(-std::numeric_limits<float>::max());
+    glm::vec3 low(std::numeric_limits<float>::max());
+    glm::vec3 high(-std::numeric_limits<float>::max());
     for (int64_t k = begin; k < end; ++k)
       for (int a = 0; a < 3; ++a) {
         low[a] = std::min(low[a], points_[size_t(at(k))][a]);
@@ -64,7 +65,7 @@ class Tree {
     std::nth_element(
         order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
         [&](int32_t a, int32_t b) { return points_[size_t(a)][axis] < points_[size_t(b)][axis]; });
-    axis_[size_t(middle)] = int8_t(axis);
+    axis_[size_t(middle)] = uint8_t(axis);
     split(begin, middle);
     split(middle + 1, end);
   }
@@ -93,7 +94,7 @@ class Tree {
 
   const std::vector<glm::vec3>& points_;
   std::vector<int32_t> order_;
-  std::vector<int8_t> axis_;
+  std::vector<uint8_t> axis_;
 };
 
 }  // namespace

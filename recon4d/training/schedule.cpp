@@ -23,7 +23,7 @@ Schedule::Schedule(const TrainOptions& options, double extent)
       reorder_interval_(scaled(options.reorder_interval)) {}
 
 int Schedule::sh_degree(int64_t i) const {
-  return int(std::min(options_.sh_degree, i / sh_interval_));
+  return int(std::min<int64_t>(options_.sh_degree, i / sh_interval_));
 }
 
 int Schedule::sh_time_degree(int64_t i) const {
@@ -51,7 +51,7 @@ bool Schedule::reorder(int64_t i) const {
 }
 
 bool Schedule::measure_filter(int64_t i) const {
-  if (options_.filter_3d == "none") return false;
+  if (options_.filter_3d == Filter3d::kNone) return false;
   if (i == 0 || densify(i)) return true;
   const int64_t interval = options_.densify_interval;
   return i > densify_until_ && i % interval == 0 && i + interval <= options_.iterations;

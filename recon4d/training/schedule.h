@@ -39,7 +39,7 @@ class Schedule {
   /// Log-linear from first to last over the whole training.
   double decayed(double first, double last, int64_t i) const;
   int64_t scaled(int64_t steps) const { return scaled_steps(options_, steps); }
-  bool is_mcmc() const { return options_.densification == "mcmc"; }
+  bool is_mcmc() const { return options_.densification == Densification::kMcmc; }
 
   const TrainOptions options_;
   double extent_;

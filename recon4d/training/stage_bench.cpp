@@ -63,7 +63,8 @@ GaussianModel initial_load(const Scene& scene, const TrainOptions& options,
   };
   enlarge(model.static_set, statics);
   enlarge(model.dynamic_set, wanted - statics);
-  model.sh_degree = int(options.sh_degree), model.sh_time_degree = int(options.sh_time_degree);
+  model.drawing.sh_degree = int(options.sh_degree);
+  model.drawing.sh_time_degree = int(options.sh_time_degree);
   return model;
 }
 
@@ -76,7 +77,7 @@ void shuffle(GaussianSet& set, uint64_t seed) {
   Buffer<int64_t> order(set.count());
   for (int64_t n = 0; n < set.count(); ++n) order[n] = keys[size_t(n)].second;
   const Span<const int64_t> rows = std::as_const(order).span();
-  take_rows(*make_cpu_backend(), rows, rows, set);
+  take_elements(*make_cpu_backend(), rows, rows, set);
 }
 
 /// Options of a training that leaves its load as it is: nothing is learnt, added or removed.
@@ -155,7 +156,8 @@ StageBenchReport bench_stages(Backend& backend, const Scene& scene, const TrainO
 double copy_bytes_per_second(Backend& backend) {
   constexpr int64_t kFloats = int64_t{1} << 26;  // 256 MiB, more than any cache
   constexpr int kCopies = 20;
-  Buffer<float> from(kFloats, backend.memory()), to(kFloats, backend.memory());
+  Buffer<float> from(kFloats, backend.memory());
+  Buffer<float> to(kFloats, backend.memory());
   backend.fill_zero(from.span());
   const auto copy = [&] {
     backend.memory().copy(to.data(), from.data(), size_t(kFloats) * sizeof(float));

@@ -39,11 +39,11 @@ std::string what_is_bad(const StepOutcome& outcome, Form form) {
 /// Those that may see a set: every frame, or every camera once where moments do not matter.
 std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frames, bool moving) {
   std::vector<View> views;
-  std::map<std::array<double, 3>, std::vector<size_t>> at;  // views by where their cameras stand
+  std::map<std::array<double, 3>, std::vector<size_t>> views_by_position;
   for (const int i : frames) {
     const Frame& frame = scene.frames[size_t(i)];
     const glm::dvec3& t = frame.camera.translation;
-    std::vector<size_t>& here = at[{t[0], t[1], t[2]}];
+    std::vector<size_t>& here = views_by_position[{t[0], t[1], t[2]}];
     if (!moving && std::any_of(here.begin(), here.end(),
                                [&](size_t v) { return views[v].camera == frame.camera; }))
       continue;
@@ -95,7 +95,7 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
   gains_ = gains_of(state_.exposure);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
   for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
-  if (options_.filter_3d != "none")
+  if (options_.filter_3d != Filter3d::kNone)
     for (int k = 0; k < 2; ++k)
       filter_views_[k] = make_view_batch<float>(filter_views(scene, train_frames_, k == 1));
   if (&backend.memory() != &host_memory()) state_ = state_.clone_to(backend.memory());
@@ -122,30 +122,33 @@ const GaussianModel& Trainer::host_model() {
   return *host_model_;
 }
 
-void Trainer::edit_on_host(const std::function<void(TrainState&)>& change) {
+const GaussianModel& Trainer::drawn_model() {
+  return is_filtered(state_, options_) || state_.has_blocks() ? host_model() : state_.model;
+}
+
+void Trainer::edit(const std::function<void(TrainState&)>& change) {
   complete_pending();
   forget_copies();
   pipeline_.release();
-  if (&backend_.memory() == &host_memory()) {
-    change(state_);
-  } else {
-    TrainState state = state_.clone_to(host_memory());
-    change(state);
-    state_ = TrainState();  // its memory is free before the next is taken
-    state_ = state.clone_to(backend_.memory());
-  }
-  for (int k = 0; k < 2 && options_.filter_3d != "none"; ++k) measure_filter(k);
+  change(state_);
+  for (int k = 0; k < 2 && options_.filter_3d != Filter3d::kNone; ++k) measure_filter(k);
 }
 
-FrameSample Trainer::sample_frames(int64_t most) const {
-  FrameSample at = sample_training_frames(scene_, most);
-  at.kernels = kernel_switches(options_);
-  if (gains_.empty()) return at;
-  for (const int frame : at.frames) {
-    const auto found = std::find(train_frames_.begin(), train_frames_.end(), frame);
-    at.gain.push_back(gains_[size_t(exposed_.of_frame[size_t(found - train_frames_.begin())])]);
+FrameSample Trainer::sample_frames(int64_t most) {
+  FrameSample sample = sample_training_frames(scene_, most);
+  sample.kernels = kernel_switches(options_);
+  std::vector<int64_t> indices;  // among the training frames
+  for (const int frame : sample.frames)
+    indices.push_back(std::find(train_frames_.begin(), train_frames_.end(), frame) -
+                      train_frames_.begin());
+  if (cache_.is_resident()) {
+    TargetImages resident = cache_.truth(indices);
+    sample.images = std::move(resident.images);
+    sample.masks = std::move(resident.masks);
   }
-  return at;
+  for (const int64_t i : indices)
+    if (!gains_.empty()) sample.gain.push_back(gains_[size_t(exposed_.of_frame[size_t(i)])]);
+  return sample;
 }
 
 int64_t Trainer::room_of(int k) const {
@@ -168,7 +171,8 @@ void Trainer::control() {
     if (&backend_.memory() != &host_memory()) pipeline_.release();
     backend_.memory().trim();
   }
-  model.sh_degree = degree, model.sh_time_degree = time_degree;
+  model.drawing.sh_degree = degree;
+  model.drawing.sh_time_degree = time_degree;
   if (densifies) densify();
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state_.set(k);
@@ -190,13 +194,13 @@ void Trainer::measure_filter(int k) {
   Buffer<float>& sizes = state_.statistics[k].filter_size;
   sizes.resize(state_.set(k).count());
   backend_.filter_sizes({&views, std::as_const(state_).set(k).values(), float(options_.near_plane),
-                         focal, float(state_.model.time_filter)},
+                         focal, float(state_.model.drawing.time_filter)},
                         sizes.span());
 }
 
 void Trainer::densify() {
   const int64_t i = state_.iteration;
-  const bool mcmc = options_.densification == "mcmc";
+  const bool mcmc = options_.densification == Densification::kMcmc;
   std::array<DensityReport, 2> reports;
   if (mcmc) reports = control_mcmc(backend_, options_, state_);
   for (int k = 0; k < 2; ++k) {
@@ -244,17 +248,18 @@ void Trainer::step() {
   backward();
   prefetch();
   ++state_.iteration;
-  state_.sampler_epoch = sampler_.epoch(), state_.sampler_position = sampler_.position();
+  state_.sampler_epoch = sampler_.epoch();
+  state_.sampler_position = sampler_.position();
   pending_ = report;
 }
 
 std::vector<Vec3<double>> Trainer::gains(const std::vector<int64_t>& batch) {
   std::vector<Vec3<double>> gains;
   if (gains_.empty()) return gains;
-  pending_rows_.clear();
+  pending_elements_.clear();
   for (const int64_t index : batch) {
-    pending_rows_.push_back(exposed_.of_frame[size_t(index)]);
-    gains.push_back(gains_[size_t(pending_rows_.back())]);
+    pending_elements_.push_back(exposed_.of_frame[size_t(index)]);
+    gains.push_back(gains_[size_t(pending_elements_.back())]);
   }
   return gains;
 }
@@ -266,9 +271,11 @@ void Trainer::backward() {
     GaussianSet& set = state_.set(k);
     SinkArgs<float>& sink = args.sinks[k];
     sink.fused = options_.fused_optimizer;
-    sink.value = set.values(), sink.moment1 = set.moments1();
-    sink.moment2 = set.moments2(), sink.adam = schedule_.adam(i, set.form());
-    sink.idle = idle_update(options_);
+    sink.value = set.values();
+    sink.moment1 = set.moments1();
+    sink.moment2 = set.moments2();
+    sink.adam = schedule_.adam(i, set.form());
+    sink.idle = options_.idle_updates;
     if (!sink.fused) {
       gradients_[k].resize(set.count(), set.blocks());
       sink.gradient = gradients_[k].values();
@@ -287,7 +294,7 @@ void Trainer::backward() {
         environment.value.span(), environment.moment1.span(), environment.moment2.span());
   if (!options_.fused_optimizer)
     for (const SinkArgs<float>& sink : args.sinks) backend_.adam(sink);
-  if (options_.filter_3d == "clamp")
+  if (options_.filter_3d == Filter3d::kClamp)
     for (int k = 0; k < 2; ++k)
       backend_.edit_by_filter(FilterEdit::kRaiseScales, state_.filtered_values(k), 0);
   const double noise = schedule_.noise_scale(i);
@@ -321,7 +328,7 @@ void Trainer::complete_pending() {
         what_is_bad(outcome, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
   }
   if (!gains_.empty()) {
-    step_exposure(pending_rows_, outcome.d_gain, schedule_.exposure_rate(report.iteration - 1),
+    step_exposure(pending_elements_, outcome.d_gain, schedule_.exposure_rate(report.iteration - 1),
                   state_.exposure);
     gains_ = gains_of(state_.exposure);
   }

@@ -37,17 +37,23 @@ class Trainer {
   const TrainState& host_state();
   /// The model in the host's memory as it is drawn, e.g. for evaluation. Valid until the next step.
   const GaussianModel& host_model();
-  /// Lets `change` work on the state in the host's memory; Gaussians may be fewer or more after it,
-  /// statistics must fit them.
-  void edit_on_host(const std::function<void(TrainState&)>& change);
+  /// The model as it is drawn: in the backend's memory where the state is drawn as it is stored,
+  /// else host_model(). Valid until the next step.
+  const GaussianModel& drawn_model();
+  /// Lets `change` work on the state, in the backend's memory; Gaussians may be fewer or more after
+  /// it, statistics must fit them.
+  void edit(const std::function<void(TrainState&)>& change);
   /// Notes that a decision was made after the steps that are done: what it leaves to be thinned to,
   /// and the time it took.
   void note_decision(int64_t goal, double seconds) {
-    state_.decided = state_.iteration, state_.goal = goal, state_.seconds += seconds;
+    state_.decided = state_.iteration;
+    state_.goal = goal;
+    state_.seconds += seconds;
     forget_copies();
   }
-  /// Training frames with the gains they have now; at most `most`, 0: all.
-  FrameSample sample_frames(int64_t most) const;
+  /// Training frames with the gains they have now, and their images where all are on the device; at
+  /// most `most`, 0: all.
+  FrameSample sample_frames(int64_t most);
   const TrainOptions& options() const { return options_; }
   /// What state().exposure has a gain for.
   const ExposureRows& exposed() const { return exposed_; }
@@ -66,7 +72,10 @@ class Trainer {
   /// Reports the last step once the backend knows how it went.
   void complete_pending();
   void finish();
-  void forget_copies() { host_state_.reset(), host_model_.reset(); }
+  void forget_copies() {
+    host_state_.reset();
+    host_model_.reset();
+  }
 
   Backend& backend_;
   const Scene& scene_;
@@ -84,8 +93,8 @@ class Trainer {
   ViewBatch<float> filter_views_[2];
   Buffer<float> d_environment_;
   ExposureRows exposed_;
-  std::vector<Vec3<double>> gains_;    // [R] of the next step
-  std::vector<int32_t> pending_rows_;  // [B] of gains, of the last step
+  std::vector<Vec3<double>> gains_;        // [R] of the next step
+  std::vector<int32_t> pending_elements_;  // [B] of gains, of the last step
   std::optional<StepReport> pending_;
   std::chrono::steady_clock::time_point reported_;  // until when time is accounted for
   std::optional<TrainState> host_state_;

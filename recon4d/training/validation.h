@@ -39,7 +39,10 @@ class Validation {
   /// PSNR on the validation frames, dB. Errors: std::logic_error where there are none.
   double psnr(const GaussianModel& model) const;
   /// From now on models have the size that is asked for: only these are shipped.
-  void restart() { record_.restart(), best_.reset(); }
+  void restart() {
+    record_.restart();
+    best_.reset();
+  }
 
   /// Whether training is to end.
   bool stops() const { return record_.stopped; }

@@ -26,7 +26,8 @@ struct Bounds {
   Vec3<float> low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
 
   void add(const Vec3<float>& low_point, const Vec3<float>& high_point) {
-    low = glm::min(low, low_point), high = glm::max(high, high_point);
+    low = glm::min(low, low_point);
+    high = glm::max(high, high_point);
   }
   nlohmann::json to_json() const {
     if (low[0] > high[0]) return nullptr;
@@ -100,7 +101,7 @@ void SequenceWriter::write_frame(size_t i) {
   }
   frame.gaussians = int64_t(rows.size());
   const std::filesystem::path path = folder_ / name(i);
-  save_splat_file(format_, path, select_rows(slice, rows), model_.sh_degree);
+  save_splat_file(format_, path, select_elements(slice, rows), model_.drawing.sh_degree);
   bytes_[i] = int64_t(std::filesystem::file_size(path));
 }
 
@@ -134,7 +135,7 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
                            {"duration", model_.time_axis.duration}};
   const bool in_source_world = model_.prepared_from_source.is_identity();
   manifest["world"] = in_source_world ? "source" : "prepared";
-  manifest["sh_degree"] = model_.sh_degree;
+  manifest["sh_degree"] = model_.drawing.sh_degree;
   manifest["background"] = model_.background;
   manifest["up"] = up_of(hints_.cameras);
   manifest["splat"] = splat_json(model_);

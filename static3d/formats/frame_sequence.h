@@ -45,8 +45,8 @@ struct SequenceHints {
 /// Writes frame_0000.EXTENSION … (four digits, more when needed) for `times` (normalised,
 /// ascending) and, last, manifest.json. Each file appears atomically; frames of an earlier, longer
 /// export are removed. Frames are made in parallel, as many at once as fit a fixed memory budget.
-/// Frames show the colours of the model only when it has sliced_direction, see slice_model
-/// (lift.h). Errors: InputError: no times, times that do not ascend, a folder that cannot be
+/// Frames show the colours of the model only when it has sliced_direction, see
+/// Slicer::at. Errors: InputError: no times, times that do not ascend, a folder that cannot be
 /// written.
 SequenceReport export_sequence(const GaussianModel& model, const std::filesystem::path& folder,
                                const std::vector<double>& times, const SplatFormat& format,

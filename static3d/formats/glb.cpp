@@ -59,12 +59,16 @@ class GlbColumns {
     json low = json::array(), high = json::array();
     for (int k = 0; k < 3; ++k) {
       float a = INFINITY, b = -INFINITY;
-      for (int64_t n = 0; n < set_.count; ++n)
-        a = std::min(a, set_.at(kMean, n)[k]), b = std::max(b, set_.at(kMean, n)[k]);
-      low.push_back(set_.count > 0 ? a : 0), high.push_back(set_.count > 0 ? b : 0);
+      for (int64_t n = 0; n < set_.count; ++n) {
+        a = std::min(a, set_.at(kMean, n)[k]);
+        b = std::max(b, set_.at(kMean, n)[k]);
+      }
+      low.push_back(set_.count > 0 ? a : 0);
+      high.push_back(set_.count > 0 ? b : 0);
     }
     json& position = accessors_[attributes_["POSITION"].get<size_t>()];
-    position["min"] = low, position["max"] = high;
+    position["min"] = low;
+    position["max"] = high;
   }
 
   const std::string& buffer() const { return buffer_; }
@@ -155,7 +159,8 @@ void save_glb(const std::filesystem::path& path, const GaussianSet& set, int sh_
   append_chunk(chunks, columns.document().dump(), "JSON", ' ');
   append_chunk(chunks, columns.buffer(), "BIN\0", '\0');
   std::string file = "glTF";
-  append(file, uint32_t{2}), append(file, uint32_t(12 + chunks.size()));
+  append(file, uint32_t{2});
+  append(file, uint32_t(12 + chunks.size()));
   write_text_file(path, file + chunks);
 }
 

@@ -32,11 +32,14 @@ struct ChunkRange {
   std::array<float, 9> low, high;
 
   ChunkRange(const GaussianSpans<const float>& set, int64_t begin, int64_t end) {
-    low.fill(INFINITY), high.fill(-INFINITY);
+    low.fill(INFINITY);
+    high.fill(-INFINITY);
     for (int64_t n = begin; n < end; ++n) {
       const std::array<float, 9> v = ranged(set, n);
-      for (size_t k = 0; k < 9; ++k)
-        low[k] = std::min(low[k], v[k]), high[k] = std::max(high[k], v[k]);
+      for (size_t k = 0; k < 9; ++k) {
+        low[k] = std::min(low[k], v[k]);
+        high[k] = std::max(high[k], v[k]);
+      }
     }
   }
   /// 0 to 1; 0 where the range is nothing.
@@ -96,7 +99,7 @@ void append_sh_channels(std::string& bytes, const float* sh, int rest) {
 
 void save_compressed_splat(const std::filesystem::path& path, const GaussianSet& set,
                            int sh_degree) {
-  const GaussianSet ordered = select_rows(set, morton_order(set.values()));
+  const GaussianSet ordered = select_elements(set, morton_order(set.values()));
   const GaussianSpans<const float> values = ordered.values();
   const int64_t count = ordered.count();
   const int rest = sh_coefficients(sh_degree) - 1;

@@ -39,12 +39,12 @@ int64_t normalise_rotations(GaussianSet& set) {
 }
 
 void drop_invalid(const std::filesystem::path& path, SplatFile& file) {
-  const std::vector<int64_t> rows = valid_rows(file.set);
+  const std::vector<int64_t> rows = valid_elements(file.set);
   if (int64_t(rows.size()) == file.set.count()) return;
   file.warnings.push_back(
       fmt::format("{}: {} of {} Gaussians dropped: a value not finite, or a quaternion of length 0",
                   path.string(), file.set.count() - int64_t(rows.size()), file.set.count()));
-  file.set = select_rows(file.set, rows);
+  file.set = select_elements(file.set, rows);
 }
 
 std::string head_of(const std::filesystem::path& path) {
@@ -134,8 +134,8 @@ SplatFile load_splat_file(const std::filesystem::path& path) {
 int64_t save_splat_file(const SplatFormat& format, const std::filesystem::path& path,
                         const GaussianSet& set, int sh_degree) {
   check(set.dim() == 3, "save_splat_file: a static set; slice a dynamic one first");
-  const std::vector<int64_t> rows = valid_rows(set);
-  GaussianSet sound = select_rows(set, rows);
+  const std::vector<int64_t> rows = valid_elements(set);
+  GaussianSet sound = select_elements(set, rows);
   normalise_rotations(sound);
   format.save(path, sound, std::min(sh_degree, sh_degree_of(sound.coefficients())));
   return set.count() - int64_t(rows.size());

@@ -67,7 +67,8 @@ Words words_of(const SplatvRow& row) {
   Words words{};
   for (int k = 0; k < 3; ++k) std::memcpy(&words[size_t(k)], &mean[k], sizeof(float));
   const Vec4<float>& q = row.rotation;
-  words[3] = two_halves(q[0], q[1]), words[4] = two_halves(q[2], q[3]);
+  words[3] = two_halves(q[0], q[1]);
+  words[4] = two_halves(q[2], q[3]);
   words[5] = two_halves(std::exp(row.log_scale[0]), std::exp(row.log_scale[1]));
   words[6] = two_halves(std::exp(row.log_scale[2]), 0);
   words[7] = colour_word(row);
@@ -80,7 +81,8 @@ Words words_of(const SplatvRow& row) {
 /// What fills the last row of the texture: long gone at any timestep of the clip.
 Words nothing() {
   Words words{};
-  words[3] = two_halves(1, 0), words[15] = two_halves(-1000, 1);
+  words[3] = two_halves(1, 0);
+  words[15] = two_halves(-1000, 1);
   return words;
 }
 
@@ -90,7 +92,8 @@ SplatvRow still_row(const GaussianSpans<const float>& set, int64_t n) {
   const float norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   row.rotation = Vec4<float>(q[0], q[1], q[2], q[3]) * (1 / norm);
   for (int k = 0; k < 3; ++k) {
-    row.mean[k] = set.at(kMean, n)[k], row.log_scale[k] = set.at(kLogScale, n)[k];
+    row.mean[k] = set.at(kMean, n)[k];
+    row.log_scale[k] = set.at(kLogScale, n)[k];
     row.sh0[k] = set.at(kSh, n)[k];
   }
   row.opacity = sigmoid(*set.at(kOpacityLogit, n));
@@ -105,10 +108,14 @@ float brightest(const MovingGaussian& g) {
 SplatvRow moving_row(const GaussianModel& model, const MovingGaussian& g) {
   const GaussianSpans<const float> set = model.dynamic_set.values();
   SplatvRow row;
-  row.mean = g.mean, row.rotation = g.rotation, row.log_scale = g.log_scale;
-  row.opacity = g.opacity, row.velocity = g.spacetime.velocity, row.centre = g.spacetime.mean_time;
+  row.mean = g.mean;
+  row.rotation = g.rotation;
+  row.log_scale = g.log_scale;
+  row.opacity = g.opacity;
+  row.velocity = g.spacetime.velocity;
+  row.centre = g.spacetime.mean_time;
   // p = exp(−½Δ²/(w + f)), f of the temporal filter
-  const double variance = 1 / double(g.spacetime.precision_time) + model.time_filter;
+  const double variance = 1 / double(g.spacetime.precision_time) + model.drawing.time_filter;
   row.width = float(std::min(std::sqrt(2 * variance), double(kMostHalf)));
   ColourRules<float> colours =
       make_colour_rules<float>(render_options(model), set.coefficients, set.time_levels);
@@ -119,7 +126,8 @@ SplatvRow moving_row(const GaussianModel& model, const MovingGaussian& g) {
 }
 
 bool is_ever_drawn(const GaussianModel& model, const MovingGaussian& g) {
-  const Slice<float> slice = slice_at(g.mean, g.spacetime, brightest(g), float(model.time_filter));
+  const Slice<float> slice =
+      slice_at(g.mean, g.spacetime, brightest(g), float(model.drawing.time_filter));
   return slice.marginal >= kMinMarginal<float> &&
          model.cutoff<float>().keeps(g.opacity * slice.marginal);
 }
@@ -131,7 +139,7 @@ std::string texture_of(const GaussianModel& model, SplatvReport& report) {
     ++report.gaussians;
   };
   const GaussianSpans<const float> fixed = model.static_set.values();
-  for (const int64_t n : valid_rows(model.static_set)) add(still_row(fixed, n));
+  for (const int64_t n : valid_elements(model.static_set)) add(still_row(fixed, n));
   report.non_finite = model.static_set.count() - report.gaussians;
   const Slicer slicer(model);
   report.non_finite += slicer.invalid();
@@ -172,8 +180,11 @@ PlayerCamera splatv_camera(const GaussianModel& model) {
   constexpr double kFocal = 1000, kDistance = 4;  // pixels; × the scene's half extent
   const SceneBox box = scene_box(model);
   Camera camera;
-  camera.width = kWidth, camera.height = kHeight;
-  camera.fl_x = camera.fl_y = kFocal, camera.cx = kWidth / 2.0, camera.cy = kHeight / 2.0;
+  camera.width = kWidth;
+  camera.height = kHeight;
+  camera.fl_x = camera.fl_y = kFocal;
+  camera.cx = kWidth / 2.0;
+  camera.cy = kHeight / 2.0;
   const double back = kDistance * (box.half_extent > 0 ? double(box.half_extent) : 1.0);
   camera.translation = glm::dvec3(0, 0, back) - glm::dvec3(box.centre);
   return {"front", camera};
@@ -200,8 +211,10 @@ SplatvReport save_splatv(const std::filesystem::path& path, const GaussianModel&
                                 {"cameras", list}};
   const std::string text = nlohmann::json::array({chunk}).dump();
   std::string file;
-  append(file, kMagic), append(file, uint32_t(text.size()));
-  file += text, file += texture;
+  append(file, kMagic);
+  append(file, uint32_t(text.size()));
+  file += text;
+  file += texture;
   write_text_file(path, file);
   report.bytes = int64_t(file.size());
   return report;

@@ -43,10 +43,13 @@ struct SpzColumns {
 
 SpzHeader read_header(ByteReader& bytes, const std::filesystem::path& path) {
   SpzHeader header;
-  header.magic = bytes.number<uint32_t>(), header.version = bytes.number<uint32_t>();
+  header.magic = bytes.number<uint32_t>();
+  header.version = bytes.number<uint32_t>();
   header.count = bytes.number<uint32_t>();
-  header.sh_degree = bytes.number<uint8_t>(), header.fraction_bits = bytes.number<uint8_t>();
-  header.flags = bytes.number<uint8_t>(), header.streams = bytes.number<uint8_t>();
+  header.sh_degree = bytes.number<uint8_t>();
+  header.fraction_bits = bytes.number<uint8_t>();
+  header.flags = bytes.number<uint8_t>();
+  header.streams = bytes.number<uint8_t>();
   if (header.magic != kSpzMagic)
     throw InputError(fmt::format("{}: no .spz inside; export it again", path.string()));
   if (header.version < 2 || header.version > 4)
@@ -82,12 +85,12 @@ std::string unpacked(std::string_view file, const std::filesystem::path& path) {
 
 SpzColumns columns_of(ByteReader& bytes, const SpzHeader& header) {
   SpzColumns columns;
-  columns.position = bytes.take_rows(header.count, 9);
-  columns.alpha = bytes.take_rows(header.count, 1);
-  columns.colour = bytes.take_rows(header.count, 3);
-  columns.scale = bytes.take_rows(header.count, 3);
-  columns.rotation = bytes.take_rows(header.count, rotation_bytes(header));
-  columns.sh = bytes.take_rows(header.count, sh_bytes(header));
+  columns.position = bytes.take_elements(header.count, 9);
+  columns.alpha = bytes.take_elements(header.count, 1);
+  columns.colour = bytes.take_elements(header.count, 3);
+  columns.scale = bytes.take_elements(header.count, 3);
+  columns.rotation = bytes.take_elements(header.count, rotation_bytes(header));
+  columns.sh = bytes.take_elements(header.count, sh_bytes(header));
   return columns;
 }
 
@@ -119,14 +122,15 @@ std::string joined_streams(ByteReader& bytes, const SpzHeader& header,
                                  path.string(), bytes.left(), total));
   std::string joined;
   joined.resize(total);
-  uint64_t at = 0;
+  uint64_t position = 0;
   for (const auto& [packed, plain] : sizes) {
     const std::string_view stream = bytes.take(packed);
-    const size_t got = ZSTD_decompress(joined.data() + at, plain, stream.data(), stream.size());
+    const size_t got =
+        ZSTD_decompress(joined.data() + position, plain, stream.data(), stream.size());
     if (ZSTD_isError(got) != 0 || got != plain)
       throw InputError(
           fmt::format("{}: a zstd stream of it is damaged; fetch it again", path.string()));
-    at += plain;
+    position += plain;
   }
   return joined;
 }
@@ -261,9 +265,13 @@ std::vector<std::string> streams_of(const GaussianSpans<const float>& from, int 
 }
 
 void append_header(std::string& bytes, const SpzHeader& header) {
-  append(bytes, header.magic), append(bytes, header.version), append(bytes, header.count);
-  append(bytes, header.sh_degree), append(bytes, header.fraction_bits);
-  append(bytes, header.flags), append(bytes, header.streams);
+  append(bytes, header.magic);
+  append(bytes, header.version);
+  append(bytes, header.count);
+  append(bytes, header.sh_degree);
+  append(bytes, header.fraction_bits);
+  append(bytes, header.flags);
+  append(bytes, header.streams);
 }
 
 #ifdef TESSERA_HAS_ZSTD
@@ -274,13 +282,15 @@ std::string packed_apart(SpzHeader header, const std::vector<std::string>& strea
   header.streams = uint8_t(streams.size());
   std::string bytes, packed;
   append_header(bytes, header);
-  append(bytes, kVersion4Header), bytes.append(12, '\0');  // the table follows at once
+  append(bytes, kVersion4Header);
+  bytes.append(12, '\0');  // the table follows at once
   for (const std::string& stream : streams) {
     std::string part(ZSTD_compressBound(stream.size()), '\0');
     const size_t size =
         ZSTD_compress(part.data(), part.size(), stream.data(), stream.size(), kLevel);
     check(ZSTD_isError(size) == 0, "save_spz: zstd");
-    append(bytes, uint64_t(size)), append(bytes, uint64_t(stream.size()));
+    append(bytes, uint64_t(size));
+    append(bytes, uint64_t(stream.size()));
     packed.append(part, 0, size);
   }
   return bytes + packed;
@@ -326,7 +336,8 @@ void save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_
   const int degree = std::min(sh_degree, sh_degree_of(set.coefficients()));
   const std::vector<std::string> streams = streams_of(std::as_const(flipped).values(), degree);
   SpzHeader header;
-  header.version = uint32_t(version), header.count = uint32_t(set.count());
+  header.version = uint32_t(version);
+  header.count = uint32_t(set.count());
   header.sh_degree = uint8_t(degree);
   if (version == 4) {
     write_text_file(path, packed_apart(header, streams, path));

@@ -46,14 +46,15 @@ class Encoder {
     std::vector<int> degrees;
     for (int64_t n = 0; n < set.count(); ++n) {
       degrees.push_back(needed_degree(values.at(kSh, n), rules_));
-      for (int degree = 1; degree <= degrees.back(); ++degree) ++sh_rows_[size_t(degree)];
+      for (int degree = 1; degree <= degrees.back(); ++degree) ++sh_elements_[size_t(degree)];
     }
     std::stable_sort(order.begin(), order.end(),
                      [&](int64_t a, int64_t b) { return degrees[size_t(a)] > degrees[size_t(b)]; });
-    sorted_ = select_rows(set, order);
+    sorted_ = select_elements(set, order);
     position_step_ = position_step();
     opacity_ = opacities();
-    block_.info.moving = set.form() != Form::kStatic, block_.info.count = set.count();
+    block_.info.moving = set.form() != Form::kStatic;
+    block_.info.count = set.count();
   }
 
   Block encode() {
@@ -64,7 +65,8 @@ class Encoder {
     add_shape();
     add_colour();
     pack();
-    block_.info.bytes = block_.bytes.size(), block_.info.crc32 = crc32_of(block_.bytes);
+    block_.info.bytes = block_.bytes.size();
+    block_.info.crc32 = crc32_of(block_.bytes);
     return std::move(block_);
   }
 
@@ -77,14 +79,14 @@ class Encoder {
   int64_t count() const { return sorted_.count(); }
   GaussianSpans<const float> values() const { return sorted_.values(); }
 
-  /// [width, rows] of the first rows.
-  std::vector<float> column(Group group, int first, int width, int64_t rows = -1) const {
+  /// [width, elements] of the first elements.
+  std::vector<float> column(Group group, int first, int width, int64_t elements = -1) const {
     const GaussianSpans<const float> values = this->values();
-    if (rows < 0) rows = count();
+    if (elements < 0) elements = count();
     std::vector<float> out;
-    out.reserve(size_t(rows * width));
+    out.reserve(size_t(elements * width));
     for (int c = 0; c < width; ++c)
-      for (int64_t n = 0; n < rows; ++n) out.push_back(values.at(group, n)[first + c]);
+      for (int64_t n = 0; n < elements; ++n) out.push_back(values.at(group, n)[first + c]);
     return out;
   }
   void add(StreamWords stream) { streams_.push_back(std::move(stream)); }
@@ -96,7 +98,8 @@ class Encoder {
     });
     for (size_t i = 0; i < packed.size(); ++i) {
       StreamInfo info = streams_[i].info;
-      info.offset = block_.bytes.size(), info.bytes = packed[i].size();
+      info.offset = block_.bytes.size();
+      info.bytes = packed[i].size();
       block_.info.streams.push_back(std::move(info));
       block_.bytes += packed[i];
     }
@@ -148,7 +151,8 @@ class Encoder {
     add_position(at_anchors(anchors));
     add(rounded("velocity", 3, column(kVelocity, 0, 3),
                 position_step_ / std::max(reach, kLeastReach)));
-    add(time), add(length);
+    add(time);
+    add(length);
   }
 
   /// mean + velocity · (anchor − time_mean), of unrounded values: on the path of each.
@@ -186,9 +190,12 @@ class Encoder {
     for (int64_t n = 0; n < count(); ++n) {
       const Vec4<float> q = glm::normalize(load4(values().at(kRotation, n)));
       const int top = largest_of({q[0], q[1], q[2], q[3]});
-      int64_t at = n;
+      int64_t moved = n;
       for (int k = 0; k < 4; ++k)
-        if (k != top) smaller[size_t(at)] = q[top] < 0 ? -q[k] : q[k], at += count();
+        if (k != top) {
+          smaller[size_t(moved)] = q[top] < 0 ? -q[k] : q[k];
+          moved += count();
+        }
       largest.push_back(float(top));
     }
     add(quantised("rotation", 3, smaller, kRotationStep));
@@ -198,15 +205,16 @@ class Encoder {
   void add_colour() {
     add(rounded(kShNames[0], 3, column(kSh, 0, 3), kColourStep));
     for (int degree = 1; degree <= rules_.sh_degree; ++degree) {
-      const int64_t rows = sh_rows_[size_t(degree)];
-      if (rows == 0) break;
+      const int64_t elements = sh_elements_[size_t(degree)];
+      if (elements == 0) break;
       add(rounded(kShNames[degree], band_width(degree),
-                  column(kSh, band_begin(degree), band_width(degree), rows), kShStep[degree]));
+                  column(kSh, band_begin(degree), band_width(degree), elements), kShStep[degree]));
     }
   }
 
   BlockRules rules_;
-  std::array<int64_t, kMaxShDegree + 1> sh_rows_{};  // Gaussians that need a degree: the first ones
+  std::array<int64_t, kMaxShDegree + 1>
+      sh_elements_{};  // Gaussians that need a degree: the first ones
   GaussianSet sorted_{Form::kStatic, 1};
   double position_step_ = 0;  // world units
   StreamWords opacity_;       // until it is added

@@ -104,7 +104,10 @@ json to_json(const StreamInfo& stream) {
               {"codec", stream.gzip ? "gzip" : "none"},
               {"offset", stream.offset},
               {"bytes", stream.bytes}};
-  if (!stream.scale.empty()) out["scale"] = stream.scale, out["bias"] = stream.bias;
+  if (!stream.scale.empty()) {
+    out["scale"] = stream.scale;
+    out["bias"] = stream.bias;
+  }
   if (stream.delta) out["delta"] = true;
   return out;
 }
@@ -152,7 +155,8 @@ StreamInfo stream_from(const json& object, const BlockInfo& block, const fs::pat
   if (known == std::end(kTypeNames) || (codec != "gzip" && codec != "none"))
     reading.fail(fmt::format("'{}' has type '{}' and codec '{}', which this version cannot read",
                              stream.name, type, codec));
-  stream.type = StreamType(known - std::begin(kTypeNames)), stream.gzip = codec == "gzip";
+  stream.type = StreamType(known - std::begin(kTypeNames));
+  stream.gzip = codec == "gzip";
   constexpr uint64_t kMostComponents = 64;
   stream.components = int(reading.whole("components", kMostComponents));
   stream.count = int64_t(reading.whole("count", uint64_t(block.count)));
@@ -196,14 +200,13 @@ BlockInfo block_from(const json& object, const fs::path& path) {
 }
 
 void read_splat(const Reading& splat, GaussianModel& rules) {
-  rules.filter_2d = splat.flag_or("compensated", false);
-  rules.truncation_sigma = splat.number_or("cutoff_sigma", kTruncationSigma);
-  rules.truncation_by_falloff = splat.number_or("cutoff_falloff", 0) > 0;
-  rules.near_plane = splat.number_or("near", rules.near_plane);
-  rules.far_plane = splat.number_or("far", rules.far_plane);
-  if (!(rules.truncation_sigma > 0) || !(rules.near_plane > 0) ||
-      !(rules.far_plane > rules.near_plane))
-    splat.fail("has a cut-off or clip planes that cannot be");
+  rules.drawing.filter_2d = splat.flag_or("compensated", false);
+  rules.drawing.truncation_sigma = splat.number_or("cutoff_sigma", kTruncationSigma);
+  rules.drawing.truncation_by_falloff = splat.number_or("cutoff_falloff", 0) > 0;
+  rules.drawing.near_plane = splat.number_or("near", rules.drawing.near_plane);
+  rules.drawing.far_plane = splat.number_or("far", rules.drawing.far_plane);
+  if (const std::string wrong = wrong_rule(rules.drawing); !wrong.empty())
+    splat.fail(fmt::format("cannot be drawn: {}", wrong));
 }
 
 void read_world(const Reading& file, GaussianModel& rules) {
@@ -256,7 +259,7 @@ json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules) {
         {"fps", manifest.fps > 0 ? json(manifest.fps) : json()}}},
       {"bounds", nullptr},
       {"gaussians", {{"static", manifest.gaussians(false)}, {"dynamic", manifest.gaussians(true)}}},
-      {"sh_degree", rules.sh_degree},
+      {"sh_degree", rules.drawing.sh_degree},
       {"background", rules.background},
       {"splat", splat_json(rules)},
       {"anchor", manifest.anchor_in_clip ? "clip" : "mean_time"},
@@ -291,7 +294,7 @@ Tessera4dManifest manifest_from(const json& object, const fs::path& path, Gaussi
   rules.time_axis = {time.number("origin"), time.number("duration")};
   if (!(rules.time_axis.duration > 0)) time.fail("has no duration");
   manifest.fps = time.number_or("fps", 0);
-  rules.sh_degree = int(file.whole("sh_degree", kMaxShDegree));
+  rules.drawing.sh_degree = int(file.whole("sh_degree", kMaxShDegree));
   const std::vector<double> background = file.numbers("background", 3);
   for (size_t k = 0; k < 3; ++k)
     rules.background[k] = uint8_t(std::clamp(background[k], 0.0, 255.0));

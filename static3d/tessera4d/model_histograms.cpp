@@ -39,13 +39,14 @@ int extent_bin(double extent) {
 }
 
 template <Form form>
-void count_extents(const GaussianModel& model, const std::vector<int64_t>& rows,
+void count_extents(const GaussianModel& model, const std::vector<int64_t>& elements,
                    ModelHistograms& histograms) {
   const GaussianSpans<const float> set = model.dynamic_set.values();
-  for (int64_t n : rows) {
+  for (int64_t n : elements) {
     GaussianState<float> g;
     if (!load_gaussian<form>(set, n, g)) continue;
-    const double extent = std::sqrt(1 / double(g.spacetime.precision_time) + model.time_filter);
+    const double extent =
+        std::sqrt(1 / double(g.spacetime.precision_time) + model.drawing.time_filter);
     if (drawn_in_clip(double(g.spacetime.mean_time), std::log(extent), double(g.stored_opacity),
                       model.cutoff<double>()))
       ++histograms.extents[size_t(extent_bin(extent))];
@@ -63,14 +64,14 @@ double extent_edge(int edge) {
 
 ModelHistograms histograms_of(const GaussianModel& model) {
   ModelHistograms histograms;
-  const std::vector<int64_t> fixed = valid_rows(model.static_set),
-                             moving = valid_rows(model.dynamic_set);
+  const std::vector<int64_t> fixed = valid_elements(model.static_set),
+                             moving = valid_elements(model.dynamic_set);
   for (int64_t n : fixed)
-    ++histograms
-          .static_degrees[size_t(needed_degree(model.static_set.values(), n, model.sh_degree, 0))];
+    ++histograms.static_degrees[size_t(
+        needed_degree(model.static_set.values(), n, model.drawing.sh_degree, 0))];
   for (int64_t n : moving)
-    ++histograms.dynamic_degrees[size_t(
-        needed_degree(model.dynamic_set.values(), n, model.sh_degree, model.sh_time_degree))];
+    ++histograms.dynamic_degrees[size_t(needed_degree(
+        model.dynamic_set.values(), n, model.drawing.sh_degree, model.drawing.sh_time_degree))];
   with_form(model.dynamic_set.form(), [&](auto form) {
     if constexpr (form() != Form::kStatic) count_extents<form()>(model, moving, histograms);
   });

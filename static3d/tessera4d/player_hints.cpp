@@ -12,11 +12,11 @@ namespace tessera {
 
 nlohmann::json camera_json(const PlayerCamera& rig) {
   const Camera& camera = rig.camera;
-  const glm::dvec3 at = camera.position();
+  const glm::dvec3 position = camera.position();
   const glm::dmat3 turn = glm::transpose(camera.cam_from_world);
   const Vec4<double> q = quaternion_from_rotation(turn);
   return {{"name", rig.name},
-          {"position", {at.x, at.y, at.z}},
+          {"position", {position.x, position.y, position.z}},
           {"rotation", {q[0], q[1], q[2], q[3]}},
           {"width", camera.width},
           {"height", camera.height},
@@ -28,13 +28,13 @@ nlohmann::json camera_json(const PlayerCamera& rig) {
 
 nlohmann::json splat_json(const GaussianModel& rules) {
   const Cutoff<double> cutoff = rules.cutoff<double>();
-  return {{"dilation", rules.filter_2d ? kFilter2d<double> : kDilation<double>},
-          {"compensated", rules.filter_2d},
-          {"cutoff_sigma", rules.truncation_sigma},
+  return {{"dilation", rules.drawing.filter_2d ? kFilter2d<double> : kDilation<double>},
+          {"compensated", rules.drawing.filter_2d},
+          {"cutoff_sigma", rules.drawing.truncation_sigma},
           {"cutoff_alpha", cutoff.least_alpha},
           {"cutoff_falloff", cutoff.least_falloff},
-          {"near", rules.near_plane},
-          {"far", rules.far_plane}};
+          {"near", rules.drawing.near_plane},
+          {"far", rules.drawing.far_plane}};
 }
 
 std::array<double, 3> up_of(const std::vector<PlayerCamera>& cameras) {

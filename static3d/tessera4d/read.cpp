@@ -19,28 +19,31 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Copies the rows of `part` behind the first `at` of `whole`.
-void place_rows(const GaussianSet& part, GaussianSet& whole, int64_t at) {
+/// Copies the elements of `part` behind the first `first` of `whole`.
+void place_elements(const GaussianSet& part, GaussianSet& whole, int64_t first) {
   const GaussianSpans<const float> from = part.values();
   const GaussianSpans<float> to = whole.values();
   for (int g = 0; g < part.groups(); ++g)
     std::copy_n(from.group[g].data, from.group[g].size,
-                to.group[g].data + at * whole.width(Group(g)));
+                to.group[g].data + first * whole.width(Group(g)));
 }
 
 /// The blocks of one kind as one set; unsound Gaussians are left out and counted.
 GaussianSet joined(std::vector<GaussianSet> parts, Form form, int coefficients, int64_t& unsound) {
   int64_t count = 0;
   for (GaussianSet& part : parts) {
-    const std::vector<int64_t> rows = valid_rows(part);
-    unsound += part.count() - int64_t(rows.size());
-    if (int64_t(rows.size()) != part.count()) part = select_rows(part, rows);
+    const std::vector<int64_t> elements = valid_elements(part);
+    unsound += part.count() - int64_t(elements.size());
+    if (int64_t(elements.size()) != part.count()) part = select_elements(part, elements);
     count += part.count();
   }
   GaussianSet whole(form, coefficients);
   whole.resize(count);
-  int64_t at = 0;
-  for (const GaussianSet& part : parts) place_rows(part, whole, at), at += part.count();
+  int64_t first = 0;
+  for (const GaussianSet& part : parts) {
+    place_elements(part, whole, first);
+    first += part.count();
+  }
   return whole;
 }
 
@@ -51,12 +54,12 @@ void read_blocks(Tessera4dInput& input, const fs::path& path, BlockBytes&& block
   for (const BlockInfo& info : input.manifest.blocks) {
     const auto& [file, bytes] = block(info);
     (info.moving ? moving : fixed)
-        .push_back(
-            decode_block(bytes, info, input.model.sh_degree, input.manifest.anchor_in_clip, file));
+        .push_back(decode_block(bytes, info, input.model.drawing.sh_degree,
+                                input.manifest.anchor_in_clip, file));
     input.bytes += int64_t(info.bytes);
   }
   int64_t unsound = 0;
-  const int coefficients = sh_coefficients(input.model.sh_degree);
+  const int coefficients = sh_coefficients(input.model.drawing.sh_degree);
   input.model.static_set = joined(std::move(fixed), Form::kStatic, coefficients, unsound);
   input.model.dynamic_set = joined(std::move(moving), Form::kVelocity, coefficients, unsound);
   if (unsound > 0)

@@ -15,15 +15,15 @@ namespace {
 
 using nlohmann::json;
 
-struct ComponentRow {
+struct ComponentElement {
   const char* name;
   std::vector<Group> groups;              // in memory
   std::vector<std::string_view> streams;  // of a file; docs/format.md, section 4
 };
 
 /// By Component.
-const std::array<ComponentRow, kComponents>& component_rows() {
-  static const std::array<ComponentRow, kComponents> rows = {{
+const std::array<ComponentElement, kComponents>& component_elements() {
+  static const std::array<ComponentElement, kComponents> elements = {{
       {"means", {kMean}, {"position"}},
       {"rotations", {kRotation}, {"rotation", "rotation_largest"}},
       {"scales", {kLogScale}, {"log_scale"}},
@@ -33,13 +33,14 @@ const std::array<ComponentRow, kComponents>& component_rows() {
        {kMeanTime, kLogScaleTime, kRotationRight, kShTime},
        {"velocity", "time_mean", "log_time_scale"}},
   }};
-  return rows;
+  return elements;
 }
 
 template <class T, class Value>
-Component row_with(std::vector<T> ComponentRow::*list, const Value& value, const char* what) {
+Component element_with(std::vector<T> ComponentElement::*list, const Value& value,
+                       const char* what) {
   for (int c = 0; c < kComponents; ++c) {
-    const std::vector<T>& values = component_rows()[size_t(c)].*list;
+    const std::vector<T>& values = component_elements()[size_t(c)].*list;
     if (std::find(values.begin(), values.end(), value) != values.end()) return Component(c);
   }
   check(false, what);
@@ -83,15 +84,16 @@ json set_json(const ComponentBytes& set) {
 }  // namespace
 
 const char* component_name(Component component) {
-  return component_rows()[size_t(component)].name;
+  return component_elements()[size_t(component)].name;
 }
 
 Component component_of(Group group) {
-  return row_with(&ComponentRow::groups, group, "component_of: a group of no component");
+  return element_with(&ComponentElement::groups, group, "component_of: a group of no component");
 }
 
 Component component_of_stream(std::string_view name) {
-  return row_with(&ComponentRow::streams, name, "component_of_stream: a stream of no component");
+  return element_with(&ComponentElement::streams, name,
+                      "component_of_stream: a stream of no component");
 }
 
 int64_t ComponentBytes::total() const {

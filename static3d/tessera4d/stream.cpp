@@ -58,7 +58,9 @@ StreamWords quantised(std::string name, int components, const std::vector<float>
                       double step, bool delta) {
   StreamWords stream;
   StreamInfo& info = stream.info;
-  info.name = std::move(name), info.components = components, info.delta = delta;
+  info.name = std::move(name);
+  info.components = components;
+  info.delta = delta;
   info.count = int64_t(values.size()) / components;
   stream.words.resize(values.size());
   double most = 0;
@@ -70,9 +72,11 @@ StreamWords quantised(std::string name, int components, const std::vector<float>
     const double first = info.count > 0 ? std::floor(double(*low) / s) : 0;
     for (int64_t n = 0; n < info.count; ++n) {
       const double word = std::max(0.0, std::round(double(begin[n]) / s - first));
-      stream.component(c)[n] = uint32_t(word), most = std::max(most, word);
+      stream.component(c)[n] = uint32_t(word);
+      most = std::max(most, word);
     }
-    info.scale.push_back(s), info.bias.push_back(first * s);
+    info.scale.push_back(s);
+    info.bias.push_back(first * s);
   }
   info.type = type_for(most);
   return stream;
@@ -88,7 +92,8 @@ StreamWords bytes_of_unit(std::string name, const std::vector<float>& values) {
 
 StreamWords as_floats(std::string name, int components, const std::vector<float>& values) {
   StreamWords stream;
-  stream.info.name = std::move(name), stream.info.components = components;
+  stream.info.name = std::move(name);
+  stream.info.components = components;
   stream.info.type = StreamType::kF32;
   stream.info.count = int64_t(values.size()) / components;
   for (float value : values) stream.words.push_back(std::bit_cast<uint32_t>(value));

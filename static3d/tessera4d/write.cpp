@@ -36,8 +36,9 @@ GaussianSet plain_dynamic(const GaussianModel& model) {
       make_colour_rules<float>(render_options(model), from.coefficients, from.time_levels);
   for (int64_t n = 0; n < from.count; ++n) {
     add_levels(colours, 0.0f, from.at(kShTime, n), to.at(kSh, n));
-    if (!(model.time_filter > 0)) continue;
-    const double variance = std::exp(2 * double(*from.at(kLogScaleTime, n))) + model.time_filter;
+    if (!(model.drawing.time_filter > 0)) continue;
+    const double variance =
+        std::exp(2 * double(*from.at(kLogScaleTime, n))) + model.drawing.time_filter;
     *to.at(kLogScaleTime, n) = float(0.5 * std::log(variance));
   }
   return plain;
@@ -50,11 +51,14 @@ class Writer {
     if (!(options.segment_seconds > 0))
       throw InputError(fmt::format("export: --segment is {} seconds, expected more than 0",
                                    options.segment_seconds));
-    rules_ = {options.lossless, model.sh_degree, model.cutoff<double>()};
-    manifest_.generator = options.generator, manifest_.fps = options.fps;
-    manifest_.cameras = options.cameras, manifest_.audio = options.audio;
+    rules_ = {options.lossless, model.drawing.sh_degree, model.cutoff<double>()};
+    manifest_.generator = options.generator;
+    manifest_.fps = options.fps;
+    manifest_.cameras = options.cameras;
+    manifest_.audio = options.audio;
     manifest_.up = up_of(options.cameras);
-    manifest_.lossless = options.lossless, manifest_.anchor_in_clip = !options.lossless;
+    manifest_.lossless = options.lossless;
+    manifest_.anchor_in_clip = !options.lossless;
   }
 
   Tessera4dFile write() {
@@ -63,7 +67,8 @@ class Writer {
     file_.manifest = to_json(manifest_, model_).dump(1) + "\n";
     file_.static_count = manifest_.gaussians(false);
     file_.dynamic_count = manifest_.gaussians(true);
-    file_.non_finite = manifest_.non_finite, file_.never_drawn = manifest_.never_drawn;
+    file_.non_finite = manifest_.non_finite;
+    file_.never_drawn = manifest_.never_drawn;
     file_.far_outliers = manifest_.far_outliers;
     return std::move(file_);
   }
@@ -71,7 +76,9 @@ class Writer {
  private:
   void add_block(const GaussianSet& set, const std::string& name, BlockInfo place) {
     Block block = encode_block(set, rules_);
-    block.info.file = name, block.info.level = place.level, block.info.segment = place.segment;
+    block.info.file = name;
+    block.info.level = place.level;
+    block.info.segment = place.segment;
     manifest_.blocks.push_back(std::move(block.info));
     file_.blocks.emplace_back(name, std::move(block.bytes));
   }
@@ -83,22 +90,25 @@ class Writer {
     }
     if (!manifest_.bounds) manifest_.bounds = {mean, mean};
     auto& [low, high] = *manifest_.bounds;
-    low = glm::min(low, mean), high = glm::max(high, mean);
+    low = glm::min(low, mean);
+    high = glm::max(high, mean);
   }
 
   void add_static() {
     const GaussianSpans<const float> values = model_.static_set.values();
-    std::vector<int64_t> rows;
+    std::vector<int64_t> elements;
     for (int64_t n = 0; n < values.count; ++n) {
       if (!is_valid_element(values, n)) {
         ++manifest_.non_finite;
       } else if (!rules_.cutoff.keeps(sigmoid(double(*values.at(kOpacityLogit, n))))) {
         ++manifest_.never_drawn;
       } else {
-        rows.push_back(n), note(load3(values.at(kMean, n)));
+        elements.push_back(n);
+        note(load3(values.at(kMean, n)));
       }
     }
-    if (!rows.empty()) add_block(select_rows(model_.static_set, rows), "static.bin", {});
+    if (!elements.empty())
+      add_block(select_elements(model_.static_set, elements), "static.bin", {});
   }
 
   void add_dynamic() {
@@ -120,14 +130,14 @@ class Writer {
       note(load3(values.at(kMean, n)) +
            load3(values.at(kVelocity, n)) * (std::clamp(time, 0.0f, 1.0f) - time));
     }
-    for (const auto& [cell, rows] : cells) {
+    for (const auto& [cell, elements] : cells) {
       BlockInfo place;
       place.level = cell.level;
       const double length = segment_length(cell.level, shortest);
       if (length < 1)
         place.segment = {double(cell.segment) * length,
                          std::min(1.0, double(cell.segment + 1) * length)};
-      add_block(select_rows(moving, rows),
+      add_block(select_elements(moving, elements),
                 fmt::format("level{}_{:04}.bin", cell.level, cell.segment), place);
     }
   }
@@ -162,7 +172,8 @@ std::string single_tessera4d(const Tessera4dFile& file) {
   nlohmann::json manifest = nlohmann::json::parse(file.manifest);
   uint64_t offset = 0;
   for (nlohmann::json& block : manifest["blocks"]) {
-    block.erase("file"), block["offset"] = offset;
+    block.erase("file");
+    block["offset"] = offset;
     offset += block["bytes"].get<uint64_t>();
   }
   const std::string text = manifest.dump();

@@ -38,7 +38,7 @@ Vec4<double> unit_vector(int k) {
 
 void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<double>& right) {
   // The matrices L(e_i)·Q(e_j) are orthogonal to each other, with squared norm 4: the products
-  // with R are l_i·r_j, and any row is r up to its length.
+  // with R are l_i·r_j, and any element is r up to its length.
   double lr[4][4] = {};
   int largest = 0;
   double largest_square = -1;
@@ -51,7 +51,10 @@ void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<do
         for (int b = 0; b < 4; ++b) lr[i][j] += 0.25 * basis.m[a][b] * R.m[a][b];
       square += lr[i][j] * lr[i][j];
     }
-    if (square > largest_square) largest = i, largest_square = square;
+    if (square > largest_square) {
+      largest = i;
+      largest_square = square;
+    }
   }
   right = normalised(Vec4<double>(lr[largest][0], lr[largest][1], lr[largest][2], lr[largest][3]));
   for (int i = 0; i < 4; ++i)

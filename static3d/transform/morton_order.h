@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-/// Rows by the Morton codes of their means in the box of all; equal codes keep their order.
+/// Elements by the Morton codes of their means in the box of all; equal codes keep their order.
 std::vector<int64_t> morton_order(const GaussianSpans<const float>& set);
 
 }  // namespace tessera

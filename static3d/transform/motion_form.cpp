@@ -60,7 +60,7 @@ void to_pair(const GaussianSpans<const float>& from, const GaussianSpans<float>&
 GaussianSet in_form(const GaussianSet& dynamic_set, Form form) {
   check(dynamic_set.form() != Form::kStatic && form != Form::kStatic,
         "in_form: forms of a dynamic set");
-  const GaussianSet sound = select_rows(dynamic_set, valid_rows(dynamic_set));
+  const GaussianSet sound = select_elements(dynamic_set, valid_elements(dynamic_set));
   if (sound.form() == form) return sound.clone_values();
   GaussianSet result(form, sound.coefficients(), host_memory(), sound.time_levels());
   result.resize(sound.count());

@@ -18,7 +18,8 @@ constexpr float kMaxLogit = 88;  // σ is 1 in float long before; e⁸⁸ is sti
 void set_shape(const Sym3<float>& covariance, MovingGaussian& g) {
   const Shape3 shape = shape_of(Sym3<double>{covariance.xx, covariance.xy, covariance.xz,
                                              covariance.yy, covariance.yz, covariance.zz});
-  g.log_scale = Vec3<float>(shape.log_scale), g.rotation = Vec4<float>(shape.rotation);
+  g.log_scale = Vec3<float>(shape.log_scale);
+  g.rotation = Vec4<float>(shape.rotation);
 }
 
 /// logit(o·p) = ln(o·p) − ln(1 − o·p); 1 − o·p = (1 − o) + o·(1 − p) keeps its digits as o·p → 1.
@@ -63,7 +64,10 @@ Slicer::Slicer(const GaussianModel& model) : model_(model) {
       g.source = -1;
       if (!with_form(set.form, [&](auto form) { return load_gaussian<form()>(set, n, state); }))
         continue;
-      g.source = n, g.spacetime = state.spacetime, g.mean = state.mean, g.opacity = state.opacity;
+      g.source = n;
+      g.spacetime = state.spacetime;
+      g.mean = state.mean;
+      g.opacity = state.opacity;
       set_shape(g.spacetime.covariance, g);
     }
   });
@@ -77,7 +81,7 @@ GaussianSet Slicer::at(double time) const {
   Slice<float> slice;
   const Cutoff<float> cutoff = model_.cutoff<float>();
   for (const MovingGaussian& g : moving_)
-    if (is_drawn(g, float(time), float(model_.time_filter), cutoff, slice))
+    if (is_drawn(g, float(time), float(model_.drawing.time_filter), cutoff, slice))
       drawn.emplace_back(&g, slice);
 
   const auto stored = [](const GaussianSet& s) { return s.count() > 0 ? s.coefficients() : 1; };

@@ -25,7 +25,11 @@ class Slicer {
  public:
   explicit Slicer(const GaussianModel& model);
 
-  /// The model at normalised time t, see slice_model (lift.h).
+  /// The model at normalised time t as one static set: the static Gaussians unchanged, then each
+  /// dynamic one that is drawn at t with mean μ + vΔ, covariance Σ_c and opacity o·p. Those the
+  /// renderer would not draw (p < 0.05, o·p < 1/255) are left out. It renders as the model does at
+  /// t only when the model has sliced_direction: without, a moving Gaussian's colour is seen along
+  /// the direction of its mean over time, which the slice does not have.
   GaussianSet at(double time) const;
   /// Valid dynamic Gaussians, in their order.
   const std::vector<MovingGaussian>& moving() const { return moving_; }

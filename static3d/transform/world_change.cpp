@@ -95,7 +95,8 @@ GaussianModel model_in_world(const Similarity& b_from_a, const GaussianModel& mo
   change_set(change, moved.dynamic_set);
   moved.environment.map_from_world =
       model.environment.map_from_world * glm::transpose(b_from_a.rotation);
-  moved.near_plane *= b_from_a.scale, moved.far_plane *= b_from_a.scale;
+  moved.drawing.near_plane *= b_from_a.scale;
+  moved.drawing.far_plane *= b_from_a.scale;
   moved.prepared_from_source = compose(b_from_a, model.prepared_from_source);
   return moved;
 }

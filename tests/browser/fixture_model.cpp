@@ -91,8 +91,10 @@ void add_torus(GaussianSet& set, Random& random) {
 void add_boxes(GaussianSet& set, Random& random) {
   for (int64_t box = 0; box < kBoxes; ++box)
     for (int64_t n = 0; n < kBox; ++n) {
-      glm::dvec3 centre(0), rgb(0.15);
-      centre[int(box)] = 0.75, rgb[int(box)] = 0.9;
+      glm::dvec3 centre(0);
+      glm::dvec3 rgb(0.15);
+      centre[int(box)] = 0.75;
+      rgb[int(box)] = 0.9;
       Row row(set, kTorus + box * kBox + n);
       const glm::dvec3 inside(random.uniform(-0.15, 0.15), random.uniform(-0.15, 0.15),
                               random.uniform(-0.15, 0.15));

@@ -56,8 +56,10 @@ function narrowed(ply, name) {
   const out = join(folder, `model_${name}`), narrow = join(folder, `${name}.ply`);
   tessera('export', ply, '--format', 'model', '-o', out);
   const model = readFileSync(join(out, 'model.ply'), 'latin1');
-  assert.match(model, /comment truncation /);
-  writeFileSync(narrow, model.replace(/comment truncation .*/, 'comment truncation 2 1'), 'latin1');
+  assert.match(model, /comment truncation_sigma /);
+  const ends = model.replace(/comment truncation_sigma .*/, 'comment truncation_sigma 2')
+                   .replace(/comment truncation_by_falloff .*/, 'comment truncation_by_falloff 1');
+  writeFileSync(narrow, ends, 'latin1');
   return narrow;
 }
 

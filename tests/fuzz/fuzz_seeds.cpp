@@ -41,7 +41,7 @@ GaussianModel some_model(Form form, int coefficients) {
   GaussianModel model;
   model.static_set = some_set(Form::kStatic, 3, coefficients);
   model.dynamic_set = some_set(form, 3, coefficients);
-  model.sh_degree = coefficients == 1 ? 0 : 3;
+  model.drawing.sh_degree = coefficients == 1 ? 0 : 3;
   return model;
 }
 
@@ -75,11 +75,13 @@ void write_spz_versions(const fs::path& folder) {
 #ifdef TESSERA_HAS_ZSTD
   constexpr size_t kHead = 16;
   std::string four = plain.substr(0, kHead), columns = plain.substr(kHead), packed(1 << 12, '\0');
-  four[4] = 4, four[15] = 1;
+  four[4] = 4;
+  four[15] = 1;
   packed.resize(ZSTD_compress(packed.data(), packed.size(), columns.data(), columns.size(), 1));
   append(four, uint32_t{32});
   four.append(12, '\0');
-  append(four, uint64_t(packed.size())), append(four, uint64_t(columns.size()));
+  append(four, uint64_t(packed.size()));
+  append(four, uint64_t(columns.size()));
   write_text_file(folder / "four", four + packed);
 #endif
 }
@@ -99,7 +101,8 @@ std::string tessera4d(bool lossless) {
   }
   const std::string text = to_json(manifest, model).dump();
   append(bytes, std::array<char, 4>{'T', 'E', 'S', '4'});
-  append(bytes, uint32_t{1}), append(bytes, uint32_t(text.size()));
+  append(bytes, uint32_t{1});
+  append(bytes, uint32_t(text.size()));
   return bytes + text + blocks;
 }
 
@@ -108,7 +111,7 @@ void write_models(const fs::path& folder) {
   save_model(folder / "model/velocity", some_model(Form::kVelocity, 1));
   GaussianModel all = some_model(Form::kPair, 1);
   all.dynamic_set = some_set(Form::kPair, 2, 1, 2);
-  all.sh_time_degree = 2;
+  all.drawing.sh_time_degree = 2;
   all.environment.height = 2;
   all.environment.map.value.resize(2 * 4 * 3);
   for (float& value : all.environment.map.value.span()) value = 0.5f;

@@ -47,7 +47,8 @@ bool split(const std::string& file, SingleFile& parts) {
 bool range_of(const json& info, const std::string& all, size_t& offset, size_t& bytes) {
   if (!info.is_object() || !info.contains("offset") || !info.contains("bytes")) return false;
   if (!info["offset"].is_number_unsigned() || !info["bytes"].is_number_unsigned()) return false;
-  offset = info["offset"], bytes = info["bytes"];
+  offset = info["offset"];
+  bytes = info["bytes"];
   return offset <= all.size() && bytes <= all.size() - offset;
 }
 
@@ -88,9 +89,9 @@ void change_value(json& manifest, unsigned seed) {
 void change_stream(SingleFile& file, unsigned seed) {
   json& blocks = file.manifest["blocks"];
   json& block = blocks[seed % blocks.size()];
-  size_t at = 0, length = 0, stream_at = 0, stream_length = 0;
-  if (!range_of(block, file.blocks, at, length)) return;
-  std::string bytes = file.blocks.substr(at, length);
+  size_t position = 0, length = 0, stream_at = 0, stream_length = 0;
+  if (!range_of(block, file.blocks, position, length)) return;
+  std::string bytes = file.blocks.substr(position, length);
   if (!block.contains("streams") || !block["streams"].is_array() || block["streams"].empty())
     return;
   json& stream = block["streams"][seed / 31 % block["streams"].size()];
@@ -98,18 +99,20 @@ void change_stream(SingleFile& file, unsigned seed) {
   std::string plain = gunzip(bytes.substr(stream_at, stream_length), 1 << 20, "seed");
   mutate(plain);
   const std::string packed = gzip(plain);
-  stream["offset"] = bytes.size(), stream["bytes"] = packed.size();
+  stream["offset"] = bytes.size();
+  stream["bytes"] = packed.size();
   bytes += packed;
-  block["offset"] = file.blocks.size(), block["bytes"] = bytes.size();
+  block["offset"] = file.blocks.size();
+  block["bytes"] = bytes.size();
   file.blocks += bytes;
 }
 
 std::string join(SingleFile& file) {
   for (json& block : file.manifest["blocks"]) {
-    size_t at = 0, length = 0;
-    if (range_of(block, file.blocks, at, length))
+    size_t position = 0, length = 0;
+    if (range_of(block, file.blocks, position, length))
       block["crc32"] =
-          crc32(0, reinterpret_cast<const Bytef*>(file.blocks.data() + at), uInt(length));
+          crc32(0, reinterpret_cast<const Bytef*>(file.blocks.data() + position), uInt(length));
   }
   const std::string text = file.manifest.dump(-1, ' ', false, json::error_handler_t::replace);
   std::string bytes = "TES4";

@@ -83,7 +83,12 @@ TEST(Camera, PositionIsWhereTheCameraFrameHasItsOrigin) {
 
 TEST(Camera, ResizedKeepsTheRays) {
   Camera c;
-  c.width = 200, c.height = 100, c.fl_x = 150, c.fl_y = 160, c.cx = 90, c.cy = 55;
+  c.width = 200;
+  c.height = 100;
+  c.fl_x = 150;
+  c.fl_y = 160;
+  c.cx = 90;
+  c.cy = 55;
   const Camera half = c.resized(100, 50);
   // the right edge of the image and its middle row, as rays
   EXPECT_NEAR((100 - half.cx) / half.fl_x, (200 - c.cx) / c.fl_x, 1e-15);

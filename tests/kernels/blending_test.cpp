@@ -14,7 +14,8 @@ using SplatFields = std::array<double, 9>;  // mean2d 2, conic 3, opacity, colou
 
 ViewBatch<double> one_view() {
   View view;
-  view.camera.width = kWidth, view.camera.height = kHeight;
+  view.camera.width = kWidth;
+  view.camera.height = kHeight;
   return make_view_batch<double>({view});
 }
 
@@ -35,8 +36,10 @@ std::vector<SplatFields> random_splats(int count, double most_opacity, double le
 Splats<double> as_splats(const std::vector<SplatFields>& fields, const ViewArgs<double>& view) {
   Splats<double> s;
   s.count = int64_t(fields.size());
-  s.splat.resize(s.count), s.depth.resize(s.count);
-  s.rect.resize(s.count), s.tiles.resize(s.count);
+  s.splat.resize(s.count);
+  s.depth.resize(s.count);
+  s.rect.resize(s.count);
+  s.tiles.resize(s.count);
   for (int64_t i = 0; i < s.count; ++i) {
     const SplatFields& f = fields[size_t(i)];
     s.splat[i] = {Vec2<double>(f[0], f[1]),

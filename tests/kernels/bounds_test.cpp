@@ -82,7 +82,10 @@ TEST(Bounds, TileRectHoldsEveryTileWithADrawnPixel) {
   // Bug put back: half extent shortened by 1.5 instead of 0.5; seen to fail.
   Random random(3);
   ViewArgs<double> view{};
-  view.width = 60, view.height = 61, view.tiles_x = 4, view.tiles_y = 4;
+  view.width = 60;
+  view.height = 61;
+  view.tiles_x = 4;
+  view.tiles_y = 4;
   for (int round = 0; round < 4000; ++round) {
     FootprintCase c = random_footprint(random, round % 2 == 0);
     if (round % 3 == 0) c.footprint.power = random.uniform(0, 0.3);  // nearly too faint to draw
@@ -99,7 +102,10 @@ TEST(Bounds, TileRectHoldsEveryTileWithADrawnPixel) {
 TEST(Bounds, TileRectOfSplatsOutsideOrOfAnySizeIsSafe) {
   // C4. Bug put back: no test of the power, so that a faint splat's extent is NaN; seen to fail.
   ViewArgs<float> view{};
-  view.width = 60, view.height = 60, view.tiles_x = 4, view.tiles_y = 4;
+  view.width = 60;
+  view.height = 60;
+  view.tiles_x = 4;
+  view.tiles_y = 4;
   const Sym2<float> small{1, 0, 1}, huge{1e30f, 0, 1e30f};
   EXPECT_TRUE(tile_rect({}, view, Vec2<float>(-20, 30), small, 5.0f).empty());
   EXPECT_TRUE(tile_rect({}, view, Vec2<float>(1e20f, 30), small, 5.0f).empty());

@@ -119,7 +119,8 @@ TEST(BruteForceLevels, OfTimeEqualTheFormulasInBothForms) {
       scene.options.sh_time_period = levels == 1 ? 1 : 0.8;
       expect_brute<double>(scene, 1e-9, kDouble);
       expect_brute<float>(scene, kFloatBand, kFloat);
-      scene.options.sh_degree = 1, scene.options.sh_time_degree = 1;
+      scene.options.sh_degree = 1;
+      scene.options.sh_time_degree = 1;
       expect_brute<double>(scene, 1e-9, kDouble);
     }
 }

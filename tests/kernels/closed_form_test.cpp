@@ -102,7 +102,8 @@ TEST(ClosedForm, NearAndFarPlaneAreInclusive) {  // C9, C10
   // Bugs put back, seen to fail: no far plane; near plane exclusive.
   const auto drawn = [](float z) {
     TestScene<float> scene = front_scene();
-    scene.options.near_plane = 0.25, scene.options.far_plane = 1024;
+    scene.options.near_plane = 0.25;
+    scene.options.far_plane = 1024;
     add_round(scene, {0, 0, z}, 0.01 * z, 0.8, {1, 1, 1});
     const Rendered<float> r = render(scene);
     if (r.report.splats == 0) {

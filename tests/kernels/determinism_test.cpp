@@ -64,15 +64,19 @@ TestGaussians<Real> trained(TestScene<Real> scene, bool fused) {
   TestGaussians<Real> moment1[2] = {
       TestGaussians<Real>(Form::kStatic, scene.fixed.count),
       TestGaussians<Real>(Form::kPair, scene.moving.count, 16, scene.moving.time_levels)};
-  TestGaussians<Real> moment2[2] = {moment1[0], moment1[1]}, gradient[2] = {moment1[0], moment1[1]};
+  TestGaussians<Real> moment2[2] = {moment1[0], moment1[1]};
+  TestGaussians<Real> gradient[2] = {moment1[0], moment1[1]};
   CpuBackend<Real> backend;
   Pipeline<Real> pipeline(backend);
   for (int step = 1; step <= 3; ++step) {
     BackwardArgs<Real> args;
     for (int set = 0; set < 2; ++set) {
       SinkArgs<Real>& sink = args.sinks[set];
-      sink.fused = fused, sink.gradient = gradient[set].spans(), sink.value = sets[set]->spans();
-      sink.moment1 = moment1[set].spans(), sink.moment2 = moment2[set].spans();
+      sink.fused = fused;
+      sink.gradient = gradient[set].spans();
+      sink.value = sets[set]->spans();
+      sink.moment1 = moment1[set].spans();
+      sink.moment2 = moment2[set].spans();
       for (int g = 0; g < kGroupCount; ++g)
         sink.adam.group[g] = adam_scalars<Real>(1e-3 * (g + 1), step);
       sink.adam.sh_rest = adam_scalars<Real>(1e-4, step);

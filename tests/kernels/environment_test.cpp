@@ -42,17 +42,18 @@ TEST(Environment, ClosesInLongitudeAndIsClampedAtThePoles) {
   Random random(3);
   std::vector<double> map(size_t(environment_scalars(kHeight)));
   for (double& value : map) value = random.uniform(0, 1);
-  const auto at = [&](const Vec3<double>& d) {
+  const auto colour = [&](const Vec3<double>& d) {
     return environment_value(environment_tap(d, kHeight), map.data(), 1);
   };
-  for (const double z : {-0.7, 0.1, 0.5}) EXPECT_NEAR(at({-1, 1e-9, z}), at({-1, -1e-9, z}), 1e-8);
+  for (const double z : {-0.7, 0.1, 0.5})
+    EXPECT_NEAR(colour({-1, 1e-9, z}), colour({-1, -1e-9, z}), 1e-8);
   const auto seam = environment_tap(Vec3<double>(-1, 0, 0.1), kHeight);
   EXPECT_NEAR(seam.share[0] + seam.share[2], 0.5, 1e-12);
   EXPECT_EQ(std::abs(seam.texel[0] - seam.texel[1]), 2 * kHeight - 1);
   for (const double pole : {1.0, -1.0})
-    EXPECT_NEAR(at({0.2, 0.1, 100 * pole}), at({0.02, 0.01, 100 * pole}), 1e-12) << pole;
+    EXPECT_NEAR(colour({0.2, 0.1, 100 * pole}), colour({0.02, 0.01, 100 * pole}), 1e-12) << pole;
   for (const Vec3<double>& d : {Vec3<double>(0, 0, 1), Vec3<double>(0, 0, -1)})
-    EXPECT_TRUE(std::isfinite(at(d)));
+    EXPECT_TRUE(std::isfinite(colour(d)));
 }
 
 /// Gaussians that leave light, before a map of noise.

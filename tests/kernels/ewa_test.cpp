@@ -12,8 +12,14 @@ namespace {
 template <class Real>
 ViewArgs<Real> test_view() {
   ViewArgs<Real> view{};
-  view.fl_x = Real(40), view.fl_y = Real(52), view.cx = Real(21), view.cy = Real(13);
-  view.width = 44, view.height = 30, view.tiles_x = 3, view.tiles_y = 2;
+  view.fl_x = Real(40);
+  view.fl_y = Real(52);
+  view.cx = Real(21);
+  view.cy = Real(13);
+  view.width = 44;
+  view.height = 30;
+  view.tiles_x = 3;
+  view.tiles_y = 2;
   // a rotation: unit quaternion (0.5, 0.5, 0.5, 0.5) composed with a small turn
   const double c = 0.96, s = 0.28;
   view.cam_from_world =

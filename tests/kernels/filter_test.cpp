@@ -19,7 +19,8 @@ double weighted(const BruteImage& image, const std::vector<double>& weights) {
 /// A view of a few Gaussians that no cut-off ends within an image: differences meet no jump.
 TestScene<double> smooth_scene(uint64_t seed) {
   TestScene<double> scene = random_scene(4, 4, 0.1, seed);
-  scene.views.resize(1), scene.truth.resize(1);
+  scene.views.resize(1);
+  scene.truth.resize(1);
   scene.options.filter_2d = true;
   scene.options.truncation_sigma = 8;
   return scene;
@@ -49,12 +50,12 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
       if (group >= group_count(set->dim())) continue;
       std::vector<double> expected;
       for (double& x : set->group[group]) {
-        const double at = x;
-        x = at + kStep;
+        const double centre = x;
+        x = centre + kStep;
         const double above = weighted(render_brute(scene, scene.views[0], 0, frozen), weights);
-        x = at - kStep;
+        x = centre - kStep;
         const double below = weighted(render_brute(scene, scene.views[0], 0, frozen), weights);
-        x = at;
+        x = centre;
         expected.push_back((above - below) / (2 * kStep));
       }
       const auto& actual =
@@ -217,9 +218,10 @@ TEST(Filter3d, RaisedScalesAreNoSmallerThanTheFilter) {
   int raised = 0;
   for (int64_t n = 0; n < set.count; ++n)
     for (int k = 0; k < 3; ++k) {
-      const double own = before.at(kLogScale, n)[k], least = std::log(set.filter_size[size_t(n)]);
-      EXPECT_EQ(set.at(kLogScale, n)[k], std::max(own, least));
-      raised += own < least;
+      const double stored = before.at(kLogScale, n)[k],
+                   least = std::log(set.filter_size[size_t(n)]);
+      EXPECT_EQ(set.at(kLogScale, n)[k], std::max(stored, least));
+      raised += stored < least;
     }
   EXPECT_GT(raised, 10);
   for (const Group g : {kLogScaleTime, kOpacityLogit, kMean})

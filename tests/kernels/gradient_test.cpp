@@ -143,7 +143,8 @@ TEST(Gradient, WithLevelsOfTimeEqualsDifferences) {
       Random random(sliced ? 24 : 25);
       scene.moving = random_gaussians(form, 4, 0.9, 0.25, random, sliced ? 9 : 4);
       add_time_levels(scene.moving, sliced ? 2 : 1, 26);
-      scene.options.sh_time_period = 0.9, scene.options.sliced_direction = sliced;
+      scene.options.sh_time_period = 0.9;
+      scene.options.sliced_direction = sliced;
       keep_truth_away(scene, 27);
       expect_differences(scene, {kMean, kMeanTime, kSh, kShTime});
     }

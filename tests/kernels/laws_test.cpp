@@ -11,15 +11,18 @@ namespace {
 template <class Real>
 void expect_batch_law(double tolerance) {  // C16
   TestScene<Real> scene = random_scene(12, 12, 0.2, 1).template as<Real>();
-  scene.regulariser.opacity = 0.5, scene.regulariser.scale = 0.8;
+  scene.regulariser.opacity = 0.5;
+  scene.regulariser.scale = 0.8;
   for (TestGaussians<Real>* set : {&scene.fixed, &scene.moving})  // not all views draw it
     for (int k = 0; k < 3; ++k) set->at(kMean, 0)[k] = Real(k == 0 ? 0.28 : k == 1 ? 0.45 : -3.2);
   const Backward<Real> together = backward(scene);
-  TestGaussians<Real> fixed(Form::kStatic, 12), moving(Form::kPair, 12);
+  TestGaussians<Real> fixed(Form::kStatic, 12);
+  TestGaussians<Real> moving(Form::kPair, 12);
   size_t colour = 0;
   for (size_t b = 0; b < scene.views.size(); ++b) {
     TestScene<Real> single = scene;
-    single.views = {scene.views[b]}, single.truth = {scene.truth[b]};
+    single.views = {scene.views[b]};
+    single.truth = {scene.truth[b]};
     const Backward<Real> one = backward(single);
     EXPECT_EQ(one.losses[0].total, together.losses[b].total);
     for (const Real c : one.rendered.colour) ASSERT_EQ(c, together.rendered.colour[colour++]);
@@ -72,7 +75,8 @@ TEST(Laws, OrderOfGaussiansDoesNotMatter) {
   TestScene<float> shuffled = scene;
   std::vector<int64_t> order(25);
   for (int64_t n = 0; n < 25; ++n) order[size_t(n)] = (7 * n + 3) % 25;
-  shuffled.fixed = scene.fixed.select(order), shuffled.moving = scene.moving.select(order);
+  shuffled.fixed = scene.fixed.select(order);
+  shuffled.moving = scene.moving.select(order);
   const Backward<float> a = backward(scene), b = backward(shuffled);
   EXPECT_EQ(a.rendered.colour, b.rendered.colour);
   for (int g = 0; g < kGroupCount; ++g) {

@@ -15,7 +15,10 @@ TestGaussians<double> equal_gaussians(Form form, double opacity, int64_t count =
   Random random(21);
   TestGaussians<double> one = random_gaussians(form, 1, 0, 0.4, random);
   *one.at(kOpacityLogit, 0) = std::log(opacity / (1 - opacity));
-  if (form == Form::kPair) one.at(kRotationRight, 0)[1] += 0.8, *one.at(kLogScaleTime, 0) = 0.4;
+  if (form == Form::kPair) {
+    one.at(kRotationRight, 0)[1] += 0.8;
+    *one.at(kLogScaleTime, 0) = 0.4;
+  }
   return one.select(std::vector<int64_t>(size_t(count), 0));
 }
 
@@ -80,8 +83,11 @@ TEST(PositionNoise, IsDrawnAnewForEveryGaussianStepAndSet) {
   EXPECT_EQ(first, noise_of(fixed, {1, 5, 17}));
   const auto correlation = [&](const std::vector<double>& other, size_t shift) {
     double both = 0, a = 0, b = 0;
-    for (size_t i = 0; i + shift < first.size(); ++i)
-      both += first[i] * other[i + shift], a += first[i] * first[i], b += other[i] * other[i];
+    for (size_t i = 0; i + shift < first.size(); ++i) {
+      both += first[i] * other[i + shift];
+      a += first[i] * first[i];
+      b += other[i] * other[i];
+    }
     return std::abs(both) / std::sqrt(a * b);
   };
   const double limit = 5 / std::sqrt(3.0 * kCount);

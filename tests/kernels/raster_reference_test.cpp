@@ -33,9 +33,11 @@ constexpr double kProjection = 5e-7, kPicture = 5e-6, kGradient = 3e-5;
 View reference_view(const Tensors& t) {
   View view;
   Camera& c = view.camera;
-  c.height = int(t.at("out_img").shape[0]), c.width = int(t.at("out_img").shape[1]);
+  c.height = int(t.at("out_img").shape[0]);
+  c.width = int(t.at("out_img").shape[1]);
   c.fl_x = c.fl_y = 0.5 * c.width;
-  c.cx = 0.5 * c.width, c.cy = 0.5 * c.height;
+  c.cx = 0.5 * c.width;
+  c.cy = 0.5 * c.height;
   c.translation = {-0.123, -0.456, 8};
   return view;
 }
@@ -47,8 +49,11 @@ TestScene<double> reference_scene(const Tensors& t) {
     scene.fixed.group[g].assign(values.begin(), values.end());
   };
   scene.fixed = TestGaussians<double>(Form::kStatic, t.at("means").shape[0]);
-  fill(kMean, "means"), fill(kLogScale, "scales"), fill(kRotation, "quats");
-  fill(kSh, "coeffs"), fill(kOpacityLogit, "opacities");
+  fill(kMean, "means");
+  fill(kLogScale, "scales");
+  fill(kRotation, "quats");
+  fill(kSh, "coeffs");
+  fill(kOpacityLogit, "opacities");
   scene.views = {reference_view(t)};
   return scene;
 }
@@ -165,7 +170,8 @@ SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector
                            {out.data(), splats.count});
     return out;
   };
-  std::vector<double> d_rgb(3 * pixels), d_alpha(3 * pixels, 0);
+  std::vector<double> d_rgb(3 * pixels);
+  std::vector<double> d_alpha(3 * pixels, 0);
   for (size_t p = 0; p < pixels; ++p) {
     for (size_t c = 0; c < 3; ++c) d_rgb[c * pixels + p] = v_out_img[4 * p + c];
     d_alpha[p] = v_out_img[4 * p + 3];
@@ -175,7 +181,8 @@ SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector
   const SplatGradients alpha = gradients(d_alpha);
   for (size_t s = 0; s < sum.size(); ++s) {
     sum[s].mean2d += alpha[s].mean2d;
-    sum[s].conic.xx += alpha[s].conic.xx, sum[s].conic.xy += alpha[s].conic.xy;
+    sum[s].conic.xx += alpha[s].conic.xx;
+    sum[s].conic.xy += alpha[s].conic.xy;
     sum[s].conic.yy += alpha[s].conic.yy;
     sum[s].opacity += alpha[s].opacity;
   }
@@ -186,11 +193,14 @@ SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector
 TestGaussians<double> parameter_gradients(const TestScene<double>& scene,
                                           const Splats<double>& splats, SplatGradients d_splats) {
   const ViewBatch<double> batch = make_view_batch<double>(scene.views);
-  TestGaussians<double> out(Form::kStatic, scene.fixed.count), none(Form::kPair);
+  TestGaussians<double> out(Form::kStatic, scene.fixed.count);
+  TestGaussians<double> none(Form::kPair);
   ProjectBackwardArgs<double> args;
   args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options};
-  args.splats = &splats, args.d_splats = {d_splats.data(), splats.count};
-  args.sinks[0].gradient = out.spans(), args.sinks[1].gradient = none.spans();
+  args.splats = &splats;
+  args.d_splats = {d_splats.data(), splats.count};
+  args.sinks[0].gradient = out.spans();
+  args.sinks[1].gradient = none.spans();
   CpuBackend<double> backend;
   backend.project_backward(args);
   EXPECT_EQ(backend.outcome().bad_groups, 0u);
@@ -212,12 +222,14 @@ TEST(RasterReference, GradientsAgree) {
     Splats<double> splats;
     const SplatGradients d = splat_gradients(scene, t.at("v_out_img").values, splats);
     const size_t count = size_t(scene.fixed.count);
-    std::vector<double> v_xy(2 * count, 0), v_conics(3 * count, 0);
+    std::vector<double> v_xy(2 * count, 0);
+    std::vector<double> v_conics(3 * count, 0);
     for (size_t n = 0; n < count; ++n) {
       if (splats.first_of[int64_t(n)] == splats.first_of[int64_t(n) + 1]) continue;  // not drawn
       const size_t s = size_t(splats.first_of[int64_t(n)]);
       for (size_t i = 0; i < 2; ++i) v_xy[2 * n + i] = d[s].mean2d[int(i)];
-      v_conics[3 * n] = d[s].conic.xx, v_conics[3 * n + 2] = d[s].conic.yy;
+      v_conics[3 * n] = d[s].conic.xx;
+      v_conics[3 * n + 2] = d[s].conic.yy;
       v_conics[3 * n + 1] = 2 * d[s].conic.xy;  // the file counts both equal entries
     }
     expect_close(v_xy, t.at("v_xy").values, kGradient, name + "v_xy");

@@ -19,7 +19,8 @@ Shares shares_of(const TestScene<double>& scene) {
                 std::vector<double>(size_t(scene.moving.count))};
   for (size_t b = 0; b < scene.views.size(); ++b) {
     TestScene<double> single = scene;
-    single.views = {scene.views[b]}, single.truth = {scene.truth[b]};
+    single.views = {scene.views[b]};
+    single.truth = {scene.truth[b]};
     const Backward<double> one = backward(single);
     for (size_t n = 0; n < shares[0].size(); ++n)
       shares[0][n] += one.seen[0][n] / double(scene.views.size());
@@ -50,7 +51,9 @@ TestScene<double> scene_with_hidden() {
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving}) {
     for (int64_t n = 0; n < 2; ++n) set->at(kMean, n)[1] = 500;
     double* const near = set->at(kMean, 2);
-    near[0] = 0.28, near[1] = 0.45, near[2] = -3.2;
+    near[0] = 0.28;
+    near[1] = 0.45;
+    near[2] = -3.2;
   }
   return scene;
 }
@@ -77,12 +80,12 @@ TEST(Regulariser, EqualsDifferencesForEveryGaussian) {
       for (size_t i = 0; i < set.group[g].size(); ++i) {
         double& x = set.group[g][i];
         constexpr double kStep = 1e-4;
-        const double at = x;
-        x = at + kStep;
+        const double centre = x;
+        x = centre + kStep;
         const double above = terms_of(scene, shares);
-        x = at - kStep;
+        x = centre - kStep;
         const double below = terms_of(scene, shares);
-        x = at;
+        x = centre;
         EXPECT_NEAR(with.group[g][i] - without.group[g][i], (above - below) / (2 * kStep), 1e-9)
             << group_name(Group(g), form) << " " << i;
       }

@@ -136,9 +136,9 @@ TEST(Relocation, ADynamicOneKeepsItsVelocityAndItsLifeInSum) {
   }
 }
 
-RelocationRows relocate(TestGaussians<double>& set, const RelocationRule& rule) {
-  RelocationRows rows;
-  CpuBackend<double>().relocate_rows(set.spans(), rule, rows);
+RelocationElements relocate(TestGaussians<double>& set, const RelocationRule& rule) {
+  RelocationElements rows;
+  CpuBackend<double>().relocate_elements(set.spans(), rule, rows);
   return rows;
 }
 
@@ -152,7 +152,7 @@ TEST(Relocation, SourcesAreDrawnByOpacity) {
   std::vector<double> opacity;
   for (int64_t n = 0; n < kCount; ++n) opacity.push_back(sigmoid(*set.at(kOpacityLogit, n)));
   for (const double o : opacity) sum += o;
-  const RelocationRows rows = relocate(set, {-1, 0.005, kDraws, 3});
+  const RelocationElements rows = relocate(set, {-1, 0.005, kDraws, 3});
   std::vector<double> drawn(kCount, 0);
   for (int64_t i = kCount; i < kCount + kDraws; ++i) ++drawn[size_t(rows.values[i])];
   double chi2 = 0;
@@ -188,7 +188,7 @@ TEST(Relocation, OnlyTheDeadMoveAndOnlyToTheLiving) {
   const TestGaussians<double> before = set;
   *set.at(kOpacityLogit, 2) = std::nan("");
   const double limit = sigmoid(-6.0);  // exactly at the limit is dead
-  const RelocationRows rows = relocate(set, {limit, 0.005, 0, 9});
+  const RelocationElements rows = relocate(set, {limit, 0.005, 0, 9});
   int64_t dead = 0;
   std::vector<int> copies(300, 1);
   for (int64_t n = 0; n < 300; ++n) {
@@ -217,7 +217,7 @@ TEST(Relocation, NobodyIsMovedWhereNobodyLives) {
   for (const int64_t count : {0, 1, 5}) {
     TestGaussians<double> set(Form::kPair, count);
     std::fill(set.group[kOpacityLogit].begin(), set.group[kOpacityLogit].end(), -9.0);
-    const RelocationRows rows = relocate(set, {0.005, 0.005, 0, 1});
+    const RelocationElements rows = relocate(set, {0.005, 0.005, 0, 1});
     EXPECT_EQ(rows.moved + rows.weight, 0);
     ASSERT_EQ(rows.values.size(), count);
     for (int64_t n = 0; n < count; ++n) EXPECT_EQ(rows.values[n] + rows.moments[n], 2 * n);

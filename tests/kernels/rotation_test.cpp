@@ -3,6 +3,7 @@
 #include "kernels/math/rotation4.h"
 
 #include "kernels/math/rotation3.h"
+#include "tests/kernels/published_rotation.h"
 #include "tests/support/dual.h"
 #include "tests/support/random.h"
 

@@ -35,7 +35,8 @@ SpacetimeGradient<double> upstream(const std::array<double, 11>& g) {
   SpacetimeGradient<double> d;
   d.covariance = {g[0], g[1], g[2], g[3], g[4], g[5]};
   d.velocity = Vec3<double>(g[6], g[7], g[8]);
-  d.mean_time = g[9], d.precision_time = g[10];
+  d.mean_time = g[9];
+  d.precision_time = g[10];
   return d;
 }
 
@@ -66,7 +67,8 @@ TEST(Spacetime, SliceBackwardEqualsDuals) {
     const auto state = [](const auto& p) {
       Spacetime<std::decay_t<decltype(p[0])>> s{};
       s.velocity = {p[3], p[4], p[5]};
-      s.mean_time = p[6], s.precision_time = p[7];
+      s.mean_time = p[6];
+      s.precision_time = p[7];
       return s;
     };
     const auto expected = dual_gradient(x, [&](const auto& p) {

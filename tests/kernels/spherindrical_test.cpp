@@ -68,7 +68,8 @@ void expect_same(const Backward<Real>& a, const Backward<Real>& b) {
 TEST(Levels, OfZerosOrNotActiveAreAsNone) {
   for (const Form form : kDynamicForms) {
     TestScene<float> scene = levelled_scene(form, 2, 11).as<float>(), none = scene;
-    none.moving.time_levels = 0, none.moving.group[kShTime].clear();
+    none.moving.time_levels = 0;
+    none.moving.group[kShTime].clear();
     const Backward<float> expected = backward(none);
     EXPECT_NE(backward(scene).rendered.colour, expected.rendered.colour);
     scene.options.sh_time_degree = 0;
@@ -85,7 +86,8 @@ TEST(Levels, OfZerosOrNotActiveAreAsNone) {
 // stored; seen to fail.
 TEST(Levels, AreActiveOneByOne) {
   TestScene<float> both = levelled_scene(Form::kPair, 2, 13).as<float>(), one = both;
-  one.moving.time_levels = 1, one.moving.group[kShTime].clear();
+  one.moving.time_levels = 1;
+  one.moving.group[kShTime].clear();
   for (int64_t n = 0; n < both.moving.count; ++n)
     one.moving.group[kShTime].insert(one.moving.group[kShTime].end(), both.moving.at(kShTime, n),
                                      both.moving.at(kShTime, n) + 48);
@@ -107,9 +109,9 @@ TEST(Levels, AnotherClockShowsTheSame) {
   for (double& v : other.moving.group[kVelocity]) v /= a;
   for (View& view : other.views) view.time = a * view.time + b;
   other.options.sh_time_period = a * scene.options.sh_time_period;
-  const Backward<double> here = backward(scene), there = backward(other);
-  EXPECT_LE(relative(there.rendered.colour, here.rendered.colour), 1e-12);
-  EXPECT_LE(relative(there.moving.group[kShTime], here.moving.group[kShTime]), 1e-10);
+  const Backward<double> usual = backward(scene), rescaled = backward(other);
+  EXPECT_LE(relative(rescaled.rendered.colour, usual.rendered.colour), 1e-12);
+  EXPECT_LE(relative(rescaled.moving.group[kShTime], usual.moving.group[kShTime]), 1e-10);
 }
 
 TEST(Levels, ThatAreNotFiniteAreNotDrawnNorLearned) {  // C5

@@ -15,11 +15,12 @@ TEST(Ssim, PartialsEqualDuals) {
     const double x = random.uniform(0, 1), y = random.uniform(0, 1);
     const double vx = random.uniform(0.001, 0.1), vy = random.uniform(0.001, 0.1);
     const double cov = random.uniform(-1, 1) * std::sqrt(vx * vy);
-    const std::array<double, 3> at{x, x * x + vx, x * y + cov};
-    const auto expected = dual_gradient(at, [&](const auto& p) {
+    const std::array<double, 3> moments{x, x * x + vx, x * y + cov};
+    const auto expected = dual_gradient(moments, [&](const auto& p) {
       return ssim_point(SsimMoments<Dual>{p[0], y, p[1], y * y + vy, p[2]}).value;
     });
-    const SsimPoint<double> point = ssim_point(SsimMoments<double>{x, y, at[1], y * y + vy, at[2]});
+    const SsimPoint<double> point =
+        ssim_point(SsimMoments<double>{x, y, moments[1], y * y + vy, moments[2]});
     expect_near_all(std::array{point.d_x, point.d_xx, point.d_xy}, expected, 1e-12, "partials");
     const double by_hand =
         (2 * x * y + 1e-4) * (2 * cov + 9e-4) / ((x * x + y * y + 1e-4) * (vx + vy + 9e-4));
@@ -46,7 +47,8 @@ struct LossCase {
     std::vector<View> views;
     for (const auto& [width, height] : sizes) {
       View view;
-      view.camera.width = width, view.camera.height = height;
+      view.camera.width = width;
+      view.camera.height = height;
       views.push_back(view);
       truth.emplace_back(size_t(3 * width * height));
       for (uint8_t& byte : truth.back()) byte = uint8_t(random.below(256));
@@ -122,12 +124,12 @@ TEST(Photometric, GradientIsThatOfTheMeanOverTheBatch) {
   constexpr double kStep = 1e-5;
   for (int64_t i = 0; i < 3 * p.batch.pixels; i += 7) {
     const double x = p.images.colour[i];
-    const auto at = [&](double value) {
+    const auto loss = [&](double value) {
       p.images.colour[i] = value;
       const auto losses = p.loss({});
       return (losses[0].total + losses[1].total) / 2;
     };
-    const double difference = (at(x + kStep) - at(x - kStep)) / (2 * kStep);
+    const double difference = (loss(x + kStep) - loss(x - kStep)) / (2 * kStep);
     p.images.colour[i] = x;
     EXPECT_NEAR(d_colour[size_t(i)], difference, 1e-9) << i;  // gradients are of order 1e-3
   }
@@ -198,12 +200,12 @@ TEST(Photometric, GradientWithAMaskIsThatOfUsedPixelsAndZeroElsewhere) {
         EXPECT_EQ(d, 0.0) << i;
         continue;
       }
-      const auto at = [&](double value) {
+      const auto loss = [&](double value) {
         x = value;
         const auto losses = p.loss({});
         return (losses[0].total + losses[1].total) / 2;
       };
-      const double difference = (at(kept + kStep) - at(kept - kStep)) / (2 * kStep);
+      const double difference = (loss(kept + kStep) - loss(kept - kStep)) / (2 * kStep);
       x = kept;
       EXPECT_NEAR(d, difference, 1e-9) << i;  // gradients are of order 1e-3
     }

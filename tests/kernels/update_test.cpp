@@ -11,10 +11,13 @@ TEST(AdamStage, EveryGroupTakesItsOwnStepAndShTwo) {
   for (const Form form : kForms) {
     TestGaussians<double> value = random_gaussians(form, 3, 1, 0.1, random), before = value;
     TestGaussians<double> gradient = random_gaussians(form, 3, 1, 0.1, random);
-    TestGaussians<double> moment1(form, 3), moment2(form, 3);
+    TestGaussians<double> moment1(form, 3);
+    TestGaussians<double> moment2(form, 3);
     SinkArgs<double> args;
-    args.gradient = gradient.spans(), args.value = value.spans();
-    args.moment1 = moment1.spans(), args.moment2 = moment2.spans();
+    args.gradient = gradient.spans();
+    args.value = value.spans();
+    args.moment1 = moment1.spans();
+    args.moment2 = moment2.spans();
     for (int g = 0; g < kGroupCount; ++g)
       args.adam.group[g] = adam_scalars<double>(0.01 * (g + 1), 7);
     args.adam.sh_rest = adam_scalars<double>(0.5, 7);
@@ -36,7 +39,7 @@ TEST(GatherRows, CopiesRowsAndWritesZerosForMinusOne) {
   const std::vector<float> from{1, 2, 3, 4, 5, 6};
   const std::vector<int64_t> index{2, -1, 0, 0};
   std::vector<float> to(8, -7);
-  CpuBackend<float>().gather_rows({from.data(), 6}, {index.data(), 4}, 2, 4, {to.data(), 8});
+  CpuBackend<float>().gather_elements({from.data(), 6}, {index.data(), 4}, 2, 4, {to.data(), 8});
   EXPECT_EQ(to, (std::vector<float>{5, 6, 0, 0, 1, 2, 1, 2}));
 }
 
@@ -46,8 +49,8 @@ TEST(GatherRows, RowsFromInheritedOnAreZeros) {
   const std::vector<int64_t> index{2, 1, 0, 1};
   std::vector<float> to(8, -7);
   for (const int64_t inherited : {0, 1, 3, 4}) {
-    CpuBackend<float>().gather_rows({from.data(), 6}, {index.data(), 4}, 2, inherited,
-                                    {to.data(), 8});
+    CpuBackend<float>().gather_elements({from.data(), 6}, {index.data(), 4}, 2, inherited,
+                                        {to.data(), 8});
     for (int64_t i = 0; i < 4; ++i)
       for (int64_t j = 0; j < 2; ++j)
         EXPECT_EQ(to[size_t(2 * i + j)],
@@ -59,15 +62,16 @@ TEST(GatherRows, TargetOfAnotherSizeIsRefused) {
   const std::vector<float> from{1, 2};
   const std::vector<int64_t> index{0};
   std::vector<float> to(1);
-  EXPECT_THROW(
-      CpuBackend<float>().gather_rows({from.data(), 2}, {index.data(), 1}, 2, 1, {to.data(), 1}),
-      std::logic_error);
+  EXPECT_THROW(CpuBackend<float>().gather_elements({from.data(), 2}, {index.data(), 1}, 2, 1,
+                                                   {to.data(), 1}),
+               std::logic_error);
 }
 
 /// ‖dL_v/d mean2D‖ in NDC of each static Gaussian in one view alone; −1 where it is not visible.
 std::vector<double> norms_alone(const TestScene<double>& scene, size_t v) {
   TestScene<double> single = scene;
-  single.views = {scene.views[v]}, single.truth = {scene.truth[v]};
+  single.views = {scene.views[v]};
+  single.truth = {scene.truth[v]};
   CpuBackend<double> backend;
   const ViewBatch<double> batch = make_view_batch<double>(single.views);
   Splats<double> splats;
@@ -97,11 +101,15 @@ TEST(DensityStatistics, IsTheMeanOverTheViewsThatSeeTheGaussian) {
   for (int64_t n = 0; n < 8; ++n)
     scene.fixed.at(kMean, n)[1] += 0.2 * double(n);  // outside some views
   const Backward<double> actual = backward(scene);
-  std::vector<double> sum(24, 0), seen(24, 0);
+  std::vector<double> sum(24, 0);
+  std::vector<double> seen(24, 0);
   for (size_t v = 0; v < scene.views.size(); ++v) {
     const std::vector<double> norms = norms_alone(scene, v);
     for (size_t n = 0; n < norms.size(); ++n)
-      if (norms[n] >= 0) sum[n] += norms[n], seen[n] += 1;
+      if (norms[n] >= 0) {
+        sum[n] += norms[n];
+        seen[n] += 1;
+      }
   }
   int partly = 0;
   for (size_t n = 0; n < 24; ++n) {

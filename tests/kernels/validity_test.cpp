@@ -89,10 +89,12 @@ unsigned groups_reported(const TestScene<float>& scene,
   Splats<float> splats;
   backend.project(args.forward, splats);
   std::vector<SplatGradient<float>> d_splats(size_t(splats.count));
-  TestGaussians<float> fixed(Form::kStatic, scene.fixed.count),
-      moving(Form::kPair, scene.moving.count);
-  args.splats = &splats, args.d_splats = {d_splats.data(), splats.count};
-  args.sinks[0].gradient = fixed.spans(), args.sinks[1].gradient = moving.spans();
+  TestGaussians<float> fixed(Form::kStatic, scene.fixed.count);
+  TestGaussians<float> moving(Form::kPair, scene.moving.count);
+  args.splats = &splats;
+  args.d_splats = {d_splats.data(), splats.count};
+  args.sinks[0].gradient = fixed.spans();
+  args.sinks[1].gradient = moving.spans();
   backend.project_backward(args);
   EXPECT_EQ(backend.outcome().bad_groups, 0u);
   spoil(d_splats[d_splats.size() / 2]);

@@ -84,7 +84,10 @@ inline std::array<double, 3> colour_brute(const TestGaussians<double>& set, int6
                                           const RenderOptions& options) {
   const glm::dvec3 eye = view.camera.position();
   double d[3], length = 0;
-  for (int i = 0; i < 3; ++i) d[i] = mean[size_t(i)] - eye[i], length += d[i] * d[i];
+  for (int i = 0; i < 3; ++i) {
+    d[i] = mean[size_t(i)] - eye[i];
+    length += d[i] * d[i];
+  }
   length = std::sqrt(length);
   const auto Y = published_sh_basis(d[0] / length, d[1] / length, d[2] / length);
   std::array<double, 3> colour{0.5, 0.5, 0.5};
@@ -136,15 +139,20 @@ inline bool splat_brute(const TestGaussians<double>& set, int64_t n, const View&
       for (int k = 0; k < 9; ++k)
         cov[i][j] += A[i][k / 3] * g.covariance[k / 3][k % 3] * A[j][k % 3];
   const double sharp = cov[0][0] * cov[1][1] - cov[0][1] * cov[1][0];
-  cov[0][0] += dilation, cov[1][1] += dilation;
+  cov[0][0] += dilation;
+  cov[1][1] += dilation;
   const double det = cov[0][0] * cov[1][1] - cov[0][1] * cov[1][0];
   if (!(det >= 1e-6)) return false;
   out.compensation = !options.filter_2d ? 1
                      : frozen           ? *frozen
                                         : std::sqrt(std::max(0.0, sharp / det));
-  out.depth = p[2], out.opacity = g.opacity * out.compensation;
-  out.u = camera.fl_x * p[0] / p[2] + camera.cx, out.v = camera.fl_y * p[1] / p[2] + camera.cy;
-  out.conic_uu = cov[1][1] / det, out.conic_uv = -cov[0][1] / det, out.conic_vv = cov[0][0] / det;
+  out.depth = p[2];
+  out.opacity = g.opacity * out.compensation;
+  out.u = camera.fl_x * p[0] / p[2] + camera.cx;
+  out.v = camera.fl_y * p[1] / p[2] + camera.cy;
+  out.conic_uu = cov[1][1] / det;
+  out.conic_uv = -cov[0][1] / det;
+  out.conic_vv = cov[0][0] / det;
   out.colour = colour_brute(set, n, g.mean, view, options);
   return true;
 }

@@ -62,8 +62,10 @@ void expect_group(const std::vector<Actual>& actual, const std::vector<Expected>
                   const GroupBounds& bounds, const std::string& what) {
   ASSERT_EQ(actual.size(), expected.size()) << what;
   double scale = 0, total = 0, sum = 0, worst = 0, outliers = 0;
-  for (const Expected e : expected)
-    scale = std::max(scale, std::abs(double(e))), total += std::abs(double(e));
+  for (const Expected e : expected) {
+    scale = std::max(scale, std::abs(double(e)));
+    total += std::abs(double(e));
+  }
   for (size_t i = 0; i < expected.size(); ++i) {
     const double difference = double(actual[i]) - double(expected[i]);
     sum += difference;

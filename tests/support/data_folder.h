@@ -15,8 +15,9 @@ inline std::filesystem::path data_folder(const std::string& name) {
     return fs::exists(folder) ? folder : fs::path();
   }
   const fs::path source = fs::absolute(__FILE__);
-  for (fs::path at = source.parent_path(); at != at.root_path(); at = at.parent_path()) {
-    const fs::path folder = at / "shared" / "data" / name;
+  for (fs::path parent = source.parent_path(); parent != parent.root_path();
+       parent = parent.parent_path()) {
+    const fs::path folder = parent / "shared" / "data" / name;
     if (fs::exists(folder)) return folder;
   }
   return {};

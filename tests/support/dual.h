@@ -57,9 +57,9 @@ template <size_t N, class Function>
 std::array<double, N> dual_gradient(const std::array<double, N>& x, Function&& f) {
   std::array<double, N> gradient{};
   for (size_t i = 0; i < N; ++i) {
-    std::array<Dual, N> at;
-    for (size_t j = 0; j < N; ++j) at[j] = Dual(x[j], i == j ? 1.0 : 0.0);
-    gradient[i] = f(at).d;
+    std::array<Dual, N> d;
+    for (size_t j = 0; j < N; ++j) d[j] = Dual(x[j], i == j ? 1.0 : 0.0);
+    gradient[i] = f(d).d;
   }
   return gradient;
 }

@@ -48,6 +48,15 @@ class FaultyBackend final : public Backend {
   void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override {
     cpu_->sensitivity(args, out);
   }
+  void contributions(const ContributionArgs<float>& args) override { cpu_->contributions(args); }
+  void close_timestep(double time, Span<TimeVariation> variation) override {
+    cpu_->close_timestep(time, variation);
+  }
+  void added_squares(const ViewBatch<float>& batch, Span<const float> before,
+                     Span<float> residual) override {
+    cpu_->added_squares(batch, before, residual);
+  }
+  double sum_of_squares(Span<const float> values) override { return cpu_->sum_of_squares(values); }
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatGradient<float>> d_splats) override {
     cpu_->blend_backward(args, d_splats);
@@ -71,21 +80,21 @@ class FaultyBackend final : public Backend {
                    Span<float> moment1, Span<float> moment2) override {
     cpu_->adam_values(gradient, adam, value, moment1, moment2);
   }
-  void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
-                   Span<float> to) override {
-    cpu_->gather_rows(from, index, width, inherited, to);
+  void gather_elements(Span<const float> from, Span<const int64_t> index, int width,
+                       int64_t inherited, Span<float> to) override {
+    cpu_->gather_elements(from, index, width, inherited, to);
   }
-  void select_rows(const GaussianSpans<const float>& set,
-                   const DensityStatistics<const float>& statistics, const DensityRule& rule,
-                   DensityRows& rows) override {
-    cpu_->select_rows(set, statistics, rule, rows);
+  void select_elements(const GaussianSpans<const float>& set,
+                       const DensityStatistics<const float>& statistics, const DensityRule& rule,
+                       DensityElements& rows) override {
+    cpu_->select_elements(set, statistics, rule, rows);
   }
   void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override {
     cpu_->place_children(set, first, seed);
   }
-  void relocate_rows(const GaussianSpans<float>& set, const RelocationRule& rule,
-                     RelocationRows& rows) override {
-    cpu_->relocate_rows(set, rule, rows);
+  void relocate_elements(const GaussianSpans<float>& set, const RelocationRule& rule,
+                         RelocationElements& rows) override {
+    cpu_->relocate_elements(set, rule, rows);
   }
   void add_position_noise(const GaussianSpans<float>& set, const PositionNoise& noise) override {
     cpu_->add_position_noise(set, noise);

@@ -15,7 +15,8 @@ inline double logit(double p) {
 
 inline View front_view(int width = kFrontSize, int height = kFrontSize) {
   View view;
-  view.camera.width = width, view.camera.height = height;
+  view.camera.width = width;
+  view.camera.height = height;
   view.camera.fl_x = view.camera.fl_y = kFrontFocal;
   view.camera.cx = view.camera.cy = kFrontMiddle + 0.5;
   return view;

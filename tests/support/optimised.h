@@ -20,9 +20,12 @@ struct Optimised {
 
   SinkArgs<Real> sink(size_t set, int64_t step, bool fused, IdleUpdate idle = IdleUpdate::kDense) {
     SinkArgs<Real> args;
-    args.fused = fused, args.idle = idle;
-    args.gradient = gradient[set].spans(), args.value = value[set].spans();
-    args.moment1 = moment1[set].spans(), args.moment2 = moment2[set].spans();
+    args.fused = fused;
+    args.idle = idle;
+    args.gradient = gradient[set].spans();
+    args.value = value[set].spans();
+    args.moment1 = moment1[set].spans();
+    args.moment2 = moment2[set].spans();
     for (int g = 0; g < kGroupCount; ++g)
       args.adam.group[g] = adam_scalars<Real>(1e-3 * (g + 1), step);
     args.adam.sh_rest = adam_scalars<Real>(1e-4, step);

@@ -128,8 +128,11 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   pipeline.backward(args);
   out.d_environment = fetched(d_environment, memory);
   const StepOutcome outcome = pipeline.outcome();
-  out.losses = outcome.losses, out.bad = outcome.bad_groups, out.d_gain = outcome.d_gain;
-  out.fixed = gradients[0].fetch(), out.moving = gradients[1].fetch();
+  out.losses = outcome.losses;
+  out.bad = outcome.bad_groups;
+  out.d_gain = outcome.d_gain;
+  out.fixed = gradients[0].fetch();
+  out.moving = gradients[1].fetch();
   for (size_t set = 0; set < 2; ++set) {
     out.statistic[set] = fetched(statistics[2 * set], memory);
     out.seen[set] = fetched(statistics[2 * set + 1], memory);

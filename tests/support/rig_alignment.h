@@ -42,13 +42,16 @@ inline std::array<double, 4> top_eigenvector(std::array<std::array<double, 4>, 4
         const double c = std::cos(angle), s = std::sin(angle);
         for (int k = 0; k < 4; ++k) {  // columns of a and v
           const double akp = a[k][p], akq = a[k][q];
-          a[k][p] = c * akp - s * akq, a[k][q] = s * akp + c * akq;
+          a[k][p] = c * akp - s * akq;
+          a[k][q] = s * akp + c * akq;
           const double vkp = v[k][p], vkq = v[k][q];
-          v[k][p] = c * vkp - s * vkq, v[k][q] = s * vkp + c * vkq;
+          v[k][p] = c * vkp - s * vkq;
+          v[k][q] = s * vkp + c * vkq;
         }
         for (int k = 0; k < 4; ++k) {  // rows of a
           const double apk = a[p][k], aqk = a[q][k];
-          a[p][k] = c * apk - s * aqk, a[q][k] = s * apk + c * aqk;
+          a[p][k] = c * apk - s * aqk;
+          a[q][k] = s * apk + c * aqk;
         }
       }
   int top = 0;
@@ -60,9 +63,14 @@ inline std::array<double, 4> top_eigenvector(std::array<std::array<double, 4>, 4
 /// The similarity that brings `from` nearest to `to` in the sum of squares.
 inline Similarity align_points(const std::vector<glm::dvec3>& from,
                                const std::vector<glm::dvec3>& to) {
-  glm::dvec3 from_mean(0), to_mean(0);
-  for (size_t i = 0; i < from.size(); ++i) from_mean += from[i], to_mean += to[i];
-  from_mean /= double(from.size()), to_mean /= double(to.size());
+  glm::dvec3 from_mean(0);
+  glm::dvec3 to_mean(0);
+  for (size_t i = 0; i < from.size(); ++i) {
+    from_mean += from[i];
+    to_mean += to[i];
+  }
+  from_mean /= double(from.size());
+  to_mean /= double(to.size());
   double s[3][3] = {}, spread = 0;  // s: sum of from · toᵀ
   for (size_t i = 0; i < from.size(); ++i) {
     const glm::dvec3 a = from[i] - from_mean, b = to[i] - to_mean;
@@ -130,8 +138,14 @@ inline RigError rig_error(const std::vector<Camera>& estimated, const std::vecto
     const double turn = degrees_between(aligned, truth[i].cam_from_world);
     const double distance =
         glm::length(error.alignment(estimated[i].position()) - truth[i].position()) / extent;
-    if (turn > error.rotation) error.rotation = turn, error.worst_rotation = i;
-    if (distance > error.centre) error.centre = distance, error.worst_centre = i;
+    if (turn > error.rotation) {
+      error.rotation = turn;
+      error.worst_rotation = i;
+    }
+    if (distance > error.centre) {
+      error.centre = distance;
+      error.worst_centre = i;
+    }
   }
   return error;
 }

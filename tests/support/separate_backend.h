@@ -25,7 +25,8 @@ class SeparateMemory final : public Memory {
     void* pages = mmap(nullptr, length, rights(), MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (pages == MAP_FAILED) throw std::bad_alloc();
     lengths_[pages] = length;
-    held_ += int64_t(length), peak_ = std::max(peak_, held_);
+    held_ += int64_t(length);
+    peak_ = std::max(peak_, held_);
     return pages;
   }
   void release(void* pointer, size_t) noexcept override {
@@ -84,52 +85,77 @@ class SeparateMemory final : public Memory {
 
 class SeparateBackend final : public Backend {
  public:
-  SeparateMemory own;
+  SeparateMemory separate_memory;
   std::vector<std::string> calls;  // of the stages that wait, and of project_backward
   int64_t strays = 0;              // spans handed in that lie elsewhere
 
   std::string name() const override { return "separate " + cpu_->name(); }
-  Memory& memory() override { return own; }
+  Memory& memory() override { return separate_memory; }
   StageClock& clock() override { return cpu_->clock(); }
   void project(const ProjectArgs<float>& args, Splats<float>& splats) override {
     calls.push_back("project");
     for (int k = 0; k < 2; ++k) check_lies_here(args.sets[k]);
-    own.inside([&] { cpu_->project(args, splats); });
+    separate_memory.inside([&] { cpu_->project(args, splats); });
   }
   void bin(const BinArgs<float>& args, TileInstances<float>& instances) override {
-    own.inside([&] { cpu_->bin(args, instances); });
+    separate_memory.inside([&] { cpu_->bin(args, instances); });
   }
   void blend(const BlendArgs<float>& args, Images<float>& images) override {
-    own.inside([&] { cpu_->blend(args, images); });
+    separate_memory.inside([&] { cpu_->blend(args, images); });
   }
   void environment(const EnvironmentArgs<float>& args, Images<float>& images) override {
     check_lies_here(args.map);
-    own.inside([&] { cpu_->environment(args, images); });
+    separate_memory.inside([&] { cpu_->environment(args, images); });
   }
   void environment_backward(const EnvironmentArgs<float>& args, const Images<float>& images,
                             Span<const float> d_colour, Span<float> d_map) override {
-    check_lies_here(args.map), check_lies_here(d_map);
-    own.inside([&] { cpu_->environment_backward(args, images, d_colour, d_map); });
+    check_lies_here(args.map);
+    check_lies_here(d_map);
+    separate_memory.inside([&] { cpu_->environment_backward(args, images, d_colour, d_map); });
   }
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
     for (const Span<const uint8_t>& truth : args.truth) check_lies_here(truth);
     for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
-    own.inside([&] { cpu_->photometric(args, d_colour); });
+    separate_memory.inside([&] { cpu_->photometric(args, d_colour); });
   }
   void residual(const PhotometricArgs<float>& args, Span<float> residual) override {
     for (const Span<const uint8_t>& truth : args.truth) check_lies_here(truth);
     for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
     check_lies_here(residual);
-    own.inside([&] { cpu_->residual(args, residual); });
+    separate_memory.inside([&] { cpu_->residual(args, residual); });
   }
   void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override {
-    check_lies_here(args.pass.d_colour), check_lies_here(out);
+    check_lies_here(args.pass.d_colour);
+    check_lies_here(out);
     for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
-    own.inside([&] { cpu_->sensitivity(args, out); });
+    separate_memory.inside([&] { cpu_->sensitivity(args, out); });
   }
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatGradient<float>> d_splats) override {
-    own.inside([&] { cpu_->blend_backward(args, d_splats); });
+    separate_memory.inside([&] { cpu_->blend_backward(args, d_splats); });
+  }
+  void contributions(const ContributionArgs<float>& args) override {
+    check_lies_here(args.sums);
+    check_lies_here(args.elements);
+    check_lies_here(args.variation);
+    separate_memory.inside([&] { cpu_->contributions(args); });
+  }
+  void close_timestep(double time, Span<TimeVariation> variation) override {
+    check_lies_here(variation);
+    separate_memory.inside([&] { cpu_->close_timestep(time, variation); });
+  }
+  void added_squares(const ViewBatch<float>& batch, Span<const float> before,
+                     Span<float> residual) override {
+    check_lies_here(before);
+    check_lies_here(residual);
+    separate_memory.inside([&] { cpu_->added_squares(batch, before, residual); });
+  }
+  double sum_of_squares(Span<const float> values) override {
+    calls.push_back("sum_of_squares");
+    check_lies_here(values);
+    double sum = 0;
+    separate_memory.inside([&] { sum = cpu_->sum_of_squares(values); });
+    return sum;
   }
   void project_backward(const ProjectBackwardArgs<float>& args) override {
     calls.push_back("project_backward");
@@ -138,7 +164,7 @@ class SeparateBackend final : public Backend {
       check_lies_here(args.statistics[k].gradient_sum);
       check_lies_here(args.statistics[k].count);
     }
-    own.inside([&] { cpu_->project_backward(args); });
+    separate_memory.inside([&] { cpu_->project_backward(args); });
   }
   StepOutcome outcome() override {
     calls.push_back("outcome");
@@ -146,62 +172,67 @@ class SeparateBackend final : public Backend {
   }
   void adam(const SinkArgs<float>& args) override {
     check_lies_here(args);
-    own.inside([&] { cpu_->adam(args); });
+    separate_memory.inside([&] { cpu_->adam(args); });
   }
   void adam_values(Span<const float> gradient, const AdamScalars<float>& adam, Span<float> value,
                    Span<float> moment1, Span<float> moment2) override {
-    check_lies_here(gradient), check_lies_here(value);
-    own.inside([&] { cpu_->adam_values(gradient, adam, value, moment1, moment2); });
+    check_lies_here(gradient);
+    check_lies_here(value);
+    separate_memory.inside([&] { cpu_->adam_values(gradient, adam, value, moment1, moment2); });
   }
-  void gather_rows(Span<const float> from, Span<const int64_t> index, int width, int64_t inherited,
-                   Span<float> to) override {
-    check_lies_here(from), check_lies_here(index), check_lies_here(to);
-    own.inside([&] { cpu_->gather_rows(from, index, width, inherited, to); });
+  void gather_elements(Span<const float> from, Span<const int64_t> index, int width,
+                       int64_t inherited, Span<float> to) override {
+    check_lies_here(from);
+    check_lies_here(index);
+    check_lies_here(to);
+    separate_memory.inside([&] { cpu_->gather_elements(from, index, width, inherited, to); });
   }
-  void select_rows(const GaussianSpans<const float>& set,
-                   const DensityStatistics<const float>& statistics, const DensityRule& rule,
-                   DensityRows& rows) override {
-    calls.push_back("select_rows");
-    check_lies_here(statistics.gradient_sum), check_lies_here(statistics.count);
-    own.inside([&] { cpu_->select_rows(set, statistics, rule, rows); });
+  void select_elements(const GaussianSpans<const float>& set,
+                       const DensityStatistics<const float>& statistics, const DensityRule& rule,
+                       DensityElements& elements) override {
+    calls.push_back("select_elements");
+    check_lies_here(statistics.gradient_sum);
+    check_lies_here(statistics.count);
+    separate_memory.inside([&] { cpu_->select_elements(set, statistics, rule, elements); });
   }
   void place_children(const GaussianSpans<float>& set, int64_t first, uint64_t seed) override {
-    own.inside([&] { cpu_->place_children(set, first, seed); });
+    separate_memory.inside([&] { cpu_->place_children(set, first, seed); });
   }
-  void relocate_rows(const GaussianSpans<float>& set, const RelocationRule& rule,
-                     RelocationRows& rows) override {
-    calls.push_back("relocate_rows");
+  void relocate_elements(const GaussianSpans<float>& set, const RelocationRule& rule,
+                         RelocationElements& elements) override {
+    calls.push_back("relocate_elements");
     check_lies_here(set);
-    own.inside([&] { cpu_->relocate_rows(set, rule, rows); });
+    separate_memory.inside([&] { cpu_->relocate_elements(set, rule, elements); });
   }
   void add_position_noise(const GaussianSpans<float>& set, const PositionNoise& noise) override {
     check_lies_here(set);
-    own.inside([&] { cpu_->add_position_noise(set, noise); });
+    separate_memory.inside([&] { cpu_->add_position_noise(set, noise); });
   }
   void locality_order(const GaussianSpans<const float>& set, Buffer<int64_t>& order) override {
-    own.inside([&] { cpu_->locality_order(set, order); });
+    separate_memory.inside([&] { cpu_->locality_order(set, order); });
   }
   void filter_sizes(const FilterArgs<float>& args, Span<float> sizes) override {
-    check_lies_here(args.set), check_lies_here(sizes);
-    own.inside([&] { cpu_->filter_sizes(args, sizes); });
+    check_lies_here(args.set);
+    check_lies_here(sizes);
+    separate_memory.inside([&] { cpu_->filter_sizes(args, sizes); });
   }
   void edit_by_filter(FilterEdit edit, const GaussianSpans<float>& set, float limit) override {
     check_lies_here(set);
-    own.inside([&] { cpu_->edit_by_filter(edit, set, limit); });
+    separate_memory.inside([&] { cpu_->edit_by_filter(edit, set, limit); });
   }
   void limit_values(Span<float> values, float limit) override {
     check_lies_here(values);
-    own.inside([&] { cpu_->limit_values(values, limit); });
+    separate_memory.inside([&] { cpu_->limit_values(values, limit); });
   }
   void fill_zero(Span<float> values) override {
     check_lies_here(values);
-    own.inside([&] { cpu_->fill_zero(values); });
+    separate_memory.inside([&] { cpu_->fill_zero(values); });
   }
 
  private:
   template <class T>
   void check_lies_here(const Span<T>& span) {
-    strays += !span.empty() && !own.holds(span.data);
+    strays += !span.empty() && !separate_memory.holds(span.data);
   }
   template <class T>
   void check_lies_here(const GaussianSpans<T>& set) {
@@ -209,8 +240,10 @@ class SeparateBackend final : public Backend {
     check_lies_here(set.filter_size);
   }
   void check_lies_here(const SinkArgs<float>& sink) {
-    check_lies_here(sink.value), check_lies_here(sink.gradient);
-    check_lies_here(sink.moment1), check_lies_here(sink.moment2);
+    check_lies_here(sink.value);
+    check_lies_here(sink.gradient);
+    check_lies_here(sink.moment1);
+    check_lies_here(sink.moment2);
   }
 
   std::unique_ptr<Backend> cpu_ = make_cpu_backend();

@@ -19,7 +19,7 @@ inline std::vector<uint8_t> some_degrees(int64_t count, uint64_t seed) {
 
 inline ShBlocks blocks_of(const std::vector<uint8_t>& degrees) {
   ShBlocks blocks;
-  for (const uint8_t degree : degrees) ++blocks.rows[degree];
+  for (const uint8_t degree : degrees) ++blocks.elements[degree];
   return blocks;
 }
 
@@ -36,7 +36,7 @@ inline std::vector<int64_t> block_order(const std::vector<uint8_t>& degrees) {
 inline std::vector<int> degrees_in(const ShBlocks& blocks) {
   std::vector<int> degrees;
   for (const int degree : {3, 1, 2, 0})
-    degrees.insert(degrees.end(), size_t(blocks.rows[degree]), degree);
+    degrees.insert(degrees.end(), size_t(blocks.elements[degree]), degree);
   return degrees;
 }
 
@@ -49,7 +49,8 @@ void for_each_colour(const ShBlocks& blocks, int coefficients, int levels, Visit
     for (int level = 0; level < levels; ++level) {
       const int scalars = 3 * (degree + 1) * (degree + 1);
       visit(wide, narrow, scalars);
-      wide += 3 * coefficients, narrow += scalars;
+      wide += 3 * coefficients;
+      narrow += scalars;
     }
 }
 

@@ -59,18 +59,24 @@ void poison(Buffer<T>& buffer, Memory& memory) {
 
 template <class Real>
 void poison_all(TileInstances<Real>& instances, Memory& memory) {
-  poison(instances.splat, memory), poison(instances.tile_begin, memory);
-  poison(instances.first_of, memory), poison(instances.slot, memory);
+  poison(instances.splat, memory);
+  poison(instances.tile_begin, memory);
+  poison(instances.first_of, memory);
+  poison(instances.slot, memory);
   poison(instances.depth_order, memory);
 }
 
 template <class Real>
 void fetch_lists(const Splats<Real>& splats, const TileInstances<Real>& instances, Memory& memory,
                  StageRun<Real>& out) {
-  out.splats = splats.count, out.invalid = splats.invalid, out.instances = instances.count;
+  out.splats = splats.count;
+  out.invalid = splats.invalid;
+  out.instances = instances.count;
   EXPECT_EQ(splats.instances, instances.count);
-  out.splat = fetched(splats.splat, memory), out.depth = fetched(splats.depth, memory);
-  out.rect = fetched(splats.rect, memory), out.tiles = fetched(splats.tiles, memory);
+  out.splat = fetched(splats.splat, memory);
+  out.depth = fetched(splats.depth, memory);
+  out.rect = fetched(splats.rect, memory);
+  out.tiles = fetched(splats.tiles, memory);
   out.first_of = fetched(splats.first_of, memory);
   out.instance_splat = fetched(instances.splat, memory);
   out.tile_begin = fetched(instances.tile_begin, memory);
@@ -117,14 +123,17 @@ StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend
   }
   const BlendArgs<Real> blend{&batch, &splats, &instances, scene.options, true};
   backend.blend(blend, images);
-  poison(images.colour, memory), poison(images.transmittance, memory);
-  poison(images.used, memory), poison(d_colour, memory);
+  poison(images.colour, memory);
+  poison(images.transmittance, memory);
+  poison(images.used, memory);
+  poison(d_colour, memory);
   backend.blend(blend, images);
   const Target target = in.target();
   backend.photometric({&batch, &images, target.truth, target.weights, target.mask, target.gain},
                       d_colour.span());
   const StepOutcome outcome = backend.outcome();
-  out.losses = outcome.losses, out.d_gain = outcome.d_gain;
+  out.losses = outcome.losses;
+  out.d_gain = outcome.d_gain;
   out.d_colour = fetched(d_colour, memory);
   if (edit) {
     edit(out.d_colour);
@@ -133,7 +142,8 @@ StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend
   Buffer<SplatGradient<Real>> d_splats(splats.count, memory);
   poison(d_splats, memory);
   backend.blend_backward({blend, &images, d_colour.span()}, d_splats.span());
-  out.colour = fetched(images.colour, memory), out.used = fetched(images.used, memory);
+  out.colour = fetched(images.colour, memory);
+  out.used = fetched(images.used, memory);
   out.transmittance = fetched(images.transmittance, memory);
   out.d_splats = fetched(d_splats, memory);
   return out;

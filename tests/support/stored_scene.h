@@ -58,8 +58,11 @@ class StoredGaussians {
   template <class T, class Self>
   static GaussianSpans<T> make(Self& self) {
     GaussianSpans<T> s;
-    s.form = self.form_, s.count = self.count_, s.coefficients = self.coefficients_;
-    s.time_levels = self.time_levels_, s.blocks = self.blocks_;
+    s.form = self.form_;
+    s.count = self.count_;
+    s.coefficients = self.coefficients_;
+    s.time_levels = self.time_levels_;
+    s.blocks = self.blocks_;
     for (int g = 0; g < kGroupCount; ++g) s.group[g] = self.group_[g].span();
     s.filter_size = self.filter_size_.span();
     return s;
@@ -112,7 +115,8 @@ struct StoredScene {
   }
   Target target() const {
     Target out;
-    out.weights = weights, out.gain = gain;
+    out.weights = weights;
+    out.gain = gain;
     for (const Buffer<uint8_t>& bytes : truth) out.truth.push_back(bytes.span());
     for (const Buffer<uint8_t>& bytes : mask) out.mask.push_back(bytes.span());
     return out;

@@ -60,8 +60,11 @@ struct TestGaussians {
   template <class T, class Self>
   static GaussianSpans<T> make(Self& self) {
     GaussianSpans<T> s;
-    s.form = self.form, s.count = self.count, s.coefficients = self.coefficients;
-    s.time_levels = self.time_levels, s.blocks = self.blocks;
+    s.form = self.form;
+    s.count = self.count;
+    s.coefficients = self.coefficients;
+    s.time_levels = self.time_levels;
+    s.blocks = self.blocks;
     for (int g = 0; g < kGroupCount; ++g)
       s.group[g] = {self.group[g].data(), int64_t(self.group[g].size())};
     s.filter_size = {self.filter_size.data(), int64_t(self.filter_size.size())};
@@ -104,9 +107,12 @@ inline Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, int width
   const glm::dvec3 forward = glm::normalize(target - eye);
   const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 1, 0)));
   Camera camera;
-  camera.width = width, camera.height = height;
-  camera.fl_x = focal, camera.fl_y = 1.1 * focal;
-  camera.cx = 0.48 * width, camera.cy = 0.53 * height;
+  camera.width = width;
+  camera.height = height;
+  camera.fl_x = focal;
+  camera.fl_y = 1.1 * focal;
+  camera.cx = 0.48 * width;
+  camera.cy = 0.53 * height;
   camera.cam_from_world = glm::transpose(glm::dmat3(right, glm::cross(forward, right), forward));
   camera.translation = -(camera.cam_from_world * eye);
   return camera;
@@ -200,7 +206,8 @@ inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size
   scene.fixed = random_gaussians(Form::kStatic, fixed, 0.9, size, random);
   scene.moving = random_gaussians(form, moving, 0.9, size, random);
   scene.views = three_views();
-  scene.options.background[0] = 0.2, scene.options.background[2] = 0.7;
+  scene.options.background[0] = 0.2;
+  scene.options.background[2] = 0.7;
   fill_truth(scene, random);
   return scene;
 }

@@ -53,7 +53,8 @@ GaussianModel tiny_truth(const TinyCapture& capture) {
       {{0.0, 0.5, 0.3}, {0.2, 0.2, 0.2}, {0.9, 0.8, 0.1}, 0.5, 0.5, 0.5},
       {{-0.3, 0.2, -0.5}, {0.25, 0.2, 0.2}, {0.8, 0.1, 0.8}, 0.2, 0.4, 0}};
   GaussianModel model;
-  model.static_set = GaussianSet(Form::kStatic, 1), model.dynamic_set = GaussianSet(Form::kPair, 1);
+  model.static_set = GaussianSet(Form::kStatic, 1);
+  model.dynamic_set = GaussianSet(Form::kPair, 1);
   model.static_set.resize(int64_t(still.size()));
   model.dynamic_set.resize(capture.moving ? int64_t(moving.size()) : 0);
   for (size_t n = 0; n < still.size(); ++n) place(still[n], model.static_set, int64_t(n));
@@ -105,10 +106,15 @@ TrainOptions tiny_options() {
   TrainOptions options;
   options.iterations = options.schedule_iterations = 40;
   options.batch = 2;
-  options.init_points = 60, options.init_extent = 1.2, options.static_fraction = 0.5;
+  options.init_points = 60;
+  options.init_extent = 1.2;
+  options.static_fraction = 0.5;
   options.sh_interval = 8;
-  options.densify_from = 6, options.densify_until = 30, options.densify_interval = 6;
-  options.prune_large_from = 12, options.reorder_interval = 10;
+  options.densify_from = 6;
+  options.densify_until = 30;
+  options.densify_interval = 6;
+  options.prune_large_from = 12;
+  options.reorder_interval = 10;
   return options;
 }
 
@@ -176,11 +182,11 @@ std::vector<uint32_t> model_bits(const GaussianModel& model) {
     for (int g = 0; g < set->groups(); ++g) append_bits(bits, set->group(Group(g)).value);
   }
   append_bits(bits, model.environment.map.value);
-  for (int value : {model.sh_degree, int(model.background[0]), int(model.background[1]),
+  for (int value : {model.drawing.sh_degree, int(model.background[0]), int(model.background[1]),
                     int(model.background[2])})
     bits.push_back(uint32_t(value));
-  for (double value :
-       {model.near_plane, model.far_plane, model.time_axis.origin, model.time_axis.duration})
+  for (double value : {model.drawing.near_plane, model.drawing.far_plane, model.time_axis.origin,
+                       model.time_axis.duration})
     for (int half = 0; half < 2; ++half)
       bits.push_back(uint32_t(std::bit_cast<uint64_t>(value) >> (32 * half)));
   return bits;

@@ -1,5 +1,5 @@
 // What: metrics.json, train.json and config.json of every run, gathered.
-// Not: medians and frontiers (bench/report.h).
+// Not: medians and pareto_fronts (bench/report.h).
 #include "tools/batch/batch_report.h"
 
 #include <fmt/format.h>
@@ -75,34 +75,34 @@ json describe_run(const BatchFolder& batch, const BatchRun& run, std::vector<std
 }
 
 /// As bench_points takes it. Of one scene and preset all have the same label.
-json cell_of(const json& run) {
+json bench_run_of(const json& run) {
   // what is done has scores, unless its file is damaged
   const std::string state = run["state"] == "done" ? "missing" : run["state"];
-  json cell = {{"scene", run["scene"]},  {"split", run.value("split", "")},
-               {"label", run["preset"]}, {"iterations", run.value("iterations", int64_t{0})},
-               {"seed", run["seed"]},    {"status", run.contains("psnr") ? "done" : state}};
-  if (run.contains("device")) cell["device"] = run["device"];
-  if (run.contains("error")) cell["error"] = run["error"];
+  json bench_run = {{"scene", run["scene"]},  {"split", run.value("split", "")},
+                    {"label", run["preset"]}, {"iterations", run.value("iterations", int64_t{0})},
+                    {"seed", run["seed"]},    {"status", run.contains("psnr") ? "done" : state}};
+  if (run.contains("device")) bench_run["device"] = run["device"];
+  if (run.contains("error")) bench_run["error"] = run["error"];
   for (const char* key : {"psnr", "ssim", "seconds", "num_gaussians", "num_static", "num_dynamic",
                           "bytes", "shipped_bytes", "peak_device_bytes"})
-    copy_number(run, key, cell["metrics"]);
-  return cell;
+    copy_number(run, key, bench_run["metrics"]);
+  return bench_run;
 }
 
 /// Seeds of one scene and preset are one point, also where one of them has nothing to show or was
 /// stopped at another step.
-json cells_of(const json& runs) {
-  json cells = json::array();
-  for (const json& run : runs) cells.push_back(cell_of(run));
-  for (json& cell : cells)
-    for (const json& other : cells) {
-      if (other["status"] != "done" || other["scene"] != cell["scene"]) continue;
-      if (cell["split"] == "") cell["split"] = other["split"];
-      if (other["label"] != cell["label"]) continue;
-      cell["iterations"] = other["iterations"];
+json bench_runs_of(const json& runs) {
+  json bench_runs = json::array();
+  for (const json& run : runs) bench_runs.push_back(bench_run_of(run));
+  for (json& bench_run : bench_runs)
+    for (const json& other : bench_runs) {
+      if (other["status"] != "done" || other["scene"] != bench_run["scene"]) continue;
+      if (bench_run["split"] == "") bench_run["split"] = other["split"];
+      if (other["label"] != bench_run["label"]) continue;
+      bench_run["iterations"] = other["iterations"];
       break;
     }
-  return cells;
+  return bench_runs;
 }
 
 json failures_json(const BatchFolder& batch) {
@@ -130,8 +130,8 @@ json batch_report(const BatchFolder& batch) {
     if (runs.back().contains("version")) versions.insert(std::string(runs.back()["version"]));
     if (runs.back().contains("device")) devices.insert(std::string(runs.back()["device"]));
   }
-  json scenes = bench_points(cells_of(runs));
-  mark_frontier(scenes);
+  json scenes = bench_points(bench_runs_of(runs));
+  mark_pareto_front(scenes);
   return {{"title", fs::absolute(batch.root).lexically_normal().string()},
           {"summary", batch_summary(batch)},
           {"counts",

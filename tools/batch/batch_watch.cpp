@@ -17,7 +17,10 @@ namespace {
 std::string progress_of(const BatchFolder& batch, const std::string& scene) {
   int done = 0, all = 0;
   for (const BatchRun& run : batch.runs)
-    if (run.scene == scene) ++all, done += run.state == RunState::kDone;
+    if (run.scene == scene) {
+      ++all;
+      done += run.state == RunState::kDone;
+    }
   return fmt::format("{} {} of {} runs", scene, done, all);
 }
 

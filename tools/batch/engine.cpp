@@ -36,15 +36,15 @@ std::string profiles_there(const fs::path& folder) {
 
 /// A word of the workflow's own profiles, or a folder of the user's.
 std::string profile_folder(const EngineRequest& request) {
-  const fs::path own = request.out / "workflow" / "profiles" / request.profile;
-  if (request.profile.find('/') == std::string::npos && fs::exists(own / "config.yaml"))
-    return own.string();
+  const fs::path shipped = request.out / "workflow" / "profiles" / request.profile;
+  if (request.profile.find('/') == std::string::npos && fs::exists(shipped / "config.yaml"))
+    return shipped.string();
   if (fs::exists(fs::path(request.profile) / "config.yaml"))
     return fs::absolute(request.profile).lexically_normal().string();
   throw InputError(fmt::format(
       "--profile {}: no config.yaml in that folder and no profile of that name ({}); pass one of "
       "them or a folder with a config.yaml",
-      request.profile, profiles_there(own.parent_path())));
+      request.profile, profiles_there(shipped.parent_path())));
 }
 
 pid_t start(const std::vector<std::string>& arguments) {

@@ -55,7 +55,9 @@ std::string runs_text(const json& report, const json& scene, const json& label) 
   int done = 0, failed = 0, all = 0;
   for (const json& run : report["runs"]) {
     if (run["scene"] != scene || run["preset"] != label) continue;
-    ++all, done += run["state"] == "done", failed += run["state"] == "failed";
+    ++all;
+    done += run["state"] == "done";
+    failed += run["state"] == "failed";
   }
   std::string text = fmt::format("{} of {}", done, all);
   if (failed > 0) text += fmt::format("<br><span class=\"bad\">{} failed</span>", failed);
@@ -163,9 +165,9 @@ std::string settings(const json& report) {
 }
 
 void fill(std::string& page, const std::string& place, const std::string& html) {
-  for (size_t at = page.find(place); at != std::string::npos;
-       at = page.find(place, at + html.size()))
-    page.replace(at, place.size(), html);
+  for (size_t position = page.find(place); position != std::string::npos;
+       position = page.find(place, position + html.size()))
+    page.replace(position, place.size(), html);
 }
 
 }  // namespace

@@ -46,14 +46,14 @@ size_t add_views(std::vector<ComparedView>& views, const std::string& preset,
   size_t bytes = 0;
   for (const HeldOutView& one : drawn) {
     bytes += one.drawn.size();
-    ComparedView* mine = nullptr;
+    ComparedView* compared = nullptr;
     for (ComparedView& view : views)
-      if (view.frame == one.frame) mine = &view;
-    if (mine == nullptr) {
-      mine = &views.emplace_back(ComparedView{one.frame, one.truth, {}});
+      if (view.frame == one.frame) compared = &view;
+    if (compared == nullptr) {
+      compared = &views.emplace_back(ComparedView{one.frame, one.truth, {}});
       bytes += one.truth.size();
     }
-    mine->renders.push_back({preset, one.drawn, one.psnr});
+    compared->renders.push_back({preset, one.drawn, one.psnr});
   }
   return bytes;
 }

@@ -31,19 +31,20 @@ std::vector<Series> series_of(const json& scene) {
     const json& metrics = point.at("metrics");
     if (!metrics.contains("psnr") || !metrics.contains("seconds")) continue;
     const std::string label = point.at("label");
-    Series* mine = nullptr;
+    Series* series_of_label = nullptr;
     for (Series& series : all)
-      if (series.label == label) mine = &series;
-    if (mine == nullptr) mine = &all.emplace_back(Series{label, ""});
-    mine->rows += spread_columns(metrics, "seconds") + spread_columns(metrics, "psnr") +
-                  spread_columns(metrics, "ssim") + spread_columns(metrics, "bytes", kMiB) +
-                  point.at("iterations").dump() + "\n";
+      if (series.label == label) series_of_label = &series;
+    if (series_of_label == nullptr) series_of_label = &all.emplace_back(Series{label, ""});
+    series_of_label->rows += spread_columns(metrics, "seconds") + spread_columns(metrics, "psnr") +
+                             spread_columns(metrics, "ssim") +
+                             spread_columns(metrics, "bytes", kMiB) +
+                             point.at("iterations").dump() + "\n";
   }
   return all;
 }
 
 /// Seconds and PSNR of the points of the frontier, from the fastest on.
-std::string frontier_rows(const json& scene) {
+std::string pareto_rows(const json& scene) {
   std::vector<std::pair<double, double>> rows;
   for (const json& point : scene.at("points"))
     if (point.value("frontier", false))
@@ -167,7 +168,7 @@ std::string gnuplot_script(const json& scene, const ImageRequest& request) {
   std::string script = "set encoding utf8\nset datafile missing 'NaN'\n";
   for (size_t i = 0; i < series.size(); ++i)
     script += gnuplot_block(fmt::format("s{}", i), series[i].rows);
-  if (chart) script += gnuplot_block("frontier", frontier_rows(scene));
+  if (chart) script += gnuplot_block("frontier", pareto_rows(scene));
   if (!knee.empty()) script += gnuplot_block("knee", knee);
   if (!published.empty()) script += gnuplot_block("published", published);
   const Panel left{"training seconds", "PSNR [dB]", 1, 4, chart, 1};

@@ -14,31 +14,31 @@ namespace {
 
 using nlohmann::json;
 
-/// A cell without its options' iterations and seed. Still scenes can only be trained as such.
-BenchCell cell_of(const BenchAxes& axes, const BenchScene& scene, const std::string& preset,
-                  const std::string& ablation) {
+/// A run without its options' iterations and seed. Still scenes can only be trained as such.
+BenchRun run_of(const BenchAxes& axes, const BenchScene& scene, const std::string& preset,
+                const std::string& ablation) {
   TrainArguments arguments = axes.training;
   arguments.preset = preset;
   if (!ablation.empty()) arguments.ablation = ablation;
-  BenchCell cell;
-  cell.scene = scene;
-  cell.label = cell.preset = preset;
-  cell.ablation = arguments.ablation;
-  cell.options = resolve_options(arguments, scene.facts);
-  if (scene.facts.still) cell.options.static_only = true;
-  return cell;
+  BenchRun run;
+  run.scene = scene;
+  run.label = run.preset = preset;
+  run.ablation = arguments.ablation;
+  run.options = resolve_options(arguments, scene.facts);
+  if (scene.facts.still) run.options.static_only = true;
+  return run;
 }
 
-BenchCell with_steps(BenchCell cell, int64_t iterations, int64_t seed) {
-  set_option(cell.options, "iterations", iterations);
-  set_option(cell.options, "seed", seed);
-  validate(cell.options);
-  return cell;
+BenchRun with_steps(BenchRun run, int64_t iterations, int64_t seed) {
+  set_option(run.options, "iterations", iterations);
+  set_option(run.options, "seed", seed);
+  validate(run.options);
+  return run;
 }
 
-void add(BenchPlan& plan, BenchCell cell) {
-  cell.turn = int64_t(plan.cells.size());
-  plan.cells.push_back(std::move(cell));
+void add(BenchPlan& plan, BenchRun run) {
+  run.turn = int64_t(plan.runs.size());
+  plan.runs.push_back(std::move(run));
 }
 
 bool fits(SceneKind kind, const BenchScene& scene) {
@@ -51,44 +51,44 @@ std::string misfit(const std::string& what, SceneKind kind, const BenchScene& sc
                      scene.facts.still ? "has one timestep" : "moves");
 }
 
-BenchCell row_cell(const BenchAxes& axes, const BenchScene& scene, const BenchTable& table,
-                   const BenchRow& row) {
-  BenchCell cell = cell_of(axes, scene, row_preset(row, scene.facts.still), row.ablation);
-  for (const auto& [key, value] : row.overrides) set_option(cell.options, key, value);
-  cell.label = row_label(row, scene.facts.still);
-  cell.row = row.name;
-  cell.scales = table.scales;
-  return cell;
+BenchRun row_cell(const BenchAxes& axes, const BenchScene& scene, const BenchTable& table,
+                  const BenchRow& row) {
+  BenchRun run = run_of(axes, scene, row_preset(row, scene.facts.still), row.ablation);
+  for (const auto& [key, value] : row.overrides) set_option(run.options, key, value);
+  run.label = row_label(row, scene.facts.still);
+  run.row = row.name;
+  run.scales = table.scales;
+  return run;
 }
 
 /// The record of another row of the same scene and seed.
-const json* record_of(const json& records, const BenchCell& cell, const std::string& row) {
+const json* record_of(const json& records, const BenchRun& run, const std::string& row) {
   for (const json& record : records)
-    if (record.value("row", "") == row && record["scene"] == cell.scene.name &&
-        record["seed"] == cell.options.seed && record["status"] == "done")
+    if (record.value("row", "") == row && record["scene"] == run.scene.name &&
+        record["seed"] == run.options.seed && record["status"] == "done")
       return &record;
   return nullptr;
 }
 
 /// Which shard ran the row that this one counts by.
-int64_t turn_of(const json& records, const BenchCell& cell, const std::string& row) {
+int64_t turn_of(const json& records, const BenchRun& run, const std::string& row) {
   for (size_t i = 0; i < records.size(); ++i)
-    if (records[i].value("row", "") == row && records[i]["scene"] == cell.scene.name &&
-        records[i]["seed"] == cell.options.seed)
+    if (records[i].value("row", "") == row && records[i]["scene"] == run.scene.name &&
+        records[i]["seed"] == run.options.seed)
       return int64_t(i);
   return 0;
 }
 
 /// Its max_gaussians a share of what another row ended with, or what it waits for.
-void limit_by(const json& records, const std::string& row, int64_t share, BenchCell& cell) {
-  cell.turn = turn_of(records, cell, row);
-  const json* const counted = record_of(records, cell, row);
+void limit_by(const json& records, const std::string& row, int64_t share, BenchRun& run) {
+  run.turn = turn_of(records, run, row);
+  const json* const counted = record_of(records, run, row);
   if (counted == nullptr) {
-    cell.waits_for = fmt::format("waits for row {} of seed {}", row, cell.options.seed);
+    run.waits_for = fmt::format("waits for row {} of seed {}", row, run.options.seed);
     return;
   }
   const int64_t count = counted->at("metrics").at("num_gaussians");
-  set_option(cell.options, "max_gaussians", std::max<int64_t>(1, (count + share / 2) / share));
+  set_option(run.options, "max_gaussians", std::max<int64_t>(1, (count + share / 2) / share));
 }
 
 }  // namespace
@@ -98,23 +98,23 @@ BenchPlan plan_chart(const BenchAxes& axes, const std::vector<BenchScene>& scene
   BenchPlan plan;
   for (const BenchScene& scene : scenes)
     for (const std::string& preset : axes.presets) {
-      const BenchCell cell = cell_of(axes, scene, preset, "");
+      const BenchRun run = run_of(axes, scene, preset, "");
       for (int64_t budget : budgets)
-        for (int64_t seed : axes.seeds) add(plan, with_steps(cell, budget, seed));
+        for (int64_t seed : axes.seeds) add(plan, with_steps(run, budget, seed));
     }
   return plan;
 }
 
 BenchPlan plan_curve(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
-                     std::vector<int64_t> at) {
-  std::sort(at.begin(), at.end());
-  at.erase(std::unique(at.begin(), at.end()), at.end());
+                     std::vector<int64_t> score_at) {
+  std::sort(score_at.begin(), score_at.end());
+  score_at.erase(std::unique(score_at.begin(), score_at.end()), score_at.end());
   BenchPlan plan;
   for (const BenchScene& scene : scenes)
     for (const std::string& preset : axes.presets) {
-      BenchCell cell = cell_of(axes, scene, preset, "");
-      cell.at = at;
-      for (int64_t seed : axes.seeds) add(plan, with_steps(cell, at.back(), seed));
+      BenchRun run = run_of(axes, scene, preset, "");
+      run.score_at = score_at;
+      for (int64_t seed : axes.seeds) add(plan, with_steps(run, score_at.back(), seed));
     }
   return plan;
 }
@@ -132,12 +132,12 @@ BenchPlan plan_table(const BenchAxes& axes, const std::vector<BenchScene>& scene
         plan.skipped.push_back(misfit("row " + row.name, row.kind, scene));
       else if (row.count_of.empty())
         for (int64_t seed : axes.seeds) {
-          const BenchCell cell = row_cell(axes, scene, table, row);
-          add(plan, with_steps(cell, cell.options.iterations, seed));
+          const BenchRun run = row_cell(axes, scene, table, row);
+          add(plan, with_steps(run, run.options.iterations, seed));
         }
     }
   }
-  if (plan.cells.empty())
+  if (plan.runs.empty())
     throw InputError(fmt::format("bench --table {}: nothing to run: {}", table.name,
                                  fmt::join(plan.skipped, "; ")));
   return plan;
@@ -150,10 +150,10 @@ BenchPlan plan_counted_rows(const BenchAxes& axes, const std::vector<BenchScene>
     for (const BenchRow& row : table.rows) {
       if (row.count_of.empty() || !fits(table.kind, scene) || !fits(row.kind, scene)) continue;
       for (int64_t seed : axes.seeds) {
-        BenchCell cell = row_cell(axes, scene, table, row);
-        cell = with_steps(cell, cell.options.iterations, seed);
-        limit_by(records, row.count_of, 1, cell);
-        plan.cells.push_back(std::move(cell));
+        BenchRun run = row_cell(axes, scene, table, row);
+        run = with_steps(run, run.options.iterations, seed);
+        limit_by(records, row.count_of, 1, run);
+        plan.runs.push_back(std::move(run));
       }
     }
   return plan;
@@ -163,9 +163,9 @@ BenchPlan plan_sizes(const BenchAxes& axes, const std::vector<BenchScene>& scene
   BenchPlan plan;
   for (const BenchScene& scene : scenes)
     for (const std::string& preset : axes.presets) {
-      BenchCell cell = cell_of(axes, scene, preset, "");
-      cell.row = preset;
-      for (int64_t seed : axes.seeds) add(plan, with_steps(cell, cell.options.iterations, seed));
+      BenchRun run = run_of(axes, scene, preset, "");
+      run.row = preset;
+      for (int64_t seed : axes.seeds) add(plan, with_steps(run, run.options.iterations, seed));
     }
   return plan;
 }
@@ -177,13 +177,13 @@ BenchPlan plan_budgets(const BenchAxes& axes, const std::vector<BenchScene>& sce
   for (const BenchScene& scene : scenes)
     for (int64_t share : shares)
       for (int64_t seed : axes.seeds) {
-        BenchCell cell = cell_of(axes, scene, axes.presets.back(), "");
-        cell = with_steps(cell, cell.options.iterations, seed);
-        cell.row = fmt::format("{}, 1/{} of {}", cell.preset, share, reference);
-        cell.label += fmt::format("+one-in-{}-of-{}", share, reference);
-        cell.share = share;
-        limit_by(records, reference, share, cell);
-        plan.cells.push_back(std::move(cell));
+        BenchRun run = run_of(axes, scene, axes.presets.back(), "");
+        run = with_steps(run, run.options.iterations, seed);
+        run.row = fmt::format("{}, 1/{} of {}", run.preset, share, reference);
+        run.label += fmt::format("+one-in-{}-of-{}", share, reference);
+        run.share = share;
+        limit_by(records, reference, share, run);
+        plan.runs.push_back(std::move(run));
       }
   return plan;
 }

@@ -1,14 +1,14 @@
-// What: the cells of a chart, a curve or a table, from what was asked for.
-// Not: running them (bench/run.h).
+// What: the runs of a chart, a curve or a table, from what was asked for.
+// Not: running them (bench/runner.h).
 #pragma once
-#include "tools/bench/cell.h"
+#include "tools/bench/run.h"
 #include "tools/bench/tables.h"
 #include "tools/cli/train_arguments.h"
 
 namespace tessera {
 
 struct BenchPlan {
-  std::vector<BenchCell> cells;
+  std::vector<BenchRun> runs;
   std::vector<std::string> skipped;  // a line for each scene or row that is left out, with why
 };
 
@@ -25,11 +25,11 @@ BenchPlan plan_chart(const BenchAxes& axes, const std::vector<BenchScene>& scene
                      const std::vector<int64_t>& budgets);
 /// scene × preset × seed: one training each, as long as the last of `at`, scored at each of them.
 BenchPlan plan_curve(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
-                     std::vector<int64_t> at);
+                     std::vector<int64_t> score_at);
 /// scene × row × seed, but for rows with count_of.
 BenchPlan plan_table(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
                      const BenchTable& table);
-/// The rows with count_of, by the `records` of those before; cells of rows that are not done yet
+/// The rows with count_of, by the `records` of those before; runs of rows that are not done yet
 /// wait.
 BenchPlan plan_counted_rows(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
                             const BenchTable& table, const nlohmann::json& records);
@@ -37,7 +37,7 @@ BenchPlan plan_counted_rows(const BenchAxes& axes, const std::vector<BenchScene>
 /// scene × preset × seed, each as long as its preset or the typed options say.
 BenchPlan plan_sizes(const BenchAxes& axes, const std::vector<BenchScene>& scenes);
 /// scene × share × seed of the last preset, with max_gaussians the share of what the first preset's
-/// cell of that seed ended with, by the `records` of plan_sizes; cells whose count is not known yet
+/// run of that seed ended with, by the `records` of plan_sizes; runs whose count is not known yet
 /// wait.
 BenchPlan plan_budgets(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
                        const std::vector<int64_t>& shares, const nlohmann::json& records);

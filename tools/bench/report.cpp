@@ -1,5 +1,5 @@
 // What: grouping by scene, then by label and step.
-// Not: arithmetic of spreads and frontiers (bench/spread.h).
+// Not: arithmetic of spreads and pareto_fronts (bench/spread.h).
 #include "tools/bench/report.h"
 
 #include <fmt/format.h>
@@ -33,25 +33,26 @@ json to_json(const Spread& spread) {
           {"count", spread.count}};
 }
 
-/// Of a point whose `cells` are gathered: their spreads.
+/// Of a point whose `runs` are gathered: their spreads.
 void summarise(json& point) {
-  const json cells = std::move(point["cells"]);
+  const json runs = std::move(point["cells"]);
   point.erase("cells");
   for (const char* key : {"row", "share"})
-    if (cells[0].contains(key)) point[key] = cells[0][key];
-  point["metrics"] = json::object(), point["errors"] = json::array();
+    if (runs[0].contains(key)) point[key] = runs[0][key];
+  point["metrics"] = json::object();
+  point["errors"] = json::array();
   json done = json::array();
-  for (const json& cell : cells) {
-    if (cell.at("status") == "done") done.push_back(cell);
-    if (cell.contains("error")) point["errors"].push_back(cell["error"]);
+  for (const json& run : runs) {
+    if (run.at("status") == "done") done.push_back(run);
+    if (run.contains("error")) point["errors"].push_back(run["error"]);
   }
   point["n"] = done.size();
   point["devices"] = devices_of(done);
   for (const std::string& metric : bench_metrics()) {
     std::vector<double> values;
-    for (const json& cell : done)
-      if (cell["metrics"].contains(metric) && cell["metrics"][metric].is_number())
-        values.push_back(cell["metrics"][metric].get<double>());
+    for (const json& run : done)
+      if (run["metrics"].contains(metric) && run["metrics"][metric].is_number())
+        values.push_back(run["metrics"][metric].get<double>());
     if (const std::optional<Spread> spread = spread_of(values))
       point["metrics"][metric] = to_json(*spread);
   }
@@ -90,27 +91,27 @@ const std::vector<std::string>& bench_metrics() {
   return names;
 }
 
-json bench_points(const json& cells) {
+json bench_points(const json& runs) {
   json scenes = json::array();
-  for (const json& cell : cells) {
-    json& scene = entry_like(scenes, cell, {"scene", "split"});
-    json& point = entry_like(scene["points"], cell, {"label", "iterations"});
-    point["cells"].push_back(cell);
+  for (const json& run : runs) {
+    json& scene = entry_like(scenes, run, {"scene", "split"});
+    json& point = entry_like(scene["points"], run, {"label", "iterations"});
+    point["cells"].push_back(run);
   }
   for (json& scene : scenes)
     for (json& point : scene["points"]) summarise(point);
   return scenes;
 }
 
-json curve_cells(const json& cells) {
+json curve_runs(const json& runs) {
   json steps = json::array();
-  for (const json& cell : cells) {
-    if (!cell.contains("curve")) {
-      steps.push_back(cell);
+  for (const json& run : runs) {
+    if (!run.contains("curve")) {
+      steps.push_back(run);
       continue;
     }
-    for (const json& step : cell["curve"]) {
-      json one = cell;
+    for (const json& step : run["curve"]) {
+      json one = run;
       one.erase("curve");
       one["iterations"] = step.at("iteration");
       one["metrics"] = step;
@@ -120,7 +121,7 @@ json curve_cells(const json& cells) {
   return steps;
 }
 
-void mark_frontier(json& scenes) {
+void mark_pareto_front(json& scenes) {
   for (json& scene : scenes) {
     std::vector<TimedScore> scores;
     std::vector<json*> points;
@@ -133,7 +134,7 @@ void mark_frontier(json& scenes) {
       scores.push_back({seconds, metrics["psnr"]["median"]});
       points.push_back(&point);
     }
-    for (size_t i : frontier_of(scores)) (*points[i])["frontier"] = true;
+    for (size_t i : pareto_front_of(scores)) (*points[i])["frontier"] = true;
     if (const std::optional<size_t> knee = knee_of(scores)) (*points[*knee])["knee"] = true;
   }
 }
@@ -162,10 +163,10 @@ std::string csv_of(const json& scenes) {
   return text;
 }
 
-std::vector<std::string> devices_of(const json& cells) {
+std::vector<std::string> devices_of(const json& runs) {
   std::set<std::string> devices;
-  for (const json& cell : cells)
-    if (cell.contains("device")) devices.insert(cell["device"].get<std::string>());
+  for (const json& run : runs)
+    if (run.contains("device")) devices.insert(run["device"].get<std::string>());
   return {devices.begin(), devices.end()};
 }
 

@@ -1,6 +1,6 @@
-// What: results of cells → points: medians and spreads over seeds, by scene, label and step; as
+// What: results of runs → points: medians and spreads over seeds, by scene, label and step; as
 //       JSON and CSV.
-// Not: running cells (bench/run.h), images (bench/chart.h) or tables for people
+// Not: running runs (bench/runner.h), images (bench/chart.h) or tables for people
 //      (bench/table_text.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>
@@ -9,26 +9,26 @@
 
 namespace tessera {
 
-/// What is measured in a cell, in the order of columns: psnr (dB), ssim, seconds (of training
-/// steps), load_seconds (reading the scene, initialising, saving; of cells that ran in one go),
+/// What is measured in a run, in the order of columns: psnr (dB), ssim, seconds (of training
+/// steps), load_seconds (reading the scene, initialising, saving; of runs that ran in one go),
 /// evaluate_seconds, bytes (of the model), shipped_bytes (of its Tessera 4D file), num_gaussians,
 /// …, fps, peak_device_bytes (of training), psnr_2x (at twice the resolution of training), ….
 const std::vector<std::string>& bench_metrics();
 
-/// Cells (recorded_cell) → [{scene, split, points: [{label, iterations, n, metrics: {psnr: {median,
-/// least, most, count}, …}, devices, errors}]}], in the order of the cells.
-nlohmann::json bench_points(const nlohmann::json& cells);
-/// Each step at which a cell was scored on the way as a cell of its own, for bench_points.
-nlohmann::json curve_cells(const nlohmann::json& cells);
+/// Runs (recorded_run) → [{scene, split, points: [{label, iterations, n, metrics: {psnr: {median,
+/// least, most, count}, …}, devices, errors}]}], in the order of the runs.
+nlohmann::json bench_points(const nlohmann::json& runs);
+/// Each step at which a run was scored on the way as a run of its own, for bench_points.
+nlohmann::json curve_runs(const nlohmann::json& runs);
 
 /// Adds `frontier` (by median seconds and PSNR) and `knee` to every point of every scene.
-void mark_frontier(nlohmann::json& scenes);
+void mark_pareto_front(nlohmann::json& scenes);
 
 /// A line per point: scene, split, label, iterations, n, each metric with _least and _most,
 /// frontier, knee, devices. What is not known is empty.
 std::string csv_of(const nlohmann::json& scenes);
 
-/// Sorted and without repeats: what the cells were run on.
-std::vector<std::string> devices_of(const nlohmann::json& cells);
+/// Sorted and without repeats: what the runs were run on.
+std::vector<std::string> devices_of(const nlohmann::json& runs);
 
 }  // namespace tessera

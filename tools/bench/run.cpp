@@ -1,229 +1,146 @@
-// What: train_session in process, then the model that it wrote: loaded, scored, timed.
-// Not: training.
+// What: names, fingerprints and result.json of runs.
+// Not: locking: two programs may fill one folder when each has its own shard.
 #include "tools/bench/run.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
+#include <set>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/write_failure.h"
+#include "ingest/files/fnv1a.h"
+#include "ingest/layouts/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/evaluate.h"
-#include "recon4d/evaluation/render_rate.h"
-#include "recon4d/model/model_file.h"
+#include "recon4d/options/scene_facts.h"
 #include "recon4d/options/train_options_json.h"
-#include "tools/cli/backend_options.h"
-#include "tools/cli/interrupt.h"
-#include "tools/cli/terminal.h"
-#include "tools/cli/training_terminal.h"
-#include "tools/export/in_time.h"
-#include "tools/session/held_out_scores.h"
-#include "tools/session/run_folder.h"
-#include "tools/session/scene_lock.h"
-#include "tools/session/train_session.h"
-#include "tools/session/train_start.h"
+#include "tools/session/version.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
+constexpr Split kSplits[] = {Split::kTest, Split::kVal, Split::kTrain};
 
-Split split_of(const std::string& name) {
-  for (Split split : {Split::kTest, Split::kVal})
-    if (name == split_name(split)) return split;
-  return Split::kTrain;
-}
-
-/// Whether the run folder holds the begun training of this cell, or one of its options by hand.
-bool can_resume(const RunFolder& run, const TrainRequest& request) {
-  if (!run.exists() || !fs::exists(run.checkpoint())) return false;
-  const std::string made_for = run.made_for();
-  if (!made_for.empty() && made_for != request.made_for) return false;
-  const json config = json::parse(read_text_file(run.config()), nullptr, false);
-  return config.is_object() && config.value("options", json()) == to_json(request.options);
-}
-
-TrainRequest request_of(const BenchRunOptions& options, const BenchCell& cell,
-                        const RunFolder& run) {
-  TrainRequest request;
-  request.scene = cell.scene.path, request.run = run.root;
-  request.options = cell.options;
-  request.preset = cell.preset, request.ablation = cell.ablation;
-  request.backend = options.backend;
-  request.checkpoint_every = options.checkpoint_every;
-  request.evaluate_at = cell.at, request.evaluate_end = false;
-  request.overwrite = true;
-  request.made_for = cell_fingerprint(cell);
-  request.resume = can_resume(run, request);
-  request.shipped_bytes = shipped_bytes_of(run.root.string());
-  return request;
-}
-
-/// Scores on the way from log.jsonl; of a step that was taken twice, the later.
-json scores_on_the_way(const RunFolder& run, const BenchCell& cell) {
-  std::map<int64_t, json> by_step;
-  std::istringstream lines(read_text_file(run.log()));
-  for (std::string line; std::getline(lines, line);) {
-    const json event = json::parse(line, nullptr, false);
-    if (!event.is_object() || event.value("event", "") != "evaluation") continue;
-    const int64_t step = event.at("iteration");
-    if (std::find(cell.at.begin(), cell.at.end(), step) == cell.at.end()) continue;
-    const json& scores = event.at("splits").at(cell.scene.split);
-    by_step[step] = {{"iteration", step},
-                     {"seconds", event.at("seconds")},
-                     {"num_gaussians", event.at("num_gaussians")},
-                     {"psnr", scores.at("psnr")},
-                     {"ssim", scores.at("ssim")}};
+/// Names and sizes of the files of a folder, and what its JSON files say: the same on machines that
+/// have copies of it.
+std::string folder_fingerprint(const fs::path& folder) {
+  std::vector<std::string> lines;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    lines.push_back(fmt::format("{} {}", entry.path().lexically_relative(folder).generic_string(),
+                                entry.file_size()));
+    if (entry.path().extension() == ".json") lines.back() += read_text_file(entry.path());
   }
-  json curve = json::array();
-  for (const auto& [step, scores] : by_step) curve.push_back(scores);
-  return curve;
-}
-
-/// The model against images of other sizes: those that a training at this scale would have
-/// loaded.
-void score_at_scales(Backend& backend, const GaussianModel& model, const BenchCell& cell,
-                     json& metrics) {
-  for (double scale : cell.scales) {
-    TrainOptions options = cell.options;
-    const double trained = to_json(options).at("train_scale");
-    set_option(options, "train_scale", scale * trained);
-    const Scene scene = load_training_scene(cell.scene.path, options);
-    const json scores = score_splits(backend, model, scene, {split_of(cell.scene.split)},
-                                     std::nullopt, {}, brief_scores());
-    for (const char* key : {"psnr", "ssim"})
-      metrics[fmt::format("{}_{}x", key, scale)] = scores.at(key);
+  std::sort(lines.begin(), lines.end());
+  Fnv1a hash;
+  for (const std::string& line : lines) {
+    hash.add(line);
+    hash.add("\n");
   }
+  return hash.hex();
 }
 
-/// Scores and frames per second of the run's model, into `metrics` and the run's metrics.json.
-void score(const BenchRunOptions& options, const BenchCell& cell, const RunFolder& run,
-           json& result) {
-  const GaussianModel model = load_model(run.model());
-  const Scene scene = load_training_scene(cell.scene.path, cell.options);
-  const Split split = split_of(cell.scene.split);
-  const std::unique_ptr<Backend> backend = make_backend(options.backend);
-  const Clock::time_point begin = Clock::now();
-  const json scores = score_splits(
-      *backend, model, scene, {split}, int64_t(fs::file_size(run.model())),
-      [](const Frame&, const RenderedImage&, const ViewScore&, int64_t, int64_t) {
-        stop_if_interrupted();
-      },
-      brief_scores());
-  json& metrics = result["metrics"];
-  metrics["evaluate_seconds"] = seconds_since(begin);
-  for (const char* key :
-       {"psnr", "ssim", "psnr_float", "bytes", "num_gaussians", "num_static", "num_dynamic"})
-    metrics[key] = scores.at(key);
-  metrics["shipped_bytes"] = shipped_size_of(run.root.string(), model).bytes;
-  for (const char* key : {"width", "height", "views"}) result[key] = scores.at(key);
-  std::vector<View> views;
-  for (int i : scene.split_indices(split))
-    views.push_back({scene.frames[size_t(i)].camera, scene.frames[size_t(i)].time});
-  metrics["fps"] = measure_render_rate(*backend, model, views, {300, 3, 30}).fps();
-  score_at_scales(*backend, model, cell, metrics);
-  write_text_file(run.metrics(), scores.dump(2));
+bool is_split(const std::string& text) {
+  return std::any_of(std::begin(kSplits), std::end(kSplits),
+                     [&](Split split) { return text == split_name(split); });
 }
 
-json run_cell(const BenchRunOptions& options, const BenchCell& cell) {
-  const RunFolder run{cell_folder(options.root, cell)};
-  const fs::path result_file = run.root / "result.json";
-  const SceneLock in_use(cell.scene.path, SceneLock::Use::kRead);
-  make_folder(run.root);
-  fs::remove(result_file);
-  const TrainRequest request = request_of(options, cell, run);
-  const Clock::time_point begin = Clock::now();
-  TrainingTerminal terminal;
-  const json trained = train_or_restart(request, terminal);
-  const double wall = seconds_since(begin);
-  stop_if_interrupted();
-  json result = describe_cell(cell);
-  result["options"] = to_json(cell.options), result["device"] = trained.at("device");
-  json& metrics = result["metrics"];
-  metrics["seconds"] = trained.at("seconds");
-  // the host's peak is that of all cells of this call
-  if (!result["device"].get<std::string>().starts_with("cpu"))
-    metrics["peak_device_bytes"] = trained.at("peak_device_bytes");
-  // of a training in one go: what is neither a step nor a score on the way
-  if (!request.resume && cell.at.empty())
-    metrics["load_seconds"] = wall - trained.at("seconds").get<double>();
-  score(options, cell, run, result);
-  if (!cell.at.empty()) result["curve"] = scores_on_the_way(run, cell);
-  result["status"] = "done";
-  write_text_file(result_file, result.dump(2));
-  fs::remove(run.checkpoint());  // several times as large as the model, and nothing is left to do
-  return result;
-}
-
-/// As run_cell; a failure becomes a record.
-json run_or_record(const BenchRunOptions& options, const BenchCell& cell) {
-  json record = describe_cell(cell);
-  try {
-    return run_cell(options, cell);
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const WriteError&) {
-    throw;  // the next cell would fail as well, and its record
-  } catch (const std::bad_alloc&) {
-    record["error"] = "out of memory";
-  } catch (const std::exception& error) {
-    record["error"] = error.what();
-  }
-  record["status"] = "failed";
-  try {
-    write_text_file(cell_folder(options.root, cell) / "result.json", record.dump(2));
-  } catch (const std::exception& error) {
-    warn(error.what());  // the record is in the report, too
-  }
-  return record;
-}
-
-std::string outcome(const json& record) {
-  if (record["status"] != "done")
-    return fmt::format("{}: {}", record["status"].get<std::string>(),
-                       record.value("error", "not run yet"));
-  const json& psnr = record["metrics"]["psnr"];  // null: infinite
-  return fmt::format("{} dB after {:.1f} s of training",
-                     psnr.is_number() ? fmt::format("{:.2f}", psnr.get<double>()) : "n/a",
-                     record["metrics"]["seconds"].get<double>());
+/// "dnerf_lego" of ".../dnerf_lego/".
+std::string folder_name(const fs::path& path) {
+  fs::path whole = fs::absolute(path).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();
+  return whole.filename().string();
 }
 
 }  // namespace
 
-json run_cells(const BenchRunOptions& options, const std::vector<BenchCell>& cells) {
-  json records = json::array();
-  for (size_t i = 0; i < cells.size(); ++i) {
-    const BenchCell& cell = cells[i];
-    const std::string name =
-        fmt::format("cell {} of {}: {} {}, {} steps, seed {}", i + 1, cells.size(), cell.scene.name,
-                    cell.label, cell.options.iterations, cell.options.seed);
-    json record = recorded_cell(options.root, describe_cell(cell));
-    const bool mine = cell.turn % options.shards == options.shard && cell.waits_for.empty();
-    if (record["status"] == "done") {
-      say(fmt::format("{}: done before, {}", name, outcome(record)));
-    } else if (mine) {
-      say(fmt::format("{}: begins", name));
-      record = run_or_record(options, cell);
-      if (!cell.row.empty()) record["row"] = cell.row;
-      say(fmt::format("{}: {}", name, outcome(record)));
-    }
-    records.push_back(std::move(record));
+BenchScene open_bench_scene(const std::string& text) {
+  BenchScene scene;
+  scene.path = text;
+  const size_t colon = text.rfind(':');
+  if (!fs::exists(text) && colon != std::string::npos && is_split(text.substr(colon + 1))) {
+    scene.path = text.substr(0, colon);
+    scene.split = text.substr(colon + 1);
   }
-  for (json& record : records)  // other shards may have come further meanwhile
-    if (record["status"] == "missing") record = recorded_cell(options.root, record);
-  return records;
+  SceneOptions options;
+  options.allow_static = true;
+  options.load_pixels = false;
+  const Scene loaded = load_scene(scene.path, options);
+  for (Split split : kSplits)
+    if (scene.split.empty() && split != Split::kTrain && !loaded.split_indices(split).empty())
+      scene.split = split_name(split);
+  if (scene.split.empty())
+    throw InputError(
+        fmt::format("{}: no frames are held out; score those of training with {}:train",
+                    scene.path.string(), scene.path.string()));
+  for (Split split : kSplits)
+    if (scene.split == split_name(split) && loaded.split_indices(split).empty())
+      throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
+                                   scene.path.string(), scene.split));
+  scene.name = folder_name(scene.path);
+  scene.facts = facts_of(loaded);
+  scene.fingerprint = folder_fingerprint(scene.path);
+  return scene;
+}
+
+std::vector<BenchScene> open_bench_scenes(const std::vector<std::string>& texts) {
+  std::vector<BenchScene> scenes;
+  std::set<std::string> names;
+  for (const std::string& text : texts) {
+    scenes.push_back(open_bench_scene(text));
+    if (!names.insert(scenes.back().name).second)
+      throw InputError(
+          fmt::format("bench: two scenes are named {}; rename a folder or give each its own -o",
+                      scenes.back().name));
+  }
+  return scenes;
+}
+
+fs::path folder_of_run(const fs::path& root, const BenchRun& run) {
+  return root / describe_run(run)["folder"].get<std::string>();
+}
+
+std::string run_fingerprint(const BenchRun& run) {
+  Fnv1a hash;
+  hash.add(json{kVersionText, to_json(run.options), run.scene.fingerprint, run.scene.split,
+                run.score_at, run.scales}
+               .dump());
+  return hash.hex();
+}
+
+json describe_run(const BenchRun& run) {
+  json described = {{"scene", run.scene.name},
+                    {"scene_path", run.scene.path.string()},
+                    {"split", run.scene.split},
+                    {"label", run.label},
+                    {"iterations", run.options.iterations},
+                    {"seed", run.options.seed},
+                    {"fingerprint", run_fingerprint(run)},
+                    {"folder", fmt::format("runs/{}/{}{}/{}/{}", run.scene.name, run.label,
+                                           run.score_at.empty() ? "" : "+curve",
+                                           run.options.iterations, run.options.seed)},
+                    {"status", "missing"}};
+  if (!run.row.empty()) described["row"] = run.row;
+  if (run.share > 0) described["share"] = run.share;
+  if (!run.waits_for.empty()) described["error"] = run.waits_for;
+  return described;
+}
+
+json recorded_run(const fs::path& root, json described) {
+  const fs::path file = root / described["folder"].get<std::string>() / "result.json";
+  std::error_code unreachable;
+  if (!fs::is_regular_file(file, unreachable)) return described;
+  json result = json::parse(read_text_file(file), nullptr, false);
+  const std::string fingerprint = described["fingerprint"];
+  if (!result.is_object() || result.value("fingerprint", "") != fingerprint) return described;
+  described.erase("error");
+  result.erase("row");  // runs of several tables are one
+  described.update(result);
+  return described;
 }
 
 }  // namespace tessera

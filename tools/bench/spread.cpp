@@ -18,7 +18,7 @@ std::optional<Spread> spread_of(std::vector<double> values) {
                 int64_t(n)};
 }
 
-std::vector<size_t> frontier_of(const std::vector<TimedScore>& points) {
+std::vector<size_t> pareto_front_of(const std::vector<TimedScore>& points) {
   std::vector<size_t> order(points.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
@@ -34,7 +34,7 @@ std::vector<size_t> frontier_of(const std::vector<TimedScore>& points) {
 std::optional<size_t> knee_of(const std::vector<TimedScore>& points) {
   for (const TimedScore& point : points)
     check(point.seconds > 0, "knee_of: a logarithm of seconds > 0");
-  const std::vector<size_t> frontier = frontier_of(points);
+  const std::vector<size_t> frontier = pareto_front_of(points);
   if (frontier.size() < 3) return std::nullopt;
   const TimedScore &first = points[frontier.front()], &last = points[frontier.back()];
   const double time = std::log(last.seconds / first.seconds), gain = last.psnr - first.psnr;
@@ -44,7 +44,10 @@ std::optional<size_t> knee_of(const std::vector<TimedScore>& points) {
     // the line is y = x; the distance from it is (y − x) / √2
     const double x = std::log(points[i].seconds / first.seconds) / time;
     const double y = (points[i].psnr - first.psnr) / gain;
-    if (y - x > farthest) farthest = y - x, knee = i;
+    if (y - x > farthest) {
+      farthest = y - x;
+      knee = i;
+    }
   }
   return knee;
 }

@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-/// Of the seeds of a cell. Of an even number the median is the mean of the middle two.
+/// Of the seeds of a run. Of an even number the median is the mean of the middle two.
 struct Spread {
   double median = 0, least = 0, most = 0;
   int64_t count = 0;
@@ -24,7 +24,7 @@ struct TimedScore {
 
 /// Indices of the points that no other is at least as fast and at least as good as (of equal ones
 /// the first), from the fastest to the best.
-std::vector<size_t> frontier_of(const std::vector<TimedScore>& points);
+std::vector<size_t> pareto_front_of(const std::vector<TimedScore>& points);
 
 /// The point of the frontier where more time begins to buy little: the one farthest above the
 /// straight line from its fastest to its best point, with log(seconds) and PSNR each scaled to

@@ -14,7 +14,7 @@
 #include "kernels/base/parallel.h"
 #include "tools/bench/chart.h"
 #include "tools/bench/report.h"
-#include "tools/bench/run.h"
+#include "tools/bench/runner.h"
 #include "tools/bench/size_chart.h"
 #include "tools/bench/table_text.h"
 #include "tools/cli/terminal.h"
@@ -62,7 +62,7 @@ BenchPlan plan_of(const SweepRequest& request, const std::vector<BenchScene>& sc
     case BenchMode::kChart:
       return plan_chart(request.axes, scenes, request.budgets);
     case BenchMode::kCurve:
-      return plan_curve(request.axes, scenes, request.at);
+      return plan_curve(request.axes, scenes, request.score_at);
     case BenchMode::kSizes:
       return plan_sizes(request.axes, scenes);
     default:
@@ -70,19 +70,19 @@ BenchPlan plan_of(const SweepRequest& request, const std::vector<BenchScene>& sc
   }
 }
 
-/// The cells that hang on the `records` of those before.
-std::vector<BenchCell> cells_after(const SweepRequest& request,
-                                   const std::vector<BenchScene>& scenes, const json& records) {
+/// The runs that hang on the `records` of those before.
+std::vector<BenchRun> runs_after(const SweepRequest& request, const std::vector<BenchScene>& scenes,
+                                 const json& records) {
   if (request.mode == BenchMode::kSizes)
-    return plan_budgets(request.axes, scenes, request.shares, records).cells;
+    return plan_budgets(request.axes, scenes, request.shares, records).runs;
   if (request.mode == BenchMode::kTable)
-    return plan_counted_rows(request.axes, scenes, bench_table(request.table), records).cells;
+    return plan_counted_rows(request.axes, scenes, bench_table(request.table), records).runs;
   return {};
 }
 
-/// What stays of an output file between calls: which cells there are, what was left out.
+/// What stays of an output file between calls: which runs there are, what was left out.
 struct Sweep {
-  json cells = json::array();
+  json runs = json::array();
   std::vector<std::string> skipped;
   json published = json::array();
 };
@@ -92,13 +92,13 @@ void write_report(const SweepRequest& request, const json& report) {
 }
 
 json report_of(const SweepRequest& request, const Sweep& done) {
-  json cells = done.cells;
-  for (json& cell : cells) cell.erase("options");  // in its result.json
+  json runs = done.runs;
+  for (json& run : runs) run.erase("options");  // in its result.json
   json report = {{"tessera", kVersionText},
                  {"kind", stem_of(request)},
-                 {"cells", cells},
+                 {"cells", runs},
                  {"skipped", done.skipped}};
-  report["scenes"] = bench_points(request.mode == BenchMode::kCurve ? curve_cells(cells) : cells);
+  report["scenes"] = bench_points(request.mode == BenchMode::kCurve ? curve_runs(runs) : runs);
   if (request.mode == BenchMode::kTable) {
     add_published(report["scenes"], bench_table(request.table));
     return report;
@@ -106,7 +106,7 @@ json report_of(const SweepRequest& request, const Sweep& done) {
   if (request.mode == BenchMode::kSizes) return report;
   report["published"] = done.published;
   if (request.mode == BenchMode::kCurve) return report;
-  mark_frontier(report["scenes"]);
+  mark_pareto_front(report["scenes"]);
   report["knee"] =
       "the frontier's point farthest above the line from its fastest to its best point, with "
       "log(seconds) and PSNR scaled to [0, 1] between these two";
@@ -168,28 +168,28 @@ int finish(const SweepRequest& request, const Sweep& done) {
   if (request.mode == BenchMode::kTable || request.mode == BenchMode::kSizes)
     write_text_file(request.out / (stem + ".md"), text + "\n");
   if (request.mode != BenchMode::kTable) draw(request, report);
-  const std::vector<std::string> devices = devices_of(done.cells);
+  const std::vector<std::string> devices = devices_of(done.runs);
   if (devices.size() > 1)
-    warn(fmt::format("cells ran on several devices, whose seconds do not compare: {}",
+    warn(fmt::format("runs were on several devices, whose seconds do not compare: {}",
                      fmt::join(devices, "; ")));
   int64_t failed = 0, missing = 0;
-  for (const json& cell : done.cells) {
-    missing += cell["status"] == "missing";
-    if (cell["status"] != "failed") continue;
+  for (const json& run : done.runs) {
+    missing += run["status"] == "missing";
+    if (run["status"] != "failed") continue;
     ++failed;
-    say(fmt::format("failed: {}: {}", cell["folder"].get<std::string>(), cell.value("error", "")));
+    say(fmt::format("failed: {}: {}", run["folder"].get<std::string>(), run.value("error", "")));
   }
   if (missing > 0)
-    say(fmt::format("{} of {} cells are not run yet; the same command runs them", missing,
-                    done.cells.size()));
+    say(fmt::format("{} of {} runs are not done yet; the same command runs them", missing,
+                    done.runs.size()));
   print_result(request.json, report, text);
   return failed > 0 ? kExitFailed : kExitDone;
 }
 
-/// Writes what is done and which cells are next, so that --plot knows them.
-void announce(const SweepRequest& request, Sweep done, const std::vector<BenchCell>& next) {
-  for (const BenchCell& cell : next)
-    done.cells.push_back(recorded_cell(request.out, describe_cell(cell)));
+/// Writes what is done and which runs are next, so that --plot knows them.
+void announce(const SweepRequest& request, Sweep done, const std::vector<BenchRun>& next) {
+  for (const BenchRun& run : next)
+    done.runs.push_back(recorded_run(request.out, describe_run(run)));
   write_report(request, report_of(request, done));
 }
 
@@ -203,15 +203,15 @@ Sweep run(const SweepRequest& request) {
   done.skipped = plan.skipped;
   for (const std::string& line : plan.skipped) say(line);
   make_folder(request.out);
-  announce(request, done, plan.cells);
-  done.cells = run_cells(options, plan.cells);
-  const std::vector<BenchCell> more = cells_after(request, scenes, done.cells);
+  announce(request, done, plan.runs);
+  done.runs = complete_runs(options, plan.runs);
+  const std::vector<BenchRun> more = runs_after(request, scenes, done.runs);
   announce(request, done, more);
-  for (const json& record : run_cells(options, more)) done.cells.push_back(record);
+  for (const json& record : complete_runs(options, more)) done.runs.push_back(record);
   return done;
 }
 
-/// The cells of the last call, as they are by now.
+/// The runs of the last call, as they are by now.
 Sweep gathered(const SweepRequest& request) {
   const fs::path file = request.out / (stem_of(request) + ".json");
   if (!fs::exists(file))
@@ -220,8 +220,8 @@ Sweep gathered(const SweepRequest& request) {
   const json report = read_json(file);
   Sweep done;
   if (!report.is_object() || !report.contains("cells"))
-    throw InputError(fmt::format("{}: has no cells; run the same without --plot", file.string()));
-  for (const json& cell : report["cells"]) done.cells.push_back(recorded_cell(request.out, cell));
+    throw InputError(fmt::format("{}: has no runs; run the same without --plot", file.string()));
+  for (const json& run : report["cells"]) done.runs.push_back(recorded_run(request.out, run));
   done.skipped = report.value("skipped", std::vector<std::string>());
   done.published = request.published.empty() ? report.value("published", json::array())
                                              : read_published(request.published);

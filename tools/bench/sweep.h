@@ -1,8 +1,8 @@
 // What: `tessera bench --chart`, `--table`, `--curve` and `--sizes`: many trainings in one folder,
 // and what is
 //       made of their results: JSON, CSV, Markdown, images.
-// Not: one training (bench/run.h).
-// DIR: runs/ (a folder a cell), chart.json, chart.csv, chart_SCENE.svg|png|gp; curve.* alike;
+// Not: one training (bench/runner.h).
+// DIR: runs/ (a folder a run), chart.json, chart.csv, chart_SCENE.svg|png|gp; curve.* alike;
 //      table_NAME.json|csv|md; sizes.json|csv|md|svg|png|gp.
 #pragma once
 #include "tools/bench/plans.h"
@@ -17,7 +17,7 @@ struct SweepRequest {
   std::filesystem::path out;
   BenchAxes axes;
   std::vector<int64_t> budgets = {1000, 3000, 7000, 15000};
-  std::vector<int64_t> at = {500, 1000, 2000, 4000, 7000, 10000, 15000, 20000, 30000};
+  std::vector<int64_t> score_at = {500, 1000, 2000, 4000, 7000, 10000, 15000, 20000, 30000};
   std::vector<int64_t> shares = {2, 4, 8, 16};  // of the reference's Gaussians: 1/2, …
   std::string table;                            // name
   std::string shard;                            // "2/4": the second of four
@@ -25,7 +25,7 @@ struct SweepRequest {
   bool plot_only = false, json = false;
 };
 
-/// Prints tables; returns an exit code: 1 when a cell has failed. Errors: InputError, Interrupted.
+/// Prints tables; returns an exit code: 1 when a run has failed. Errors: InputError, Interrupted.
 int sweep(const SweepRequest& request);
 
 }  // namespace tessera

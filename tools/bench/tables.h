@@ -45,7 +45,7 @@ const BenchTable& bench_table(const std::string& name);
 
 /// The row's, or the one of such scenes.
 std::string row_preset(const BenchRow& row, bool still_scene);
-/// Names the folders of the row's cells: preset, ablation and overrides, so that equal rows of
+/// Names the folders of the row's runs: preset, ablation and overrides, so that equal rows of
 /// several tables share them.
 std::string row_label(const BenchRow& row, bool still_scene);
 

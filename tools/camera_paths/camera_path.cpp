@@ -59,7 +59,7 @@ dvec3 catmull_rom(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d
          0.5 * s * (c - a + s * (2.0 * a - 5.0 * b + 4.0 * c - d + s * (3.0 * (b - c) + d - a)));
 }
 
-Camera between(const std::vector<Camera>& keys, const KeyPlace& at) {
+Camera between(const std::vector<Camera>& keys, const KeyPlace& at_key) {
   const auto position = [&](int64_t k) {
     const int64_t last = int64_t(keys.size()) - 1;
     // beyond the ends the path goes straight on
@@ -67,17 +67,19 @@ Camera between(const std::vector<Camera>& keys, const KeyPlace& at) {
     if (k > last) return 2.0 * keys[size_t(last)].position() - keys[size_t(last - 1)].position();
     return keys[size_t(k)].position();
   };
-  const Camera &a = keys[size_t(at.key)], &b = keys[size_t(at.key + 1)];
-  const double s = at.share;
+  const Camera &a = keys[size_t(at_key.key)], &b = keys[size_t(at_key.key + 1)];
+  const double s = at_key.share;
   const auto mix = [s](double x, double y) { return x + s * (y - x); };
   Camera camera = a;
-  camera.fl_x = mix(a.fl_x, b.fl_x), camera.fl_y = mix(a.fl_y, b.fl_y);
-  camera.cx = mix(a.cx, b.cx), camera.cy = mix(a.cy, b.cy);
+  camera.fl_x = mix(a.fl_x, b.fl_x);
+  camera.fl_y = mix(a.fl_y, b.fl_y);
+  camera.cx = mix(a.cx, b.cx);
+  camera.cy = mix(a.cy, b.cy);
   const dquat turned =
       glm::slerp(glm::quat_cast(a.cam_from_world), glm::quat_cast(b.cam_from_world), s);
   place(camera, glm::mat3_cast(glm::normalize(turned)),
-        catmull_rom(position(at.key - 1), position(at.key), position(at.key + 1),
-                    position(at.key + 2), s));
+        catmull_rom(position(at_key.key - 1), position(at_key.key), position(at_key.key + 1),
+                    position(at_key.key + 2), s));
   return camera;
 }
 
@@ -94,7 +96,8 @@ OrbitFrame orbit_of_rig(const std::vector<Camera>& rig, const PointCloud& points
     heights.push_back(glm::dot(arm, frame.up));
     radii.push_back(glm::length(arm - frame.up * heights.back()));
   }
-  frame.radius = quantile(radii, 0.5), frame.height = quantile(heights, 0.5);
+  frame.radius = quantile(radii, 0.5);
+  frame.height = quantile(heights, 0.5);
   if (!(frame.radius > 1e-6 * std::abs(frame.height)) || !(frame.radius > 0))
     throw InputError(
         "render: --path orbit: the cameras look straight up or down, which gives a circle no "
@@ -176,8 +179,8 @@ KeyPlace key_place(int64_t i, int64_t count, int64_t keys) {
 std::vector<Camera> key_path(const std::vector<Camera>& keys, int64_t count) {
   std::vector<Camera> path;
   for (int64_t i = 0; i < count; ++i) {
-    const KeyPlace at = key_place(i, count, int64_t(keys.size()));
-    path.push_back(at.share == 0 ? keys[size_t(at.key)] : between(keys, at));
+    const KeyPlace key = key_place(i, count, int64_t(keys.size()));
+    path.push_back(key.share == 0 ? keys[size_t(key.key)] : between(keys, key));
   }
   return path;
 }
@@ -185,8 +188,10 @@ std::vector<Camera> key_path(const std::vector<Camera>& keys, int64_t count) {
 Camera with_size(const Camera& camera, int width, int height) {
   const double scale = double(height) / camera.height;
   Camera sized = camera;
-  sized.width = width, sized.height = height;
-  sized.fl_x *= scale, sized.fl_y *= scale;
+  sized.width = width;
+  sized.height = height;
+  sized.fl_x *= scale;
+  sized.fl_y *= scale;
   sized.cx = 0.5 * width + scale * (camera.cx - 0.5 * camera.width);
   sized.cy = 0.5 * height + scale * (camera.cy - 0.5 * camera.height);
   return sized;

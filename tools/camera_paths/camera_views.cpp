@@ -19,7 +19,8 @@ namespace fs = std::filesystem;
 
 std::vector<NamedView> views_of_scene(const CameraChoice& choice, const GaussianModel& model) {
   SceneOptions options;
-  options.allow_static = true, options.load_pixels = false;
+  options.allow_static = true;
+  options.load_pixels = false;
   const Scene scene = load_scene(choice.cameras, options);
   std::vector<NamedView> views;
   for (const Frame& frame : scene.frames) {
@@ -100,9 +101,9 @@ Split parse_split(const std::string& name) {
 }
 
 double model_time(const GaussianModel& model, const TimeAxis& axis, double time) {
-  const TimeAxis& own = model.time_axis;
-  if (axis.origin == own.origin && axis.duration == own.duration) return time;
-  return (axis.origin + time * axis.duration - own.origin) / own.duration;
+  const TimeAxis& model_axis = model.time_axis;
+  if (axis.origin == model_axis.origin && axis.duration == model_axis.duration) return time;
+  return (axis.origin + time * axis.duration - model_axis.origin) / model_axis.duration;
 }
 
 Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
@@ -115,7 +116,8 @@ Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_
 Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
                 std::optional<int64_t> held_out) {
   SceneOptions options;
-  options.background = model.background, options.allow_static = true;
+  options.background = model.background;
+  options.allow_static = true;
   options.held_out = held_out;
   Scene scene = load_scene(path, options);
   for (Frame& frame : scene.frames) {

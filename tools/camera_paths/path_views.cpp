@@ -92,9 +92,11 @@ std::vector<Camera> rig_of(const PathChoice& choice, const ModelInput& input) {
 
 Camera lens_without_rig() {
   Camera lens;
-  lens.width = kWidth, lens.height = kHeight;
+  lens.width = kWidth;
+  lens.height = kHeight;
   lens.fl_x = lens.fl_y = 0.5 * kHeight / std::tan(0.5 * kFieldOfView);
-  lens.cx = 0.5 * kWidth, lens.cy = 0.5 * kHeight;
+  lens.cx = 0.5 * kWidth;
+  lens.cy = 0.5 * kHeight;
   return lens;
 }
 

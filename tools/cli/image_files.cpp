@@ -16,7 +16,8 @@ void write_image_png(const std::filesystem::path& path, const RenderedImage& ima
 
 void write_image_png_alpha(const std::filesystem::path& path, const RenderedImage& image) {
   const size_t pixels = image.alpha.size();
-  std::vector<float> straight(3 * pixels, 0.0f), opaqueness(3 * pixels);
+  std::vector<float> straight(3 * pixels, 0.0f);
+  std::vector<float> opaqueness(3 * pixels);
   for (size_t c = 0; c < 3; ++c)
     for (size_t p = 0; p < pixels; ++p) {
       const float alpha = image.alpha[p];

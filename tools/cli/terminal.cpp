@@ -71,7 +71,8 @@ void ProgressBar::clear() {
 void ProgressBar::update(int64_t done, int64_t total, std::string_view note, int64_t first) {
   const auto now = std::chrono::steady_clock::now();
   if (total != total_ || done < done_) begin_ = now;
-  done_ = done, total_ = total;
+  done_ = done;
+  total_ = total;
   const double since_drawn = std::chrono::duration<double>(now - drawn_).count();
   if (since_drawn < (on_terminal_ ? 0.1 : 10.0)) return;
   drawn_ = now;

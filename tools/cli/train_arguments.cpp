@@ -46,18 +46,18 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
       .add_option("--checkpoint-every", arguments.checkpoint_every,
                   "steps between two checkpoints; 0: at the end only")
       ->capture_default_str();
-  add_option_rows(command, arguments);
+  add_option_table(command, arguments);
 }
 
-void add_option_rows(CLI::App& command, TrainArguments& arguments) {
-  for (const OptionRow& row : train_option_rows()) {
-    const std::string key = row.key;
+void add_option_table(CLI::App& command, TrainArguments& arguments) {
+  for (const TrainOption& option : train_option_table()) {
+    const std::string key = option.key;
     // of `run` and `batch`, where the word is shared with ingest's (commands/run.cpp)
     if (command.get_option_no_throw("--" + dashed(key)) != nullptr) continue;
     command
         .add_option_function<std::string>(
             "--" + dashed(key),
-            [&arguments, key](const std::string& text) { arguments.given[key] = text; }, row.doc)
+            [&arguments, key](const std::string& text) { arguments.given[key] = text; }, option.doc)
         ->group("Training");
   }
   command.add_flag_callback(

@@ -21,7 +21,7 @@ struct TrainArguments {
 /// --threads, ….
 void add_train_options(CLI::App& command, TrainArguments& arguments);
 /// Of these the option table alone, and --static.
-void add_option_rows(CLI::App& command, TrainArguments& arguments);
+void add_option_table(CLI::App& command, TrainArguments& arguments);
 /// Defaults ← preset ← ablation ← --config ← command line; presets look at the scene. Errors:
 /// InputError.
 TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts);

@@ -104,17 +104,18 @@ json own_yaml(const fs::path& file) {
 void write_batch(const CLI::App& command, BatchRequest& request) {
   EngineRequest& engine = request.engine;
   const fs::path file = engine.out / engine.file;
-  const json own = own_yaml(file);
+  const json config = own_yaml(file);
   if (request.datasets.empty()) {
     refuse_settings(command);
     if (!fs::exists(file))
       throw InputError(
           fmt::format("{}: is not there; name the captures of the batch", file.string()));
     check_engine();
-    engine.gpus = command.count("--gpus") > 0 || !own.is_object() ? request.config.gpus
-                                                                  : own.value("gpus", int64_t{0});
+    engine.gpus = command.count("--gpus") > 0 || !config.is_object()
+                      ? request.config.gpus
+                      : config.value("gpus", int64_t{0});
   } else {
-    if (fs::exists(file) && !own.is_object())
+    if (fs::exists(file) && !config.is_object())
       throw InputError(fmt::format(
           "{}: was written by hand and would be replaced; leave out the captures to go on with it, "
           "or move it away",
@@ -125,7 +126,7 @@ void write_batch(const CLI::App& command, BatchRequest& request) {
     check_engine();
     make_folder(engine.out);
     if (engine.dry_run) engine.file = "batch.dry-run.yaml";
-    if (own.dump(2) + "\n" != text || engine.dry_run)
+    if (config.dump(2) + "\n" != text || engine.dry_run)
       write_text_file(engine.out / engine.file, text);
   }
   write_workflow(engine.out / "workflow");
@@ -168,7 +169,8 @@ int batch(const CLI::App& command, BatchRequest& request) {
 
 void add_batch_options(CLI::App& command, BatchRequest& request) {
   BatchConfig& config = request.config;
-  config.presets = {TrainArguments{}.preset}, config.seeds = {1},
+  config.presets = {TrainArguments{}.preset};
+  config.seeds = {1};
   config.exports = {"tessera", "html"};
   const auto list = [&](const char* name, auto& values, const char* doc) {
     command.add_option(name, values, doc)
@@ -221,7 +223,7 @@ void add_batch_command(CLI::App& app, Work& work) {
   for (const CLI::Option* option : command->get_options())
     if (std::find(before.begin(), before.end(), option) == before.end())
       request->ingest_options.push_back(option->get_name());
-  add_option_rows(*command, request->training);
+  add_option_table(*command, request->training);
   command->callback([request, command, &work] {
     work = [request, command] { return batch(*command, *request); };
   });

@@ -81,7 +81,7 @@ void check_options(const CLI::App& command, const BenchRequest& request, BenchMo
   for (int64_t share : sweep.shares)
     if (share < 1)
       throw InputError(fmt::format("bench: --shares has {}; pass 2 for a half", share));
-  for (const std::vector<int64_t>* steps : {&sweep.budgets, &sweep.at})
+  for (const std::vector<int64_t>* steps : {&sweep.budgets, &sweep.score_at})
     for (int64_t step : *steps)
       if (step < 1) throw InputError(fmt::format("bench: {} steps; pass at least 1", step));
 }
@@ -142,7 +142,7 @@ void add_sweep_options(CLI::App& command, BenchRequest& request) {
   command.add_option("--budgets", sweep.budgets, "steps of the chart's trainings")
       ->delimiter(',')
       ->capture_default_str();
-  command.add_option("--at", sweep.at, "steps of the curve; the last ends the training")
+  command.add_option("--at", sweep.score_at, "steps of the curve; the last ends the training")
       ->delimiter(',')
       ->capture_default_str();
   command
@@ -156,7 +156,7 @@ void add_sweep_options(CLI::App& command, BenchRequest& request) {
   command.add_option("--published", sweep.published,
                      "JSON file of figures for the chart: name, scene, psnr, seconds, device");
   command.add_option("--shard", sweep.shard,
-                     "i/n: only every n-th cell from the i-th; several calls fill one folder");
+                     "i/n: only every n-th run from the i-th; several calls fill one folder");
   command.add_flag("--plot", sweep.plot_only,
                    "tables and images of what is done, without running anything");
 }

@@ -35,7 +35,8 @@ json described(const char* kind, const fs::path& path) {
 json describe_model(const char* kind, const fs::path& path, bool with_shipped) {
   const ModelInput input = load_model_input(path);
   json info = described(kind, path);
-  info["file"] = input.file.string(), info["bytes"] = input.bytes;
+  info["file"] = input.file.string();
+  info["bytes"] = input.bytes;
   info.update(model_info(input.model));
   info.update(model_size(path.string(), input, with_shipped));
   if (!input.warnings.empty()) info["warnings"] = input.warnings;
@@ -55,7 +56,8 @@ json describe_tessera4d(const fs::path& path) {
   const bool folder = path.filename() == kTessera4dManifest;
   Tessera4dInput input = load_tessera4d(folder ? path.parent_path() : path);
   json info = described("Tessera 4D file", folder ? path.parent_path() : path);
-  info["bytes"] = input.bytes, info["lossless"] = input.manifest.lossless;
+  info["bytes"] = input.bytes;
+  info["lossless"] = input.manifest.lossless;
   info["generator"] = input.manifest.generator;
   info["blocks"] = input.manifest.blocks.size();
   info.update(model_info(input.model));
@@ -79,7 +81,8 @@ json describe_other_ply(const fs::path& path, const PlyHeader& header) {
     };
     if (element.name == "vertex" && has("x") && has("y") && has("z")) {
       info["kind"] = "point cloud";
-      info["points"] = element.rows, info["has_colour"] = has("red");
+      info["points"] = element.rows;
+      info["has_colour"] = has("red");
     }
     info["elements"][element.name] = {{"rows", element.rows}, {"properties", names}};
   }

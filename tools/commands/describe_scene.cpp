@@ -97,7 +97,9 @@ json describe_videos(const fs::path& folder) {
     names.push_back(video.filename().string());
     bytes += int64_t(fs::file_size(video));
   }
-  info["cameras"] = names.size(), info["videos"] = names, info["bytes"] = bytes;
+  info["cameras"] = names.size();
+  info["videos"] = names;
+  info["bytes"] = bytes;
   if (has_poses) {
     const std::vector<LlffPose> poses = read_llff_poses(folder / "poses_bounds.npy");
     info["poses"] = poses.size();
@@ -105,8 +107,10 @@ json describe_videos(const fs::path& folder) {
     info["sizes"] = {{{"width", first.width}, {"height", first.height}}};
     info["focal"] = first.fl_x;
     double low = poses.front().near, high = poses.front().far;
-    for (const LlffPose& pose : poses)
-      low = std::min(low, pose.near), high = std::max(high, pose.far);
+    for (const LlffPose& pose : poses) {
+      low = std::min(low, pose.near);
+      high = std::max(high, pose.far);
+    }
     info["depth"] = {low, high};
   }
   return info;

@@ -152,7 +152,8 @@ void add_forecast(const Scene& all, DoctorReport& report) {
   for (const Frame& frame : all.frames) {
     if (frame.split != Split::kTrain) continue;
     const int64_t pixels = int64_t(frame.camera.width) * frame.camera.height;
-    ++load.training_frames, load.pixels = std::max(load.pixels, pixels);
+    ++load.training_frames;
+    load.pixels = std::max(load.pixels, pixels);
     load.all_bytes += 3 * pixels;
   }
   load.threads = thread_count();

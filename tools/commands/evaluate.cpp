@@ -193,7 +193,8 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   for (const std::string& warning : scene.warnings) warn(warning);
   const std::vector<Split> splits = chosen_splits(request, scene);
   json scores = score(request, input, scene, splits, lpips, backend);
-  scores["model"] = input.file.string(), scores["scene"] = scene.path;
+  scores["model"] = input.file.string();
+  scores["scene"] = scene.path;
   scores["backend"] = backend.name();
   if (request.as_json) scores.update(model_size(path, input, true));
   text = fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {}", scores_lines(request, scores),

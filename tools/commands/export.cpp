@@ -61,8 +61,8 @@ void check_options(const ExportRequest& request, const TimeFormat* in_time) {
 
 /// With the dilation and the cut-off that 3DGS files do not name because all have them.
 bool drawn_as_players_do(const GaussianModel& model) {
-  return !model.filter_2d && !model.truncation_by_falloff &&
-         model.truncation_sigma == kTruncationSigma;
+  return !model.drawing.filter_2d && !model.drawing.truncation_by_falloff &&
+         model.drawing.truncation_sigma == kTruncationSigma;
 }
 
 void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
@@ -75,7 +75,7 @@ void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
   if (input.model.environment.height > 0)
     warn(fmt::format("{}: its environment is not in what is exported; --format model keeps it",
                      input.file.string()));
-  if (in_time != nullptr && input.model.sh_time_degree > 0)
+  if (in_time != nullptr && input.model.drawing.sh_time_degree > 0)
     warn(
         fmt::format("{}: its colours follow time; exported are those of each Gaussian's own "
                     "timestep; frames and --format model keep them",
@@ -104,8 +104,10 @@ int export_command(const ExportRequest& request) {
   if (!request.keep_world) input.model = model_in_source_world(input.model);
   nlohmann::json result = in_time != nullptr ? in_time->write(request, input.model)
                                              : export_frames(request, input.model);
-  result["out"] = request.out, result["format"] = request.format;
-  result["model"] = input.file.string(), result["num_gaussians"] = input.model.count();
+  result["out"] = request.out;
+  result["format"] = request.format;
+  result["model"] = input.file.string();
+  result["num_gaussians"] = input.model.count();
   const int64_t frames = result["frames"], bytes = result["bytes"];
   print_result(request.json, result,
                fmt::format("{}: {} file{}, {:.1f} MB", request.out, frames, frames == 1 ? "" : "s",
@@ -135,7 +137,10 @@ void add_time_options(CLI::App& command, ExportTimes& times) {
       command.add_option("--range", times.range,
                          "A:B, a part of the clip: 0 (first) to 1 (last), or with the unit s "
                          "seconds from its first timestep: 0.25:0.5, 2s:, :7.5s");
-  fps->excludes(frames), time->excludes(frames), time->excludes(fps), time->excludes(range);
+  fps->excludes(frames);
+  time->excludes(frames);
+  time->excludes(fps);
+  time->excludes(range);
 }
 
 }  // namespace

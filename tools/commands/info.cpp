@@ -61,7 +61,8 @@ void add_lines(const nlohmann::json& object, const std::string& indent, std::str
 std::string info_text(nlohmann::json info) {
   std::string text = fmt::format("{}: {}\n", info.at("path").get<std::string>(),
                                  info.at("kind").get<std::string>());
-  info.erase("path"), info.erase("kind");
+  info.erase("path");
+  info.erase("kind");
   add_lines(info, "  ", text);
   text.pop_back();
   return text;

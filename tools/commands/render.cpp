@@ -133,8 +133,10 @@ void check_request(RenderRequest& request) {
   if (request.path.path.empty() && request.choice.cameras.empty())
     throw InputError("render: no cameras; pass --cameras SCENE or --path orbit");
   request.path.fps = parse_frame_rate("render", request.fps);
-  request.path.cameras = request.choice.cameras, request.path.split = request.choice.split;
-  request.path.time = request.choice.time, request.path.for_video = request.mp4;
+  request.path.cameras = request.choice.cameras;
+  request.path.split = request.choice.split;
+  request.path.time = request.choice.time;
+  request.path.for_video = request.mp4;
   if (!request.path.path.empty()) check_path_choice(request.path);
   if (!request.choice.split.empty()) parse_split(request.choice.split);
   if (!request.background.empty()) parse_background(request.background);
@@ -191,7 +193,8 @@ void add_path_options(CLI::App& command, RenderRequest& request) {
   CLI::Option* mp4 = of_path(
       command.add_flag("--mp4", request.mp4, "one video: OUT.mp4, or video.mp4 in the folder OUT"));
   rate->excludes(command.get_option("--time"));
-  mp4->excludes(command.get_option("--float")), mp4->excludes(command.get_option("--alpha"));
+  mp4->excludes(command.get_option("--float"));
+  mp4->excludes(command.get_option("--alpha"));
 }
 
 }  // namespace

@@ -117,7 +117,8 @@ class Runner {
     json result = {{"scene", scene_.string()}};
     if (!as_it_is) {
       const IngestReport report = ingest_with_progress(request_.capture, scene_, options, "ingest");
-      result["frames"] = report.frames, result["cameras"] = report.cameras;
+      result["frames"] = report.frames;
+      result["cameras"] = report.cameras;
     }
     ledger_.finish("ingest", key, result);
   }
@@ -127,8 +128,11 @@ class Runner {
     train_key_ = key_of({scene_key_, to_json(options_), backend});
     if (!must_run("train", train_key_, run_.model())) return true;
     TrainRequest train;
-    train.scene = scene_, train.run = run_.root, train.options = options_;
-    train.preset = request_.training.preset, train.ablation = request_.training.ablation;
+    train.scene = scene_;
+    train.run = run_.root;
+    train.options = options_;
+    train.preset = request_.training.preset;
+    train.ablation = request_.training.ablation;
     train.backend = request_.training.backend;
     train.evaluate_every = request_.training.evaluate_every;
     train.checkpoint_every = request_.training.checkpoint_every;
@@ -214,7 +218,9 @@ class Runner {
     ledger_.begin("player", key);
     GaussianModel model = model_in_source_world(load_model(run_.model()));
     ExportRequest page;
-    page.model = run_.root.string(), page.out = folder.string(), page.overwrite = true;
+    page.model = run_.root.string();
+    page.out = folder.string();
+    page.overwrite = true;
     constexpr int64_t kMostInside = int64_t{64} << 20;  // bytes
     page.format = "html";
     json written = find_time_format(page.format)->write(page, model);
@@ -222,7 +228,8 @@ class Runner {
       page.format = "page";
       written = find_time_format(page.format)->write(page, model);
     }
-    written["folder"] = folder.string(), written["format"] = page.format;
+    written["folder"] = folder.string();
+    written["format"] = page.format;
     ledger_.finish("player", key, written);
     return !interrupted();
   }

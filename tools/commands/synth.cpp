@@ -80,7 +80,8 @@ int synth(SynthRequest request) {
   if (!scene) unknown("scene", request.scene, names_of(synth_scenes()));
   const auto layout = find_synth_layout(request.layout);
   if (!layout) unknown("layout", request.layout, names_of(synth_layouts()));
-  request.options.scene = *scene, request.options.layout = *layout;
+  request.options.scene = *scene;
+  request.options.layout = *layout;
   request.options.fps = parse_frame_rate("synth", request.fps);
   for (const std::string& shift : request.shifts) parse_shift(shift, request.options.shifts);
   set_thread_count(request.threads);

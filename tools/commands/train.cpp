@@ -67,7 +67,8 @@ void add_train_command(CLI::App& app, Work& work) {
       set_thread_count(arguments.threads);
       check_output_apart(request.run, request.scene);
       request.options = resolve_options(arguments, request.scene);
-      request.preset = arguments.preset, request.ablation = arguments.ablation;
+      request.preset = arguments.preset;
+      request.ablation = arguments.ablation;
       request.backend = arguments.backend;
       request.evaluate_every = arguments.evaluate_every;
       request.checkpoint_every = arguments.checkpoint_every;

@@ -28,9 +28,11 @@ constexpr const char* kSingleFile = "scene.t4d";
 
 Tessera4dOptions options_of(const ExportRequest& request, const GaussianModel& model) {
   Tessera4dOptions options;
-  options.segment_seconds = request.segment_seconds, options.lossless = request.lossless;
+  options.segment_seconds = request.segment_seconds;
+  options.lossless = request.lossless;
   Rig rig = rig_of(request.cameras, request.model, model);
-  options.cameras = std::move(rig.cameras), options.fps = request.times.fps.value_or(rig.fps);
+  options.cameras = std::move(rig.cameras);
+  options.fps = request.times.fps.value_or(rig.fps);
   if (!request.audio.empty()) options.audio = fs::path(request.audio).filename().string();
   options.generator = fmt::format("tessera {}", kVersionText);
   return options;
@@ -94,9 +96,9 @@ json write_html(const ExportRequest& request, GaussianModel& model) {
 
 /// Leaves out what no program can draw; returns how many.
 int64_t drop_invalid(GaussianSet& set) {
-  const std::vector<int64_t> rows = valid_rows(set);
+  const std::vector<int64_t> rows = valid_elements(set);
   const int64_t dropped = set.count() - int64_t(rows.size());
-  if (dropped > 0) set = select_rows(set, rows);
+  if (dropped > 0) set = select_elements(set, rows);
   return dropped;
 }
 

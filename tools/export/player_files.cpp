@@ -16,13 +16,13 @@ std::string page_of_folder() {
 
 std::string page_with(std::string_view tessera4d) {
   std::string page(player_page());
-  const size_t at = page.find(kPlayerConfig);
-  check(at != std::string::npos, "player page: its configuration is not where it should be");
+  const size_t position = page.find(kPlayerConfig);
+  check(position != std::string::npos, "player page: its configuration is not where it should be");
   const std::string config =
       fmt::format(R"(<script id="tessera-config" type="application/json">{{"data":"{}",)"
                   R"("encoding":"base64"}}</script>)",
                   base64(tessera4d));
-  return page.replace(at, kPlayerConfig.size(), config);
+  return page.replace(position, kPlayerConfig.size(), config);
 }
 
 void check_page_plays(const SplatFormat& format) {

@@ -23,7 +23,8 @@ nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const 
 /// PSNR and SSIM alone, for scores during a training and in benchmarks.
 inline EvaluateOptions brief_scores() {
   EvaluateOptions options;
-  options.structure = StructureDetail::kSsim, options.temporal = false;
+  options.structure = StructureDetail::kSsim;
+  options.temporal = false;
   return options;
 }
 

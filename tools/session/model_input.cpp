@@ -41,7 +41,7 @@ GaussianModel from_splats(const fs::path& path, std::vector<std::string>& warnin
   SplatFile file = load_splat_file(path);
   GaussianModel model;
   model.static_set = std::move(file.set);
-  model.sh_degree = file.sh_degree;
+  model.drawing.sh_degree = file.sh_degree;
   warnings = std::move(file.warnings);
   return model;
 }
@@ -77,8 +77,10 @@ ModelInput load_model_input(const fs::path& path) {
     case ModelKind::kTessera4d: {
       const bool folder = input.file.filename() == kTessera4dManifest;
       Tessera4dInput read = load_tessera4d(folder ? input.file.parent_path() : input.file);
-      input.model = std::move(read.model), input.warnings = std::move(read.warnings);
-      input.bytes = read.bytes, input.shipped = shipped_breakdown(read.manifest, read.bytes);
+      input.model = std::move(read.model);
+      input.warnings = std::move(read.warnings);
+      input.bytes = read.bytes;
+      input.shipped = shipped_breakdown(read.manifest, read.bytes);
       return input;
     }
     case ModelKind::kSplats:

@@ -35,16 +35,16 @@ double parse_duration(const std::string& text) {
         text));
   };
   double sum = 0;
-  const char *at = text.data(), *const end = at + text.size();
-  while (at != end) {
+  const char *cursor = text.data(), *const end = cursor + text.size();
+  while (cursor != end) {
     double number = 0;
-    const auto [after, error] = std::from_chars(at, end, number, std::chars_format::fixed);
+    const auto [after, error] = std::from_chars(cursor, end, number, std::chars_format::fixed);
     if (error != std::errc()) throw refuse();
-    const bool bare = after == end && at == text.data();
+    const bool bare = after == end && cursor == text.data();
     const double unit = bare ? 1 : after == end ? 0 : seconds_of_unit(*after);
     if (!(unit > 0) || !(number >= 0) || !std::isfinite(number)) throw refuse();
     sum += number * unit;
-    at = bare ? after : after + 1;
+    cursor = bare ? after : after + 1;
   }
   if (!(sum > 0)) throw refuse();
   return sum;
@@ -62,7 +62,8 @@ TimeLimit::TimeLimit(double seconds, Stopwatch now) : seconds_(seconds), now_(st
 void TimeLimit::saved(double seconds, int64_t gaussians) {
   const double count = double(std::max<int64_t>(gaussians, 1));
   if (seconds * saved_gaussians_ < save_seconds_ * count) return;
-  save_seconds_ = seconds, saved_gaussians_ = count;
+  save_seconds_ = seconds;
+  saved_gaussians_ = count;
 }
 
 bool TimeLimit::due_after_step(int64_t gaussians) {

@@ -222,10 +222,10 @@ class Session {
 
   /// Whether the model is scored on the held-out splits after so many steps.
   bool scores_at(int64_t i) const {
-    const std::vector<int64_t>& at = request_.evaluate_at;
+    const std::vector<int64_t>& steps = request_.evaluate_at;
     return (ended() && !validation_->on() && request_.evaluate_end) ||
            (request_.evaluate_every > 0 && i % request_.evaluate_every == 0) ||
-           std::find(at.begin(), at.end(), i) != at.end();
+           std::find(steps.begin(), steps.end(), i) != steps.end();
   }
 
   /// Patience has run out with a model of the size that is asked for.
@@ -252,7 +252,8 @@ class Session {
 
   SizeLimit size_limit() {
     SizeLimit limit;
-    limit.gaussians = options_.max_gaussians, limit.bytes = options_.max_bytes;
+    limit.gaussians = options_.max_gaussians;
+    limit.bytes = options_.max_bytes;
     limit.shipped_bytes = request_.shipped_bytes;
     if (options_.within_db > 0)
       limit.least_psnr = validation_->record().peak_psnr - options_.within_db;
@@ -343,7 +344,8 @@ class Session {
     json result = to_json(validation_->record());
     const TrainState& state = trainer_->state();
     result["frames"] = validation_->frames();
-    result["stop_iteration"] = state.iteration, result["stop_seconds"] = state.seconds;
+    result["stop_iteration"] = state.iteration;
+    result["stop_seconds"] = state.seconds;
     return result;
   }
 
@@ -352,9 +354,11 @@ class Session {
     const std::vector<Vec3<double>> gains = gains_of(trainer_->state().exposure);
     if (gains.empty()) return nullptr;
     Vec3<double> least = gains.front(), most = least;
-    for (const Vec3<double>& gain : gains)
-      least = glm::min(least, gain), most = glm::max(most, gain);
-    return {{"by", options_.exposure},
+    for (const Vec3<double>& gain : gains) {
+      least = glm::min(least, gain);
+      most = glm::max(most, gain);
+    }
+    return {{"by", name_of(options_.exposure)},
             {"count", gains.size()},
             {"smallest", {least[0], least[1], least[2]}},
             {"largest", {most[0], most[1], most[2]}},

@@ -40,7 +40,9 @@ void TrainingLog::event(const std::string& name, nlohmann::json fields) {
 
 void TrainingLog::on_step(const StepReport& report) {
   last_ = report;
-  sum_.loss += report.loss, sum_.l1 += report.l1, sum_.ssim += report.ssim;
+  sum_.loss += report.loss;
+  sum_.l1 += report.l1;
+  sum_.ssim += report.ssim;
   sum_.seconds += report.seconds;
   ++steps_;
   observer_.on_step({report, total_, first_, double(steps_) / sum_.seconds});

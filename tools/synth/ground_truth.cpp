@@ -60,8 +60,10 @@ ordered_json views_json(const SynthOptions& options, const std::vector<TrueView>
   for (int number = 0; const TrueView& view : views) {
     ordered_json row{{"name", view.name}, {"transform_matrix", opengl_pose(view.camera)}};
     if (!view.split.empty()) {
-      row["split"] = view.split, row["index"] = view.index;
-      row["time"] = view.time, row["seconds"] = seconds(options, view.time);
+      row["split"] = view.split;
+      row["index"] = view.index;
+      row["time"] = view.time;
+      row["seconds"] = seconds(options, view.time);
     }
     if (const double shift = shift_of(options, number++); shift != 0) {
       row["shift_frames"] = shift;  // frame k shows instant k + shift

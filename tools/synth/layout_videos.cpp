@@ -38,7 +38,8 @@ LlffPose bounded_pose(const CaptureJob& job, int number, const Camera& camera,
       pose.near = std::min(pose.near, z - mover.radius);
       pose.far = std::max(pose.far, z + mover.radius);
     }
-  pose.near = std::max(0.05, 0.95 * pose.near), pose.far *= 1.05;
+  pose.near = std::max(0.05, 0.95 * pose.near);
+  pose.far *= 1.05;
   return pose;
 }
 

@@ -20,18 +20,24 @@ void add_moving_parts(WorldBuilder& b) {
                                  {.92f, .64f, .34f}, {.20f, .24f, .42f});
   Motion& stretch =
       b.add_mover("body", ShapeKind::kSphere, glm::dvec3(0.42), {0, 0, -0.28}, body).motion;
-  stretch.stretch = 0.3, stretch.stretch_cycles = 2, stretch.stretch_base = 0.42;
+  stretch.stretch = 0.3;
+  stretch.stretch_cycles = 2;
+  stretch.stretch_base = 0.42;
   stretch.spin_turns = 0.5;
   const Texture hat = b.texture(TextureKind::kChecker, 0.14, {.86f, .84f, .78f}, {.18f, .44f, .46f},
                                 {.5f, .5f, .5f});
   Motion& lift = b.add_mover("hat", ShapeKind::kBox, {0.25, 0.25, 0.15}, {0, 0, 0.56}, hat).motion;
-  lift.sway_sine = {0, 0, 0.26}, lift.sway_cycles = 2, lift.spin_turns = -1;
+  lift.sway_sine = {0, 0, 0.26};
+  lift.sway_cycles = 2;
+  lift.spin_turns = -1;
   const Texture moon = b.texture(TextureKind::kMarble, 0.16, {.30f, .46f, .28f}, {.58f, .74f, .40f},
                                  {.92f, .90f, .72f});
   Motion& orbit =
       b.add_mover("moon", ShapeKind::kSphere, glm::dvec3(0.17), {0, 0, 0.0}, moon).motion;
-  orbit.sway_sine = {0.62, 0.5, 0.16}, orbit.sway_cosine = {0.62, -0.5, 0};
-  orbit.spin_axis = {1, 0.4, 1}, orbit.spin_turns = 1.5;
+  orbit.sway_sine = {0.62, 0.5, 0.16};
+  orbit.sway_cosine = {0.62, -0.5, 0};
+  orbit.spin_axis = {1, 0.4, 1};
+  orbit.spin_turns = 1.5;
   const Texture weave = b.texture(TextureKind::kPatches, 0.16, {.44f, .24f, .52f},
                                   {.64f, .40f, .70f}, {.94f, .88f, .60f});
   Solid& flag =

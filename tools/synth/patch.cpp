@@ -20,8 +20,10 @@ Solid patch_ball(uint32_t seed, double radius) {
                       {.94f, .78f, .34f}, {.12f, .20f, .46f});
   Solid ball =
       builder.add_mover("ball", ShapeKind::kSphere, glm::dvec3(radius), {0, -0.3, 1.15}, texture);
-  ball.motion.sway_sine = {0.35 * radius, 0, 0}, ball.motion.sway_cosine = {0, 0, 0.15 * radius};
-  ball.motion.spin_axis = {0.3, 1, 0.2}, ball.motion.spin_turns = 1;
+  ball.motion.sway_sine = {0.35 * radius, 0, 0};
+  ball.motion.sway_cosine = {0, 0, 0.15 * radius};
+  ball.motion.spin_axis = {0.3, 1, 0.2};
+  ball.motion.spin_turns = 1;
   return ball;
 }
 

@@ -81,16 +81,16 @@ StaticLayer render_static(const World& world, const Camera& camera, int grid) {
   const size_t samples = size_t(camera.width) * size_t(camera.height) * count;
   StaticLayer layer{grid, std::vector<float>(samples), std::vector<glm::vec3>(samples)};
   parallel_for(camera.height, kRows, [&](int64_t begin, int64_t end) {
-    size_t at = size_t(begin) * size_t(camera.width) * count;
+    size_t sample = size_t(begin) * size_t(camera.width) * count;
     for (int64_t y = begin; y < end; ++y)
       for (int x = 0; x < camera.width; ++x)
-        for (int s = 0; s < grid * grid; ++s, ++at) {
+        for (int s = 0; s < grid * grid; ++s, ++sample) {
           const Ray ray =
               pixel_ray(camera, x + (s % grid + 0.5) / grid, double(y) + (s / grid + 0.5) / grid);
           const Meeting meeting = cast(ray, solids);
-          layer.depth[at] = float(meeting.hit.depth);
+          layer.depth[sample] = float(meeting.hit.depth);
           if (meeting.placed != nullptr)
-            layer.colour[at] = shade(world.light, ray, meeting, solids);
+            layer.colour[sample] = shade(world.light, ray, meeting, solids);
         }
   });
   return layer;

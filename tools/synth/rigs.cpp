@@ -53,9 +53,11 @@ Camera look_at(const dvec3& eye, const dvec3& target, int width, int height, dou
   const dvec3 right = glm::normalize(glm::cross(forward, dvec3(0, 0, 1)));
   const dvec3 down = glm::cross(forward, right);
   Camera camera;
-  camera.width = width, camera.height = height;
+  camera.width = width;
+  camera.height = height;
   camera.fl_x = camera.fl_y = 0.5 * width / std::tan(0.5 * angle);
-  camera.cx = 0.5 * width, camera.cy = 0.5 * height;
+  camera.cx = 0.5 * width;
+  camera.cy = 0.5 * height;
   camera.cam_from_world = glm::transpose(glm::dmat3(right, down, forward));
   camera.translation = -(camera.cam_from_world * eye);
   return camera;

@@ -15,9 +15,9 @@ constexpr double kWide = 3.2, kFront = -4.7, kBack = 3.0, kHigh = 3.0;  // the r
 void add_sides(WorldBuilder& b) {
   const double depth = 0.5 * (kBack - kFront), middle = 0.5 * (kBack + kFront);
   const double tall = 0.5 * kHigh;
-  const auto side = [&](const char* name, const dvec3& half, const dvec3& at,
+  const auto side = [&](const char* name, const dvec3& half, const dvec3& centre,
                         const glm::dmat3& turned, const Texture& texture) {
-    b.add(name, ShapeKind::kQuad, half, at, texture).motion.rest_rotation = turned;
+    b.add(name, ShapeKind::kQuad, half, centre, texture).motion.rest_rotation = turned;
   };
   const Texture wood = b.texture(TextureKind::kPlanks, 0.24, {.62f, .42f, .25f}, {.84f, .66f, .44f},
                                  {.22f, .14f, .09f});
@@ -39,21 +39,21 @@ void add_sides(WorldBuilder& b) {
 }
 
 void add_table(WorldBuilder& b) {
-  const dvec3 at = dvec3(-1.15, 1.45, 0) + b.nudge();
+  const dvec3 centre = dvec3(-1.15, 1.45, 0) + b.nudge();
   const Texture top = b.texture(TextureKind::kMarble, 0.3, {.25f, .40f, .34f}, {.45f, .62f, .50f},
                                 {.86f, .88f, .74f});
   const Texture legs = b.texture(TextureKind::kBrick, 0.2, {.40f, .26f, .18f}, {.55f, .38f, .25f},
                                  {.24f, .15f, .10f});
-  b.add("table", ShapeKind::kBox, {0.75, 0.5, 0.05}, at + dvec3(0, 0, 0.78), top);
+  b.add("table", ShapeKind::kBox, {0.75, 0.5, 0.05}, centre + dvec3(0, 0, 0.78), top);
   for (const double x : {-0.65, 0.65})
     for (const double y : {-0.4, 0.4})
-      b.add("leg", ShapeKind::kBox, {0.05, 0.05, 0.365}, at + dvec3(x, y, 0.365), legs);
+      b.add("leg", ShapeKind::kBox, {0.05, 0.05, 0.365}, centre + dvec3(x, y, 0.365), legs);
   const Texture ball = b.texture(TextureKind::kChecker, 0.13, {.90f, .85f, .78f},
                                  {.70f, .22f, .25f}, {.5f, .5f, .5f});
-  b.add("globe", ShapeKind::kSphere, dvec3(0.24), at + dvec3(-0.35, 0.05, 1.07), ball);
+  b.add("globe", ShapeKind::kSphere, dvec3(0.24), centre + dvec3(-0.35, 0.05, 1.07), ball);
   const Texture vase = b.texture(TextureKind::kPatches, 0.12, {.20f, .30f, .58f},
                                  {.34f, .46f, .74f}, {.92f, .90f, .84f});
-  b.add("vase", ShapeKind::kCylinder, {0.13, 0.13, 0.22}, at + dvec3(0.35, 0.1, 1.05), vase);
+  b.add("vase", ShapeKind::kCylinder, {0.13, 0.13, 0.22}, centre + dvec3(0.35, 0.1, 1.05), vase);
 }
 
 void add_furniture(WorldBuilder& b) {
@@ -92,13 +92,17 @@ void add_movers(WorldBuilder& b) {
                                  {.94f, .74f, .30f}, {.16f, .24f, .44f});
   Motion& arc =
       b.add_mover("flying ball", ShapeKind::kSphere, dvec3(0.26), {0, 0.7, 1.5}, ball).motion;
-  arc.sway_sine = {1.25, 0, 0}, arc.sway_cosine = {0, 0.35, 0.32};
-  arc.spin_axis = {0.3, 1, 0.2}, arc.spin_turns = 1;
+  arc.sway_sine = {1.25, 0, 0};
+  arc.sway_cosine = {0, 0.35, 0.32};
+  arc.spin_axis = {0.3, 1, 0.2};
+  arc.spin_turns = 1;
   const Texture die = b.texture(TextureKind::kChecker, 0.16, {.86f, .86f, .80f}, {.16f, .44f, .38f},
                                 {.5f, .5f, .5f});
   Motion& tumble =
       b.add_mover("tumbling box", ShapeKind::kBox, dvec3(0.24), {-0.95, -0.55, 0.6}, die).motion;
-  tumble.sway_sine = {0.3, 0.35, 0.08}, tumble.spin_axis = {1, 2, 3}, tumble.spin_turns = 0.75;
+  tumble.sway_sine = {0.3, 0.35, 0.08};
+  tumble.spin_axis = {1, 2, 3};
+  tumble.spin_turns = 0.75;
   const Texture plinth = b.texture(TextureKind::kBrick, 0.26, {.60f, .56f, .50f},
                                    {.76f, .72f, .64f}, {.34f, .32f, .30f});
   b.add("stand", ShapeKind::kCylinder, {0.42, 0.42, 0.18}, {0.75, -0.15, 0.2}, plinth);
@@ -107,17 +111,21 @@ void add_movers(WorldBuilder& b) {
   Motion& bounce =
       b.add_mover("stretching ball", ShapeKind::kSphere, dvec3(0.32), {0.75, -0.15, 0.7}, jelly)
           .motion;
-  bounce.stretch = 0.42, bounce.stretch_cycles = 2, bounce.stretch_base = 0.32;
+  bounce.stretch = 0.42;
+  bounce.stretch_cycles = 2;
+  bounce.stretch_base = 0.32;
   const Texture weave = b.texture(TextureKind::kPatches, 0.22, {.20f, .34f, .62f},
                                   {.34f, .52f, .78f}, {.94f, .86f, .70f});
   Solid& banner =
       b.add_mover("banner", ShapeKind::kCloth, {0.75, 0.55, 0.17}, {-2.05, 2.5, 1.85}, weave);
-  banner.motion.rest_rotation = turn_x(90), banner.shape.wave_cycles = 2;
+  banner.motion.rest_rotation = turn_x(90);
+  banner.shape.wave_cycles = 2;
   const Texture parcel = b.texture(TextureKind::kChecker, 0.14, {.88f, .24f, .28f},
                                    {.92f, .84f, .72f}, {.5f, .5f, .5f});
   Solid& visitor =
       b.add_mover("visitor", ShapeKind::kBox, {0.24, 0.24, 0.3}, {-0.1, 0.65, 0.3}, parcel);
-  visitor.motion.rest_rotation = turn_z(35), visitor.lifetime = {0.3, 0.65};
+  visitor.motion.rest_rotation = turn_z(35);
+  visitor.lifetime = {0.3, 0.65};
 }
 
 }  // namespace

@@ -32,7 +32,9 @@ bool meet_quad(const Shape& shape, const dvec3& o, const dvec3& d, ShapeHit& hit
   const dvec3 p = o + depth * d;
   if (!(std::abs(p.x) <= shape.half.x && std::abs(p.y) <= shape.half.y)) return false;
   if (!accept(depth, hit)) return false;
-  hit.point = {p.x, p.y, 0}, hit.normal = {0, 0, 1}, hit.axis = 2;
+  hit.point = {p.x, p.y, 0};
+  hit.normal = {0, 0, 1};
+  hit.axis = 2;
   return true;
 }
 
@@ -48,8 +50,14 @@ Crossing cross_box(const dvec3& half, const dvec3& o, const dvec3& d) {
     const double inverse = 1 / d[i];
     const double a = (-half[i] - o[i]) * inverse, b = (half[i] - o[i]) * inverse;
     const double low = std::min(a, b), high = std::max(a, b);
-    if (low > c.enter) c.enter = low, c.enter_axis = i;
-    if (high < c.leave) c.leave = high, c.leave_axis = i;
+    if (low > c.enter) {
+      c.enter = low;
+      c.enter_axis = i;
+    }
+    if (high < c.leave) {
+      c.leave = high;
+      c.leave_axis = i;
+    }
   }
   return c;
 }
@@ -88,13 +96,19 @@ bool meet_cylinder(const Shape& shape, const dvec3& o, const dvec3& d, ShapeHit&
     const double depth = (-b + sign * std::sqrt(discriminant)) / a;
     const dvec3 p = o + depth * d;
     if (!(std::abs(p.z) <= shape.half.z) || !accept(depth, hit)) continue;
-    hit.point = p, hit.normal = {p.x, p.y, 0}, hit.axis = largest_axis(hit.normal), met = true;
+    hit.point = p;
+    hit.normal = {p.x, p.y, 0};
+    hit.axis = largest_axis(hit.normal);
+    met = true;
   }
   for (const double sign : {-1.0, 1.0}) {
     const double depth = (sign * shape.half.z - o.z) / d.z;
     const dvec3 p = o + depth * d;
     if (!(p.x * p.x + p.y * p.y <= r2) || !accept(depth, hit)) continue;
-    hit.point = p, hit.normal = {0, 0, sign}, hit.axis = 2, met = true;
+    hit.point = p;
+    hit.normal = {0, 0, sign};
+    hit.axis = 2;
+    met = true;
   }
   return met;
 }
@@ -114,7 +128,8 @@ bool meet_cloth(const Shape& shape, const dvec3& o, const dvec3& d, double time,
     const double after = gap(high);
     if ((before < 0) != (after < 0)) break;
     if (i == kSteps) return false;
-    low = high, before = after;
+    low = high;
+    before = after;
   }
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (low + high);
@@ -127,7 +142,8 @@ bool meet_cloth(const Shape& shape, const dvec3& o, const dvec3& d, double time,
   const double slope_x = (cloth_height(shape, p.x + kStep, p.y, time) - h) / kStep;
   const double slope_y = (cloth_height(shape, p.x, p.y + kStep, time) - h) / kStep;
   hit.point = {p.x, p.y, 0};  // the texture is fixed to the flat cloth
-  hit.normal = {-slope_x, -slope_y, 1}, hit.axis = 2;
+  hit.normal = {-slope_x, -slope_y, 1};
+  hit.axis = 2;
   return true;
 }
 

@@ -27,23 +27,24 @@ class WorldBuilder {
   }
 
   /// A solid that stands still, casts and receives shadow. The reference holds until the next add.
-  Solid& add(const char* name, ShapeKind kind, const glm::dvec3& half, const glm::dvec3& at,
+  Solid& add(const char* name, ShapeKind kind, const glm::dvec3& half, const glm::dvec3& centre,
              const Texture& texture) {
     Solid solid;
     solid.name = name;
     solid.shape = {kind, half};
     solid.texture = texture;
-    solid.motion.rest = at;
+    solid.motion.rest = centre;
     solid.shadows = true;
     world.solids.push_back(solid);
     return world.solids.back();
   }
 
   /// A solid that will be given a motion; without shadows, so that it changes its own pixels only.
-  Solid& add_mover(const char* name, ShapeKind kind, const glm::dvec3& half, const glm::dvec3& at,
-                   const Texture& texture) {
-    Solid& solid = add(name, kind, half, at, texture);
-    solid.moves = true, solid.shadows = false;
+  Solid& add_mover(const char* name, ShapeKind kind, const glm::dvec3& half,
+                   const glm::dvec3& centre, const Texture& texture) {
+    Solid& solid = add(name, kind, half, centre, texture);
+    solid.moves = true;
+    solid.shadows = false;
     return solid;
   }
 

@@ -83,7 +83,8 @@ void VideoEncoder::State::open_codec(const VideoFormat& format) {
   codec.reset(avcodec_alloc_context3(h264));
   check(codec != nullptr, "avcodec_alloc_context3 returned null");
   const bool high = format.colour == VideoColour::kBt709 || format.height >= kHighDefinitionLines;
-  codec->width = format.width, codec->height = format.height;
+  codec->width = format.width;
+  codec->height = format.height;
   codec->pix_fmt = AV_PIX_FMT_YUV420P;
   codec->framerate = {format.fps.numerator, format.fps.denominator};
   codec->time_base = av_inv_q(codec->framerate);
@@ -123,11 +124,15 @@ void VideoEncoder::State::open_conversion() {
   const auto number = [&](const char* name, int value) {
     require(av_opt_set_int(sws, name, value, 0), name);
   };
-  number("srcw", codec->width), number("srch", codec->height);
-  number("dstw", codec->width), number("dsth", codec->height);
-  number("src_format", AV_PIX_FMT_RGB24), number("dst_format", AV_PIX_FMT_YUV420P);
+  number("srcw", codec->width);
+  number("srch", codec->height);
+  number("dstw", codec->width);
+  number("dsth", codec->height);
+  number("src_format", AV_PIX_FMT_RGB24);
+  number("dst_format", AV_PIX_FMT_YUV420P);
   number("sws_flags", SWS_AREA | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INP | SWS_BITEXACT);
-  number("dst_h_chr_pos", 128), number("dst_v_chr_pos", 128);  // the centre of 2 × 2 pixels
+  number("dst_h_chr_pos", 128);
+  number("dst_v_chr_pos", 128);  // the centre of 2 × 2 pixels
   require(sws_init_context(sws, nullptr, nullptr), "colour conversion");
   const int matrix = codec->colorspace == AVCOL_SPC_BT709 ? SWS_CS_ITU709 : SWS_CS_ITU601;
   const int* table = sws_getCoefficients(matrix);
@@ -159,7 +164,8 @@ VideoEncoder::VideoEncoder(const std::filesystem::path& path, const VideoFormat&
   s.packet.reset(av_packet_alloc());
   s.frame.reset(av_frame_alloc());
   check(s.packet != nullptr && s.frame != nullptr, "FFmpeg is out of memory");
-  s.frame->width = format.width, s.frame->height = format.height;
+  s.frame->width = format.width;
+  s.frame->height = format.height;
   s.frame->format = AV_PIX_FMT_YUV420P;
   s.require(av_frame_get_buffer(s.frame.get(), 0), "frame");
 }

@@ -32,9 +32,12 @@ cv::Mat solve(const std::vector<LogRatio>& ratios, const std::vector<double>& we
   for (size_t i = 0; i < ratios.size(); ++i) {
     const auto& [a, b, value] = ratios[i];
     const double w = weights[i];
-    normal.at<double>(a, a) += w, normal.at<double>(b, b) += w;
-    normal.at<double>(a, b) -= w, normal.at<double>(b, a) -= w;
-    right.at<double>(a) += w * value, right.at<double>(b) -= w * value;
+    normal.at<double>(a, a) += w;
+    normal.at<double>(b, b) += w;
+    normal.at<double>(a, b) -= w;
+    normal.at<double>(b, a) -= w;
+    right.at<double>(a) += w * value;
+    right.at<double>(b) -= w * value;
   }
   cv::Mat solution;
   cv::solve(normal, right, solution, cv::DECOMP_CHOLESKY);
@@ -64,7 +67,10 @@ std::vector<CameraGain> fit_gains(const std::vector<std::string>& cameras,
   std::vector<CameraGain> gains;
   for (const std::string& camera : cameras) gains.push_back({camera, {1, 1, 1}, 0});
   std::vector<int64_t> used(cameras.size());
-  for (const ColourPair& pair : pairs) ++used[size_t(pair.a)], ++used[size_t(pair.b)];
+  for (const ColourPair& pair : pairs) {
+    ++used[size_t(pair.a)];
+    ++used[size_t(pair.b)];
+  }
   for (size_t c = 0; c < cameras.size(); ++c) gains[c].pairs = used[c];
   for (size_t k = 0; k < 3; ++k) {
     std::vector<LogRatio> ratios;
@@ -76,7 +82,10 @@ std::vector<CameraGain> fit_gains(const std::vector<std::string>& cameras,
     const std::vector<double> logs = log_gains(ratios, int(cameras.size()));
     double sum = 0, count = 0;
     for (size_t c = 0; c < cameras.size(); ++c)
-      if (used[c] >= kLeastPairs) sum += std::exp(logs[c]), ++count;
+      if (used[c] >= kLeastPairs) {
+        sum += std::exp(logs[c]);
+        ++count;
+      }
     for (size_t c = 0; c < cameras.size(); ++c)
       if (used[c] >= kLeastPairs) gains[c].gain[k] = std::exp(logs[c]) * count / sum;
   }

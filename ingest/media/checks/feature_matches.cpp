@@ -91,7 +91,8 @@ MatchedStations match_stations(const Scene& scene) {
   for (const Station& station : matched.stations)
     if (station.name != scene.frames[size_t(station.frames.front())].camera_name)
       matched.moving_camera = !scene.is_static;
-  matched.images.resize(count), matched.features.resize(count);
+  matched.images.resize(count);
+  matched.features.resize(count);
   std::vector<Features> features(count);
   parallel_for(int64_t(count), 1, [&](int64_t begin, int64_t end) {
     for (auto s = size_t(begin); s < size_t(end); ++s) {

@@ -25,8 +25,10 @@ double diagonal(const Camera& camera) {
 /// Too little texture or overlap is a finding of its own and never one about poses.
 void judge_texture(PoseCheck& check) {
   int64_t bare = 0, unknown = 0;
-  for (const PoseResidual& camera : check.cameras)
-    bare += camera.features < kLeastFeatures, unknown += camera.residual < 0;
+  for (const PoseResidual& camera : check.cameras) {
+    bare += camera.features < kLeastFeatures;
+    unknown += camera.residual < 0;
+  }
   const auto all = int64_t(check.cameras.size());
   if (unknown == 0) return;
   const bool most = 2 * unknown > all;

@@ -98,7 +98,8 @@ double timesteps_per_second(const std::filesystem::path& capture, CaptureLayout 
 
 ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& thinning) {
   SceneOptions options;
-  options.allow_static = true, options.load_pixels = false;
+  options.allow_static = true;
+  options.load_pixels = false;
   ThinnedScene thinned;
   thinned.all = load_scene(folder, options);
   for (const TransformsFrame& listed : read_transforms(folder).frames)

@@ -57,16 +57,16 @@ struct TimedImage {
 std::vector<cv::Point2f> follow(const TimedImage& from, const TimedImage& to,
                                 const std::vector<cv::Point2f>& points, std::vector<bool>& found) {
   constexpr double kReturn = 0.3;  // pixels
-  std::vector<cv::Point2f> there, back;
+  std::vector<cv::Point2f> moved, back;
   std::vector<uint8_t> good, good_back;
   const cv::TermCriteria end(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 0.003);
-  cv::calcOpticalFlowPyrLK(from.pyramid, to.pyramid, points, there, good, cv::noArray(), kWindow,
+  cv::calcOpticalFlowPyrLK(from.pyramid, to.pyramid, points, moved, good, cv::noArray(), kWindow,
                            kLevels, end);
-  cv::calcOpticalFlowPyrLK(to.pyramid, from.pyramid, there, back, good_back, cv::noArray(), kWindow,
+  cv::calcOpticalFlowPyrLK(to.pyramid, from.pyramid, moved, back, good_back, cv::noArray(), kWindow,
                            kLevels, end);
   for (size_t i = 0; i < points.size(); ++i)
     found[i] = found[i] && good[i] && good_back[i] && cv::norm(back[i] - points[i]) < kReturn;
-  return there;
+  return moved;
 }
 
 MovingFeatures features_of(const TimedImage& before, const TimedImage& now, const TimedImage& after,
@@ -104,7 +104,8 @@ MovingFeatures features_of(const TimedImage& before, const TimedImage& now, cons
 MotionEnergy motion_energy(GreyClip& clip) {
   MotionEnergy energy;
   const VideoTimeline& timeline = clip.timeline();
-  energy.width = timeline.width, energy.height = timeline.height;
+  energy.width = timeline.width;
+  energy.height = timeline.height;
   const double longest = std::max(timeline.width, timeline.height), cell = longest / kMotionCells;
   const cv::Size grid(std::max(1, int(std::lround(timeline.width / cell))),
                       std::max(1, int(std::lround(timeline.height / cell))));
@@ -139,7 +140,8 @@ std::vector<MovingFeatures> moving_features(GreyClip& clip, double begin, double
   std::deque<TimedImage> window;
   clip.read(first, last, [&](size_t frame, const cv::Mat& image) {
     TimedImage& timed = window.emplace_back();
-    timed.seconds = timeline.seconds(frame), timed.image = image;
+    timed.seconds = timeline.seconds(frame);
+    timed.image = image;
     cv::buildOpticalFlowPyramid(image, timed.pyramid, kWindow, kLevels);
     if (window.size() > 3) window.pop_front();
     if (window.size() == 3) all.push_back(features_of(window[0], window[1], window[2], enlarge));

@@ -35,7 +35,10 @@ void GreyClip::read(size_t first, size_t last,
     const cv::Mat rgb(size_, CV_8UC3, const_cast<uint8_t*>(opaque.data.data()));
     cv::Mat grey;
     cv::cvtColor(rgb, grey, cv::COLOR_RGB2GRAY);
-    if (room_ > 0) kept_[next] = grey, --room_;
+    if (room_ > 0) {
+      kept_[next] = grey;
+      --room_;
+    }
     on_image(next++, grey);
     hand_over_kept();
     return true;

@@ -83,15 +83,16 @@ void match(const MovingFeatures& a, const MovingFeatures& b, const MissTable& ta
       if (!(std::abs(table.miss.at<double>(i, j)) < gate)) likeness.at<float>(i, j) = -1;
   for (int i = 0; i < likeness.rows; ++i) {
     double best = -1, next = -1;
-    cv::Point at, other;
+    cv::Point location, other;
     cv::Mat row = likeness.row(i).clone();
-    cv::minMaxLoc(row, nullptr, &best, nullptr, &at);
+    cv::minMaxLoc(row, nullptr, &best, nullptr, &location);
     if (best < 0) continue;
-    row.at<float>(0, at.x) = -1;
+    row.at<float>(0, location.x) = -1;
     cv::minMaxLoc(row, nullptr, &next);
-    cv::minMaxLoc(likeness.col(at.x), nullptr, nullptr, nullptr, &other);
+    cv::minMaxLoc(likeness.col(location.x), nullptr, nullptr, nullptr, &other);
     if (other.y != i || distance(best) > kRatio * distance(next)) continue;
-    misses.push_back({table.miss.at<double>(i, at.x), table.slope.at<double>(i, at.x), seconds});
+    misses.push_back(
+        {table.miss.at<double>(i, location.x), table.slope.at<double>(i, location.x), seconds});
   }
 }
 
@@ -160,8 +161,10 @@ std::optional<PairShift> fine_offset(const PosedFeatures& a, const PosedFeatures
                               frame_seconds, first ? kRateReach : 0);
     if (!found) return std::nullopt;
     shift.offset += found->shift;
-    if (std::abs(found->rate) > std::max(5 * found->rate_sigma, kLeastRate))
-      shift.rate += found->rate, found->rate = 0;
+    if (std::abs(found->rate) > std::max(5 * found->rate_sigma, kLeastRate)) {
+      shift.rate += found->rate;
+      found->rate = 0;
+    }
   }
   return PairShift{shift.offset, found->sigma, found->support, shift.rate + found->rate,
                    found->rate_sigma};

@@ -59,8 +59,12 @@ Pencil pencil_of(const MotionEnergy& a, const MotionEnergy& b, const RigCamera& 
   for (const auto* angles : {&pencil.a, &pencil.b}) {
     double least = 10, most = -10;
     for (const double angle : *angles)
-      if (!std::isnan(angle)) least = std::min(least, angle), most = std::max(most, angle);
-    low = std::max(low, least), high = std::min(high, most);
+      if (!std::isnan(angle)) {
+        least = std::min(least, angle);
+        most = std::max(most, angle);
+      }
+    low = std::max(low, least);
+    high = std::min(high, most);
   }
   if (!(high > low)) return {};
   for (auto* angles : {&pencil.a, &pencil.b})
@@ -86,9 +90,10 @@ Profile profile_of(const MotionEnergy& energy, const std::vector<double>& planes
     double* row = summed.ptr<double>(frame);
     for (size_t i = 0; i < planes.size(); ++i) {
       if (std::isnan(planes[i]) || cells[i] <= 0) continue;
-      const double at = std::max(0.0, planes[i] - 0.5);  // shared by the two nearest planes
-      const int first = std::min(int(at), count - 1), second = std::min(first + 1, count - 1);
-      row[first] += (1 - (at - first)) * cells[i], row[second] += (at - first) * cells[i];
+      const double plane = std::max(0.0, planes[i] - 0.5);  // shared by the two nearest planes
+      const int first = std::min(int(plane), count - 1), second = std::min(first + 1, count - 1);
+      row[first] += (1 - (plane - first)) * cells[i];
+      row[second] += (plane - first) * cells[i];
     }
   }
   const std::vector<double>& times = energy.seconds;
@@ -110,7 +115,8 @@ double correlation(const cv::Mat& a, const cv::Mat& b, int lag) {
   const int first = std::max(0, lag), last = std::min(a.rows, b.rows + lag);
   const cv::Mat x = a.rowRange(first, last), y = b.rowRange(first - lag, last - lag);
   cv::Mat mean_x, mean_y;
-  cv::reduce(x, mean_x, 0, cv::REDUCE_AVG), cv::reduce(y, mean_y, 0, cv::REDUCE_AVG);
+  cv::reduce(x, mean_x, 0, cv::REDUCE_AVG);
+  cv::reduce(y, mean_y, 0, cv::REDUCE_AVG);
   const double n = last - first;
   const double xy = x.dot(y) - n * mean_x.dot(mean_y);
   const double xx = x.dot(x) - n * mean_x.dot(mean_x), yy = y.dot(y) - n * mean_y.dot(mean_y);

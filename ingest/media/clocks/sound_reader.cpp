@@ -113,11 +113,16 @@ Sound SoundTrack::read(int rate, double seconds) {
   const Owned<AVPacket> packet(av_packet_alloc());
   bool more = true;
   while (more && av_read_frame(format_.get(), packet.get()) >= 0) {
-    if (packet->stream_index == track_->index)
-      avcodec_send_packet(codec_.get(), packet.get()), more = receive_frames(sound, most);
+    if (packet->stream_index == track_->index) {
+      avcodec_send_packet(codec_.get(), packet.get());
+      more = receive_frames(sound, most);
+    }
     av_packet_unref(packet.get());
   }
-  if (more) avcodec_send_packet(codec_.get(), nullptr), receive_frames(sound, most);
+  if (more) {
+    avcodec_send_packet(codec_.get(), nullptr);
+    receive_frames(sound, most);
+  }
   if (resampler_) append(nullptr, 0, sound);
   sound.samples.resize(std::min(sound.samples.size(), most));
   return sound;

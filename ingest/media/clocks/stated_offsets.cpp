@@ -57,10 +57,11 @@ bool read_line(std::string line, const std::string& where, Offsets& offsets) {
 Offsets from_text(const std::string& text, const std::string& path) {
   Offsets offsets;
   size_t number = 1;
-  for (size_t at = 0; at < text.size(); ++number) {
-    const size_t end = std::min(text.find('\n', at), text.size());
-    read_line(text.substr(at, end - at), fmt::format("{}: line {}", path, number), offsets);
-    at = end + 1;
+  for (size_t position = 0; position < text.size(); ++number) {
+    const size_t end = std::min(text.find('\n', position), text.size());
+    read_line(text.substr(position, end - position), fmt::format("{}: line {}", path, number),
+              offsets);
+    position = end + 1;
   }
   return offsets;
 }

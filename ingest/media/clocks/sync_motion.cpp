@@ -51,9 +51,13 @@ Pairs pairs_to_compare(const std::vector<RigClip>& clips) {
     size_t from = 0, to = 0;
     for (size_t a = 0; a < n; ++a)
       for (size_t b = 0; b < n; ++b)
-        if (reached[a] && !reached[b] && distance(a, b) < least)
-          least = distance(a, b), from = a, to = b;
-    reached[to] = true, chosen[from][to] = true;
+        if (reached[a] && !reached[b] && distance(a, b) < least) {
+          least = distance(a, b);
+          from = a;
+          to = b;
+        }
+    reached[to] = true;
+    chosen[from][to] = true;
   }
   Pairs pairs;
   for (size_t a = 0; a < n; ++a)
@@ -69,8 +73,10 @@ std::vector<PairOffset> measure(const Pairs& pairs, const Measure& measure_pair)
   parallel_for(int64_t(pairs.size()), 1, [&](int64_t begin, int64_t end) {
     for (int64_t i = begin; i < end; ++i) {
       found[size_t(i)] = measure_pair(pairs[size_t(i)].first, pairs[size_t(i)].second);
-      if (found[size_t(i)])
-        found[size_t(i)]->a = pairs[size_t(i)].first, found[size_t(i)]->b = pairs[size_t(i)].second;
+      if (found[size_t(i)]) {
+        found[size_t(i)]->a = pairs[size_t(i)].first;
+        found[size_t(i)]->b = pairs[size_t(i)].second;
+      }
     }
   });
   std::vector<PairOffset> all;
@@ -104,7 +110,10 @@ double busiest_begin(const std::vector<MotionEnergy>& energies, const std::vecto
   for (size_t first = 0, last = 0; last < moves.size(); ++last) {
     inside += moves[last].second;
     while (moves[last].first - moves[first].first > length) inside -= moves[first++].second;
-    if (inside > most) most = inside, begin = moves[first].first;
+    if (inside > most) {
+      most = inside;
+      begin = moves[first].first;
+    }
   }
   return begin;
 }

@@ -25,9 +25,9 @@ Image8 turned_upright(const Image8& stored, int orientation) {
       int column = sides_swapped ? y : x, row = sides_swapped ? x : y;
       if (from_right) column = w - 1 - column;
       if (from_below) row = h - 1 - row;
-      const auto at = (ptrdiff_t(row) * w + column) * stored.channels;
-      upright.data.insert(upright.data.end(), stored.data.begin() + at,
-                          stored.data.begin() + at + stored.channels);
+      const auto scalar = (ptrdiff_t(row) * w + column) * stored.channels;
+      upright.data.insert(upright.data.end(), stored.data.begin() + scalar,
+                          stored.data.begin() + scalar + stored.channels);
     }
   return upright;
 }

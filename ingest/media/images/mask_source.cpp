@@ -60,7 +60,10 @@ Image8 undistorted_mask(const Image8& mask, const Camera& camera, const Lens& le
                         const Camera& pinhole) {
   if (mask.data.empty() || lens.is_pinhole()) return mask;
   Camera wider = camera;
-  wider.width += 2, wider.height += 2, wider.cx += 1, wider.cy += 1;
+  wider.width += 2;
+  wider.height += 2;
+  wider.cx += 1;
+  wider.cy += 1;
   return cut_at_half(Undistortion(wider, lens, pinhole).apply(with_border(mask)));
 }
 

@@ -37,7 +37,10 @@ std::optional<Image8> ImageIntake::read(size_t index, const std::filesystem::pat
     SourceImage source = read_source_image(file);
     if (source.tone_mapped) tone_mapped_ = true;
     if (source.image.channels == 4) had_alpha_ = true;
-    if (width == 0 || height == 0) width = source.image.width, height = source.image.height;
+    if (width == 0 || height == 0) {
+      width = source.image.width;
+      height = source.image.height;
+    }
     bool doubtful = false;
     Image8 image = image_as_posed(std::move(source), width, height, doubtful);
     doubtful_[index] = doubtful;

@@ -163,7 +163,8 @@ void RigClips::keep_only(const std::vector<char>& keep) {
     kept.clips.push_back(std::move(clips[i]));
     if (!held_out.empty()) kept.held_out.push_back(held_out[i]);
   }
-  clips = std::move(kept.clips), held_out = std::move(kept.held_out);
+  clips = std::move(kept.clips);
+  held_out = std::move(kept.held_out);
 }
 
 void leave_out_bad_lenses(bool strict, RigClips& rig, std::vector<std::string>& warnings) {

@@ -66,7 +66,8 @@ void finish_scene(Converted& converted, CaptureLayout layout, const std::filesys
   report.points = int64_t(converted.points.position.size());
   TestViews test_views;
   for (const PreparedFrame& prepared : scene.frames) test_views.add(prepared.frame);
-  report.test_views = test_views.count(), report.scored = test_views.text();
+  report.test_views = test_views.count();
+  report.scored = test_views.text();
   scene.has_points = report.points > 0;
   if (scene.has_points) write_points(folder / "points.ply", converted.points);
   write_prepared_scene(folder, scene);

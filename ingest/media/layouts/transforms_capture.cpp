@@ -55,8 +55,8 @@ void choose_splits(TransformsCapture& capture, const IngestOptions& options) {
   }
   const std::vector<Split> splits = held_out_splits_of(cameras, options.held_out, "transforms");
   for (TransformsFrame& frame : capture.frames) {
-    const auto at = std::find(cameras.begin(), cameras.end(), frame.camera_name);
-    frame.split = splits[size_t(at - cameras.begin())];
+    const auto camera = std::find(cameras.begin(), cameras.end(), frame.camera_name);
+    frame.split = splits[size_t(camera - cameras.begin())];
   }
 }
 

@@ -190,8 +190,10 @@ void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedCl
   if (!clip.camera->lens.is_pinhole())
     camera.removed_lenses.push_back({clip.camera->lens_model, clip.camera->lens});
   for (PreparedFrame& frame : scene.frames)
-    if (frame.frame.camera_name == clip.name)
-      frame.frame.camera = prepared.camera, frame.mask_path = prepared.mask_path;
+    if (frame.frame.camera_name == clip.name) {
+      frame.frame.camera = prepared.camera;
+      frame.mask_path = prepared.mask_path;
+    }
   scene.cameras.push_back(std::move(camera));
   scene.sources.push_back({clip.video.filename().string(), clip_hash(clip)});
 }
@@ -204,8 +206,8 @@ std::vector<RigInstant> spread_instants(const std::vector<std::vector<size_t>>& 
   std::vector<RigInstant> instants;
   const std::vector<size_t>& first = chosen.front();
   for (size_t k = 0; k < std::min(kInstants, first.size()); ++k) {
-    const size_t at = first.size() <= kInstants ? k : k * (first.size() - 1) / (kInstants - 1);
-    const double timestep = timesteps[0][first[at]];
+    const size_t index = first.size() <= kInstants ? k : k * (first.size() - 1) / (kInstants - 1);
+    const double timestep = timesteps[0][first[index]];
     RigInstant instant{(timestep - axis.origin) / axis.duration, {}};
     for (const std::vector<double>& of_clip : timesteps) {
       const auto nearest = std::min_element(

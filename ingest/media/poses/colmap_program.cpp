@@ -61,7 +61,8 @@ ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& pr
   run_child(command, [&](std::string_view line) {
     std::match_results<std::string_view::const_iterator> match;
     if (version_.empty() && std::regex_search(line.begin(), line.end(), match, kVersion)) {
-      major_ = std::stoi(match[1]), minor_ = std::stoi(match[2]);
+      major_ = std::stoi(match[1]);
+      minor_ = std::stoi(match[2]);
       version_ = fmt::format("{}.{}", major_, minor_);
     }
     if (line.empty()) progress_("starting colmap", 0, 0);

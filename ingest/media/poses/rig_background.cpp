@@ -25,9 +25,9 @@ constexpr double kReach = 1.0 / 60;  // of the image's width: features look beyo
 cv::Mat deviation_of(const Image8& image, const Image8& median) {
   cv::Mat difference(median.height, median.width, CV_32F, cv::Scalar(0)), mean, magnitude;
   const float share = 1.0f / float(median.channels);
-  for (size_t at = 0; at < median.data.size(); ++at)
-    reinterpret_cast<float*>(difference.data)[at / size_t(median.channels)] +=
-        share * float(int(image.data[at]) - int(median.data[at]));
+  for (size_t scalar = 0; scalar < median.data.size(); ++scalar)
+    reinterpret_cast<float*>(difference.data)[scalar / size_t(median.channels)] +=
+        share * float(int(image.data[scalar]) - int(median.data[scalar]));
   cv::blur(difference, mean, cv::Size(kBlur, kBlur));
   cv::blur(cv::abs(difference), magnitude, cv::Size(kBlur, kBlur));
   return cv::max(2 * cv::abs(mean) - magnitude, 0.0);
@@ -94,9 +94,9 @@ StillImage still_image(const std::vector<Image8>& images) {
   Image8& median = still.image;
   parallel_for(int64_t(median.data.size()), 1 << 14, [&](int64_t begin, int64_t end) {
     std::vector<uint8_t> values(images.size());
-    for (auto at = size_t(begin); at < size_t(end); ++at) {
-      for (size_t k = 0; k < images.size(); ++k) values[k] = images[k].data[at];
-      median.data[at] = median_in_place(values);
+    for (auto scalar = size_t(begin); scalar < size_t(end); ++scalar) {
+      for (size_t k = 0; k < images.size(); ++k) values[k] = images[k].data[scalar];
+      median.data[scalar] = median_in_place(values);
     }
   });
   const cv::Mat deviation = steady_deviation(images, median);

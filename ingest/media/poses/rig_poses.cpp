@@ -73,7 +73,10 @@ std::vector<PosedImage> posed_images(const ColmapModel& model) {
 std::filesystem::path RigSolver::refine(const ColmapModel& start, const std::string& lens) const {
   auto images = posed_images(start);
   if (!lens.empty())
-    for (PosedImage& image : images) image.camera.lens_model = lens, image.camera.lens = {};
+    for (PosedImage& image : images) {
+      image.camera.lens_model = lens;
+      image.camera.lens = {};
+    }
   const auto folder = work.folder / "refined" / (lens.empty() ? "as mapped" : lens);
   auto model = folder / "start";
   write_posed_model(model, images);

@@ -75,7 +75,8 @@ VideoTimeline read_clip_timeline(const RigClip& clip, double image_rate) {
   if (clip.images.empty()) return read_timeline(clip.video);
   const Image8 first = read_image(clip.images.front().file);
   VideoTimeline timeline;
-  timeline.width = first.width, timeline.height = first.height;
+  timeline.width = first.width;
+  timeline.height = first.height;
   timeline.time_base = seconds_of_number(image_rate);
   for (const NumberedImage& image : clip.images) timeline.ticks.push_back(image.number);
   timeline.frame_seconds = timeline.time_base.at(median_distance(timeline.ticks));

@@ -17,11 +17,11 @@ FrameDecoder::FrameDecoder(const std::filesystem::path& path) : file_(path), pac
 }
 
 void FrameDecoder::fail(const std::string& seen) const {
-  const double at = last_ticks_ ? file_.seconds(*last_ticks_) : 0;
+  const double seconds = last_ticks_ ? file_.seconds(*last_ticks_) : 0;
   throw InputError(fmt::format(
       "{}: camera {} {} after {:.3f} s, {} frames could be read; copy or encode this video again, "
       "or pass --frames {}",
-      file_.name(), file_.camera(), seen, at, frames_, frames_));
+      file_.name(), file_.camera(), seen, seconds, frames_, frames_));
 }
 
 void FrameDecoder::open_codec() {

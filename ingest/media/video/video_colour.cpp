@@ -89,7 +89,8 @@ Image8 interleaved(const AVFrame& planes, int quarter_turns) {
 void prepare_planes(LibavOwned<AVFrame>& planes, int width, int height) {
   if (planes != nullptr && planes->width == width && planes->height == height) return;
   planes = new_frame();
-  planes->width = width, planes->height = height;
+  planes->width = width;
+  planes->height = height;
   planes->format = AV_PIX_FMT_GBRP;  // swscale's SIMD writes planes, twice as fast as RGB24
   if (av_frame_get_buffer(planes.get(), 0) < 0) throw std::bad_alloc();
 }

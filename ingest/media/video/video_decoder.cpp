@@ -22,12 +22,12 @@ void judge_end(const FrameDecoder& decoder, Truncation truncation, VideoStream& 
   const VideoFile& file = decoder.file();
   const int64_t frames = decoder.frames_given();
   const std::string& reason = file.cut_reason();
-  const double at = decoder.last_ticks() ? file.seconds(*decoder.last_ticks()) : 0;
+  const double seconds = decoder.last_ticks() ? file.seconds(*decoder.last_ticks()) : 0;
   if (!reason.empty() && (truncation == Truncation::kRefuse || frames == 0))
     throw InputError(fmt::format(
         "{}: camera {} is truncated ({}), {} frames could be read, up to {:.3f} s; copy or encode "
         "this video again, or pass --frames {}",
-        file.name(), file.camera(), reason, frames, at, frames));
+        file.name(), file.camera(), reason, frames, seconds, frames));
   if (frames == 0)
     throw InputError(
         fmt::format("{}: camera {} holds no image; encode it again", file.name(), file.camera()));
@@ -35,7 +35,7 @@ void judge_end(const FrameDecoder& decoder, Truncation truncation, VideoStream& 
     stream.warnings.push_back(
         fmt::format("{}: camera {} is truncated after {} frames at {:.3f} s ({}); the frames up to "
                     "there are used",
-                    file.name(), file.camera(), frames, at, reason));
+                    file.name(), file.camera(), frames, seconds, reason));
 }
 
 /// Where decoding can start: keyframes by their place in the file and their time.

@@ -48,7 +48,8 @@ bool has_audio(const AVFormatContext& format) {
 VideoTimeline read_timeline(const std::filesystem::path& path) {
   VideoFile file(path);
   VideoTimeline timeline;
-  timeline.width = file.width(), timeline.height = file.height();
+  timeline.width = file.width();
+  timeline.height = file.height();
   timeline.time_base = file.time_base();
   timeline.has_audio = has_audio(file.format());
   timeline.ticks = shown_ticks(file);

@@ -32,7 +32,8 @@ inline Scene ring_scene(const RingScene& ring) {
       frame.time = ring.timesteps == 1 ? 0 : double(m) / (ring.timesteps - 1);
       Camera& camera = frame.camera;
       camera.width = camera.height = ring.size;
-      camera.fl_x = camera.fl_y = ring.size, camera.cx = camera.cy = ring.size / 2.0;
+      camera.fl_x = camera.fl_y = ring.size;
+      camera.cx = camera.cy = ring.size / 2.0;
       camera.cam_from_world = glm::transpose(glm::dmat3(right, down, ahead));
       camera.translation = -(camera.cam_from_world * eye);
       frame.image = {ring.size, ring.size, 3,

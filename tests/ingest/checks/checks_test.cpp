@@ -82,7 +82,9 @@ TEST(Checks, CamerasOnTheirSide) {
   Scene scene = ring_scene({.cameras = 6, .timesteps = 3});
   for (int c = 0; c < 6; ++c) roll(scene, "cam" + std::to_string(c), c % 2 == 0 ? 15 : -15);
   EXPECT_TRUE(check_orientation(scene).findings.empty());
-  roll(scene, "cam0", 75), roll(scene, "cam3", -75), roll(scene, "cam4", 165);
+  roll(scene, "cam0", 75);
+  roll(scene, "cam3", -75);
+  roll(scene, "cam4", 165);
   const OrientationCheck check = check_orientation(scene);
   ASSERT_EQ(check.findings.size(), 3u);
   for (const char* camera : {"cam0", "cam3", "cam4"})

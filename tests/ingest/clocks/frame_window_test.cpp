@@ -60,7 +60,8 @@ TEST(FrameWindow, HalfAFrameOfToleranceAtBothEnds) {
 // Bug put back: the end without the half frame; seen to fail (one frame more).
 TEST(FrameWindow, StartAndDurationKeepEquallyManyFramesOfEachCamera) {
   FrameWindow window;
-  window.start = 1, window.duration = 1;
+  window.start = 1;
+  window.duration = 1;
   for (const double shift : {-0.49, -0.3, 0.0, 0.3, 0.49}) {
     const auto kept = choose_frames(times(300, 30, shift / 30), window, {0, 9.9});
     EXPECT_EQ(kept, range(30, 59)) << shift;
@@ -80,7 +81,9 @@ TEST(FrameWindow, RateTakesTheNearestFrameOfEachInstant) {
   EXPECT_EQ(choose_frames(times(50, 50), window, {0, 0.98}), range(0, 45, 5));
   window.fps = 30000 / 1001.0;
   EXPECT_EQ(choose_frames(times(300, *window.fps), window, {0, 299 / *window.fps}), range(0, 299));
-  window.fps = 25, window.duration = 0.4, window.start = 0.2;
+  window.fps = 25;
+  window.duration = 0.4;
+  window.start = 0.2;
   EXPECT_EQ(choose_frames(times(100, 25), window, {0, 3.96}), range(5, 14));
   window.frames = 3;
   EXPECT_EQ(choose_frames(times(100, 25), window, {0, 3.96}), range(5, 7));
@@ -107,7 +110,10 @@ TEST(FrameWindow, DroppedFramesKeepTheirOwnTimes) {
   std::vector<double> seconds;
   std::vector<int> dropped_before;
   for (int i = 0; i < 300; ++i)
-    if (i % 10 != 5) seconds.push_back(i / 30.0), dropped_before.push_back((i + 4) / 10);
+    if (i % 10 != 5) {
+      seconds.push_back(i / 30.0);
+      dropped_before.push_back((i + 4) / 10);
+    }
   FrameWindow window;
   window.fps = 15;
   const double speed = 2;  // units a second

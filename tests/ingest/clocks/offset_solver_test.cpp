@@ -85,7 +85,8 @@ TEST(OffsetLimits, AreThoseThatStandOut) {
   const std::vector<double> frames(31, 1 / 30.0);
   std::vector<SolvedOffset> rig;
   for (int i = 0; i < 31; ++i) rig.push_back({0.002 * std::sin(2.4 * i), 0.0005, true});
-  rig[5].offset = 0.0035, rig[17].offset = -0.005;
+  rig[5].offset = 0.0035;
+  rig[17].offset = -0.005;
   const auto applied = [&](const std::vector<SolvedOffset>& solved, size_t i) {
     return std::abs(solved[i].offset) > offset_limits(solved, frames)[i];
   };

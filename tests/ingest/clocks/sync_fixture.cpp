@@ -32,7 +32,8 @@ std::vector<RigClip> clips_of(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().extension() != ".mp4") continue;
     RigClip& clip = clips.emplace_back();
-    clip.name = entry.path().stem().string(), clip.video = entry.path();
+    clip.name = entry.path().stem().string();
+    clip.video = entry.path();
     clip.timeline = read_timeline(clip.video);
   }
   std::sort(clips.begin(), clips.end(),
@@ -43,7 +44,9 @@ std::vector<RigClip> clips_of(const fs::path& folder) {
 }
 
 void make_rig(const fs::path& folder, SynthOptions options) {
-  options.cameras = 4, options.points = 10, options.supersampling = 2;
+  options.cameras = 4;
+  options.points = 10;
+  options.supersampling = 2;
   make_capture(options, folder, {});
 }
 

@@ -26,7 +26,9 @@ ClipClocks by_motion(const std::vector<RigClip>& clips) {
 /// A second of the room at 30 frames a second.
 SynthOptions room(std::vector<double> shifts = {}) {
   SynthOptions options;
-  options.frames = 31, options.fps = {30, 1}, options.shifts = std::move(shifts);
+  options.frames = 31;
+  options.fps = {30, 1};
+  options.shifts = std::move(shifts);
   return options;
 }
 
@@ -46,7 +48,8 @@ RigClip by_ffmpeg(const RigClip& clip, const std::string& arguments,
 /// A clip in which nothing moves, with the pose of `clip`.
 RigClip still_clip(const RigClip& clip, const std::filesystem::path& path) {
   RigClip still = clip;
-  still.name = "cam09", still.video = path;
+  still.name = "cam09";
+  still.video = path;
   Image8 image{clip.timeline.width, clip.timeline.height, 3, {}};
   for (int i = 0; i < image.width * image.height * 3; ++i)
     image.data.push_back(uint8_t(60 + (i * 7) % 90));
@@ -81,7 +84,8 @@ TEST(SyncMotion, OneShiftedCameraOfARig) {
   const size_t count = clips.size();
   clips.push_back(still_clip(clips[0], folder / "still.mp4"));
   clips.push_back(clips[0]);
-  clips.back().name = "cam10", clips.back().camera.reset();
+  clips.back().name = "cam10";
+  clips.back().camera.reset();
   const ClipClocks clocks = by_motion(clips);
   const std::vector<double> frames = frames_of(clocks, clips);
   for (size_t i = 0; i < count; ++i) {
@@ -106,7 +110,8 @@ TEST(SyncMotion, RatesStartsDroppedFramesAndSizesThatDiffer) {
   const ScratchFolder folder;
   make_rig(folder / "30", room());
   SynthOptions slow = room();
-  slow.frames = 26, slow.fps = {25, 1};
+  slow.frames = 26;
+  slow.fps = {25, 1};
   make_rig(folder / "25", slow);
   std::vector<RigClip> clips = clips_of(folder / "30");
   clips[3] = clips_of(folder / "25")[3];
@@ -165,7 +170,8 @@ TEST(SyncMotion, AClockThatDriftsIsRefused) {
 TEST(SyncMotion, AStaticSceneTellsNothing) {
   const ScratchFolder folder;
   SynthOptions still = room();
-  still.scene = SynthScene::kRoomStatic, still.frames = 16;
+  still.scene = SynthScene::kRoomStatic;
+  still.frames = 16;
   make_rig(folder / "rig", still);
   const ClipClocks clocks = by_motion(clips_of(folder / "rig"));
   ASSERT_EQ(clocks.clocks.size(), 4u);

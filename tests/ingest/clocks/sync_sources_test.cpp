@@ -61,7 +61,8 @@ std::vector<RigClip> clips_with_clocks(const std::vector<std::optional<double>>&
   for (const auto& clock : clocks) {
     RigClip& clip = clips.emplace_back();
     clip.name = "cam0" + std::to_string(clips.size());
-    clip.timeline.time_base = {1, 30}, clip.timeline.frame_seconds = 1 / 30.0;
+    clip.timeline.time_base = {1, 30};
+    clip.timeline.frame_seconds = 1 / 30.0;
     for (int64_t tick = 0; tick < 90; ++tick) clip.timeline.ticks.push_back(tick);
     clip.timeline.clock = clock;
   }

@@ -78,7 +78,8 @@ TEST(DenseCloud, StillPointsOnceMovingOnesAtTheirTimesteps) {
   for (size_t i = 0; i < cloud.position.size(); ++i) {
     const glm::vec3& p = cloud.position[i];
     if (cloud.still[i] == 0) {
-      ++moving, timesteps.insert(cloud.time[i]);
+      ++moving;
+      timesteps.insert(cloud.time[i]);
       continue;
     }
     ++still;
@@ -100,7 +101,8 @@ TEST(DenseCloud, HeldOutCamerasGiveNoPointsAndNoColours) {
 
 PreparedScene write_scene(const Scene& scene, const std::filesystem::path& folder) {
   PreparedScene prepared;
-  prepared.layout = "n3dv", prepared.background = "opaque";
+  prepared.layout = "n3dv";
+  prepared.background = "opaque";
   for (const Frame& frame : scene.frames) {
     write_png(folder / (frame.name + ".png"), frame.image);
     prepared.frames.push_back({frame.name + ".png", frame, {}, {}});

@@ -72,7 +72,8 @@ TEST(Points, TimesAndStillSurviveTheFile) {
   ASSERT_EQ(read.time.size(), 4u);
   for (size_t i = 0; i < 3; ++i) EXPECT_EQ(read.time[i], points.time[i]);
   EXPECT_TRUE(std::isnan(read.time[3]));
-  points.time.clear(), points.still.clear();
+  points.time.clear();
+  points.still.clear();
   write_points(folder / "points.ply", points);
   const PointCloud plain = find_points(folder.path(), "", warnings);
   EXPECT_EQ(plain.position, points.position);

@@ -61,8 +61,13 @@ TEST(Ply, AsciiAndBigEndianHoldTheSame) {
     const char* bytes = reinterpret_cast<const char*>(&value);
     for (size_t i = sizeof value; i-- > 0;) body += bytes[i];
   };
-  put(0.5f), put(uint8_t(0)), put(int32_t(-2147483648));
-  put(-1.25f), put(uint8_t(255)), put(int32_t(7)), put(1e300);
+  put(0.5f);
+  put(uint8_t(0));
+  put(int32_t(-2147483648));
+  put(-1.25f);
+  put(uint8_t(255));
+  put(int32_t(7));
+  put(1e300);
   write_bytes(folder / "b.ply", "ply\nformat binary_big_endian 1.0\n" + columns + body);
   expect_equal(two_elements(), read_ply(folder / "b.ply"));
 }

@@ -130,7 +130,10 @@ TEST(RenderedImage, DamagedAndMisnamedFilesAreNamed) {
   write_bytes(folder / "png.jpg", png);
   EXPECT_EQ(read_image(folder / "png.jpg").data, image.data);
   const size_t scan = bytes.rfind("\xff\xda");
-  for (size_t i = 0; i < 60; ++i) bytes[scan + 300 + i] = char(0xff), bytes[scan + 301 + i] = 0;
+  for (size_t i = 0; i < 60; ++i) {
+    bytes[scan + 300 + i] = char(0xff);
+    bytes[scan + 301 + i] = 0;
+  }
   write_bytes(folder / "damaged.jpg", bytes);
   expect_input_error([&] { read_image(folder / "damaged.jpg"); }, {"damaged.jpg"});
   for (const char* name : {"empty.jpg", "empty.png", "empty.exr"}) {

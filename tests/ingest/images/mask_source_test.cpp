@@ -119,15 +119,15 @@ TEST_F(MaskSource, ScaledAsTheImagesAreAndCutAtOneHalf) {
 
 // Bugs put back, each seen to fail: the same; the comparison of mask.cpp turned round.
 TEST_F(MaskSource, MayBeAsLargeAsTheImagesOnceWere) {
-  const auto at = [&](int width, int height, bool inverted) {
+  const auto pixel = [&](int width, int height, bool inverted) {
     write("train/r_000.png", right_half(width, height));
     options_.invert_masks = inverted;
     return read_mask(folder_ / "masks/train/r_000.png", 8, 6, options_).data;
   };
-  EXPECT_EQ(at(32, 24, false), right_half(8, 6).data);
-  EXPECT_NE(at(32, 24, true), right_half(8, 6).data);
-  expect_input_error([&] { at(24, 32, false); }, {"r_000.png", "24x32", "8x6"});
-  expect_input_error([&] { at(4, 3, false); }, {"r_000.png", "4x3", "8x6"});
+  EXPECT_EQ(pixel(32, 24, false), right_half(8, 6).data);
+  EXPECT_NE(pixel(32, 24, true), right_half(8, 6).data);
+  expect_input_error([&] { pixel(24, 32, false); }, {"r_000.png", "24x32", "8x6"});
+  expect_input_error([&] { pixel(4, 3, false); }, {"r_000.png", "4x3", "8x6"});
 }
 
 // Bug put back: the mask repeated beyond the border of the image; seen to fail.

@@ -67,7 +67,10 @@ TEST(BareVideos, OfSixteenSyntheticCamerasGiveTheirPoses) {
   const TemporaryFolder folder;
   SynthOptions options;
   options.layout = SynthLayout::kVideos;
-  options.cameras = 16, options.frames = 10, options.width = 400, options.height = 300;
+  options.cameras = 16;
+  options.frames = 10;
+  options.width = 400;
+  options.height = 300;
   options.points = 0;
   make_capture(options, folder / "rig", {});
   expect_true_poses(folder / "rig");

@@ -117,7 +117,8 @@ TEST_F(ColmapCapture, ReducedPhotosHaveTheSameRays) {
   EXPECT_EQ(scene().frames[0].camera.cy, 5.75);
   expect_input_error([&] { ingest(); }, {"pass --images with one of images_2, images_4"});
   IngestOptions options;
-  options.images = "images_4", options.scale = 0.5;
+  options.images = "images_4";
+  options.scale = 0.5;
   ingest(options);
   EXPECT_EQ(scene().frames[0].camera.fl_y, 42 / 8.0);
   EXPECT_EQ(scene().frames[0].image.width, 4);
@@ -220,10 +221,14 @@ TEST_F(ColmapCapture, DistortedPhotosBecomePinhole) {
 TEST(Undistortion, TransparentColoursDoNotBleed) {
   Image8 image = constant_image(40, 30, {200, 100, 50, 255});
   for (size_t p = 0; p < image.data.size(); p += 4)
-    if ((p / 4) % 40 >= 20) image.data[p] = 50, image.data[p + 3] = 0;
+    if ((p / 4) % 40 >= 20) {
+      image.data[p] = 50;
+      image.data[p + 3] = 0;
+    }
   const Camera camera{40, 30, 30, 30, 20, 15, glm::dmat3(1), glm::dvec3(0)};
   Lens lens;
-  lens.k1 = -0.1, lens.p2 = 0.05;
+  lens.k1 = -0.1;
+  lens.p2 = 0.05;
   const Image8 result = Undistortion(camera, lens, camera).apply(image);
   size_t partial = 0;
   for (size_t p = 0; p < result.data.size(); p += 4) {

@@ -62,7 +62,8 @@ class ImageRig : public ::testing::Test {
   }
   IngestReport ingest(IngestOptions options = {}) {
     options.poses.source = folder_ / "cameras.json";
-    options.keep_world = true, options.cloud = CloudDensity::kNone;
+    options.keep_world = true;
+    options.cloud = CloudDensity::kNone;
     return ingest_capture(folder_ / "capture", folder_ / "scene", options, {});
   }
   Scene scene() { return load_scene(folder_ / "scene", {}); }
@@ -109,7 +110,9 @@ TEST_F(ImageRig, RateAndChoiceOfFrames) {
       camera["name"] = "camera_" + camera["name"].get<std::string>();
   });
   IngestOptions options;
-  options.fps = 15, options.frames = 3, options.held_out = {"camera_2"};
+  options.fps = 15;
+  options.frames = 3;
+  options.held_out = {"camera_2"};
   EXPECT_EQ(ingest(options).frames, 9);
   const Scene scene = this->scene();
   EXPECT_NEAR(scene.time_axis.duration, 2.0 / 15, 1e-12);
@@ -159,7 +162,8 @@ TEST_F(ImageRig, RowsOfPosesBounds) {
   }
   write_llff_poses(folder_ / "capture/poses_bounds.npy", poses);
   IngestOptions options;
-  options.keep_world = true, options.cloud = CloudDensity::kNone;
+  options.keep_world = true;
+  options.cloud = CloudDensity::kNone;
   EXPECT_EQ(ingest_capture(folder_ / "capture", folder_ / "scene", options, {}).frames, 15);
   const Scene scene = this->scene();
   expect_same_camera(scene.frames[14].camera, poses[2].camera.resized(kRigWidth, kRigHeight),
@@ -192,7 +196,8 @@ TEST(ImageRigData, FoldersOfBasketball) {
   write_bytes(folder / "cameras.json", stated.dump());
   IngestOptions options;
   options.poses.source = folder / "cameras.json";
-  options.keep_world = true, options.cloud = CloudDensity::kNone;
+  options.keep_world = true;
+  options.cloud = CloudDensity::kNone;
   const IngestReport report = ingest_capture(folder / "capture", folder / "scene", options, {});
   EXPECT_EQ(report.layout, CaptureLayout::kSequences);
   EXPECT_EQ(report.frames, 12);

@@ -77,7 +77,11 @@ TEST(ImageSequences, PosesDecideWhatImagesAre) {
   write_names(folder.path(), "images/cam{c:02}_{t:02}.png", 2, 3);
   EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kSequences);
   std::vector<LlffPose> poses(6);
-  for (LlffPose& pose : poses) pose.camera.width = 8, pose.camera.height = 6, pose.camera.fl_x = 9;
+  for (LlffPose& pose : poses) {
+    pose.camera.width = 8;
+    pose.camera.height = 6;
+    pose.camera.fl_x = 9;
+  }
   write_llff_poses(folder / "poses_bounds.npy", poses);
   EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kLlff);  // a row an image
   poses.resize(2);

@@ -168,7 +168,8 @@ TEST_F(N3dv, AShorterVideoShortensAllAndIsNamed) {
 
 TEST_F(N3dv, TheWindowIsOfTimesNotOfIndices) {
   IngestOptions options;
-  options.start = 0.04, options.fps = 12.5;  // every other frame of 25 a second, from the second on
+  options.start = 0.04;
+  options.fps = 12.5;  // every other frame of 25 a second, from the second on
   EXPECT_EQ(ingest(options).frames, 6);
   const Scene scene = load_scene(folder_ / "scene", {});
   EXPECT_NEAR(scene.frames[0].image.data[200], numbered_grey(1, 0), 1);
@@ -181,7 +182,8 @@ TEST_F(N3dv, TheWindowIsOfTimesNotOfIndices) {
                      1e-12);
   options.cameras = {"cam05"};
   expect_input_error([&] { ingest(options); }, {"--cameras", "cam05", "cam00, cam01, cam02"});
-  options.cameras = {}, options.start = 100;
+  options.cameras = {};
+  options.start = 100;
   expect_input_error([&] { ingest(options); },
                      {"capture: --start 100 s is after the end (0.160 s)"});
 }

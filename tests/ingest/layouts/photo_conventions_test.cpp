@@ -39,7 +39,10 @@ Image8 image_of_cube(const Stand& stand) {
       int axis = 0;
       for (int a = 0; a < 3; ++a) {
         const double one = (-1 - stand.centre[a]) / ray[a], other = (1 - stand.centre[a]) / ray[a];
-        if (std::min(one, other) > enter) enter = std::min(one, other), axis = a;
+        if (std::min(one, other) > enter) {
+          enter = std::min(one, other);
+          axis = a;
+        }
         leave = std::min(leave, std::max(one, other));
       }
       if (enter >= leave) continue;
@@ -107,9 +110,10 @@ void write_cube_colmap(const path& capture) {
 /// The pixel at a world point's place; nothing outside the image or behind the camera.
 const uint8_t* pixel_of(const Camera& camera, const Image8& image, const glm::dvec3& point) {
   if ((camera.cam_from_world * point + camera.translation).z <= 0) return nullptr;
-  const glm::dvec2 at = project(camera, point);
-  if (!(at.x >= 0 && at.y >= 0 && at.x < camera.width && at.y < camera.height)) return nullptr;
-  return image.data.data() + 3 * (int(at.y) * camera.width + int(at.x));
+  const glm::dvec2 pixel = project(camera, point);
+  if (!(pixel.x >= 0 && pixel.y >= 0 && pixel.x < camera.width && pixel.y < camera.height))
+    return nullptr;
+  return image.data.data() + 3 * (int(pixel.y) * camera.width + int(pixel.x));
 }
 
 // B6. Bug put back: LLFF's first two columns exchanged; seen to fail.
@@ -150,7 +154,8 @@ TEST(LlffPhotos, BecomeAStaticSceneOfTheChosenSize) {
     write_png(folder / fmt::format("capture/images_2/b{:02}.png", i),
               patterned_image(kWidth / 2, kHeight / 2, 3, i));
   IngestOptions options;
-  options.images = "images_2", options.test_every = 4;
+  options.images = "images_2";
+  options.test_every = 4;
   const IngestReport report = ingest_capture(folder / "capture", folder / "scene", options, {});
   EXPECT_EQ(report.layout, CaptureLayout::kLlff);
   const Scene full = [&] {
@@ -200,7 +205,8 @@ TEST(Layouts, DamagedModelNamesThePosesBesideIt) {
   expect_input_error([&] { ingest_capture(capture, folder / "scene", {}, {}); },
                      {"images.bin", "--poses llff", "poses_bounds.npy"});
   IngestOptions options;
-  options.poses.source = "llff", options.cloud = CloudDensity::kNone;
+  options.poses.source = "llff";
+  options.cloud = CloudDensity::kNone;
   EXPECT_EQ(ingest_capture(capture, folder / "scene", options, {}).layout, CaptureLayout::kLlff);
   EXPECT_EQ(ingest_sample(capture, folder / "sample", options, {}).layout, CaptureLayout::kLlff);
   std::filesystem::remove(capture / "poses_bounds.npy");
@@ -231,8 +237,10 @@ double median_colour_error(const std::vector<Camera>& cameras, const std::vector
 void expect_points_on_colours(const Scene& scene, const PointCloud& points, const char* name) {
   std::vector<Camera> cameras;
   std::vector<Image8> images;
-  for (const Frame& frame : scene.frames)
-    cameras.push_back(frame.camera), images.push_back(frame.image);
+  for (const Frame& frame : scene.frames) {
+    cameras.push_back(frame.camera);
+    images.push_back(frame.image);
+  }
   const double right = median_colour_error(cameras, images, points, 0);
   double permuted = 1e9;
   for (size_t shift = 1; shift < cameras.size(); ++shift)
@@ -276,16 +284,19 @@ TEST(RealConventions, FernPointsLieOnTheirColours) {
 /// The points of one world in another, in which `there[i]` is camera `here[i]`: a similarity by the
 /// first camera's turn and the cameras' centres.
 void move_points(PointCloud& points, const std::vector<Camera>& here,
-                 const std::vector<Camera>& there) {
-  const glm::dmat3 turn = glm::transpose(there[0].cam_from_world) * here[0].cam_from_world;
-  glm::dvec3 from(0), to(0);
-  for (size_t i = 0; i < here.size(); ++i)
-    from += here[i].position() / double(here.size()),
-        to += there[i].position() / double(here.size());
+                 const std::vector<Camera>& expected) {
+  const glm::dmat3 turn = glm::transpose(expected[0].cam_from_world) * here[0].cam_from_world;
+  glm::dvec3 from(0);
+  glm::dvec3 to(0);
+  for (size_t i = 0; i < here.size(); ++i) {
+    from += here[i].position() / double(here.size());
+    to += expected[i].position() / double(here.size());
+  }
   double size_from = 0, size_to = 0;
-  for (size_t i = 0; i < here.size(); ++i)
-    size_from += glm::distance(here[i].position(), from),
-        size_to += glm::distance(there[i].position(), to);
+  for (size_t i = 0; i < here.size(); ++i) {
+    size_from += glm::distance(here[i].position(), from);
+    size_to += glm::distance(expected[i].position(), to);
+  }
   for (glm::vec3& point : points.position)
     point = glm::vec3(to + turn * (glm::dvec3(point) - from) * (size_to / size_from));
 }
@@ -305,18 +316,19 @@ TEST(RealConventions, N3dvPointsLieOnTheirColours) {
   const Scene colmap = load_scene(folder / "colmap", {});
   expect_points_on_colours(colmap, colmap.points, "n3dv_one_instant, COLMAP");
   IngestOptions options;
-  options.layout = CaptureLayout::kLlff, options.images = "images_4";
+  options.layout = CaptureLayout::kLlff;
+  options.images = "images_4";
   ingest_capture(data, folder / "llff", options, {});
   const Scene llff = load_scene(folder / "llff", {});
-  std::vector<Camera> here, there;
+  std::vector<Camera> here, expected;
   for (size_t i = 0; i < 5; ++i) {
-    there.push_back(llff.frames[i].camera);
+    expected.push_back(llff.frames[i].camera);
     for (const Frame& frame : colmap.frames)
       if (frame.camera_name + ".jpg" == names[i]) here.push_back(frame.camera);
   }
   ASSERT_EQ(here.size(), 5u);
   PointCloud points = colmap.points;
-  move_points(points, here, there);
+  move_points(points, here, expected);
   expect_points_on_colours(llff, points, "n3dv_one_instant, LLFF");
 }
 
@@ -340,7 +352,8 @@ TEST(RealConventions, BinaryAndTextModelsGiveEqualScenes) {
   };
   json one = json::parse(file("bin", "transforms.json"));
   json other = json::parse(file("txt", "transforms.json"));
-  one["tessera"].erase("source_hashes_fnv1a64"), other["tessera"].erase("source_hashes_fnv1a64");
+  one["tessera"].erase("source_hashes_fnv1a64");
+  other["tessera"].erase("source_hashes_fnv1a64");
   EXPECT_EQ(one.dump(), other.dump());
   EXPECT_TRUE(file("bin", "points.ply") == file("txt", "points.ply"));
   for (const json& frame : one["frames"])

@@ -182,7 +182,9 @@ TEST(Llff, RoundTripAndBadRows) {
   std::vector<LlffPose> poses;
   for (const PreparedFrame& frame : example_scene().frames) {
     Camera camera = frame.frame.camera;
-    camera.fl_y = camera.fl_x, camera.cx = 4, camera.cy = 3;
+    camera.fl_y = camera.fl_x;
+    camera.cx = 4;
+    camera.cy = 3;
     poses.push_back({camera, 0.5, 20});
   }
   write_llff_poses(folder / "poses_bounds.npy", poses);

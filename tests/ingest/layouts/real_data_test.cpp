@@ -134,10 +134,10 @@ TEST(RealData, StudioPreparedScene) {
 /// Poses of the model's images by name, of COLMAP's binary format.
 std::map<std::string, Camera> colmap_poses(const std::filesystem::path& images_bin) {
   const std::string bytes = read_bytes(images_bin);
-  size_t at = 0;
+  size_t position = 0;
   const auto take = [&](auto value) {
-    std::memcpy(&value, bytes.data() + at, sizeof value);
-    at += sizeof value;
+    std::memcpy(&value, bytes.data() + position, sizeof value);
+    position += sizeof value;
     return value;
   };
   std::map<std::string, Camera> poses;
@@ -149,9 +149,9 @@ std::map<std::string, Camera> colmap_poses(const std::filesystem::path& images_b
     for (int i = 0; i < 3; ++i) camera.translation[i] = take(0.0);
     camera.cam_from_world = glm::mat3_cast(glm::dquat(q[0], q[1], q[2], q[3]));
     take(uint32_t{});
-    const std::string name = bytes.c_str() + at;
-    at += name.size() + 1;
-    at += take(uint64_t{}) * 24;
+    const std::string name = bytes.c_str() + position;
+    position += name.size() + 1;
+    position += take(uint64_t{}) * 24;
     poses[name] = camera;
   }
   return poses;

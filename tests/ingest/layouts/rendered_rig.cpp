@@ -64,8 +64,14 @@ double hit_box(const Box& box, const glm::dvec3& from, const glm::dvec3& along, 
   int enter_axis = 0, leave_axis = 0;
   for (int i = 0; i < 3; ++i) {
     const double a = (box.low[i] - from[i]) / along[i], b = (box.high[i] - from[i]) / along[i];
-    if (std::min(a, b) > enter) enter = std::min(a, b), enter_axis = i;
-    if (std::max(a, b) < leave) leave = std::max(a, b), leave_axis = i;
+    if (std::min(a, b) > enter) {
+      enter = std::min(a, b);
+      enter_axis = i;
+    }
+    if (std::max(a, b) < leave) {
+      leave = std::max(a, b);
+      leave_axis = i;
+    }
   }
   if (enter > leave || leave <= 0) return 1e9;
   axis = enter > 0 ? enter_axis : leave_axis;
@@ -80,14 +86,14 @@ glm::dvec3 trace(const glm::dvec3& from, const glm::dvec3& along, bool has_panel
     const double t = hit_box(box, from, along, axis);
     if (t >= nearest) continue;
     nearest = t;
-    const glm::dvec3 at = from + t * along;
-    colour = colour_at(at[(axis + 1) % 3] + 40 * axis, at[(axis + 2) % 3], box.seed);
+    const glm::dvec3 point = from + t * along;
+    colour = colour_at(point[(axis + 1) % 3] + 40 * axis, point[(axis + 2) % 3], box.seed);
   }
   if (!has_panel) return colour;
   const double t = (kPanelY - from.y) / along.y;  // an upright panel with texture that goes along x
-  const glm::dvec3 at = from + t * along;
-  if (t > 0 && t < nearest && std::abs(at.x) < 1.7 && at.z > 0.4 && at.z < 2.2)
-    colour = colour_at(at.x - shift, at.z, 9);
+  const glm::dvec3 point = from + t * along;
+  if (t > 0 && t < nearest && std::abs(point.x) < 1.7 && point.z > 0.4 && point.z < 2.2)
+    colour = colour_at(point.x - shift, point.z, 9);
   return colour;
 }
 
@@ -103,9 +109,11 @@ std::vector<Camera> true_cameras(const RenderedRig& rig) {
     const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 0, 1)));
     const glm::dvec3 down = glm::cross(forward, right);
     Camera camera;
-    camera.width = rig.width, camera.height = rig.height;
+    camera.width = rig.width;
+    camera.height = rig.height;
     camera.fl_x = camera.fl_y = 0.9 * rig.width;
-    camera.cx = rig.width / 2.0, camera.cy = rig.height / 2.0;
+    camera.cx = rig.width / 2.0;
+    camera.cy = rig.height / 2.0;
     camera.cam_from_world = glm::transpose(glm::dmat3(right, down, forward));
     camera.translation = -(camera.cam_from_world * centre);
     cameras.push_back(camera);
@@ -153,7 +161,8 @@ Image8 rendered_image(const RenderedRig& rig, int number, int frame) {
 RigClip clip_of(const std::filesystem::path& video) {
   RigClip clip{video.stem().string(), video, {}, {}};
   decode_video(video, [&](VideoFrame frame) {
-    clip.timeline.width = frame.image.width, clip.timeline.height = frame.image.height;
+    clip.timeline.width = frame.image.width;
+    clip.timeline.height = frame.image.height;
     clip.timeline.ticks.push_back(frame.ticks);
     return true;
   });

@@ -107,7 +107,9 @@ TEST_F(RigOfVideos, ALensThatCannotBeRemovedIsLeftOutAndNamed) {
 // F15, with the coefficients of a sensor that was cropped to its upper part.
 TEST_F(RigOfVideos, APrincipalPointOutsideOfTheImageIsTaken) {
   cameras_[7]["fl_x"] = cameras_[7]["fl_y"] = 32;
-  cameras_[7]["cy"] = 36, cameras_[7]["k1"] = -0.27, cameras_[7]["k2"] = 0.19;
+  cameras_[7]["cy"] = 36;
+  cameras_[7]["k1"] = -0.27;
+  cameras_[7]["k2"] = 0.19;
   EXPECT_TRUE(ingest(true).warnings.empty());
   const Scene scene = load_scene(folder_ / "scene", {});
   EXPECT_GT(scene.frames.back().camera.cy, 24);

@@ -83,7 +83,8 @@ TEST(Times, NoneIsStaticAndSomeIsAnError) {
 TEST(Scene, OneFrameOfOneCameraIsAStaticScene) {
   const TemporaryFolder folder;
   SmallCapture capture;
-  capture.train = 1, capture.test = 0;
+  capture.train = 1;
+  capture.test = 0;
   capture.time = [](double) { return 0.25; };
   write_dnerf(folder.path(), capture);
   const Scene scene = load_scene(folder.path(), {});
@@ -159,7 +160,8 @@ TEST(Scene, WithoutPixelsEverythingElseIsThere) {
 TEST(Scene, FewHeldOutFramesKeepTheirTimes) {
   const TemporaryFolder folder;
   SmallCapture capture;
-  capture.train = 7, capture.test = 9;
+  capture.train = 7;
+  capture.test = 9;
   write_dnerf(folder.path(), capture);
   const Scene whole = load_scene(folder.path(), {}),
               few = load_scene(folder.path(), {.held_out = 3});

@@ -9,7 +9,8 @@ namespace {
 
 void add(TestViews& views, const std::string& camera, Split split, int count) {
   Frame frame;
-  frame.camera_name = camera, frame.split = split;
+  frame.camera_name = camera;
+  frame.split = split;
   for (int i = 0; i < count; ++i) views.add(frame);
 }
 

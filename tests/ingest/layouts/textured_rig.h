@@ -19,7 +19,8 @@ inline glm::dmat3 rotation_about(const glm::dvec3& axis, double angle) {
 inline double value_noise(double x, double y, uint32_t seed) {
   const auto corner = [seed](int64_t i, int64_t j) {
     uint32_t h = seed ^ uint32_t(i * 73856093) ^ uint32_t(j * 19349663);
-    h = (h ^ (h >> 16)) * 0x45d9f3bu, h = (h ^ (h >> 16)) * 0x45d9f3bu;
+    h = (h ^ (h >> 16)) * 0x45d9f3bu;
+    h = (h ^ (h >> 16)) * 0x45d9f3bu;
     return double((h ^ (h >> 16)) & 0xffff) / 65535;
   };
   const double u = x - std::floor(x), v = y - std::floor(y);
@@ -40,8 +41,11 @@ inline Scene textured_rig() {
     frame.camera_name = "cam" + std::to_string(c);
     frame.name = frame.camera_name + "/0";
     Camera& camera = frame.camera;
-    camera.width = kWidth, camera.height = kHeight;
-    camera.fl_x = camera.fl_y = 260, camera.cx = kWidth / 2.0, camera.cy = kHeight / 2.0;
+    camera.width = kWidth;
+    camera.height = kHeight;
+    camera.fl_x = camera.fl_y = 260;
+    camera.cx = kWidth / 2.0;
+    camera.cy = kHeight / 2.0;
     const glm::dvec3 eye{0.35 * (c % 4) - 0.5, 0.4 * (c / 4) - 0.2, 0.1 * (c % 3)};
     camera.cam_from_world = rotation_about({0, 1, 0}, 0.05 * (c % 4) - 0.08);
     camera.translation = -(camera.cam_from_world * eye);

@@ -104,7 +104,8 @@ std::string test_names(const std::filesystem::path& scene) {
 TEST(TransformsCapture, FramesAreHeldOutWhereNoneAreStated) {
   const TemporaryFolder folder;
   SmallCapture capture;
-  capture.train = 5, capture.test = 0;
+  capture.train = 5;
+  capture.test = 0;
   write_dnerf(folder / "capture", capture);
   const auto ingest = [&](const IngestOptions& options) {
     return ingest_capture(folder / "capture", folder / "scene", options, {});
@@ -123,7 +124,8 @@ TEST(TransformsCapture, FramesAreHeldOutWhereNoneAreStated) {
   edit_json(folder / "capture/transforms_train.json", [](json& file) {
     for (size_t i = 0; i < 2; ++i) file["frames"][i]["tessera"] = {{"camera", "left"}};
   });
-  options.test_every.reset(), options.held_out = {"left"};
+  options.test_every.reset();
+  options.held_out = {"left"};
   report = ingest(options);
   EXPECT_EQ(test_names(folder / "scene"), "train/r_000 train/r_001 ");
   EXPECT_EQ(report.scored, "will be scored: 2 test views (camera left)");

@@ -20,8 +20,12 @@ using nlohmann::json;
 TEST(Intrinsics, HalfSizeImagesHaveTheSameRays) {
   Camera full, half;
   StatedIntrinsics stated;
-  stated.fl_x = 1100.25, stated.fl_y = 1090.5, stated.cx = 401, stated.cy = 297.5;
-  stated.w = 800, stated.h = 600;
+  stated.fl_x = 1100.25;
+  stated.fl_y = 1090.5;
+  stated.cx = 401;
+  stated.cy = 297.5;
+  stated.w = 800;
+  stated.h = 600;
   set_intrinsics(full, stated, 800, 600, "test");
   set_intrinsics(half, stated, 400, 300, "test");
   EXPECT_EQ(half.width, 400);
@@ -31,7 +35,9 @@ TEST(Intrinsics, HalfSizeImagesHaveTheSameRays) {
 
 TEST(Intrinsics, AnotherShapeIsRefused) {
   StatedIntrinsics stated;
-  stated.fl_x = 100, stated.w = 800, stated.h = 600;
+  stated.fl_x = 100;
+  stated.w = 800;
+  stated.h = 600;
   Camera camera;
   set_intrinsics(camera, stated, 399, 300, "rounded");
   expect_input_error([&] { set_intrinsics(camera, stated, 400, 400, "frame 2"); },
@@ -48,11 +54,13 @@ TEST(Intrinsics, FrameWinsOverFileWinsOverAngle) {
   EXPECT_NEAR(camera.fl_y, 100, 1e-12);
   EXPECT_EQ(camera.cx, 50);
   EXPECT_EQ(camera.cy, 25);
-  file.fl_x = 200, file.cx = 51;
+  file.fl_x = 200;
+  file.cx = 51;
   set_intrinsics(camera, frame.or_else(file), 100, 50, "file");
   EXPECT_EQ(camera.fl_x, 200);
   EXPECT_EQ(camera.cx, 51);
-  frame.fl_x = 300, frame.fl_y = 310;
+  frame.fl_x = 300;
+  frame.fl_y = 310;
   set_intrinsics(camera, frame.or_else(file), 100, 50, "frame");
   EXPECT_EQ(camera.fl_x, 300);
   EXPECT_EQ(camera.fl_y, 310);
@@ -75,11 +83,17 @@ TEST(Transforms, DistortionIsRefusedAndZeroDistortionIsNot) {
   const TemporaryFolder folder;
   write_dnerf(folder.path(), {});
   const auto path = folder / "transforms_train.json";
-  edit_json(path, [](json& file) { file["k1"] = 0.0, file["p2"] = 0; });
+  edit_json(path, [](json& file) {
+    file["k1"] = 0.0;
+    file["p2"] = 0;
+  });
   EXPECT_EQ(read_transforms(folder.path()).frames.size(), 6u);
   edit_json(path, [](json& file) { file["k1"] = 0.01; });
   expect_input_error([&] { read_transforms(folder.path()); }, {"k1 = 0.01", "undistort"});
-  edit_json(path, [](json& file) { file["k1"] = 0, file["frames"][2]["p1"] = 1e-4; });
+  edit_json(path, [](json& file) {
+    file["k1"] = 0;
+    file["frames"][2]["p1"] = 1e-4;
+  });
   expect_input_error([&] { read_transforms(folder.path()); }, {"frame 2", "p1", "undistort"});
 }
 

@@ -156,8 +156,12 @@ TEST(ColmapModel, WhatCannotBeIsRefused) {
   expect([](auto& m) { m.cameras[0].width = 0; }, {"cameras.", "0x24 pixels"});
   expect([](auto& m) { m.cameras[0].parameters[1] = -4; }, {"fy of PINHOLE is -4"});
   expect([](auto& m) { m.cameras[0].parameters[2] = kNan; }, {"cx of PINHOLE is nan"});
-  expect([](auto& m) { m.cameras[0].model = "EQUIRECT", m.cameras[0].number = 11; },
-         {"camera model", "is unknown", "10 THIN_PRISM_FISHEYE", "image_undistorter"});
+  expect(
+      [](auto& m) {
+        m.cameras[0].model = "EQUIRECT";
+        m.cameras[0].number = 11;
+      },
+      {"camera model", "is unknown", "10 THIN_PRISM_FISHEYE", "image_undistorter"});
 }
 
 TEST(ColmapModel, MissingFilesAndPointsThatAreNotFinite) {
@@ -257,11 +261,13 @@ TEST(RealColmapModel, RoomIsTheSameInItsThreeForms) {
   const double scale =
       apart(stated.at(bin.photos.back().name), other) / apart(bin.photos.back().camera, one);
   for (const ColmapPhoto& photo : bin.photos) {
-    const Camera& there = stated.at(photo.name);
+    const Camera& expected_camera = stated.at(photo.name);
     const glm::dmat3 turn = photo.camera.cam_from_world * glm::transpose(one.cam_from_world);
-    const glm::dmat3 expected = there.cam_from_world * glm::transpose(other.cam_from_world);
+    const glm::dmat3 expected =
+        expected_camera.cam_from_world * glm::transpose(other.cam_from_world);
     for (int c = 0; c < 3; ++c) EXPECT_LT(glm::distance(turn[c], expected[c]), 1e-9) << photo.name;
-    EXPECT_NEAR(apart(there, other), scale * apart(photo.camera, one), 1e-6 * scale) << photo.name;
+    EXPECT_NEAR(apart(expected_camera, other), scale * apart(photo.camera, one), 1e-6 * scale)
+        << photo.name;
   }
 }
 

@@ -120,7 +120,10 @@ TEST(Lens, FisheyesEndAt90Degrees) {
   ASSERT_TRUE(ray);
   EXPECT_NEAR(ray->y, std::tan(1.5), 1e-12 * std::tan(1.5) * std::tan(1.5));
   Lens turning = plain;
-  turning.k1 = 0.083282, turning.k2 = 0.0281958, turning.k3 = 0.00465316, turning.k4 = -0.00464001;
+  turning.k1 = 0.083282;
+  turning.k2 = 0.0281958;
+  turning.k3 = 0.00465316;
+  turning.k4 = -0.00464001;
   const double theta = 1.5;
   const double met = glm::length(turning.distorted({std::tan(theta), 0}));
   EXPECT_GT(met, 1.85);
@@ -200,7 +203,10 @@ TEST(Lens, PrincipalPointOutsideOfTheImage) {
   // that is cut higher are longer than 0.6
   const Lens turning{.k1 = -4, .k2 = 5.5};
   Camera higher = camera;
-  higher.width = 400, higher.height = 200, higher.cx = 200, higher.cy = 1240;
+  higher.width = 400;
+  higher.height = 200;
+  higher.cx = 200;
+  higher.cy = 1240;
   EXPECT_LE(undistorted_camera(higher, turning, "test").fl_x, 8 * 1400);
 }
 

@@ -55,14 +55,22 @@ TEST(StatedLens, WhatItCannotMean) {
 TEST(PhotoDistortion, TransformsAreUndistortedAndRecorded) {
   const TemporaryFolder folder;
   SmallCapture small;
-  small.train = 2, small.test = 0, small.width = 200, small.height = 160, small.with_times = false;
+  small.train = 2;
+  small.test = 0;
+  small.width = 200;
+  small.height = 160;
+  small.with_times = false;
   write_dnerf(folder / "capture", small);
   for (const char* name : {"r_000.png", "r_001.png"})
     write_png(folder / "capture/train" / name, ramp(200, 160));
   edit_json(folder / "capture/transforms_train.json", [](json& file) {
-    for (json& frame : file["frames"])
-      frame["fl_x"] = frame["fl_y"] = 150, frame["cx"] = 98, frame["cy"] = 83;
-    file["k1"] = 0.15, file["p1"] = 0.01;
+    for (json& frame : file["frames"]) {
+      frame["fl_x"] = frame["fl_y"] = 150;
+      frame["cx"] = 98;
+      frame["cy"] = 83;
+    }
+    file["k1"] = 0.15;
+    file["p1"] = 0.01;
     file["frames"][1]["camera_model"] = "OPENCV_FISHEYE";
     file["frames"][1]["k1"] = 0.02;
   });
@@ -112,7 +120,8 @@ glm::dvec2 light_near(const Image8& image, const glm::dvec2& place, int reach) {
   for (int y = int(place.y) - reach; y <= int(place.y) + reach; ++y)
     for (int x = int(place.x) - reach; x <= int(place.x) + reach; ++x) {
       const double value = image.data[size_t(3 * (y * image.width + x))];
-      sum += value * glm::dvec2(x + 0.5, y + 0.5), weight += value;
+      sum += value * glm::dvec2(x + 0.5, y + 0.5);
+      weight += value;
     }
   return sum / weight;
 }
@@ -177,7 +186,8 @@ TEST(PhotoDistortion, TheWrongModelShiftsTheCornerAsPredicted) {
       for (int y = 0; y < 160; ++y)
         for (int x = 0; x < 200; ++x) {
           const double value = shown.data[size_t(3 * (y * 200 + x))];
-          sum += value * glm::dvec2(x + 0.5, y + 0.5), weight += value;
+          sum += value * glm::dvec2(x + 0.5, y + 0.5);
+          weight += value;
         }
       return sum / weight;
     };

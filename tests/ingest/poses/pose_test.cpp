@@ -35,7 +35,10 @@ Image8 cube_image(const Stand& stand) {
       for (int axis = 0; axis < 3; ++axis) {
         const double near = (-std::copysign(1.0, ray[axis]) - stand.centre[axis]) / ray[axis];
         const double far = (std::copysign(1.0, ray[axis]) - stand.centre[axis]) / ray[axis];
-        if (near > enter) enter = near, face = axis;
+        if (near > enter) {
+          enter = near;
+          face = axis;
+        }
         leave = std::min(leave, far);
       }
       if (enter >= leave) continue;

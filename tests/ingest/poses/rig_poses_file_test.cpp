@@ -36,10 +36,16 @@ json whole_entry() {
 TEST(RigPosesFile, OpenCvPosesAndLens) {
   const TemporaryFolder folder;
   json entry = whole_entry();
-  entry.erase("transform_matrix"), entry.erase("fl_x"), entry.erase("fl_y");
-  entry["fx"] = 100, entry["fy"] = 110, entry["k1"] = -0.05, entry["p2"] = 0.001;
+  entry.erase("transform_matrix");
+  entry.erase("fl_x");
+  entry.erase("fl_y");
+  entry["fx"] = 100;
+  entry["fy"] = 110;
+  entry["k1"] = -0.05;
+  entry["p2"] = 0.001;
   const std::array axes{kStand.right, -kStand.up, kStand.forward};
-  entry["R_w2c"] = json::array(), entry["t_w2c"] = json::array();
+  entry["R_w2c"] = json::array();
+  entry["t_w2c"] = json::array();
   for (const glm::dvec3& axis : axes) {
     entry["R_w2c"].push_back({axis.x, axis.y, axis.z});
     entry["t_w2c"].push_back(-glm::dot(axis, kStand.centre));
@@ -61,7 +67,8 @@ TEST(RigPosesFile, TransformsByNameWithSharedIntrinsics) {
   const TemporaryFolder folder;
   const Stand other = looking_at_origin({-3, 1, 1});
   json file = whole_entry();
-  file.erase("name"), file.erase("transform_matrix");
+  file.erase("name");
+  file.erase("transform_matrix");
   file["k1"] = 0.1;
   file["frames"] = {{{"file_path", "images/a.png"}, {"transform_matrix", gl_matrix(other)}},
                     {{"file_path", "./b.mp4"},

@@ -130,10 +130,12 @@ TEST(KnownPosePoints, StillAndMovingPointsLieOnTheirSurfaces) {
   for (size_t i = 0; i < points.position.size(); ++i) {
     const bool is_off = distance_to_surface(points.position[i]) > 0.08;
     if (points.still[i]) {
-      ++still, off += is_off;
+      ++still;
+      off += is_off;
       EXPECT_EQ(points.time[i], 0.25f);
     } else {
-      ++moving[points.time[i] == 1.0f], off_panel += is_off;
+      ++moving[points.time[i] == 1.0f];
+      off_panel += is_off;
     }
   }
   RecordProperty("still", still);
@@ -188,8 +190,8 @@ TEST(ImageSequencesPosed, RigAndMovingCamera) {
   EXPECT_EQ(report.layout, CaptureLayout::kSequences);
   EXPECT_GE(report.cameras, 3);
   EXPECT_FALSE(load_scene(folder / "scene", {}).is_static);
-
-  options.reading = ImageReading::kMoving, options.fps = 10;
+  options.reading = ImageReading::kMoving;
+  options.fps = 10;
   const IngestReport moving =
       ingest_capture(folder / "moving", folder / "walk", options, kNoProgress);
   EXPECT_EQ(moving.layout, CaptureLayout::kSequences);

@@ -17,8 +17,11 @@ constexpr double kPi = 3.14159265358979323846;
 
 Camera camera_of(const Stand& stand) {
   Camera camera;
-  camera.width = 64, camera.height = 48;
-  camera.fl_x = camera.fl_y = 60, camera.cx = 32, camera.cy = 24;
+  camera.width = 64;
+  camera.height = 48;
+  camera.fl_x = camera.fl_y = 60;
+  camera.cx = 32;
+  camera.cy = 24;
   camera.cam_from_world = glm::transpose(glm::dmat3(stand.right, -stand.up, stand.forward));
   camera.translation = -(camera.cam_from_world * stand.centre);
   return camera;

@@ -77,16 +77,20 @@ void set_lossless(AVCodecContext& codec, const TestVideo& video) {
   const std::string open = video.open_groups ? "1" : "0";
   if (video.encoder == "libx264") {
     set("qp", video.b_frames > 0 ? "1" : "0");  // libx264 has no B-frames without loss
-    set("preset", "ultrafast"), set("x264-params", "open-gop=" + open);
+    set("preset", "ultrafast");
+    set("x264-params", "open-gop=" + open);
   } else if (video.encoder == "libx265") {
     set("preset", "ultrafast");
     set("x265-params", "lossless=1:log-level=none:pools=none:frame-threads=1:open-gop=" + open +
                            ":keyint=" + std::to_string(video.keyframe_distance) +
                            ":bframes=" + std::to_string(video.b_frames));
   } else if (video.encoder == "libvpx-vp9") {
-    set("lossless", "1"), set("deadline", "realtime"), set("cpu-used", "8");
+    set("lossless", "1");
+    set("deadline", "realtime");
+    set("cpu-used", "8");
   } else {
-    set("aom-params", "lossless=1"), set("cpu-used", "8");
+    set("aom-params", "lossless=1");
+    set("cpu-used", "8");
     set("lag-in-frames", "0");
   }
 }
@@ -95,7 +99,8 @@ AVCodecContext* open_encoder(const TestVideo& video) {
   const AVCodec* encoder = avcodec_find_encoder_by_name(video.encoder.c_str());
   need(encoder != nullptr, video.encoder.c_str());
   AVCodecContext* codec = avcodec_alloc_context3(encoder);
-  codec->width = video.frames.front().width, codec->height = video.frames.front().height;
+  codec->width = video.frames.front().width;
+  codec->height = video.frames.front().height;
   codec->time_base = {1, 12800};
   codec->pix_fmt = pixel_format(video);
   codec->max_b_frames = video.b_frames;
@@ -131,7 +136,10 @@ void describe(AVStream& stream, const TestVideo& video) {
   auto* matrix = reinterpret_cast<int32_t*>(new_display_matrix(stream));
   std::fill(matrix, matrix + 9, 0);
   const auto& [a, b, c, d] = *video.display_matrix;
-  matrix[0] = a * 65536, matrix[1] = b * 65536, matrix[3] = c * 65536, matrix[4] = d * 65536;
+  matrix[0] = a * 65536;
+  matrix[1] = b * 65536;
+  matrix[3] = c * 65536;
+  matrix[4] = d * 65536;
   matrix[8] = 1 << 30;
 }
 
@@ -169,7 +177,9 @@ void write_video(const std::filesystem::path& path, const TestVideo& video) {
   need(avformat_write_header(format, &options) >= 0, "header");
   av_dict_free(&options);
   AVFrame* frame = av_frame_alloc();
-  frame->width = codec->width, frame->height = codec->height, frame->format = codec->pix_fmt;
+  frame->width = codec->width;
+  frame->height = codec->height;
+  frame->format = codec->pix_fmt;
   need(av_frame_get_buffer(frame, 0) == 0, "frame");
   for (size_t i = 0; i < video.frames.size(); ++i) {
     need(av_frame_make_writable(frame) == 0, "writable");

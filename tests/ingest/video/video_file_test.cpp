@@ -81,7 +81,8 @@ void expect_whole(const std::filesystem::path& folder, const RealClip& clip) {
   EXPECT_EQ(timeline.ticks.front(), clip.first) << clip.name;
   EXPECT_EQ(timeline.ticks.back(), clip.last) << clip.name;
   DecodeOptions small;  // times are what is looked at here
-  small.width = clip.width / 8, small.height = clip.height / 8;
+  small.width = clip.width / 8;
+  small.height = clip.height / 8;
   std::vector<int64_t> decoded;
   decode_video(
       folder / clip.name,

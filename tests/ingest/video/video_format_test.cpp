@@ -54,7 +54,9 @@ TEST_P(VideoFormat, DepthsChromaRangesAndMatrices) {
       for (const bool full : {false, true})
         for (const VideoMatrix matrix :
              {VideoMatrix::kBt601, VideoMatrix::kBt709, VideoMatrix::kBt2020}) {
-          video_.bits = bits, video_.chroma = chroma, video_.full_range = full;
+          video_.bits = bits;
+          video_.chroma = chroma;
+          video_.full_range = full;
           video_.stated = video_.used = matrix;
           expect_frames(80, 64,
                         fmt::format("{}bit_{}_{}_{}", bits, int(chroma), full, int(matrix)));
@@ -149,7 +151,8 @@ TEST_F(VideoRotation, SmallerImagesAreUprightToo) {
   video_.display_matrix = {{0, 1, -1, 0}};
   write_video(folder_ / "turned.mp4", video_);
   DecodeOptions half;
-  half.width = 80, half.height = 64;
+  half.width = 80;
+  half.height = 64;
   decode_video(
       folder_ / "turned.mp4",
       [&](VideoFrame frame) {

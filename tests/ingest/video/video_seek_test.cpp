@@ -27,8 +27,10 @@ class VideoSeek : public ::testing::TestWithParam<SeekCase> {
     if (!can_encode_video(codec.encoder))
       GTEST_SKIP() << "this FFmpeg has no encoder " << codec.encoder;
     TestVideo video;
-    video.encoder = codec.encoder, video.open_groups = codec.open_groups;
-    video.keyframe_distance = codec.keyframe_distance, video.b_frames = 3;
+    video.encoder = codec.encoder;
+    video.open_groups = codec.open_groups;
+    video.keyframe_distance = codec.keyframe_distance;
+    video.b_frames = 3;
     for (int i = 0; i < kFrames; ++i) {
       video.frames.push_back(coded_image(80, 48, i));
       video.ticks.push_back(512 * (i + i / 11) + 13 * (i % 5));  // uneven
@@ -44,16 +46,16 @@ class VideoSeek : public ::testing::TestWithParam<SeekCase> {
   void expect_frames(const std::vector<size_t>& wanted) {
     std::vector<int64_t> ticks;
     for (const size_t i : wanted) ticks.push_back(all_[i].ticks);
-    size_t at = 0;
+    size_t position = 0;
     decode_frames(path_, ticks, [&](VideoFrame frame) {
-      const VideoFrame& expected = all_[wanted[at]];
+      const VideoFrame& expected = all_[wanted[position]];
       EXPECT_EQ(frame.ticks, expected.ticks);
-      EXPECT_EQ(coded_number(frame.image), int(wanted[at]));
-      EXPECT_EQ(frame.image.data, expected.image.data) << wanted[at];
-      ++at;
+      EXPECT_EQ(coded_number(frame.image), int(wanted[position]));
+      EXPECT_EQ(frame.image.data, expected.image.data) << wanted[position];
+      ++position;
       return true;
     });
-    EXPECT_EQ(at, wanted.size());
+    EXPECT_EQ(position, wanted.size());
   }
   static constexpr int kFrames = 120;
   TemporaryFolder folder_;

@@ -1,6 +1,6 @@
-// What: sets whose rows differ in SH degree, on every backend, against sets of full rows whose
-// missing bands are zero and held at zero: bit for bit, because the arithmetic is the same.
-// Not: how rows come into blocks (tests/recon4d/model/train_blocks_test.cpp).
+// What: sets whose elements differ in SH degree, on every backend, against sets of full elements
+// whose missing bands are zero and held at zero: bit for bit, because the arithmetic is the same.
+// Not: how elements come into blocks (tests/recon4d/model/train_blocks_test.cpp).
 #include "tests/support/backends.h"
 #include "tests/support/optimised.h"
 #include "tests/support/sh_degrees.h"
@@ -8,7 +8,7 @@
 namespace tessera::testing {
 namespace {
 
-/// Both sets in full rows, sorted as the blocks are, missing bands zero.
+/// Both sets in full elements, sorted as the blocks are, missing bands zero.
 struct Sorted {
   TestScene<float> full;
   ShBlocks blocks[2];
@@ -21,7 +21,7 @@ struct Sorted {
   }
 };
 
-/// The scene with degrees for all rows.
+/// The scene with degrees for all elements.
 Sorted sorted(TestScene<double> scene, uint64_t seed) {
   Sorted out;
   TestGaussians<double>* const sets[2] = {&scene.fixed, &scene.moving};
@@ -31,7 +31,8 @@ Sorted sorted(TestScene<double> scene, uint64_t seed) {
     *sets[k] = held(sets[k]->select(block_order(degrees)), out.blocks[k]);
   }
   keep_truth_away(scene, seed + 2);
-  scene.options.kernels.deterministic = true, scene.options.sh_time_period = 0.9;
+  scene.options.kernels.deterministic = true;
+  scene.options.sh_time_period = 0.9;
   out.full = scene.as<float>();
   return out;
 }
@@ -68,9 +69,9 @@ void expect_equal(const TestGaussians<float>& actual, const TestGaussians<float>
 class BackendBlocks : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendBlocks);
 
-TEST_P(BackendBlocks, ImagesAndGradientsAreThoseOfFullRows) {
-  // Bugs put back, each seen to fail: splats of the set's first rows taken for a block's; the
-  // statistics of the first rows.
+TEST_P(BackendBlocks, ImagesAndGradientsAreThoseOfFullElements) {
+  // Bugs put back, each seen to fail: splats of the set's first elements taken for a block's; the
+  // statistics of the first elements.
   struct Case {
     Form form;
     int levels, degree;
@@ -100,7 +101,7 @@ TEST_P(BackendBlocks, ReportsColoursThatAreNotFinite) {  // C20
   Sorted sets = sorted_scene(Form::kVelocity, 1, 303);
   TestGaussians<float>* const full[2] = {&sets.full.fixed, &sets.full.moving};
   for (size_t k = 0; k < 2; ++k)  // nothing of the last block is drawn
-    for (int64_t n = full[k]->count - sets.blocks[k].rows[0]; n < full[k]->count; ++n)
+    for (int64_t n = full[k]->count - sets.blocks[k].elements[0]; n < full[k]->count; ++n)
       *full[k]->at(kOpacityLogit, n) = -8;
   const TestScene<float> scene = sets.in_blocks();
   const auto result = backward<float>(scene, backend(), [](std::vector<float>& d) {
@@ -132,34 +133,39 @@ struct OnBackend {
 
   SinkArgs<float> sink(int64_t step, bool fused) {
     SinkArgs<float> args;
-    args.fused = fused, args.gradient = gradient.spans(), args.value = value.spans();
-    args.moment1 = moment1.spans(), args.moment2 = moment2.spans();
+    args.fused = fused;
+    args.gradient = gradient.spans();
+    args.value = value.spans();
+    args.moment1 = moment1.spans();
+    args.moment2 = moment2.spans();
     for (int g = 0; g < kGroupCount; ++g)
       args.adam.group[g] = adam_scalars<float>(g == kSh ? kRate : 1e-4 * (g + 1), step);
     args.adam.sh_rest = adam_scalars<float>(kRateRest, step);
     return args;
   }
   void fetch(Trained& set) const {
-    set.value = value.fetch(), set.moment1 = moment1.fetch(), set.moment2 = moment2.fetch();
+    set.value = value.fetch();
+    set.moment1 = moment1.fetch();
+    set.moment2 = moment2.fetch();
   }
 };
 
 /// Seven steps, one of three views at a time, so that most Gaussians are idle in most of them.
-/// `hold`: the blocks that full rows are held to.
+/// `hold`: the blocks that full elements are held to.
 std::vector<Trained> train(const TestScene<float>& scene, Backend& backend, bool fused,
                            IdleUpdate idle, const ShBlocks* hold) {
   Memory& memory = backend.memory();
   const StoredScene<float> in(scene, memory);
   std::vector<Trained> sets{Trained(scene.fixed), Trained(scene.moving)};
   for (int64_t step = 1; step <= kSteps; ++step) {
-    OnBackend there[2]{{sets[0], memory}, {sets[1], memory}};
+    OnBackend on_backend[2]{{sets[0], memory}, {sets[1], memory}};
     const size_t view = size_t(step % 3);
     Pipeline<float> pipeline(backend);
     ForwardArgs<float> forward = in.forward(true);
     BackwardArgs<float> args;
     for (size_t k = 0; k < 2; ++k) {
-      forward.sets[k] = std::as_const(there[k].value).view();
-      args.sinks[k] = there[k].sink(step, fused);
+      forward.sets[k] = std::as_const(on_backend[k].value).view();
+      args.sinks[k] = on_backend[k].sink(step, fused);
       args.sinks[k].idle = idle;
     }
     forward.views = {in.views[view]};
@@ -169,7 +175,7 @@ std::vector<Trained> train(const TestScene<float>& scene, Backend& backend, bool
     for (size_t k = 0; k < 2 && !fused; ++k) backend.adam(args.sinks[k]);
     EXPECT_EQ(pipeline.outcome().bad_groups, 0u);
     for (size_t k = 0; k < 2; ++k) {
-      there[k].fetch(sets[k]);
+      on_backend[k].fetch(sets[k]);
       if (hold == nullptr) continue;
       for (TestGaussians<float>* set : {&sets[k].value, &sets[k].moment1, &sets[k].moment2})
         *set = held(*set, hold[k]);
@@ -178,8 +184,8 @@ std::vector<Trained> train(const TestScene<float>& scene, Backend& backend, bool
   return sets;
 }
 
-TEST_P(BackendBlocks, OptimizersStepAsThoseOfFullRows) {
-  // Bug put back: the separate optimizer on the first rows of the set for every block; seen to
+TEST_P(BackendBlocks, OptimizersStepAsThoseOfFullElements) {
+  // Bug put back: the separate optimizer on the first elements of the set for every block; seen to
   // fail.
   struct Case {
     bool fused;

@@ -39,12 +39,13 @@ Selected select(Backend& on, const TestGaussians<float>& set, const Statistic& s
   Memory& memory = on.memory();
   const StoredGaussians<float> gaussians(set, memory);
   const Buffer<float> sum = stored(s.sum, memory), count = stored(s.count, memory);
-  DensityRows rows(memory);
-  on.select_rows(gaussians.view(), {sum.span(), count.span()}, rule, rows);
-  return {fetched(rows.index, memory), rows.survivors, rows.clones, rows.parents, rows.pruned};
+  DensityElements elements(memory);
+  on.select_elements(gaussians.view(), {sum.span(), count.span()}, rule, elements);
+  return {fetched(elements.index, memory), elements.survivors, elements.clones, elements.parents,
+          elements.pruned};
 }
 
-TEST_P(BackendDensity, RowsAreTheCpus) {
+TEST_P(BackendDensity, ElementsAreTheCpus) {
   // Bugs put back, seen to fail: the dead make no room; clones in another order.
   for (const Form form : kForms)
     for (const bool ties : {false, true})
@@ -66,7 +67,7 @@ TEST_P(BackendDensity, RowsAreTheCpus) {
         }
 }
 
-TEST_P(BackendDensity, RowsOfEmptyAndOfDyingSets) {
+TEST_P(BackendDensity, ElementsOfEmptyAndOfDyingSets) {
   const DensityRule rule{2e-4, 0.005, 0.05, 0, 10};
   for (const int64_t count : {0, 1, 70}) {
     TestGaussians<float> set = crowd(Form::kPair, 83, count);
@@ -121,8 +122,8 @@ TEST_P(BackendDensity, OrderIsTheCpus) {
     }
 }
 
-TEST_P(BackendDensity, GatheredRowsAreThoseOfTheIndex) {
-  // Bug put back: one row too many inherited; seen to fail.
+TEST_P(BackendDensity, GatheredElementsAreThoseOfTheIndex) {
+  // Bug put back: one element too many inherited; seen to fail.
   Random random(87);
   for (const int width : {1, 3, 4, 48}) {
     std::vector<float> from(size_t(kCrowd * width));
@@ -132,14 +133,14 @@ TEST_P(BackendDensity, GatheredRowsAreThoseOfTheIndex) {
     for (size_t i = 0; i < index.size(); i += 11) index[i] = -1;
     for (const int64_t inherited : {int64_t{0}, kCrowd + 3, 2 * kCrowd}) {
       const Buffer<float> source = stored(from, memory());
-      const Buffer<int64_t> rows = stored(index, memory());
+      const Buffer<int64_t> elements = stored(index, memory());
       Buffer<float> to = stored(std::vector<float>(index.size() * size_t(width), -7), memory());
-      backend().gather_rows(source.span(), rows.span(), width, inherited, to.span());
+      backend().gather_elements(source.span(), elements.span(), width, inherited, to.span());
       const std::vector<float> actual = fetched(to, memory());
       for (size_t i = 0; i < actual.size(); ++i) {
-        const size_t row = i / size_t(width), column = i % size_t(width);
-        const bool zero = index[row] < 0 || int64_t(row) >= inherited;
-        ASSERT_EQ(actual[i], zero ? 0.0f : from[size_t(index[row]) * size_t(width) + column]);
+        const size_t element = i / size_t(width), column = i % size_t(width);
+        const bool zero = index[element] < 0 || int64_t(element) >= inherited;
+        ASSERT_EQ(actual[i], zero ? 0.0f : from[size_t(index[element]) * size_t(width) + column]);
       }
     }
   }

@@ -38,7 +38,8 @@ struct LossOf {
     const Target target = in.target();
     backend.photometric({&batch, &images, target.truth, target.weights, target.mask, target.gain},
                         gradient.span());
-    d_colour = fetched(gradient, backend.memory()), outcome = backend.outcome();
+    d_colour = fetched(gradient, backend.memory());
+    outcome = backend.outcome();
   }
 };
 

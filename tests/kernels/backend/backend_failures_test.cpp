@@ -121,7 +121,8 @@ TEST_P(BackendFailures, NearAndFarPlaneAreInclusive) {  // C9, C10
   // Bugs put back, seen to fail: no far plane; near plane 2e-7 further.
   const auto drawn = [&](float z) {
     TestScene<float> scene = front_scene();
-    scene.options.near_plane = 0.25, scene.options.far_plane = 1024;
+    scene.options.near_plane = 0.25;
+    scene.options.far_plane = 1024;
     const Rendered<float> empty = render(scene, backend());
     add_round(scene, {0, 0, z}, 0.01 * std::abs(z), 0.8, {1, 1, 1});
     const Rendered<float> r = render(scene, backend());
@@ -196,7 +197,8 @@ unsigned groups_reported(const TestScene<float>& scene, Backend& backend,
   StoredGaussians<float> fixed(TestGaussians<float>(Form::kStatic, scene.fixed.count), memory);
   StoredGaussians<float> moving(TestGaussians<float>(Form::kPair, scene.moving.count), memory);
   args.splats = &splats;
-  args.sinks[0].gradient = fixed.spans(), args.sinks[1].gradient = moving.spans();
+  args.sinks[0].gradient = fixed.spans();
+  args.sinks[1].gradient = moving.spans();
   Buffer<SplatGradient<float>> healthy = stored(d_splats, memory);
   args.d_splats = healthy.span();
   backend.project_backward(args);

@@ -44,7 +44,8 @@ double worst_elsewhere(const Rendered<float>& actual, const Rendered<double>& ex
   marked = 0;
   for (const std::vector<bool>& mask : critical) {
     for (size_t p = 0; p < mask.size(); ++p) {
-      ++all, marked += mask[p];
+      ++all;
+      marked += mask[p];
       for (size_t c = 0; c < 3 && !mask[p]; ++c) {
         const size_t i = 3 * first + c * mask.size() + p;
         worst = std::max(worst, std::abs(double(actual.colour[i]) - expected.colour[i]));
@@ -84,7 +85,11 @@ TEST_P(BackendFilter, GradientsEqualTheOraclesInEveryForm) {
       EXPECT_EQ(actual.bad, 0u);
       // at an edge of high contrast one pixel more or less is a larger share of a small splat
       GroupBounds bounds = kGradientBounds;
-      if (mode.sigma < 3.3) bounds.outlier = 0.2, bounds.bias = 2e-3, bounds.budget = 0.02;
+      if (mode.sigma < 3.3) {
+        bounds.outlier = 0.2;
+        bounds.bias = 2e-3;
+        bounds.budget = 0.02;
+      }
       for (int g = 0; g < kGroupCount; ++g) {
         expect_group(actual.moving.group[g], expected.moving.group[g], bounds,
                      group_name(Group(g), Form::kPair));

@@ -98,7 +98,8 @@ void expect_field(const StageRun<float>& actual, const StageRun<double>& expecte
     const auto found = a.find(key);
     if (found == a.end()) continue;
     worst = std::max(worst, std::abs(found->second - value));
-    sum += found->second - value, total += std::abs(value);
+    sum += found->second - value;
+    total += std::abs(value);
   }
   EXPECT_LE(worst, share * scale) << what;
   EXPECT_LE(std::abs(sum), share * total) << what << ": bias";
@@ -222,8 +223,11 @@ TEST_P(BackendForward, EqualDepthsKeepTheOrderOfGaussians) {
   // a wall of Gaussians at one depth before a camera along z: the first one is in front
   TestScene<double> scene = random_scene(120, 0, 0.3, 12);
   View view;
-  view.camera.width = 40, view.camera.height = 33;
-  view.camera.fl_x = view.camera.fl_y = 40, view.camera.cx = 20, view.camera.cy = 16;
+  view.camera.width = 40;
+  view.camera.height = 33;
+  view.camera.fl_x = view.camera.fl_y = 40;
+  view.camera.cx = 20;
+  view.camera.cy = 16;
   for (int64_t n = 0; n < 120; ++n) scene.fixed.at(kMean, n)[2] = 3;
   set_views(scene, {view}, 13);
   const StageRun<float> run = run_stages(scene.as<float>(), backend());

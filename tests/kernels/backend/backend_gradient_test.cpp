@@ -100,7 +100,8 @@ TEST_P(BackendGradient, GaussiansThatOnlySomeViewsSee) {
   int partly = 0, idle = 0;
   for (size_t n = 0; n < 400; ++n) {
     const int64_t views = run.first_of[n + 1] - run.first_of[n];
-    partly += views > 0 && views < 3, idle += views == 0;
+    partly += views > 0 && views < 3;
+    idle += views == 0;
   }
   EXPECT_GT(partly, 100);
   EXPECT_GT(idle, 10);
@@ -139,7 +140,8 @@ TEST_P(BackendGradient, SplatsEqualTheOracles) {
     for (const auto& [key, row] : expected) {
       const auto found = actual.find(key);
       if (found == actual.end()) continue;
-      a.push_back(found->second[k]), e.push_back(row[k]);
+      a.push_back(found->second[k]);
+      e.push_back(row[k]);
     }
     EXPECT_GE(a.size() + 1, expected.size());
     expect_group(a, e, kGradientBounds, kNames[k]);

@@ -18,11 +18,13 @@ TEST_P(BackendLaws, BatchIsTheMeanOfItsViews) {  // C16
   fill_truth(scene, random);
   const float views = float(scene.views.size());
   const Backward<float> together = backward(scene, backend());
-  TestGaussians<float> fixed(Form::kStatic, 120), moving(Form::kPair, 120);
+  TestGaussians<float> fixed(Form::kStatic, 120);
+  TestGaussians<float> moving(Form::kPair, 120);
   size_t colour = 0;
   for (size_t b = 0; b < scene.views.size(); ++b) {
     TestScene<float> single = scene;
-    single.views = {scene.views[b]}, single.truth = {scene.truth[b]};
+    single.views = {scene.views[b]};
+    single.truth = {scene.truth[b]};
     const Backward<float> one = backward(single, backend());
     EXPECT_NEAR(one.losses[0].total, together.losses[b].total, 1e-6);
     for (const float c : one.rendered.colour) ASSERT_EQ(c, together.rendered.colour[colour++]);
@@ -47,7 +49,8 @@ TEST_P(BackendLaws, OrderOfGaussiansDoesNotMatter) {
   TestScene<float> shuffled = scene;
   std::vector<int64_t> order(kCount);
   for (int64_t n = 0; n < kCount; ++n) order[size_t(n)] = (7 * n + 3) % kCount;
-  shuffled.fixed = scene.fixed.select(order), shuffled.moving = scene.moving.select(order);
+  shuffled.fixed = scene.fixed.select(order);
+  shuffled.moving = scene.moving.select(order);
   const Backward<float> a = backward(scene, backend()), b = backward(shuffled, backend());
   EXPECT_EQ(a.rendered.colour, b.rendered.colour);  // no two depths are equal
   for (int g = 0; g < kGroupCount; ++g) {
@@ -105,7 +108,8 @@ TEST_P(BackendLaws, OutcomeIsThatOfTheStepBeforeTheNextForward) {
   BackwardArgs<float> args;
   StoredGaussians<float> fixed(TestGaussians<float>(Form::kStatic, 80), memory());
   StoredGaussians<float> moving(TestGaussians<float>(Form::kPair, 80), memory());
-  args.sinks[0].gradient = fixed.spans(), args.sinks[1].gradient = moving.spans();
+  args.sinks[0].gradient = fixed.spans();
+  args.sinks[1].gradient = moving.spans();
   pipeline.backward(args);
   TestScene<float> next = scene;
   next.views.pop_back();

@@ -93,7 +93,8 @@ TEST_P(BackendLimits, CountsBeyond31BitsAreRefusedByNumber) {
   constexpr int64_t kTooMany = int64_t{1} << 31;
   const ViewBatch<float> batch = make_view_batch<float>({front_view()});
   ProjectArgs<float> args{&batch, {}, {}};
-  args.sets[0].count = kTooMany - 1, args.sets[1].count = 1;
+  args.sets[0].count = kTooMany - 1;
+  args.sets[1].count = 1;
   Splats<float> splats(memory());
   EXPECT_EQ(refusal([&] { backend().project(args, splats); }),
             "2147483648 Gaussians in one batch, at most 2147483647 are supported; use fewer "
@@ -147,7 +148,8 @@ TEST_P(DeviceOnly, OutOfMemorySaysNeedAndHaveAndLeavesTheBackendUsable) {  // C2
   for (int64_t limit = int64_t{1} << 18; limit < int64_t{1} << 34; limit *= 2) {
     const std::string text = refused_with(scene, backend(), limit);
     if (text.empty()) break;
-    ++refused, last = text;
+    ++refused;
+    last = text;
     EXPECT_NE(text.find("out of device memory: need"), std::string::npos) << text;
     EXPECT_NE(text.find("free"), std::string::npos) << text;
     const Backward<float> after = backward(small, backend());

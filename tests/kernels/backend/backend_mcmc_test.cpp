@@ -19,10 +19,10 @@ struct Relocated {
 
 Relocated relocate(Backend& on, const TestGaussians<float>& set, const RelocationRule& rule) {
   StoredGaussians<float> gaussians(set, on.memory());
-  RelocationRows rows(on.memory());
-  on.relocate_rows(gaussians.spans(), rule, rows);
-  return {fetched(rows.values, on.memory()), fetched(rows.moments, on.memory()), rows.moved,
-          rows.weight, gaussians.fetch()};
+  RelocationElements elements(on.memory());
+  on.relocate_elements(gaussians.spans(), rule, elements);
+  return {fetched(elements.values, on.memory()), fetched(elements.moments, on.memory()),
+          elements.moved, elements.weight, gaussians.fetch()};
 }
 
 TEST_P(BackendMcmc, RelocationIsTheCpus) {

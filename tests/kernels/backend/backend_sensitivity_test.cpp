@@ -56,7 +56,8 @@ Sensed<Real> sense(const TestScene<Real>& scene, BackendOf<Real>& backend,
   Buffer<SplatGradient<Real>> gradient(splats.count, memory);
   backend.blend_backward(pass, gradient.span());
   fetch_lists(splats, instances, memory, out.run);
-  out.splat = fetched(sums, memory), out.gradient = fetched(gradient, memory);
+  out.splat = fetched(sums, memory);
+  out.gradient = fetched(gradient, memory);
   out.run.colour = fetched(images.colour, memory);
   out.run.transmittance = fetched(images.transmittance, memory);
   return out;

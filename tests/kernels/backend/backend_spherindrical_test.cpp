@@ -37,7 +37,8 @@ TEST_P(BackendSpherindrical, ImagesAndGradientsAreTheOracles) {
                                                            {Form::kPair, 2, 2, 1}}) {
     SCOPED_TRACE(std::string(form_name(form)) + ", coefficients " + std::to_string(coefficients));
     TestScene<double> scene = levelled_scene(form, levels, 81, coefficients);
-    scene.options.sh_time_degree = active, scene.options.sh_time_period = 0.9;
+    scene.options.sh_time_degree = active;
+    scene.options.sh_time_period = 0.9;
     keep_truth_away(scene, 85);
     const Backward<float> actual = backward(scene.as<float>(), backend());
     const Backward<double> expected = backward(scene);
@@ -64,9 +65,11 @@ TEST_P(BackendSpherindrical, NotActiveIsAsNone) {
   // Bug put back: levels evaluated whatever sh_time_degree says; seen to fail.
   for (const Form form : kDynamicForms) {
     TestScene<float> scene = levelled_scene(form, 2, 87).as<float>();
-    scene.options.kernels.deterministic = true, scene.options.sh_time_degree = 0;
+    scene.options.kernels.deterministic = true;
+    scene.options.sh_time_degree = 0;
     TestScene<float> none = scene;
-    none.moving.time_levels = 0, none.moving.group[kShTime].clear();
+    none.moving.time_levels = 0;
+    none.moving.group[kShTime].clear();
     const Backward<float> a = backward(scene, backend()), b = backward(none, backend());
     EXPECT_EQ(a.rendered.colour, b.rendered.colour);
     for (int g = 0; g < kShTime; ++g) EXPECT_EQ(a.moving.group[g], b.moving.group[g]);

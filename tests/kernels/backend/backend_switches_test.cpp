@@ -26,11 +26,19 @@ constexpr Variant kVariants[] = {
     {"a thread a splat", [](KernelSwitches& k) { k.balanced_instances = false; }, false},
     {"one sort", [](KernelSwitches& k) { k.separate_sort = false; }, false},
     {"one sort, deterministic",
-     [](KernelSwitches& k) { k.separate_sort = false, k.deterministic = true; }, false},
+     [](KernelSwitches& k) {
+       k.separate_sort = false;
+       k.deterministic = true;
+     },
+     false},
     {"no warp culling", [](KernelSwitches& k) { k.warp_culling = false; }, false},
     {"backward by pixels", [](KernelSwitches& k) { k.backward = BackwardForm::kPixel; }, false},
     {"backward by pixels, deterministic",
-     [](KernelSwitches& k) { k.backward = BackwardForm::kPixel, k.deterministic = true; }, false},
+     [](KernelSwitches& k) {
+       k.backward = BackwardForm::kPixel;
+       k.deterministic = true;
+     },
+     false},
     {"deterministic", [](KernelSwitches& k) { k.deterministic = true; }, false},
     {"all off",
      [](KernelSwitches& k) {

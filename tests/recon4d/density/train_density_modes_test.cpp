@@ -17,7 +17,9 @@ namespace {
 TrainOptions quick_options() {
   TrainOptions options = tiny_options();
   options.iterations = options.schedule_iterations = 300;
-  options.densify_from = 40, options.densify_until = 280, options.densify_interval = 20;
+  options.densify_from = 40;
+  options.densify_until = 280;
+  options.densify_interval = 20;
   options.init_points = 120;
   return options;
 }
@@ -59,7 +61,8 @@ std::vector<double> blending_weights(const GaussianModel& model, const std::vect
     for (int k = 0; k < 2; ++k) {
       GaussianSet& set = k == 0 ? gradient.static_set : gradient.dynamic_set;
       statistics[k].reset(set.count());
-      args.sinks[k].gradient = set.values(), args.statistics[k] = statistics[k].spans();
+      args.sinks[k].gradient = set.values();
+      args.statistics[k] = statistics[k].spans();
     }
     pipeline.backward(args);
     size_t i = 0;
@@ -75,11 +78,11 @@ GaussianModel without_unseen(const GaussianModel& model, const std::vector<doubl
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   size_t i = 0;
   for (GaussianSet* set : {&kept.static_set, &kept.dynamic_set}) {
-    std::vector<int64_t> rows;
+    std::vector<int64_t> elements;
     for (int64_t n = 0; n < set->count(); ++n)
-      if (weights[i++] != 0) rows.push_back(n);
-    const Span<const int64_t> all(rows.data(), int64_t(rows.size()));
-    take_rows(*backend, all, all, *set);
+      if (weights[i++] != 0) elements.push_back(n);
+    const Span<const int64_t> all(elements.data(), int64_t(elements.size()));
+    take_elements(*backend, all, all, *set);
   }
   return kept;
 }
@@ -131,13 +134,18 @@ TEST(DensityModes, OnlyWhatNoMomentShowsCanGo) {
 TEST(DensityModes, AWallWithoutTextureStaysAsItIs) {
   const TinyCapture capture;
   GaussianModel nothing = tiny_truth(capture);
-  nothing.static_set.resize(0), nothing.dynamic_set.resize(0);
+  nothing.static_set.resize(0);
+  nothing.dynamic_set.resize(0);
   nothing.background = {128, 128, 128};
   Scene scene = tiny_capture(capture, nothing);
-  scene.background = {0, 0, 0}, scene.had_alpha = false;
+  scene.background = {0, 0, 0};
+  scene.had_alpha = false;
   TrainOptions options;
-  options.iterations = 400, options.batch = 2, options.densify_interval = 20;
-  options.init_points = 300, options.static_fraction = 0.5;
+  options.iterations = 400;
+  options.batch = 2;
+  options.densify_interval = 20;
+  options.init_points = 300;
+  options.static_fraction = 0.5;
   options.prune_extent = 0;
   Training training(scene, options);
   EXPECT_GT(training.run().psnr(), 45);

@@ -32,10 +32,10 @@ std::vector<Tag> tags(std::initializer_list<int> values) {
 class Density : public ::testing::TestWithParam<Form> {
  protected:
   /// Size, opacity and gradient of each Gaussian; its tag is its place.
-  HandmadeSet make(const std::vector<std::array<float, 3>>& rows) {
-    HandmadeSet made(GetParam(), int64_t(rows.size()));
-    for (size_t n = 0; n < rows.size(); ++n)
-      made.describe(int64_t(n), rows[n][0], rows[n][1], rows[n][2]);
+  HandmadeSet make(const std::vector<std::array<float, 3>>& elements) {
+    HandmadeSet made(GetParam(), int64_t(elements.size()));
+    for (size_t n = 0; n < elements.size(); ++n)
+      made.describe(int64_t(n), elements[n][0], elements[n][1], elements[n][2]);
     return made;
   }
 };
@@ -65,9 +65,12 @@ TEST_P(Density, CountsAndOrder) {
 
 TEST_P(Density, TheStatisticIsAMean) {
   HandmadeSet made = make({{kSmall, 0.5f, 0}, {kSmall, 0.5f, 0}, {kSmall, 0.5f, 0}});
-  made.statistics.gradient_sum[0] = 5 * 2.1e-4f, made.statistics.count[0] = 5;  // above
-  made.statistics.gradient_sum[1] = 5 * 1.9e-4f, made.statistics.count[1] = 5;  // below
-  made.statistics.gradient_sum[2] = 0, made.statistics.count[2] = 0;            // never seen
+  made.statistics.gradient_sum[0] = 5 * 2.1e-4f;
+  made.statistics.count[0] = 5;  // above
+  made.statistics.gradient_sum[1] = 5 * 1.9e-4f;
+  made.statistics.count[1] = 5;  // below
+  made.statistics.gradient_sum[2] = 0;
+  made.statistics.count[2] = 0;  // never seen
   control(made);
   EXPECT_EQ(made.tags(), tags({0, 1, 2, 0}));
   EXPECT_EQ(made.statistics.count.size(), 4);
@@ -78,11 +81,11 @@ TEST_P(Density, TheStatisticIsAMean) {
 
 // Bug put back: large Gaussians pruned from the first step; seen to fail.
 TEST_P(Density, LargeOnesArePrunedOnlyFromTheirStep) {
-  const std::vector<std::array<float, 3>> rows = {{kLarge, 0.5f, kWeak},
-                                                  {kLarge, 0.5f, kStrong},
-                                                  {kHuge, 0.5f, kStrong},
-                                                  {kMedium, 0.5f, kWeak}};
-  HandmadeSet early = make(rows), late = make(rows);
+  const std::vector<std::array<float, 3>> elements = {{kLarge, 0.5f, kWeak},
+                                                      {kLarge, 0.5f, kStrong},
+                                                      {kHuge, 0.5f, kStrong},
+                                                      {kMedium, 0.5f, kWeak}};
+  HandmadeSet early = make(elements), late = make(elements);
   EXPECT_EQ(control(early, false).pruned, 0);
   EXPECT_EQ(early.tags(), tags({0, 3, 1, 2, 1, 2}));
   // children are 1.6 times smaller: 0.1875 stays, 0.3125 is too large still
@@ -125,18 +128,18 @@ TEST_P(Density, ClonesAreCopiesWithoutMoments) {
 
 // Bug put back: the room for new ones counted twice; seen to fail.
 TEST_P(Density, TheLimitHoldsAndTheStrongestGrow) {
-  std::vector<std::array<float, 3>> rows;
+  std::vector<std::array<float, 3>> elements;
   const float strength[] = {3, 9, 5, 8, 4, 7, 6};
   for (int n = 0; n < 7; ++n)
-    rows.push_back({n % 2 == 0 ? kSmall : kMedium, 0.5f, strength[n] * 1e-3f});
-  rows.push_back({kSmall, 0.001f, 1});  // makes room for one more
+    elements.push_back({n % 2 == 0 ? kSmall : kMedium, 0.5f, strength[n] * 1e-3f});
+  elements.push_back({kSmall, 0.001f, 1});  // makes room for one more
   for (int64_t room = 0; room <= 8; ++room) {
-    HandmadeSet made = make(rows);
+    HandmadeSet made = make(elements);
     const DensityReport report = control(made, false, room);
     EXPECT_EQ(report.after, std::min<int64_t>(8 + room, 14)) << "room for " << room;
     EXPECT_EQ(report.cloned + report.split, std::min<int64_t>(room + 1, 7));
   }
-  HandmadeSet made = make(rows);
+  HandmadeSet made = make(elements);
   control(made, false, 2);  // 9, 8 and 7 are split
   EXPECT_EQ(made.tags(), tags({0, 2, 4, 6, 1, 3, 5, 1, 3, 5}));
 }
@@ -145,10 +148,10 @@ TEST_P(Density, TheLimitHoldsAndTheStrongestGrow) {
 // Bug put back: ≤ in place of ≥ against the limit of opacity; seen to fail. (C13)
 TEST_P(Density, PrunesExactlyWhatIsBelow) {
   constexpr int kCount = 400, kBelow = 137;
-  std::vector<std::array<float, 3>> rows;
+  std::vector<std::array<float, 3>> elements;
   for (int n = 0; n < kCount; ++n)
-    rows.push_back({kMedium, n * 7 % kCount < kBelow ? 0.0049f : 0.0051f, 0});
-  HandmadeSet made = make(rows);
+    elements.push_back({kMedium, n * 7 % kCount < kBelow ? 0.0049f : 0.0051f, 0});
+  HandmadeSet made = make(elements);
   EXPECT_EQ(control(made).pruned, kBelow);
   EXPECT_EQ(made.set.count(), kCount - kBelow);
   EXPECT_EQ(control(made).pruned, 0) << "once is enough";

@@ -44,7 +44,8 @@ TrainState handmade_state(int64_t fixed, int64_t moving, int64_t dead_every = 10
 
 TrainOptions mcmc_options(int64_t limit) {
   TrainOptions options;
-  options.densification = "mcmc", options.max_gaussians = limit;
+  options.densification = Densification::kMcmc;
+  options.max_gaussians = limit;
   return options;
 }
 
@@ -194,9 +195,12 @@ TEST(McmcOptions, ThePresetIsTheMethods) {
   const Schedule schedule(options, 2.5);
   int64_t first = -1, last = -1, count = 0, resets = 0, gathered = 0;
   for (int64_t i = 0; i < options.iterations; ++i) {
-    resets += schedule.reset_opacity(i), gathered += schedule.gathers_statistics(i);
+    resets += schedule.reset_opacity(i);
+    gathered += schedule.gathers_statistics(i);
     if (!schedule.densify(i)) continue;
-    first = first < 0 ? i : first, last = i, ++count;
+    first = first < 0 ? i : first;
+    last = i;
+    ++count;
   }
   EXPECT_EQ(first, 600);
   EXPECT_EQ(last, 24900);
@@ -228,7 +232,9 @@ TEST(McmcOptions, TheScaleFactorIsOfDistances) {
 /// The tiny capture's, with both sets, a limit that is reached, and noise for its short time.
 TrainOptions tiny_mcmc() {
   TrainOptions options = tiny_options();
-  options.densification = "mcmc", options.max_gaussians = 90, options.mcmc_growth = 1.15;
+  options.densification = Densification::kMcmc;
+  options.max_gaussians = 90;
+  options.mcmc_growth = 1.15;
   options.opacity_weight = options.scale_weight = 0.01;
   return options;
 }
@@ -288,13 +294,15 @@ TEST(McmcTraining, BeatsASetThatDoesNotGrow) {
   TrainOptions options = tiny_mcmc();
   options.iterations = options.schedule_iterations = 400;
   options.densify_until = 330;
-  options.init_points = 20, options.max_gaussians = 60;
+  options.init_points = 20;
+  options.max_gaussians = 60;
   options.init_opacity = 0.5;
   options.mcmc_noise = 5e3;  // means learn for 400 steps, not 30,000
   Training grown(scene, options);
   options.densify_until = 0;
   Training still(scene, options);
-  grown.run(), still.run();
+  grown.run();
+  still.run();
   EXPECT_EQ(grown.steps().back().num_static + grown.steps().back().num_dynamic, 60);
   EXPECT_GT(grown.psnr(), still.psnr() + 3);
 }

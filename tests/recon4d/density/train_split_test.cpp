@@ -61,7 +61,7 @@ void covariance(Form form, double (&sigma)[4][4]) {
   const Quaternion l = testing::unit_quaternion(left);
   const Quaternion r =
       form == Form::kPair ? testing::unit_quaternion(right) : Quaternion{l[0], -l[1], -l[2], -l[3]};
-  for (auto& row : sigma) std::fill(row, row + 4, 0.0);
+  for (auto& element : sigma) std::fill(element, element + 4, 0.0);
   for (size_t k = form == Form::kStatic ? 1 : 0; k < 4; ++k) {
     Quaternion axis{};
     axis[k] = kScale[k];
@@ -115,7 +115,8 @@ TEST_P(SplitForm, SiblingsDiffer) {
   std::sort(x.begin(), x.end());
   EXPECT_EQ(std::unique(x.begin(), x.end()), x.end()) << "no two children in one place";
   HandmadeSet other_seed = crowd(GetParam(), 50), other_step = crowd(GetParam(), 50);
-  split(other_seed, 2), split(other_step, 1, 8);
+  split(other_seed, 2);
+  split(other_step, 1, 8);
   EXPECT_NE(other_seed.set.group(kMean).value[0], mean[0]);
   EXPECT_NE(other_step.set.group(kMean).value[0], mean[0]);
 }

@@ -1,33 +1,73 @@
-// What: models remember how they are to be drawn: 2D filter, truncation, temporal filter, the
-//       scale of training.
-// Not: what these do to an image (tests/kernels), nor checkpoints (train_checkpoint_test.cpp).
+// What: models remember how they are to be drawn, in files and copies.
+// Not: what these do to an image (tests/kernels), nor the rest of a checkpoint
+// (train_checkpoint_test.cpp).
+#include <map>
+
 #include "recon4d/model/model_file.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
+#include "tests/static3d/formats/model_to_spoil.h"
 
 namespace tessera::testing {
 namespace {
 
-GaussianModel unusual(const GaussianModel& model) {
-  GaussianModel other = clone(model);
-  other.filter_2d = true, other.truncation_sigma = 2.25, other.truncation_by_falloff = true;
-  other.train_scale = 0.5, other.time_filter = 0.0375;
-  return other;
+/// Allowed values, each other than the default.
+DrawingRules unusual_rules() {
+  DrawingRules rules;
+  rules.sh_degree = 2;
+  rules.sh_time_degree = 1;
+  rules.sh_time_period = 0.75;
+  rules.near_plane = 0.125;
+  rules.far_plane = 77.5;
+  rules.sliced_direction = false;
+  rules.truncation_sigma = 2.25;
+  rules.truncation_by_falloff = true;
+  rules.filter_2d = true;
+  rules.time_filter = 0.0375;
+  return rules;
 }
 
-// Bugs put back, each seen to fail: a comment written with its default; a member not copied.
-TEST(DrawnAsTrained, IsKeptInTheModelFileAndInCopies) {
+std::map<std::string, double> numbers_of(const DrawingRules& rules) {
+  std::map<std::string, double> numbers;
+  for_each_rule(rules, [&](const char* name, auto rule) { numbers[name] = double(rule); });
+  return numbers;
+}
+
+// Bugs put back, each seen to fail: a rule left out of for_each_rule; `drawing` not copied.
+TEST(DrawnAsTrained, EveryRuleIsKeptInFilesAndCopies) {
+  const std::map<std::string, double> usual = numbers_of({}), unusual = numbers_of(unusual_rules());
+  for (const auto& [name, number] : usual) EXPECT_NE(number, unusual.at(name)) << name;
+  GaussianModel model = random_model(3, 5);
+  model.drawing = unusual_rules();
+  model.train_scale = 0.5;
   const TemporaryFolder folder;
-  save_model(folder / "unusual.ply", unusual(random_model(3, 5)));
+  save_model(folder / "unusual.ply", model);
   const GaussianModel loaded = load_model(folder / "unusual.ply");
-  const GaussianModel copy = loaded.clone_values();
-  for (const GaussianModel* model : {&loaded, &copy}) {
-    EXPECT_TRUE(model->filter_2d);
-    EXPECT_EQ(model->truncation_sigma, 2.25);
-    EXPECT_TRUE(model->truncation_by_falloff);
-    EXPECT_EQ(model->train_scale, 0.5);
-    EXPECT_EQ(model->time_filter, 0.0375);
+  EXPECT_TRUE(loaded.drawing == unusual_rules());
+  EXPECT_TRUE(loaded.clone_values().drawing == unusual_rules());
+  EXPECT_EQ(numbers_of(loaded.drawing), unusual);
+  EXPECT_EQ(loaded.train_scale, 0.5);
+  EXPECT_EQ(loaded.clone_values().train_scale, 0.5);
+}
+
+// Bugs put back, each seen to fail: a comment that is missing is the default; wrong_rule not asked.
+TEST(DrawnAsTrained, FilesWithoutARuleOrWithAWrongOneAreRefused) {
+  const ModelToSpoil model(random_model(3, 5));
+  for (const auto& [name, number] : numbers_of({})) {
+    const auto path = model.with("comment " + name + " ", "comment other_" + name + " ");
+    expect_input_error([&] { load_model(path); }, {"changed.ply", name});
+    model.with("comment " + name + " ", "comment " + name + " -");
+    if (number != 0)
+      expect_input_error([&] { load_model(path); }, {"changed.ply", name, "expected"});
+    model.with("comment " + name + " ", "comment " + name + " nan");
+    expect_input_error([&] { load_model(path); }, {"changed.ply", name, "1 numbers"});
   }
+  const auto path = model.with("comment far_plane 123.456", "comment far_plane 0.05");
+  expect_input_error([&] { load_model(path); }, {"far_plane", "more than near_plane"});
+  model.with("comment sh_degree 3", "comment sh_degree 4");
+  expect_input_error([&] { load_model(path); }, {"sh_degree", "0 to 3"});
+  model.with("comment sh_degree 3", "comment sh_degree 2.5");
+  expect_input_error([&] { load_model(path); }, {"sh_degree is 2.5", "a whole number"});
 }
 
 // Bug put back: render_options leaves one of them at its default; seen to fail.
@@ -36,34 +76,17 @@ TEST(DrawnAsTrained, EachChangesTheImage) {
   const View view = three_views()[0];
   const RenderedImage usual = render_one(model, view);
   GaussianModel other = clone(model);
-  other.filter_2d = true;
+  other.drawing.filter_2d = true;
   EXPECT_FALSE(same_bits(render_one(other, view), usual));
   other = clone(model);
-  other.truncation_sigma = 2;
+  other.drawing.truncation_sigma = 2;
   EXPECT_FALSE(same_bits(render_one(other, view), usual));
   other = clone(model);
-  other.truncation_by_falloff = true;
+  other.drawing.truncation_by_falloff = true;
   EXPECT_FALSE(same_bits(render_one(other, view), usual));
   other = clone(model);
-  other.time_filter = 0.1;
+  other.drawing.time_filter = 0.1;
   EXPECT_FALSE(same_bits(render_one(other, view), usual));
-}
-
-TEST(DrawnAsTrained, IsUsualInFilesThatDoNotSay) {
-  const TemporaryFolder folder;
-  save_model(folder / "model.ply", random_model(3, 5));
-  std::string bytes = read_bytes(folder / "model.ply");
-  for (const std::string key : {"truncation", "filter_2d", "train_scale", "time_filter"}) {
-    const size_t at = bytes.find("comment " + key + " ");
-    ASSERT_NE(at, std::string::npos) << key;
-    bytes.erase(at, bytes.find('\n', at) + 1 - at);
-  }
-  write_bytes(folder / "earlier.ply", bytes);
-  const GaussianModel earlier = load_model(folder / "earlier.ply");
-  EXPECT_FALSE(earlier.filter_2d || earlier.truncation_by_falloff);
-  EXPECT_EQ(earlier.truncation_sigma, kTruncationSigma);
-  EXPECT_EQ(earlier.train_scale, 1);
-  EXPECT_EQ(earlier.time_filter, 0);
 }
 
 }  // namespace

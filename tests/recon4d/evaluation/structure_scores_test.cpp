@@ -65,7 +65,11 @@ std::pair<double, double> direct_means(const Plane& a, const Plane& b) {
           const auto column = size_t(mirrored(x + i - 5, width));
           const double w = weight[i] * weight[j] / (total * total);
           const double p = a[row][column], q = b[row][column];
-          ma += w * p, mb += w * q, aa += w * p * p, bb += w * q * q, ab += w * p * q;
+          ma += w * p;
+          mb += w * q;
+          aa += w * p * p;
+          bb += w * q * q;
+          ab += w * p * q;
         }
       const double s = (2 * (ab - ma * mb) + 9e-4) / (aa - ma * ma + bb - mb * mb + 9e-4);
       structure += s;
@@ -93,7 +97,8 @@ double direct_multi_scale(const Image8& a, const Image8& b) {
     for (int scale = 0; scale < 5; ++scale) {
       const auto [full, structure] = direct_means(x, y);
       product *= std::pow(scale == 4 ? full : structure, weights[scale]);
-      x = pooled(x), y = pooled(y);
+      x = pooled(x);
+      y = pooled(y);
     }
     sum += product / 3;
   }

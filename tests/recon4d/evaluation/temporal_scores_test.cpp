@@ -20,8 +20,10 @@ Scene two_halves(int timesteps) {
   scene.path = "halves";
   for (int m = 0; m < timesteps; ++m) {
     Frame frame;
-    frame.camera_name = "cam", frame.name = "cam/" + std::to_string(m);
-    frame.time = double(m) / (timesteps - 1), frame.split = Split::kTest;
+    frame.camera_name = "cam";
+    frame.name = "cam/" + std::to_string(m);
+    frame.time = double(m) / (timesteps - 1);
+    frame.split = Split::kTest;
     frame.camera = look_at({0, 0, -4}, {0, 0, 0}, kWidth, kHeight, 5);
     frame.image = {kWidth, kHeight, 3, std::vector<uint8_t>(3 * kPixels, 100)};
     for (int p = 0; p < kPixels; ++p)
@@ -104,7 +106,7 @@ TEST(DynamicRegions, AreWhereTheTruthLeavesItsMedian) {
   scene.frames[0].split = scene.frames[1].split = Split::kTrain;
   DynamicRegions regions(scene);
   for (size_t m = 0; m < 5; ++m) {
-    const std::vector<uint8_t> moves = regions.of(scene.frames[m]);
+    const std::vector<uint8_t> moves = regions.mask_of(scene.frames[m]);
     ASSERT_EQ(moves.size(), size_t(kPixels));
     for (int p = 0; p < kPixels; ++p) {
       const bool flash = m == 4 && p == 0, right = p % kWidth >= kWidth / 2;
@@ -112,9 +114,9 @@ TEST(DynamicRegions, AreWhereTheTruthLeavesItsMedian) {
     }
   }
   scene.frames[1].camera = look_at({0, 0.1, -4}, {0, 0, 0}, kWidth, kHeight, 5);
-  EXPECT_TRUE(DynamicRegions(scene).of(scene.frames[0]).empty());
+  EXPECT_TRUE(DynamicRegions(scene).mask_of(scene.frames[0]).empty());
   Scene two = two_halves(2);
-  EXPECT_TRUE(DynamicRegions(two).of(two.frames[0]).empty());
+  EXPECT_TRUE(DynamicRegions(two).mask_of(two.frames[0]).empty());
 }
 
 }  // namespace

@@ -41,7 +41,8 @@ double peak_of(const std::function<void()>& work) {
   }
   double grown = -1;
   EXPECT_EQ(::read(ends[0], &grown, sizeof grown), ssize_t(sizeof grown));
-  ::close(ends[0]), ::close(ends[1]);
+  ::close(ends[0]);
+  ::close(ends[1]);
   ::waitpid(child, nullptr, 0);
   return grown;
 }
@@ -52,7 +53,8 @@ TrainState large_state() {
   state.model.dynamic_set.resize(0);
   for (GaussianSet* set : {&state.model.static_set, &state.model.dynamic_set})
     set->ensure_moments();
-  state.statistics[0].reset(kGaussians), state.statistics[1].reset(0);
+  state.statistics[0].reset(kGaussians);
+  state.statistics[1].reset(0);
   for (int g = 0; g < state.model.static_set.groups(); ++g)
     for (float& value : state.model.static_set.group(Group(g)).value) value = 1;
   return state;
@@ -61,6 +63,9 @@ TrainState large_state() {
 // Bug put back: the file is read as a whole, then copied; seen to fail: 2.0 times, and all of it
 // for the header.
 TEST(CheckpointMemory, IsThatOfTheStateAndOfTheHeaderAlone) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "a sanitizer's own memory would be measured";
+#endif
   const ScratchFolder folder;
   const std::filesystem::path path = folder / "large.ckpt";
   ASSERT_GE(peak_of([&] { save_checkpoint(path, large_state(), {}, R"({"device": "none"})"); }), 0);

@@ -38,7 +38,8 @@ struct HandmadeSet {
     for (int k = 0; k < 3; ++k)
       set.values().at(kLogScale, n)[k] = std::log(scale * factor[(k + n) % 3]);
     *set.values().at(kOpacityLogit, n) = std::log(opacity / (1 - opacity));
-    statistics.gradient_sum[n] = 3 * gradient, statistics.count[n] = 3;
+    statistics.gradient_sum[n] = 3 * gradient;
+    statistics.count[n] = 3;
   }
 
   std::vector<Tag> tags() const {

@@ -81,9 +81,9 @@ class HostileFiles : public ::testing::Test {
   std::string model_with(const std::string& text, const std::string& other) {
     save_model(folder_ / "whole.ply", random_model(2, 2));
     std::string bytes = read_text_file(folder_ / "whole.ply");
-    const size_t at = bytes.find(text);
-    EXPECT_NE(at, std::string::npos) << text;
-    return bytes.replace(at, bytes.find('\n', at) - at, other);
+    const size_t position = bytes.find(text);
+    EXPECT_NE(position, std::string::npos) << text;
+    return bytes.replace(position, bytes.find('\n', position) - position, other);
   }
   TemporaryFolder folder_;
 };
@@ -124,8 +124,11 @@ TEST_F(HostileFiles, PackedWordsAreWholeNumbers) {
 
 std::string spz_header(uint32_t version, uint32_t count, uint8_t streams) {
   std::string bytes = "NGSP";
-  append(bytes, version), append(bytes, count);
-  append(bytes, uint8_t{0}), append(bytes, uint8_t{12}), append(bytes, uint8_t{0});
+  append(bytes, version);
+  append(bytes, count);
+  append(bytes, uint8_t{0});
+  append(bytes, uint8_t{12});
+  append(bytes, uint8_t{0});
   append(bytes, streams);
   return bytes;
 }
@@ -151,13 +154,13 @@ TEST_F(HostileFiles, NumbersOfAModelAreFinite) {
       {"comment time_axis", "comment time_axis 0 inf"},
       {"comment time_axis", "comment time_axis 0 0"},
       {"comment time_axis", "comment time_axis 0 -1"},
-      {"comment clip_planes", "comment clip_planes nan 100"},
-      {"comment clip_planes", "comment clip_planes 2 1"},
-      {"comment truncation", "comment truncation inf 0"},
+      {"comment near_plane", "comment near_plane nan"},
+      {"comment far_plane", "comment far_plane 0"},
+      {"comment truncation_sigma", "comment truncation_sigma inf"},
       {"comment train_scale", "comment train_scale 0"},
       {"comment prepared_from_source", "comment prepared_from_source 0 1 0 0 0 1 0 0 0 1 0 0 0"},
       {"comment prepared_from_source", "comment prepared_from_source 1 nan 0 0 0 1 0 0 0 1 0 0 0"},
-      {"comment tessera_4d_version", "comment tessera_4d_version 2"},
+      {"comment tessera_4d_version", "comment tessera_4d_version 3"},
       {"comment tessera_4d_version", "comment tessera_4d_version nan"},
   };
   for (const auto& [text, other] : rows) {
@@ -203,7 +206,8 @@ TEST_F(HostileFiles, JsonIsNotDeeperThanAnythingIs) {
       write("a.json", R"({"frames": [{}], "tessera": {"time": )" + deep + "}}");
   expect_refused([&] { read_camera_path(path); }, {"a.json", "deep"});
   std::string bytes = "TES4";
-  append(bytes, uint32_t{1}), append(bytes, uint32_t(deep.size()));
+  append(bytes, uint32_t{1});
+  append(bytes, uint32_t(deep.size()));
   const std::filesystem::path single = write("a.tes4", bytes + deep);
   expect_refused([&] { load_tessera4d(single); }, {"a.tes4", "deep"});
 }

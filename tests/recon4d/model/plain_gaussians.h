@@ -22,10 +22,11 @@ struct Plain {
 /// A model without Gaussians that stores `degree` bands.
 inline GaussianModel empty_model(Form form = Form::kPair, int degree = 0) {
   GaussianModel model;
-  model.sh_degree = degree;
+  model.drawing.sh_degree = degree;
   model.static_set = GaussianSet(Form::kStatic, sh_coefficients(degree));
   model.dynamic_set = GaussianSet(form, sh_coefficients(degree));
-  model.static_set.resize(0), model.dynamic_set.resize(0);
+  model.static_set.resize(0);
+  model.dynamic_set.resize(0);
   return model;
 }
 
@@ -55,16 +56,16 @@ inline GaussianSet plain_set(const GaussianSet& like, const std::vector<Plain>& 
   return set;
 }
 
-inline Contributions worth_of(const GaussianModel& model, const Scene& scene) {
+inline Contributions contributions_of(const GaussianModel& model, const Scene& scene) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   return measure_contributions(*backend, model, sample_training_frames(scene));
 }
 
-/// The images of the frames of `at`, in their order.
-inline std::vector<RenderedImage> images_of(const GaussianModel& model, const FrameSample& at) {
+/// The images of the frames of `sample`, in their order.
+inline std::vector<RenderedImage> images_of(const GaussianModel& model, const FrameSample& sample) {
   std::vector<View> views;
-  for (const int i : at.frames)
-    views.push_back({at.scene->frames[size_t(i)].camera, at.scene->frames[size_t(i)].time});
+  for (const int i : sample.frames)
+    views.push_back({sample.scene->frames[size_t(i)].camera, sample.scene->frames[size_t(i)].time});
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   return render_views(*backend, model, views);
 }

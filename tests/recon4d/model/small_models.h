@@ -26,10 +26,11 @@ inline GaussianModel random_model(int64_t fixed, int64_t moving, uint64_t seed =
   model.static_set =
       set_of(random_gaussians(Form::kStatic, fixed, 0.9, 0.12, random, coefficients));
   model.dynamic_set = set_of(random_gaussians(form, moving, 0.9, 0.12, random, coefficients));
-  model.sh_degree = sh_degree_of(coefficients);
+  model.drawing.sh_degree = sh_degree_of(coefficients);
   model.time_axis = {12.5, 1.0 / 3};
   model.background = {10, 200, 77};
-  model.near_plane = 0.1, model.far_plane = 123.456;
+  model.drawing.near_plane = 0.1;
+  model.drawing.far_plane = 123.456;
   return model;
 }
 
@@ -42,7 +43,7 @@ inline GaussianModel random_model_in_time(int64_t fixed, int64_t moving, int lev
   TestGaussians<double> set = random_gaussians(form, moving, 0.9, 0.12, random, coefficients);
   add_time_levels(set, levels, seed + 2);
   model.dynamic_set = set_of(set);
-  model.sh_time_degree = levels;
+  model.drawing.sh_time_degree = levels;
   return model;
 }
 
@@ -50,15 +51,10 @@ inline GaussianModel clone(const GaussianModel& model) {
   GaussianModel copy;
   copy.static_set = model.static_set.clone_values();
   copy.dynamic_set = model.dynamic_set.clone_values();
-  copy.sh_degree = model.sh_degree, copy.time_axis = model.time_axis;
-  copy.sh_time_degree = model.sh_time_degree, copy.sh_time_period = model.sh_time_period;
+  copy.drawing = model.drawing;
+  copy.time_axis = model.time_axis;
   copy.background = model.background;
-  copy.near_plane = model.near_plane, copy.far_plane = model.far_plane;
-  copy.sliced_direction = model.sliced_direction;
-  copy.truncation_sigma = model.truncation_sigma;
-  copy.truncation_by_falloff = model.truncation_by_falloff;
-  copy.time_filter = model.time_filter;
-  copy.filter_2d = model.filter_2d, copy.train_scale = model.train_scale;
+  copy.train_scale = model.train_scale;
   copy.prepared_from_source = model.prepared_from_source;
   return copy;
 }
@@ -128,7 +124,9 @@ inline Scene noise_scene(int width, int height, uint64_t seed = 3) {
   const auto add = [&](const std::string& camera, double angle, double time, Split split) {
     Frame frame;
     frame.name = camera + "/" + std::to_string(scene.frames.size());
-    frame.camera_name = camera, frame.time = time, frame.split = split;
+    frame.camera_name = camera;
+    frame.time = time;
+    frame.split = split;
     frame.camera = look_at({4 * std::sin(angle), 0.4, -4 * std::cos(angle)}, {0, 0, 0}, width,
                            height, 1.2 * width);
     frame.image = {width, height, 3, std::vector<uint8_t>(size_t(3 * width * height))};

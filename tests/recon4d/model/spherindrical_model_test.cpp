@@ -21,7 +21,7 @@ namespace {
 
 GaussianModel without_levels(const GaussianModel& model) {
   GaussianModel plain = clone(model);
-  plain.sh_time_degree = 0;
+  plain.drawing.sh_time_degree = 0;
   return plain;
 }
 
@@ -32,7 +32,8 @@ TEST(SpherindricalModel, ASliceHasTheCoefficientsOfItsMoment) {
   *model.dynamic_set.values().at(kMeanTime, 0) = 0.4f;
   const GaussianSpans<const float> from = std::as_const(model).dynamic_set.values();
   for (const auto& [active, period] : {std::pair{2, 1.0}, {1, 0.7}}) {
-    model.sh_time_degree = active, model.sh_time_period = period;
+    model.drawing.sh_time_degree = active;
+    model.drawing.sh_time_period = period;
     for (const double time : {0.3, 0.4, 0.62}) {
       const GaussianSet slice = Slicer(model).at(time);
       ASSERT_EQ(slice.count(), 1);
@@ -71,12 +72,13 @@ TEST(SpherindricalModel, FilesReloadBitEqual) {
   for (const auto& [form, levels, coefficients] :
        {std::tuple{Form::kPair, 2, 16}, {Form::kVelocity, 1, 4}, {Form::kVelocity, 2, 1}}) {
     GaussianModel model = random_model_in_time(3, 5, levels, 21, coefficients, form);
-    model.sh_time_degree = 1, model.sh_time_period = 0.75;
+    model.drawing.sh_time_degree = 1;
+    model.drawing.sh_time_period = 0.75;
     save_model(folder / "a.ply", model);
     const GaussianModel reloaded = load_model(folder / "a.ply");
     EXPECT_TRUE(same_bits(model.dynamic_set, reloaded.dynamic_set));
-    EXPECT_EQ(reloaded.sh_time_degree, 1);
-    EXPECT_EQ(reloaded.sh_time_period, 0.75);
+    EXPECT_EQ(reloaded.drawing.sh_time_degree, 1);
+    EXPECT_EQ(reloaded.drawing.sh_time_period, 0.75);
     save_model(folder / "b.ply", reloaded);
     EXPECT_EQ(read_bytes(folder / "a.ply"), read_bytes(folder / "b.ply"));
     // green of coefficient k of the last level, as f_rest has its channels
@@ -93,35 +95,30 @@ TEST(SpherindricalModel, FilesReloadBitEqual) {
   }
 }
 
-// Bug put back: the comment written always; seen to fail.
+// Bug put back: columns of levels written always; seen to fail.
 TEST(SpherindricalModel, FilesOfOtherModelsAreAsTheyWere) {
   const TemporaryFolder folder;
   save_model(folder / "plain.ply", random_model(3, 5));
   const std::string bytes = read_bytes(folder / "plain.ply");
   EXPECT_EQ(bytes.find("f_cos"), std::string::npos);
-  EXPECT_EQ(bytes.find("sh_time"), std::string::npos);
   const GaussianModel plain = load_model(folder / "plain.ply");
   EXPECT_EQ(plain.dynamic_set.time_levels(), 0);
-  EXPECT_EQ(plain.sh_time_degree, 0);
-  EXPECT_EQ(plain.sh_time_period, 1);
+  EXPECT_EQ(plain.drawing.sh_time_period, 1);
 }
 
-// Bug put back: the comment not written; seen to fail.
+// Bug put back: absent columns are 0; seen to fail.
 TEST(SpherindricalModel, FilesThatLackAPartAreRefused) {
   const ModelToSpoil model(random_model_in_time(3, 2, 2));
   const auto path = model.with("property float f_cos2_7\n", "property float f_cot2_7\n");
   expect_input_error([&] { load_model(path); }, {"changed.ply", "vertex_dynamic", "f_cos2_7"});
-  model.with("sh_time 2 1\n", "sh_time 3 1\n");
-  expect_input_error([&] { load_model(path); }, {"changed.ply", "sh_time 3", "0 to 2"});
-  model.with("sh_time 2 1\n", "sh_time 2 0\n");
-  expect_input_error([&] { load_model(path); }, {"changed.ply", "sh_time 2 0"});
 }
 
 // Bug put back: levels not turned; seen to fail.
 TEST(SpherindricalModel, ImagesStayInAnotherWorld) {
   const GaussianModel model = random_model_in_time(10, 60, 2, 31, 16, Form::kVelocity);
   Similarity world;
-  world.scale = 1.7, world.translation = {0.4, -1, 0.2};
+  world.scale = 1.7;
+  world.translation = {0.4, -1, 0.2};
   world.rotation = rotation_matrix(normalised(Vec4<double>(0.4, -0.3, 0.8, 0.2)));
   for (const View& view : three_views())
     expect_same_image(
@@ -146,16 +143,16 @@ TEST(SpherindricalModel, LevelsStayInTheOtherFormOfMotion) {
 // is_valid_element; sh_time_period not copied.
 TEST(SpherindricalModel, CopiesSelectionsAndFactsHaveThem) {
   GaussianModel model = random_model_in_time(2, 6, 2, 35, 4);
-  model.sh_time_period = 0.5;
+  model.drawing.sh_time_period = 0.5;
   const GaussianModel copy = model.clone_values();
   EXPECT_TRUE(same_bits(copy.dynamic_set, model.dynamic_set));
-  EXPECT_EQ(copy.sh_time_degree, 2);
-  EXPECT_EQ(copy.sh_time_period, 0.5);
-  const GaussianSet selected = select_rows(model.dynamic_set, {4, 1});
+  EXPECT_EQ(copy.drawing.sh_time_degree, 2);
+  EXPECT_EQ(copy.drawing.sh_time_period, 0.5);
+  const GaussianSet selected = select_elements(model.dynamic_set, {4, 1});
   EXPECT_TRUE(std::equal(selected.values().at(kShTime, 0), selected.values().at(kShTime, 0) + 24,
                          model.dynamic_set.values().at(kShTime, 4)));
   model.dynamic_set.values().at(kShTime, 3)[23] = INFINITY;
-  EXPECT_EQ(valid_rows(model.dynamic_set).size(), 5u);
+  EXPECT_EQ(valid_elements(model.dynamic_set).size(), 5u);
   const nlohmann::json info = model_info(model);
   EXPECT_EQ(info["sh_time"], (nlohmann::json{{"degree", 2}, {"levels", 2}, {"period", 0.5}}));
   EXPECT_EQ(info["value_bytes"], 4 * (2 * (11 + 12) + 6 * (17 + 12 + 24)));
@@ -163,7 +160,8 @@ TEST(SpherindricalModel, CopiesSelectionsAndFactsHaveThem) {
 
 TEST(SpherindricalModel, TheForecastCountsThem) {
   TrainOptions options;
-  options.max_gaussians = 1000, options.init_points = 1000;
+  options.max_gaussians = 1000;
+  options.init_points = 1000;
   const int64_t before = forecast_training({}, options).parameter_bytes;
   options.sh_time_degree = 2;
   EXPECT_EQ(forecast_training({}, options).parameter_bytes, before + 1000 * 3 * 4 * 96);

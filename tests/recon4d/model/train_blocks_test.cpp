@@ -1,5 +1,5 @@
-// What: trainings whose rows differ in SH degree: checkpoints, what leaves them, other memories.
-// Not: how rows move (train_block_rows_test.cpp).
+// What: trainings whose elements differ in SH degree: checkpoints, what leaves them, other
+// memories. Not: how elements move (train_block_elements_test.cpp).
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -22,13 +22,14 @@ namespace {
 /// No density control; all else happens.
 TrainOptions grown_options(const std::string& idle) {
   TrainOptions options = tiny_options();
-  options.densify_until = 0, options.iterations = options.schedule_iterations = 24;
+  options.densify_until = 0;
+  options.iterations = options.schedule_iterations = 24;
   options.sh_time_degree = 1;
   set_option(options, "idle_updates", idle);
   return options;
 }
 
-/// A training's state after some steps, its rows in blocks of several degrees.
+/// A training's state after some steps, its elements in blocks of several degrees.
 TrainState sorted_state(const Scene& scene, const TrainOptions& options) {
   TrainState state = first_state(scene, options);
   const std::unique_ptr<Backend> backend = make_cpu_backend();
@@ -39,7 +40,8 @@ TrainState sorted_state(const Scene& scene, const TrainOptions& options) {
 }
 
 TEST(TrainingOfBlocks, GoesOnFromACheckpointBitForBit) {
-  // Bugs put back, each seen to fail: the blocks left out of the header; rows of equal widths read.
+  // Bugs put back, each seen to fail: the blocks left out of the header; elements of equal widths
+  // read.
   const Scene scene = tiny_capture();
   for (const char* idle : {"skip", "dense"}) {
     const TrainOptions options = grown_options(idle);
@@ -81,9 +83,11 @@ TEST(TrainingOfBlocks, RefusesBlocksThatDoNotFit) {
     }
     return std::string("loaded");
   };
-  const std::vector<int64_t> rows = header.at("sh_blocks").at("static");
-  std::vector<int64_t> fewer = rows, negative = rows;
-  --fewer[0], negative[0] -= 1000, negative[1] += 1000;
+  const std::vector<int64_t> elements = header.at("sh_blocks").at("static");
+  std::vector<int64_t> fewer = elements, negative = elements;
+  --fewer[0];
+  negative[0] -= 1000;
+  negative[1] += 1000;
   const int64_t huge = int64_t{1} << 62;
   for (const nlohmann::json& bad :
        {nlohmann::json(fewer), nlohmann::json(negative), nlohmann::json({huge, huge, huge, huge})})
@@ -124,10 +128,12 @@ TEST(TrainingOfBlocks, TouchesNothingOfAnotherMemory) {
   const TrainOptions options = grown_options("skip");
   Training here(scene, options, sorted_state(scene, options));
   SeparateBackend separate;
-  Training there(scene, options, sorted_state(scene, options), separate);
-  here.run(), there.run();
+  Training separate_training(scene, options, sorted_state(scene, options), separate);
+  here.run();
+  separate_training.run();
   EXPECT_EQ(separate.strays, 0);
-  EXPECT_TRUE(state_bits(there.state().clone_to(host_memory())) == state_bits(here.state()));
+  EXPECT_TRUE(state_bits(separate_training.state().clone_to(host_memory())) ==
+              state_bits(here.state()));
 }
 
 }  // namespace

@@ -18,7 +18,9 @@ using Gains = std::vector<Vec3<double>>;
 
 TinyCapture ring() {
   TinyCapture capture;
-  capture.cameras = 5, capture.timesteps = 3, capture.size = 24;
+  capture.cameras = 5;
+  capture.timesteps = 3;
+  capture.size = 24;
   return capture;
 }
 
@@ -38,7 +40,9 @@ Scene gained(const TinyCapture& capture, const Gains& gains, bool by_camera) {
 TrainOptions still_options(int64_t iterations) {
   TrainOptions options = tiny_options();
   options.iterations = options.schedule_iterations = iterations;
-  options.densify_until = 0, options.reorder_interval = 0, options.sh_degree = 0;
+  options.densify_until = 0;
+  options.reorder_interval = 0;
+  options.sh_degree = 0;
   options.lr_opacity = options.lr_scale = options.lr_rotation = 1e-4;
   return options;
 }
@@ -75,7 +79,8 @@ void expect_mean_of_one(const Gains& gains) {
     double forward = 0, backward = 0;
     for (size_t r = 0; r < gains.size(); ++r) {
       EXPECT_EQ(double(float(gains[r][c])), gains[r][c]);
-      forward += gains[r][c], backward += gains[gains.size() - 1 - r][c];
+      forward += gains[r][c];
+      backward += gains[gains.size() - 1 - r][c];
     }
     EXPECT_EQ(forward / double(gains.size()), 1.0);
     EXPECT_EQ(backward, forward);
@@ -95,7 +100,7 @@ TEST(TrainExposure, OneCameraThatDiffersIsFoundAndColoursAreLeft) {
   TrainOptions options = still_options(900);
   Training usual(plain, options, dimmed_truth(capture, 1));
   const std::vector<double> expected = colours(usual.run().model());
-  options.exposure = "camera";
+  options.exposure = ExposureGains::kCamera;
   Training training(scene, options, dimmed_truth(capture, 1));
   training.run();
   const Gains gains = gains_of(training.state().exposure);
@@ -121,7 +126,8 @@ TEST(TrainExposure, WobbleOfEveryImageIsFound) {
                        random.uniform(0.99, 1.01));
   const Scene scene = gained(capture, truth, false);
   TrainOptions options = still_options(900);
-  options.exposure = "frame", options.lr_sh = 5e-4;
+  options.exposure = ExposureGains::kFrame;
+  options.lr_sh = 5e-4;
   Training training(scene, options, dimmed_truth(capture, 0.75));
   training.run();
   const Gains gains = gains_of(training.state().exposure);
@@ -140,7 +146,7 @@ TEST(TrainExposure, WobbleOfEveryImageIsFound) {
 // E5. Bug put back: moments not in the checkpoint; seen to fail.
 TEST(TrainExposure, ResumeGoesOnBitForBit) {
   const Scene scene = tiny_capture();
-  for (const char* by : {"camera", "frame"}) {
+  for (const ExposureGains by : {ExposureGains::kCamera, ExposureGains::kFrame}) {
     TrainOptions options = tiny_options();
     options.exposure = by;
     Training whole(scene, options);
@@ -154,14 +160,14 @@ TEST(TrainExposure, ResumeGoesOnBitForBit) {
 TEST(TrainExposure, IsTheSameInAMemoryOfItsOwn) {
   const Scene scene = tiny_capture();
   TrainOptions options = tiny_options();
-  options.exposure = "camera";
+  options.exposure = ExposureGains::kCamera;
   Training here(scene, options);
   here.run();
   SeparateBackend separate;
-  Training there(scene, options, first_state(scene, options), separate);
-  there.run();
+  Training separate_training(scene, options, first_state(scene, options), separate);
+  separate_training.run();
   const Buffer<float>&one = here.state().exposure.log_gain,
-        &other = there.state().exposure.log_gain;
+        &other = separate_training.state().exposure.log_gain;
   EXPECT_TRUE(std::equal(one.begin(), one.end(), other.begin(), other.end()));
 }
 
@@ -204,7 +210,7 @@ TEST(TrainExposure, StepsAreAdams) {
   }
 }
 
-void expect_refused(const Scene& scene, const char* by, const std::vector<std::string>& parts) {
+void expect_refused(const Scene& scene, ExposureGains by, const std::vector<std::string>& parts) {
   TrainOptions options = tiny_options();
   options.exposure = by;
   try {
@@ -220,18 +226,20 @@ void expect_refused(const Scene& scene, const char* by, const std::vector<std::s
 TEST(TrainExposure, IsRefusedWhereItMeansNothing) {
   TinyCapture capture;
   capture.cameras = 1;
-  expect_refused(tiny_capture(capture), "camera", {"4 training frames", "ring0", "frame"});
+  expect_refused(tiny_capture(capture), ExposureGains::kCamera,
+                 {"4 training frames", "ring0", "frame"});
   capture.timesteps = 1;
-  expect_refused(tiny_capture(capture), "frame", {"--exposure none"});
-  capture.cameras = 3, capture.background = {255, 255, 255};
-  expect_refused(tiny_capture(capture), "camera", {"background"});
+  expect_refused(tiny_capture(capture), ExposureGains::kFrame, {"--exposure none"});
+  capture.cameras = 3;
+  capture.background = {255, 255, 255};
+  expect_refused(tiny_capture(capture), ExposureGains::kCamera, {"background"});
 }
 
 // Bug put back: names of frames; seen to fail.
 TEST(TrainExposure, JsonNamesTheCameras) {
   const Scene scene = tiny_capture();
   TrainOptions options = tiny_options();
-  options.exposure = "camera";
+  options.exposure = ExposureGains::kCamera;
   const ExposureRows rows = exposure_rows(scene, scene.split_indices(Split::kTrain), options);
   ExposureState state;
   state.reset(int64_t(rows.names.size()));

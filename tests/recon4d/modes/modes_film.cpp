@@ -61,7 +61,8 @@ Scene shoot(const Film& film) {
       frame.camera = camera;
       frame.camera_name = c == film.cameras ? "middle" : "cam" + std::to_string(c);
       frame.name = frame.camera_name + "/" + std::to_string(m);
-      frame.frame_number = m, frame.time = film.time(m);
+      frame.frame_number = m;
+      frame.time = film.time(m);
       frame.split = c == film.cameras ? Split::kTest : Split::kTrain;
       frame.image = developed(synth::render(film.world(frame.time), camera, frame.time, layer));
     }
@@ -91,7 +92,8 @@ PointCloud surface_cloud(const Film& film, int still, int moving) {
     cloud.position.push_back(glm::vec3(ray.origin + meeting.hit.depth * ray.direction));
     cloud.colour.push_back(
         {uint8_t(255 * colour[0]), uint8_t(255 * colour[1]), uint8_t(255 * colour[2])});
-    cloud.time.push_back(float(time)), cloud.still.push_back(stays);
+    cloud.time.push_back(float(time));
+    cloud.still.push_back(stays);
   }
   return cloud;
 }
@@ -104,14 +106,16 @@ std::vector<const Frame*> held_out(const Scene& scene) {
 
 synth::World even_world() {
   synth::World world;
-  world.light.ambient = 1, world.light.diffuse = 0;
+  world.light.ambient = 1;
+  world.light.diffuse = 0;
   return world;
 }
 
 synth::Solid& add_solid(synth::World& world, synth::ShapeKind kind, glm::dvec3 half,
                         glm::dvec3 place, const synth::Texture& texture, bool moves) {
   synth::Solid solid;
-  solid.shape.kind = kind, solid.shape.half = half;
+  solid.shape.kind = kind;
+  solid.shape.half = half;
   solid.texture = texture;
   solid.motion.rest = place;
   // a quad lies level; here it stands and faces the cameras
@@ -143,8 +147,10 @@ TrainOptions short_training(const std::string& preset, int64_t steps) {
   options.iterations = steps;
   for (double* rate : {&options.lr_mean, &options.lr_mean_final, &options.lr_velocity})
     *rate *= faster;
-  options.init_points = 800, options.max_gaussians = 1200;
-  options.densify_interval = std::max<int64_t>(10, steps / 30), options.densify_threshold = 1e-3;
+  options.init_points = 800;
+  options.max_gaussians = 1200;
+  options.densify_interval = std::max<int64_t>(10, steps / 30);
+  options.densify_threshold = 1e-3;
   return options;
 }
 
@@ -188,7 +194,8 @@ std::vector<double> deviation_over_time(const std::vector<RenderedImage>& images
     double sum = 0, squares = 0;
     for (const RenderedImage& image : images) {
       const double value = 255 * std::clamp(double(image.rgb[i]), 0.0, 1.0);
-      sum += value, squares += value * value;
+      sum += value;
+      squares += value * value;
     }
     deviation.push_back(std::sqrt(std::max(0.0, squares / count - sum / count * sum / count)));
   }

@@ -50,7 +50,8 @@ TEST(Flicker, ABackgroundThatNeverChangesStays) {
   Scene scene = shoot(film);
   scene.points = surface_cloud(film, 600, 200);
   TrainOptions options = short_training("balanced", 500);
-  options.split_by_motion = false, options.static_fraction = 0;
+  options.split_by_motion = false;
+  options.static_fraction = 0;
   const std::vector<uint8_t> changes = changing(held_out(scene), 2);
   std::vector<double> most, worst;
   for (options.seed = 1; options.seed <= 3; ++options.seed) {

@@ -65,11 +65,12 @@ TEST(LongClip, TenTimesTheFramesAreAsGood) {
 /// Bytes of a device that a training of some steps holds at most, frames brought over by a ring.
 int64_t peak_of_training(const Scene& scene, int64_t feed_bytes) {
   TrainOptions options = short_training("balanced", 6);
-  options.densify_from = options.iterations, options.feed_bytes = feed_bytes;
+  options.densify_from = options.iterations;
+  options.feed_bytes = feed_bytes;
   SeparateBackend backend;
   Training training(scene, options, first_state(scene, options), backend);
   training.run();
-  return backend.own.peak_bytes();
+  return backend.separate_memory.peak_bytes();
 }
 
 // Bug put back: the budget not read, all frames brought over; seen to fail.

@@ -62,7 +62,8 @@ TEST(Presence, WhatAppearsIsGoneBeforeAndAfter) {
 /// A ball passes behind a wall and comes back the way it went.
 Film wall_film() {
   Film film;
-  film.timesteps = 25, film.arc = 0.8;
+  film.timesteps = 25;
+  film.arc = 0.8;
   film.world = [](double time) {
     synth::World world = even_world();
     const double x = -0.7 + 0.95 * (1 - std::abs(2 * time - 1));

@@ -39,8 +39,8 @@ int short_lives_in_the_rest(const GaussianModel& model) {
   const Slicer slicer(model);
   for (const MovingGaussian& g : slicer.moving()) {
     const double life = kLife / std::sqrt(double(g.spacetime.precision_time));
-    const double at = g.spacetime.mean_time;
-    count += life < kMoves && at > kMoves + kFrame && at < 1 - kMoves - kFrame;
+    const double mean_time = g.spacetime.mean_time;
+    count += life < kMoves && mean_time > kMoves + kFrame && mean_time < 1 - kMoves - kFrame;
   }
   return count;
 }
@@ -86,7 +86,10 @@ TEST(LongRest, WhatLeavesAtTheEndIsNotStill) {
   const PointCloud cloud = dense_cloud(shoot(film), options);
   int ball = 0, still = 0;
   for (size_t i = 0; i < cloud.position.size(); ++i)
-    if (cloud.position[i].z > 0) ++ball, still += cloud.still[i] == 1;
+    if (cloud.position[i].z > 0) {
+      ++ball;
+      still += cloud.still[i] == 1;
+    }
   EXPECT_GT(ball, 30);
   EXPECT_LT(still, ball / 10) << "where the ball looks alike";
 }

@@ -12,14 +12,15 @@ namespace {
 
 /// There and back between 0 and `span` with unit speed.
 double zigzag(double way, double span) {
-  const double there = std::fmod(way, 2 * span);
-  return there < span ? there : 2 * span - there;
+  const double position = std::fmod(way, 2 * span);
+  return position < span ? position : 2 * span - position;
 }
 
 /// A ball of 20 pixels that goes to and fro over 68 pixels, `speed` pixels a frame.
 Film ball_film(double speed) {
   Film film;
-  film.width = 96, film.height = 48;
+  film.width = 96;
+  film.height = 48;
   film.world = [speed, last = film.timesteps - 1, unit = film.pixels_a_unit()](double time) {
     synth::World world = even_world();
     const double x = zigzag(speed * time * last, 68) - 34;

@@ -15,7 +15,8 @@ TEST(Forecast, DoesNotOverflow) {
   load.training_frames = 100000, load.pixels = int64_t{3840} * 2160;
   load.all_bytes = 3 * load.training_frames * load.pixels;
   TrainOptions options;
-  options.max_gaussians = 100000000, options.batch = 64;
+  options.max_gaussians = 100000000;
+  options.batch = 64;
   const TrainForecast forecast = forecast_training(load, options);
   EXPECT_EQ(forecast.frame_bytes, 2488320000000);
   EXPECT_EQ(forecast.parameter_bytes, 100000000LL * 3 * 4 * 65);  // 59 + 1 + 1 + 4 floats

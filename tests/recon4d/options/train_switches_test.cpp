@@ -24,7 +24,8 @@ using testing::Training;
 /// Wide enough for points that no camera sees, small enough for Gaussians that are too large.
 TrainOptions usual_options() {
   TrainOptions options = tiny_options();
-  options.init_points = 80, options.init_extent = 3;
+  options.init_points = 80;
+  options.init_extent = 3;
   options.prune_extent = 0.05;
   return options;
 }
@@ -220,7 +221,8 @@ TEST_P(Switch, ChangesTheModel) {
     if (GetParam() == key) GTEST_SKIP() << "acts before training";
   for (const Alternative& row : of_validation())
     if (GetParam() == row.key) {
-      options.validation_share = 0.25, options.validate_interval = 4;
+      options.validation_share = 0.25;
+      options.validate_interval = 4;
       for (const auto& [key, value] : row.with.items()) set_option_from_json(options, key, value);
       const std::vector<uint32_t> usual = kept(options);
       set_option_from_json(options, row.key, row.value);
@@ -229,8 +231,11 @@ TEST_P(Switch, ChangesTheModel) {
     }
   for (const Alternative& row : of_reduction())
     if (GetParam() == row.key) {
-      options.size = "knee", options.densify_until = 18;
-      options.thin_until = 30, options.thin_rounds = 3, options.decide_interval = 6;
+      options.size = ModelSize::kKnee;
+      options.densify_until = 18;
+      options.thin_until = 30;
+      options.thin_rounds = 3;
+      options.decide_interval = 6;
       for (const auto& [key, value] : row.with.items()) set_option_from_json(options, key, value);
       const std::vector<uint32_t> usual = decided(options);
       set_option_from_json(options, row.key, row.value);
@@ -278,17 +283,11 @@ TEST(KernelOptions, EachSwitchIsItsOwn) {
     for (size_t j = 0; j < std::size(keys); ++j)
       EXPECT_EQ(bits(options)[j] != bits({})[j], i == j) << keys[i] << " at " << j;
   }
-  TrainOptions options;
-  for (const auto& [name, idle] :
-       {std::pair{"dense", IdleUpdate::kDense}, {"skip", IdleUpdate::kSkip}}) {
-    options.idle_updates = name;
-    EXPECT_EQ(idle_update(options), idle);
-  }
 }
 
 std::vector<std::string> all_keys() {
   std::vector<std::string> keys;
-  for (const OptionRow& row : train_option_rows()) keys.push_back(row.key);
+  for (const TrainOption& row : train_option_table()) keys.push_back(row.key);
   return keys;
 }
 

@@ -22,7 +22,9 @@ namespace {
 /// Frames of noise for a model to be held against.
 Scene noisy_ring(int cameras, int timesteps, int size = 20) {
   TinyCapture capture;
-  capture.cameras = cameras, capture.timesteps = timesteps, capture.size = size;
+  capture.cameras = cameras;
+  capture.timesteps = timesteps;
+  capture.size = size;
   Scene scene = tiny_capture(capture, empty_model());
   Random random(3);
   for (Frame& frame : scene.frames)
@@ -30,31 +32,31 @@ Scene noisy_ring(int cameras, int timesteps, int size = 20) {
   return scene;
 }
 
-double light_of(const SetContributions& of) {
+double light_of(const SetContributions& set) {
   double sum = 0;
-  for (const float w : of.weight) sum += double(w);
+  for (const float w : set.weight) sum += double(w);
   return sum;
 }
 
-// Bug put back: rows of the dynamic set read from the static one's; seen to fail.
+// Bug put back: elements of the dynamic set read from the static one's; seen to fail.
 TEST(Contributions, WeightsAreTheLightOfTheImages) {
   for (const Form form : {Form::kPair, Form::kVelocity}) {
     const GaussianModel model = random_model(30, 20, 7, 4, form);
     const Scene scene = noisy_ring(5, 3);
-    const Contributions contributions = worth_of(model, scene);
+    const Contributions contributions = contributions_of(model, scene);
     double light[2] = {0, 0};
-    const FrameSample at = sample_training_frames(scene);
+    const FrameSample sample = sample_training_frames(scene);
     GaussianModel still = model.clone_values();
     still.dynamic_set = model.dynamic_set.like();
     still.dynamic_set.resize(0);
-    for (const RenderedImage& image : images_of(model, at))
+    for (const RenderedImage& image : images_of(model, sample))
       for (const float a : image.alpha) light[0] += double(a);
     EXPECT_NEAR(light_of(contributions.sets[0]) + light_of(contributions.sets[1]), light[0],
                 1e-5 * light[0]);
     EXPECT_GT(light_of(contributions.sets[1]), 0.1 * light[0]);
-    for (const RenderedImage& image : images_of(still, at))
+    for (const RenderedImage& image : images_of(still, sample))
       for (const float a : image.alpha) light[1] += double(a);
-    EXPECT_NEAR(light_of(worth_of(still, scene).sets[0]), light[1], 1e-5 * light[1]);
+    EXPECT_NEAR(light_of(contributions_of(still, scene).sets[0]), light[1], 1e-5 * light[1]);
     EXPECT_EQ(contributions.samples, 5 * 3 * 3 * 20 * 20);
   }
 }
@@ -66,21 +68,23 @@ TEST(Contributions, RemovalOfOneAloneInClosedForm) {
   model.static_set = plain_set(model.static_set, {{{0.1, 0, 0}, {0.9, 0.4, 0.2}, 0.4, 0.7}});
   model.background = {51, 102, 0};
   const Scene scene = noisy_ring(4, 2);
-  const Contributions contributions = worth_of(model, scene);
-  const FrameSample at = sample_training_frames(scene);
-  const std::vector<RenderedImage> images = images_of(model, at);
+  const Contributions contributions = contributions_of(model, scene);
+  const FrameSample sample = sample_training_frames(scene);
+  const std::vector<RenderedImage> images = images_of(model, sample);
   const double less[3] = {0.2 - 0.9, 0.4 - 0.4, 0.0 - 0.2};
   double first = 0, second = 0, error = 0, weight = 0, size = 0;
   for (size_t i = 0; i < images.size(); ++i) {
     const RenderedImage& image = images[i];
-    const std::vector<uint8_t>& truth = scene.frames[size_t(at.frames[i])].image.data;
+    const std::vector<uint8_t>& truth = scene.frames[size_t(sample.frames[i])].image.data;
     const size_t pixels = image.alpha.size();
     for (size_t p = 0; p < pixels; ++p) {
       const double a = double(image.alpha[p]);
       weight += a;
       for (size_t c = 0; c < 3; ++c) {
         const double r = double(image.rgb[c * pixels + p]) - truth[3 * p + c] / 255.0;
-        error += r * r, first += 2 * r * a * less[c], second += a * less[c] * a * less[c];
+        error += r * r;
+        first += 2 * r * a * less[c];
+        second += a * less[c] * a * less[c];
         size += std::abs(2 * r * a * less[c]);
       }
     }
@@ -95,61 +99,62 @@ TEST(Contributions, RemovalOfOneAloneInClosedForm) {
               -10 * std::log10((error + second) / double(contributions.samples)), 1e-4);
 }
 
-void add_masks_and_gains(Scene& scene, FrameSample& at) {
+void add_masks_and_gains(Scene& scene, FrameSample& sample) {
   Random random(4);
   for (Frame& frame : scene.frames) {
     frame.mask = {frame.image.width, frame.image.height, 1, {}};
     for (size_t p = 0; p < frame.image.data.size() / 3; ++p)
       frame.mask.data.push_back(random.uniform(0, 1) < 0.6 ? 255 : 0);
   }
-  for (size_t i = 0; i < at.frames.size(); ++i)
-    at.gain.push_back({random.uniform(0.7, 1.3), random.uniform(0.7, 1.3), 1});
+  for (size_t i = 0; i < sample.frames.size(); ++i)
+    sample.gain.push_back({random.uniform(0.7, 1.3), random.uniform(0.7, 1.3), 1});
 }
 
 // Bug put back: the mask of the first frame of a batch for all; seen to fail.
 TEST(Contributions, RemovalIsTheRealChangeWithMasksAndGains) {
   const GaussianModel model = random_model(12, 8, 7, 4);
   Scene scene = noisy_ring(5, 2);
-  FrameSample at = sample_training_frames(scene);
-  add_masks_and_gains(scene, at);
+  FrameSample sample = sample_training_frames(scene);
+  add_masks_and_gains(scene, sample);
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  const Contributions contributions = measure_contributions(*backend, model, at);
+  const Contributions contributions = measure_contributions(*backend, model, sample);
   int64_t counted = 0, moved = 0;
   for (const Frame& frame : scene.frames)
     counted += 3 * (int64_t(frame.mask.data.size()) -
                     std::count(frame.mask.data.begin(), frame.mask.data.end(), 0));
   EXPECT_EQ(contributions.samples, counted);
-  const std::vector<RenderedImage> images = images_of(model, at);
+  const std::vector<RenderedImage> images = images_of(model, sample);
   double error = 0;
   for (size_t i = 0; i < images.size(); ++i) {
-    const Frame& frame = scene.frames[size_t(at.frames[i])];
+    const Frame& frame = scene.frames[size_t(sample.frames[i])];
     const size_t pixels = frame.mask.data.size();
     for (size_t j = 0; j < 3 * pixels; ++j) {
       const size_t p = j % pixels, c = j / pixels;
       if (frame.mask.data[p] == 0) continue;
       const double r =
-          at.gain[i][int(c)] * double(images[i].rgb[j]) - frame.image.data[3 * p + c] / 255.0;
+          sample.gain[i][int(c)] * double(images[i].rgb[j]) - frame.image.data[3 * p + c] / 255.0;
       error += r * r;
     }
   }
   EXPECT_NEAR(contributions.squared_error, error, 1e-5 * error);
   const std::vector<Removal> order = removal_order(model, contributions);
   for (const Removal& removal : order) {
-    KeptRows rows = kept_rows(model, order, model.count());
-    std::erase(rows.of[removal.set], removal.row);
+    KeptElements elements = kept_elements(model, order, model.count());
+    std::erase(elements.set_elements[removal.set], removal.element);
     const double change =
-        measure_contributions(*backend, with_rows(model, rows), at).squared_error -
+        measure_contributions(*backend, with_elements(model, elements), sample).squared_error -
         contributions.squared_error;
-    const SetContributions& of = contributions.sets[removal.set];
-    const double first = double(of.removal1[size_t(removal.row)]);
-    const double second = double(of.removal2[size_t(removal.row)]);
-    EXPECT_NEAR(first + second, change, 1e-4 * (std::abs(first) + second) + 1e-4) << removal.row;
+    const SetContributions& set = contributions.sets[removal.set];
+    const double first = double(set.removal1[size_t(removal.element)]);
+    const double second = double(set.removal2[size_t(removal.element)]);
+    EXPECT_NEAR(first + second, change, 1e-4 * (std::abs(first) + second) + 1e-4)
+        << removal.element;
     moved += std::abs(change) > 0.1;
   }
   EXPECT_GT(moved, 10);
 }
 
-/// Zeroes the bands of row n above degree d, in all levels of time.
+/// Zeroes the bands of element n above degree d, in all levels of time.
 void zero_above(GaussianSet& set, int64_t n, int d) {
   const GaussianSpans<float> v = set.values();
   const int width = 3 * set.coefficients();
@@ -173,18 +178,19 @@ TEST(Contributions, CutsAreTheRealChangeWhereBandsAreZeroed) {
     GaussianModel model = in_time ? random_model_in_time(8, 8, 2) : random_model(8, 8);
     soften(model);
     const Scene scene = noisy_ring(4, 2);
-    const Contributions contributions = worth_of(model, scene);
+    const Contributions contributions = contributions_of(model, scene);
     double largest = 0;
     for (int k = 0; k < 2; ++k)
       for (int64_t n = 0; n < 8; n += 2)
         for (int d = 0; d < 3; ++d) {
           GaussianModel cut = model.clone_values();
           zero_above(k == 0 ? cut.static_set : cut.dynamic_set, n, d);
-          const double change = worth_of(cut, scene).squared_error - contributions.squared_error;
+          const double change =
+              contributions_of(cut, scene).squared_error - contributions.squared_error;
           const double promised =
               double(contributions.sets[k].truncation_error[size_t(n)][size_t(d)]);
           EXPECT_NEAR(promised, change, 1e-4 * std::max(1.0, std::abs(change)))
-              << "set " << k << " row " << n << " degree " << d;
+              << "set " << k << " element " << n << " degree " << d;
           largest = std::max(largest, std::abs(change));
         }
     EXPECT_GT(largest, 0.3) << "there is something to be seen";
@@ -208,11 +214,11 @@ struct Ramp {
 // seen to fail: a timestep closed after every batch; the mean over timesteps not taken off.
 TEST(Contributions, ChangeOfARampInClosedForm) {
   const Ramp ramp({20, 60, 100, 160, 250});
-  const FrameSample at = sample_training_frames(ramp.scene);
-  const std::vector<RenderedImage> images = images_of(ramp.model, at);
+  const FrameSample sample = sample_training_frames(ramp.scene);
+  const std::vector<RenderedImage> images = images_of(ramp.model, sample);
   std::map<double, std::array<double, 4>> sums;  // s by channel, W
   for (size_t i = 0; i < images.size(); ++i) {
-    const Frame& frame = ramp.scene.frames[size_t(at.frames[i])];
+    const Frame& frame = ramp.scene.frames[size_t(sample.frames[i])];
     std::array<double, 4>& sum = sums[frame.time];
     const size_t pixels = images[i].alpha.size();
     for (size_t p = 0; p < pixels; ++p) {
@@ -227,12 +233,17 @@ TEST(Contributions, ChangeOfARampInClosedForm) {
   for (const auto& [time, s] : sums) {
     const double here = (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / s[3];
     gain += here;
-    if (here > peak) peak = here, peak_time = time, best = s;
+    if (here > peak) {
+      peak = here;
+      peak_time = time;
+      best = s;
+    }
     for (size_t c = 0; c < 4; ++c) all[c] += s[c];
   }
   const double lasting = gain / peak;
   gain -= (all[0] * all[0] + all[1] * all[1] + all[2] * all[2]) / all[3];
-  const SetContributions::Change change = worth_of(ramp.model, ramp.scene).sets[0].change[0];
+  const SetContributions::Change change =
+      contributions_of(ramp.model, ramp.scene).sets[0].change[0];
   EXPECT_NEAR(double(change.gain), gain, 1e-4 * gain);
   EXPECT_GT(gain, 10);
   EXPECT_EQ(change.timesteps, 5);
@@ -246,7 +257,8 @@ TEST(Contributions, ChangeOfARampInClosedForm) {
 // Bug put back: the mean over timesteps not taken off; seen to fail.
 TEST(Contributions, NothingChangesWhereTheResidualIsTheSame) {
   const Ramp still({90, 90, 90, 90, 90});
-  const SetContributions::Change change = worth_of(still.model, still.scene).sets[0].change[0];
+  const SetContributions::Change change =
+      contributions_of(still.model, still.scene).sets[0].change[0];
   EXPECT_GT(change.peak_gain, 0.1f) << "something is left over";
   EXPECT_LT(change.gain, 1e-5f * change.peak_gain);
   EXPECT_EQ(change.timesteps, 5);
@@ -258,7 +270,8 @@ TEST(Contributions, CountsTheTimestepsAtWhichItIsSeen) {
   for (Frame& frame : ramp.scene.frames)
     if (frame.frame_number == 2 || frame.frame_number == 4)
       frame.camera = look_at({9, 0, 0}, {99, 0, 0}, 20, 20, 28);  // away
-  const SetContributions::Change change = worth_of(ramp.model, ramp.scene).sets[0].change[0];
+  const SetContributions::Change change =
+      contributions_of(ramp.model, ramp.scene).sets[0].change[0];
   EXPECT_EQ(change.timesteps, 3);
   EXPECT_LT(change.gain, 1e-5f * change.peak_gain) << "what nobody sees does not change";
 }
@@ -269,20 +282,22 @@ TEST(Contributions, TimestepAndOpacityAreMeansByLight) {
   model.dynamic_set = plain_set(model.dynamic_set,
                                 {{{0, 0, 0}, {0.9, 0.2, 0.1}, 0.3, 0.6, 0.2, 0.3}, {{0, 99, 0}}});
   const Scene scene = noisy_ring(3, 5);
-  const FrameSample at = sample_training_frames(scene);
-  const std::vector<RenderedImage> images = images_of(model, at);
+  const FrameSample sample = sample_training_frames(scene);
+  const std::vector<RenderedImage> images = images_of(model, sample);
   double light = 0, timestep = 0, opacity = 0;
   for (size_t i = 0; i < images.size(); ++i) {
-    const double t = scene.frames[size_t(at.frames[i])].time, d = (t - 0.2) / 0.3;
+    const double t = scene.frames[size_t(sample.frames[i])].time, d = (t - 0.2) / 0.3;
     double here = 0;
     for (const float a : images[i].alpha) here += double(a);
-    light += here, timestep += here * t, opacity += here * 0.6 * std::exp(-0.5 * d * d);
+    light += here;
+    timestep += here * t;
+    opacity += here * 0.6 * std::exp(-0.5 * d * d);
   }
-  const SetContributions of = std::move(worth_of(model, scene).sets[1]);
-  EXPECT_NEAR(double(of.mean_time[0]), timestep / light, 1e-5);
-  EXPECT_NEAR(double(of.opacity[0]), opacity / light, 1e-5);
-  EXPECT_EQ(of.weight[1], 0.0f);
-  EXPECT_EQ(of.opacity[1], 0.0f) << "without light it is nothing, and no division by it";
+  const SetContributions set = std::move(contributions_of(model, scene).sets[1]);
+  EXPECT_NEAR(double(set.mean_time[0]), timestep / light, 1e-5);
+  EXPECT_NEAR(double(set.opacity[0]), opacity / light, 1e-5);
+  EXPECT_EQ(set.weight[1], 0.0f);
+  EXPECT_EQ(set.opacity[1], 0.0f) << "without light it is nothing, and no division by it";
 }
 
 // Bug put back: the first frames of the order; seen to fail.
@@ -296,14 +311,14 @@ TEST(Contributions, LooksAtWholeTimestepsSpreadOverTheClip) {
     EXPECT_EQ(sample_training_frames(scene, most).frames, all.frames);
   const FrameSample some = sample_training_frames(scene, 20);
   std::map<double, int> of_timestep, of_timestep_in_all;
-  for (const FrameSample* at : {&all, &some})
-    for (size_t i = 0; i < at->frames.size(); ++i) {
-      const Frame& frame = scene.frames[size_t(at->frames[i])];
+  for (const FrameSample* sample : {&all, &some})
+    for (size_t i = 0; i < sample->frames.size(); ++i) {
+      const Frame& frame = scene.frames[size_t(sample->frames[i])];
       EXPECT_EQ(frame.split, Split::kTrain);
       if (i > 0) {
-        EXPECT_GE(frame.time, scene.frames[size_t(at->frames[i - 1])].time);
+        EXPECT_GE(frame.time, scene.frames[size_t(sample->frames[i - 1])].time);
       }
-      ++(at == &all ? of_timestep_in_all : of_timestep)[frame.time];
+      ++(sample == &all ? of_timestep_in_all : of_timestep)[frame.time];
     }
   EXPECT_EQ(of_timestep.size(), 4u) << "20 of 49 frames: 4 of 10 timesteps";
   for (const auto& [timestep, count] : of_timestep) EXPECT_EQ(count, of_timestep_in_all[timestep]);

@@ -48,10 +48,10 @@ TEST(DynamicPromotion, NothingIsSpawnedByWhiteNoise) {
     for (const double deviation : {1.0, 5.0, 20.0}) {
       Scene scene = tiny_capture({3, timesteps, 32}, model);
       add_white_noise(scene, deviation, uint64_t(timesteps));
-      const Contributions contributions = worth_of(model, scene);
-      EXPECT_TRUE(time_varying_rows(contributions, 0, 1000).empty())
+      const Contributions contributions = contributions_of(model, scene);
+      EXPECT_TRUE(time_varying_elements(contributions, 0, 1000).empty())
           << timesteps << " timesteps, deviation " << deviation << ": "
-          << time_varying_rows(contributions, 0, 1000).size();
+          << time_varying_elements(contributions, 0, 1000).size();
     }
 }
 
@@ -85,10 +85,11 @@ struct Spots {
 TEST(DynamicPromotion, WhereAColourChangesAtThatTimestepWithThatColour) {
   for (const Form form : {Form::kPair, Form::kVelocity}) {
     const Spots spots(form, 1);
-    const Contributions contributions = worth_of(spots.model, spots.scene);
-    const std::vector<int64_t> rows = time_varying_rows(contributions, 0, 10);
-    ASSERT_EQ(rows, (std::vector<int64_t>{1}));
-    const GaussianSet spawned = spawn_dynamic(spots.model, contributions, rows);
+    const Contributions contributions = contributions_of(spots.model, spots.scene);
+    const std::vector<int64_t> elements = time_varying_elements(contributions, 0, 10);
+    ASSERT_EQ(elements, (std::vector<int64_t>{1}));
+    const GaussianSet spawned =
+        spawn_dynamic(*make_cpu_backend(), spots.model, contributions, elements);
     ASSERT_EQ(spawned.count(), 1);
     EXPECT_EQ(spawned.form(), form);
     const GaussianSpans<const float> to = spawned.values(), from = spots.model.static_set.values();
@@ -118,10 +119,10 @@ TEST(DynamicPromotion, WhereAColourChangesAtThatTimestepWithThatColour) {
 TEST(DynamicPromotion, WhatBecomesDynamicLooksAsItDid) {
   for (const Form form : {Form::kPair, Form::kVelocity}) {
     const Spots spots(form, 1);
-    const Contributions contributions = worth_of(spots.model, spots.scene);
+    const Contributions contributions = contributions_of(spots.model, spots.scene);
     GaussianModel moving = spots.model.clone_values();
-    moving.dynamic_set = as_dynamic(spots.model, contributions, {0, 2});
-    moving.static_set = select_rows(spots.model.static_set, {1});
+    moving.dynamic_set = as_dynamic(*make_cpu_backend(), spots.model, contributions, {0, 2});
+    moving.static_set = select_elements(spots.model.static_set, {1});
     ASSERT_EQ(moving.count(), spots.model.count());
     const auto backend = make_cpu_backend();
     std::vector<View> views;
@@ -138,19 +139,23 @@ TEST(DynamicPromotion, WhatBecomesDynamicLooksAsItDid) {
 // Bugs put back, each seen to fail: those with the least gain; `least` not looked at.
 TEST(DynamicPromotion, AtMostSoManyAndOnlyWhereTheErrorJustifiesTheirBytes) {
   Contributions contributions;
-  contributions.squared_error = 100, contributions.samples = 100000;
+  contributions.squared_error = 100;
+  contributions.samples = 100000;
   contributions.sets[0].resize(6);
   const float gains[] = {3, 9, 0.5f, 7, 5, 8};
-  for (size_t n = 0; n < 6; ++n)
-    contributions.sets[0].change[n].gain = gains[n], contributions.sets[0].change[n].timesteps = 4;
+  for (size_t n = 0; n < 6; ++n) {
+    contributions.sets[0].change[n].gain = gains[n];
+    contributions.sets[0].change[n].timesteps = 4;
+  }
   contributions.sets[0].change[5].timesteps = 1;  // never seen twice
-  using Rows = std::vector<int64_t>;
-  EXPECT_EQ(time_varying_rows(contributions, 0, 10), (Rows{0, 1, 2, 3, 4}));
-  EXPECT_EQ(time_varying_rows(contributions, 0, 2), (Rows{1, 3})) << "the largest, ascending";
-  EXPECT_EQ(time_varying_rows(contributions, 4, 10), (Rows{1, 3, 4}));
-  EXPECT_EQ(time_varying_rows(contributions, 0, 0), Rows{});
-  EXPECT_EQ(time_varying_rows(contributions, 0, -3), Rows{});
-  EXPECT_EQ(time_varying_rows(contributions, 100, 10), Rows{});
+  using Elements = std::vector<int64_t>;
+  EXPECT_EQ(time_varying_elements(contributions, 0, 10), (Elements{0, 1, 2, 3, 4}));
+  EXPECT_EQ(time_varying_elements(contributions, 0, 2), (Elements{1, 3}))
+      << "the largest, ascending";
+  EXPECT_EQ(time_varying_elements(contributions, 4, 10), (Elements{1, 3, 4}));
+  EXPECT_EQ(time_varying_elements(contributions, 0, 0), Elements{});
+  EXPECT_EQ(time_varying_elements(contributions, 0, -3), Elements{});
+  EXPECT_EQ(time_varying_elements(contributions, 100, 10), Elements{});
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/sh_blocks.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/separate_backend.h"
 #include "tests/support/tiny_capture.h"
 
 namespace tessera::testing {
@@ -22,12 +23,22 @@ int64_t made_bytes(const GaussianModel& model) {
 TrainOptions thrifty_options() {
   TrainOptions options = tiny_options();
   options.iterations = options.schedule_iterations = 200;
-  options.init_points = 150, options.static_fraction = 0.4;
-  options.sh_degree = 2, options.sh_interval = 20, options.sh_time_degree = 0;
-  options.densify_from = 10, options.densify_until = 100, options.densify_interval = 15;
-  options.densify_threshold = 5e-5, options.peak_gaussians = 260;
-  options.size = "knee", options.decide_motion = true, options.decide_colour = true;
-  options.thin_rounds = 4, options.thin_until = 180, options.decide_interval = 30;
+  options.init_points = 150;
+  options.static_fraction = 0.4;
+  options.sh_degree = 2;
+  options.sh_interval = 20;
+  options.sh_time_degree = 0;
+  options.densify_from = 10;
+  options.densify_until = 100;
+  options.densify_interval = 15;
+  options.densify_threshold = 5e-5;
+  options.peak_gaussians = 260;
+  options.size = ModelSize::kKnee;
+  options.decide_motion = true;
+  options.decide_colour = true;
+  options.thin_rounds = 4;
+  options.thin_until = 180;
+  options.decide_interval = 30;
   options.look_frames = 12;
   return options;
 }
@@ -48,9 +59,11 @@ TEST(ModelReduction, DecidesAtItsSteps) {
   EXPECT_EQ(steps_of(*backend, options), (Steps{30, 60, 90, 101, 127, 153, 180}));
   options.static_only = true;
   EXPECT_EQ(steps_of(*backend, options), (Steps{101, 127, 153, 180}));
-  options.static_only = false, options.decide_motion = false, options.thin_rounds = 1;
+  options.static_only = false;
+  options.decide_motion = false;
+  options.thin_rounds = 1;
   EXPECT_EQ(steps_of(*backend, options), (Steps{101}));
-  options.size = "grown";
+  options.size = ModelSize::kGrown;
   EXPECT_EQ(steps_of(*backend, options), Steps{});
   EXPECT_TRUE(ModelReduction(*backend, options, made_bytes).has_pruned(0));
   for (const auto& [key, value] : {std::pair<const char*, OptionValue>{"max_bytes", 9},
@@ -78,11 +91,14 @@ struct Thrifty {
   std::unique_ptr<Validation> validation;
   std::unique_ptr<ModelReduction> reduction;
 
-  explicit Thrifty(const TrainOptions& options, std::optional<Checkpoint> from = {})
+  explicit Thrifty(const TrainOptions& options, std::optional<Checkpoint> from = {},
+                   Backend* backend = nullptr)
       : scene(tiny_capture()) {
     hold_out_validation(scene, options.validation_share, 1);
-    training = std::make_unique<Training>(
-        scene, options, from ? std::move(from->state) : first_state(scene, options));
+    TrainState state = from ? std::move(from->state) : first_state(scene, options);
+    training = backend != nullptr
+                   ? std::make_unique<Training>(scene, options, std::move(state), *backend)
+                   : std::make_unique<Training>(scene, options, std::move(state));
     validation = std::make_unique<Validation>(training->backend(), scene, options,
                                               from ? from->validation : ValidationRecord{});
     reduction = std::make_unique<ModelReduction>(training->backend(), options, made_bytes);
@@ -136,7 +152,9 @@ TEST(ModelReduction, TheLastRoundLeavesALittleMoreThanIsAskedFor) {
   TrainOptions options = thrifty_options();
   options.max_gaussians = 80;
   EXPECT_EQ(Thrifty(options).run(180).training->model().count(), 83) << "1.04 of it";
-  options.max_gaussians = 0, options.max_bytes = 5000, options.decide_motion = false;
+  options.max_gaussians = 0;
+  options.max_bytes = 5000;
+  options.decide_motion = false;
   const int64_t bytes = made_bytes(Thrifty(options).run(180).training->model());
   EXPECT_LE(bytes, 5200);
   EXPECT_GT(bytes, 5200 - 400);  // what is left differs from what went
@@ -145,7 +163,9 @@ TEST(ModelReduction, TheLastRoundLeavesALittleMoreThanIsAskedFor) {
 // Bug put back: 1 dB, whatever was asked for; seen to fail.
 TEST(ModelReduction, AFewDecibelsAreTakenFromWhatTheImagesPredict) {
   TrainOptions options = thrifty_options();
-  options.decide_motion = false, options.validation_share = 0.2, options.validate_interval = 20;
+  options.decide_motion = false;
+  options.validation_share = 0.2;
+  options.validate_interval = 20;
   const auto left = [&](double decibels) {
     options.within_db = decibels;
     const Thrifty run = std::move(Thrifty(options).run(101));
@@ -177,9 +197,21 @@ TEST(ModelReduction, DecidesOnceAtAStepAlsoAfterAResume) {
   EXPECT_TRUE(state_bits(late.training->state()) == state_bits(run.training->state()));
 }
 
+// Bug put back: images of the host handed to the stages; seen to fail.
+TEST(ModelReduction, IsTheSameInAMemoryOfItsOwn) {
+  const Thrifty here = std::move(Thrifty(thrifty_options()).run(200));
+  testing::SeparateBackend backend;
+  Thrifty separate(thrifty_options(), {}, &backend);
+  separate.run(200);
+  EXPECT_GT(here.training->model().static_set.count(), 0);
+  EXPECT_TRUE(state_bits(separate.training->state().clone_to(host_memory())) ==
+              state_bits(here.training->state()));
+  EXPECT_EQ(backend.strays, 0);
+}
+
 // E5. Bug put back: the goal not read from the checkpoint; seen to fail.
 TEST(ModelReduction, ResumeGoesOnBitForBit) {
-  for (const char* updates : {"dense", "skip"}) {
+  for (const IdleUpdate updates : {IdleUpdate::kDense, IdleUpdate::kSkip}) {
     TrainOptions options = thrifty_options();
     options.idle_updates = updates;
     const Thrifty whole = std::move(Thrifty(options).run(200));
@@ -188,7 +220,7 @@ TEST(ModelReduction, ResumeGoesOnBitForBit) {
       const Thrifty first = std::move(Thrifty(options).run(half));
       const Thrifty second = std::move(Thrifty(options, first.saved()).run(200));
       EXPECT_TRUE(state_bits(second.training->state()) == state_bits(whole.training->state()))
-          << updates << " from " << half;
+          << name_of(updates) << " from " << half;
     }
   }
 }
@@ -212,7 +244,7 @@ TEST(ModelReduction, NoGaussiansAreNothingToThin) {
   options.max_gaussians = 50;
   Thrifty run(options);
   run.run(100);
-  run.training->trainer().edit_on_host([](TrainState& state) {
+  run.training->trainer().edit([](TrainState& state) {
     for (int k = 0; k < 2; ++k) {
       state.set(k).resize(0);
       state.set(k).ensure_moments();
@@ -231,7 +263,7 @@ TEST(ModelReduction, OneTimestepDecidesNothingOfMotion) {
   capture.timesteps = 1;
   const Scene scene = tiny_capture(capture);
   TrainOptions options = thrifty_options();
-  options.size = "grown";
+  options.size = ModelSize::kGrown;
   Training training(scene, options);
   Validation validation(training.backend(), scene, options);
   ModelReduction reduction(training.backend(), options, made_bytes);

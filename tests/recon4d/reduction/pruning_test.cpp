@@ -1,5 +1,5 @@
 // What: the order in which Gaussians go, exact counts of those that are left, the knee of curves
-//       that are known, and rows that keep what is theirs.
+//       that are known, and elements that keep what is theirs.
 // Not: what a removal costs (contributions_test.cpp). Source: failure mode C13.
 #include "recon4d/reduction/pruning.h"
 
@@ -7,7 +7,6 @@
 
 #include <set>
 
-#include "recon4d/model/set_rows.h"
 #include "tests/recon4d/model/handmade_set.h"
 #include "tests/recon4d/model/plain_gaussians.h"
 
@@ -17,7 +16,8 @@ namespace {
 /// Contributions that state of every Gaussian what its removal adds; all have light.
 Contributions made_worth(const std::vector<float>& fixed, const std::vector<float>& moving = {}) {
   Contributions contributions;
-  contributions.squared_error = 1, contributions.samples = 3000;
+  contributions.squared_error = 1;
+  contributions.samples = 3000;
   for (int k = 0; k < 2; ++k) {
     const std::vector<float>& removal = k == 0 ? fixed : moving;
     contributions.sets[k].resize(int64_t(removal.size()));
@@ -43,15 +43,15 @@ std::vector<Removal> made_order(const Contributions& contributions) {
 // Bug put back: by error alone (a dynamic one frees more bytes); seen to fail.
 TEST(Thinning, TheCheapestByteGoesFirst) {
   const ByteRates rates;
-  EXPECT_GT(rates.of(true, 0), rates.of(false, 0));
-  EXPECT_NEAR(rates.of(false, 3) - rates.of(false, 0), 45 * rates.band, 1e-12);
+  EXPECT_GT(rates.bytes_of(true, 0), rates.bytes_of(false, 0));
+  EXPECT_NEAR(rates.bytes_of(false, 3) - rates.bytes_of(false, 0), 45 * rates.band, 1e-12);
   const Contributions contributions = made_worth({5, 1, 3}, {1.5f, 9});
   const std::vector<Removal> order = made_order(contributions);
   std::vector<float> errors;
   for (size_t i = 0; i < order.size(); ++i) {
     errors.push_back(float(order[i].error));
-    EXPECT_EQ(errors.back(), contributions.sets[order[i].set].removal2[size_t(order[i].row)]);
-    EXPECT_EQ(order[i].bytes, rates.of(order[i].set == 1, 0));
+    EXPECT_EQ(errors.back(), contributions.sets[order[i].set].removal2[size_t(order[i].element)]);
+    EXPECT_EQ(order[i].bytes, rates.bytes_of(order[i].set == 1, 0));
     if (i > 0) {
       EXPECT_LE(order[i - 1].error_per_byte(), order[i].error_per_byte());
     }
@@ -61,12 +61,12 @@ TEST(Thinning, TheCheapestByteGoesFirst) {
 }
 
 // Bug put back: by price alone; seen to fail.
-TEST(Thinning, EqualsGoInTheOrderOfRowsAndWhatHasNoLightFirst) {
+TEST(Thinning, EqualsGoInTheOrderOfElementsAndWhatHasNoLightFirst) {
   Contributions contributions = made_worth({2, 2, 0, 2, 0});
   contributions.sets[0].weight[4] = 0;
-  std::vector<int64_t> rows;
-  for (const Removal& removal : made_order(contributions)) rows.push_back(removal.row);
-  EXPECT_EQ(rows, (std::vector<int64_t>{4, 2, 0, 1, 3}));
+  std::vector<int64_t> elements;
+  for (const Removal& removal : made_order(contributions)) elements.push_back(removal.element);
+  EXPECT_EQ(elements, (std::vector<int64_t>{4, 2, 0, 1, 3}));
 }
 
 // C13. Bug put back: one more kept; seen to fail.
@@ -75,22 +75,23 @@ TEST(Thinning, LeavesExactlySoMany) {
   const GaussianModel model = made_model(contributions);
   const std::vector<Removal> order = removal_order(model, contributions);
   for (int64_t asked : {-5, -1, 0, 1, 2, 5, 10, 11, 12, 1000}) {
-    const KeptRows rows = kept_rows(model, order, asked);
-    const int64_t left = int64_t(rows.of[0].size() + rows.of[1].size());
+    const KeptElements elements = kept_elements(model, order, asked);
+    const int64_t left = int64_t(elements.set_elements[0].size() + elements.set_elements[1].size());
     EXPECT_EQ(left, std::clamp<int64_t>(asked, 0, 11)) << asked;
     std::set<std::pair<int, int64_t>> expected;
     for (int64_t i = 11 - left; i < 11; ++i)
-      expected.emplace(order[size_t(i)].set, order[size_t(i)].row);
+      expected.emplace(order[size_t(i)].set, order[size_t(i)].element);
     for (int k = 0; k < 2; ++k) {
-      EXPECT_TRUE(std::is_sorted(rows.of[k].begin(), rows.of[k].end()));
-      for (const int64_t row : rows.of[k]) EXPECT_EQ(expected.erase({k, row}), 1u);
+      EXPECT_TRUE(std::is_sorted(elements.set_elements[k].begin(), elements.set_elements[k].end()));
+      for (const int64_t element : elements.set_elements[k])
+        EXPECT_EQ(expected.erase({k, element}), 1u);
     }
     EXPECT_TRUE(expected.empty());
-    const GaussianModel thinned = with_rows(model, rows);
+    const GaussianModel thinned = with_elements(model, elements);
     EXPECT_EQ(thinned.count(), left);
-    EXPECT_EQ(thinned.static_set.count(), int64_t(rows.of[0].size()));
+    EXPECT_EQ(thinned.static_set.count(), int64_t(elements.set_elements[0].size()));
   }
-  EXPECT_THROW(kept_rows(model, made_order(made_worth({1, 2})), 1), std::logic_error);
+  EXPECT_THROW(kept_elements(model, made_order(made_worth({1, 2})), 1), std::logic_error);
 }
 
 // Bug put back: the point after the last of the most; seen to fail.
@@ -102,8 +103,8 @@ TEST(Thinning, TheKneeKeepsTheHalfThatDoesSomething) {
     const std::vector<Removal> order = made_order(contributions);
     const int64_t knee = knee_count(order, contributions);
     EXPECT_EQ(knee, 100) << each;
-    const KeptRows rows = kept_rows(made_model(contributions), order, knee);
-    for (const int64_t row : rows.of[0]) EXPECT_EQ(row % 2, 0);
+    const KeptElements elements = kept_elements(made_model(contributions), order, knee);
+    for (const int64_t element : elements.set_elements[0]) EXPECT_EQ(element % 2, 0);
   }
 }
 
@@ -150,7 +151,7 @@ TEST(Thinning, TheKneeOfWhatDoesNothingIsTheLeastShare) {
 // Bug put back: the price of the first that stays; seen to fail.
 TEST(Thinning, AByteIsWorthWhatTheLastOneGoneCost) {
   const std::vector<Removal> order = made_order(made_worth({1, 2, 4}));
-  const double bytes = ByteRates{}.of(false, 0);
+  const double bytes = ByteRates{}.bytes_of(false, 0);
   EXPECT_EQ(error_per_byte_at(order, 3), 0);
   EXPECT_EQ(error_per_byte_at(order, 9), 0);
   EXPECT_EQ(error_per_byte_at(order, 2), 1 / bytes);
@@ -158,71 +159,48 @@ TEST(Thinning, AByteIsWorthWhatTheLastOneGoneCost) {
   EXPECT_EQ(error_per_byte_at(order, 0), 4 / bytes);
 }
 
-/// All values and the optimizer state of a row, by group.
-std::vector<float> row_of(const GaussianSet& set, int64_t n) {
-  std::vector<float> row;
+/// All values and the optimizer state of an element, by group.
+std::vector<float> element_of(const GaussianSet& set, int64_t n) {
+  std::vector<float> element;
   for (int g = 0; g < set.groups(); ++g) {
     const ParameterGroup& group = set.group(Group(g));
     const int64_t width = set.width(Group(g));
     for (const Buffer<float>* values : {&group.value, &group.moment1, &group.moment2})
-      row.insert(row.end(), values->begin() + n * width, values->begin() + (n + 1) * width);
+      element.insert(element.end(), values->begin() + n * width, values->begin() + (n + 1) * width);
   }
-  return row;
+  return element;
 }
 
 // Bug put back: statistics begun anew, so that the next density control saw none; seen to fail.
-TEST(Thinning, RowsKeepTheirValuesTimestepsAndStatistics) {
+TEST(Thinning, ElementsKeepTheirValuesTimestepsAndStatistics) {
   for (const Form form : {Form::kPair, Form::kVelocity}) {
-    HandmadeSet fixed(Form::kStatic, 9), moving(form, 7);
+    HandmadeSet fixed(Form::kStatic, 9);
+    HandmadeSet moving(form, 7);
     const GaussianSet before[2] = {fixed.set.clone_to(host_memory()),
                                    moving.set.clone_to(host_memory())};
     TrainState state;
     state.iteration = 17;
-    state.model.static_set = std::move(fixed.set), state.model.dynamic_set = std::move(moving.set);
+    state.model.static_set = std::move(fixed.set);
+    state.model.dynamic_set = std::move(moving.set);
     state.statistics[0] = std::move(fixed.statistics);
     state.statistics[1] = std::move(moving.statistics);
-    const auto gathered = [](int k, int64_t row) { return float(100 * k + row + 1); };
+    const auto gathered = [](int k, int64_t element) { return float(100 * k + element + 1); };
     for (int k = 0; k < 2; ++k)
       for (int64_t n = 0; n < state.set(k).count(); ++n)
         state.statistics[k].count[n] = gathered(k, n);
-    const KeptRows rows{{{0, 3, 4, 8}, {1, 2, 6}}};
-    keep_rows(state, rows);
+    const KeptElements elements{{{0, 3, 4, 8}, {1, 2, 6}}};
+    keep_elements(*make_cpu_backend(), state, elements);
     for (int k = 0; k < 2; ++k) {
-      ASSERT_EQ(state.set(k).count(), int64_t(rows.of[k].size()));
+      ASSERT_EQ(state.set(k).count(), int64_t(elements.set_elements[k].size()));
       for (int64_t i = 0; i < state.set(k).count(); ++i)
-        EXPECT_EQ(row_of(state.set(k), i), row_of(before[k], rows.of[k][size_t(i)])) << k << i;
+        EXPECT_EQ(element_of(state.set(k), i),
+                  element_of(before[k], elements.set_elements[k][size_t(i)]))
+            << k << i;
       ASSERT_EQ(state.statistics[k].count.size(), state.set(k).count());
       for (int64_t i = 0; i < state.set(k).count(); ++i)
-        EXPECT_EQ(state.statistics[k].count[i], gathered(k, rows.of[k][size_t(i)]));
+        EXPECT_EQ(state.statistics[k].count[i], gathered(k, elements.set_elements[k][size_t(i)]));
     }
   }
-}
-
-// Bug put back: timesteps of the added ones copied from the first; seen to fail.
-TEST(SetRows, AddedRowsStandBehindWithoutTimesteps) {
-  HandmadeSet to(Form::kPair, 5), from(Form::kPair, 3);
-  const GaussianSet before = to.set.clone_to(host_memory());
-  append_rows(to.set, from.set);
-  ASSERT_EQ(to.set.count(), 8);
-  for (int64_t n = 0; n < 5; ++n) EXPECT_EQ(row_of(to.set, n), row_of(before, n));
-  for (int g = 0; g < to.set.groups(); ++g) {
-    const ParameterGroup &grown = to.set.group(Group(g)), &added = from.set.group(Group(g));
-    const int64_t first = 5 * to.set.width(Group(g));
-    ASSERT_EQ(grown.value.size(), first + added.value.size());
-    ASSERT_EQ(grown.moment1.size(), grown.value.size());
-    for (int64_t i = 0; i < added.value.size(); ++i) {
-      EXPECT_EQ(grown.value[first + i], added.value[i]);
-      EXPECT_EQ(grown.moment1[first + i], 0.0f);
-      EXPECT_EQ(grown.moment2[first + i], 0.0f);
-    }
-  }
-  HandmadeSet other(Form::kVelocity, 1);
-  EXPECT_THROW(append_rows(to.set, other.set), std::logic_error);
-  GaussianSet plain = empty_model().static_set.like();
-  plain = plain_set(plain, {{}});
-  append_rows(plain, plain_set(plain, {{}, {}}));
-  EXPECT_EQ(plain.count(), 3);
-  EXPECT_TRUE(plain.group(kMean).moment1.empty()) << "no optimizer state where there was none";
 }
 
 }  // namespace

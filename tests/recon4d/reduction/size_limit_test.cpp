@@ -23,15 +23,15 @@ struct Contracted {
     return fit_to_limit(limit, *backend, model, sample_training_frames(scene));
   }
   int64_t count(const SizeLimit& limit) const { return fitted(limit).count(); }
-  std::vector<RenderedImage> images(const GaussianModel& of, Split split) const {
-    FrameSample at;
-    at.scene = &scene;
-    for (const int i : scene.split_indices(split)) at.frames.push_back(i);
-    return images_of(of, at);
+  std::vector<RenderedImage> images(const GaussianModel& model, Split split) const {
+    FrameSample sample;
+    sample.scene = &scene;
+    for (const int i : scene.split_indices(split)) sample.frames.push_back(i);
+    return images_of(model, sample);
   }
 };
 
-/// Puts rows where no camera looks, too faint to be drawn, or no Gaussians at all.
+/// Puts elements where no camera looks, too faint to be drawn, or no Gaussians at all.
 int64_t hide(GaussianModel& model) {
   const GaussianSpans<float> fixed = model.static_set.values(), moving = model.dynamic_set.values();
   for (const int64_t n : {0, 7, 39}) fixed.at(kMean, n)[1] += 50;
@@ -59,7 +59,7 @@ TEST(SizeLimit, WhatNoTrainingFrameSeesGoesAndNoImageChanges) {
 }
 
 // A black Gaussian before black adds no error by going, but it is seen. Bug put back: equals of
-// price in the order of rows, seen or not; seen to fail.
+// price in the order of elements, seen or not; seen to fail.
 TEST(SizeLimit, WhatIsSeenStaysHoweverLittleItDoes) {
   Contracted c;
   c.model = empty_model();
@@ -88,7 +88,8 @@ TEST(SizeLimit, TheLargestFileThatFits) {
   };
   const int64_t all = limit.shipped_bytes(c.model);
   for (const int64_t bytes : {all, all - 1, all / 2, int64_t{400}}) {
-    limit.bytes = bytes, asked = 0;
+    limit.bytes = bytes;
+    asked = 0;
     const GaussianModel fitted = c.fitted(limit);
     EXPECT_LE(limit.shipped_bytes(fitted), bytes);
     EXPECT_GT(limit.shipped_bytes(fitted) + 50, bytes == all ? all : bytes) << fitted.count();

@@ -19,9 +19,9 @@ constexpr Form kForms[] = {Form::kPair, Form::kVelocity};
 DemotionTrial tried(const GaussianModel& model, double allowed, int rounds = 4) {
   const Scene scene = tiny_capture({6, 6, 24}, model);
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  const FrameSample at = sample_training_frames(scene);
-  return try_demotion(*backend, model, measure_contributions(*backend, model, at), at, allowed,
-                      rounds);
+  const FrameSample sample = sample_training_frames(scene);
+  return try_demotion(*backend, model, measure_contributions(*backend, model, sample), sample,
+                      allowed, rounds);
 }
 
 /// A static Gaussian below and these dynamic ones.
@@ -38,18 +38,22 @@ constexpr double kAllowed = 0.05;  // squared error; each of these adds at least
 TEST(StaticDemotion, WhatLastsAndDoesNotMoveIsAccepted) {
   const Plain still{{0, -0.4, 0}, {0.9, 0.4, 0.1}, 0.1, 0.8};
   Plain moves = still, half = still;
-  moves.speed = 1.2, moves.mean = {0.2, 0.3, 0.2};
-  half.mean_time = 0, half.sigma_time = 0.25, half.mean = {-0.2, 0.8, 0};
+  moves.speed = 1.2;
+  moves.mean = {0.2, 0.3, 0.2};
+  half.mean_time = 0;
+  half.sigma_time = 0.25;
+  half.mean = {-0.2, 0.8, 0};
   for (const Form form : kForms) {
     const DemotionTrial alone = tried(model_with(form, {still}), kAllowed);
-    EXPECT_EQ(alone.rows, (std::vector<int64_t>{0}));
+    EXPECT_EQ(alone.elements, (std::vector<int64_t>{0}));
     EXPECT_EQ(alone.demoted.count(), 1);
     EXPECT_LT(alone.error, 1e-3);
-    EXPECT_TRUE(tried(model_with(form, {half}), kAllowed).rows.empty()) << "there half the time";
+    EXPECT_TRUE(tried(model_with(form, {half}), kAllowed).elements.empty())
+        << "there half the time";
     if (form == Form::kPair) continue;
-    EXPECT_TRUE(tried(model_with(form, {moves}), kAllowed).rows.empty()) << "moves";
+    EXPECT_TRUE(tried(model_with(form, {moves}), kAllowed).elements.empty()) << "moves";
     const DemotionTrial all = tried(model_with(form, {moves, still, half, still}), kAllowed);
-    EXPECT_EQ(all.rows, (std::vector<int64_t>{1, 3})) << "told apart in one scene";
+    EXPECT_EQ(all.elements, (std::vector<int64_t>{1, 3})) << "told apart in one scene";
     EXPECT_EQ(all.demoted.count(), 2);
   }
 }
@@ -58,28 +62,30 @@ TEST(StaticDemotion, WhatLastsAndDoesNotMoveIsAccepted) {
 // one round, whatever is left; seen to fail.
 TEST(StaticDemotion, AChangeOfColourIsMotion) {
   Plain before{{0, 0.6, 0}, {0.9, 0.1, 0.1}, 0.12, 0.9, 0, 0.35}, after = before;
-  after.colour = {0.1, 0.2, 0.9}, after.mean_time = 1;
+  after.colour = {0.1, 0.2, 0.9};
+  after.mean_time = 1;
   const Plain still{{0, -0.3, 0}, {0.4, 0.8, 0.1}, 0.1, 0.8};
   for (const Form form : kForms)
-    EXPECT_EQ(tried(model_with(form, {before, still, after}), kAllowed).rows,
+    EXPECT_EQ(tried(model_with(form, {before, still, after}), kAllowed).elements,
               (std::vector<int64_t>{1}));
   // nobody moves, but the light does
   Plain dims = still;
-  dims.mean_time = -0.5, dims.sigma_time = 0.7;
-  EXPECT_TRUE(tried(model_with(Form::kPair, {dims}), kAllowed).rows.empty());
+  dims.mean_time = -0.5;
+  dims.sigma_time = 0.7;
+  EXPECT_TRUE(tried(model_with(Form::kPair, {dims}), kAllowed).elements.empty());
 }
 
-// Bug put back: rows without light tried; seen to fail.
+// Bug put back: elements without light tried; seen to fail.
 TEST(StaticDemotion, AcceptsWhatIsAllowedAndNothingUnseen) {
   const Plain lasting{{0, 0.5, 0}, {0.9, 0.4, 0.1}, 0.2, 0.8, 0.5, 1.5};  // fades by 5 %
   Plain unseen = lasting;
   unseen.mean = {0, 50, 0};
   const GaussianModel model = model_with(Form::kPair, {unseen, lasting});
   const DemotionTrial generous = tried(model, 1e6);
-  EXPECT_EQ(generous.rows, (std::vector<int64_t>{1}));
+  EXPECT_EQ(generous.elements, (std::vector<int64_t>{1}));
   EXPECT_GT(generous.error, 0);
-  EXPECT_EQ(tried(model, 1.01 * generous.error + 1e-6).rows, generous.rows);
-  EXPECT_TRUE(tried(model, 0.5 * generous.error).rows.empty());
+  EXPECT_EQ(tried(model, 1.01 * generous.error + 1e-6).elements, generous.elements);
+  EXPECT_TRUE(tried(model, 0.5 * generous.error).elements.empty());
   EXPECT_EQ(tried(model, 0.5 * generous.error).error, 0);
 }
 
@@ -91,7 +97,7 @@ TEST(StaticDemotion, TheErrorIsOfWhatIsLeft) {
   const GaussianModel model = model_with(Form::kPair, dynamic);
   const double all = tried(model, 1e6).error;
   const DemotionTrial one_round = tried(model, 0.25 * all, 1);
-  EXPECT_EQ(one_round.rows, (std::vector<int64_t>{1, 2, 3, 4}));
+  EXPECT_EQ(one_round.elements, (std::vector<int64_t>{1, 2, 3, 4}));
   EXPECT_LT(one_round.error, 0.1 * all);
 }
 
@@ -104,7 +110,8 @@ SetContributions at_timestep(const GaussianModel& model, float t) {
     GaussianState<float> g{};
     values.form == Form::kPair ? load_gaussian<Form::kPair>(values, n, g)
                                : load_gaussian<Form::kVelocity>(values, n, g);
-    contributions.weight[size_t(n)] = 1, contributions.mean_time[size_t(n)] = t;
+    contributions.weight[size_t(n)] = 1;
+    contributions.mean_time[size_t(n)] = t;
     contributions.opacity[size_t(n)] = g.opacity * slice_at(g.mean, g.spacetime, t).marginal;
   }
   return contributions;
@@ -131,7 +138,7 @@ TEST(StaticDemotion, TheStaticFormDrawsTheSliceAtItsTimestep) {
       }
 }
 
-// Bug put back: rows without light placed too; seen to fail.
+// Bug put back: elements without light placed too; seen to fail.
 TEST(StaticDemotion, WithoutLightItStaysWhereItsOwnTimestepHasIt) {
   const GaussianModel model = random_model(0, 5, 7, 4, Form::kVelocity);
   SetContributions contributions;

@@ -35,8 +35,12 @@ TEST(SceneScale, CamerasSeeTheSame) {
   frame.image = grey(10, 6, std::vector<uint8_t>(60, 9));
   frame.mask = grey(10, 6, std::vector<uint8_t>(60, 255));
   frame.mask.data[12] = 0;  // x 2, y 1
-  frame.camera.width = 10, frame.camera.height = 6;
-  frame.camera.fl_x = 8, frame.camera.fl_y = 9, frame.camera.cx = 5, frame.camera.cy = 2;
+  frame.camera.width = 10;
+  frame.camera.height = 6;
+  frame.camera.fl_x = 8;
+  frame.camera.fl_y = 9;
+  frame.camera.cx = 5;
+  frame.camera.cy = 2;
   scene.frames.push_back(frame);
   const Frame half = scaled_scene(scene, 0.5).frames[0];
   EXPECT_EQ(half.image.width, 5);

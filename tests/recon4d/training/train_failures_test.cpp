@@ -127,13 +127,14 @@ TEST(TrainFailures, AllPrunedOnTheWayTrainsOn) {
 TEST(TrainFailures, StopLeavesAConsistentState) {
   const Scene scene = tiny_capture();
   const TrainOptions options = tiny_options();
-  Training whole(scene, options), stopped(scene, options);
+  Training whole(scene, options);
+  Training stopped(scene, options);
   whole.run();
-  for (int64_t at : {0, 1, 7, 39}) {
-    const auto stop = [&] { return stopped.state().iteration >= at; };
+  for (int64_t step : {0, 1, 7, 39}) {
+    const auto stop = [&] { return stopped.state().iteration >= step; };
     stopped.run(options.iterations, stop);
-    EXPECT_EQ(stopped.state().iteration, at);
-    EXPECT_EQ(int64_t(stopped.steps().size()), at);
+    EXPECT_EQ(stopped.state().iteration, step);
+    EXPECT_EQ(int64_t(stopped.steps().size()), step);
     EXPECT_FALSE(stopped.state().finished);
     const ScratchFolder folder;
     save_checkpoint(folder / "stopped.ckpt", stopped.state(), options, {});

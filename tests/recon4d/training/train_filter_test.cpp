@@ -14,9 +14,10 @@
 namespace tessera::testing {
 namespace {
 
-TrainOptions filtered_options(const char* filter) {
+TrainOptions filtered_options(Filter3d filter) {
   TrainOptions options = tiny_options();
-  options.filter_3d = filter, options.filter_2d = true;
+  options.filter_3d = filter;
+  options.filter_2d = true;
   options.opacity_reset_interval = 15;
   return options;
 }
@@ -24,12 +25,12 @@ TrainOptions filtered_options(const char* filter) {
 // Bugs put back, each seen to fail: sizes not in the checkpoint; not permuted by `reorder`.
 TEST(TrainFilter, ResumeGoesOnBitForBit) {
   const Scene scene = tiny_capture();
-  for (const char* filter : {"mip", "clamp"}) {
+  for (const Filter3d filter : {Filter3d::kMip, Filter3d::kClamp}) {
     const TrainOptions options = filtered_options(filter);
     Training whole(scene, options);
     whole.run();
     for (const int64_t half : {10, 21}) {  // before a reordering; between two measurements
-      SCOPED_TRACE(std::string(filter) + std::to_string(half));
+      SCOPED_TRACE(std::string(name_of(filter)) + std::to_string(half));
       testing::expect_resumes(scene, options, half, whole, [](const TrainState& state) {
         EXPECT_TRUE(state.has_filter_sizes());
       });
@@ -55,7 +56,7 @@ TEST(TrainFilter, SizesAreReorderedWithTheSet) {
 // Bugs put back, each seen to fail: the model not baked where it is handed out; baked twice.
 TEST(TrainFilter, ModelsThatLeaveTheTrainerHaveItBakedIn) {
   const Scene scene = tiny_capture();
-  TrainOptions options = filtered_options("mip");
+  TrainOptions options = filtered_options(Filter3d::kMip);
   options.opacity_reset_interval = 0;  // nothing is faint
   Training training(scene, options);
   training.run(22);
@@ -93,14 +94,14 @@ float smallest_scale(const GaussianModel& model) {
 TEST(TrainFilter, NoGaussianIsFinerAtTheEnd) {
   const Scene scene = tiny_capture();
   for (const Frame& frame : scene.frames) ASSERT_LT(frame.camera.fl_x, 40);
-  TrainOptions options = filtered_options("none");
+  TrainOptions options = filtered_options(Filter3d::kNone);
   options.lr_scale = 0.1;  // fast enough to shrink below
   Training plain(scene, options);
   EXPECT_LT(smallest_scale(plain.run().model()), kSmallestFilter);
-  for (const char* filter : {"mip", "clamp"}) {
+  for (const Filter3d filter : {Filter3d::kMip, Filter3d::kClamp}) {
     options.filter_3d = filter;
     Training training(scene, options);
-    EXPECT_GT(smallest_scale(training.run().model()), kSmallestFilter) << filter;
+    EXPECT_GT(smallest_scale(training.run().model()), kSmallestFilter) << name_of(filter);
     EXPECT_FALSE(training.state().has_filter_sizes()) << "measured and used up";
   }
   Training raised(scene, options);
@@ -118,20 +119,21 @@ TEST(TrainFilter, NoGaussianIsFinerAtTheEnd) {
 // Bug put back: sizes left out by the trainer's reset; seen to fail.
 TEST(TrainFilter, ResetOpacityIsThatAfterTheFilter) {
   const Scene scene = tiny_capture();
-  TrainOptions options = filtered_options("mip");
+  TrainOptions options = filtered_options(Filter3d::kMip);
   options.lr_opacity = 0;
   Training training(scene, options);
   training.run(16);  // one step after the reset
   const GaussianModel model = baked_model(training.state(), options);
-  double above = 0, at = 0;  // of all: some were fainter already
+  double above = 0, limited = 0;  // of all: some were fainter already
   for (const GaussianSet* set : {&model.static_set, &model.dynamic_set})
     for (const float logit : set->group(kOpacityLogit).value) {
       const double opacity = 1 / (1 + std::exp(-double(logit)));
-      above += opacity > 0.011, at += std::abs(opacity - 0.01) < 1e-3;
+      above += opacity > 0.011;
+      limited += std::abs(opacity - 0.01) < 1e-3;
     }
   // at 0.01 but for one step of the scales
   EXPECT_EQ(above, 0);
-  EXPECT_GT(at, 0.8 * double(model.count()));
+  EXPECT_GT(limited, 0.8 * double(model.count()));
 }
 
 }  // namespace

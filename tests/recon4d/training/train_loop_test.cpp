@@ -32,10 +32,15 @@ double mean_loss(const Training& training, size_t begin, size_t end) {
 TrainOptions learning_options(double static_fraction) {
   TrainOptions options = tiny_options();
   options.iterations = options.schedule_iterations = 300;
-  options.batch = 4, options.init_points = 150;
+  options.batch = 4;
+  options.init_points = 150;
   options.static_fraction = static_fraction;
-  options.densify_from = 50, options.densify_until = 200, options.densify_interval = 50;
-  options.prune_large_from = 300, options.sh_degree = 1, options.sh_interval = 100;
+  options.densify_from = 50;
+  options.densify_until = 200;
+  options.densify_interval = 50;
+  options.prune_large_from = 300;
+  options.sh_degree = 1;
+  options.sh_interval = 100;
   return options;
 }
 
@@ -52,7 +57,9 @@ void expect_learns(const TinyCapture& capture, double static_fraction, double fl
 
 TEST(TrainLoop, StaticSceneIsLearnt) {
   TinyCapture still;
-  still.timesteps = 1, still.moving = false, still.cameras = 12;
+  still.timesteps = 1;
+  still.moving = false;
+  still.cameras = 12;
   expect_learns(still, 0, 38);
 }
 
@@ -67,7 +74,8 @@ TEST(TrainLoop, MixedSetsLearnTogether) {
 // Bug put back: std::rand() as the seed of the sampler; seen to fail. (C18)
 TEST(TrainLoop, SameSeedSameBytes) {
   const Scene scene = tiny_capture();
-  Training a(scene, tiny_options()), b(scene, tiny_options());
+  Training a(scene, tiny_options());
+  Training b(scene, tiny_options());
   EXPECT_TRUE(state_bits(a.run().state()) == state_bits(b.run().state()));
 }
 
@@ -75,7 +83,8 @@ TEST(TrainLoop, AnotherSeedAnotherModel) {
   const Scene scene = tiny_capture();
   TrainOptions other = tiny_options();
   other.seed = 2;
-  Training a(scene, tiny_options()), b(scene, other);
+  Training a(scene, tiny_options());
+  Training b(scene, other);
   EXPECT_NE(model_bits(a.run().model()), model_bits(b.run().model()));
 }
 
@@ -122,10 +131,12 @@ TEST(TrainLoop, ResumeGoesOnBitForBit) {
 // Bug put back: the loss gradient is not divided by the batch; seen to fail. (C16)
 TEST(TrainLoop, BatchOfEqualViewsIsOneView) {
   TinyCapture capture;
-  capture.cameras = 1, capture.timesteps = 1;
+  capture.cameras = 1;
+  capture.timesteps = 1;
   const Scene scene = tiny_capture(capture);
   TrainOptions single = tiny_options();
-  single.batch = 1, single.iterations = 1;
+  single.batch = 1;
+  single.iterations = 1;
   TrainOptions three = single;
   three.batch = 3;
   const auto oblong = [&](const TrainOptions& options) {  // a ball's rotation has no gradient
@@ -134,8 +145,10 @@ TEST(TrainLoop, BatchOfEqualViewsIsOneView) {
       state.model.static_set.values().at(kLogScale, n)[n % 3] += 0.5f;
     return state;
   };
-  Training a(scene, single, oblong(single)), b(scene, three, oblong(three));
-  a.run(), b.run();
+  Training a(scene, single, oblong(single));
+  Training b(scene, three, oblong(three));
+  a.run();
+  b.run();
   EXPECT_NEAR(a.steps()[0].loss, b.steps()[0].loss, 1e-7);
   // Adam's first step only keeps signs; its first moment is a tenth of the gradient
   const GaussianSet &x = a.model().static_set, &y = b.model().static_set;
@@ -172,7 +185,8 @@ Scene masked_capture(uint64_t seed) {
 TEST(TrainLoop, WhatMasksIgnoreChangesNoByte) {
   const Scene one = masked_capture(1), other = masked_capture(2);
   ASSERT_NE(one.frames[0].image.data, other.frames[0].image.data);
-  Training a(one, tiny_options()), b(other, tiny_options());
+  Training a(one, tiny_options());
+  Training b(other, tiny_options());
   EXPECT_TRUE(state_bits(a.run().state()) == state_bits(b.run().state()));
 }
 
@@ -184,17 +198,19 @@ TEST(TrainLoop, OneTimestepIsStatic) {
   const Scene scene = tiny_capture(still);
   TrainOptions options = tiny_options(), static_only = tiny_options();
   static_only.static_only = true;
-  Training a(scene, options), b(scene, static_only);
-  a.run(), b.run();
+  Training a(scene, options);
+  Training b(scene, static_only);
+  a.run();
+  b.run();
   EXPECT_EQ(a.model().dynamic_set.count(), 0);
   EXPECT_GT(a.model().static_set.count(), 0);
   EXPECT_TRUE(state_bits(a.state()) == state_bits(b.state()));
 
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   const Camera& camera = scene.frames[0].camera;
-  const std::vector<RenderedImage> at =
+  const std::vector<RenderedImage> drawn =
       render_views(*backend, a.model(), {{camera, 0}, {camera, 0.7}});
-  EXPECT_EQ(at[0].rgb, at[1].rgb);
+  EXPECT_EQ(drawn[0].rgb, drawn[1].rgb);
 }
 
 }  // namespace

@@ -20,10 +20,10 @@ const glm::dvec3 kRareAt(0, 5, 0);  // far above what the others look at
 
 Camera camera_of(int index) {
   const bool rare = index % (kViews / kRare) == 0;
-  const glm::dvec3 at = rare ? kRareAt : glm::dvec3(0, 0, 0);
+  const glm::dvec3 target = rare ? kRareAt : glm::dvec3(0, 0, 0);
   const double angle = 0.7 * index;
-  return look_at(at + glm::dvec3(4 * std::cos(angle), 0.3 * (index % 3), 4 * std::sin(angle)), at,
-                 kSize, kSize, 1.4 * kSize);
+  return look_at(target + glm::dvec3(4 * std::cos(angle), 0.3 * (index % 3), 4 * std::sin(angle)),
+                 target, kSize, kSize, 1.4 * kSize);
 }
 
 /// The tiny capture's still blobs, and the first of them once more at kRareAt.
@@ -51,7 +51,8 @@ struct RareCapture {
 
   RareCapture() {
     const GaussianModel model = truth();
-    scene.path = "rare", scene.is_static = true;
+    scene.path = "rare";
+    scene.is_static = true;
     std::vector<View> views;
     for (int i = 0; i < kViews; ++i) {
       views.push_back({camera_of(i), 0});
@@ -61,7 +62,8 @@ struct RareCapture {
     const std::vector<RenderedImage> images = render_views(*backend, model, views);
     for (size_t i = 0; i < views.size(); ++i) {
       Frame frame;
-      frame.camera = views[i].camera, frame.name = std::to_string(i);
+      frame.camera = views[i].camera;
+      frame.name = std::to_string(i);
       frame.image = quantise(images[i].planar(), kSize, kSize);
       scene.frames.push_back(std::move(frame));
     }

@@ -35,7 +35,7 @@ struct Diary final : Observer {
   }
 };
 
-/// Density control of `at` happens after step `at` was reported.
+/// Density control of a step happens after that step was reported.
 std::vector<std::string> expected_lines(int64_t steps, const std::vector<int64_t>& density) {
   std::vector<std::string> lines;
   for (int64_t i = 1; i <= steps; ++i) {
@@ -83,7 +83,7 @@ TEST(TrainReports, TheBackendIsAskedOnlyWhenTheNextForwardIsUnderWay) {
     if (calls[i] != "outcome") continue;
     ++outcomes;
     late += calls[i - 1] == "project";
-    const bool pause = i + 1 == calls.size() || calls[i + 1] == "select_rows";
+    const bool pause = i + 1 == calls.size() || calls[i + 1] == "select_elements";
     EXPECT_TRUE(calls[i - 1] == "project" || pause) << "call " << i;
   }
   EXPECT_EQ(outcomes, 8);
@@ -96,7 +96,8 @@ TEST(TrainReports, SecondsAddUpToTheTimeOfRun) {
   Diary diary;
   Trainer trainer(*backend, scene, tiny_options(), first_state(scene, tiny_options()), diary);
   const auto begin = std::chrono::steady_clock::now();
-  trainer.run(15), trainer.run(30);
+  trainer.run(15);
+  trainer.run(30);
   const double wall =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_NEAR(trainer.state().seconds, diary.seconds, 1e-9);

@@ -70,7 +70,8 @@ TEST(CameraRig, ParallelAxesHaveAFocusAhead) {
 // Bug put back: an extent of 0 is kept, so that log(0.01·E) splits and prunes all; seen to fail.
 TEST(CameraRig, OneCameraOneFrameTrains) {
   TinyCapture capture;
-  capture.cameras = 1, capture.timesteps = 1;
+  capture.cameras = 1;
+  capture.timesteps = 1;
   const Scene scene = tiny_capture(capture);
   EXPECT_EQ(make_camera_rig(scene.training_cameras()).extent, 1);
   for (bool alpha : {true, false}) {

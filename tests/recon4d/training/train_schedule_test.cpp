@@ -56,7 +56,7 @@ TEST(TrainSchedule, TheFilterIsMeasuredAfterDensityControlAndOnFromItsEnd) {
   TrainOptions options;
   const auto measures = [](const Schedule& s, int64_t i) { return s.measure_filter(i); };
   EXPECT_TRUE(steps_of(options, measures).empty());
-  for (const char* filter : {"mip", "clamp"}) {
+  for (const Filter3d filter : {Filter3d::kMip, Filter3d::kClamp}) {
     options.filter_3d = filter;
     std::vector<int64_t> expected = every(100, 600, 29900);
     expected.insert(expected.begin(), 0);
@@ -151,6 +151,7 @@ TEST(TrainSchedule, LearningRatesOfTheMethod) {
     EXPECT_EQ(drifting.group[kLogScaleTime].step_size, adam.group[kLogScaleTime].step_size);
     const AdamGroups<float> still = schedule.adam(i, Form::kStatic);
     EXPECT_EQ(still.group[kMean].step_size, adam.group[kMean].step_size);
+    EXPECT_NEAR(schedule.exposure_rate(i), 0.01 * std::pow(0.01, u), 1e-15);
   }
   EXPECT_NEAR(rate(schedule.adam(29999, Form::kStatic).group[kMean], 29999), 1.6e-6 * kExtent,
               1e-11);
@@ -211,7 +212,8 @@ TEST(BatchSampler, EachPermutationCoversAll) {
 }
 
 TEST(BatchSampler, PermutationsAndSeedsDiffer) {
-  BatchSampler a(20, 1), b(20, 2);
+  BatchSampler a(20, 1);
+  BatchSampler b(20, 2);
   const std::vector<int64_t> first = a.next(20);
   EXPECT_NE(first, a.next(20)) << "another permutation in the next epoch";
   EXPECT_NE(first, b.next(20)) << "another permutation for another seed";
@@ -228,7 +230,8 @@ TEST(BatchSampler, EveryFrameComesFirstEquallyOften) {
 
 TEST(BatchSampler, RestoreContinuesExactly) {
   for (int64_t stop : {0, 1, 6, 7, 8, 13, 14, 30}) {  // 7 frames: also at the end of an epoch
-    BatchSampler whole(7, 5), rest(7, 5);
+    BatchSampler whole(7, 5);
+    BatchSampler rest(7, 5);
     whole.next(stop);
     rest.restore(whole.epoch(), whole.position());
     EXPECT_EQ(rest.next(20), whole.next(20)) << stop;

@@ -67,7 +67,8 @@ TEST_P(Separate, TrainsAsOnTheHost) {
   EXPECT_TRUE(trainer.host_state().finished);
   EXPECT_TRUE(model_bits(trainer.host_model()) == model_bits(host.model()));
   EXPECT_EQ(backend.strays, 0) << "spans of the host's memory reached the backend";
-  EXPECT_TRUE(backend.own.holds(trainer.state().model.static_set.group(kMean).value.data()));
+  EXPECT_TRUE(
+      backend.separate_memory.holds(trainer.state().model.static_set.group(kMean).value.data()));
 }
 
 TEST_P(Separate, CheckpointsOfItGoOnOnTheHost) {
@@ -95,9 +96,9 @@ TEST(SeparateMemoryTest, AllOfItIsGivenBack) {
     Observer silent;
     Trainer trainer(backend, scene, tiny_options(), first_state(scene, tiny_options()), silent);
     trainer.run(10);
-    EXPECT_GT(backend.own.buffers(), 40);
+    EXPECT_GT(backend.separate_memory.buffers(), 40);
   }
-  EXPECT_EQ(backend.own.buffers(), 0);
+  EXPECT_EQ(backend.separate_memory.buffers(), 0);
 }
 
 /// Pauses cost one download, however often the state is asked for.
@@ -108,9 +109,10 @@ TEST(SeparateMemoryTest, TheHostsCopyIsMadeOnce) {
   Trainer trainer(backend, scene, tiny_options(), first_state(scene, tiny_options()), silent);
   trainer.run(10);
   trainer.host_state();
-  const int64_t copies = backend.own.copies;
-  trainer.host_state(), trainer.host_model();
-  EXPECT_EQ(backend.own.copies, copies);
+  const int64_t copies = backend.separate_memory.copies;
+  trainer.host_state();
+  trainer.host_model();
+  EXPECT_EQ(backend.separate_memory.copies, copies);
 }
 
 // Bug put back: refresh() does nothing; seen to fail.
@@ -130,20 +132,21 @@ TEST(SeparateRenderer, UploadsOnceAndWhenTold) {
   SeparateBackend backend;
   Renderer renderer(backend, model);
   expect_equal(renderer.render(views), before);
-  const int64_t copies = backend.own.copies;
+  const int64_t copies = backend.separate_memory.copies;
   for (float& value : model.static_set.group(kSh).value) value += 0.3f;
   expect_equal(renderer.render(views), before);
-  EXPECT_EQ(backend.own.copies, copies + 2) << "colour and transmittance of the whole batch";
+  EXPECT_EQ(backend.separate_memory.copies, copies + 2)
+      << "colour and transmittance of the whole batch";
   renderer.refresh();
   const std::vector<RenderedImage> after = render_views(*cpu, model, views);
   EXPECT_FALSE(after[0].rgb == before[0].rgb);
   expect_equal(renderer.render(views), after);
 
-  const GaussianModel there = model.clone_values(backend.own);
-  const int64_t buffers = backend.own.buffers();
+  const GaussianModel copied = model.clone_values(backend.separate_memory);
+  const int64_t buffers = backend.separate_memory.buffers();
   {
-    Renderer direct(backend, there);
-    EXPECT_EQ(backend.own.buffers(), buffers) << "a set that is there is not copied";
+    Renderer direct(backend, copied);
+    EXPECT_EQ(backend.separate_memory.buffers(), buffers) << "a set that is there is not copied";
     expect_equal(direct.render(views), after);
   }
 }
@@ -154,13 +157,13 @@ TEST(SeparateSets, CopiesKeepMomentsWhenAsked) {
   Training training(scene, options);
   training.run(5);
   SeparateBackend backend;
-  const TrainState there = training.state().clone_to(backend.own);
-  EXPECT_TRUE(state_bits(there.clone_to(host_memory())) == state_bits(training.state()));
-  EXPECT_TRUE(there.model.static_set.has_moments());
-  const GaussianModel values = there.model.clone_values();
+  const TrainState copied = training.state().clone_to(backend.separate_memory);
+  EXPECT_TRUE(state_bits(copied.clone_to(host_memory())) == state_bits(training.state()));
+  EXPECT_TRUE(copied.model.static_set.has_moments());
+  const GaussianModel values = copied.model.clone_values();
   EXPECT_FALSE(values.static_set.has_moments());
   EXPECT_TRUE(model_bits(values) == model_bits(training.model()));
-  GaussianSet bare = training.model().static_set.clone_values(backend.own);
+  GaussianSet bare = training.model().static_set.clone_values(backend.separate_memory);
   EXPECT_THROW(bare.ensure_moments(), std::logic_error);
 }
 

@@ -17,7 +17,8 @@ namespace {
 GaussianModel late_truth(const TinyCapture& capture) {
   GaussianModel truth = tiny_truth(capture);
   const GaussianSpans<float> v = truth.dynamic_set.values();
-  *v.at(kMeanTime, 1) = 1, *v.at(kLogScaleTime, 1) = std::log(0.12f);
+  *v.at(kMeanTime, 1) = 1;
+  *v.at(kLogScaleTime, 1) = std::log(0.12f);
   return truth;
 }
 
@@ -37,7 +38,8 @@ PointCloud points_of(const GaussianModel& truth, const std::vector<double>& mome
           for (int k = 0; k < 3; ++k)
             p[k] =
                 v.at(kMean, n)[k] + float(random.uniform(-1, 1)) * std::exp(v.at(kLogScale, n)[k]);
-          cloud.position.push_back(p), cloud.time.push_back(float(t));
+          cloud.position.push_back(p);
+          cloud.time.push_back(float(t));
           std::array<uint8_t, 3> colour;
           for (int k = 0; k < 3; ++k)
             colour[size_t(k)] = uint8_t(255 * (0.5 + kSh0 * v.at(kSh, n)[k]));
@@ -50,9 +52,11 @@ PointCloud points_of(const GaussianModel& truth, const std::vector<double>& mome
 TrainOptions short_training(int64_t iterations) {
   TrainOptions options = tiny_options();
   options.iterations = options.schedule_iterations = iterations;
-  options.densify_until = 2 * iterations / 3, options.densify_interval = 20,
+  options.densify_until = 2 * iterations / 3;
+  options.densify_interval = 20;
   options.densify_from = 40;
-  options.init_points = 120, options.static_fraction = 0.3;
+  options.init_points = 120;
+  options.static_fraction = 0.3;
   return options;
 }
 
@@ -92,7 +96,8 @@ TEST(TrainStarts, PointsOfAllMomentsBeatTheFirstAndThatBeatsNone) {
 // Bug put back: frames of the first two cameras alone are drawn; seen to fail.
 TEST(TrainStarts, MoreCamerasAreBetterAndTwoAreEnoughToFinish) {
   TinyCapture capture;
-  capture.cameras = 17, capture.size = 24;
+  capture.cameras = 17;
+  capture.size = 24;
   const Scene full = tiny_capture(capture);
   const auto last = full.frames.end() - capture.timesteps;
   const std::vector<Frame> held_out(last, full.frames.end());

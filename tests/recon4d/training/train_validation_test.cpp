@@ -59,7 +59,10 @@ TEST(SetAside, SpreadsOverCamerasAndMoments) {
     std::map<int, int> of_camera, of_moment;
     const std::vector<int> frames = aside_frames(bare_scene(kCameras, kMoments), 0.2, seed);
     EXPECT_EQ(frames.size(), 20u);
-    for (int i : frames) ++of_camera[i / kMoments], ++of_moment[i % kMoments];
+    for (int i : frames) {
+      ++of_camera[i / kMoments];
+      ++of_moment[i % kMoments];
+    }
     for (int c = 0; c < kCameras; ++c) EXPECT_TRUE(of_camera[c] >= 3 && of_camera[c] <= 5);
     for (int m = 0; m < kMoments; ++m) EXPECT_LE(of_moment[m], 2) << m;
     EXPECT_EQ(of_moment[0] + of_moment[kMoments - 1], 0) << "ends are extrapolated to";
@@ -172,7 +175,8 @@ TEST(ValidationRecord, ComesBackWhole) {
 /// held out.
 Scene noisy_capture() {
   TinyCapture capture;
-  capture.cameras = 4, capture.timesteps = 6;
+  capture.cameras = 4;
+  capture.timesteps = 6;
   Scene scene = tiny_capture(capture);
   add_noise(scene, 40, 5);
   for (size_t i = 0; i < 6; ++i) scene.frames[i].split = Split::kTest;
@@ -182,17 +186,26 @@ Scene noisy_capture() {
 TrainOptions long_options() {
   TrainOptions options = tiny_options();
   options.iterations = options.schedule_iterations = 1200;
-  options.init_points = 150, options.static_fraction = 0, options.max_gaussians = 600;
-  options.densify_from = 60, options.densify_until = 600, options.densify_interval = 30;
-  options.densify_threshold = 1e-4, options.prune_large_from = 1200;
-  options.sh_interval = 120, options.reorder_interval = 0;
-  options.validation_share = 0.2, options.validate_interval = 30, options.stop_patience = 5;
+  options.init_points = 150;
+  options.static_fraction = 0;
+  options.max_gaussians = 600;
+  options.densify_from = 60;
+  options.densify_until = 600;
+  options.densify_interval = 30;
+  options.densify_threshold = 1e-4;
+  options.prune_large_from = 1200;
+  options.sh_interval = 120;
+  options.reorder_interval = 0;
+  options.validation_share = 0.2;
+  options.validate_interval = 30;
+  options.stop_patience = 5;
   return options;
 }
 
 double test_psnr(Backend& backend, const GaussianModel& model, const Scene& scene) {
   EvaluateOptions options;
-  options.structure = StructureDetail::kNone, options.temporal = false;
+  options.structure = StructureDetail::kNone;
+  options.temporal = false;
   return evaluate(backend, model, scene, Split::kTest, options).all.psnr.value();
 }
 
@@ -205,8 +218,8 @@ TEST(Stopping, EndsAtThePeakThatATrainingWithoutItLeaves) {
   Training training(scene, options);
   TrainOptions endless = options;
   endless.stop_patience = 0;
-  Validation whole(training.backend(), scene, endless),
-      stopping(training.backend(), scene, options);
+  Validation whole(training.backend(), scene, endless);
+  Validation stopping(training.backend(), scene, options);
   // the curve of the test camera is read afterwards only; both trainings take the same steps
   std::vector<double> curve;
   double stopped_psnr = 0;
@@ -269,7 +282,9 @@ TEST(Stopping, NeverReadsTheTestSplit) {
 
 TrainOptions checked_options() {
   TrainOptions options = tiny_options();
-  options.validation_share = 0.25, options.validate_interval = 4, options.stop_patience = 8;
+  options.validation_share = 0.25;
+  options.validate_interval = 4;
+  options.stop_patience = 8;
   return options;
 }
 
@@ -314,7 +329,9 @@ class ValidationOn : public testing::EveryBackend {};
 TEST_P(ValidationOn, ChecksDoNotChangeTheTraining) {
   Scene scene = tiny_capture();
   TrainOptions options = checked_options();
-  options.deterministic = true, options.idle_updates = "skip", options.stop_patience = 0;
+  options.deterministic = true;
+  options.idle_updates = IdleUpdate::kSkip;
+  options.stop_patience = 0;
   hold_out_validation(scene, options.validation_share, 1);
   Training unchecked(scene, options, testing::first_state(scene, options), backend());
   unchecked.run(24);

@@ -21,9 +21,9 @@
 #include "static3d/formats/frame_sequence.h"
 #include "static3d/formats/splat_file.h"
 #include "static3d/tessera4d/tessera4d.h"
-#include "static3d/transform/lift.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
+#include "tests/support/lift.h"
 
 namespace tessera::testing {
 namespace {
@@ -107,7 +107,7 @@ TEST(FormatModes, E1FramesLookLikeTheModel) {
   for (const auto& [name, format] : all_formats()) {
     if (!format.is_read) continue;
     SCOPED_TRACE(name);
-    model.sh_degree = name == "splat" ? 0 : 3;
+    model.drawing.sh_degree = name == "splat" ? 0 : 3;
     export_sequence(model, folder / name, times, format);
     double worst = 0;
     for (size_t i = 0; i < times.size(); ++i) {
@@ -155,7 +155,7 @@ TEST(FormatModes, E2ASecondExportIsTheSame) {
   for (const auto& [name, format] : all_formats()) {
     if (!format.is_read) continue;
     SCOPED_TRACE(name);
-    model.sh_degree = name == "splat" ? 0 : 3;
+    model.drawing.sh_degree = name == "splat" ? 0 : 3;
     const RenderedImage expected = render_one(model, view);
     save_splat_file(format, folder / fmt::format("0{}", format.extension), model.static_set, 3);
     std::string before = read_text_file(folder / fmt::format("0{}", format.extension));
@@ -200,9 +200,9 @@ int64_t non_finite_of_glb(const std::string& bytes) {
   uint32_t text = 0;
   std::memcpy(&text, bytes.data() + 12, 4);
   int64_t count = 0;
-  for (size_t at = 20 + text + 8; at + 4 <= bytes.size(); at += 4) {
+  for (size_t position = 20 + text + 8; position + 4 <= bytes.size(); position += 4) {
     float value = 0;
-    std::memcpy(&value, bytes.data() + at, 4);
+    std::memcpy(&value, bytes.data() + position, 4);
     count += !std::isfinite(value);
   }
   return count;

@@ -102,7 +102,7 @@ TEST(Ply3dgs, WritesTheSameBytesAfterARoundTrip) {
     EXPECT_EQ(save_splat_file(splat_format("ply"), folder / "b.ply", read.set, degree), 0);
     EXPECT_EQ(read_bytes(folder / "a.ply"), read_bytes(folder / "b.ply"));
     GaussianModel cut = clone(model);
-    cut.sh_degree = degree;
+    cut.drawing.sh_degree = degree;
     expect_same_image(render_one(static_model(cut, read.set.clone_values()), three_views()[0]),
                       render_one(cut, three_views()[0]));
   }
@@ -143,11 +143,13 @@ TEST(Ply3dgs, AnEmptySetIsAFile) {
 
 /// A camera that sees the middle of a set from three times its spread away.
 View view_of(const GaussianSet& set) {
-  glm::dvec3 sum(0), square(0);
+  glm::dvec3 sum(0);
+  glm::dvec3 square(0);
   for (int64_t n = 0; n < set.count(); ++n) {
     const float* const m = set.values().at(kMean, n);
     const glm::dvec3 p(m[0], m[1], m[2]);
-    sum += p / double(set.count()), square += p * p / double(set.count());
+    sum += p / double(set.count());
+    square += p * p / double(set.count());
   }
   const glm::dvec3 variance = square - sum * sum;
   const double spread = std::sqrt(variance.x + variance.y + variance.z);
@@ -162,8 +164,8 @@ void expect_foreign_file_renders(const std::filesystem::path& path, int64_t coun
   for (size_t i = 0; i < warnings.size(); ++i)
     EXPECT_NE(read.warnings[i].find(warnings[i]), std::string::npos) << read.warnings[i];
   GaussianModel model;
-  model.sh_degree = read.sh_degree;
-  model.near_plane = 1e-3;
+  model.drawing.sh_degree = read.sh_degree;
+  model.drawing.near_plane = 1e-3;
   const View view = view_of(read.set);
   model.static_set = std::move(read.set);
   EXPECT_GT(coverage(render_one(model, view)), 0.02) << path;
@@ -183,7 +185,8 @@ TEST(Ply3dgs, ReadsCompressedFiles) {
 
 RenderedImage shown(const GaussianSet& set, int sh_degree, const View& view) {
   GaussianModel model;
-  model.sh_degree = sh_degree, model.near_plane = 1e-3;
+  model.drawing.sh_degree = sh_degree;
+  model.drawing.near_plane = 1e-3;
   model.static_set = set.clone_values();
   return render_one(model, view);
 }
@@ -211,7 +214,8 @@ double range_of(const GaussianSet& set, Group group, int k, int64_t begin, int64
   float low = INFINITY, high = -INFINITY;
   for (int64_t n = begin; n < end; ++n) {
     const float x = set.values().at(group, n)[k];
-    low = std::min(low, x), high = std::max(high, x);
+    low = std::min(low, x);
+    high = std::max(high, x);
   }
   return double(high) - double(low);
 }

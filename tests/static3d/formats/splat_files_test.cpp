@@ -35,8 +35,10 @@ struct Quanta {
 /// Of two quaternions, of which q and −q are the same.
 double distance(const float* p, const float* q) {
   double plus = 0, minus = 0;
-  for (int k = 0; k < 4; ++k)
-    plus += std::pow(double(p[k]) + q[k], 2), minus += std::pow(double(p[k]) - q[k], 2);
+  for (int k = 0; k < 4; ++k) {
+    plus += std::pow(double(p[k]) + q[k], 2);
+    minus += std::pow(double(p[k]) - q[k], 2);
+  }
   return std::sqrt(std::min(plus, minus));
 }
 
@@ -128,7 +130,8 @@ TEST(SplatFiles, HoldWhatIsExtreme) {
   const ScratchFolder folder;
   GaussianSet set = set_to_write(4);
   const GaussianSpans<float> values = set.values();
-  *values.at(kOpacityLogit, 0) = 40, *values.at(kOpacityLogit, 1) = -40;
+  *values.at(kOpacityLogit, 0) = 40;
+  *values.at(kOpacityLogit, 1) = -40;
   for (int k = 0; k < 4; ++k) values.at(kRotation, 2)[k] = k == 1 ? -1.0f : 0.0f;
   for (int k = 0; k < 3; ++k) values.at(kSh, 3)[k] = k == 0 ? 5.0f : -5.0f;
   values.at(kMean, 3)[0] = -2000.5f;
@@ -335,7 +338,7 @@ TEST(SplatFiles, OfOtherWritersAreAllRead) {
     ASSERT_TRUE(counts.contains(name));
     const SplatFile read = load_splat_file(entry.path());
     EXPECT_EQ(read.set.count(), counts.at(name));
-    EXPECT_EQ(valid_rows(read.set).size(), size_t(read.set.count()));
+    EXPECT_EQ(valid_elements(read.set).size(), size_t(read.set.count()));
   }
   expect_input_error([&] { load_splat_file(folder / "small/minimal.ksplat"); },
                      {"minimal.ksplat", "splat-transform"});
@@ -347,7 +350,8 @@ TEST(SplatFiles, ASplatFileOfOthersIsSeen) {
   SplatFile read = load_splat_file(path);
   EXPECT_TRUE(read.warnings.empty());
   GaussianModel model = random_model(0, 0);
-  model.static_set = std::move(read.set), model.sh_degree = 0;
+  model.static_set = std::move(read.set);
+  model.drawing.sh_degree = 0;
   EXPECT_GT(coverage(render_one(model, three_views()[0])), 0.05);
 }
 

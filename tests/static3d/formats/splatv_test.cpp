@@ -83,7 +83,10 @@ int64_t nearest(const GaussianSet& slice, const double (&mean)[3]) {
   for (int64_t n = 0; n < slice.count(); ++n) {
     const float* const m = slice.values().at(kMean, n);
     const double distance = std::hypot(m[0] - mean[0], m[1] - mean[1], m[2] - mean[2]);
-    if (distance < least) least = distance, best = n;
+    if (distance < least) {
+      least = distance;
+      best = n;
+    }
   }
   return best;
 }

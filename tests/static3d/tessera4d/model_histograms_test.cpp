@@ -36,7 +36,8 @@ TEST(ModelHistograms, DegreesAreThoseThatHoldSomething) {
   const ModelHistograms histograms = histograms_of(model);
   EXPECT_EQ(histograms.static_degrees, (std::array<int64_t, 4>{0, 1, 2, 1}));
   EXPECT_EQ(histograms.dynamic_degrees, (std::array<int64_t, 4>{3, 0, 0, 1}));
-  model.sh_degree = 1, model.sh_time_degree = 1;  // the last band and the last level are not active
+  model.drawing.sh_degree = 1;
+  model.drawing.sh_time_degree = 1;  // the last band and the last level are not active
   EXPECT_EQ(histograms_of(model).static_degrees, (std::array<int64_t, 4>{1, 3, 0, 0}));
   EXPECT_EQ(histograms_of(model).dynamic_degrees, (std::array<int64_t, 4>{4, 0, 0, 0}));
 }
@@ -49,7 +50,8 @@ TEST(ModelHistograms, ExtentsAreOfWhatIsDrawn) {
   const double extents[] = {1e-6, 0.003, 0.004, 1.5, 100, 0.3};
   const GaussianSpans<float> set = model.dynamic_set.values();
   for (int64_t n = 0; n < 6; ++n) {
-    *set.at(kMeanTime, n) = 0.5f, *set.at(kOpacityLogit, n) = 2;
+    *set.at(kMeanTime, n) = 0.5f;
+    *set.at(kOpacityLogit, n) = 2;
     *set.at(kLogScaleTime, n) = float(std::log(extents[n]));
   }
   *set.at(kMeanTime, 5) = 3;  // far behind the clip
@@ -59,7 +61,7 @@ TEST(ModelHistograms, ExtentsAreOfWhatIsDrawn) {
   GaussianModel pairs = clone(model);
   pairs.dynamic_set = in_form(model.dynamic_set, Form::kPair);
   EXPECT_EQ(histograms_of(pairs).extents, histograms.extents);
-  model.time_filter = 0.3 * 0.3;
+  model.drawing.time_filter = 0.3 * 0.3;
   EXPECT_EQ(histograms_of(model).extents,
             (std::array<int64_t, 12>{0, 0, 0, 0, 0, 0, 0, 3, 0, 1, 0, 1}));
   const nlohmann::json json = to_json(histograms, model.time_axis)["temporal_extents"];

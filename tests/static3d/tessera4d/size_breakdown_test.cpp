@@ -13,7 +13,7 @@
 namespace tessera::testing {
 namespace {
 
-int64_t of(const ComponentBytes& set, Component component) {
+int64_t bytes_of(const ComponentBytes& set, Component component) {
   return set.bytes[size_t(component)];
 }
 
@@ -53,11 +53,12 @@ TEST(SizeBreakdown, BandsThatAreZeroCostTheColourAlone) {
   const GaussianSpans<float> set = model.static_set.values();
   for (int64_t n = 0; n < set.count; ++n) std::fill_n(set.at(kSh, n) + 3, 45, 0.0f);
   const SizeBreakdown plain = shipped_size(model).account;
-  EXPECT_LT(of(plain.fixed, Component::kColour), of(full.fixed, Component::kColour) / 5);
-  EXPECT_EQ(of(plain.moving, Component::kColour), of(full.moving, Component::kColour));
+  EXPECT_LT(bytes_of(plain.fixed, Component::kColour),
+            bytes_of(full.fixed, Component::kColour) / 5);
+  EXPECT_EQ(bytes_of(plain.moving, Component::kColour), bytes_of(full.moving, Component::kColour));
   for (Component other :
        {Component::kMeans, Component::kRotations, Component::kScales, Component::kOpacity})
-    EXPECT_EQ(of(plain.fixed, other), of(full.fixed, other)) << component_name(other);
+    EXPECT_EQ(bytes_of(plain.fixed, other), bytes_of(full.fixed, other)) << component_name(other);
 }
 
 // Bug put back: levels of time counted with the colour; seen to fail.
@@ -72,7 +73,7 @@ TEST(SizeBreakdown, MemoryIsTheValuesOfEveryGroup) {
                                    kFloat * 4 * 8 * 3);
     EXPECT_EQ(account.container, 0);
     const auto scalars = [](const ComponentBytes& set, Component component) {
-      return of(set, component) / (kFloat * set.count);
+      return bytes_of(set, component) / (kFloat * set.count);
     };
     for (const ComponentBytes* set : {&account.fixed, &account.moving}) {
       EXPECT_EQ(scalars(*set, Component::kMeans), 3);

@@ -91,7 +91,9 @@ TEST_F(SpoiltFile, WhatNewerWritersAddIsSkipped) {
   edit([](json& m) {
     m["mood"] = "blue";
     json added = m["blocks"][0]["streams"][0];
-    added["name"] = "glow", added["type"] = "f16", added["codec"] = "brotli";
+    added["name"] = "glow";
+    added["type"] = "f16";
+    added["codec"] = "brotli";
     m["blocks"][0]["streams"].push_back(added);
   });
   EXPECT_EQ(load_tessera4d(folder_.path()).model.static_set.count(), file_.static_count);
@@ -139,7 +141,8 @@ TEST_F(SpoiltFile, SingleFiles) {
   single_refused(bytes.substr(0, 40), {"scene.t4d", "cut off"});
   single_refused(bytes.substr(0, bytes.size() - 5), {"scene.t4d", "cut off"});
   std::string future = bytes, broken = bytes;
-  future[4] = 9, broken[20] = '}';
+  future[4] = 9;
+  broken[20] = '}';
   single_refused(future, {"version 9"});
   single_refused(broken, {"scene.t4d", "not valid JSON"});
 }
@@ -155,9 +158,11 @@ TEST_F(SpoiltFile, FloatsThatAreNotFiniteAreLeftOut) {
     json& logit = stream(m, 0, "opacity_logit");
     planes = gunzip(
         std::string_view(file_.blocks[0].second).substr(logit["offset"], logit["bytes"]), 80, "x");
-    planes[40 + 3] = char(0xc0), planes[60 + 3] = char(0x7f);  // a NaN
+    planes[40 + 3] = char(0xc0);
+    planes[60 + 3] = char(0x7f);  // a NaN
     const std::string packed = gzip(planes);
-    logit["offset"] = file_.blocks[0].second.size(), logit["bytes"] = packed.size();
+    logit["offset"] = file_.blocks[0].second.size();
+    logit["bytes"] = packed.size();
     file_.blocks[0].second += packed;
     m["blocks"][0]["bytes"] = file_.blocks[0].second.size();
     m["blocks"][0]["crc32"] = crc32_of(file_.blocks[0].second);

@@ -70,7 +70,7 @@ GaussianSet drawn_rows(const GaussianModel& model) {
     if (drawn_in_clip(*set.at(kMeanTime, n), *set.at(kLogScaleTime, n),
                       sigmoid(double(*set.at(kOpacityLogit, n))), model.cutoff<double>()))
       rows.push_back(n);
-  return select_rows(model.dynamic_set, rows);
+  return select_elements(model.dynamic_set, rows);
 }
 
 View view_at(double time) {
@@ -92,11 +92,11 @@ TEST(Tessera4d, WithoutLossEveryGaussianIsBitEqual) {
   const GaussianSet drawn = drawn_rows(model);
   ASSERT_LT(drawn.count(), model.dynamic_set.count());  // some never are
   EXPECT_EQ(sorted_rows(read.model.dynamic_set), sorted_rows(drawn));
-  EXPECT_EQ(read.model.sh_degree, model.sh_degree);
+  EXPECT_EQ(read.model.drawing.sh_degree, model.drawing.sh_degree);
   EXPECT_EQ(read.model.background, model.background);
   EXPECT_EQ(read.model.time_axis.duration, model.time_axis.duration);
-  EXPECT_EQ(read.model.near_plane, model.near_plane);
-  EXPECT_EQ(read.model.far_plane, model.far_plane);
+  EXPECT_EQ(read.model.drawing.near_plane, model.drawing.near_plane);
+  EXPECT_EQ(read.model.drawing.far_plane, model.drawing.far_plane);
 }
 
 // Bug put back: quaternions not made of length 1 before their largest part is left out; seen to
@@ -138,7 +138,7 @@ class Steps : public ::testing::Test {
     block_ = encode_block(drawn, rules);
     read_ = decode_block(block_.bytes, block_.info, 3, true, "block");
     const GaussianSet floats = decode_of(encode_block(drawn, {true, 3, rules.cutoff}));
-    truth_ = select_rows(floats, matching(floats));
+    truth_ = select_elements(floats, matching(floats));
   }
   static GaussianSet decode_of(const Block& block) {
     return decode_block(block.bytes, block.info, 3, false, "block");
@@ -199,7 +199,7 @@ TEST_F(Steps, ValuesAreOffByHalfAStepAtMost) {
 TEST_F(Steps, PathsStayWithinAStepWhereverTheyAreDrawn) {
   const double q = step("position");
   for (int64_t n = 0; n < read_.count(); ++n) {
-    const auto at = [&](const GaussianSet& set, double t, int k) {
+    const auto mean_at = [&](const GaussianSet& set, double t, int k) {
       return double(set.values().at(kMean, n)[k]) +
              double(set.values().at(kVelocity, n)[k]) *
                  (t - double(*set.values().at(kMeanTime, n)));
@@ -210,7 +210,7 @@ TEST_F(Steps, PathsStayWithinAStepWhereverTheyAreDrawn) {
     if (!drawn) continue;
     for (double t : {drawn->low, (drawn->low + drawn->high) / 2, drawn->high})
       for (int k = 0; k < 3; ++k)
-        EXPECT_NEAR(at(read_, t, k), at(truth_, t, k), q + 1e-5) << n << " at " << t;
+        EXPECT_NEAR(mean_at(read_, t, k), mean_at(truth_, t, k), q + 1e-5) << n << " at " << t;
   }
 }
 
@@ -236,15 +236,18 @@ TEST(Tessera4d, BlocksOfATimestepHoldAllThatIsDrawnThen) {
   for (int i = 0; i <= 40; ++i) {
     const double t = i / 40.0;
     GaussianModel part = clone(whole);
-    part.static_set.resize(0), part.dynamic_set.resize(0);
+    part.static_set.resize(0);
+    part.dynamic_set.resize(0);
     int64_t drawn = 0, blocks = 0;
     for (size_t b = 0; b < info.blocks.size(); ++b) {
       const BlockInfo& block = info.blocks[b];
       if (t < block.visible.low || t > block.visible.high) continue;
       GaussianSet set = decode_block(file.blocks[b].second, block, 3, true, "block");
       (block.moving ? part.dynamic_set : part.static_set) = std::move(set);
-      drawn += Slicer(part).at(t).count(), ++blocks;
-      part.static_set.resize(0), part.dynamic_set.resize(0);
+      drawn += Slicer(part).at(t).count();
+      ++blocks;
+      part.static_set.resize(0);
+      part.dynamic_set.resize(0);
     }
     EXPECT_EQ(drawn, Slicer(whole).at(t).count()) << t;
     most_blocks = std::max(most_blocks, blocks);
@@ -293,9 +296,9 @@ TEST(Tessera4d, ASingleFileHoldsTheSame) {
 // Bug put back: the temporal filter forgotten; seen to fail.
 TEST(Tessera4d, TheTemporalFilterIsPartOfTheScale) {
   GaussianModel model = clip_model();
-  model.time_filter = 4e-4;
+  model.drawing.time_filter = 4e-4;
   const Tessera4dInput read = through_folder(model, lossless());
-  EXPECT_EQ(read.model.time_filter, 0);
+  EXPECT_EQ(read.model.drawing.time_filter, 0);
   for (double time : {0.3, 0.7})
     expect_same_image(render_one(read.model, view_at(time)), render_one(model, view_at(time)));
 }
@@ -358,7 +361,7 @@ TEST(Tessera4d, AModelWithoutMotionIsOneBlock) {
 TEST(Tessera4d, RigAndWorldTravel) {
   GaussianModel model = random_model(10, 10);
   model.prepared_from_source = {2, glm::dmat3{1.0}, {1, 2, 3}};
-  model.filter_2d = true;
+  model.drawing.filter_2d = true;
   Tessera4dOptions options;
   options.cameras = {{"cam07", view_at(0).camera}};
   options.fps = 30;
@@ -375,7 +378,7 @@ TEST(Tessera4d, RigAndWorldTravel) {
   EXPECT_TRUE(manifest["splat"]["compensated"]);
   const Tessera4dInput read = through_folder(model, options);
   EXPECT_EQ(read.model.prepared_from_source, model.prepared_from_source);
-  EXPECT_TRUE(read.model.filter_2d);
+  EXPECT_TRUE(read.model.drawing.filter_2d);
 }
 
 }  // namespace

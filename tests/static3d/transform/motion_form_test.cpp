@@ -6,11 +6,11 @@
 
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_file.h"
-#include "static3d/transform/lift.h"
 #include "static3d/transform/slicer.h"
 #include "static3d/transform/world_change.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
+#include "tests/support/lift.h"
 
 namespace tessera::testing {
 namespace {

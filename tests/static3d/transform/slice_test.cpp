@@ -2,9 +2,9 @@
 // Not: the slice's formula (tests/kernels). Failure modes A6, B13, C14, C15, E1.
 #include "kernels/math/eigen3.h"
 #include "kernels/math/rotation3.h"
-#include "static3d/transform/lift.h"
 #include "static3d/transform/slicer.h"
 #include "tests/recon4d/model/small_models.h"
+#include "tests/support/lift.h"
 
 namespace tessera::testing {
 namespace {
@@ -71,7 +71,7 @@ TEST(Slice, RendersAsTheModelDoesAtEveryTime) {
 TEST(Slice, RendersAsTheModelDoesWithATimeFilter) {
   GaussianModel model = random_model(40, 60);
   for (float& s : model.dynamic_set.group(kLogScaleTime).value) s -= 1;
-  model.time_filter = 0.03;
+  model.drawing.time_filter = 0.03;
   expect_slices_as_rendered(model);
 }
 
@@ -160,9 +160,9 @@ TEST(Render, ADegreeIsTheSameAsZeroHigherBands) {
   for (int degree = 0; degree < 3; ++degree) {
     GaussianModel full = random_model(30, 30);
     GaussianModel zeroed = clone(full), cut = clone(full);
-    full.sh_degree = degree;
+    full.drawing.sh_degree = degree;
     const int kept = sh_coefficients(degree);
-    cut.static_set = GaussianSet(Form::kStatic, kept),
+    cut.static_set = GaussianSet(Form::kStatic, kept);
     cut.dynamic_set = GaussianSet(Form::kPair, kept);
     for (int s = 0; s < 2; ++s) {
       GaussianSet& zero = s == 0 ? zeroed.static_set : zeroed.dynamic_set;

@@ -41,7 +41,9 @@ json scene(const std::string& name) {
 
 ImageRequest request(BenchImage kind, const std::string& name) {
   ImageRequest request;
-  request.kind = kind, request.stem = "chart_" + name, request.emphasised = "balanced";
+  request.kind = kind;
+  request.stem = "chart_" + name;
+  request.emphasised = "balanced";
   request.published = {{{"name", "a \"method\""},
                         {"scene", name},
                         {"psnr", 26.5},

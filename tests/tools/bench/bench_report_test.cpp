@@ -1,5 +1,5 @@
-// What: results of cells → points, CSV and tables; which records of a cell are believed.
-// Not: running cells (cli_chart_test.cpp).
+// What: results of runs → points, CSV and tables; which records of a run are believed.
+// Not: running runs (cli_chart_test.cpp).
 #include "tools/bench/report.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "tests/support/scratch_folder.h"
-#include "tools/bench/cell.h"
+#include "tools/bench/run.h"
 #include "tools/bench/table_text.h"
 
 namespace tessera {
@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-json cell(const char* label, int64_t iterations, int64_t seed, double psnr, double seconds) {
+json run(const char* label, int64_t iterations, int64_t seed, double psnr, double seconds) {
   return {{"scene", "lego"},
           {"split", "val"},
           {"label", label},
@@ -30,16 +30,15 @@ json cell(const char* label, int64_t iterations, int64_t seed, double psnr, doub
 
 /// Three seeds of one point, one of them failed; two more points.
 json some_cells() {
-  json cells = {cell("fast", 100, 1, 20, 2), cell("fast", 100, 2, 22, 4),
-                cell("fast", 100, 3, 99, 9), cell("fast", 900, 1, 25, 20),
-                cell("best", 900, 1, 25.5, 200)};
-  cells[2]["status"] = "failed";
-  cells[2]["error"] = "step 7: loss is not finite, \"mean\"";
-  cells[2].erase("metrics");
-  return cells;
+  json runs = {run("fast", 100, 1, 20, 2), run("fast", 100, 2, 22, 4), run("fast", 100, 3, 99, 9),
+               run("fast", 900, 1, 25, 20), run("best", 900, 1, 25.5, 200)};
+  runs[2]["status"] = "failed";
+  runs[2]["error"] = "step 7: loss is not finite, \"mean\"";
+  runs[2].erase("metrics");
+  return runs;
 }
 
-// Bug put back: failed cells counted in n; seen to fail.
+// Bug put back: failed runs counted in n; seen to fail.
 TEST(BenchReport, PointsAreMediansOverSeeds) {
   const json scenes = bench_points(some_cells());
   ASSERT_EQ(scenes.size(), 1u);
@@ -55,10 +54,10 @@ TEST(BenchReport, PointsAreMediansOverSeeds) {
 
 // Bug put back: quotes of a field not doubled; seen to fail.
 TEST(BenchReport, CsvHasALineAPoint) {
-  json cells = some_cells();
-  cells[3]["device"] = "a \"big\", fast card";
-  json scenes = bench_points(cells);
-  mark_frontier(scenes);
+  json runs = some_cells();
+  runs[3]["device"] = "a \"big\", fast card";
+  json scenes = bench_points(runs);
+  mark_pareto_front(scenes);
   const std::string csv = csv_of(scenes);
   EXPECT_TRUE(csv.starts_with("scene,split,label,iterations,n,psnr,psnr_least,psnr_most,ssim"))
       << csv;
@@ -72,12 +71,12 @@ TEST(BenchReport, CsvHasALineAPoint) {
       << "as many fields as headings, and a comma in \"cpu, 2 threads\"";
 }
 
-// Bug put back: every step of a curve keeps the cell's own iterations; seen to fail.
+// Bug put back: every step of a curve keeps the run's own iterations; seen to fail.
 TEST(BenchReport, AStepOfACurveIsAPoint) {
-  json whole = cell("fast", 900, 1, 25, 20);
+  json whole = run("fast", 900, 1, 25, 20);
   whole["curve"] = {{{"iteration", 100}, {"seconds", 2}, {"psnr", 20}, {"ssim", 0.5}},
                     {{"iteration", 900}, {"seconds", 20}, {"psnr", 25}, {"ssim", 0.7}}};
-  const json scenes = bench_points(curve_cells(json::array({whole})));
+  const json scenes = bench_points(curve_runs(json::array({whole})));
   ASSERT_EQ(scenes[0]["points"].size(), 2u);
   EXPECT_EQ(scenes[0]["points"][0]["iterations"], 100);
   EXPECT_EQ(scenes[0]["points"][0]["metrics"]["psnr"]["median"], 20);
@@ -86,9 +85,10 @@ TEST(BenchReport, AStepOfACurveIsAPoint) {
 
 // Bug put back: the published figures of another scene are taken; seen to fail.
 TEST(BenchReport, ATableHasThePublishedRowBeside) {
-  json cells = {cell("faster-gs", 900, 1, 25.125, 123.4), cell("yang4d", 900, 1, 24, 50)};
-  cells[0]["row"] = "faster-gs", cells[1]["row"] = "yang4d";
-  json scenes = bench_points(cells);
+  json runs = {run("faster-gs", 900, 1, 25.125, 123.4), run("yang4d", 900, 1, 24, 50)};
+  runs[0]["row"] = "faster-gs";
+  runs[1]["row"] = "yang4d";
+  json scenes = bench_points(runs);
   add_published(scenes, bench_table("dnerf"));
   const std::string text = tables_text(scenes, {"psnr", "ssim", "seconds", "bytes"});
   for (const char* part :
@@ -101,51 +101,54 @@ TEST(BenchReport, ATableHasThePublishedRowBeside) {
 
 // Bug put back: scenes are summed, not averaged; seen to fail.
 TEST(BenchReport, SeveralScenesHaveAMean) {
-  json cells = {cell("fast", 9, 1, 20, 2), cell("best", 9, 1, 30, 2), cell("fast", 9, 1, 26, 2)};
-  cells[2]["scene"] = "mic";
-  const std::string text = tables_text(bench_points(cells), {"psnr"});
+  json runs = {run("fast", 9, 1, 20, 2), run("best", 9, 1, 30, 2), run("fast", 9, 1, 26, 2)};
+  runs[2]["scene"] = "mic";
+  const std::string text = tables_text(bench_points(runs), {"psnr"});
   EXPECT_NE(text.find("**mean of 2 scenes** (of their medians)"), std::string::npos) << text;
   EXPECT_NE(text.find("| fast | 9 | 23.00 |"), std::string::npos) << text;
   EXPECT_EQ(text.find("| best |"), text.rfind("| best |")) << "not of both scenes:\n" << text;
 }
 
 // Bug put back: a result of any fingerprint is believed; seen to fail.
-TEST(BenchCell, OnlyAWholeResultOfTheSameCellIsBelieved) {
+TEST(BenchRun, OnlyAWholeResultOfTheSameCellIsBelieved) {
   const testing::ScratchFolder folder;
-  BenchCell wanted;
-  wanted.scene.name = "lego", wanted.scene.split = "val", wanted.scene.fingerprint = "abc";
+  BenchRun wanted;
+  wanted.scene.name = "lego";
+  wanted.scene.split = "val";
+  wanted.scene.fingerprint = "abc";
   wanted.label = "fast";
-  const json described = describe_cell(wanted);
-  const auto status = [&] { return recorded_cell(folder.path(), described)["status"]; };
+  const json described = describe_run(wanted);
+  const auto status = [&] { return recorded_run(folder.path(), described)["status"]; };
   EXPECT_EQ(status(), "missing");
-  const auto file = cell_folder(folder.path(), wanted) / "result.json";
+  const auto file = folder_of_run(folder.path(), wanted) / "result.json";
   make_folder(file.parent_path());
   json result = described;
-  result["status"] = "done", result["metrics"] = {{"psnr", 20}};
+  result["status"] = "done";
+  result["metrics"] = {{"psnr", 20}};
   write_text_file(file, result.dump());
   EXPECT_EQ(status(), "done");
-  EXPECT_EQ(recorded_cell(folder.path(), described)["metrics"]["psnr"], 20);
+  EXPECT_EQ(recorded_run(folder.path(), described)["metrics"]["psnr"], 20);
   write_text_file(file, result.dump().substr(0, 50));
   EXPECT_EQ(status(), "missing") << "cut off";
   result["fingerprint"] = "of something else";
   write_text_file(file, result.dump());
-  EXPECT_EQ(status(), "missing") << "another cell's";
+  EXPECT_EQ(status(), "missing") << "another run's";
 }
 
 // Bug put back: the split left out of the fingerprint; seen to fail.
-TEST(BenchCell, TheFingerprintKnowsWhatTheResultDependsOn) {
-  const BenchCell cell;
+TEST(BenchRun, TheFingerprintKnowsWhatTheResultDependsOn) {
+  const BenchRun run;
   const auto changed = [&](auto change) {
-    BenchCell other;
+    BenchRun other;
     change(other);
-    return cell_fingerprint(other) != cell_fingerprint(cell);
+    return run_fingerprint(other) != run_fingerprint(run);
   };
-  EXPECT_TRUE(changed([](BenchCell& c) { c.options.lr_sh *= 2; }));
-  EXPECT_TRUE(changed([](BenchCell& c) { c.scene.fingerprint = "x"; }));
-  EXPECT_TRUE(changed([](BenchCell& c) { c.scene.split = "val"; }));
-  EXPECT_TRUE(changed([](BenchCell& c) { c.at = {10}; }));
-  EXPECT_TRUE(changed([](BenchCell& c) { c.scales = {2}; }));
-  EXPECT_FALSE(changed([](BenchCell& c) { c.row = "full"; })) << "tables share cells";
+  EXPECT_TRUE(changed([](BenchRun& c) { c.options.lr_sh *= 2; }));
+  EXPECT_TRUE(changed([](BenchRun& c) { c.scene.fingerprint = "x"; }));
+  EXPECT_TRUE(changed([](BenchRun& c) { c.scene.split = "val"; }));
+  EXPECT_TRUE(changed([](BenchRun& c) { c.score_at = {10}; }));
+  EXPECT_TRUE(changed([](BenchRun& c) { c.scales = {2}; }));
+  EXPECT_FALSE(changed([](BenchRun& c) { c.row = "full"; })) << "tables share cells";
 }
 
 }  // namespace

@@ -34,10 +34,11 @@ TEST(BenchSpread, WhatIsNotFiniteDoesNotCount) {
 // Bug put back: points as good as a faster one stay; seen to fail.
 TEST(BenchFrontier, KeepsWhatNoOtherBeats) {
   //            0: slow, best   1: fastest   2: beaten by 3   3         4: as good as 3, slower
-  EXPECT_EQ(frontier_of({{100, 30}, {1, 20}, {20, 24}, {10, 25}, {12, 25}}), (Indices{1, 3, 0}));
-  EXPECT_EQ(frontier_of({{5, 20}, {5, 22}, {5, 22}}), (Indices{1})) << "equal: the first";
-  EXPECT_EQ(frontier_of({{1, 30}, {10, 20}}), (Indices{0})) << "the fastest is the best";
-  EXPECT_TRUE(frontier_of({}).empty());
+  EXPECT_EQ(pareto_front_of({{100, 30}, {1, 20}, {20, 24}, {10, 25}, {12, 25}}),
+            (Indices{1, 3, 0}));
+  EXPECT_EQ(pareto_front_of({{5, 20}, {5, 22}, {5, 22}}), (Indices{1})) << "equal: the first";
+  EXPECT_EQ(pareto_front_of({{1, 30}, {10, 20}}), (Indices{0})) << "the fastest is the best";
+  EXPECT_TRUE(pareto_front_of({}).empty());
 }
 
 // Bug put back: seconds on a linear axis, which gives point 2; seen to fail.

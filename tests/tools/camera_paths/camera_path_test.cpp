@@ -23,8 +23,12 @@ const dvec3 kUp = kTurn[2];
 
 Camera lens() {
   Camera camera;
-  camera.width = 64, camera.height = 48, camera.fl_x = 70, camera.fl_y = 71;
-  camera.cx = 31, camera.cy = 25;
+  camera.width = 64;
+  camera.height = 48;
+  camera.fl_x = 70;
+  camera.fl_y = 71;
+  camera.cx = 31;
+  camera.cy = 25;
   return camera;
 }
 
@@ -103,9 +107,13 @@ TEST(CameraPath, OrbitWithoutARigSeesTheWholeSphere) {
 // reach squared.
 TEST(CameraPath, SpiralStaysWithinTheRigAndCloses) {
   const std::vector<Camera> rig = ring(9, 6, 0.4, -0.5, 0.5);
-  dvec3 mean(0.0), high(0.0), forward(0.0);
-  for (const Camera& camera : rig)
-    mean += camera.position() / 9.0, forward += forward_of(camera) / 9.0;
+  dvec3 mean(0.0);
+  dvec3 high(0.0);
+  dvec3 forward(0.0);
+  for (const Camera& camera : rig) {
+    mean += camera.position() / 9.0;
+    forward += forward_of(camera) / 9.0;
+  }
   const dmat3 axes = camera_at(mean, mean + forward, kUp).cam_from_world;
   for (const Camera& camera : rig) {
     const dvec3 offset = glm::abs(axes * (camera.position() - mean));

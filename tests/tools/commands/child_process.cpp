@@ -83,7 +83,8 @@ ChildResult ChildProcess::wait() {
   ChildResult result;
   if (WIFEXITED(*status_)) result.exit_code = WEXITSTATUS(*status_);
   if (WIFSIGNALED(*status_)) result.signal = WTERMSIG(*status_);
-  result.out = read_text_file(out_), result.err = read_text_file(err_);
+  result.out = read_text_file(out_);
+  result.err = read_text_file(err_);
   return result;
 }
 

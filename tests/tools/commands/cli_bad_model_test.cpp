@@ -51,15 +51,15 @@ class CliBadModel : public ::testing::Test {
 };
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const size_t at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+  const size_t position = text.find(from);
+  EXPECT_NE(position, std::string::npos) << from;
+  return position == std::string::npos ? text : text.replace(position, from.size(), to);
 }
 
 /// An .spz with other numbers in its header: bytes 4 to 7 the version, 8 to 11 the count.
-std::string spz_with(const std::string& file, size_t at, uint32_t number) {
+std::string spz_with(const std::string& file, size_t position, uint32_t number) {
   std::string bytes = gunzip(file, 1 << 24, "frame.spz");
-  std::memcpy(bytes.data() + at, &number, sizeof number);
+  std::memcpy(bytes.data() + position, &number, sizeof number);
   return gzip(bytes);
 }
 
@@ -94,8 +94,8 @@ TEST_F(CliBadModel, IsNoModel) {
 // Seen to fail with the version of a model not compared.
 TEST_F(CliBadModel, IsOfTheFuture) {
   const std::string model = whole("model");
-  refused("model.ply", replaced(model, "tessera_4d_version 1", "tessera_4d_version 9"),
-          {"version 9", "reads 1", "use the program"});
+  refused("model.ply", replaced(model, "tessera_4d_version 2", "tessera_4d_version 9"),
+          {"version 9", "reads 2", "use the program"});
   refused("a.spz", spz_with(whole("spz"), 4, 9), {"version 9", "2, 3 and 4", "convert"});
   const std::string checkpoint = work.read("run/checkpoint.ckpt");
   std::string later = checkpoint;
@@ -124,8 +124,8 @@ TEST_F(CliBadModel, IsCutOff) {
 TEST_F(CliBadModel, PromisesMoreThanItHas) {
   const auto with_count = [&](const std::string& format, const std::string& count) {
     const std::string bytes = whole(format), element = "element vertex ";
-    const size_t at = bytes.find(element) + element.size();
-    return std::string(bytes).replace(at, bytes.find('\n', at) - at, count);
+    const size_t position = bytes.find(element) + element.size();
+    return std::string(bytes).replace(position, bytes.find('\n', position) - position, count);
   };
   for (const char* count : {"4294967296", "9223372036854775807"})
     for (const char* format : {"ply", "compressed", "model"})
@@ -140,8 +140,8 @@ TEST_F(CliBadModel, PromisesMoreThanItHas) {
 
 // What is looked at: HostileFiles.NumbersOfAModelAreFinite, which was seen to fail.
 TEST_F(CliBadModel, HoldsNaN) {
-  refused("model.ply", replaced(whole("model"), "comment clip_planes ", "comment clip_planes nan "),
-          {"clip_planes", "export again"});
+  refused("model.ply", replaced(whole("model"), "comment near_plane ", "comment near_plane nan "),
+          {"near_plane", "export again"});
   std::string ply = whole("ply");
   const float nan = NAN;
   std::memcpy(ply.data() + ply.find("end_header\n") + 11, &nan, sizeof nan);

@@ -118,7 +118,7 @@ TEST_F(CliTrainings, AKilledOneGoesOnWithWhatIsLeft) {
   const ChildResult plot =
       work.run({"bench", "--chart", "--plot", "-o", work.at("out")});  // works at any time
   EXPECT_EQ(plot.exit_code, 0) << plot.err;
-  EXPECT_NE(plot.err.find("cells are not run yet"), std::string::npos) << plot.err;
+  EXPECT_NE(plot.err.find("runs are not done yet"), std::string::npos) << plot.err;
   ASSERT_EQ(work.run(longer).exit_code, 0);
   EXPECT_EQ(results().size(), 4u);
   for (const auto& [file, time] : first) EXPECT_EQ(results().at(file), time) << file;

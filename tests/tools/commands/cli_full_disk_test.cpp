@@ -86,8 +86,8 @@ class CliFullDisk : public ::testing::Test {
     };
     ASSERT_EQ(work.run(into("disk/", first)).exit_code, 0) << name;
     ASSERT_EQ(work.run(into("elsewhere/", first)).exit_code, 0) << name;
-    const ChildResult there = work.run(into("elsewhere/", second));
-    ASSERT_EQ(there.exit_code, 0) << there.err;
+    const ChildResult elsewhere = work.run(into("elsewhere/", second));
+    ASSERT_EQ(elsewhere.exit_code, 0) << elsewhere.err;
     ASSERT_TRUE(tree("disk/" + name) != tree("elsewhere/" + name)) << name << ": no difference";
     EXPECT_GT(fails_and_keeps(into("disk/", second), name), 0) << name;
     ASSERT_EQ(work.run(into("disk/", second)).exit_code, 0) << name;

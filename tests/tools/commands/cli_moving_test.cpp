@@ -53,8 +53,10 @@ TEST(CliMoving, SharesMasksAndScoresFit) {
     for (size_t p = 0; p < mask.data.size(); ++p) {
       EXPECT_EQ(share.data[3 * p], share.data[3 * p + 2]) << "grey";
       const double value = share.data[3 * p] / 255.0;
-      weight += value, inside += mask.data[p] >= 128 ? value : 0;
-      moving += mask.data[p] >= 192, covered += mask.data[p] >= 192 && share.data[3 * p] >= 128;
+      weight += value;
+      inside += mask.data[p] >= 128 ? value : 0;
+      moving += mask.data[p] >= 192;
+      covered += mask.data[p] >= 192 && share.data[3 * p] >= 128;
     }
   }
   ASSERT_GT(weight, 10);

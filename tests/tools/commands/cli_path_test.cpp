@@ -62,7 +62,8 @@ TEST_F(CliPath, TheClipPlaysAtItsRateOverAndOver) {
   expect_times(with({"--seconds", "0.5", "--time", "0.3"}), {0.3, 0.3});
   EXPECT_EQ(with({}).size(), 24u) << "six rounds";
   work.edit_json("capture/transforms_train.json", [](json& file) {
-    file["frames"][0]["time"] = 0.25, file["frames"][1]["time"] = 0.75;
+    file["frames"][0]["time"] = 0.25;
+    file["frames"][1]["time"] = 0.75;
   });
   const std::string keys = work.at("capture/transforms_train.json");
   expect_times(times("a", {"--path", keys, "--fps", "4"}), {0.25, 0.75});

@@ -45,8 +45,10 @@ TEST(CliPreset, AStaticOneOnAMovingSceneIsSaid) {
     const ChildResult trained =
         work.train(run, {"--preset", preset, "--iterations", "2", "--max-gaussians", "300"});
     EXPECT_EQ(trained.exit_code, 0) << trained.err;
-    const size_t at = trained.err.find("capture: has ");
-    return at == std::string::npos ? "" : trained.err.substr(at, trained.err.find('\n', at) - at);
+    const size_t position = trained.err.find("capture: has ");
+    return position == std::string::npos
+               ? ""
+               : trained.err.substr(position, trained.err.find('\n', position) - position);
   };
   for (const char* preset : {"3dgs", "mcmc"})
     EXPECT_NE(warning_of(preset, preset).find("capture: has 2 timesteps, and static_only"),

@@ -15,7 +15,9 @@ using nlohmann::json;
 
 size_t count(const std::string& text, const std::string& part) {
   size_t found = 0;
-  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  for (size_t position = text.find(part); position != std::string::npos;
+       position = text.find(part, position + 1))
+    ++found;
   return found;
 }
 

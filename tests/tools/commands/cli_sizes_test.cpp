@@ -100,7 +100,7 @@ TEST_F(CliSizes, BudgetsWaitForTheReference) {
   EXPECT_EQ(run.exit_code, 1) << run.err;
   EXPECT_EQ(results().size(), 1u) << "the other preset alone";
   EXPECT_NE(run.out.find("waits for row yang4d"), std::string::npos) << run.out;
-  EXPECT_NE(run.err.find("2 of 4 cells are not run yet"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("2 of 4 runs are not done yet"), std::string::npos) << run.err;
   work.expect_refused(sizes({"--shares", "0"}), {"--shares", "0"});
   work.expect_refused(sizes({"--max-gaussians", "9"}), {"--max-gaussians", "--shares"});
   work.expect_refused(sizes({"--chart"}), {"choose one of"});

@@ -39,9 +39,12 @@ class CliWorld : public ::testing::Test {
 
 json bounds_of_points(const fs::path& folder) {
   std::vector<std::string> warnings;
-  glm::vec3 low(INFINITY), high(-INFINITY);
-  for (const glm::vec3& p : find_points(folder, "", warnings).position)
-    low = glm::min(low, p), high = glm::max(high, p);
+  glm::vec3 low(INFINITY);
+  glm::vec3 high(-INFINITY);
+  for (const glm::vec3& p : find_points(folder, "", warnings).position) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
   return {{"min", {low[0], low[1], low[2]}}, {"max", {high[0], high[1], high[2]}}};
 }
 
@@ -116,13 +119,13 @@ TEST_F(CliWorld, CamerasOfEitherWorldSeeTheSame) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return work_.read(out + "/cam00/00000.pfm");
   };
-  const std::string own = render("scene", "own"), other = render("foreign.json", "other");
-  ASSERT_EQ(own.size(), other.size());
-  const size_t pixels = own.size() - size_t(32 * 32 * 3 * 4);
+  const std::string own_world = render("scene", "own"), other = render("foreign.json", "other");
+  ASSERT_EQ(own_world.size(), other.size());
+  const size_t pixels = own_world.size() - size_t(32 * 32 * 3 * 4);
   double worst = 0;
-  for (size_t i = pixels; i < own.size(); i += 4) {
+  for (size_t i = pixels; i < own_world.size(); i += 4) {
     float a = 0, b = 0;
-    std::copy_n(own.data() + i, 4, reinterpret_cast<char*>(&a));
+    std::copy_n(own_world.data() + i, 4, reinterpret_cast<char*>(&a));
     std::copy_n(other.data() + i, 4, reinterpret_cast<char*>(&b));
     worst = std::max(worst, double(std::abs(a - b)));
   }

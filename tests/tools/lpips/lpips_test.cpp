@@ -56,7 +56,8 @@ TEST_F(LpipsFile, GivesTheNetworksNumber) {
     EXPECT_NEAR(any.distance(a, b), 2 * mean_distance(a, b), 1e-5);
     EXPECT_NEAR(any.distance(a, a), 0, 1e-7);
     OnnxNetwork fixed;
-    fixed.width = width, fixed.height = height;
+    fixed.width = width;
+    fixed.height = height;
     Lpips exact(write(onnx_file(fixed)), false);
     EXPECT_NEAR(exact.distance(a, b), 2 * mean_distance(a, b), 1e-5);
   }
@@ -83,10 +84,14 @@ TEST_F(LpipsFile, PlacesAndColoursAreTheNetworks) {
 // Bug put back: fixed sides not looked at; seen to fail.
 TEST_F(LpipsFile, OtherSidesAreRefusedOrResized) {
   OnnxNetwork fixed;
-  fixed.width = 10, fixed.height = 8;
+  fixed.width = 10;
+  fixed.height = 8;
   expect_refused(onnx_file(fixed), {"net.onnx", "10 x 8", "20 x 16", "--lpips-resize"});
   Image8 a = random_image(20, 16, 1), b = a;
-  for (size_t i = 0; i < a.data.size(); ++i) a.data[i] = 10, b.data[i] = 61;
+  for (size_t i = 0; i < a.data.size(); ++i) {
+    a.data[i] = 10;
+    b.data[i] = 61;
+  }
   Lpips resized(write(onnx_file(fixed)), true);
   EXPECT_NEAR(resized.distance(a, b), 2 * 2 * 51 / 255.0, 1e-5);
 }

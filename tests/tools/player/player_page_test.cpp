@@ -29,8 +29,8 @@ class PlayerPage : public ::testing::Test {
 /// How often a text stands in the page.
 size_t count(std::string_view text) {
   size_t found = 0;
-  for (size_t at = player_page().find(text); at != std::string_view::npos;
-       at = player_page().find(text, at + text.size()))
+  for (size_t position = player_page().find(text); position != std::string_view::npos;
+       position = player_page().find(text, position + text.size()))
     ++found;
   return found;
 }

@@ -14,7 +14,8 @@ DeviceFacts two_cards() {
   DeviceFacts facts;
   facts.has_driver_module = true;
   facts.cuda.failure = CudaFailure::kNone;
-  facts.cuda.runtime_version = 13000, facts.cuda.driver_version = 13000;
+  facts.cuda.runtime_version = 13000;
+  facts.cuda.driver_version = 13000;
   facts.cuda.architectures = {90};
   facts.cuda.devices = {{"NVIDIA H200", 90}, {"NVIDIA GeForce RTX 4090", 89}};
   return facts;

@@ -39,9 +39,13 @@ class SynthCapture : public ::testing::Test {
 
 SynthOptions tiny_dnerf() {
   SynthOptions options;
-  options.scene = SynthScene::kObject, options.layout = SynthLayout::kDnerf;
-  options.frames = 6, options.held_out_frames = 3;
-  options.width = 48, options.height = 40, options.points = 500;
+  options.scene = SynthScene::kObject;
+  options.layout = SynthLayout::kDnerf;
+  options.frames = 6;
+  options.held_out_frames = 3;
+  options.width = 48;
+  options.height = 40;
+  options.points = 500;
   return options;
 }
 
@@ -106,7 +110,9 @@ TEST_F(SynthCapture, DnerfFolderHasItsSplitsPosesAndImages) {
 // Seen to fail: masks numbered from 1; frames of the visitor counted one late.
 TEST_F(SynthCapture, TruthNamesMasksTimesAndLifetimes) {
   SynthOptions options = tiny_dnerf();
-  options.scene = SynthScene::kRoom, options.frames = 21, options.fps = {30000, 1001};
+  options.scene = SynthScene::kRoom;
+  options.frames = 21;
+  options.fps = {30000, 1001};
   make_capture(options, folder_ / "room", {});
   const json truth = json::parse(read_text_file(folder_ / "room/ground_truth.json"));
   EXPECT_EQ(truth["scene"], "room");
@@ -155,7 +161,8 @@ TEST_F(SynthCapture, PointsLieOnStaticSurfaces) {
 // Seen to fail: the world's seed ignored; frame noise from a running counter.
 TEST_F(SynthCapture, BytesFollowFromTheSeed) {
   SynthOptions options = tiny_dnerf();
-  options.noise_sigma = 2, options.exposure_wobble = 0.05;
+  options.noise_sigma = 2;
+  options.exposure_wobble = 0.05;
   make_capture(options, folder_ / "a", {});
   make_capture(options, folder_ / "b", {});
   const auto a = all_bytes(folder_ / "a"), b = all_bytes(folder_ / "b");
@@ -185,7 +192,9 @@ TEST(SynthSensor, NoiseAndExposureAreAsAsked) {
   double sum = 0, squares = 0, product = 0;
   for (size_t i = 0; i < first.data.size(); ++i) {
     const double a = first.data[i] - 63.75, b = second.data[i] - 63.75;  // half over black: 0.25
-    sum += a, squares += a * a, product += a * b;
+    sum += a;
+    squares += a * a;
+    product += a * b;
   }
   const double n = double(first.data.size());
   EXPECT_NEAR(sum / n, 0, 0.06);
@@ -195,7 +204,8 @@ TEST(SynthSensor, NoiseAndExposureAreAsAsked) {
   double least = 2, most = 0;
   for (int frame = 0; frame < 50; ++frame) {
     const double gain = synth::exposure_gain(options, 1, frame);
-    least = std::min(least, gain), most = std::max(most, gain);
+    least = std::min(least, gain);
+    most = std::max(most, gain);
   }
   EXPECT_TRUE(least >= 0.9 && least < 0.93 && most > 1.07 && most <= 1.1) << least << " " << most;
 }
@@ -209,7 +219,11 @@ TEST_F(SynthCapture, BadOptionsAreRefusedInOneLine) {
       {"fps", [](SynthOptions& o) { o.fps.denominator = 0; }},
       {"supersampling", [](SynthOptions& o) { o.supersampling = 0; }},
       {"noise_sigma", [](SynthOptions& o) { o.noise_sigma = NAN; }},
-      {"odd", [](SynthOptions& o) { o.layout = SynthLayout::kN3dv, o.height = 41; }},
+      {"odd",
+       [](SynthOptions& o) {
+         o.layout = SynthLayout::kN3dv;
+         o.height = 41;
+       }},
   };
   for (const auto& [word, spoil] : wrongs) {
     SynthOptions options = tiny_dnerf();

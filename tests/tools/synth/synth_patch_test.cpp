@@ -20,8 +20,12 @@ using tessera::testing::ScratchFolder;
 
 SynthOptions small_patch(double share) {
   SynthOptions options;
-  options.scene = SynthScene::kPatch, options.moving_share = share;
-  options.cameras = 4, options.frames = 12, options.width = 96, options.height = 72;
+  options.scene = SynthScene::kPatch;
+  options.moving_share = share;
+  options.cameras = 4;
+  options.frames = 12;
+  options.width = 96;
+  options.height = 72;
   options.supersampling = 2;
   return resolve_synth_options(options);
 }
@@ -87,7 +91,8 @@ TEST(SynthPatch, OutlineAndTextureMoveAtEveryStep) {
       double difference = 0;
       for (size_t k = 0; k < 3; ++k)
         difference += std::abs(now.rgba[4 * p + k] - before.rgba[4 * p + k]);
-      ++inside, changed += difference > 0.2;
+      ++inside;
+      changed += difference > 0.2;
     }
     EXPECT_GT(outline, 20) << i;
     EXPECT_GT(double(changed), 0.3 * double(inside)) << i;
@@ -99,7 +104,9 @@ TEST(SynthPatch, OutlineAndTextureMoveAtEveryStep) {
 TEST(SynthPatch, MasksSayNowAndEver) {
   const ScratchFolder folder;
   SynthOptions options = small_patch(0.05);
-  options.layout = SynthLayout::kDnerf, options.held_out_frames = 2, options.points = 50;
+  options.layout = SynthLayout::kDnerf;
+  options.held_out_frames = 2;
+  options.points = 50;
   make_capture(options, folder / "patch", {});
   int images = 0;
   for (const auto& [split, count] : {std::pair{"train", 12}, {"val", 2}, {"test", 2}})
@@ -128,7 +135,8 @@ TEST(SynthPatch, MasksSayNowAndEver) {
 TEST(SynthPatch, AShareIsOfThatSceneAndInRange) {
   const auto error_of = [](SynthScene scene, double share) -> std::string {
     SynthOptions options;
-    options.scene = scene, options.moving_share = share;
+    options.scene = scene;
+    options.moving_share = share;
     try {
       resolve_synth_options(options);
     } catch (const InputError& error) {
@@ -159,7 +167,8 @@ TEST(SynthSensor, HeldOutImagesHaveTheExactExposure) {
   EXPECT_NE(exposure_gain(options, int(PoseSet::kTrain), 3), 1);
   for (const PoseSet set : {PoseSet::kVal, PoseSet::kTest})
     EXPECT_EQ(exposure_gain(options, int(set), 3), 1);
-  options.layout = SynthLayout::kVideos, options.cameras = 1;
+  options.layout = SynthLayout::kVideos;
+  options.cameras = 1;
   EXPECT_NE(exposure_gain(options, 0, 3), 1) << "nothing else is there to train on";
 }
 

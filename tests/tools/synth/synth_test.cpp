@@ -14,7 +14,9 @@ namespace {
 
 SynthOptions small_room() {
   SynthOptions options;
-  options.cameras = 5, options.width = 120, options.height = 90;
+  options.cameras = 5;
+  options.width = 120;
+  options.height = 90;
   return options;
 }
 
@@ -23,12 +25,12 @@ Camera room_camera(int index) {
   return video_rig(options, build_world(options.scene, options.seed, 0).target)[size_t(index)];
 }
 
-/// One bright ball at `at` in an empty world: its disc's centre is the projection of `at`.
-World marker_world(const glm::dvec3& at, double radius) {
+/// One bright ball at `centre` in an empty world: its disc's centre is the projection of `centre`.
+World marker_world(const glm::dvec3& centre, double radius) {
   Solid marker;
   marker.shape = {ShapeKind::kSphere, glm::dvec3(radius)};
   marker.texture.a = glm::vec3(0.9f);
-  marker.motion.rest = at;
+  marker.motion.rest = centre;
   World world;
   world.solids = {marker};
   return world;
@@ -57,20 +59,22 @@ double mean_difference(const RenderedImage& a, const RenderedImage& b) {
 // The pose is used as any reader of the JSON would: OpenGL axes, no code shared with the renderer.
 // Seen to fail: rays through the corners of their cells instead of the middles (off by 0.14).
 TEST(SynthRender, MarkerIsWhereThePoseProjectsIt) {
-  for (const glm::dvec3& at : {glm::dvec3(0.3, 0.2, 1.1), glm::dvec3(-0.9, 1.5, 0.4)})
+  for (const glm::dvec3& centre : {glm::dvec3(0.3, 0.2, 1.1), glm::dvec3(-0.9, 1.5, 0.4)})
     for (const int index : {0, 3}) {
       const Camera camera = room_camera(index).resized(960, 720);
       const auto c2w = opengl_pose(camera);
       double in_camera[3] = {};
       for (size_t k = 0; k < 3; ++k)
-        for (size_t i = 0; i < 3; ++i) in_camera[k] += c2w[i][k] * (at[int(i)] - c2w[i][3]);
+        for (size_t i = 0; i < 3; ++i) in_camera[k] += c2w[i][k] * (centre[int(i)] - c2w[i][3]);
       const double u = camera.fl_x * in_camera[0] / -in_camera[2] + camera.cx;
       const double v = camera.fl_y * -in_camera[1] / -in_camera[2] + camera.cy;
-      const RenderedImage image = render(marker_world(at, 0.02), camera, 0, 4);
+      const RenderedImage image = render(marker_world(centre, 0.02), camera, 0, 4);
       double weight = 0, x = 0, y = 0;
       for (int p = 0; p < camera.width * camera.height; ++p) {
         const double a = image.rgba[size_t(4 * p + 3)];
-        weight += a, x += a * (p % camera.width + 0.5), y += a * (p / camera.width + 0.5);
+        weight += a;
+        x += a * (p % camera.width + 0.5);
+        y += a * (p / camera.width + 0.5);
       }
       ASSERT_GT(weight, 10);
       EXPECT_NEAR(x / weight, u, 0.06);  // of 960: 0.015 pixels of a 240 pixel image
@@ -134,8 +138,10 @@ TEST(SynthRender, ScreenBoundsCutNothing) {
       Solid solid = *mover.solid;
       const Pose pose = pose_at(solid.motion, time);
       solid.motion = {};
-      solid.motion.rest = pose.origin, solid.motion.rest_rotation = pose.linear;
-      solid.moves = false, solid.lifetime = {};
+      solid.motion.rest = pose.origin;
+      solid.motion.rest_rotation = pose.linear;
+      solid.moves = false;
+      solid.lifetime = {};
       unbounded.solids.push_back(solid);
     }
     const RenderedImage alone = render(unbounded, camera, 0, 2);
@@ -171,7 +177,9 @@ TEST(SynthRender, VisitorIsThereOnlyInItsLifetime) {
 // Seen to fail: x and y scaled by e^{-s}.
 TEST(SynthRender, StretchKeepsVolumeAndStandsStill) {
   Motion motion;
-  motion.rest = {1, 2, 3}, motion.stretch = 0.4, motion.stretch_base = 0.5;
+  motion.rest = {1, 2, 3};
+  motion.stretch = 0.4;
+  motion.stretch_base = 0.5;
   for (const double time : {0.0, 0.2, 0.6}) {
     const Pose pose = pose_at(motion, time);
     EXPECT_NEAR(glm::determinant(pose.linear), 1, 1e-12);
@@ -210,17 +218,20 @@ int count_corners(const RenderedImage& image) {
         for (int dx = -1; dx <= 1; ++dx) {
           const double gx = grey(x + dx + 1, y + dy) - grey(x + dx - 1, y + dy);
           const double gy = grey(x + dx, y + dy + 1) - grey(x + dx, y + dy - 1);
-          xx += gx * gx, xy += gx * gy, yy += gy * gy;
+          xx += gx * gx;
+          xy += gx * gy;
+          yy += gy * gy;
         }
       strength[size_t(y * w + x)] = xx * yy - xy * xy - 0.05 * (xx + yy) * (xx + yy);
     }
   int corners = 0;
   for (int y = 2; y < h - 2; ++y)
     for (int x = 2; x < w - 2; ++x) {
-      const double own = strength[size_t(y * w + x)];
-      bool peak = own > 1e-3;
+      const double strongest = strength[size_t(y * w + x)];
+      bool peak = strongest > 1e-3;
       for (int dy = -2; dy <= 2 && peak; ++dy)
-        for (int dx = -2; dx <= 2; ++dx) peak &= strength[size_t((y + dy) * w + x + dx)] <= own;
+        for (int dx = -2; dx <= 2; ++dx)
+          peak &= strength[size_t((y + dy) * w + x + dx)] <= strongest;
       corners += peak;
     }
   return corners;
@@ -229,7 +240,8 @@ int count_corners(const RenderedImage& image) {
 // Seen to fail: every texture kPlain (55 corners).
 TEST(SynthRender, RoomHasManyCornersToMatch) {
   SynthOptions options;
-  options.width = 240, options.height = 180;
+  options.width = 240;
+  options.height = 180;
   const World room = build_world(SynthScene::kRoom, options.seed, 0);
   for (const Camera& camera : video_rig(options, room.target)) {
     const RenderedImage image = render(room, camera, 0, 3);

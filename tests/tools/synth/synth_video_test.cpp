@@ -69,10 +69,13 @@ Decoded decode(const fs::path& path) {
     while (avcodec_receive_frame(codec, frame) >= 0) {
       result.frames.push_back(to_rgb(*frame));
       result.seconds.push_back(double(frame->pts) * av_q2d(stream->time_base));
-      result.matrix = frame->colorspace, result.range = frame->color_range;
+      result.matrix = frame->colorspace;
+      result.range = frame->color_range;
     }
   }
-  av_frame_free(&frame), av_packet_free(&packet), avcodec_free_context(&codec);
+  av_frame_free(&frame);
+  av_packet_free(&packet);
+  avcodec_free_context(&codec);
   avformat_close_input(&file);
   return result;
 }
@@ -89,7 +92,10 @@ class SynthVideo : public ::testing::Test {
     folder_ = fs::path(::testing::TempDir()) / ("synth_video_" + std::to_string(getpid()));
     fs::remove_all(folder_);
     fs::create_directories(folder_);
-    options_.cameras = 3, options_.frames = 11, options_.width = 240, options_.height = 180;
+    options_.cameras = 3;
+    options_.frames = 11;
+    options_.width = 240;
+    options_.height = 180;
     options_.points = 100;
   }
   ~SynthVideo() override { fs::remove_all(folder_); }
@@ -174,8 +180,9 @@ TEST_F(SynthVideo, FlatColoursReturnWithinTwoLevels) {
     EXPECT_EQ(video.matrix, height == 720 ? AVCOL_SPC_BT709 : AVCOL_SPC_SMPTE170M);
     for (int band = 0; band < 4; ++band)
       for (int k = 0; k < 3; ++k) {
-        const size_t at = size_t(3 * ((height / 2) * width + 32 * band + 16) + k);
-        EXPECT_NEAR(video.frames[1].data[at], colours[band][k], 2) << height << " band " << band;
+        const size_t sample = size_t(3 * ((height / 2) * width + 32 * band + 16) + k);
+        EXPECT_NEAR(video.frames[1].data[sample], colours[band][k], 2)
+            << height << " band " << band;
       }
   }
 }
@@ -199,8 +206,8 @@ TEST_F(SynthVideo, ChromaIsSitedInTheCentre) {
     double shift = 0;
     for (int y = 20; y < 76; ++y)
       for (int x = 20; x < 76; ++x) {
-        const size_t at = size_t(3 * (y * size + x));
-        shift += int(video.frames[0].data[at]) - int(image.data[at]);
+        const size_t sample = size_t(3 * (y * size + x));
+        shift += int(video.frames[0].data[sample]) - int(image.data[sample]);
       }
     EXPECT_NEAR(shift / (56 * 56), 0, 0.4) << (across ? "x" : "y");
   }
@@ -209,7 +216,8 @@ TEST_F(SynthVideo, ChromaIsSitedInTheCentre) {
 // Written out from LLFF's definition, not by the writer's code. Rows follow the sorted names.
 // Seen to fail: down and right exchanged; cam00 at the end of the arc.
 TEST_F(SynthVideo, PosesBoundsIsLlff) {
-  options_.cameras = 12, options_.frames = 1;
+  options_.cameras = 12;
+  options_.frames = 1;
   make_capture(options_, folder_ / "room", {});
   const Matrix rows = read_npy(folder_ / "room/poses_bounds.npy");
   ASSERT_EQ(rows.rows, 12);
@@ -233,7 +241,8 @@ TEST_F(SynthVideo, PosesBoundsIsLlff) {
     EXPECT_LT(rows(row, 15), 3);
     EXPECT_GT(rows(row, 16), 6);
     EXPECT_LT(rows(row, 16), 9);
-    left = std::min(left, camera.position().x), right = std::max(right, camera.position().x);
+    left = std::min(left, camera.position().x);
+    right = std::max(right, camera.position().x);
   }
   EXPECT_LT(std::abs(cameras[0].position().x), 0.1) << "cam00 stands in the middle";
   EXPECT_LT(left, -1.5);

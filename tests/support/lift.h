@@ -1,15 +1,18 @@
-// What: Dim 3 → Dim 4 by two quaternions that undo each other in time; Dim 4 → Dim 3 by a Slicer.
-// Not: the arithmetic of a slice (slicer.cpp).
-#include "static3d/transform/lift.h"
-
+// What: the two ways between static and dynamic: a Dim 3 set as Dim 4 by two quaternions that undo
+//       each other in time; a model at a timestep as Dim 3.
+// Not: the arithmetic of a slice (static3d/transform/slicer.h).
+#pragma once
 #include <algorithm>
 
 #include "kernels/elements/load_gaussian.h"
 #include "static3d/transform/slicer.h"
 
-namespace tessera {
+namespace tessera::testing {
 
-GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time, Form form) {
+/// Each Gaussian without a velocity, mean_time 0.5 and the given temporal scale: it renders as
+/// before at every t near [0, 1] when σ_t ≫ 1.
+inline GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time,
+                              Form form = Form::kPair) {
   constexpr float kMeanTimeOfLifted = 0.5f;
   GaussianSet lifted(form, static_set.coefficients());
   lifted.resize(static_set.count());
@@ -30,8 +33,8 @@ GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time, Form
   return lifted;
 }
 
-GaussianSet slice_model(const GaussianModel& model, double time) {
+inline GaussianSet slice_model(const GaussianModel& model, double time) {
   return Slicer(model).at(time);
 }
 
-}  // namespace tessera
+}  // namespace tessera::testing

@@ -1,5 +1,8 @@
 // What: the option table: name, member, range, meaning and source of every knob.
 // Not: setting them (train_options.cpp), nor any use of the values.
+#include <type_traits>
+#include <utility>
+
 #include "kernels/math/spherindrical.h"
 #include "recon4d/options/train_options.h"
 
@@ -9,10 +12,17 @@ namespace {
 using O = TrainOptions;
 constexpr double kMany = 1e12;
 
+template <auto Member>
+ChoiceMember choice() {
+  using Enum = std::remove_reference_t<decltype(std::declval<O&>().*Member)>;
+  return {choice_names<Enum>(), [](const O& options) { return size_t(options.*Member); },
+          [](O& options, size_t value) { options.*Member = Enum(value); }};
+}
+
 }  // namespace
 
-const std::vector<OptionRow>& train_option_rows() {
-  static const std::vector<OptionRow> rows = {
+const std::vector<TrainOption>& train_option_table() {
+  static const std::vector<TrainOption> table = {
       {"iterations", &O::iterations, 0, 1e9, "training steps; each takes a batch of views",
        "[3DGS]"},
       {"schedule_iterations", &O::schedule_iterations, 1, 1e9,
@@ -20,14 +30,10 @@ const std::vector<OptionRow>& train_option_rows() {
       {"batch", &O::batch, 1, 1024, "(view, time) pairs per step", "[Yang24]"},
       {"seed", &O::seed, 0, kMany, "of every random choice", "ours"},
       {"static_only", &O::static_only, 0, 1, "one static set, no dynamic Gaussians", "[3DGS]"},
-      {"motion_form",
-       &O::motion_form,
-       0,
-       0,
+      {"motion_form", choice<&O::motion_form>(), 0, 0,
        "how dynamic Gaussians are stored: pair (two quaternions and four scales of space-time) or "
        "velocity (a static Gaussian with a velocity and a temporal scale)",
-       "[Yang24]; velocity: [FreeTimeGS]",
-       {"pair", "velocity"}},
+       "[Yang24]; velocity: [FreeTimeGS]"},
       {"background", &O::background, 0, 0, "colour behind the scene: black, white or r,g,b (0-255)",
        "[Faster-GS]"},
       {"near_plane", &O::near_plane, 1e-6, 1e9, "world units; nearer Gaussians are not drawn",
@@ -79,14 +85,10 @@ const std::vector<OptionRow>& train_option_rows() {
       {"filter_2d", &O::filter_2d, 0, 1,
        "splats are widened by 0.1 px^2 and dimmed to keep their light; false: by 0.3, not dimmed",
        "[Mip-Splatting]"},
-      {"filter_3d",
-       &O::filter_3d,
-       0,
-       0,
+      {"filter_3d", choice<&O::filter_3d>(), 0, 0,
        "no Gaussian finer than the nearest training view samples: none; mip: smoothed and dimmed "
        "when drawn, baked at the end; clamp: scales are raised after each step",
-       "mip: [Mip-Splatting]; clamp: [Faster-GS]",
-       {"none", "mip", "clamp"}},
+       "mip: [Mip-Splatting]; clamp: [Faster-GS]"},
       {"truncation_sigma", &O::truncation_sigma, 0.5, 6,
        "k: opacity times falloff below exp(-k^2/2) is not drawn; 3.3290: 1/255", "[3DGS]"},
       {"truncation_by_falloff", &O::truncation_by_falloff, 0, 1,
@@ -106,14 +108,10 @@ const std::vector<OptionRow>& train_option_rows() {
       {"environment_size", &O::environment_size, 2, 4096,
        "rows of the environment's map, which has twice as many columns", "ours"},
       {"lr_environment", &O::lr_environment, 0, 1e3, "of the environment's map", "[Yang24]"},
-      {"exposure",
-       &O::exposure,
-       0,
-       0,
+      {"exposure", choice<&O::exposure>(), 0, 0,
        "RGB gains learnt for the training images: none, one for each camera, or one for each "
        "frame of each camera; their mean is 1, and nothing else is drawn with them",
-       "ours",
-       {"none", "camera", "frame"}},
+       "ours"},
       {"lr_exposure", &O::lr_exposure, 0, 1e3,
        "of log gains at the start; falls to a hundredth over the training", "ours"},
       {"lr_mean", &O::lr_mean, 0, 1e3, "of means at the start, per scene extent", "[3DGS]"},
@@ -132,22 +130,14 @@ const std::vector<OptionRow>& train_option_rows() {
       {"lr_sh_rest", &O::lr_sh_rest, 0, 1e3, "of the other SH coefficients", "[3DGS]"},
       {"fused_optimizer", &O::fused_optimizer, 0, 1,
        "Adam inside the backward pass, without a gradient buffer", "[Faster-GS]"},
-      {"idle_updates",
-       &O::idle_updates,
-       0,
-       0,
+      {"idle_updates", choice<&O::idle_updates>(), 0, 0,
        "Adam for Gaussians that no view of a step sees: dense: as for any other; skip: none",
-       "skip: [Taming]",
-       {"dense", "skip"}},
-      {"densification",
-       &O::densification,
-       0,
-       0,
+       "skip: [Taming]"},
+      {"densification", choice<&O::densification>(), 0, 0,
        "adc: strong gradients are cloned and split, the faint removed; mcmc: the faint are moved "
        "to "
        "the opaque, up to exactly max_gaussians, and means take random steps",
-       "[3DGS]; mcmc: [3DGS-MCMC]",
-       {"adc", "mcmc"}},
+       "[3DGS]; mcmc: [3DGS-MCMC]"},
       {"densify_from", &O::densify_from, 0, 1e9, "first step of density control", "[Faster-GS]"},
       {"densify_until", &O::densify_until, 0, 1e9, "last step of density control; 0: none",
        "[Faster-GS]"},
@@ -175,14 +165,10 @@ const std::vector<OptionRow>& train_option_rows() {
        "ship the smallest model whose PSNR on the validation frames is within so many dB of the "
        "best; 0: no such",
        "ours"},
-      {"size",
-       &O::size,
-       0,
-       0,
+      {"size", choice<&O::size>(), 0, 0,
        "without one of these three: grown: as density control leaves it; knee: where the scene's "
        "own curve of size and error bends",
-       "ours",
-       {"grown", "knee"}},
+       "ours"},
       {"peak_gaussians", &O::peak_gaussians, 0, 1e9,
        "most Gaussians while they grow, before they are pruned; 0: max_gaussians limits "
        "growth itself",
@@ -220,13 +206,8 @@ const std::vector<OptionRow>& train_option_rows() {
        "device: depth is sorted once, then tiles, not both at once", "[Splatshop]"},
       {"warp_culling", &O::warp_culling, 0, 1,
        "device: a warp skips splats that miss its part of the tile", "ours"},
-      {"backward",
-       &O::backward,
-       0,
-       0,
-       "device: how the gradient of blending is traversed",
-       "[Faster-GS]; sub-tile: ours",
-       {"sub-tile", "pixel"}},
+      {"backward", choice<&O::backward>(), 0, 0,
+       "device: how the gradient of blending is traversed", "[Faster-GS]; sub-tile: ours"},
       {"deterministic", &O::deterministic, 0, 1,
        "device: gradients are added in a fixed order; the CPU always does", "ours"},
       {"feed_bytes", &O::feed_bytes, 0, kMany,
@@ -234,7 +215,7 @@ const std::vector<OptionRow>& train_option_rows() {
        "free but for a reserve",
        "ours"},
   };
-  return rows;
+  return table;
 }
 
 }  // namespace tessera

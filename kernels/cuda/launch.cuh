@@ -1,0 +1,38 @@
+// What: the prelude of linear kernels: one thread an element, its index, its launch; the grid of
+//       kernels over the pixels of views.
+// Not: kernels over tiles (tile_block.cuh).
+#pragma once
+#include <cuda_runtime.h>
+
+#include <cstdint>
+#include <utility>
+
+#include "kernels/batch.h"
+#include "kernels/cuda/device_error.h"
+
+namespace tessera {
+
+/// The element of this thread; those behind the last one return at once.
+__device__ inline int64_t linear_index() {
+  return int64_t(blockIdx.x) * blockDim.x + threadIdx.x;
+}
+
+/// kernel(arguments…) with a thread for each of `count` elements, in blocks of `Threads`; nothing
+/// for none. Errors: DeviceError naming `what`.
+template <int Threads, class... Parameters, class... Arguments>
+void launch_linear(cudaStream_t stream, const char* what, void (*kernel)(Parameters...),
+                   int64_t count, Arguments&&... arguments) {
+  if (count <= 0) return;
+  kernel<<<grid_of(count, Threads), Threads, 0, stream>>>(std::forward<Arguments>(arguments)...);
+  check_launch(what);
+}
+
+/// One thread a pixel of the largest view, one row of blocks a view.
+inline dim3 grid_of_views(const ViewBatch<float>& batch, int threads) {
+  int64_t most = 0;
+  for (const ViewArgs<float>& view : batch.views)
+    most = max_of(most, int64_t(view.width) * view.height);
+  return dim3(grid_of(most, threads), unsigned(batch.views.size()));
+}
+
+}  // namespace tessera

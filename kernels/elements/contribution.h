@@ -1,0 +1,39 @@
+// What: one splat added to the sums of its Gaussian.
+// Not: the sums themselves (kernels/math/contribution.h), nor loops over Gaussians (stages).
+#pragma once
+#include "kernels/batch.h"
+#include "kernels/elements/load_gaussian.h"
+#include "kernels/math/contribution.h"
+
+namespace tessera {
+
+/// `variation`: of a static Gaussian where it is asked for, else nullptr.
+template <class Real>
+TESSERA_HD inline void add_splat(const ViewArgs<Real>& view, const ColourRules<Real>& colours,
+                                 Real time_filter, const GaussianState<Real>& g,
+                                 const Splat<Real>& splat, const SplatSensitivity<Real>& sum,
+                                 ElementSums<Real>& sums, TimeVariation* variation) {
+  sums.image += sum.image;
+  if (!(sum.weight > Real(0))) return;
+  sums.weight += sum.weight;
+  sums.removal1 += sum.removal1;
+  sums.removal2 += sum.removal2;
+  sums.time += sum.weight * view.time;
+  sums.opacity += sum.weight * splat.opacity;
+  if (variation != nullptr) {
+    variation->now.residual += Vec3<double>(sum.image);
+    variation->now.light += Vec3<double>(splat.colour) * double(sum.weight);
+    variation->now.weight2 += double(sum.weight2);
+  }
+  if (colours.degree == 0) return;
+  const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, time_filter);
+  Real distance;
+  const Vec3<Real> direction =
+      view_direction(view, colours.sliced_direction ? slice.mean : g.mean, distance);
+  Real Y[kMaxShCoefficients] = {}, room[3 * kMaxShCoefficients];
+  sh_basis(colours.degree, direction, Y);
+  add_truncation_errors(colours.degree, Y, sh_at(colours, g, slice.delta, room), splat.negative,
+                        sum, sums.truncation);
+}
+
+}  // namespace tessera

@@ -1,0 +1,97 @@
+// What: what one Gaussian does for the images of a scoring pass, summed splat by splat: its
+// blending
+//       weight, the squared error that removing or simplifying it adds, and, timestep by timestep,
+//       the error over it that changes with time.
+// Not: sums over the pixels of a splat (sensitivity.h), nor decisions (recon4d/reduction).
+// Source: docs/reduction.md.
+#pragma once
+#include "kernels/math/sensitivity.h"
+#include "kernels/math/spherindrical.h"
+
+namespace tessera {
+
+/// Sums over the splats of a Gaussian; w = T·α, x: the image that was asked about.
+template <class Real>
+struct ElementSums {
+  Real weight, removal1, removal2;  // as SplatSensitivity
+  Vec3<Real> image;                 // Σ w·x
+  Real time, opacity;               // Σ w·t, Σ w·o of the effective opacity
+  Real truncation[kMaxShDegree];    // [d] squared error added by the bands above degree d
+};
+
+/// Of one Gaussian at one timestep, summed over cameras.
+struct TimestepSums {
+  Vec3<double> residual;  // Σ w·x
+  Vec3<double> light;     // Σ w·c
+  double weight2;         // Σ w²
+};
+
+/// Sums over timesteps: the error that a colour of its own at every timestep takes away is
+/// Σ_t |s_t|²/W_t, that one colour for all of them does |Σ s_t|²/Σ W_t.
+struct TimeVariation {
+  TimestepSums now;       // of the timestep that is not closed yet
+  Vec3<double> residual;  // Σ_t s_t
+  double weight2;         // Σ_t W_t
+  double gain;            // Σ_t |s_t|²/W_t
+  double light;           // squared error that leaving its light out would add, by timestep
+  double peak_gain;       // of the timestep with most of it
+  Vec3<double> colour;    // to be added there
+  float peak_time;        // when that is
+  float timesteps;        // at which it was seen
+};
+
+TESSERA_HD inline void close_timestep(double time, TimeVariation& v) {
+  const TimestepSums now = v.now;
+  v.now = {};
+  if (!(now.weight2 > 0)) return;
+  const double gain = dot(now.residual, now.residual) / now.weight2;
+  v.gain += gain;
+  v.residual += now.residual;
+  v.weight2 += now.weight2;
+  v.timesteps += 1;
+  v.light += dot(now.light, now.light) / now.weight2;
+  if (!(gain > v.peak_gain)) return;
+  v.peak_gain = gain;
+  v.peak_time = float(time);
+  v.colour = now.residual * (-1 / now.weight2);
+}
+
+/// Squared error that colours of its own at every timestep take away more than one colour does.
+TESSERA_HD inline double varying_gain(const TimeVariation& v) {
+  return v.weight2 > 0 ? v.gain - dot(v.residual, v.residual) / v.weight2 : 0;
+}
+
+/// Without the bands above d the colour is less by δ_d = Σ Y_k c_k, so that Σ (x − w·δ)² grows by
+/// Σ w² |δ|² − 2 ⟨Σ w·x, δ⟩. `Y`: basis at the splat's direction; `negative`: channels that are
+/// clamped, which do not change; `truncation` is added to.
+template <class Real>
+TESSERA_HD inline void add_truncation_errors(int degree, const Real* Y, const Real* sh,
+                                             uint32_t negative, const SplatSensitivity<Real>& sum,
+                                             Real* truncation) {
+  Vec3<Real> less(Real(0));
+  for (int d = degree - 1; d >= 0; --d) {
+    for (int j = sh_coefficients(d); j < sh_coefficients(d + 1); ++j)
+      less += Y[j] * Vec3<Real>(sh[3 * j], sh[3 * j + 1], sh[3 * j + 2]);
+    Vec3<Real> shown = less;
+    for (int c = 0; c < 3; ++c)
+      if (negative >> c & 1) shown[c] = Real(0);
+    truncation[d] += sum.weight2 * dot(shown, shown) - Real(2) * dot(sum.image, shown);
+  }
+}
+
+/// Pixel p of planar residuals [3, pixels]: its squared error less that before into the first
+/// channel, zeros into the others.
+template <class Real>
+TESSERA_HD inline void write_added_squares(const Real* before, Real* residual, int64_t pixels,
+                                           int64_t p) {
+  Real added = Real(0);
+  for (int c = 0; c < 3; ++c) {
+    const Real was = before[c * pixels + p];
+    Real& now = residual[c * pixels + p];
+    added += now * now - was * was;
+    now = Real(0);
+  }
+  residual[p] = added;
+}
+
+}  // namespace tessera

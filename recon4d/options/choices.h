@@ -1,0 +1,52 @@
+// What: enumerated options and the one table of their names.
+// Not: what the values do, nor numbers and switches (train_options.h).
+#pragma once
+#include <cstddef>
+#include <iterator>
+#include <vector>
+
+#include "kernels/batch.h"
+#include "kernels/gaussians.h"
+
+namespace tessera {
+
+enum class MotionForm { kPair, kVelocity };  // Form::kPair, Form::kVelocity
+enum class Filter3d { kNone, kMip, kClamp };
+enum class ExposureGains { kNone, kCamera, kFrame };
+enum class Densification { kAdc, kMcmc };
+enum class ModelSize { kGrown, kKnee };
+
+/// Names of the values of an enumeration, in their order.
+template <class Enum>
+inline constexpr std::nullptr_t kChoiceNames = nullptr;
+template <>
+inline constexpr const char* kChoiceNames<MotionForm>[] = {"pair", "velocity"};
+template <>
+inline constexpr const char* kChoiceNames<Filter3d>[] = {"none", "mip", "clamp"};
+template <>
+inline constexpr const char* kChoiceNames<ExposureGains>[] = {"none", "camera", "frame"};
+template <>
+inline constexpr const char* kChoiceNames<IdleUpdate>[] = {"dense", "skip"};
+template <>
+inline constexpr const char* kChoiceNames<Densification>[] = {"adc", "mcmc"};
+template <>
+inline constexpr const char* kChoiceNames<ModelSize>[] = {"grown", "knee"};
+template <>
+inline constexpr const char* kChoiceNames<BackwardForm>[] = {"sub-tile", "pixel"};
+
+template <class Enum>
+constexpr const char* name_of(Enum value) {
+  return kChoiceNames<Enum>[size_t(value)];
+}
+constexpr MotionForm motion_form_of(Form form) {
+  return form == Form::kVelocity ? MotionForm::kVelocity : MotionForm::kPair;
+}
+constexpr Form form_of(MotionForm form) {
+  return form == MotionForm::kVelocity ? Form::kVelocity : Form::kPair;
+}
+template <class Enum>
+std::vector<const char*> choice_names() {
+  return {std::begin(kChoiceNames<Enum>), std::end(kChoiceNames<Enum>)};
+}
+
+}  // namespace tessera

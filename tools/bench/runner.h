@@ -1,0 +1,20 @@
+// What: runs are trained, scored and timed, each in its folder; what is done is not done again.
+// Not: which runs (bench/plans.h) or what becomes of their results (bench/report.h).
+#pragma once
+#include "tools/bench/run.h"
+
+namespace tessera {
+
+struct BenchRunOptions {
+  std::filesystem::path root;
+  std::string backend = "auto";
+  int64_t checkpoint_every = 0;
+  int64_t shard = 0, shards = 1;  // runs with turn % shards = shard are run here
+};
+
+/// Runs the runs of this shard that are not done, in order; says how each went. A run that fails
+/// is recorded, and the others go on; one that was interrupted goes on from its checkpoint. Every
+/// run as recorded_run gives it, with this call's errors. Errors: Interrupted.
+nlohmann::json complete_runs(const BenchRunOptions& options, const std::vector<BenchRun>& runs);
+
+}  // namespace tessera
