@@ -72,6 +72,16 @@ struct ContributionArgs {
   Span<const SplatSensitivity<Real>> sums;  // [S]
   Span<ElementSums<Real>> elements;         // [N] static set first
   Span<TimeVariation> variation;            // [N of the static set]; empty: not wanted
+  int32_t series = 0;                       // of all views; their timesteps ascend
+};
+
+/// Dynamic Gaussians, all of one K, and the static ones that they become.
+template <class Real>
+struct DemoteArgs {
+  GaussianSpans<const Real> from;
+  RenderOptions options;               // by which their colours change with time
+  Span<const Real> timestep, opacity;  // [N] at which, and as opaque as; opacity 0: as stored
+  GaussianSpans<Real> to;              // [N] of the same K
 };
 
 template <class Real>
@@ -150,10 +160,11 @@ class BackendOf {
   /// What each splat is to the images; written, zeros for a splat that draws no pixel. After a
   /// forward pass with for_backward. Masks and gains are in removal1 and removal2 alone.
   virtual void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) = 0;
-  /// Adds the sums of splats to those of their Gaussians, view by view.
+  /// Adds the sums of splats to those of their Gaussians, view by view. The last timestep of the
+  /// variation stays open: close_series of kernels/math/contribution.h.
   virtual void contributions(const ContributionArgs<Real>& args) = 0;
-  /// Ends the timestep that the last contributions were of.
-  virtual void close_timestep(double time, Span<TimeVariation> variation) = 0;
+  /// Dynamic Gaussians → static ones (kernels/elements/demotion.h).
+  virtual void demote(const DemoteArgs<Real>& args) = 0;
   /// Of two residuals of one batch, laid out as Images::colour: by how much the squared error of
   /// each pixel grew, in the first channel of `residual`; zeros in the others.
   virtual void added_squares(const ViewBatch<Real>& batch, Span<const Real> before,

@@ -23,7 +23,7 @@ class CpuBackend final : public BackendOf<Real> {
                       Span<SplatGradient<Real>> d_splats) override;
   void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) override;
   void contributions(const ContributionArgs<Real>& args) override;
-  void close_timestep(double time, Span<TimeVariation> variation) override;
+  void demote(const DemoteArgs<Real>& args) override;
   void added_squares(const ViewBatch<Real>& batch, Span<const Real> before,
                      Span<Real> residual) override;
   double sum_of_squares(Span<const Real> values) override;

@@ -80,10 +80,10 @@ Span<const SplatSensitivity<Real>> Pipeline<Real>::sensitivity() {
 
 template <class Real>
 void Pipeline<Real>::add_contributions(Span<ElementSums<Real>> elements,
-                                       Span<TimeVariation> variation) {
+                                       Span<TimeVariation> variation, int32_t series) {
   const StageTimer timer(backend_.clock(), kProjectBackward);
   backend_.contributions(
-      {project_, &splats_, std::as_const(sensitivity_).span(), elements, variation});
+      {project_, &splats_, std::as_const(sensitivity_).span(), elements, variation, series});
 }
 
 template <class Real>

@@ -74,8 +74,10 @@ class Pipeline {
   /// that was written there. [S] in the backend's memory, valid until the next call.
   Span<const SplatSensitivity<Real>> sensitivity();
   /// Adds the splats of the last forward, with the sums that the last sensitivity found, to their
-  /// Gaussians: `elements` [N] static set first, `variation` [N of the static set] or empty.
-  void add_contributions(Span<ElementSums<Real>> elements, Span<TimeVariation> variation);
+  /// Gaussians: `elements` [N] static set first, `variation` [N of the static set] or empty;
+  /// `series`: of the views.
+  void add_contributions(Span<ElementSums<Real>> elements, Span<TimeVariation> variation = {},
+                         int32_t series = 0);
   /// Gives the memory of the last step back, so that something else can have it for a while.
   void release();
   /// Losses and non-finite gradients of the last loss and backward. On a device the wait is short

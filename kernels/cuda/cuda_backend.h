@@ -69,7 +69,7 @@ class CudaBackend final : public Backend {
                       Span<SplatGradient<float>> d_splats) override;
   void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override;
   void contributions(const ContributionArgs<float>& args) override;
-  void close_timestep(double time, Span<TimeVariation> variation) override;
+  void demote(const DemoteArgs<float>& args) override;
   void added_squares(const ViewBatch<float>& batch, Span<const float> before,
                      Span<float> residual) override;
   double sum_of_squares(Span<const float> values) override;

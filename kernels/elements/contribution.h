@@ -7,12 +7,14 @@
 
 namespace tessera {
 
-/// `variation`: of a static Gaussian where it is asked for, else nullptr.
+/// Splats come in the order of the series and their timesteps. `variation`: of a static Gaussian
+/// where it is asked for, else nullptr.
 template <class Real>
 TESSERA_HD inline void add_splat(const ViewArgs<Real>& view, const ColourRules<Real>& colours,
                                  Real time_filter, const GaussianState<Real>& g,
                                  const Splat<Real>& splat, const SplatSensitivity<Real>& sum,
-                                 ElementSums<Real>& sums, TimeVariation* variation) {
+                                 int32_t series, ElementSums<Real>& sums,
+                                 TimeVariation* variation) {
   sums.image += sum.image;
   if (!(sum.weight > Real(0))) return;
   sums.weight += sum.weight;
@@ -21,9 +23,10 @@ TESSERA_HD inline void add_splat(const ViewArgs<Real>& view, const ColourRules<R
   sums.time += sum.weight * view.time;
   sums.opacity += sum.weight * splat.opacity;
   if (variation != nullptr) {
-    variation->now.residual += Vec3<double>(sum.image);
-    variation->now.light += Vec3<double>(splat.colour) * double(sum.weight);
-    variation->now.weight2 += double(sum.weight2);
+    advance({series, float(view.time)}, *variation);
+    variation->timestep.residual += Vec3<double>(sum.image);
+    variation->timestep.light += Vec3<double>(splat.colour) * double(sum.weight);
+    variation->timestep.weight2 += double(sum.weight2);
   }
   if (colours.degree == 0) return;
   const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, time_filter);

@@ -1,7 +1,6 @@
 // What: what one Gaussian does for the images of a scoring pass, summed splat by splat: its
-// blending
-//       weight, the squared error that removing or simplifying it adds, and, timestep by timestep,
-//       the error over it that changes with time.
+//       blending weight, the squared error that removing or simplifying it adds, and the error over
+//       it that changes with time.
 // Not: sums over the pixels of a splat (sensitivity.h), nor decisions (recon4d/reduction).
 // Source: docs/reduction.md.
 #pragma once
@@ -19,46 +18,79 @@ struct ElementSums {
   Real truncation[kMaxShDegree];    // [d] squared error added by the bands above degree d
 };
 
-/// Of one Gaussian at one timestep, summed over cameras.
+/// Where a splat stands in a scoring pass. A series is drawn in the order of its timesteps, all of
+/// them by the same cameras: what a camera misses in its own way does not look like a change there.
+struct SeriesTime {
+  int32_t series;  // from 0 on
+  float time;
+};
+
+/// Of one Gaussian at one timestep of a series, summed over the cameras.
 struct TimestepSums {
   Vec3<double> residual;  // Σ w·x
   Vec3<double> light;     // Σ w·c
   double weight2;         // Σ w²
 };
 
-/// Sums over timesteps: the error that a colour of its own at every timestep takes away is
-/// Σ_t |s_t|²/W_t, that one colour for all of them does |Σ s_t|²/Σ W_t.
-struct TimeVariation {
-  TimestepSums now;       // of the timestep that is not closed yet
+/// Of one Gaussian in one series.
+struct SeriesSums {
   Vec3<double> residual;  // Σ_t s_t
   double weight2;         // Σ_t W_t
   double gain;            // Σ_t |s_t|²/W_t
+  float timesteps;        // at which it was seen
+};
+
+/// Sums over timesteps: the error that a colour of its own at every timestep takes away is
+/// Σ_t |s_t|²/W_t, that one colour for all timesteps of a series does |Σ s_t|²/Σ W_t.
+struct TimeVariation {
+  SeriesTime last;        // of the splat that was added last
+  TimestepSums timestep;  // that is not closed yet
+  SeriesSums series;      // that is not closed yet
+  double varying_gain;    // Σ over series of the difference
+  double gain;            // Σ_t |s_t|²/W_t over all
   double light;           // squared error that leaving its light out would add, by timestep
   double peak_gain;       // of the timestep with most of it
   Vec3<double> colour;    // to be added there
   float peak_time;        // when that is
   float timesteps;        // at which it was seen
+  float freedom;          // Σ over series of the timesteps beyond the first
 };
 
-TESSERA_HD inline void close_timestep(double time, TimeVariation& v) {
-  const TimestepSums now = v.now;
-  v.now = {};
-  if (!(now.weight2 > 0)) return;
-  const double gain = dot(now.residual, now.residual) / now.weight2;
+TESSERA_HD inline void close_timestep(TimeVariation& v) {
+  const TimestepSums closed = v.timestep;
+  v.timestep = {};
+  if (!(closed.weight2 > 0)) return;
+  const double gain = dot(closed.residual, closed.residual) / closed.weight2;
   v.gain += gain;
-  v.residual += now.residual;
-  v.weight2 += now.weight2;
   v.timesteps += 1;
-  v.light += dot(now.light, now.light) / now.weight2;
+  v.series.gain += gain;
+  v.series.residual += closed.residual;
+  v.series.weight2 += closed.weight2;
+  v.series.timesteps += 1;
+  v.light += dot(closed.light, closed.light) / closed.weight2;
   if (!(gain > v.peak_gain)) return;
   v.peak_gain = gain;
-  v.peak_time = float(time);
-  v.colour = now.residual * (-1 / now.weight2);
+  v.peak_time = v.last.time;
+  v.colour = closed.residual * (-1 / closed.weight2);
 }
 
-/// Squared error that colours of its own at every timestep take away more than one colour does.
-TESSERA_HD inline double varying_gain(const TimeVariation& v) {
-  return v.weight2 > 0 ? v.gain - dot(v.residual, v.residual) / v.weight2 : 0;
+/// Closes the timestep, too. What is added after it begins another series.
+TESSERA_HD inline void close_series(TimeVariation& v) {
+  close_timestep(v);
+  const SeriesSums closed = v.series;
+  v.series = {};
+  if (!(closed.weight2 > 0)) return;
+  v.varying_gain += closed.gain - dot(closed.residual, closed.residual) / closed.weight2;
+  v.freedom += closed.timesteps - 1;
+}
+
+/// Closes what ended before `now`.
+TESSERA_HD inline void advance(SeriesTime now, TimeVariation& v) {
+  if (now.series != v.last.series)
+    close_series(v);
+  else if (now.time != v.last.time)
+    close_timestep(v);
+  v.last = now;
 }
 
 /// Without the bands above d the colour is less by δ_d = Σ Y_k c_k, so that Σ (x − w·δ)² grows by

@@ -27,7 +27,7 @@ void add_block(const ContributionArgs<Real>& args, const GaussianSpans<const Rea
           form == Form::kStatic && !args.variation.empty() ? &args.variation[first + n] : nullptr;
       for (int64_t s = from; s < to; ++s)
         add_splat(args.forward.batch->views[size_t(splats.splat[s].view)], colours,
-                  Real(options.time_filter), g, splats.splat[s], args.sums[s],
+                  Real(options.time_filter), g, splats.splat[s], args.sums[s], args.series,
                   args.elements[first + n], variation);
     }
   });
@@ -46,11 +46,6 @@ void CpuBackend<Real>::contributions(const ContributionArgs<Real>& args) {
     });
     first += set.count;
   }
-}
-
-template <class Real>
-void CpuBackend<Real>::close_timestep(double time, Span<TimeVariation> variation) {
-  for (int64_t n = 0; n < variation.size; ++n) tessera::close_timestep(time, variation[n]);
 }
 
 template <class Real>
@@ -80,8 +75,6 @@ double CpuBackend<Real>::sum_of_squares(Span<const Real> values) {
 
 template void CpuBackend<float>::contributions(const ContributionArgs<float>&);
 template void CpuBackend<double>::contributions(const ContributionArgs<double>&);
-template void CpuBackend<float>::close_timestep(double, Span<TimeVariation>);
-template void CpuBackend<double>::close_timestep(double, Span<TimeVariation>);
 template void CpuBackend<float>::added_squares(const ViewBatch<float>&, Span<const float>,
                                                Span<float>);
 template void CpuBackend<double>::added_squares(const ViewBatch<double>&, Span<const double>,

@@ -23,6 +23,7 @@ struct ContributionPass {
   const SplatSensitivity<float>* sums;
   ElementSums<float>* elements;
   TimeVariation* variation;  // of the static set, or nullptr
+  int32_t series;
 };
 
 template <Form form>
@@ -36,14 +37,9 @@ __global__ void __launch_bounds__(kThreads) add_elements(ContributionPass a) {
       form == Form::kStatic && a.variation != nullptr ? a.variation + a.first + n : nullptr;
   ElementSums<float> sums = a.elements[a.first + n];
   for (int64_t s = from; s < to; ++s)
-    add_splat(a.views[a.splats[s].view], a.colours, a.time_filter, g, a.splats[s], a.sums[s], sums,
-              variation);
+    add_splat(a.views[a.splats[s].view], a.colours, a.time_filter, g, a.splats[s], a.sums[s],
+              a.series, sums, variation);
   a.elements[a.first + n] = sums;
-}
-
-__global__ void close_all(double time, Span<TimeVariation> variation) {
-  const int64_t n = linear_index();
-  if (n < variation.size) close_timestep(time, variation[n]);
 }
 
 __global__ void __launch_bounds__(kThreads)
@@ -78,17 +74,14 @@ void CudaBackend::contributions(const ContributionArgs<float>& args) {
           args.splats->splat.data(),
           args.sums.data,
           args.elements.data,
-          args.variation.data};
+          args.variation.data,
+          args.series};
       with_form(set.form, [&](auto form) {
         launch_linear<kThreads>(stream_, "contributions", add_elements<form()>, elements.count, a);
       });
     });
     first += set.count;
   }
-}
-
-void CudaBackend::close_timestep(double time, Span<TimeVariation> variation) {
-  launch_linear<kThreads>(stream_, "close_timestep", close_all, variation.size, time, variation);
 }
 
 void CudaBackend::added_squares(const ViewBatch<float>& batch, Span<const float> before,

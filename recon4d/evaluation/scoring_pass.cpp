@@ -21,41 +21,9 @@ Span<const uint8_t> bring(const std::vector<uint8_t>& from, Buffer<uint8_t>& to)
 
 }  // namespace
 
-FrameSample sample_training_frames(const Scene& scene, int64_t most) {
-  FrameSample sample;
-  sample.scene = &scene;
-  std::vector<int> frames = scene.split_indices(Split::kTrain);
-  const auto by_time = [&](int a, int b) {
-    return scene.frames[size_t(a)].time < scene.frames[size_t(b)].time;
-  };
-  std::stable_sort(frames.begin(), frames.end(), by_time);
-  const auto count = int64_t(frames.size());
-  if (most <= 0 || count <= most) {
-    sample.frames = std::move(frames);
-    return sample;
-  }
-  // whole timesteps: what cameras miss each in its own way must not look like a change with time
-  std::vector<int64_t> first;  // frame of each timestep
-  for (int64_t i = 0; i < count; ++i)
-    if (i == 0 || by_time(frames[size_t(i - 1)], frames[size_t(i)])) first.push_back(i);
-  const auto timesteps = int64_t(first.size());
-  first.push_back(count);
-  if (timesteps == 1) {
-    for (int64_t i = 0; i < most; ++i) sample.frames.push_back(frames[size_t(i * count / most)]);
-    return sample;
-  }
-  // count > most > 0
-  const int64_t wanted = std::clamp<int64_t>(most * timesteps / count, 2, timesteps);  // NOLINT
-  for (int64_t m = 0; m < wanted; ++m) {
-    const int64_t timestep = m * (timesteps - 1) / (wanted - 1);
-    for (int64_t i = first[size_t(timestep)]; i < first[size_t(timestep) + 1]; ++i)
-      sample.frames.push_back(frames[size_t(i)]);
-  }
-  return sample;
-}
-
-ElementBuffers::ElementBuffers(Backend& backend, const GaussianModel& model)
-    : sums(model.count(), backend.memory()), variation(model.static_set.count(), backend.memory()) {
+ElementBuffers::ElementBuffers(Backend& backend, const GaussianModel& model, bool varying)
+    : sums(model.count(), backend.memory()),
+      variation(varying ? model.static_set.count() : 0, backend.memory()) {
   const auto zero = [&](auto& buffer) {
     const auto bytes = int64_t(sizeof(*buffer.data())) * buffer.size();
     backend.fill_zero({reinterpret_cast<float*>(buffer.data()), bytes / int64_t(sizeof(float))});
@@ -64,8 +32,12 @@ ElementBuffers::ElementBuffers(Backend& backend, const GaussianModel& model)
   zero(variation);
 }
 
-ScoringPass::ScoringPass(Backend& backend, const GaussianModel& model)
-    : backend_(backend), model_(model), environment_(backend.memory()), pipeline_(backend) {
+ScoringPass::ScoringPass(Backend& backend, const GaussianModel& model, bool sums_elements)
+    : backend_(backend),
+      model_(model),
+      sums_elements_(sums_elements),
+      environment_(backend.memory()),
+      pipeline_(backend) {
   for (int k = 0; k < 2; ++k) {
     const GaussianSet& set = k == 0 ? model.static_set : model.dynamic_set;
     if (&set.memory() != &backend.memory()) copies_[k] = set.clone_values(backend.memory());
@@ -82,7 +54,7 @@ void ScoringPass::draw(const FrameSample& sample, int64_t begin, int64_t end) {
     mask_.emplace_back(backend_.memory());
   }
   for (int64_t i = begin; i < end; ++i) {
-    const Frame& frame = sample.scene->frames[size_t(sample.frames[size_t(i)])];
+    const Frame& frame = sample.frame(i);
     views_.push_back({frame.camera, frame.time});
     if (sample.images.empty()) {
       target_.truth.push_back(bring(frame.image.data, truth_[size_t(i - begin)]));
@@ -110,7 +82,7 @@ void ScoringPass::draw_batch() {
   ForwardArgs<float> args{{values(0, model_.static_set), values(1, model_.dynamic_set)},
                           views_,
                           render_options(model_),
-                          true};
+                          sums_elements_};
   args.options.kernels = kernels_;
   args.environment = environment_of(model_, std::as_const(environment_).span());
   pipeline_.forward(args);
@@ -126,9 +98,9 @@ void ScoringPass::compare(ScoringPass& before) {
                          pipeline_.d_colour().span());
 }
 
-void ScoringPass::add_to(ElementBuffers& elements) {
+void ScoringPass::add_to(ElementBuffers& elements, int32_t series) {
   pipeline_.sensitivity();
-  pipeline_.add_contributions(elements.sums.span(), elements.variation.span());
+  pipeline_.add_contributions(elements.sums.span(), elements.variation.span(), series);
 }
 
 }  // namespace tessera

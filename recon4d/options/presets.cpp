@@ -37,7 +37,6 @@ const std::vector<Preset>& presets() {
         {"schedule_iterations", 30000},
         {"init_points", 20000},
         {"peak_gaussians", 40000},
-        {"look_frames", 64},
         {"thin_rounds", 3},
         {"prune_extent", 0},
         {"sweep", true},

@@ -176,10 +176,6 @@ const std::vector<TrainOption>& train_option_table() {
       {"thin_rounds", &O::thin_rounds, 1, 1000,
        "rounds in which Gaussians are pruned, after growth, with recovery between them", "ours"},
       {"thin_until", &O::thin_until, 0, 1e9, "last step at which they are", "ours"},
-      {"look_frames", &O::look_frames, 0, 1e9,
-       "most training frames of one scoring pass, evenly spread; 0: "
-       "all",
-       "ours"},
       {"decide_motion", &O::decide_motion, 0, 1,
        "dynamic Gaussians whose motion contributes too little become static, and where what is "
        "left "

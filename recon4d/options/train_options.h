@@ -69,7 +69,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   ModelSize size = ModelSize::kGrown;
   int64_t peak_gaussians = 0, max_bytes = 0;
   double within_db = 0;
-  int64_t thin_rounds = 4, thin_until = 25000, look_frames = 400;
+  int64_t thin_rounds = 4, thin_until = 25000;
   bool decide_motion = false, decide_colour = false;
   int64_t decide_interval = 3000;
   // how kernels work (KernelSwitches); none changes what is drawn

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recon4d/reduction/precision.h"
+
 namespace tessera {
 namespace {
-
-constexpr int64_t kBatch = 4;  // frames drawn at once
 
 int64_t counted_samples(const Frame& frame) {
   const std::vector<uint8_t>& mask = frame.mask.data;
@@ -23,24 +23,29 @@ double gain_variance(const std::vector<Vec3<double>>& gains) {
   return gains.empty() ? 0 : sum / double(gains.size());
 }
 
-/// The sums of set k, [N] from `first` on, as they are asked for.
-void read_sums(const Buffer<ElementSums<float>>& sums, int64_t first, SetContributions& set) {
+/// The sums of a set, [N] from `first` on, scaled to all frames.
+void read_sums(const Buffer<ElementSums<float>>& sums, int64_t first, double share,
+               SetContributions& set) {
+  const auto scale = float(1 / share);
   for (size_t n = 0; n < set.weight.size(); ++n) {
     const ElementSums<float>& sum = sums[first + int64_t(n)];
     const float light = std::max(sum.weight, 1e-12f);
-    set.weight[n] = sum.weight;
-    set.removal1[n] = sum.removal1;
-    set.removal2[n] = sum.removal2;
+    set.weight[n] = scale * sum.weight;
+    set.removal1[n] = scale * sum.removal1;
+    set.removal2[n] = scale * sum.removal2;
     set.mean_time[n] = sum.time / light;
     set.opacity[n] = sum.opacity / light;
-    std::copy_n(sum.truncation, kMaxShDegree, set.truncation_error[n].begin());
+    for (int d = 0; d < kMaxShDegree; ++d)
+      set.truncation_error[n][size_t(d)] = scale * sum.truncation[d];
   }
 }
 
-SetContributions::Change change_of(const TimeVariation& v) {
+SetContributions::Change change_of(TimeVariation v) {
+  close_series(v);
   SetContributions::Change change;
-  change.gain = float(varying_gain(v));
+  change.gain = float(v.varying_gain);
   change.timesteps = v.timesteps;
+  change.freedom = v.freedom;
   change.light = float(v.light);
   change.peak_time = v.peak_time;
   change.peak_gain = float(v.peak_gain);
@@ -60,43 +65,49 @@ void SetContributions::resize(int64_t count) {
 }
 
 double Contributions::psnr_after(double added) const {
-  return 10 *
-         std::log10(double(std::max<int64_t>(1, samples)) / std::max(1e-12, squared_error + added));
+  return 10 * std::log10(std::max(1.0, samples) / std::max(1e-12, squared_error + added));
 }
 
 Contributions measure_contributions(Backend& backend, const GaussianModel& model,
-                                    const FrameSample& sample) {
+                                    const FrameSample& sample, const ElementPrices& prices) {
   Contributions contributions;
   contributions.gain_variance = gain_variance(sample.gain);
-  ElementBuffers elements(backend, model);
-  ScoringPass pass(backend, model);
-  const auto time = [&](int64_t i) {
-    return sample.scene->frames[size_t(sample.frames[size_t(i)])].time;
-  };
-  for (int64_t begin = 0; begin < sample.count();) {
-    int64_t end = begin + 1;  // a batch has one timestep
-    while (end < std::min(begin + kBatch, sample.count()) && time(end) == time(begin)) ++end;
-    pass.draw(sample, begin, end);
-    contributions.squared_error += pass.squared_error();
-    for (int64_t i = begin; i < end; ++i)
-      contributions.samples +=
-          counted_samples(sample.scene->frames[size_t(sample.frames[size_t(i)])]);
-    pass.add_to(elements);
-    if (end == sample.count() || time(end) != time(begin))
-      backend.close_timestep(time(begin), elements.variation.span());
-    begin = end;
-  }
+  ElementBuffers elements(backend, model, true);
+  ScoringPass pass(backend, model, true);
   Buffer<ElementSums<float>> sums;
-  sums.copy_from(elements.sums);
+  double squared_error = 0;  // of what was drawn
+  int64_t samples = 0;
+  const auto draw = [&](int64_t begin, int64_t end, int32_t series) {
+    pass.draw(sample, begin, end);
+    squared_error += pass.squared_error();
+    for (int64_t i = begin; i < end; ++i) samples += counted_samples(sample.frame(i));
+    pass.add_to(elements, series);
+  };
+  const auto scale_to_all = [&](double share) {
+    contributions.share = share;
+    contributions.squared_error = squared_error / share;
+    contributions.samples = double(samples) / share;
+    sums.copy_from(elements.sums);
+    int64_t first = 0;
+    for (int k = 0; k < 2; ++k) {
+      const int64_t count = (k == 0 ? model.static_set : model.dynamic_set).count();
+      contributions.sets[k].resize(count);
+      read_sums(sums, first, share, contributions.sets[k]);
+      first += count;
+    }
+  };
+  const auto so_far = [&](double share) {
+    scale_to_all(share);
+    PricedErrors now;
+    for (int64_t n = 0; n < sums.size(); ++n) now.error.push_back(double(sums[n].removal2));
+    now.price = prices(contributions);
+    for (double& price : now.price) price *= share;
+    return now;
+  };
+  scale_to_all(
+      draw_until_precise(sample, draw, prices ? so_far : std::function<PricedErrors(double)>()));
   Buffer<TimeVariation> variation;
   variation.copy_from(elements.variation);
-  int64_t first = 0;
-  for (int k = 0; k < 2; ++k) {
-    const int64_t count = (k == 0 ? model.static_set : model.dynamic_set).count();
-    contributions.sets[k].resize(count);
-    read_sums(sums, first, contributions.sets[k]);
-    first += count;
-  }
   for (int64_t n = 0; n < variation.size(); ++n)
     contributions.sets[0].change[size_t(n)] = change_of(variation[n]);
   return contributions;

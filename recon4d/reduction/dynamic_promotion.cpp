@@ -18,7 +18,7 @@ double rare_chi_square(double freedom, double deviations) {
   return freedom * std::pow(1 - variance + deviations * std::sqrt(variance), 3);
 }
 
-/// Elements of the static set in the form and layout of the dynamic one, at present 0; in the
+/// Elements of the static set in the form and layout of the dynamic one, at timestep 0; in the
 /// host's memory.
 GaussianSet at_rest(Backend& backend, const GaussianModel& model,
                     const std::vector<int64_t>& elements) {
@@ -43,19 +43,20 @@ GaussianSet at_rest(Backend& backend, const GaussianModel& model,
 
 std::vector<int64_t> time_varying_elements(const Contributions& contributions, double least,
                                            int64_t most) {
-  // under white noise of variance s² the gain is s² · χ² with 3·(timesteps − 1) degrees of freedom
+  // under white noise of variance s² the gain is s² · χ² with three degrees of freedom for each
+  // timestep of a series beyond its first
   constexpr double kDeviations = 5;
-  const double noise =
-      contributions.squared_error / double(std::max<int64_t>(1, contributions.samples));
+  const double noise = contributions.squared_error / std::max(1.0, contributions.samples);
   std::vector<std::pair<float, int64_t>> found;
   const std::vector<SetContributions::Change>& change = contributions.sets[0].change;
   for (size_t n = 0; n < change.size(); ++n) {
-    const double freedom = 3 * (double(change[n].timesteps) - 1);
+    const double freedom = 3 * double(change[n].freedom);
     if (freedom <= 0) continue;
     // and gains as large as those that images have, not found yet, change all of its light
     const double chance = noise * rare_chi_square(freedom, kDeviations) +
                           contributions.gain_variance * double(change[n].light);
-    if (double(change[n].gain) > std::max(chance, least)) found.emplace_back(-change[n].gain, n);
+    if (double(change[n].gain) > std::max(chance, least * contributions.share))
+      found.emplace_back(-change[n].gain, n);
   }
   std::sort(found.begin(), found.end());
   if (int64_t(found.size()) > most) found.resize(size_t(std::max<int64_t>(0, most)));

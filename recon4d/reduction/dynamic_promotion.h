@@ -1,5 +1,5 @@
 // What: static Gaussians become dynamic where what is left over them changes with time by more than
-//       noise, and others are born beside them at present when most is left.
+//       noise, and others are added beside them at the timestep at which most is left.
 // Not: growth by gradients (density.h); the way back (static_demotion.h).
 // Source: docs/reduction.md; residuals that change with time as a sign: [Ex4DGS].
 #pragma once
@@ -8,7 +8,8 @@
 namespace tessera {
 
 /// Elements of the static set over which the residual changes with time beyond noise, and by more
-/// squared error than `least`; at most `most`, those with the largest gain, ascending.
+/// squared error over all frames than `least`; at most `most`, those with the largest gain,
+/// ascending.
 std::vector<int64_t> time_varying_elements(const Contributions& contributions, double least,
                                            int64_t most);
 
@@ -17,8 +18,8 @@ std::vector<int64_t> time_varying_elements(const Contributions& contributions, d
 GaussianSet as_dynamic(Backend& backend, const GaussianModel& model,
                        const Contributions& contributions, const std::vector<int64_t>& elements);
 
-/// Their like, at rest in the same place at present when most is left over, as long as it is,
-/// coloured by it.
+/// Their like, at rest in the same place at the timestep at which most is left over, as long as it
+/// is, coloured by it.
 GaussianSet spawn_dynamic(Backend& backend, const GaussianModel& model,
                           const Contributions& contributions, const std::vector<int64_t>& elements);
 

@@ -25,8 +25,9 @@ bool contains(const std::vector<int64_t>& sorted, int64_t value) {
 
 /// More than one.
 bool has_timesteps(const FrameSample& sample) {
-  const auto time = [&](int frame) { return sample.scene->frames[size_t(frame)].time; };
-  return sample.count() > 0 && time(sample.frames.front()) != time(sample.frames.back());
+  for (int64_t i = 1; i < sample.count(); ++i)
+    if (sample.frame(i).time != sample.frame(0).time) return true;
+  return false;
 }
 
 /// Adds Gaussians that lie where the backend works to set k, without optimizer state or statistics.
@@ -118,17 +119,17 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   const bool thins = rounds_left(i) > 0, moves = decides_motion(i);
   if ((!thins && !moves) || trainer.state().decided == i) return std::nullopt;
   const auto begin = std::chrono::steady_clock::now();
-  const FrameSample sample = trainer.sample_frames(options_.look_frames);
+  const FrameSample sample = trainer.sample_frames();
   ReductionReport report;
   report.iteration = i;
-  report.sampled_frames = sample.count();
   report.static_before = trainer.state().model.static_set.count();
   report.dynamic_before = trainer.state().model.dynamic_set.count();
   std::optional<Contributions> contributions;  // of the model as it is
   if (moves && has_timesteps(sample)) contributions = decide_motion(trainer, sample, report);
   if (thins) {
     if (!contributions)
-      contributions = measure_contributions(backend_, trainer.drawn_model(), sample);
+      contributions = measure_contributions(backend_, trainer.drawn_model(), sample,
+                                            knee_prices(trainer.drawn_model()));
     prune(trainer, sample, validation, std::move(*contributions), report);
   }
   report.static_after = trainer.state().model.static_set.count();
@@ -149,7 +150,8 @@ std::optional<Contributions> ModelReduction::decide_motion(Trainer& trainer,
   constexpr double kMotionCharge = 16;
   const ByteRates rates;
   const GaussianModel& model = trainer.drawn_model();
-  Contributions contributions = measure_contributions(backend_, model, sample);
+  Contributions contributions = measure_contributions(backend_, model, sample, knee_prices(model));
+  report.sampled_frames = std::llround(contributions.share * double(sample.count()));
   const std::vector<Removal> order = removal_order(model, contributions);
   report.psnr = contributions.psnr_after(0);
   report.error_per_byte = error_per_byte_at(order, knee_count(order, contributions));
@@ -186,6 +188,7 @@ void ModelReduction::prune(Trainer& trainer, const FrameSample& sample,
                            const ValidationRecord& validation, Contributions contributions,
                            ReductionReport& report) {
   std::vector<Removal> order = removal_order(trainer.state().model, contributions);
+  report.sampled_frames = std::llround(contributions.share * double(sample.count()));
   report.psnr = contributions.psnr_after(0);
   report.knee = knee_count(order, contributions);
   report.error_per_byte = error_per_byte_at(order, report.knee);
@@ -205,7 +208,10 @@ void ModelReduction::prune(Trainer& trainer, const FrameSample& sample,
         std::max(count, now - std::max<int64_t>(1, int64_t(kAtOnce * double(now))));
     const KeptElements kept = kept_elements(trainer.state().model, order, next);
     trainer.edit([&](TrainState& state) { keep_elements(backend_, state, kept); });
-    contributions = measure_contributions(backend_, trainer.drawn_model(), sample);
+    const GaussianModel& model = trainer.drawn_model();
+    contributions = measure_contributions(backend_, model, sample, [&](const Contributions&) {
+      return element_prices(model, report.error_per_byte);
+    });
     order = removal_order(trainer.state().model, contributions);
     now = next;
   }

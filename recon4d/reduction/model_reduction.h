@@ -17,7 +17,7 @@ namespace tessera {
 
 /// What one decision did.
 struct ReductionReport {
-  int64_t iteration = 0, sampled_frames = 0;  // frames
+  int64_t iteration = 0, sampled_frames = 0;  // drawn by its first pass
   int64_t static_before = 0, dynamic_before = 0, static_after = 0, dynamic_after = 0;
   int64_t knee = 0, goal = 0;  // Gaussians; goal 0: none at this step
   int64_t removed = 0, demoted = 0, promoted = 0, spawned = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -18,20 +19,36 @@ double ByteRates::bytes_of(bool dynamic, int sh_degree) const {
 
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
                                    const ByteRates& rates) {
-  std::vector<Removal> order;
-  order.reserve(size_t(model.count()));
+  struct Ranked {
+    double error_per_byte;
+    bool is_lit;
+    int64_t place;  // static set first
+
+    bool operator<(const Ranked& b) const {
+      return std::tie(error_per_byte, is_lit, place) <
+             std::tie(b.error_per_byte, b.is_lit, b.place);
+    }
+  };
+  std::vector<Ranked> ranked;
+  ranked.reserve(size_t(model.count()));
+  double bytes[2];
   for (int k = 0; k < 2; ++k) {
     const SetContributions& set = contributions.sets[k];
-    const double bytes = rates.bytes_of(k == 1, model.drawing.sh_degree);
+    bytes[k] = rates.bytes_of(k == 1, model.drawing.sh_degree);
     for (size_t n = 0; n < set.weight.size(); ++n)
-      order.push_back({k, int64_t(n), double(set.removal2[n]), bytes});
+      ranked.push_back(
+          {double(set.removal2[n]) / bytes[k], set.weight[n] > 0, int64_t(ranked.size())});
   }
-  const auto is_lit = [&](const Removal& removal) {
-    return contributions.sets[removal.set].weight[size_t(removal.element)] > 0;
-  };
-  std::stable_sort(order.begin(), order.end(), [&](const Removal& a, const Removal& b) {
-    return std::pair(a.error_per_byte(), is_lit(a)) < std::pair(b.error_per_byte(), is_lit(b));
-  });
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<Removal> order;
+  order.reserve(ranked.size());
+  const int64_t statics = model.static_set.count();
+  for (const Ranked& r : ranked) {
+    const int k = r.place < statics ? 0 : 1;
+    const int64_t element = r.place - k * statics;
+    order.push_back(
+        {k, element, double(contributions.sets[k].removal2[size_t(element)]), bytes[k]});
+  }
   return order;
 }
 
@@ -68,6 +85,22 @@ int64_t knee_count(const std::vector<Removal>& order, const Contributions& contr
 double error_per_byte_at(const std::vector<Removal>& order, int64_t count) {
   const int64_t gone = int64_t(order.size()) - count;
   return gone <= 0 ? 0 : order[size_t(gone - 1)].error_per_byte();
+}
+
+std::vector<double> element_prices(const GaussianModel& model, double error_per_byte,
+                                   const ByteRates& rates) {
+  const int degree = model.drawing.sh_degree;
+  std::vector<double> prices(size_t(model.count()), error_per_byte * rates.bytes_of(true, degree));
+  std::fill_n(prices.begin(), model.static_set.count(),
+              error_per_byte * rates.bytes_of(false, degree));
+  return prices;
+}
+
+ElementPrices knee_prices(const GaussianModel& model, const ByteRates& rates) {
+  return [&model, rates](const Contributions& known) {
+    const std::vector<Removal> order = removal_order(model, known, rates);
+    return element_prices(model, error_per_byte_at(order, knee_count(order, known)), rates);
+  };
 }
 
 KeptElements kept_elements(const GaussianModel& model, const std::vector<Removal>& order,

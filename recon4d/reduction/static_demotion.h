@@ -9,8 +9,9 @@ namespace tessera {
 
 /// Gaussians of a dynamic set as static ones: where and as opaque as they are on the average of
 /// their light, with the shape and colours of their slice there. Elements without light or that are
-/// no Gaussians are where their own timestep has them. In the host's memory.
-GaussianSet as_static(const GaussianModel& model, const SetContributions& contributions);
+/// no Gaussians are where their own timestep has them. Where the backend works.
+GaussianSet as_static(Backend& backend, const GaussianModel& model,
+                      const SetContributions& contributions);
 
 struct DemotionTrial {
   explicit DemotionTrial(Memory& memory = host_memory())
@@ -22,8 +23,8 @@ struct DemotionTrial {
   /// shares that the others had in it.
   double error = 0;
 };
-/// `allowed`: squared error that one of them may add; `rounds`: how often those that are left are
-/// tried, at most.
+/// `allowed`: squared error over all frames that one of them may add; `rounds`: how often those
+/// that are left are tried, at most.
 DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
                            const Contributions& contributions, const FrameSample& sample,
                            double allowed, int rounds = 4);

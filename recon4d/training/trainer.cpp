@@ -134,12 +134,12 @@ void Trainer::edit(const std::function<void(TrainState&)>& change) {
   for (int k = 0; k < 2 && options_.filter_3d != Filter3d::kNone; ++k) measure_filter(k);
 }
 
-FrameSample Trainer::sample_frames(int64_t most) {
-  FrameSample sample = sample_training_frames(scene_, most);
+FrameSample Trainer::sample_frames() {
+  FrameSample sample = sample_training_frames(scene_);
   sample.kernels = kernel_switches(options_);
-  std::vector<int64_t> indices;  // among the training frames
+  std::vector<int64_t> indices;  // among the training frames, which are in ascending order
   for (const int frame : sample.frames)
-    indices.push_back(std::find(train_frames_.begin(), train_frames_.end(), frame) -
+    indices.push_back(std::lower_bound(train_frames_.begin(), train_frames_.end(), frame) -
                       train_frames_.begin());
   if (cache_.is_resident()) {
     TargetImages resident = cache_.truth(indices);

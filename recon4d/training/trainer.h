@@ -51,9 +51,8 @@ class Trainer {
     state_.seconds += seconds;
     forget_copies();
   }
-  /// Training frames with the gains they have now, and their images where all are on the device; at
-  /// most `most`, 0: all.
-  FrameSample sample_frames(int64_t most);
+  /// Training frames with the gains they have now, and their images where all are on the device.
+  FrameSample sample_frames();
   const TrainOptions& options() const { return options_; }
   /// What state().exposure has a gain for.
   const ExposureRows& exposed() const { return exposed_; }

@@ -9,7 +9,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/shape3.h"
+#include "kernels/math/shape3.h"
 #include "recon4d/model/validity.h"
 #include "static3d/transform/four_rotation.h"
 

@@ -7,8 +7,8 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/elements/load_gaussian.h"
+#include "kernels/math/shape3.h"
 #include "recon4d/evaluation/render.h"
-#include "recon4d/model/shape3.h"
 
 namespace tessera {
 namespace {

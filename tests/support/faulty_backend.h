@@ -49,9 +49,7 @@ class FaultyBackend final : public Backend {
     cpu_->sensitivity(args, out);
   }
   void contributions(const ContributionArgs<float>& args) override { cpu_->contributions(args); }
-  void close_timestep(double time, Span<TimeVariation> variation) override {
-    cpu_->close_timestep(time, variation);
-  }
+  void demote(const DemoteArgs<float>& args) override { cpu_->demote(args); }
   void added_squares(const ViewBatch<float>& batch, Span<const float> before,
                      Span<float> residual) override {
     cpu_->added_squares(batch, before, residual);

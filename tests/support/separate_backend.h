@@ -140,9 +140,12 @@ class SeparateBackend final : public Backend {
     check_lies_here(args.variation);
     separate_memory.inside([&] { cpu_->contributions(args); });
   }
-  void close_timestep(double time, Span<TimeVariation> variation) override {
-    check_lies_here(variation);
-    separate_memory.inside([&] { cpu_->close_timestep(time, variation); });
+  void demote(const DemoteArgs<float>& args) override {
+    check_lies_here(args.from);
+    check_lies_here(args.timestep);
+    check_lies_here(args.opacity);
+    check_lies_here(args.to);
+    separate_memory.inside([&] { cpu_->demote(args); });
   }
   void added_squares(const ViewBatch<float>& batch, Span<const float> before,
                      Span<float> residual) override {

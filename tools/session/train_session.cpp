@@ -244,7 +244,7 @@ class Session {
                                                         : trainer_->host_model().clone_values();
     if (fits)
       best = wall_.time(WallSplit::kEvaluate, [&] {
-        return fit_to_limit(size_limit(), *backend_, best, trainer_->sample_frames(0));
+        return fit_to_limit(size_limit(), *backend_, best, trainer_->sample_frames());
       });
     shipped_ = std::move(best);
     return *shipped_;

@@ -168,7 +168,7 @@ GaussianModel decided(const Scene& scene, TrainOptions options) {
   ModelReduction reduction(training.backend(), options, bytes);
   training.run(options.iterations, reduction, validation);
   return fit_to_limit({}, training.backend(), training.trainer().host_model(),
-                      training.trainer().sample_frames(0));
+                      training.trainer().sample_frames());
 }
 
 std::vector<RenderedImage> middle_images(const GaussianModel& model, const Scene& scene) {

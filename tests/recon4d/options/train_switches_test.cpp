@@ -141,7 +141,6 @@ const std::vector<Alternative>& of_reduction() {
       {"within_db", 0.5},
       {"thin_rounds", 2},
       {"thin_until", 36},
-      {"look_frames", 5},
       {"decide_motion", true},
       {"decide_colour", true},
       {"decide_interval", 4, {{"decide_motion", true}}},
@@ -201,8 +200,7 @@ int64_t some_instances(const std::string& key, bool value) {
 
 class Switch : public ::testing::TestWithParam<std::string> {};
 
-// Bugs put back, each seen to fail: rotations learn at a fixed rate (lr_rotation); all frames
-// looked at (look_frames).
+// Bug put back: rotations learn at a fixed rate (lr_rotation); seen to fail.
 TEST_P(Switch, ChangesTheModel) {
   TrainOptions options = usual_options();
   for (const Alternative& row : same_models())

@@ -145,14 +145,16 @@ TEST(DynamicPromotion, AtMostSoManyAndOnlyWhereTheErrorJustifiesTheirBytes) {
   const float gains[] = {3, 9, 0.5f, 7, 5, 8};
   for (size_t n = 0; n < 6; ++n) {
     contributions.sets[0].change[n].gain = gains[n];
-    contributions.sets[0].change[n].timesteps = 4;
+    contributions.sets[0].change[n].freedom = 3;
   }
-  contributions.sets[0].change[5].timesteps = 1;  // never seen twice
+  contributions.sets[0].change[5].freedom = 0;  // seen once in every series
   using Elements = std::vector<int64_t>;
   EXPECT_EQ(time_varying_elements(contributions, 0, 10), (Elements{0, 1, 2, 3, 4}));
   EXPECT_EQ(time_varying_elements(contributions, 0, 2), (Elements{1, 3}))
       << "the largest, ascending";
   EXPECT_EQ(time_varying_elements(contributions, 4, 10), (Elements{1, 3, 4}));
+  contributions.share = 0.5;  // of the frames were drawn, so half of the gain
+  EXPECT_EQ(time_varying_elements(contributions, 8, 10), (Elements{1, 3, 4}));
   EXPECT_EQ(time_varying_elements(contributions, 0, 0), Elements{});
   EXPECT_EQ(time_varying_elements(contributions, 0, -3), Elements{});
   EXPECT_EQ(time_varying_elements(contributions, 100, 10), Elements{});

@@ -39,7 +39,6 @@ TrainOptions thrifty_options() {
   options.thin_rounds = 4;
   options.thin_until = 180;
   options.decide_interval = 30;
-  options.look_frames = 12;
   return options;
 }
 
@@ -131,7 +130,7 @@ TEST(ModelReduction, TheLastRoundLeavesTheKneeOfTheFirst) {
     if (thins) {
       EXPECT_EQ(report.goal, goal) << report.iteration;
     }
-    EXPECT_EQ(report.sampled_frames, 12);
+    EXPECT_EQ(report.sampled_frames, 24) << "too few for sweeps";
   }
   const TrainState& state = run.training->state();
   EXPECT_EQ(state.model.count(), goal);
@@ -156,8 +155,7 @@ TEST(ModelReduction, TheLastRoundLeavesALittleMoreThanIsAskedFor) {
   options.max_bytes = 5000;
   options.decide_motion = false;
   const int64_t bytes = made_bytes(Thrifty(options).run(180).training->model());
-  EXPECT_LE(bytes, 5200);
-  EXPECT_GT(bytes, 5200 - 400);  // what is left differs from what went
+  EXPECT_NEAR(double(bytes), 5200, 199) << "what is left differs from what went";
 }
 
 // Bug put back: 1 dB, whatever was asked for; seen to fail.
@@ -233,7 +231,7 @@ TEST(ModelReduction, LooksWithTheKernelsOfTheTraining) {
   for (const bool deterministic : {false, true}) {
     options.deterministic = deterministic;
     const Thrifty run(options);
-    EXPECT_EQ(run.training->trainer().sample_frames(0).kernels.deterministic, deterministic);
+    EXPECT_EQ(run.training->trainer().sample_frames().kernels.deterministic, deterministic);
   }
 }
 

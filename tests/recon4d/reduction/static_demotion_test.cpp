@@ -125,7 +125,7 @@ TEST(StaticDemotion, TheStaticFormDrawsTheSliceAtItsTimestep) {
         const GaussianModel model = levels == 0 ? random_model(0, 15, 7, 16, form)
                                                 : random_model_in_time(0, 15, 2, 7, 16, form);
         GaussianModel still = model.clone_values();
-        still.static_set = as_static(model, at_timestep(model, t));
+        still.static_set = as_static(*make_cpu_backend(), model, at_timestep(model, t));
         still.dynamic_set = model.dynamic_set.like();
         still.dynamic_set.resize(0);
         EXPECT_EQ(still.static_set.count(), 15);
@@ -143,7 +143,7 @@ TEST(StaticDemotion, WithoutLightItStaysWhereItsOwnTimestepHasIt) {
   const GaussianModel model = random_model(0, 5, 7, 4, Form::kVelocity);
   SetContributions contributions;
   contributions.resize(5);
-  const GaussianSet still = as_static(model, contributions);
+  const GaussianSet still = as_static(*make_cpu_backend(), model, contributions);
   for (const Group group : {kMean, kLogScale, kRotation, kOpacityLogit})
     for (int64_t i = 0; i < still.group(group).value.size(); ++i)
       EXPECT_EQ(still.group(group).value[i], model.dynamic_set.group(group).value[i]);

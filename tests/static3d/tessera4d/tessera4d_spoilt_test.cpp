@@ -59,7 +59,7 @@ TEST_F(SpoiltFile, ManifestsThatCannotBe) {
          m["background"] = {1, 2};
        },
        {"background", "3 numbers"}},
-      {[](json& m) { m["splat"]["far"] = 0; }, {"clip planes"}},
+      {[](json& m) { m["splat"]["far"] = 0; }, {"far_plane is 0"}},
       {[](json& m) { m["blocks"][0]["count"] = 1ull << 40; }, {"count", "1099511627776"}},
       {[](json& m) { m["blocks"][0]["count"] = -1; }, {"count", "-1"}},
       {[](json& m) { m["blocks"][0]["file"] = "../secret"; }, {"../secret", "plain name"}},

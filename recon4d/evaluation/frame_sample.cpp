@@ -1,0 +1,82 @@
+// What: training frames by sweep, series and timestep.
+// Not: any image.
+#include "recon4d/evaluation/frame_sample.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace tessera {
+namespace {
+
+/// Of `bits` bits.
+int64_t reversed(int64_t value, int bits) {
+  int64_t result = 0;
+  for (int i = 0; i < bits; ++i) result |= (value >> i & 1) << (bits - 1 - i);
+  return result;
+}
+
+/// Where a training frame is drawn.
+struct Place {
+  int64_t sweep, series;
+  double time;
+  int frame;  // in the scene
+
+  bool operator<(const Place& b) const {
+    return std::tie(sweep, series, time, frame) < std::tie(b.sweep, b.series, b.time, b.frame);
+  }
+};
+
+}  // namespace
+
+FrameSample sample_training_frames(const Scene& scene, int64_t least_frames) {
+  std::map<std::string, std::vector<int>> cameras;  // frames of each, by time
+  for (const int frame : scene.split_indices(Split::kTrain))
+    cameras[scene.frames[size_t(frame)].camera_name].push_back(frame);
+  int64_t count = 0, longest = 0;
+  for (auto& [name, frames] : cameras) {
+    std::stable_sort(frames.begin(), frames.end(), [&](int a, int b) {
+      return scene.frames[size_t(a)].time < scene.frames[size_t(b)].time;
+    });
+    count += int64_t(frames.size());
+    longest = std::max(longest, int64_t(frames.size()));
+  }
+  constexpr int64_t kLeastTimesteps = 3;  // of a series that shares the timesteps with others
+  const bool is_rig = cameras.size() > 1 && longest > 1;
+  int bits = 0;
+  while ((count >> (bits + 1)) >= std::max<int64_t>(1, least_frames) &&
+         (!is_rig || (longest >> (bits + 1)) >= kLeastTimesteps))
+    ++bits;
+  const int64_t sweeps = int64_t{1} << bits;
+  // a sweep leaves gaps where there are fewer cameras than sweeps: the next ones fill them
+  int gap_bits = bits;
+  while (gap_bits > 0 && int64_t(cameras.size()) >> (bits - gap_bits + 1) > 0) --gap_bits;
+  const int64_t gap = int64_t{1} << gap_bits;
+
+  std::vector<Place> places;
+  int64_t camera = 0;
+  for (const auto& [name, frames] : cameras) {
+    const int64_t series = camera % sweeps, phase = reversed(series, bits);
+    for (size_t i = 0; i < frames.size(); ++i) {
+      const int64_t shift = (int64_t(i) + phase) % sweeps;
+      places.push_back({shift / gap * gap + reversed(shift % gap, gap_bits), series,
+                        scene.frames[size_t(frames[i])].time, frames[i]});
+    }
+    ++camera;
+  }
+  std::sort(places.begin(), places.end());
+
+  FrameSample sample;
+  sample.scene = &scene;
+  sample.sweeps.resize(size_t(sweeps));
+  for (size_t i = 0; i < places.size(); ++i) {
+    sample.frames.push_back(places[i].frame);
+    std::vector<FrameRange>& series = sample.sweeps[size_t(places[i].sweep)];
+    if (series.empty() || places[i].series != places[i - 1].series)
+      series.push_back({int64_t(i), int64_t(i)});
+    series.back().end = int64_t(i) + 1;
+  }
+  return sample;
+}
+
+}  // namespace tessera

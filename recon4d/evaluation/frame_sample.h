@@ -1,0 +1,42 @@
+// What: the training frames in the order in which a scoring pass draws them, so that it can end
+//       early: sweeps of equal share, each over all cameras and timesteps as evenly as they allow.
+// Not: drawing (scoring_pass.h), nor when a pass is precise enough (reduction/precision.h).
+#pragma once
+#include <vector>
+
+#include "ingest/scene.h"
+#include "kernels/base/span.h"
+#include "kernels/batch.h"
+
+namespace tessera {
+
+/// Frames [begin, end) of a sample.
+struct FrameRange {
+  int64_t begin = 0, end = 0;
+};
+
+/// Training frames and how they were exposed.
+struct FrameSample {
+  const Scene* scene = nullptr;
+  /// Places in scene->frames, series by series; those of a series in the order of their timesteps.
+  std::vector<int> frames;
+  /// [sweeps][series] of `frames`; a series is the same cameras at several timesteps.
+  std::vector<std::vector<FrameRange>> sweeps;
+  std::vector<Vec3<double>> gain;  // [frames] RGB; empty: the images are compared as rendered
+  KernelSwitches kernels;          // how they are drawn and looked at
+  /// [frames] images and masks where the backend reads them; empty: those of the scene are copied.
+  std::vector<Span<const uint8_t>> images, masks;
+
+  int64_t count() const { return int64_t(frames.size()); }
+  const Frame& frame(int64_t i) const { return scene->frames[size_t(frames[size_t(i)])]; }
+};
+
+/// All training frames. Of C cameras with T frames each, frame τ of camera c is in sweep
+/// (τ + c′) mod S and there in series c mod S, where c′ is c mod S with its bits reversed: a sweep
+/// has every timestep and every camera, where both are at least S. S is a power of two: as many
+/// sweeps as leave each `least_frames`, and a series of several cameras three timesteps. Sweeps
+/// come in an order in which the first 2^k of them are evenly spread, too. `gain` and `images` are
+/// left empty.
+FrameSample sample_training_frames(const Scene& scene, int64_t least_frames = 32);
+
+}  // namespace tessera
