@@ -47,8 +47,8 @@ struct Contributions {
   double psnr_after(double added) const;  // dB, of the mean squared error with so much more
 };
 
-/// What keeping each element, [N] static set first, is worth in squared error over all training
-/// frames, by what is known of them.
+/// The price of each element, [N] static set first: the squared error over all training frames up
+/// to which it is given up, by what is known of them.
 using ElementPrices = std::function<std::vector<double>(const Contributions&)>;
 
 /// Draws frames until removals at these prices are decided precisely (precision.h); without

@@ -21,7 +21,7 @@ double regret(const std::vector<double>& first, const std::vector<double>& secon
 /// variance.
 inline constexpr double kRegretAllowed = 0.02;
 
-/// Errors [N] of a pass so far, and what keeping each is worth in the same frames.
+/// Errors [N] of a pass so far, and the prices in the same frames.
 struct PricedErrors {
   std::vector<double> error, price;
 };

@@ -47,7 +47,7 @@ int64_t knee_count(const std::vector<Removal>& order, const Contributions& contr
 /// there; 0 where nothing goes.
 double error_per_byte_at(const std::vector<Removal>& order, int64_t count);
 
-/// What keeping each element is worth, [N] static set first: its bytes at this slope.
+/// The price of each element, [N] static set first: its bytes at this slope.
 std::vector<double> element_prices(const GaussianModel& model, double error_per_byte,
                                    const ByteRates& rates = {});
 /// The same at the slope of the knee of what is known. The model must outlive it.

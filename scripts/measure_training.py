@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Trains scenes with presets and seeds and says where the seconds went.
+
+    measure_training.py [--tessera build/release/tessera] [--seeds 3] [--out FILE.jsonl]
+                        SCENE:PRESET[,PRESET...] ... [-- OPTION...]
+
+Options after -- are passed to every training. A line of JSON a training is added to FILE.jsonl as
+it ends, with version, command, device and seed; the table at the end has medians over the seeds:
+seconds of training, sum of the stages' device seconds, their ratio, seconds of decisions and the
+frames that their first passes drew, loading, Gaussians, peak memory, PSNR of all held-out pixels
+and of those that move.
+"""
+
+import argparse
+import json
+import pathlib
+import statistics
+import subprocess
+import sys
+import tempfile
+
+COLUMNS = {  # key in a record: (heading, format)
+    "seconds": ("train s", "{:.1f}"),
+    "stages": ("Σ stages s", "{:.1f}"),
+    "ratio": ("ratio", "{:.2f}"),
+    "decisions": ("decisions s", "{:.2f}"),
+    "looked_at": ("frames of a pass", "{:.0f}"),
+    "load": ("load s", "{:.1f}"),
+    "gaussians": ("Gaussians", "{:,.0f}"),
+    "peak_gib": ("peak GiB", "{:.2f}"),
+    "psnr": ("PSNR", "{:.2f}"),
+    "psnr_moving": ("moving", "{:.2f}"),
+}
+
+
+def output_of(command):
+    result = subprocess.run(command, capture_output=True, text=True)
+    if result.returncode != 0:
+        sys.exit(f"{' '.join(command)}: exit code {result.returncode}\n{result.stderr[-2000:]}")
+    return result.stdout.strip()
+
+
+def run_json(command):
+    return json.loads(output_of(command))
+
+
+def decisions_of(log):
+    events = [json.loads(line) for line in log.read_text().splitlines()]
+    return [event for event in events if event.get("event") == "decision"]
+
+
+def measure(tessera, scene, preset, seed, options):
+    with tempfile.TemporaryDirectory() as folder:
+        out = pathlib.Path(folder) / "run"
+        command = [tessera, "train", scene, "-o", str(out), "--preset", preset, "--seed", str(seed),
+                   *options, "--json"]
+        trained = run_json(command)
+        scores = run_json([tessera, "evaluate", str(out), "--scene", scene, "--json"])
+        decisions = decisions_of(out / "log.jsonl")
+    stages = sum(trained["stage_ms"].values()) / 1000
+    return {
+        "scene": pathlib.Path(scene).name, "preset": preset, "seed": seed,
+        "command": " ".join(command[:3] + ["-o", "RUN"] + command[5:]),
+        "device": trained["device"],
+        "seconds": trained["seconds"], "stages": stages,
+        "ratio": trained["seconds"] / stages if stages > 0 else None,
+        "stage_ms": trained["stage_ms"],
+        "decisions": sum(event["decision_seconds"] for event in decisions),
+        "looked_at": statistics.median([event["looked_at"] for event in decisions] or [0]),
+        "load": trained["wall_seconds"]["load"],
+        "gaussians": trained["num_gaussians"], "dynamic": trained["num_dynamic"],
+        "peak_gib": trained["peak_device_bytes"] / 2**30,
+        "psnr": scores["psnr"], "psnr_moving": scores["held_out_views"]["psnr_dynamic"],
+    }
+
+
+def table(records):
+    lines = ["| scene | preset | " + " | ".join(heading for heading, _ in COLUMNS.values()) + " |",
+             "|---" * (2 + len(COLUMNS)) + "|"]
+    groups = {}
+    for record in records:
+        groups.setdefault((record["scene"], record["preset"]), []).append(record)
+    for (scene, preset), runs in groups.items():
+        cells = [scene, preset]
+        for key, (_, form) in COLUMNS.items():
+            values = [run[key] for run in runs if run[key] is not None]
+            cells.append(form.format(statistics.median(values)) if values else "–")
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def main():
+    arguments, options = sys.argv[1:], []
+    if "--" in arguments:
+        split = arguments.index("--")
+        arguments, options = arguments[:split], arguments[split + 1:]
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--tessera", default="build/release/tessera")
+    parser.add_argument("--seeds", type=int, default=3)
+    parser.add_argument("--commit", help="of the program; default: what git says")
+    parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("loads", nargs="+", metavar="SCENE:PRESET[,PRESET]")
+    asked = parser.parse_args(arguments)
+    version = asked.commit or output_of(["git", "rev-parse", "--short", "HEAD"])
+    records = []
+    for load in asked.loads:
+        scene, colon, presets = load.rpartition(":")
+        if not colon:
+            parser.error(f"{load}: give the presets, too: {load}:balanced")
+        for preset in presets.split(","):
+            for seed in range(1, asked.seeds + 1):
+                record = measure(asked.tessera, scene, preset, seed, options)
+                record["version"] = version
+                records.append(record)
+                print(f"{record['scene']} {preset} seed {seed}:",
+                      ", ".join(f"{heading} {form.format(record[key])}"
+                                for key, (heading, form) in COLUMNS.items()
+                                if record[key] is not None), flush=True)
+                if asked.out:
+                    with asked.out.open("a") as file:
+                        file.write(json.dumps(record) + "\n")
+    print(table(records))
+
+
+if __name__ == "__main__":
+    main()
