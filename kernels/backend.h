@@ -18,6 +18,7 @@ struct ProjectArgs {
   const ViewBatch<Real>* batch = nullptr;
   GaussianSpans<const Real> sets[2];  // static, dynamic; either may be empty
   RenderOptions options;
+  bool for_backward = false;  // keeps what its gradient needs
 };
 
 template <class Real>
@@ -88,7 +89,7 @@ template <class Real>
 struct ProjectBackwardArgs {
   ProjectArgs<Real> forward;
   const Splats<Real>* splats = nullptr;
-  Span<SplatGradient<Real>> d_splats;  // [S] consumed
+  Span<SplatMoments<Real>> d_splats;  // [S]
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];  // empty spans: not gathered
   RegulariserWeights regulariser;         // into the gradients
@@ -156,7 +157,7 @@ class BackendOf {
   virtual void residual(const PhotometricArgs<Real>& args, Span<Real> residual) = 0;
   /// Gradient of each splat, summed over its pixels.
   virtual void blend_backward(const BlendBackwardArgs<Real>& args,
-                              Span<SplatGradient<Real>> d_splats) = 0;
+                              Span<SplatMoments<Real>> d_splats) = 0;
   /// What each splat is to the images; written, zeros for a splat that draws no pixel. After a
   /// forward pass with for_backward. Masks and gains are in removal1 and removal2 alone.
   virtual void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) = 0;

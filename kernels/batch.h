@@ -77,6 +77,8 @@ struct Splats {
         rect(memory),
         tiles(memory),
         gaussian(memory),
+        slope(memory),
+        time_slope(memory),
         first_of(memory) {}
 
   int64_t count = 0;          // S
@@ -85,9 +87,13 @@ struct Splats {
   Buffer<TileRect> rect;      // [S]
   Buffer<int32_t> tiles;      // [S] tiles of `rect`; a splat with none is as good as invisible
   Buffer<int32_t> gaussian;   // [S] static set first, then dynamic; a device's, else empty
-  Buffer<int64_t> first_of;   // [N+1] first splat of each Gaussian
-  int64_t instances = 0;      // Σ tiles
-  int64_t invalid = 0;        // Gaussians culled for a zero quaternion or non-finite values
+  /// [S] where a device's pass was for its gradient, else empty.
+  Buffer<ColourSlope<Real>> slope;
+  /// [S] ∂(un-clamped colour)/∂(mean time) beside it where colours have levels of time.
+  Buffer<Vec3<Real>> time_slope;
+  Buffer<int64_t> first_of;  // [N+1] first splat of each Gaussian
+  int64_t instances = 0;     // Σ tiles
+  int64_t invalid = 0;       // Gaussians culled for a zero quaternion or non-finite values
 };
 
 /// (tile, splat) pairs, by tile, front to back inside a tile.

@@ -20,7 +20,7 @@ class CpuBackend final : public BackendOf<Real> {
   void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) override;
   void residual(const PhotometricArgs<Real>& args, Span<Real> residual) override;
   void blend_backward(const BlendBackwardArgs<Real>& args,
-                      Span<SplatGradient<Real>> d_splats) override;
+                      Span<SplatMoments<Real>> d_splats) override;
   void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) override;
   void contributions(const ContributionArgs<Real>& args) override;
   void demote(const DemoteArgs<Real>& args) override;
@@ -51,7 +51,7 @@ class CpuBackend final : public BackendOf<Real> {
   HostStageClock clock_;
   StepOutcome outcome_;
   Buffer<Real> environment_parts_;                         // [parts] gradients of a map each
-  Buffer<SplatGradient<Real>> instance_gradients_;         // [I] by slot, summed per splat in order
+  Buffer<SplatMoments<Real>> instance_gradients_;          // [I] by slot, summed per splat in order
   Buffer<SplatSensitivity<Real>> instance_sensitivities_;  // the same
 };
 

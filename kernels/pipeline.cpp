@@ -11,8 +11,7 @@ namespace tessera {
 template <class Real>
 const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
   batch_ = make_view_batch<Real>(args.views);
-  project_ = {&batch_, {args.sets[0], args.sets[1]}, args.options};
-  for_backward_ = args.for_backward;
+  project_ = {&batch_, {args.sets[0], args.sets[1]}, args.options, args.for_backward};
   environment_ = args.environment;
   environment_.batch = &batch_;
   StageClock& clock = backend_.clock();
@@ -22,7 +21,7 @@ const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
   }
   {
     const StageTimer timer(clock, kBin);
-    backend_.bin({&batch_, &splats_, args.options, for_backward_}, instances_);
+    backend_.bin({&batch_, &splats_, args.options, args.for_backward}, instances_);
   }
   const StageTimer timer(clock, kBlend);
   backend_.blend(blend_args(), images_);
@@ -41,7 +40,7 @@ void Pipeline<Real>::loss(const Target& target, bool for_backward) {
 template <class Real>
 void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
   check(d_colour_.size() == 3 * batch_.pixels, "backward without a gradient of the images");
-  check(for_backward_, "backward after a forward pass that was not for it");
+  check(project_.for_backward, "backward after a forward pass that was not for it");
   d_splats_.resize(splats_.count);
   {
     const StageTimer timer(backend_.clock(), kBlendBackward);
@@ -70,7 +69,7 @@ void Pipeline<Real>::residual(const Target& target) {
 template <class Real>
 Span<const SplatSensitivity<Real>> Pipeline<Real>::sensitivity() {
   check(d_colour_.size() == 3 * batch_.pixels, "sensitivity without an image");
-  check(for_backward_, "sensitivity after a forward pass that was not for it");
+  check(project_.for_backward, "sensitivity after a forward pass that was not for it");
   sensitivity_.resize(splats_.count);
   const StageTimer timer(backend_.clock(), kBlendBackward);
   backend_.sensitivity({{blend_args(), &images_, d_colour_.span()}, compared_.mask, compared_.gain},

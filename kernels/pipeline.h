@@ -93,11 +93,10 @@ class Pipeline {
 
  private:
   BlendArgs<Real> blend_args() const {
-    return {&batch_, &splats_, &instances_, project_.options, for_backward_};
+    return {&batch_, &splats_, &instances_, project_.options, project_.for_backward};
   }
 
   BackendOf<Real>& backend_;
-  bool for_backward_ = false;
   ViewBatch<Real> batch_;
   ProjectArgs<Real> project_;
   EnvironmentArgs<Real> environment_;
@@ -105,7 +104,7 @@ class Pipeline {
   TileInstances<Real> instances_;
   Images<Real> images_;
   Buffer<Real> d_colour_;
-  Buffer<SplatGradient<Real>> d_splats_;
+  Buffer<SplatMoments<Real>> d_splats_;
   Target compared_;  // of the last residual
   Buffer<SplatSensitivity<Real>> sensitivity_;
 };

@@ -2,11 +2,12 @@
 // Not: the walk (splat_sums.cuh).
 #pragma once
 #include "kernels/cuda/tile_block.cuh"
+#include "kernels/cuda/warp_sums.cuh"
 
 namespace tessera {
 
 inline constexpr int kSegment = 128;  // splats between two checkpoints where lists are cut
-static_assert(sizeof(SplatGradient<float>) == kSplatGradientTerms * sizeof(float));
+static_assert(sizeof(SplatMoments<float>) == kSplatMomentTerms * sizeof(float));
 
 struct BlendBackward {
   const ViewArgs<float>* views;
@@ -40,7 +41,7 @@ struct BlendBackward {
 /// A pixel on its way back through the splats.
 struct PixelBackward {
   using Args = BlendBackward;
-  static constexpr int kTerms = kSplatGradientTerms;
+  static constexpr int kLaneTerms = kColumnTerms, kTerms = kSplatMomentTerms;
   float x = 0, y = 0;               // centre
   float T = 1, R = 0;               // light that is left; ⟨colour still to come, dL/dC⟩
   Vec3<float> g{0.0f, 0.0f, 0.0f};  // dL/dC
@@ -60,15 +61,33 @@ struct PixelBackward {
     used = a.used[tile_pixel.index];
   }
 
-  /// Takes its step past a splat and adds its share of the splat's gradient, in the order of
-  /// SplatGradient but for the factors of `scale`.
-  __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on,
-                       float (&v)[kSplatGradientTerms]) {
-    blend_backward_step(p, on, s.colour(), g, T, R, [&](int k, float term) { v[k] += term; });
+  /// Takes its step past a splat; calls add(k, term) with its share of its lane's sums.
+  template <class Add>
+  __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on, Add&& add) {
+    blend_backward_step(s.opacity(), on ? p.falloff : 0.0f, p.dy, s.colour(), g, T, R, add);
   }
-  /// What sums of `step` still have to be multiplied with.
-  __device__ static float scale(int term) {
-    return term < 2 ? 1.0f / kExponent : term < 5 ? 0.5f : 1.0f;
+  /// Down the columns first, which share dx: the moments by dx follow from their sums
+  /// (column_moments). A warp has 8 columns of 4 lanes.
+  __device__ static float reduce(float dx, const float (&v)[kLaneTerms]) {
+    const int lane = int(threadIdx.x) % 32;
+    float w[3];  // f, f·dy, f·dy² or red, green, blue, of half a column
+    TESSERA_UNROLL
+    for (int k = 0; k < 3; ++k) w[k] = exchange<16>(lane, v[k], v[k + 3]);
+    const float a = exchange<8>(lane, w[0], w[1]);         // f, f·dy or red, green of a column
+    const float b = w[2] + __shfl_xor_sync(~0u, w[2], 8);  // f·dy² or blue
+    const float a_dx = a * dx;
+    const float p = exchange<4>(lane, a, by_bit<16>(lane, a_dx, b));
+    const float t = by_bit<8>(lane, a_dx * dx, b);
+    const float q = t + __shfl_xor_sync(~0u, t, 4);
+    const float sum = exchange<2>(lane, p, q);
+    return sum + __shfl_xor_sync(~0u, sum, 1);
+  }
+  /// In the order of SplatMoments.
+  __device__ static int term_of_lane() {
+    //                              f  f·dx        f·dy           r  b        g
+    constexpr int kTerm[16] = {0, 3, 1, 9, 2, 5, 4, 9, 6, 9, 8, 9, 7, 9, 9, 9};
+    const int lane = int(threadIdx.x) % 32;
+    return lane % 2 == 0 ? kTerm[lane / 2] : kTerms;
   }
 };
 

@@ -66,7 +66,7 @@ class CudaBackend final : public Backend {
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override;
   void residual(const PhotometricArgs<float>& args, Span<float> residual) override;
   void blend_backward(const BlendBackwardArgs<float>& args,
-                      Span<SplatGradient<float>> d_splats) override;
+                      Span<SplatMoments<float>> d_splats) override;
   void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override;
   void contributions(const ContributionArgs<float>& args) override;
   void demote(const DemoteArgs<float>& args) override;

@@ -11,10 +11,11 @@ namespace tessera::photometric {
 constexpr int kThreads = 128;      // a block; a thread has one column, halo included
 constexpr int kTileWidth = 116;    // pixels; the largest multiple of 4 that leaves a halo
 constexpr int kTileHeight = 32;    // pixels
-constexpr int kForwardRows = 8;    // of a chunk of pass 1
+constexpr int kForwardRows = 16;   // of a chunk of pass 1
 constexpr int kBackwardRows = 16;  // of a chunk of pass 2
 constexpr int kWarps = kThreads / 32;
-constexpr int kMaps = 3;  // λ·∂SSIM by E[x], E[x²], E[x·y]
+constexpr int kMoments = 4;  // of pass 1
+constexpr int kMaps = 3;     // λ·∂SSIM by E[x], E[x²], E[x·y]
 static_assert(kTileWidth % 4 == 0 && kTileWidth + 2 * kSsimRadius <= kThreads);
 static_assert(kTileHeight % kForwardRows == 0 && kTileHeight % kBackwardRows == 0);
 

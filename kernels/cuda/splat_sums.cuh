@@ -10,65 +10,6 @@
 
 namespace tessera {
 
-/// Sums the first eight values over a warp (0 where there are fewer): lane l ends with the total of
-/// value l / 4.
-template <int Terms>
-__device__ inline float reduce_eight(const float (&v)[Terms]) {
-  const int lane = int(threadIdx.x) % 32;
-  static_assert(Terms >= 4);
-  const bool upper16 = lane & 16, upper8 = lane & 8, upper4 = lane & 4;
-  float w[4];
-  TESSERA_UNROLL
-  for (int k = 0; k < 4; ++k) {
-    const float upper = k + 4 < Terms ? v[k + 4] : 0.0f;
-    const float kept = upper16 ? upper : v[k], sent = upper16 ? v[k] : upper;
-    w[k] = kept + __shfl_xor_sync(~0u, sent, 16);
-  }
-  float u[2];
-  TESSERA_UNROLL
-  for (int k = 0; k < 2; ++k) {
-    const float kept = upper8 ? w[k + 2] : w[k], sent = upper8 ? w[k] : w[k + 2];
-    u[k] = kept + __shfl_xor_sync(~0u, sent, 8);
-  }
-  const float kept = upper4 ? u[1] : u[0], sent = upper4 ? u[0] : u[1];
-  float sum = kept + __shfl_xor_sync(~0u, sent, 4);
-  sum += __shfl_xor_sync(~0u, sum, 2);
-  return sum + __shfl_xor_sync(~0u, sum, 1);
-}
-
-__device__ inline float reduce_one(float v) {
-  TESSERA_UNROLL
-  for (int step = 16; step > 0; step /= 2) v += __shfl_xor_sync(~0u, v, step);
-  return v;
-}
-
-/// In every lane.
-__device__ inline int32_t largest_of_warp(int32_t v) {
-  TESSERA_UNROLL
-  for (int step = 16; step > 0; step /= 2) v = max(v, __shfl_xor_sync(~0u, v, step));
-  return v;
-}
-
-/// A lane's pixels take their step past a splat; false for the whole warp when none draws it.
-template <class Pixel, int Pixels>
-__device__ inline bool step_lane(const SharedSplat& s, const Cutoff<float>& cutoff, int32_t index,
-                                 Pixel (&pixel)[Pixels], float (&v)[Pixel::kTerms]) {
-  bool on[Pixels], any = false;
-  PixelResponse response[Pixels];
-  TESSERA_UNROLL
-  for (int p = 0; p < Pixels; ++p) {
-    response[p] = PixelResponse(s, pixel[p].x, pixel[p].y);
-    on[p] = cutoff.draws(response[p].alpha, response[p].falloff) && index < pixel[p].used;
-    any = any || on[p];
-  }
-  if (!__any_sync(~0u, any)) return false;
-  TESSERA_UNROLL
-  for (int k = 0; k < Pixel::kTerms; ++k) v[k] = 0.0f;
-  TESSERA_UNROLL
-  for (int p = 0; p < Pixels; ++p) pixel[p].step(s, response[p], on[p], v);
-  return true;
-}
-
 /// What a block works on: a tile's whole list, or a segment of it behind a checkpoint.
 template <bool Segmented>
 struct Work {
@@ -98,10 +39,12 @@ struct Work {
 };
 
 /// Sums of every splat. A Pixel has
-///   Args, kTerms: what it is made from (a BlendBackward), how many floats it sums
+///   Args: what it is made from (a BlendBackward)
+///   kLaneTerms, kTerms: floats that a lane sums over its column, and that a splat gets
 ///   x, y, used: its centre, and how many splats of the tile it goes past
-///   step(splat, response, on, v): its step past a splat, its share added to v
-///   scale(term): what a sum of v[term] still has to be multiplied with.
+///   step(splat, response, on, add): its step past a splat, add(k, its share of lane term k)
+///   reduce(dx, v): of what the lanes of a warp summed, the total of the term that is this lane's
+///   term_of_lane(): which that is; kTerms: none.
 template <class Pixel, int Pixels, bool Cull, bool Ordered, bool Segmented>
 __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) sum_tiles(typename Pixel::Args a) {
   __shared__ SharedSplat shared[TileParts<Pixels>::kWarps][kBucket];
@@ -110,7 +53,8 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) sum_tiles(typenam
   const int64_t first = a.tile_begin[work.tile];
   const BatchTile batch_tile(a.views, a.view_count, work.tile);
   const WarpPart<Pixels> part(batch_tile);
-  const int lane = int(threadIdx.x) % 32, warp = int(threadIdx.x) / 32;
+  const int warp = int(threadIdx.x) / 32, term = Pixel::term_of_lane();
+  float* const to = a.sums + term;
   Pixel pixel[Pixels];
   int32_t last = 0;
   TESSERA_UNROLL
@@ -120,31 +64,34 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) sum_tiles(typenam
   }
   last = largest_of_warp(last);
   if (Segmented) last = min(last, work.begin + kSegment);
-  WarpSplats splats(a.splats, a.instance + first, work.begin, last, shared[warp]);
+  WarpSplats splats(a.splats, a.cutoff, a.instance + first, work.begin, last, shared[warp]);
   while (!splats.done()) {
     unsigned hits = splats.next_bucket<Cull>(part);
     for (; hits != 0; hits &= hits - 1) {
       const int i = __ffs(int(hits)) - 1;
-      const int32_t number = splats.number(i);
-      float v[Pixel::kTerms];
-      if (!step_lane(splats[i], a.cutoff, splats.begin() + i, pixel, v)) continue;
-      // lanes 0, 4, … 28 get the first eight terms, lane 1 the ninth
-      float value = reduce_eight(v);
-      int term = lane % 4 == 0 ? lane / 4 : Pixel::kTerms;
-      if constexpr (Pixel::kTerms > 8) {
-        const float ninth = reduce_one(v[8]);
-        if (lane == 1) {
-          value = ninth;
-          term = 8;
-        }
+      const SharedSplat& splat = splats[i];
+      const int32_t index = splats.begin() + i;
+      const ColumnResponse column(splat, pixel[0].x);
+      PixelResponse response[Pixels];
+      bool on[Pixels], any = false;
+      TESSERA_UNROLL
+      for (int p = 0; p < Pixels; ++p) {
+        response[p] = PixelResponse(splat, column, pixel[p].y);
+        on[p] = response[p].drawn(splat) && index < pixel[p].used;
+        any = any || on[p];
       }
+      if (!__any_sync(~0u, any)) continue;
+      float v[Pixel::kLaneTerms];
+      TESSERA_UNROLL
+      for (int p = 0; p < Pixels; ++p)
+        pixel[p].step(splat, response[p], on[p],
+                      [&](int k, float term) { v[k] = p == 0 ? term : v[k] + term; });
+      const float sum = Pixel::reduce(column.dx, v);
       if (term >= Pixel::kTerms) continue;
-      value *= Pixel::scale(term);
       if constexpr (Ordered)
-        a.instance_sums[(warp * a.instances + first + splats.begin() + i) * Pixel::kTerms + term] =
-            value;
+        a.instance_sums[(warp * a.instances + first + index) * Pixel::kTerms + term] = sum;
       else
-        atomicAdd(a.sums + int64_t(number) * Pixel::kTerms + term, value);
+        atomicAdd(to + int64_t(splat.number()) * Pixel::kTerms, sum);
     }
   }
 }

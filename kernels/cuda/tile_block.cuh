@@ -80,13 +80,19 @@ struct WarpPart {
 /// exp(−½ x) = 2^(kExponent·x).
 inline constexpr float kExponent = -0.5f * 1.44269504088896341f;
 
-/// What blending reads of a splat, 48 bytes as three vectors, its conic times kExponent.
+/// What blending reads of a splat, 48 bytes as three vectors, its conic times kExponent. In shared
+/// memory some fields are others: what the pixels of a part need of them.
 struct alignas(16) SharedSplat {
-  float4 a;  // mean2d, conic xx, xy
+  float4 a;  // mean2d, conic xx, xy; shared: 2·xy
   float4 b;  // conic yy, opacity, colour r, g
-  float4 c;  // colour b, power, view, negative
+  float4 c;  // colour b, power, view, negative; shared: colour b, least G drawn, number
 
+  __device__ float opacity() const { return b.y; }
   __device__ Vec3<float> colour() const { return {b.z, b.w, c.x}; }
+  /// In shared memory: where G is less the splat is not drawn.
+  __device__ float least_falloff() const { return c.y; }
+  /// In shared memory: of the splat, in the batch.
+  __device__ int32_t number() const { return __float_as_int(c.z); }
   __device__ static SharedSplat load(const Splat<float>* splat) {
     const float4* from = reinterpret_cast<const float4*>(splat);
     SharedSplat s{from[0], from[1], from[2]};
@@ -117,17 +123,29 @@ __device__ inline float exp2_approximate(float x) {
   return result;
 }
 
-/// Response of a splat at a pixel, its conic times kExponent  (splat_falloff).
-struct PixelResponse : SplatAtPixel<float> {
+/// What the pixels of a column have in common: the exponent is a parabola of dy.
+struct ColumnResponse {
+  float dx;                // mean2d − pixel centre
+  float constant, linear;  // exponent = constant + (linear + conic yy·dy)·dy
+
+  __device__ ColumnResponse(const SharedSplat& s, float x)
+      : dx(s.a.x - x), constant(s.a.z * dx * dx), linear(s.a.w * dx) {}
+};
+
+/// Response of a splat at a pixel  (splat_falloff).
+struct PixelResponse {
+  float dy;       // mean2d − pixel centre
+  float falloff;  // G
+
   __device__ PixelResponse() {}
-  __device__ PixelResponse(const SharedSplat& s, float x, float y) {  // pixel centre
-    dx = s.a.x - x;
-    dy = s.a.y - y;
-    gx = s.a.z * dx + s.a.w * dy;
-    gy = s.a.w * dx + s.b.x * dy;
-    falloff = exp2_approximate(fminf(dx * gx + dy * gy, 0.0f));
-    alpha = s.b.y * falloff;
+  __device__ PixelResponse(const SharedSplat& s, const ColumnResponse& column, float y)
+      : dy(s.a.y - y) {
+    // left to itself the compiler contracts the constant and pays two instructions more a pixel
+    const float exponent = fmaf(fmaf(s.b.x, dy, column.linear), dy, column.constant);
+    falloff = exp2_approximate(fminf(exponent, 0.0f));
   }
+  /// Cutoff::draws, of both comparisons the one that decides.
+  __device__ bool drawn(const SharedSplat& s) const { return falloff >= s.least_falloff(); }
 };
 
 /// A warp's way through the splats of a tile, a bucket at a time. The next bucket's records and the
@@ -136,9 +154,14 @@ class WarpSplats {
  public:
   /// Places [begin, end) of the list at `instance`; `shared`: this warp's 32 places in shared
   /// memory.
-  __device__ WarpSplats(const Splat<float>* splats, const int32_t* instance, int32_t begin,
-                        int32_t end, SharedSplat* shared)
-      : splats_(splats), instance_(instance), end_(end), next_(begin), shared_(shared) {
+  __device__ WarpSplats(const Splat<float>* splats, const Cutoff<float>& cutoff,
+                        const int32_t* instance, int32_t begin, int32_t end, SharedSplat* shared)
+      : splats_(splats),
+        cutoff_(cutoff),
+        instance_(instance),
+        end_(end),
+        next_(begin),
+        shared_(shared) {
     fetch_number(begin);
     fetch_record();
     fetch_number(begin + kBucket);
@@ -150,8 +173,10 @@ class WarpSplats {
     const int lane = int(threadIdx.x) % 32;
     const bool listed = next_ + lane < end_;
     const bool meets = listed && (!Cull || meets_part(record_, part));
-    number_ = record_number_;
     __syncwarp();  // the last bucket has been read
+    record_.a.w *= 2.0f;
+    record_.c.y = fmaxf(fast_divide(cutoff_.least_alpha, record_.b.y), cutoff_.least_falloff);
+    record_.c.z = __int_as_float(record_number_);
     if (meets) shared_[lane] = record_;
     __syncwarp();
     begin_ = next_;
@@ -165,8 +190,6 @@ class WarpSplats {
   __device__ int32_t begin() const { return begin_; }
   __device__ int32_t next_begin() const { return next_; }
   __device__ const SharedSplat& operator[](int i) const { return shared_[i]; }
-  /// Number of the bucket's splat i in the batch; all lanes ask together.
-  __device__ int32_t number(int i) const { return __shfl_sync(~0u, number_, i); }
 
  private:
   __device__ void fetch_number(int32_t bucket) {
@@ -179,8 +202,9 @@ class WarpSplats {
   }
 
   const Splat<float>* splats_;
+  const Cutoff<float>& cutoff_;
   const int32_t* instance_;
-  int32_t end_, next_, begin_ = 0, number_ = 0, record_number_ = 0, next_number_ = 0;
+  int32_t end_, next_, begin_ = 0, record_number_ = 0, next_number_ = 0;
   SharedSplat* shared_;
   SharedSplat record_;
 };

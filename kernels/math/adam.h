@@ -30,7 +30,7 @@ TESSERA_HD inline void adam_step(const AdamScalars<Real>& a, Real gradient, Real
                                  Real& v) {
   m = a.beta1 * m + (Real(1) - a.beta1) * gradient;
   v = a.beta2 * v + (Real(1) - a.beta2) * gradient * gradient;
-  value -= a.step_size * m / (sqrt(v) * a.v_scale + a.epsilon);
+  value -= fast_divide(a.step_size * m, fast_sqrt(v) * a.v_scale + a.epsilon);
 }
 
 }  // namespace tessera

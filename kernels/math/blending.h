@@ -29,69 +29,85 @@ TESSERA_HD inline void blend_step(Real alpha, const Vec3<Real>& colour, Real& re
   red += weight * colour[0];
   green += weight * colour[1];
   blue += weight * colour[2];
-  transmittance *= Real(1) - alpha;
+  transmittance -= weight;
 }
 
-/// Gradient of one splat, summed over pixels.
+/// Gradient of the loss by one splat.
 template <class Real>
 struct SplatGradient {
   Vec2<Real> mean2d;  // by pixels
   Sym2<Real> conic;   // symmetric convention
   Real opacity;       // by the effective opacity o·p
   Vec3<Real> colour;  // by the un-clamped colour, before the mask of negative channels
+};
 
-  TESSERA_HD SplatGradient& operator+=(const SplatGradient& o) {
-    mean2d += o.mean2d;
-    conic.xx += o.conic.xx;
-    conic.xy += o.conic.xy;
-    conic.yy += o.conic.yy;
-    opacity += o.opacity;
+/// Sums over a splat's pixels that its gradient follows from: of f = G·dL/dα, of its moments by
+/// d = mean2d − pixel centre, and of T·α·dL/dC.
+template <class Real>
+struct SplatMoments {
+  Real f;
+  Vec2<Real> f_d;
+  Sym2<Real> f_dd;
+  Vec3<Real> colour;
+
+  TESSERA_HD SplatMoments& operator+=(const SplatMoments& o) {
+    f += o.f;
+    f_d += o.f_d;
+    f_dd += o.f_dd;
     colour += o.colour;
     return *this;
   }
 };
+inline constexpr int kSplatMomentTerms = 9;  // scalars of a SplatMoments
 
-/// How a splat meets a pixel.
+/// By α = o·G, G = exp(−½ dᵀ conic d).
 template <class Real>
-struct SplatAtPixel {
-  Real dx, dy;   // mean2d − pixel centre
-  Real gx, gy;   // conic · (dx, dy), or a multiple of it
-  Real falloff;  // G
-  Real alpha;    // o·p·G
-};
+TESSERA_HD inline SplatGradient<Real> splat_gradient(const Sym2<Real>& conic, Real opacity,
+                                                     const SplatMoments<Real>& m) {
+  const Real half = Real(-0.5) * opacity;
+  return {Vec2<Real>(conic.xx * m.f_d[0] + conic.xy * m.f_d[1],
+                     conic.xy * m.f_d[0] + conic.yy * m.f_d[1]) *
+              -opacity,
+          {half * m.f_dd.xx, half * m.f_dd.xy, half * m.f_dd.yy},
+          m.f,
+          m.colour};
+}
 
-inline constexpr int kSplatGradientTerms = 9;  // scalars of a SplatGradient
+inline constexpr int kColumnTerms = 6;  // sums over the pixels of a column
 
-/// A pixel's step past a splat, backward: calls add(k, term) with its share of the k-th scalar of
-/// the splat's gradient, in the order of SplatGradient. `drawn`: whether the splat is drawn there;
-/// `g`: dL/dC; `remaining`: R = ⟨colour still to come, g⟩, in front of the splat before and behind
-/// it afterwards, as T is  [method A.11]. The share of the conic is twice its gradient, and that of
-/// mean2d by gx and gy as they are given.
+/// A pixel's step past a splat, backward: calls add(k, term) with its share of the k-th sum of its
+/// column. `opacity`: o·p of the splat; `falloff`: its G there, 0 where it is not drawn; `dy`: of
+/// d; `g`: dL/dC; `remaining`: R = ⟨colour still to come, g⟩, in front of the splat before and
+/// behind it afterwards, as T is  [method A.11].
 template <class Real, class Add>
-TESSERA_HD inline void blend_backward_step(const SplatAtPixel<Real>& splat, bool drawn,
+TESSERA_HD inline void blend_backward_step(Real opacity, Real falloff, Real dy,
                                            const Vec3<Real>& colour, const Vec3<Real>& g,
                                            Real& transmittance, Real& remaining, Add&& add) {
-  const Real alpha = drawn ? splat.alpha : Real(0);
+  const Real alpha = opacity * falloff;
   const Real weight = transmittance * alpha;
   const Real kappa = colour[0] * g[0] + colour[1] * g[1] + colour[2] * g[2];
   remaining -= weight * kappa;
-  // by the α of any splat: where none is drawn the quotient is not used, and loops stay vectors
-  const Real rest = max_of(Real(1) - splat.alpha, kMinOneMinusAlpha<Real>);
-  const Real beyond = fast_divide(remaining, rest);
-  const Real d_alpha = drawn ? transmittance * kappa - beyond : Real(0);
-  const Real h = -alpha * d_alpha;
-  const Real hx = h * splat.dx;
-  const Real hy = h * splat.dy;
-  add(0, h * splat.gx);
-  add(1, h * splat.gy);
-  add(2, hx * splat.dx);
-  add(3, hx * splat.dy);
-  add(4, hy * splat.dy);
-  add(5, splat.falloff * d_alpha);
-  add(6, weight * g[0]);
-  add(7, weight * g[1]);
-  add(8, weight * g[2]);
-  transmittance *= Real(1) - alpha;
+  const Real rest = max_of(Real(1) - alpha, kMinOneMinusAlpha<Real>);
+  const Real d_alpha = transmittance * kappa - fast_divide(remaining, rest);
+  const Real f = falloff * d_alpha;
+  const Real f_dy = f * dy;
+  add(0, f);
+  add(1, f_dy);
+  add(2, f_dy * dy);
+  add(3, weight * g[0]);
+  add(4, weight * g[1]);
+  add(5, weight * g[2]);
+  transmittance -= weight;
+}
+
+/// Of a column of pixels, which share dx, from its sums.
+template <class Real>
+TESSERA_HD inline SplatMoments<Real> column_moments(Real dx, const Real (&sum)[kColumnTerms]) {
+  const Real f_dx = sum[0] * dx;
+  return {sum[0],
+          Vec2<Real>(f_dx, sum[1]),
+          {f_dx * dx, sum[1] * dx, sum[2]},
+          Vec3<Real>(sum[3], sum[4], sum[5])};
 }
 
 }  // namespace tessera

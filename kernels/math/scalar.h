@@ -57,13 +57,32 @@ TESSERA_HD inline double fast_exp(double x) {
   return exp(x);
 }
 
-/// a / b where a rounding or two do not matter.
+/// a / b where a rounding or two do not matter; b less than the least normal number counts as 0.
 template <class Real>
 TESSERA_HD inline Real fast_divide(Real a, Real b) {
 #if defined(__CUDA_ARCH__)
-  if constexpr (sizeof(Real) == sizeof(float)) return __fdividef(a, b);
+  if constexpr (sizeof(Real) == sizeof(float)) {
+    // the product in C++: one inside of assembly may be contracted with what comes next, in one
+    // kernel and not in the other
+    float reciprocal;
+    asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(reciprocal) : "f"(b));
+    return a * reciprocal;
+  }
 #endif
   return a / b;
+}
+
+/// √x where a rounding or two do not matter; of less than the least normal number 0.
+template <class Real>
+TESSERA_HD inline Real fast_sqrt(Real x) {
+#if defined(__CUDA_ARCH__)
+  if constexpr (sizeof(Real) == sizeof(float)) {
+    float root;
+    asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(root) : "f"(x));
+    return root;
+  }
+#endif
+  return sqrt(x);
 }
 
 inline constexpr double kTurn = 6.283185307179586;  // 2π

@@ -54,8 +54,8 @@ TESSERA_HD inline SplatSensitivity<Real> sensitivity_step(Real alpha, const Vec3
   const Real d0 = e.x * removal_change(alpha, inverse, T, colour.x, to_come.x);
   const Real d1 = e.y * removal_change(alpha, inverse, T, colour.y, to_come.y);
   const Real d2 = e.z * removal_change(alpha, inverse, T, colour.z, to_come.z);
-  transmittance *= rest;
   const Real weight = T * alpha;
+  transmittance -= weight;
   return {weight, weight * weight, Vec3<Real>(weight * x.x, weight * x.y, weight * x.z),
           Real(2) * (x.x * d0 + x.y * d1 + x.z * d2), d0 * d0 + d1 * d1 + d2 * d2};
 }

@@ -91,23 +91,38 @@ TESSERA_HD inline Vec3<Real> sh_colour(int degree, const Vec3<Real>& direction,
   return colour;
 }
 
-/// dL/d(mean) through the viewing direction d = (mean − eye)/‖mean − eye‖:
-/// (I − d dᵀ) u / ‖mean − eye‖, u = Σ_c d_colour_c ∂colour_c/∂d.
-/// By the coefficients the gradient is Y_k(d) ⊗ d_colour: rank 1, so nobody stores it.
+/// How the un-clamped colour of a Gaussian follows its mean through the viewing direction
+/// d = (mean − eye)/‖mean − eye‖. By the coefficients the gradient is Y_k(d) ⊗ d_colour: rank 1, so
+/// nobody stores it.
 template <class Real>
-TESSERA_HD inline Vec3<Real> sh_direction_backward(int degree, const Vec3<Real>& direction,
-                                                   Real distance, const Real* coefficients,
-                                                   const Vec3<Real>& d_colour) {
+struct alignas(16) ColourSlope {
+  Vec3<Real> channel[3];  // ∂ of channel c by the mean, per world unit
+  Vec3<Real> direction;   // d
+
+  /// dL/d(mean) for dL/d(un-clamped colour).
+  TESSERA_HD Vec3<Real> backward(const Vec3<Real>& d_colour) const {
+    return channel[0] * d_colour[0] + channel[1] * d_colour[1] + channel[2] * d_colour[2];
+  }
+};
+
+/// Of a Gaussian `distance` away: (I − d dᵀ) Σ_k c_k ∂Y_k/∂d / ‖mean − eye‖.
+template <class Real>
+TESSERA_HD inline ColourSlope<Real> colour_slope(int degree, const Vec3<Real>& direction,
+                                                 Real distance, const Real* coefficients) {
   Vec3<Real> dY[kMaxShCoefficients] = {};
   sh_basis_gradient(degree, direction, dY);
-  Vec3<Real> u(Real(0), Real(0), Real(0));
+  Vec3<Real> u[3] = {Vec3<Real>(Real(0)), Vec3<Real>(Real(0)), Vec3<Real>(Real(0))};
   TESSERA_UNROLL
-  for (int k = 0; k < kMaxShCoefficients; ++k) {
+  for (int k = 1; k < kMaxShCoefficients; ++k) {
     if (k >= sh_coefficients(degree)) break;
-    const Real* c = coefficients + 3 * k;
-    u += dY[k] * (c[0] * d_colour[0] + c[1] * d_colour[1] + c[2] * d_colour[2]);
+    for (int c = 0; c < 3; ++c) u[c] += dY[k] * coefficients[3 * k + c];
   }
-  return (u - direction * dot(direction, u)) * (Real(1) / distance);
+  ColourSlope<Real> slope;
+  const Real inverse = Real(1) / distance;
+  for (int c = 0; c < 3; ++c)
+    slope.channel[c] = (u[c] - direction * dot(direction, u[c])) * inverse;
+  slope.direction = direction;
+  return slope;
 }
 
 }  // namespace tessera

@@ -51,25 +51,24 @@ TESSERA_HD inline void add_levels(const ColourRules<Real>& rules, Real delta, co
   }
 }
 
-/// dL/dμ_t through the weights of the levels: Σ_n slope_n Σ_k Y_k ⟨d_colour, c_nk⟩.
+/// ∂(un-clamped colour)/∂μ_t through the weights of the levels: Σ_n slope_n Σ_k Y_k c_nk.
 template <class Real>
-TESSERA_HD inline Real levels_backward(const ColourRules<Real>& rules, Real delta, const Real* time,
-                                       const Vec3<Real>& direction, const Vec3<Real>& d_colour) {
+TESSERA_HD inline Vec3<Real> levels_slope(const ColourRules<Real>& rules, Real delta,
+                                          const Real* time, const Vec3<Real>& direction) {
   Real Y[kMaxShCoefficients] = {};
   sh_basis(rules.degree, direction, Y);
-  Real d_mean_time = Real(0);
+  Vec3<Real> sum(Real(0));
   for (int n = 1; n <= rules.levels; ++n) {
     const Real* const level = time + int64_t(n - 1) * rules.row;
-    Real along = Real(0);
+    Vec3<Real> along(Real(0));
     TESSERA_UNROLL
     for (int k = 0; k < kMaxShCoefficients; ++k) {
       if (k >= sh_coefficients(rules.degree)) break;
-      const Real* const c = level + 3 * k;
-      along += Y[k] * (c[0] * d_colour[0] + c[1] * d_colour[1] + c[2] * d_colour[2]);
+      for (int c = 0; c < 3; ++c) along[c] += Y[k] * level[3 * k + c];
     }
-    d_mean_time += level_slope(rules, n, delta) * along;
+    sum += level_slope(rules, n, delta) * along;
   }
-  return d_mean_time;
+  return sum;
 }
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// What: SSIM at one pixel from its five local moments, its partial derivatives, the window.
+// What: SSIM at one pixel from its four local moments, its partial derivatives, the window.
 // Not: the convolution (photometric stage, metrics).
 // Source: [Wang04]; method A.15.
 #pragma once
@@ -21,10 +21,10 @@ inline constexpr Real kSsimWindow[kSsimTaps] = {
     Real(0.21300553771125369), Real(0.10936068950970002), Real(0.03600077212843083),
     Real(0.00759875813523919), Real(0.00102838008447911)};
 
-/// Windowed means of x, y, x², y², x·y.
+/// Windowed means of x, y, x² + y², x·y: SSIM has the two variances only as their sum.
 template <class Real>
 struct SsimMoments {
-  Real x, y, xx, yy, xy;
+  Real x, y, squares, xy;
 };
 
 /// SSIM is C·D / (A·B): luminance C/A, contrast and structure D/B.
@@ -36,10 +36,9 @@ struct SsimTerms {
 template <class Real>
 TESSERA_HD inline SsimTerms<Real> ssim_terms(const SsimMoments<Real>& m, Real c1 = kSsimC1<Real>,
                                              Real c2 = kSsimC2<Real>) {
-  const Real var_x = max_of(Real(0), m.xx - m.x * m.x);
-  const Real var_y = max_of(Real(0), m.yy - m.y * m.y);
-  return {m.x * m.x + m.y * m.y + c1, var_x + var_y + c2, Real(2) * m.x * m.y + c1,
-          Real(2) * (m.xy - m.x * m.y) + c2};
+  const Real means = m.x * m.x + m.y * m.y;
+  const Real variances = max_of(Real(0), m.squares - means);
+  return {means + c1, variances + c2, Real(2) * m.x * m.y + c1, Real(2) * (m.xy - m.x * m.y) + c2};
 }
 
 /// SSIM and its partials by E[x], E[x²], E[x·y] with the other moments fixed.
@@ -51,12 +50,12 @@ struct SsimPoint {
 template <class Real>
 TESSERA_HD inline SsimPoint<Real> ssim_point(const SsimMoments<Real>& m) {
   const auto [A, B, C, D] = ssim_terms(m);
-  const Real inverse = Real(1) / (A * B);
+  const Real inverse = fast_divide(Real(1), A * B);
   const Real S = C * D * inverse;
   SsimPoint<Real> p;
   p.value = S;
   p.d_x = Real(2) * inverse * (m.y * (D - C) + m.x * S * (A - B));
-  p.d_xx = -S / B;
+  p.d_xx = fast_divide(-S, B);
   p.d_xy = Real(2) * C * inverse;
   return p;
 }

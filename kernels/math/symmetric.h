@@ -38,6 +38,13 @@ TESSERA_HD inline Vec3<Real> row(const Mat3<Real>& m, int r) {
 template <class Real>
 struct Sym2 {
   Real xx{}, xy{}, yy{};
+
+  TESSERA_HD Sym2& operator+=(const Sym2& o) {
+    xx += o.xx;
+    xy += o.xy;
+    yy += o.yy;
+    return *this;
+  }
 };
 
 template <class Real>

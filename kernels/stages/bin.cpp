@@ -1,12 +1,11 @@
 // What: splats → tile instances: depth order once, then a stable counting sort by tile.
 // Not: the rectangles of tiles, which are `project`'s.
 // Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.9.
-#include <type_traits>
-
 #include "kernels/base/count_limit.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
+#include "kernels/math/depth_order.h"
 #include "kernels/stages/radix_order.h"
 
 namespace tessera {
@@ -15,9 +14,6 @@ namespace {
 /// Splats of a task; the histogram of each task costs one counter per tile.
 constexpr int64_t kMinGrain = 16384;
 constexpr int64_t kMaxTasks = 16;
-
-template <class Real>
-using KeyOf = std::conditional_t<sizeof(Real) == 4, uint32_t, uint64_t>;
 
 template <class Real, class Visit>
 void visit_tiles(const BinArgs<Real>& args, int64_t s, Visit&& visit) {
@@ -34,8 +30,8 @@ void CpuBackend<Real>::bin(const BinArgs<Real>& args, TileInstances<Real>& out) 
   const ViewBatch<Real>& batch = *args.batch;
   const Splats<Real>& splats = *args.splats;
   check_splat_count(splats.count);
-  // z > 0, so the bits of a depth order as the depth does; equal depths keep the order of Gaussians
-  radix_order(reinterpret_cast<const KeyOf<Real>*>(splats.depth.data()), splats.count,
+  const Real near_plane = Real(args.options.near_plane);
+  radix_order([&](int64_t s) { return depth_key(splats.depth[s], near_plane); }, splats.count,
               out.depth_order);
   out.first_of.resize(splats.count);
   out.count = 0;

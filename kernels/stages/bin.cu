@@ -9,15 +9,19 @@
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
 #include "kernels/cuda/tile_walk.cuh"
+#include "kernels/math/depth_order.h"
 
 namespace tessera {
 namespace {
 
 constexpr int kThreads = 128;
 
-__global__ void count_up(int32_t* values, int64_t count) {
-  const int64_t i = linear_index();
-  if (i < count) values[i] = int32_t(i);
+__global__ void depth_keys(const float* depth, float near_plane, int64_t count, uint32_t* key,
+                           int32_t* number) {
+  const int64_t s = linear_index();
+  if (s >= count) return;
+  key[s] = depth_key(depth[s], near_plane);
+  number[s] = int32_t(s);
 }
 
 /// Where instances go: `key` by tile, `value` what the sort carries along.
@@ -26,11 +30,12 @@ struct InstanceTarget {
   Key* key;
   int32_t* value;
   int32_t* splat_of;   // null: the value is the splat; else the value is the entry's number
-  const float* depth;  // with 64-bit keys: below the tile
+  const float* depth;  // its key is below the tile's where keys have 64 bits
+  float near_plane;
 
   __device__ void write(int64_t entry, int64_t tile, int32_t s) const {
     if constexpr (sizeof(Key) == 8)
-      key[entry] = Key(tile) << 32 | Key(__float_as_uint(depth[s]));
+      key[entry] = Key(tile) << 32 | Key(depth_key(depth[s], near_plane));
     else
       key[entry] = Key(tile);
     value[entry] = splat_of != nullptr ? int32_t(entry) : s;
@@ -81,15 +86,52 @@ __global__ void find_tiles(const Key* keys, int64_t count, int64_t tiles, int64_
   for (int64_t t = from + 1; t <= to; ++t) begin[t] = i;
 }
 
-/// Keys that put long lists first: the length in sixteenths, the last of 256 for all that are
-/// longer.
-__global__ void rate_tiles(const int64_t* tile_begin, int64_t tiles, uint16_t* key,
-                           int32_t* number) {
-  const int64_t t = linear_index();
-  if (t >= tiles) return;
-  const int64_t length = tile_begin[t + 1] - tile_begin[t];
-  key[t] = uint16_t(255 - min(int64_t{255}, (length + 15) / 16));
-  number[t] = int32_t(t);
+constexpr int kOrderThreads = 1024, kLengths = 256;
+
+/// A class of a list's length, long ones first: in sixteenths, all that are longer together.
+__device__ inline int length_class(const int64_t* tile_begin, int64_t tile) {
+  const int64_t length = tile_begin[tile + 1] - tile_begin[tile];
+  return kLengths - 1 - int(min(int64_t{kLengths - 1}, (length + 15) / 16));
+}
+
+/// Place of each lane that asks among those that ask for its class, with those before in `count`.
+__device__ inline int place_in_class(int* count, int length, bool asks) {
+  const unsigned asking = __ballot_sync(~0u, asks);
+  if (!asks) return 0;
+  const unsigned alike = __match_any_sync(asking, length);
+  const int lane = int(threadIdx.x) % 32, first = __ffs(int(alike)) - 1;
+  const int before = __popc(alike & ((1u << lane) - 1));
+  int begin = 0;
+  if (lane == first) begin = atomicAdd(count + length, __popc(alike));
+  return __shfl_sync(alike, begin, first) + before;
+}
+
+/// Tiles by classes of length, in one block: a few thousand numbers are not worth the launches of a
+/// sort. Those of one class stand in any order.
+__global__ void __launch_bounds__(kOrderThreads)
+    order_tiles_of(const int64_t* tile_begin, int64_t tiles, int32_t* order) {
+  __shared__ int count[kLengths];
+  const int thread = int(threadIdx.x);
+  if (thread < kLengths) count[thread] = 0;
+  __syncthreads();
+  const auto for_each_tile = [&](auto&& visit) {
+    for (int64_t first = 0; first < tiles; first += kOrderThreads) {
+      const int64_t tile = first + thread;
+      const bool listed = tile < tiles;
+      visit(tile, listed ? length_class(tile_begin, tile) : 0, listed);
+    }
+  };
+  for_each_tile([&](int64_t, int length, bool listed) { place_in_class(count, length, listed); });
+  __syncthreads();
+  int before = 0;
+  for (int k = 0; k < min(thread, kLengths); ++k) before += count[k];
+  __syncthreads();
+  if (thread < kLengths) count[thread] = before;
+  __syncthreads();
+  for_each_tile([&](int64_t tile, int length, bool listed) {
+    const int place = place_in_class(count, length, listed);
+    if (listed) order[place] = int32_t(tile);
+  });
 }
 
 /// Sorted entry numbers → splats, and where each entry went.
@@ -111,6 +153,7 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
   const KernelSwitches& switches = args.options.kernels;
   const bool slots = args.for_backward && switches.deterministic;
   const bool separate = sizeof(Key) < 8;
+  const float near_plane = float(args.options.near_plane);
   const int64_t S = splats.count, I = out.count;
   Scratch scratch(scratch_);
   scratch.plan<Key>(I);
@@ -122,7 +165,7 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
   }
   scratch.plan<int64_t>(S + 1);
   if (separate) {
-    scratch.plan<uint32_t>(S);
+    for (int k = 0; k < 2; ++k) scratch.plan<uint32_t>(S);
     scratch.plan<int32_t>(S);
   }
   scratch.allocate();
@@ -132,17 +175,18 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
   const Span<int32_t> entries = slots ? scratch.take<int32_t>(I) : Span<int32_t>();
   const Span<int64_t> offsets = scratch.take<int64_t>(S + 1);
   if (separate) {
-    const Span<uint32_t> sorted_depth = scratch.take<uint32_t>(S);
+    const Span<uint32_t> depth = scratch.take<uint32_t>(S), in_order = scratch.take<uint32_t>(S);
     const Span<int32_t> numbers = scratch.take<int32_t>(S);
-    launch_linear<256>(stream_, "bin: count_up", count_up, S, numbers.data, S);
-    // z > 0, so the bits of a depth order as the depth does; equal ones keep the Gaussians' order
-    const Span<const uint32_t> depth{reinterpret_cast<const uint32_t*>(splats.depth.data()), S};
-    sort_pairs(stream_, depth, numbers, 32, sorted_depth, out.depth_order.span(), sort_scratch_);
+    launch_linear<256>(stream_, "bin: depth_keys", depth_keys, S, splats.depth.data(), near_plane,
+                       S, depth.data, numbers.data);
+    sort_pairs(stream_, Span<const uint32_t>(depth), numbers, kDepthKeyBits, in_order,
+               out.depth_order.span(), sort_scratch_);
     exclusive_sums(stream_, splats.tiles.span(), out.depth_order.span(), offsets, sort_scratch_);
   } else {
     exclusive_sums(stream_, splats.tiles.span(), offsets, sort_scratch_);
   }
-  const InstanceTarget<Key> target{keys.data, values.data, splat_of.data, splats.depth.data()};
+  const InstanceTarget<Key> target{keys.data, values.data, splat_of.data, splats.depth.data(),
+                                   near_plane};
   launch_linear<kThreads>(stream_, "bin: write_instances", write_instances<Key>, S,
                           switches.balanced_instances, views_of(*args.batch), splats.splat.data(),
                           splats.rect.data(), separate ? out.depth_order.data() : nullptr,
@@ -157,25 +201,16 @@ void CudaBackend::bin_with(const BinArgs<float>& args, TileInstances<float>& out
     launch_linear<256>(stream_, "bin: resolve_entries", resolve_entries, I, entries.data,
                        splat_of.data, I, out.splat.data(), out.slot.data());
   const double passes = std::ceil(bits / 8.0);
-  clock_.add_bytes(kBin, double(S) * (4 * 8 * 2 + 16 + 48 + 16) +
+  clock_.add_bytes(kBin, double(S) * (12 + 3 * 8 * 2 + 16 + 48 + 16) +
                              double(I) * (sizeof(Key) + 4) * (1 + 2 * passes));
 }
 
 void CudaBackend::order_tiles(TileInstances<float>& out) {
   const int64_t tiles = out.tile_begin.size() - 1;
-  constexpr int kBits = 8;
-  Scratch scratch(scratch_);
-  for (int k = 0; k < 2; ++k) scratch.plan<uint16_t>(tiles);
-  scratch.plan<int32_t>(tiles);
-  scratch.allocate();
-  const Span<uint16_t> keys = scratch.take<uint16_t>(tiles);
-  const Span<uint16_t> sorted = scratch.take<uint16_t>(tiles);
-  const Span<int32_t> numbers = scratch.take<int32_t>(tiles);
   out.tile_order.resize(tiles);
-  launch_linear<256>(stream_, "bin: rate_tiles", rate_tiles, tiles, out.tile_begin.data(), tiles,
-                     keys.data, numbers.data);
-  sort_pairs(stream_, Span<const uint16_t>(keys), Span<const int32_t>(numbers), kBits, sorted,
-             out.tile_order.span(), sort_scratch_);
+  order_tiles_of<<<1, kOrderThreads, 0, stream_>>>(out.tile_begin.data(), tiles,
+                                                   out.tile_order.data());
+  check_launch("bin: order_tiles_of");
 }
 
 void CudaBackend::bin(const BinArgs<float>& args, TileInstances<float>& out) {

@@ -41,10 +41,10 @@ struct PixelForward {
   __device__ float4 state() const { return {red, green, blue, T}; }
   __device__ bool alive() const { return T >= kMinTransmittance<float>; }
 
-  __device__ void blend(const SharedSplat& s, const Cutoff<float>& cutoff, int32_t number) {
-    const PixelResponse p(s, x, y);
-    const bool on = cutoff.draws(p.alpha, p.falloff) && alive();
-    blend_step(on ? p.alpha : 0.0f, s.colour(), red, green, blue, T);
+  __device__ void blend(const SharedSplat& s, const ColumnResponse& column, int32_t number) {
+    const PixelResponse p(s, column, y);
+    const bool on = p.drawn(s) && alive();
+    blend_step(on ? s.opacity() * p.falloff : 0.0f, s.colour(), red, green, blue, T);
     used = on ? number : used;
   }
 };
@@ -64,8 +64,8 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) blend_tiles(Blend
     return any;
   };
   const int64_t first = a.tile_begin[tile];
-  WarpSplats splats(a.splats, a.instance + first, 0, int32_t(a.tile_begin[tile + 1] - first),
-                    shared[threadIdx.x / 32]);
+  WarpSplats splats(a.splats, a.cutoff, a.instance + first, 0,
+                    int32_t(a.tile_begin[tile + 1] - first), shared[threadIdx.x / 32]);
   while (!splats.done() && __any_sync(~0u, alive())) {
     if (Checkpoint && splats.next_begin() % kSegment == 0) {
       const int64_t bucket = a.bucket_begin[tile] + splats.next_begin() / kSegment;
@@ -75,8 +75,9 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) blend_tiles(Blend
     unsigned hits = splats.next_bucket<Cull>(part);
     for (; hits != 0; hits &= hits - 1) {
       const int i = __ffs(int(hits)) - 1;
+      const ColumnResponse column(splats[i], pixel[0].x);
       TESSERA_UNROLL
-      for (int p = 0; p < Pixels; ++p) pixel[p].blend(splats[i], a.cutoff, splats.begin() + i + 1);
+      for (int p = 0; p < Pixels; ++p) pixel[p].blend(splats[i], column, splats.begin() + i + 1);
     }
   }
   TESSERA_UNROLL

@@ -9,8 +9,8 @@ namespace {
 
 template <class Real>
 struct GradientWalk : WalkState<Real> {
-  using Sum = SplatGradient<Real>;
-  static constexpr int kTerms = kSplatGradientTerms;
+  using Sum = SplatMoments<Real>;
+  static constexpr int kTerms = kColumnTerms;
   TileValues<Real> d_colour[3] = {};  // g
   TileValues<Real> remaining = {};    // R
 
@@ -31,7 +31,6 @@ struct GradientWalk : WalkState<Real> {
   void row(const TileSplat<Real>& splat, Cutoff<Real> cutoff, int y, int32_t index,
            Real (&sum)[kTerms][kTileSize]) {
     const Real dy = splat.dy0 - Real(y);
-    const Sym2<Real>& conic = splat.conic;
     const Real* const g0 = d_colour[0][y];
     const Real* const g1 = d_colour[1][y];
     const Real* const g2 = d_colour[2][y];
@@ -39,24 +38,23 @@ struct GradientWalk : WalkState<Real> {
     Real* const R = remaining[y];
     const int32_t* until = this->used[y];
     for (int x = 0; x < kTileSize; ++x) {
-      const Real dx = splat.dx0 - Real(x);
-      const Real G = splat_falloff(conic, dx, dy);
-      const Real alpha = splat.opacity * G;
+      const Real G = splat_falloff(splat.conic, splat.dx0 - Real(x), dy);
       const bool lit = index < until[x];
-      const bool on = cutoff.template draws<ByFalloff>(alpha, G) && lit;
-      const SplatAtPixel<Real> splat_at_pixel{
-          dx, dy, conic.xx * dx + conic.xy * dy, conic.xy * dx + conic.yy * dy, G, alpha};
-      blend_backward_step<Real>(splat_at_pixel, on, splat.colour, {g0[x], g1[x], g2[x]}, T[x], R[x],
+      const bool on = cutoff.template draws<ByFalloff>(splat.opacity * G, G) && lit;
+      blend_backward_step<Real>(splat.opacity, on ? G : Real(0), dy, splat.colour,
+                                {g0[x], g1[x], g2[x]}, T[x], R[x],
                                 [&](int k, Real term) { sum[k][x] += term; });
     }
   }
 
-  static Sum reduced(const Real (&t)[kTerms]) {
-    constexpr Real kHalf = Real(0.5);  // of blend_backward_step
-    return {Vec2<Real>(t[0], t[1]),
-            {kHalf * t[2], kHalf * t[3], kHalf * t[4]},
-            t[5],
-            Vec3<Real>(t[6], t[7], t[8])};
+  static Sum reduced(const TileSplat<Real>& splat, const Real (&lanes)[kTerms][kTileSize]) {
+    Sum sum{};
+    for (int x = 0; x < kTileSize; ++x) {
+      Real column[kTerms];
+      for (int k = 0; k < kTerms; ++k) column[k] = lanes[k][x];
+      sum += column_moments(splat.dx0 - Real(x), column);
+    }
+    return sum;
   }
 };
 
@@ -64,13 +62,13 @@ struct GradientWalk : WalkState<Real> {
 
 template <class Real>
 void CpuBackend<Real>::blend_backward(const BlendBackwardArgs<Real>& args,
-                                      Span<SplatGradient<Real>> d_splats) {
+                                      Span<SplatMoments<Real>> d_splats) {
   sum_over_splats<GradientWalk<Real>>(args, args, instance_gradients_, d_splats);
 }
 
 template void CpuBackend<float>::blend_backward(const BlendBackwardArgs<float>&,
-                                                Span<SplatGradient<float>>);
+                                                Span<SplatMoments<float>>);
 template void CpuBackend<double>::blend_backward(const BlendBackwardArgs<double>&,
-                                                 Span<SplatGradient<double>>);
+                                                 Span<SplatMoments<double>>);
 
 }  // namespace tessera

@@ -28,11 +28,11 @@ BlendBackward CudaBackend::pass_of(const BlendBackwardArgs<float>& args, float* 
 }
 
 void CudaBackend::blend_backward(const BlendBackwardArgs<float>& args,
-                                 Span<SplatGradient<float>> d_splats) {
+                                 Span<SplatMoments<float>> d_splats) {
   const TileInstances<float>& instances = *args.forward.instances;
   const KernelSwitches& switches = args.forward.options.kernels;
   const Span<float> sums(reinterpret_cast<float*>(d_splats.data),
-                         kSplatGradientTerms * d_splats.size);
+                         kSplatMomentTerms * d_splats.size);
   const BlendBackward a = pass_of(args, sums.data);
   clear_sums(sums, stream_);
   const bool cull = switches.backward != BackwardForm::kPixel;

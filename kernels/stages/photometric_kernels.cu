@@ -44,8 +44,8 @@ __device__ inline int64_t index_of_block() {
 /// Pass 1: sums of |x − y| and SSIM, and with `Backward` the three maps. Of an ignored pixel the
 /// truth is what was rendered, SSIM 1 and the maps 0.
 template <bool Backward, bool Masked, bool Gained>
-__global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs args) {
-  __shared__ __align__(16) Lines<5, kForwardRows> lines;
+__global__ void __launch_bounds__(kThreads, 7) photometric_forward(KernelArgs args) {
+  __shared__ __align__(16) Lines<kMoments, kForwardRows> lines;
   const Block block(args);
   if (block.outside()) {
     if (threadIdx.x == 0) args.block_sums[index_of_block()] = double2{0, 0};
@@ -58,7 +58,7 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs ar
   const float lambda = -args.call.dssim_weight * block.scale;
   float l1 = 0, ssim = 0;
   for (int y = block.y0; y < min(block.y0 + kTileHeight, block.height); y += kForwardRows) {
-    convolve_column<5, kForwardRows>(lines, [&](int r, float(&value)[5]) {
+    convolve_column<kMoments, kForwardRows>(lines, [&](int r, float(&value)[kMoments]) {
       const int row = y - kSsimRadius + r, p = block.nearest_row(row) * block.width + nearest;
       const float x = block.compared<Gained>(__ldg(block.colour + p));
       const float t = block.counts<Masked>(p) ? truth_value(__ldg(block.truth + 3 * p)) : x;
@@ -66,9 +66,8 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs ar
       const float a = inside ? x : 0.0f, b = inside ? t : 0.0f;
       value[0] = a;
       value[1] = b;
-      value[2] = a * a;
-      value[3] = b * b;
-      value[4] = a * b;
+      value[2] = a * a + b * b;
+      value[3] = a * b;
       if (r >= kSsimRadius && r < kSsimRadius + kForwardRows) l1 += of_tile ? fabsf(a - b) : 0.0f;
     });
     __syncthreads();
@@ -76,12 +75,11 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_forward(KernelArgs ar
 #pragma unroll 1
     for (int row = int(threadIdx.x / 32); row < kForwardRows; row += kWarps) {
       if (group >= kTileWidth / 4 || x >= block.width || y + row >= block.height) break;
-      float m[5][4], map[kMaps][4];
-      convolve_row<5, kForwardRows>(lines, row, group, m);
+      float m[kMoments][4], map[kMaps][4];
+      convolve_row<kMoments, kForwardRows>(lines, row, group, m);
 #pragma unroll
       for (int j = 0; j < 4; ++j) {
-        const SsimPoint<float> point =
-            ssim_point<float>({m[0][j], m[1][j], m[2][j], m[3][j], m[4][j]});
+        const SsimPoint<float> point = ssim_point<float>({m[0][j], m[1][j], m[2][j], m[3][j]});
         const bool inside = x + j < block.width;
         const bool counts = !inside || block.counts<Masked>((y + row) * block.width + x + j);
         if (inside) ssim += counts ? point.value : 1.0f;

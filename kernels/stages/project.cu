@@ -17,6 +17,7 @@ namespace tessera {
 namespace {
 
 constexpr int kThreads = 128;
+constexpr int kWriteBlocks = 5;  // of write_splats_of on a multiprocessor
 
 /// What all passes need of a set, or of a block of it where they draw colours; Gaussian n of it is
 /// number first + n of both sets.
@@ -51,12 +52,13 @@ __global__ void __launch_bounds__(kThreads)
   visible[a.first + n] = count;
 }
 
-/// Which Gaussian and view each splat is of.
+/// Which Gaussian and view each splat is of, and how many there are.
 __global__ void list_splats(const uint32_t* seen_by, int words, int64_t gaussians,
                             const int64_t* first_of, int64_t capacity, int32_t* gaussian,
-                            int32_t* view) {
+                            int32_t* view, StepCounters* counters) {
   const int64_t n = linear_index();
   if (n >= gaussians) return;
+  if (n == 0) counters->splats = (unsigned long long)first_of[gaussians];
   int64_t s = first_of[n];
   for (int word = 0; word < words; ++word)
     for (uint32_t bits = seen_by[n * words + word]; bits != 0; bits &= bits - 1, ++s) {
@@ -74,6 +76,8 @@ struct SplatTargets {
   float* depth;
   TileRect* rect;
   int32_t* tiles;
+  ColourSlope<float>* slope;  // null: not wanted
+  Vec3<float>* time_slope;    // null: not wanted, or no levels
 };
 
 /// Splat s of a set: where it lies, its colour, how far it reaches. False when its colour is not
@@ -100,6 +104,9 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
   const Vec3<float> direction =
       view_direction(a.views[b], colours.sliced_direction ? in_view.slice.mean : g.mean, distance);
   const bool finite = drawn_colour(colours.degree, direction, sh, splat.colour, splat.negative);
+  if (out.slope != nullptr) out.slope[s] = colour_slope(colours.degree, direction, distance, sh);
+  if (out.time_slope != nullptr && colours.levels > 0)
+    out.time_slope[s] = levels_slope(colours, in_view.slice.delta, g.sh_time, direction);
   if (!finite) {
     splat.negative = kNotDrawn;
     rect = {};
@@ -109,7 +116,7 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
 
 /// One thread a splat; the tiles of each, and of all of them in 64 bits.
 template <Form form>
-__global__ void __launch_bounds__(kThreads)
+__global__ void __launch_bounds__(kThreads, kWriteBlocks)
     write_splats_of(SetArgs a, SplatTargets out, StepCounters* counters) {
   const int64_t s = out.first_of[a.first] + linear_index();
   const bool on = s < min(out.first_of[a.first + a.set.count], out.capacity);
@@ -127,10 +134,6 @@ __global__ void __launch_bounds__(kThreads)
   unsigned long long sum = (unsigned long long)count;
   for (int step = 16; step > 0; step /= 2) sum += __shfl_down_sync(~0u, sum, step);
   if (threadIdx.x % 32 == 0 && sum > 0) atomicAdd(&counters->instances, sum);
-}
-
-__global__ void store_total(const int64_t* total, StepCounters* counters) {
-  counters->splats = (unsigned long long)*total;
 }
 
 SetArgs set_args(const ProjectArgs<float>& args, const GaussianSpans<const float>& spans,
@@ -155,10 +158,17 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
   const int words = int(args.batch->views.size() + 31) / 32;
   launch_linear<256>(stream_, "project: list_splats", list_splats, gaussians, seen_by_.data(),
                      words, gaussians, splats.first_of.data(), capacity, splats.gaussian.data(),
-                     view.data);
-  const SplatTargets out{
-      splats.first_of.data(), splats.gaussian.data(), view.data,          capacity,
-      splats.splat.data(),    splats.depth.data(),    splats.rect.data(), splats.tiles.data()};
+                     view.data, counters_.data());
+  const SplatTargets out{splats.first_of.data(),
+                         splats.gaussian.data(),
+                         view.data,
+                         capacity,
+                         splats.splat.data(),
+                         splats.depth.data(),
+                         splats.rect.data(),
+                         splats.tiles.data(),
+                         splats.slope.empty() ? nullptr : splats.slope.data(),
+                         splats.time_slope.empty() ? nullptr : splats.time_slope.data()};
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;
@@ -198,8 +208,8 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
     });
   }
   exclusive_sums(stream_, visible_.span(), splats.first_of.span(), sort_scratch_);
-  store_total<<<1, 1, 0, stream_>>>(splats.first_of.data() + gaussians, counters_.data());
 
+  const int levels = min_of(args.options.sh_time_degree, args.sets[1].time_levels);
   // room for as many splats as there have ever been; once more where that is too little
   const auto resize = [&](int64_t count) {
     splats.splat.resize(count);
@@ -207,6 +217,8 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
     splats.rect.resize(count);
     splats.tiles.resize(count);
     splats.gaussian.resize(count);
+    splats.slope.resize(args.for_backward ? count : 0);
+    splats.time_slope.resize(args.for_backward && levels > 0 ? count : 0);
   };
   resize(splats.splat.capacity());
   write_splats(args, splats);
@@ -220,12 +232,13 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
   splats.instances = int64_t(counted.instances);
   splats.invalid = counted.invalid;
   resize(splats.count);
-  double bytes = 20.0 * double(gaussians) + double(splats.count) * (8 + 48 + 4 + 8 + 4);
+  double bytes = 20.0 * double(gaussians) +
+                 double(splats.count) * (8 + 48 + 4 + 8 + 4 + (args.for_backward ? 48 : 0));
   for (const GaussianSpans<const float>& spans : args.sets)
     bytes += double(spans.count) * 4 * geometry_scalars(spans.form);
-  const double levels = 1 + min_of(args.options.sh_time_degree, args.sets[1].time_levels);
   const int degree = args.options.sh_degree;
-  clock_.add_bytes(kProject, bytes + levels * double(splats.count) * 12 * sh_coefficients(degree));
+  clock_.add_bytes(kProject,
+                   bytes + (1 + levels) * double(splats.count) * 12 * sh_coefficients(degree));
 }
 
 }  // namespace tessera

@@ -26,16 +26,15 @@ struct GaussianGradient {
 };
 
 template <class Real>
-void add_sh(const ColourRules<Real>& rules, const ColourGradient<Real>& colour,
-            GaussianGradient<Real>& out) {
+void add_sh(const ColourRules<Real>& rules, const Vec3<Real>& direction, Real delta,
+            const Vec3<Real>& d_colour, GaussianGradient<Real>& out) {
   Real Y[kMaxShCoefficients];
-  sh_basis(rules.degree, colour.direction, Y);
+  sh_basis(rules.degree, direction, Y);
   for (int n = 0; n <= rules.levels; ++n) {
-    const Real weight = n == 0 ? Real(1) : level_weight(rules, n, colour.delta);
+    const Real weight = n == 0 ? Real(1) : level_weight(rules, n, delta);
     Real* const d_level = n == 0 ? out.sh : out.sh_time + (n - 1) * rules.row;
     for (int k = 0; k < sh_coefficients(rules.degree); ++k)
-      for (int c = 0; c < 3; ++c)
-        d_level[3 * k + c] += sh_gradient(Y[k], weight, colour.d_colour[c]);
+      for (int c = 0; c < 3; ++c) d_level[3 * k + c] += sh_gradient(Y[k], weight, d_colour[c]);
   }
 }
 
@@ -69,9 +68,19 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
   for (int64_t s = first; s < last; ++s) {
     const Splat<Real>& splat = args.splats->splat[s];
     const ViewArgs<Real>& view = views[size_t(splat.view)];
+    const SplatMoments<Real>& moments = args.d_splats[s];
+    const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
     Real room[3 * kMaxShCoefficients];
-    const Real* const sh = sh_at(colours, g, view.time - g.spacetime.mean_time, room);
-    add_sh(colours, add_view_gradient(view, g, sh, colours, rules, splat, args.d_splats[s], sums),
+    const Real* const sh = sh_at(colours, g, slice.delta, room);
+    Real distance;
+    const Vec3<Real> direction =
+        view_direction(view, colours.sliced_direction ? slice.mean : g.mean, distance);
+    const ColourSlope<Real> slope = colour_slope(colours.degree, direction, distance, sh);
+    const Vec3<Real> time_slope = colours.levels > 0
+                                      ? levels_slope(colours, slice.delta, g.sh_time, direction)
+                                      : Vec3<Real>(Real(0));
+    add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, sums);
+    add_sh(colours, direction, slice.delta, unclamped_gradient(splat.negative, moments.colour),
            out);
   }
   out.geometry = geometry_gradient<form>(params, n, g, sums);

@@ -1,6 +1,6 @@
-// What: splat gradients → parameter gradients into a sink, on the device. One thread a splat finds
-// its share of its Gaussian's sums; one thread a Gaussian adds them up, for all but SH; then a
-// thread for every four SH scalars, so that whole lines are read and written.
+// What: splat gradients → parameter gradients into a sink, on the device. For the SH a
+// thread takes four neighbouring scalars. For the rest a block has a run of Gaussians: its threads
+// take their splats, add them up, and hand the gradients on as whole lines of each group.
 // Not: equations (stages/splat_gradient.h). Compiled without contraction to fused multiply-adds, so
 // that fused and separate Adam agree to the bit.
 // Source: method A.12, A.16, D.6, G.4.
@@ -19,7 +19,9 @@ namespace tessera {
 namespace {
 
 constexpr int kThreads = 128;
-constexpr int kShThreads = 192;
+constexpr int kBlocks = 7;       // of geometry_backward on a multiprocessor
+constexpr int kShThreads = 192;  // at most
+static_assert(3 * kMaxShCoefficients * kMaxTimeLevels <= kShThreads);
 
 /// Of a set, or of a block of it where colours are read.
 struct Backward {
@@ -30,155 +32,286 @@ struct Backward {
   ColourRules<float> colours;
   SplatRules<float> rules;
   const Splat<float>* splats;
-  const int32_t *tiles, *gaussian;
+  const ColourSlope<float>* slopes;
+  const Vec3<float>* time_slopes;  // null where there are no levels
+  const int32_t* gaussian;
   const int64_t* first_of;
-  SplatGradient<float>* d_splats;
+  const SplatMoments<float>* d_splats;
   DensityStatistics<float> statistics;
   IdleUpdate idle;
   RegulariserTerms<float> regulariser;
   StepCounters* counters;
 };
 
-/// What the SH need takes the place of a splat's gradient once it is used: the gradient by colour,
-/// the direction, Δ.
-__device__ inline void keep_colour(const ColourGradient<float>& colour, SplatGradient<float>& d) {
-  d.colour = colour.d_colour;
-  d.opacity = colour.delta;
-  d.conic = {colour.direction[0], colour.direction[1], colour.direction[2]};
-}
+/// Floats of a ViewSums.
+constexpr int kSumFloats = int(sizeof(ViewSums<float>) / sizeof(float));
+
+/// What the threads of a block tell each other.
+struct Shared {
+  float sums[kSumFloats][kThreads];  // of a splat each
+  bool drawn[kThreads];              // that splat has tiles
+};
 
 /// One thread a splat: its share of its Gaussian's sums.
 template <Form form>
-__global__ void __launch_bounds__(kThreads) splat_backward(Backward a, ViewSums<float>* sums) {
-  const int64_t s = a.first_of[a.first] + linear_index();
-  if (s >= a.first_of[a.first + a.set.count]) return;
-  const int64_t n = a.gaussian[s] - a.first;
-  ViewSums<float> sum;
+__device__ inline ViewSums<float> splat_sums(const Backward& a, int64_t s, bool& drawn) {
+  ViewSums<float> sums;
   GaussianState<float> g;
+  const int64_t n = a.gaussian[s] - a.first;
   const Splat<float> splat = a.splats[s];
-  if (splat.negative != kNotDrawn && load_gaussian<form>(a.set, n, g)) {
-    const ColourRules<float> colours = rules_of<form>(a.colours);
-    const ViewArgs<float>& view = a.views[splat.view];
-    float sh[3 * kMaxShCoefficients] = {};
-    load_sh(colours, g, view.time - g.spacetime.mean_time, sh);
-    const SplatGradient<float> d = a.d_splats[s];
-    keep_colour(add_view_gradient(view, g, sh, colours, a.rules, splat, d, sum), a.d_splats[s]);
-  }
-  sums[s] = sum;
+  drawn = splat.negative != kNotDrawn;
+  if (!drawn || !load_gaussian<form>(a.set, n, g)) return sums;
+  const ViewArgs<float>& view = a.views[splat.view];
+  const ColourRules<float> colours = rules_of<form>(a.colours);
+  add_view_gradient(view, g, slice_at(g.mean, g.spacetime, view.time, a.rules.time_filter),
+                    a.slopes[s], colours.levels > 0 ? a.time_slopes[s] : Vec3<float>(0.0f), colours,
+                    a.rules, splat, a.d_splats[s], sums);
+  return sums;
 }
 
-/// One thread a Gaussian: what its splats found, through its stored parameters, into the sink.
+/// Of the splats [begin, end) of this thread's Gaussian, those of the block's threads; the splat of
+/// thread 0 is s.
+__device__ inline void add_shared(const Shared& shared, int64_t s, int64_t begin, int64_t end,
+                                  ViewSums<float>& sums, int& seen) {
+  float* const to = reinterpret_cast<float*>(&sums);
+  const int last = int(min(end - s, int64_t{kThreads}));
+  for (int i = int(max(begin - s, int64_t{0})); i < last; ++i) {
+    seen += shared.drawn[i];
+    TESSERA_UNROLL
+    for (int k = 0; k < kSumFloats; ++k) to[k] += shared.sums[k][i];
+  }
+}
+
+/// Scalar i of a group, counted through the set, into a sink.
+__device__ inline void accept_scalar(const StoreGradient<float>& sink, Group group, int64_t i,
+                                     float gradient) {
+  sink.out.group[group].data[i] = gradient;
+}
+__device__ inline void accept_scalar(const ApplyAdam<float>& sink, Group group, int64_t i,
+                                     float gradient) {
+  adam_step(sink.adam.group[group], gradient, sink.value.group[group].data[i],
+            sink.moment1.group[group].data[i], sink.moment2.group[group].data[i]);
+}
+
+/// The gradients of a block's Gaussians into the sink, group by group, whole lines at a time: a
+/// thread with a Gaussian each would touch every line of memory once for each scalar of a group.
+/// `on`: whether this thread's Gaussian takes a step.
 template <Form form, class Sink>
-__global__ void __launch_bounds__(kThreads)
-    geometry_backward(Backward a, const ViewSums<float>* view_sums, Sink sink) {
-  const int64_t n = linear_index();
-  if (n >= a.set.count) return;
-  const int64_t begin = a.first_of[a.first + n], end = a.first_of[a.first + n + 1];
-  if (begin == end && a.idle == IdleUpdate::kSkip) return;
+__device__ inline void accept_block(const Sink& sink, int64_t count, bool on,
+                                    const GeometryGradient<float>& gradient, float* shared,
+                                    bool* shared_on) {
+  const int thread = int(threadIdx.x);
+  const int64_t first = int64_t(blockIdx.x) * kThreads;
+  const int gaussians = int(min(count - first, int64_t{kThreads}));
+  shared_on[thread] = on;
+  float* to = shared;
+  GeometryGradient<float>::for_each_group<form>(gradient, [&](Group, const float* g, int width) {
+    for (int j = 0; j < width; ++j) to[thread * width + j] = g[j];
+    to += kThreads * width;
+  });
+  __syncthreads();
+  const float* from = shared;
+  GeometryGradient<float>::for_each_group<form>(
+      gradient, [&](Group group, const float*, int width) {
+        TESSERA_UNROLL
+        for (int j = 0; j < width; ++j) {
+          const int i = j * kThreads + thread;
+          if (i < gaussians * width && shared_on[i / width])
+            accept_scalar(sink, group, first * width + i, from[i]);
+        }
+        from += kThreads * width;
+      });
+}
+
+/// Asks for the moments of a block's Gaussians, which are read last.
+template <Form form>
+__device__ inline void prefetch_moments(const StoreGradient<float>&, int64_t) {}
+template <Form form>
+__device__ inline void prefetch_moments(const ApplyAdam<float>& sink, int64_t count) {
+  constexpr int kLine = 32;  // floats
+  const int64_t first = int64_t(blockIdx.x) * kThreads;
+  const int gaussians = int(min(count - first, int64_t{kThreads}));
+  const GeometryGradient<float> any;
+  GeometryGradient<float>::for_each_group<form>(any, [&](Group group, const float*, int width) {
+    const int i = int(threadIdx.x) * kLine;
+    if (i >= gaussians * width) return;
+    for (const GaussianSpans<float>* moment : {&sink.moment1, &sink.moment2})
+      asm volatile("prefetch.global.L2 [%0];" ::"l"(moment->group[group].data + first * width + i));
+  });
+}
+
+/// One block for kThreads Gaussians: what their splats found, through their stored parameters, into
+/// the sink.
+template <Form form, class Sink>
+__global__ void __launch_bounds__(kThreads, kBlocks) geometry_backward(Backward a, Sink sink) {
+  __shared__ union {
+    Shared splats;
+    float gradients[geometry_scalars(form) * kThreads];
+  } shared;
+  __shared__ bool stepping[kThreads];
+  const int64_t first = int64_t(blockIdx.x) * kThreads, n = first + threadIdx.x;
+  const int64_t block_begin = a.first_of[a.first + first];
+  const int64_t block_end = a.first_of[a.first + min(first + kThreads, a.set.count)];
+  if (block_begin == block_end && a.idle == IdleUpdate::kSkip) return;
+  prefetch_moments<form>(sink, a.set.count);
+  const bool listed = n < a.set.count;
+  const int64_t begin = listed ? a.first_of[a.first + n] : 0;
+  const int64_t end = listed ? a.first_of[a.first + n + 1] : 0;
+  ViewSums<float> sums;
+  int seen = 0;
+  for (int64_t s = block_begin; s < block_end; s += kThreads) {
+    const int64_t taken = s + threadIdx.x;
+    bool drawn = false;
+    const ViewSums<float> found =
+        taken < block_end ? splat_sums<form>(a, taken, drawn) : ViewSums<float>();
+    TESSERA_UNROLL
+    for (int k = 0; k < kSumFloats; ++k)
+      shared.splats.sums[k][threadIdx.x] = reinterpret_cast<const float*>(&found)[k];
+    shared.splats.drawn[threadIdx.x] = drawn;
+    __syncthreads();
+    add_shared(shared.splats, s, begin, end, sums, seen);
+    __syncthreads();
+  }
   GeometryGradient<float> gradient;
   GaussianState<float> g;
-  int seen = 0;
   if (begin < end && load_gaussian<form>(a.set, n, g)) {
-    ViewSums<float> sums;
-    for (int64_t s = begin; s < end; ++s) {
-      sums += view_sums[s];
-      seen += a.tiles[s] > 0;
-    }
     gradient = geometry_gradient<form>(a.set, n, g, sums);
     if (seen > 0 && !a.statistics.count.empty()) {
       a.statistics.gradient_sum[n] += mean_view_norm(sums.ndc_norms, a.view_count, seen);
       a.statistics.count[n] += 1.0f;
     }
   }
-  add_regulariser<form>(a.regulariser, a.set, n, float(seen) / float(a.view_count), gradient);
-  const unsigned bad = gradient.template non_finite<form>();
-  if (bad != 0) atomicOr(&a.counters->bad_groups, bad);
-  sink.template accept<form>(n, gradient);
+  const bool on = listed && (begin < end || a.idle != IdleUpdate::kSkip);
+  if (on) {
+    add_regulariser<form>(a.regulariser, a.set, n, float(seen) / float(a.view_count), gradient);
+    const unsigned bad = gradient.template non_finite<form>();
+    if (bad != 0) atomicOr(&a.counters->bad_groups, bad);
+  }
+  accept_block<form>(sink, a.set.count, on, gradient, shared.gradients, stepping);
 }
 
-/// Neighbouring SH scalars into a sink, with one access of 16 bytes to each array where there
-/// are 4.
+/// Neighbouring SH scalars of a Gaussian: one access of 16 bytes where there are 4.
+template <int Scalars>
+struct alignas(4 * Scalars) ShScalars {
+  float value[Scalars];
+};
+
+/// What a sink has of them before their gradient is known.
+template <class Sink, int Scalars>
+struct ShState {};
+template <int Scalars>
+struct ShState<ApplyAdam<float>, Scalars> {
+  ShScalars<Scalars> value, moment1, moment2;
+};
+
+template <Group group, int Scalars>
+__device__ inline void load_state(const StoreGradient<float>&, int64_t, int,
+                                  ShState<StoreGradient<float>, Scalars>&) {}
+template <Group group, int Scalars>
+__device__ inline void load_state(const ApplyAdam<float>& sink, int64_t n, int first,
+                                  ShState<ApplyAdam<float>, Scalars>& state) {
+  using Access = const ShScalars<Scalars>&;
+  state = {reinterpret_cast<Access>(sink.value.at(group, n)[first]),
+           reinterpret_cast<Access>(sink.moment1.at(group, n)[first]),
+           reinterpret_cast<Access>(sink.moment2.at(group, n)[first])};
+}
+
 template <Group group, int Scalars>
 __device__ inline void accept_sh(const StoreGradient<float>& sink, int64_t n, int first,
-                                 const float (&g)[Scalars]) {
+                                 const float (&g)[Scalars],
+                                 ShState<StoreGradient<float>, Scalars>&) {
   for (int j = 0; j < Scalars; ++j) sink.accept_sh(group, n, first + j, g[j]);
 }
 template <Group group, int Scalars>
 __device__ inline void accept_sh(const ApplyAdam<float>& sink, int64_t n, int first,
-                                 const float (&g)[Scalars]) {
-  struct alignas(4 * Scalars) Lane {
-    float value[Scalars];
-  };
-  Lane& value = reinterpret_cast<Lane&>(sink.value.at(group, n)[first]);
-  Lane& moment1 = reinterpret_cast<Lane&>(sink.moment1.at(group, n)[first]);
-  Lane& moment2 = reinterpret_cast<Lane&>(sink.moment2.at(group, n)[first]);
-  Lane x = value, m = moment1, v = moment2;
+                                 const float (&g)[Scalars],
+                                 ShState<ApplyAdam<float>, Scalars>& state) {
+  auto& [x, m, v] = state;
   TESSERA_UNROLL
   for (int j = 0; j < Scalars; ++j)
     adam_step(sink.sh_scalars(group, first + j), g[j], x.value[j], m.value[j], v.value[j]);
-  value = x;
-  moment1 = m;
-  moment2 = v;
+  using Access = ShScalars<Scalars>&;
+  reinterpret_cast<Access>(sink.value.at(group, n)[first]) = x;
+  reinterpret_cast<Access>(sink.moment1.at(group, n)[first]) = m;
+  reinterpret_cast<Access>(sink.moment2.at(group, n)[first]) = v;
 }
 
-/// Basis functions k and k + 1 at a direction; k differs between lanes.
-__device__ inline float2 two_of_basis(int degree, const Vec3<float>& direction, int k) {
-  float Y[kMaxShCoefficients + 1] = {};
-  sh_basis(degree, direction, Y);
-  float2 two{0, 0};
+/// What the SH of a Gaussian get from one splat of it.
+struct ShSplat {
+  float basis[kMaxShCoefficients];
+  float d_colour[3];
+  float time;  // of its view
+};
+constexpr int kShSplats = 64;  // in shared memory at a time
+
+__device__ inline void load_sh_splat(const Backward& a, int64_t s, ShSplat& out) {
+  const Splat<float>& splat = a.splats[s];
+  const Vec3<float> d_colour = unclamped_gradient(splat.negative, a.d_splats[s].colour);
+  const bool drawn = splat.negative != kNotDrawn;
+  for (int c = 0; c < 3; ++c) out.d_colour[c] = drawn ? d_colour[c] : 0.0f;
+  float Y[kMaxShCoefficients] = {};
+  if (drawn) sh_basis(a.colours.degree, a.slopes[s].direction, Y);
   TESSERA_UNROLL
-  for (int j = 0; j < kMaxShCoefficients; ++j)
-    if (j == k) two = {Y[j], Y[j + 1]};
-  return two;
+  for (int k = 0; k < kMaxShCoefficients; ++k) out.basis[k] = Y[k];
+  out.time = a.views[splat.view].time;
 }
 
-/// A thread has `Scalars` neighbouring ones of a Gaussian's coefficients, all of one level of time:
-/// 4 where elements allow it.
+/// A block has a few Gaussians (y), whose threads (x) have `Scalars` neighbouring ones of the
+/// coefficients each, all of one level of time: 4 where elements allow it. The basis is found once
+/// for each splat.
 template <Group group, int Scalars, class Sink>
 __global__ void __launch_bounds__(kShThreads) sh_backward(Backward a, Sink sink, bool stores) {
-  const int64_t scalar = linear_index();
-  const int per_gaussian = a.set.width(group) / Scalars;
-  const int64_t n = scalar / per_gaussian;
-  if (n >= a.set.count) return;
-  const int first = int(scalar - n * per_gaussian) * Scalars;
+  __shared__ ShSplat splats[kShSplats];
+  const int64_t block_first = int64_t(blockIdx.x) * blockDim.y, n = block_first + threadIdx.y;
+  const bool listed = n < a.set.count;
+  const int64_t block_begin = a.first_of[a.first + block_first];
+  const int64_t block_end = a.first_of[a.first + min(block_first + blockDim.y, a.set.count)];
+  if (block_begin == block_end && a.idle != IdleUpdate::kDense) return;
+  const int thread = int(threadIdx.y * blockDim.x + threadIdx.x);
+  const int first = int(threadIdx.x) * Scalars;
   const int level = group == kShTime ? 1 + first / a.colours.row : 0;
   const int in_level = group == kShTime ? first - (level - 1) * a.colours.row : first;
-  const int k = in_level / 3;
-  const int64_t begin = a.first_of[a.first + n], end = a.first_of[a.first + n + 1];
-  if (begin == end && a.idle != IdleUpdate::kDense) return;
+  const int64_t begin = listed ? a.first_of[a.first + n] : 0;
+  const int64_t end = listed ? a.first_of[a.first + n + 1] : 0;
   // coefficients of bands and levels that are not active yet have neither gradient nor moments
-  const bool active = k < sh_coefficients(a.colours.degree) && level <= a.colours.levels;
-  if (!active && !stores) return;
+  const bool active =
+      listed && in_level / 3 < sh_coefficients(a.colours.degree) && level <= a.colours.levels;
+  const bool on = (begin < end || (listed && a.idle == IdleUpdate::kDense)) && (active || stores);
+  ShState<Sink, Scalars> state;  // on its way while the splats are
+  if (on) load_state<group>(sink, n, first, state);
+  const float mean_time = group == kShTime && active ? *a.set.at(kMeanTime, n) : 0.0f;
   float sum[Scalars] = {};
-  for (int64_t s = active ? begin : end; s < end; ++s) {
-    const SplatGradient<float>& d = a.d_splats[s];
-    const Vec3<float> direction(d.conic.xx, d.conic.xy, d.conic.yy);
-    const float2 Y = two_of_basis(a.colours.degree, direction, k);
-    const float weight = group == kShTime ? level_weight(a.colours, level, d.opacity) : 1.0f;
-    const float red = d.colour[0], green = d.colour[1], blue = d.colour[2];
-    TESSERA_UNROLL
-    for (int j = 0; j < Scalars; ++j) {
-      const int c = (in_level + j) % 3;
-      sum[j] += sh_gradient((in_level + j) / 3 == k ? Y.x : Y.y, weight,
-                            c == 0   ? red
-                            : c == 1 ? green
-                                     : blue);
+  for (int64_t s = block_begin; s < block_end; s += kShSplats) {
+    if (thread < kShSplats && s + thread < block_end) load_sh_splat(a, s + thread, splats[thread]);
+    __syncthreads();
+    const int last = int(min(end - s, int64_t{kShSplats}));
+    for (int i = int(max(begin - s, int64_t{0})); active && i < last; ++i) {
+      const ShSplat& splat = splats[i];
+      const float weight =
+          group == kShTime ? level_weight(a.colours, level, splat.time - mean_time) : 1.0f;
+      TESSERA_UNROLL
+      for (int j = 0; j < Scalars; ++j)
+        sum[j] += sh_gradient(splat.basis[(in_level + j) / 3], weight,
+                              splat.d_colour[(in_level + j) % 3]);
     }
+    __syncthreads();
   }
+  if (!on) return;
   float check = 0;
   for (int j = 0; j < Scalars; ++j) check += sum[j] - sum[j];
   if (!(check == 0.0f)) atomicOr(&a.counters->bad_groups, 1u << group);
-  accept_sh<group>(sink, n, first, sum);
+  accept_sh<group>(sink, n, first, sum, state);
 }
 
 template <Group group, class Sink>
 void backward_sh(const Backward& a, const Sink& sink, bool stores, cudaStream_t stream) {
-  if (a.set.width(group) == 0) return;
   const bool fours = a.colours.row % 4 == 0;
+  const unsigned threads = unsigned(a.set.width(group) / (fours ? 4 : 1));  // of a Gaussian
+  if (threads == 0) return;
+  const dim3 block(threads, kShThreads / threads);
   const auto kernel = fours ? sh_backward<group, 4, Sink> : sh_backward<group, 1, Sink>;
-  const int64_t threads = a.set.count * a.set.width(group) / (fours ? 4 : 1);
-  launch_linear<kShThreads>(stream, "project_backward: sh_backward", kernel, threads, a, sink,
-                            stores);
+  kernel<<<grid_of(a.set.count, int(block.y)), block, 0, stream>>>(a, sink, stores);
+  check_launch("project_backward: sh_backward");
 }
 
 template <class Sink>
@@ -190,28 +323,21 @@ Sink sink_of(const SinkArgs<float>& args) {
 }
 
 template <Form form, class Sink>
-void backward_set(const Backward& a, const RenderOptions& options, int64_t splats,
-                  ViewSums<float>* sums, const SinkArgs<float>& args, cudaStream_t stream) {
-  const auto each_block = [&](auto&& launch) {
-    for_each_block(a.set.blocks, a.set.count, a.set.coefficients, [&](const ShBlock& elements) {
-      Backward block = a;
-      block.set = a.set.block(elements);
-      block.first = a.first + elements.first;
-      block.colours =
-          make_colour_rules<float>(options, block.set.coefficients, block.set.time_levels);
-      launch(block, elements);
-    });
-  };
-  each_block([&](const Backward& block, const ShBlock&) {
-    launch_linear<kThreads>(stream, "project_backward: splat_backward", splat_backward<form>,
-                            splats, block, sums);
-  });
-  launch_linear<kThreads>(stream, "project_backward: geometry_backward",
-                          geometry_backward<form, Sink>, a.set.count, a, sums, sink_of<Sink>(args));
-  each_block([&](const Backward& block, const ShBlock& elements) {
+void backward_set(const Backward& all, const RenderOptions& options, const SinkArgs<float>& args,
+                  cudaStream_t stream) {
+  const GaussianSpans<const float>& set = all.set;
+  for_each_block(set.blocks, set.count, set.coefficients, [&](const ShBlock& elements) {
+    Backward a = all;
+    a.set = set.block(elements);
+    a.first = all.first + elements.first;
+    a.colours = make_colour_rules<float>(options, a.set.coefficients, a.set.time_levels);
+    a.statistics = all.statistics.block(elements);
     const Sink sink = sink_of<Sink>(args.block(elements));
-    backward_sh<kSh>(block, sink, !args.fused, stream);
-    if constexpr (form != Form::kStatic) backward_sh<kShTime>(block, sink, !args.fused, stream);
+    backward_sh<kSh>(a, sink, !args.fused, stream);
+    if constexpr (form != Form::kStatic) backward_sh<kShTime>(a, sink, !args.fused, stream);
+    // last: a fused optimizer changes the means in time that the SH of time read
+    geometry_backward<form, Sink><<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sink);
+    check_launch("project_backward: geometry_backward");
   });
 }
 
@@ -219,11 +345,11 @@ void backward_set(const Backward& a, const RenderOptions& options, int64_t splat
 
 void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
   int64_t first = 0;
-  scratch_.resize(args.splats->count * int64_t(sizeof(ViewSums<float>)));
-  ViewSums<float>* const sums = reinterpret_cast<ViewSums<float>*>(scratch_.data());
+  check(args.splats->slope.size() == args.splats->count,
+        "project_backward after a forward pass that was not for it");
   const RegulariserTerms<float> terms(args.regulariser,
                                       args.forward.sets[0].count + args.forward.sets[1].count);
-  double bytes = double(args.splats->count) * (48 + 36 * 2 + 24 * 2 + 64 * 2);
+  double bytes = double(args.splats->count) * (2 * (48 + 36 + 48) + 4);
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];
     if (spans.count == 0) continue;
@@ -235,7 +361,8 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      {},
                      make_splat_rules<float>(args.forward.options),
                      args.splats->splat.data(),
-                     args.splats->tiles.data(),
+                     args.splats->slope.data(),
+                     args.splats->time_slope.data(),
                      args.splats->gaussian.data(),
                      args.splats->first_of.data(),
                      args.d_splats.data,
@@ -246,7 +373,7 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
     with_form(spans.form, [&](auto form) {
       const auto run = sink.fused ? backward_set<form(), ApplyAdam<float>>
                                   : backward_set<form(), StoreGradient<float>>;
-      run(a, args.forward.options, args.splats->count, sums, sink, stream_);
+      run(a, args.forward.options, sink, stream_);
     });
     first += spans.count;
     const double scalars = double(spans.count) * geometry_scalars(spans.form) +

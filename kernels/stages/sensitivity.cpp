@@ -62,7 +62,10 @@ struct SensitivityWalk : WalkState<Real> {
     }
   }
 
-  static Sum reduced(const Real (&t)[kTerms]) {
+  static Sum reduced(const TileSplat<Real>&, const Real (&lanes)[kTerms][kTileSize]) {
+    Real t[kTerms] = {};
+    for (int k = 0; k < kTerms; ++k)
+      for (int x = 0; x < kTileSize; ++x) t[k] += lanes[k][x];
     return {t[0], t[1], Vec3<Real>(t[2], t[3], t[4]), t[5], t[6]};
   }
 };

@@ -17,7 +17,7 @@ struct SensitivityPass : BlendBackward {  // d_colour: the image x
 /// A pixel on its way back through the splats.
 struct PixelSensitivity {
   using Args = SensitivityPass;
-  static constexpr int kTerms = kSensitivityTerms;
+  static constexpr int kLaneTerms = kSensitivityTerms, kTerms = kSensitivityTerms;
   float x = 0, y = 0;  // centre
   float T = 1;
   Vec3<float> to_come{0}, image{0}, response{0};  // Q, x, e
@@ -41,19 +41,23 @@ struct PixelSensitivity {
     used = a.used[tile_pixel.index];
   }
 
-  /// Takes its step past a splat and adds its share, in the order of SplatSensitivity.
-  __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on, float (&v)[kTerms]) {
-    const SplatSensitivity<float> share = sensitivity_step(
-        on ? p.alpha : 0.0f, Vec3<float>(s.b.z, s.b.w, s.c.x), image, response, T, to_come);
-    v[0] += share.weight;
-    v[1] += share.weight2;
-    v[2] += share.image.x;
-    v[3] += share.image.y;
-    v[4] += share.image.z;
-    v[5] += share.removal1;
-    v[6] += share.removal2;
+  /// Takes its step past a splat; calls add(k, term) with its share, in the order of
+  /// SplatSensitivity.
+  template <class Add>
+  __device__ void step(const SharedSplat& s, const PixelResponse& p, bool on, Add&& add) {
+    const SplatSensitivity<float> share = sensitivity_step(on ? s.opacity() * p.falloff : 0.0f,
+                                                           s.colour(), image, response, T, to_come);
+    add(0, share.weight);
+    add(1, share.weight2);
+    for (int c = 0; c < 3; ++c) add(2 + c, share.image[c]);
+    add(5, share.removal1);
+    add(6, share.removal2);
   }
-  __device__ static float scale(int) { return 1.0f; }
+  __device__ static float reduce(float, const float (&v)[kLaneTerms]) { return reduce_eight(v); }
+  __device__ static int term_of_lane() {
+    const int lane = int(threadIdx.x) % 32;
+    return lane % 4 == 0 ? lane / 4 : kTerms;
+  }
 };
 
 }  // namespace

@@ -29,42 +29,37 @@ struct ViewSums {
   }
 };
 
-/// What the gradient by the SH coefficients is made of.
+/// dL/d(un-clamped colour) of a splat: 0 where the channel was clamped.
 template <class Real>
-struct ColourGradient {
-  Vec3<Real> direction;  // unit, from the camera
-  Vec3<Real> d_colour;   // 0 where the channel was clamped
-  Real delta;            // Δ = t − μ_t, for the levels of time
-};
+TESSERA_HD inline Vec3<Real> unclamped_gradient(uint32_t negative, const Vec3<Real>& d_colour) {
+  Vec3<Real> d;
+  for (int c = 0; c < 3; ++c) d[c] = negative >> c & 1 ? Real(0) : d_colour[c];
+  return d;
+}
 
-/// Adds one view of Gaussian g, whose coefficients at this moment are `sh`; `d`: of this splat.
+/// Adds one view of Gaussian g; `slice`, `slope`, `time_slope`: of it in that view (levels_slope;
+/// not read where there are no levels); `moments`: of this splat.
 template <class Real>
-TESSERA_HD inline ColourGradient<Real> add_view_gradient(
-    const ViewArgs<Real>& view, const GaussianState<Real>& g, const Real* sh,
-    const ColourRules<Real>& colours, const SplatRules<Real>& rules, const Splat<Real>& splat,
-    const SplatGradient<Real>& d, ViewSums<Real>& sums) {
-  const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
+TESSERA_HD inline void add_view_gradient(const ViewArgs<Real>& view, const GaussianState<Real>& g,
+                                         const Slice<Real>& slice, const ColourSlope<Real>& slope,
+                                         const Vec3<Real>& time_slope,
+                                         const ColourRules<Real>& colours,
+                                         const SplatRules<Real>& rules, const Splat<Real>& splat,
+                                         const SplatMoments<Real>& moments, ViewSums<Real>& sums) {
+  const SplatGradient<Real> d = splat_gradient(splat.conic, splat.opacity, moments);
   // a constant of the gradient  [Faster-GS]
   const Real comp = rules.compensated ? compensation(splat.conic, rules.dilation) : Real(1);
   Vec3<Real> d_mean(Real(0));
   project_ewa_backward(view, to_camera(view, slice.mean), g.spacetime.covariance, splat.conic,
                        d.mean2d, d.conic, d_mean, sums.spacetime.covariance);
-  ColourGradient<Real> colour;
-  for (int c = 0; c < 3; ++c) colour.d_colour[c] = splat.negative >> c & 1 ? Real(0) : d.colour[c];
-  colour.delta = slice.delta;
-  Real distance;
-  colour.direction = view_direction(view, colours.sliced_direction ? slice.mean : g.mean, distance);
-  const Vec3<Real> d_eye =
-      sh_direction_backward(colours.degree, colour.direction, distance, sh, colour.d_colour);
+  const Vec3<Real> d_colour = unclamped_gradient(splat.negative, d.colour);
+  const Vec3<Real> d_eye = slope.backward(d_colour);
   if (colours.sliced_direction) d_mean += d_eye;
   slice_backward(g.spacetime, slice, d_mean, d.opacity * comp * g.opacity, sums.spacetime);
-  if (colours.levels > 0)
-    sums.spacetime.mean_time +=
-        levels_backward(colours, slice.delta, g.sh_time, colour.direction, colour.d_colour);
+  if (colours.levels > 0) sums.spacetime.mean_time += dot(time_slope, d_colour);
   sums.mean += colours.sliced_direction ? d_mean : d_mean + d_eye;
   sums.opacity += d.opacity * comp * slice.marginal;
   sums.ndc_norms += ndc_gradient_norm(d.mean2d, view.width, view.height);
-  return colour;
 }
 
 /// Sums over the views → gradient by the stored parameters of Gaussian n.

@@ -41,7 +41,7 @@ void load_pixels(const BlendBackwardArgs<Real>& args, const Tile<Real>& tile,
 ///   load(asked, tile): the state of the tile's pixels in front of all splats
 ///   row<ByFalloff>(splat, cutoff, y, index, sum): a row's step past the tile's splat `index`, its
 ///     share added to sum[kTerms][kTileSize]
-///   reduced(terms): a Sum of the terms added over the lanes.
+///   reduced(splat, sum): a Sum of the terms over the lanes.
 /// `of_instances` is scratch that only grows.
 template <class Walk, class Args, class Real>
 void sum_over_splats(const Args& asked, const BlendBackwardArgs<Real>& args,
@@ -66,12 +66,7 @@ void sum_over_splats(const Args& asked, const BlendBackwardArgs<Real>& args,
       for (int y = splat.first_row; y < splat.last_row; ++y)
         cutoff.by_falloff() ? walk.template row<true>(splat, cutoff, y, index, lanes)
                             : walk.template row<false>(splat, cutoff, y, index, lanes);
-      Real terms[Walk::kTerms];
-      for (int k = 0; k < Walk::kTerms; ++k) {
-        terms[k] = Real(0);
-        for (int x = 0; x < kTileSize; ++x) terms[k] += lanes[k][x];
-      }
-      of_instances[i] = Walk::reduced(terms);
+      of_instances[i] = Walk::reduced(splat, lanes);
     }
   });
   constexpr int64_t kGrain = 1024;  // splats per task

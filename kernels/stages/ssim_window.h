@@ -62,26 +62,25 @@ void convolve(const Real* in, int width, int height, Padding padding, Real* scra
   convolve_columns(scratch, width, height, padding, out);
 }
 
-/// The five windowed moments of two planes.
+/// The four windowed moments of two planes.
 template <class Real>
 struct MomentPlanes {
-  std::vector<Real> x, y, xx, yy, xy, scratch;
+  std::vector<Real> x, y, squares, xy, scratch;
 
   void compute(const Real* a, const Real* b, int width, int height, Padding padding) {
     const size_t pixels = size_t(width) * size_t(height);
-    for (std::vector<Real>* plane : {&x, &y, &xx, &yy, &xy, &scratch}) plane->resize(pixels);
+    for (std::vector<Real>* plane : {&x, &y, &squares, &xy, &scratch}) plane->resize(pixels);
     for (size_t p = 0; p < pixels; ++p) {
-      xx[p] = a[p] * a[p];
-      yy[p] = b[p] * b[p];
+      squares[p] = a[p] * a[p] + b[p] * b[p];
       xy[p] = a[p] * b[p];
     }
     convolve(a, width, height, padding, scratch.data(), x.data());
     convolve(b, width, height, padding, scratch.data(), y.data());
-    for (std::vector<Real>* plane : {&xx, &yy, &xy})
+    for (std::vector<Real>* plane : {&squares, &xy})
       convolve(plane->data(), width, height, padding, scratch.data(), plane->data());
   }
 
-  SsimMoments<Real> moments(size_t p) const { return {x[p], y[p], xx[p], yy[p], xy[p]}; }
+  SsimMoments<Real> moments(size_t p) const { return {x[p], y[p], squares[p], xy[p]}; }
   SsimPoint<Real> point(size_t p) const { return ssim_point<Real>(moments(p)); }
 };
 

@@ -90,9 +90,14 @@ std::vector<SplatGradient<double>> stage_gradient(const std::vector<SplatFields>
   backend.bin({&batch, &splats, options, true}, instances);
   const BlendArgs<double> blend{&batch, &splats, &instances, options, true};
   backend.blend(blend, images);
-  std::vector<SplatGradient<double>> out(fields.size());
+  std::vector<SplatMoments<double>> moments(fields.size());
   backend.blend_backward({blend, &images, {g.data(), int64_t(g.size())}},
-                         {out.data(), int64_t(out.size())});
+                         {moments.data(), int64_t(moments.size())});
+  std::vector<SplatGradient<double>> out;
+  for (size_t s = 0; s < fields.size(); ++s) {
+    const Splat<double>& splat = splats.splat[int64_t(s)];
+    out.push_back(splat_gradient(splat.conic, splat.opacity, moments[s]));
+  }
   return out;
 }
 

@@ -148,24 +148,24 @@ TEST(RasterReference, ProjectionAgrees) {
   if (files == 0) GTEST_SKIP() << kAbsent;
 }
 
-using SplatGradients = std::vector<SplatGradient<double>>;
+using SplatSums = std::vector<SplatMoments<double>>;
 
-/// Gradients of the splats of a scene for dL/d out_img. The alpha channel is a second image, of
-/// the same splats all white on black, whose value is 1 − transmittance: blending is linear in the
-/// colours, so the gradients of both images add.
-SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector<float>& v_out_img,
-                               Splats<double>& splats) {
+/// Sums over the pixels of a scene's splats for dL/d out_img. The alpha channel is a second image,
+/// of the same splats all white on black, whose value is 1 − transmittance: blending is linear in
+/// the colours, so the sums of both images add.
+SplatSums splat_sums(const TestScene<double>& scene, const std::vector<float>& v_out_img,
+                     Splats<double>& splats) {
   CpuBackend<double> backend;
   const ViewBatch<double> batch = make_view_batch<double>(scene.views);
   TileInstances<double> instances;
   Images<double> images;
-  backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options}, splats);
+  backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options, true}, splats);
   backend.bin({&batch, &splats, scene.options, true}, instances);
   const size_t pixels = size_t(batch.pixels);
   const auto gradients = [&](const std::vector<double>& d_colour) {
     const BlendArgs<double> blend{&batch, &splats, &instances, scene.options, true};
     backend.blend(blend, images);
-    SplatGradients out(size_t(splats.count));
+    SplatSums out(size_t(splats.count));
     backend.blend_backward({blend, &images, {d_colour.data(), int64_t(d_colour.size())}},
                            {out.data(), splats.count});
     return out;
@@ -176,22 +176,20 @@ SplatGradients splat_gradients(const TestScene<double>& scene, const std::vector
     for (size_t c = 0; c < 3; ++c) d_rgb[c * pixels + p] = v_out_img[4 * p + c];
     d_alpha[p] = v_out_img[4 * p + 3];
   }
-  SplatGradients sum = gradients(d_rgb);
+  SplatSums sum = gradients(d_rgb);
   for (Splat<double>& splat : splats.splat) splat.colour = Vec3<double>(1.0);
-  const SplatGradients alpha = gradients(d_alpha);
+  const SplatSums alpha = gradients(d_alpha);
   for (size_t s = 0; s < sum.size(); ++s) {
-    sum[s].mean2d += alpha[s].mean2d;
-    sum[s].conic.xx += alpha[s].conic.xx;
-    sum[s].conic.xy += alpha[s].conic.xy;
-    sum[s].conic.yy += alpha[s].conic.yy;
-    sum[s].opacity += alpha[s].opacity;
+    sum[s].f += alpha[s].f;
+    sum[s].f_d += alpha[s].f_d;
+    sum[s].f_dd += alpha[s].f_dd;
   }
   return sum;
 }
 
 /// Parameter gradients for given splat gradients.
 TestGaussians<double> parameter_gradients(const TestScene<double>& scene,
-                                          const Splats<double>& splats, SplatGradients d_splats) {
+                                          const Splats<double>& splats, SplatSums d_splats) {
   const ViewBatch<double> batch = make_view_batch<double>(scene.views);
   TestGaussians<double> out(Form::kStatic, scene.fixed.count);
   TestGaussians<double> none(Form::kPair);
@@ -208,8 +206,8 @@ TestGaussians<double> parameter_gradients(const TestScene<double>& scene,
 }
 
 /// Without the colours' part, whose viewing direction the files leave out of the means.
-SplatGradients without_colour(SplatGradients d) {
-  for (SplatGradient<double>& g : d) g.colour = Vec3<double>(0.0);
+SplatSums without_colour(SplatSums d) {
+  for (SplatMoments<double>& g : d) g.colour = Vec3<double>(0.0);
   return d;
 }
 
@@ -220,22 +218,24 @@ TEST(RasterReference, GradientsAgree) {
     const TestScene<double> scene = reference_scene(t);
     const std::string name = path.filename().string() + " ";
     Splats<double> splats;
-    const SplatGradients d = splat_gradients(scene, t.at("v_out_img").values, splats);
+    const SplatSums sums = splat_sums(scene, t.at("v_out_img").values, splats);
     const size_t count = size_t(scene.fixed.count);
     std::vector<double> v_xy(2 * count, 0);
     std::vector<double> v_conics(3 * count, 0);
     for (size_t n = 0; n < count; ++n) {
       if (splats.first_of[int64_t(n)] == splats.first_of[int64_t(n) + 1]) continue;  // not drawn
       const size_t s = size_t(splats.first_of[int64_t(n)]);
-      for (size_t i = 0; i < 2; ++i) v_xy[2 * n + i] = d[s].mean2d[int(i)];
-      v_conics[3 * n] = d[s].conic.xx;
-      v_conics[3 * n + 2] = d[s].conic.yy;
-      v_conics[3 * n + 1] = 2 * d[s].conic.xy;  // the file counts both equal entries
+      const Splat<double>& splat = splats.splat[int64_t(s)];
+      const SplatGradient<double> d = splat_gradient(splat.conic, splat.opacity, sums[s]);
+      for (size_t i = 0; i < 2; ++i) v_xy[2 * n + i] = d.mean2d[int(i)];
+      v_conics[3 * n] = d.conic.xx;
+      v_conics[3 * n + 2] = d.conic.yy;
+      v_conics[3 * n + 1] = 2 * d.conic.xy;  // the file counts both equal entries
     }
     expect_close(v_xy, t.at("v_xy").values, kGradient, name + "v_xy");
     expect_close(v_conics, t.at("v_conics").values, kGradient, name + "v_conics");
-    const auto colour = parameter_gradients(scene, splats, d);
-    const auto shape = parameter_gradients(scene, splats, without_colour(d));
+    const auto colour = parameter_gradients(scene, splats, sums);
+    const auto shape = parameter_gradients(scene, splats, without_colour(sums));
     expect_close(colour.group[kSh], t.at("v_coeffs").values, kGradient, name + "v_coeffs");
     expect_close(shape.group[kMean], t.at("v_means").values, kGradient, name + "v_means");
     expect_close(shape.group[kLogScale], t.at("v_scales").values, kGradient, name + "v_scales");

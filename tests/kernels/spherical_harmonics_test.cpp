@@ -63,7 +63,7 @@ TEST(SphericalHarmonics, BackwardEqualsDualsAtEveryDegree) {
     const Vec3<double> d = view_direction(eye, Vec3<double>(x[48], x[49], x[50]), distance);
     std::array<double, 51> actual{};
     const Vec3<double> d_mean =
-        sh_direction_backward(degree, d, distance, x.data(), Vec3<double>(g[0], g[1], g[2]));
+        colour_slope(degree, d, distance, x.data()).backward(Vec3<double>(g[0], g[1], g[2]));
     for (int i = 0; i < 3; ++i) actual[size_t(48 + i)] = d_mean[i];
     double Y[kMaxShCoefficients];  // by the coefficients: Y ⊗ d_colour
     sh_basis(degree, d, Y);

@@ -45,7 +45,7 @@ TEST(Levels, AreTheCosineSeriesAndItsSlopeInTheMeanTime) {
                         std::cos(4 * M_PI * (0.2 - mean_time) / period) * time[48 + j],
                     1e-13);
       constexpr double h = 1e-5;
-      EXPECT_NEAR(levels_backward(rules, 0.2 - mean_time, time.data(), direction, d_colour),
+      EXPECT_NEAR(dot(levels_slope(rules, 0.2 - mean_time, time.data(), direction), d_colour),
                   (along(mean_time + h) - along(mean_time - h)) / (2 * h), 1e-7);
     }
   }

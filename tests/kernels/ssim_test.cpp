@@ -17,10 +17,10 @@ TEST(Ssim, PartialsEqualDuals) {
     const double cov = random.uniform(-1, 1) * std::sqrt(vx * vy);
     const std::array<double, 3> moments{x, x * x + vx, x * y + cov};
     const auto expected = dual_gradient(moments, [&](const auto& p) {
-      return ssim_point(SsimMoments<Dual>{p[0], y, p[1], y * y + vy, p[2]}).value;
+      return ssim_point(SsimMoments<Dual>{p[0], y, p[1] + y * y + vy, p[2]}).value;
     });
     const SsimPoint<double> point =
-        ssim_point(SsimMoments<double>{x, y, moments[1], y * y + vy, moments[2]});
+        ssim_point(SsimMoments<double>{x, y, moments[1] + y * y + vy, moments[2]});
     expect_near_all(std::array{point.d_x, point.d_xx, point.d_xy}, expected, 1e-12, "partials");
     const double by_hand =
         (2 * x * y + 1e-4) * (2 * cov + 9e-4) / ((x * x + y * y + 1e-4) * (vx + vy + 9e-4));

@@ -77,21 +77,23 @@ std::vector<double> norms_alone(const TestScene<double>& scene, size_t v) {
   Splats<double> splats;
   TileInstances<double> instances;
   Images<double> images;
-  backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options}, splats);
+  backend.project({&batch, {scene.fixed.view(), scene.moving.view()}, scene.options, true}, splats);
   backend.bin({&batch, &splats, scene.options, true}, instances);
   const BlendArgs<double> blend{&batch, &splats, &instances, scene.options, true};
   backend.blend(blend, images);
   std::vector<double> d_colour(size_t(3 * batch.pixels));
   const Span<double> span{d_colour.data(), 3 * batch.pixels};
   backend.photometric({&batch, &images, target_of(single).truth, {}, {}}, span);
-  std::vector<SplatGradient<double>> d_splats(size_t(splats.count));
-  backend.blend_backward({blend, &images, span}, {d_splats.data(), splats.count});
+  std::vector<SplatMoments<double>> moments(size_t(splats.count));
+  backend.blend_backward({blend, &images, span}, {moments.data(), splats.count});
   std::vector<double> norms(size_t(scene.fixed.count + scene.moving.count), -1);
   const Camera& camera = scene.views[v].camera;
   for (int64_t n = 0; n < int64_t(norms.size()); ++n)
-    for (int64_t s = splats.first_of[n]; s < splats.first_of[n + 1]; ++s)
-      norms[size_t(n)] = std::hypot(d_splats[size_t(s)].mean2d[0] * camera.width / 2,
-                                    d_splats[size_t(s)].mean2d[1] * camera.height / 2);
+    for (int64_t s = splats.first_of[n]; s < splats.first_of[n + 1]; ++s) {
+      const Splat<double>& splat = splats.splat[s];
+      const Vec2<double> d = splat_gradient(splat.conic, splat.opacity, moments[size_t(s)]).mean2d;
+      norms[size_t(n)] = std::hypot(d[0] * camera.width / 2, d[1] * camera.height / 2);
+    }
   return norms;
 }
 

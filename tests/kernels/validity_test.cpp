@@ -81,14 +81,14 @@ TEST(Validity, HugeFiniteValuesAreFinite) {
 
 /// One static Gaussian's gradient with one field of its splat's gradient spoilt.
 unsigned groups_reported(const TestScene<float>& scene,
-                         const std::function<void(SplatGradient<float>&)>& spoil) {
+                         const std::function<void(SplatMoments<float>&)>& spoil) {
   CpuBackend<float> backend;
   const ViewBatch<float> batch = make_view_batch<float>(scene.views);
   ProjectBackwardArgs<float> args;
   args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options};
   Splats<float> splats;
   backend.project(args.forward, splats);
-  std::vector<SplatGradient<float>> d_splats(size_t(splats.count));
+  std::vector<SplatMoments<float>> d_splats(size_t(splats.count));
   TestGaussians<float> fixed(Form::kStatic, scene.fixed.count);
   TestGaussians<float> moving(Form::kPair, scene.moving.count);
   args.splats = &splats;
@@ -112,10 +112,10 @@ TEST(Validity, NonFiniteGradientNamesItsGroups) {  // C20
     return all;
   };
   for (const float bad : {kNan, kInf}) {
-    const auto opacity = [bad](SplatGradient<float>& d) { d.opacity = bad; };
-    const auto position = [bad](SplatGradient<float>& d) { d.mean2d[0] = bad; };
-    const auto conic = [bad](SplatGradient<float>& d) { d.conic.xx = bad; };
-    const auto colour = [bad](SplatGradient<float>& d) { d.colour = Vec3<float>(bad); };
+    const auto opacity = [bad](SplatMoments<float>& d) { d.f = bad; };
+    const auto position = [bad](SplatMoments<float>& d) { d.f_d[0] = bad; };
+    const auto conic = [bad](SplatMoments<float>& d) { d.f_dd.xx = bad; };
+    const auto colour = [bad](SplatMoments<float>& d) { d.colour = Vec3<float>(bad); };
     EXPECT_EQ(groups_reported(still, opacity), bits({kOpacityLogit}));
     EXPECT_EQ(groups_reported(still, position), bits({kMean}));
     EXPECT_EQ(groups_reported(still, conic), bits({kMean, kLogScale, kRotation}));

@@ -56,12 +56,12 @@ class FaultyBackend final : public Backend {
   }
   double sum_of_squares(Span<const float> values) override { return cpu_->sum_of_squares(values); }
   void blend_backward(const BlendBackwardArgs<float>& args,
-                      Span<SplatGradient<float>> d_splats) override {
+                      Span<SplatMoments<float>> d_splats) override {
     cpu_->blend_backward(args, d_splats);
     if (d_splats.empty()) return;
-    if (strikes(Fault::kMean2d)) d_splats[0].mean2d[0] = kNan;
-    if (strikes(Fault::kConic)) d_splats[0].conic.xx = kNan;
-    if (strikes(Fault::kOpacity)) d_splats[0].opacity = kNan;
+    if (strikes(Fault::kMean2d)) d_splats[0].f_d[0] = kNan;
+    if (strikes(Fault::kConic)) d_splats[0].f_dd.xx = kNan;
+    if (strikes(Fault::kOpacity)) d_splats[0].f = kNan;
     if (strikes(Fault::kColour)) d_splats[0].colour[1] = kNan;
   }
   void project_backward(const ProjectBackwardArgs<float>& args) override {

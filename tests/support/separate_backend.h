@@ -131,7 +131,7 @@ class SeparateBackend final : public Backend {
     separate_memory.inside([&] { cpu_->sensitivity(args, out); });
   }
   void blend_backward(const BlendBackwardArgs<float>& args,
-                      Span<SplatGradient<float>> d_splats) override {
+                      Span<SplatMoments<float>> d_splats) override {
     separate_memory.inside([&] { cpu_->blend_backward(args, d_splats); });
   }
   void contributions(const ContributionArgs<float>& args) override {

@@ -50,6 +50,16 @@ struct StageRun {
   }
 };
 
+/// Gradients of splats from what blend_backward summed.
+template <class Real>
+std::vector<SplatGradient<Real>> gradients_of(const std::vector<Splat<Real>>& splats,
+                                              const std::vector<SplatMoments<Real>>& moments) {
+  std::vector<SplatGradient<Real>> out;
+  for (size_t s = 0; s < moments.size(); ++s)
+    out.push_back(splat_gradient(splats[s].conic, splats[s].opacity, moments[s]));
+  return out;
+}
+
 /// Every bit of a buffer set: NaN, −1, a number of no splat.
 template <class T>
 void poison(Buffer<T>& buffer, Memory& memory) {
@@ -110,7 +120,7 @@ StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend
   TileInstances<Real> instances(memory);
   Images<Real> images(memory);
   Buffer<Real> d_colour(3 * batch.pixels, memory);
-  backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options}, splats);
+  backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options, true}, splats);
   const BinArgs<Real> bin{&batch, &splats, scene.options, true};
   backend.bin(bin, instances);
   poison_all(instances, memory);
@@ -139,13 +149,13 @@ StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend
     edit(out.d_colour);
     store_over(out.d_colour, d_colour.span(), memory);
   }
-  Buffer<SplatGradient<Real>> d_splats(splats.count, memory);
+  Buffer<SplatMoments<Real>> d_splats(splats.count, memory);
   poison(d_splats, memory);
   backend.blend_backward({blend, &images, d_colour.span()}, d_splats.span());
   out.colour = fetched(images.colour, memory);
   out.used = fetched(images.used, memory);
   out.transmittance = fetched(images.transmittance, memory);
-  out.d_splats = fetched(d_splats, memory);
+  out.d_splats = gradients_of(out.splat, fetched(d_splats, memory));
   return out;
 }
 

@@ -8,7 +8,7 @@ namespace tessera {
 struct BenchRunOptions {
   std::filesystem::path root;
   std::string backend = "auto";
-  int64_t checkpoint_every = 0;
+  std::optional<int64_t> checkpoint_every = 0;
   int64_t shard = 0, shards = 1;  // runs with turn % shards = shard are run here
 };
 

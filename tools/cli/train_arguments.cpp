@@ -44,8 +44,9 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
                      "steps between two evaluations of the held-out splits; 0: at the end only");
   command
       .add_option("--checkpoint-every", arguments.checkpoint_every,
-                  "steps between two checkpoints; 0: at the end only")
-      ->capture_default_str();
+                  "steps between two checkpoints; 0: at the end only; left out: every minute, and "
+                  "less often where writing would take more than a twentieth of the time")
+      ->check(CLI::NonNegativeNumber);
   add_option_table(command, arguments);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "recon4d/options/train_options.h"
@@ -14,7 +15,8 @@ struct TrainArguments {
   std::string preset = "balanced", ablation, config, backend = "auto";
   std::map<std::string, std::string> given;  // option key → text, as typed
   int threads = 0;
-  int64_t evaluate_every = 0, checkpoint_every = 1000;
+  int64_t evaluate_every = 0;
+  std::optional<int64_t> checkpoint_every;
 };
 
 /// One option per row of the option table, and --preset, --ablation, --config, --backend,

@@ -19,6 +19,7 @@
 #include "recon4d/training/trainer.h"
 #include "recon4d/training/validation.h"
 #include "tools/session/backend_choice.h"
+#include "tools/session/checkpoint_plan.h"
 #include "tools/session/held_out_scores.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/run_lock.h"
@@ -42,6 +43,7 @@ class Session {
       : request_(request),
         observer_(observer),
         limit_(request.time_limit, request.stopwatch),
+        checkpoints_(request.checkpoint_every, request.stopwatch),
         run_{request.run},
         lock_(request.run, observer),
         scene_lock_(request.scene, SceneLock::Use::kRead),
@@ -152,13 +154,14 @@ class Session {
     check_model();            // a run may have been stopped before it could
     decide();
     const int64_t first = trainer_->state().iteration;
+    checkpoints_.begin(first);
     while (true) {
       if (!stops()) take_steps();
       if (!leaves()) check_model();
       if (!leaves()) decide();
       const int64_t i = trainer_->state().iteration;
       const bool done = i >= end_ || stops() || leaves();
-      if (done || (request_.checkpoint_every > 0 && i % request_.checkpoint_every == 0)) save();
+      if (done || checkpoints_.due(i)) save();
       if (!leaves() && scores_at(i)) score(trainer_->host_model(), i, "evaluation", true);
       if (done) break;
     }
@@ -172,7 +175,7 @@ class Session {
     limit_.begin_steps();
     wall_.time(WallSplit::kTrain, [&] {
       stages_->run(*trainer_, next_pause(), [&] {
-        return left_ || observer_.must_stop() ||
+        return left_ || observer_.must_stop() || checkpoints_.due(trainer_->state().iteration) ||
                limit_.due_after_step(trainer_->state().model.count());
       });
     });
@@ -211,9 +214,9 @@ class Session {
   /// Where training pauses next: the end, a checkpoint, an evaluation, a check, a stop asked for.
   int64_t next_pause() const {
     const int64_t i = trainer_->state().iteration;
-    int64_t next = end_;
-    for (int64_t every : {request_.checkpoint_every, request_.evaluate_every})
-      if (every > 0) next = std::min(next, (i / every + 1) * every);
+    int64_t next = std::min(end_, checkpoints_.next_after(i));
+    if (request_.evaluate_every > 0)
+      next = std::min(next, (i / request_.evaluate_every + 1) * request_.evaluate_every);
     for (int64_t step : request_.evaluate_at)
       if (step > i) next = std::min(next, step);
     next = std::min(next, reduction_->next_after(i));
@@ -294,8 +297,10 @@ class Session {
   }
 
   void save() {
-    limit_.save(trainer_->state().model.count(),
-                [&] { wall_.time(WallSplit::kSave, [&] { write_checkpoint(); }); });
+    checkpoints_.save(trainer_->state().iteration, [&] {
+      limit_.save(trainer_->state().model.count(),
+                  [&] { wall_.time(WallSplit::kSave, [&] { write_checkpoint(); }); });
+    });
   }
 
   /// The best model before the checkpoint that names it; older ones after it.
@@ -393,6 +398,7 @@ class Session {
   SessionObserver& observer_;
   WallSplit wall_;
   TimeLimit limit_;
+  CheckpointPlan checkpoints_;
   const RunFolder run_;
   const RunLock lock_;
   const SceneLock scene_lock_;

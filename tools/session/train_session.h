@@ -22,15 +22,15 @@ struct TrainRequest {
   TrainOptions options;
   std::string preset, ablation, backend = "auto";
   bool resume = false;
-  bool overwrite = false;             // an existing run folder may be replaced
-  int64_t evaluate_every = 0;         // steps; 0: only at the end
-  std::vector<int64_t> evaluate_at;   // steps, besides
-  std::string made_for;               // what the caller knows the training by; in config.json
-  bool evaluate_end = true;           // false: `scores` stay empty
-  int64_t checkpoint_every = 1000;    // steps
-  std::optional<int64_t> stop_after;  // steps of this call
-  double time_limit = 0;              // seconds by the stopwatch; 0: none
-  ShippedBytes shipped_bytes;         // of a model of this run, as it is exported
+  bool overwrite = false;                   // an existing run folder may be replaced
+  int64_t evaluate_every = 0;               // steps; 0: only at the end
+  std::vector<int64_t> evaluate_at;         // steps, besides
+  std::string made_for;                     // what the caller knows the training by; in config.json
+  bool evaluate_end = true;                 // false: `scores` stay empty
+  std::optional<int64_t> checkpoint_every;  // steps; without a value by the clock
+  std::optional<int64_t> stop_after;        // steps of this call
+  double time_limit = 0;                    // seconds by the stopwatch; 0: none
+  ShippedBytes shipped_bytes;               // of a model of this run, as it is exported
   Stopwatch stopwatch = running_stopwatch();
 };
 

@@ -185,26 +185,26 @@ unsigned bits(std::initializer_list<Group> groups) {
 
 /// The groups reported when one splat's gradient has `spoil`ed fields and all others are zero.
 unsigned groups_reported(const TestScene<float>& scene, Backend& backend,
-                         const std::function<void(SplatGradient<float>&)>& spoil) {
+                         const std::function<void(SplatMoments<float>&)>& spoil) {
   Memory& memory = backend.memory();
   const StoredScene<float> in(scene, memory);
   const ViewBatch<float> batch = make_view_batch<float>(scene.views);
   Splats<float> splats(memory);
   ProjectBackwardArgs<float> args;
-  args.forward = {&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options};
+  args.forward = {&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options, true};
   backend.project(args.forward, splats);
-  std::vector<SplatGradient<float>> d_splats(size_t(splats.count), SplatGradient<float>{});
+  std::vector<SplatMoments<float>> d_splats(size_t(splats.count), SplatMoments<float>{});
   StoredGaussians<float> fixed(TestGaussians<float>(Form::kStatic, scene.fixed.count), memory);
   StoredGaussians<float> moving(TestGaussians<float>(Form::kPair, scene.moving.count), memory);
   args.splats = &splats;
   args.sinks[0].gradient = fixed.spans();
   args.sinks[1].gradient = moving.spans();
-  Buffer<SplatGradient<float>> healthy = stored(d_splats, memory);
+  Buffer<SplatMoments<float>> healthy = stored(d_splats, memory);
   args.d_splats = healthy.span();
   backend.project_backward(args);
   EXPECT_EQ(backend.outcome().bad_groups, 0u);
   spoil(d_splats[d_splats.size() / 2]);
-  Buffer<SplatGradient<float>> spoilt = stored(d_splats, memory);
+  Buffer<SplatMoments<float>> spoilt = stored(d_splats, memory);
   args.d_splats = spoilt.span();
   backend.project_backward(args);
   return backend.outcome().bad_groups;
@@ -215,10 +215,10 @@ TEST_P(BackendFailures, NonFiniteGradientNamesItsGroups) {  // C20
   const TestScene<float> still = random_scene(5, 0, 0.3, 6).as<float>();
   const TestScene<float> moving = random_scene(0, 5, 0.3, 6).as<float>();
   for (const float bad : {kNan, kInf}) {
-    const auto opacity = [bad](SplatGradient<float>& d) { d.opacity = bad; };
-    const auto position = [bad](SplatGradient<float>& d) { d.mean2d[0] = bad; };
-    const auto conic = [bad](SplatGradient<float>& d) { d.conic.xx = bad; };
-    const auto colour = [bad](SplatGradient<float>& d) { d.colour = Vec3<float>(bad); };
+    const auto opacity = [bad](SplatMoments<float>& d) { d.f = bad; };
+    const auto position = [bad](SplatMoments<float>& d) { d.f_d[0] = bad; };
+    const auto conic = [bad](SplatMoments<float>& d) { d.f_dd.xx = bad; };
+    const auto colour = [bad](SplatMoments<float>& d) { d.colour = Vec3<float>(bad); };
     EXPECT_EQ(groups_reported(still, backend(), opacity), bits({kOpacityLogit}));
     EXPECT_EQ(groups_reported(still, backend(), position), bits({kMean}));
     EXPECT_EQ(groups_reported(still, backend(), conic), bits({kMean, kLogScale, kRotation}));

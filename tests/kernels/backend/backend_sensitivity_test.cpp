@@ -30,7 +30,7 @@ Sensed<Real> sense(const TestScene<Real>& scene, BackendOf<Real>& backend,
   Splats<Real> splats(memory);
   TileInstances<Real> instances(memory);
   Images<Real> images(memory);
-  backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options}, splats);
+  backend.project({&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options, true}, splats);
   backend.bin({&batch, &splats, scene.options, true}, instances);
   const BlendArgs<Real> blend{&batch, &splats, &instances, scene.options, true};
   backend.blend(blend, images);
@@ -53,11 +53,11 @@ Sensed<Real> sense(const TestScene<Real>& scene, BackendOf<Real>& backend,
   Buffer<SplatSensitivity<Real>> sums(splats.count, memory);
   poison(sums, memory);
   backend.sensitivity({pass, target.mask, target.gain}, sums.span());
-  Buffer<SplatGradient<Real>> gradient(splats.count, memory);
+  Buffer<SplatMoments<Real>> gradient(splats.count, memory);
   backend.blend_backward(pass, gradient.span());
   fetch_lists(splats, instances, memory, out.run);
+  out.gradient = gradients_of(out.run.splat, fetched(gradient, memory));
   out.splat = fetched(sums, memory);
-  out.gradient = fetched(gradient, memory);
   out.run.colour = fetched(images.colour, memory);
   out.run.transmittance = fetched(images.transmittance, memory);
   return out;

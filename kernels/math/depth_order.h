@@ -1,0 +1,28 @@
+// What: the key by which splats are ordered front to back.
+// Not: sorting (stages/bin).
+// Source: sorting by the bits of a positive float [3DGS]; fewer bits are ours.
+#pragma once
+#include <bit>
+#include <cstdint>
+
+#include "kernels/math/scalar.h"
+
+namespace tessera {
+
+inline constexpr int kDepthKeyBits = 24;
+
+/// Ascends with the depth, in world units, of at least the near plane: 32 octaves of 2^19 steps
+/// behind it, so that depths within 2e-6 of each other may share a key, as may those beyond. Splats
+/// of one key keep the order of Gaussians. Three passes of a radix sort instead of four.
+TESSERA_HD inline uint32_t depth_key(float depth, float near_plane) {
+  constexpr int kDropped = 4;  // bits of the mantissa
+  constexpr uint32_t kLast = (uint32_t{1} << kDepthKeyBits) - 1;
+  const uint32_t behind = std::bit_cast<uint32_t>(depth) - std::bit_cast<uint32_t>(near_plane);
+  return min_of(behind >> kDropped, kLast);
+}
+/// In double, where accuracy is the point, every bit.
+TESSERA_HD inline uint64_t depth_key(double depth, double) {
+  return std::bit_cast<uint64_t>(depth);
+}
+
+}  // namespace tessera
