@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #include "kernels/base/buffer.h"
-#include "kernels/math/adam.h"
+#include "kernels/math/packed_moments.h"
 #include "kernels/sh_blocks.h"
 
 namespace tessera {
@@ -60,6 +60,12 @@ inline const char* group_name(Group group, Form form) {
       "mean_time", "log_scale_time", "rotation_right", "sh_time"};
   if (form == Form::kVelocity && group == kVelocity) return "velocity";
   return form == Form::kPair && group == kRotation ? "rotation_left" : kNames[group];
+}
+
+/// Groups that keep both moments of a scalar in one word of `moment1`, where scalars are floats;
+/// `moment2` of them is empty  (kernels/math/packed_moments.h).
+TESSERA_HD inline constexpr bool packs_moments(Group group) {
+  return group == kSh || group == kShTime;
 }
 
 /// Scalars per Gaussian of a group; `coefficients` = K, `time_levels` = L.

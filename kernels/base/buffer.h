@@ -74,7 +74,8 @@ class Buffer {
     if (data_ != nullptr) memory_->release(data_, sizeof(T) * static_cast<size_t>(capacity_));
   }
 
-  /// Sets the length; contents are undefined afterwards where memory had to grow.
+  /// Sets the length; contents are undefined afterwards where memory had to grow. Errors: as
+  /// Memory::allocate; the buffer then is empty.
   void resize(int64_t count) {
     reserve(count, 0);
     size_ = count;
@@ -114,6 +115,7 @@ class Buffer {
   void reserve(int64_t count, int64_t keep) {
     if (count <= capacity_) return;
     const int64_t wanted = memory_->grown(count, capacity_);
+    if (keep == 0) release();  // never both at once; a buffer that finds no memory is empty
     T* grown = static_cast<T*>(memory_->allocate(sizeof(T) * static_cast<size_t>(wanted)));
     if (keep > 0) memory_->copy(grown, data_, sizeof(T) * static_cast<size_t>(keep));
     if (data_ != nullptr) memory_->release(data_, sizeof(T) * static_cast<size_t>(capacity_));

@@ -13,15 +13,19 @@ struct AdamScalars {
   Real step_size;  // η/(1−β1^t)
   Real v_scale;    // 1/√(1−β2^t)
   Real epsilon;
+  uint32_t noise;  // differs from step to step (packed_moments.h)
 };
 
 inline constexpr double kAdamBeta1 = 0.9, kAdamBeta2 = 0.999, kAdamEpsilon = 1e-15;
 
 template <class Real>
 AdamScalars<Real> adam_scalars(double learning_rate, int64_t step) {
-  return {Real(kAdamBeta1), Real(kAdamBeta2),
+  return {Real(kAdamBeta1),
+          Real(kAdamBeta2),
           Real(learning_rate / (1 - std::pow(kAdamBeta1, double(step)))),
-          Real(1 / std::sqrt(1 - std::pow(kAdamBeta2, double(step)))), Real(kAdamEpsilon)};
+          Real(1 / std::sqrt(1 - std::pow(kAdamBeta2, double(step)))),
+          Real(kAdamEpsilon),
+          uint32_t(step) * 0x85EBCA6Bu};
 }
 
 /// θ ← θ − [η/(1−β1^t)]·m / (√v/√(1−β2^t) + ε).

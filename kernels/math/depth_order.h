@@ -20,9 +20,9 @@ TESSERA_HD inline uint32_t depth_key(float depth, float near_plane) {
   const uint32_t behind = std::bit_cast<uint32_t>(depth) - std::bit_cast<uint32_t>(near_plane);
   return min_of(behind >> kDropped, kLast);
 }
-/// In double, where accuracy is the point, every bit.
-TESSERA_HD inline uint64_t depth_key(double depth, double) {
-  return std::bit_cast<uint64_t>(depth);
+/// The same steps in double: an order is no matter of accuracy.
+TESSERA_HD inline uint32_t depth_key(double depth, double near_plane) {
+  return depth_key(float(depth), float(near_plane));
 }
 
 }  // namespace tessera

@@ -106,8 +106,8 @@ __device__ inline int place_in_class(int* count, int length, bool asks) {
   return __shfl_sync(alike, begin, first) + before;
 }
 
-/// Tiles by classes of length, in one block: a few thousand numbers are not worth the launches of a
-/// sort. Those of one class stand in any order.
+/// Tiles by classes of length, in one block: of a few thousand numbers a sort would spend its time
+/// on launches. Those of one class stand in any order.
 __global__ void __launch_bounds__(kOrderThreads)
     order_tiles_of(const int64_t* tile_begin, int64_t tiles, int32_t* order) {
   __shared__ int count[kLengths];

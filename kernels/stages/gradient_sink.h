@@ -3,6 +3,8 @@
 // Not: schedules; step sizes come ready in AdamGroups. Which Gaussians it is called for is the
 // traversal's (IdleUpdate).
 #pragma once
+#include <type_traits>
+
 #include "kernels/gaussians.h"
 #include "kernels/math/adam.h"
 #include "kernels/math/symmetric.h"
@@ -77,8 +79,12 @@ struct ApplyAdam {
         });
   }
   TESSERA_HD void accept_sh(Group group, int64_t n, int j, Real gradient) const {
-    Real *x = value.at(group, n), *m = moment1.at(group, n), *v = moment2.at(group, n);
-    adam_step(sh_scalars(group, j), gradient, x[j], m[j], v[j]);
+    static_assert(packs_moments(kSh) && packs_moments(kShTime));
+    Real *x = value.at(group, n), *m = moment1.at(group, n);
+    if constexpr (std::is_same_v<Real, float>)
+      adam_step_packed(sh_scalars(group, j), gradient, x[j], m[j]);
+    else
+      adam_step(sh_scalars(group, j), gradient, x[j], m[j], moment2.at(group, n)[j]);
   }
   /// Step sizes of scalar j.
   TESSERA_HD const AdamScalars<Real>& sh_scalars(Group group, int j) const {

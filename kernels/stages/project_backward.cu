@@ -201,7 +201,7 @@ template <class Sink, int Scalars>
 struct ShState {};
 template <int Scalars>
 struct ShState<ApplyAdam<float>, Scalars> {
-  ShScalars<Scalars> value, moment1, moment2;
+  ShScalars<Scalars> value, moments;
 };
 
 template <Group group, int Scalars>
@@ -212,8 +212,7 @@ __device__ inline void load_state(const ApplyAdam<float>& sink, int64_t n, int f
                                   ShState<ApplyAdam<float>, Scalars>& state) {
   using Access = const ShScalars<Scalars>&;
   state = {reinterpret_cast<Access>(sink.value.at(group, n)[first]),
-           reinterpret_cast<Access>(sink.moment1.at(group, n)[first]),
-           reinterpret_cast<Access>(sink.moment2.at(group, n)[first])};
+           reinterpret_cast<Access>(sink.moment1.at(group, n)[first])};
 }
 
 template <Group group, int Scalars>
@@ -226,14 +225,13 @@ template <Group group, int Scalars>
 __device__ inline void accept_sh(const ApplyAdam<float>& sink, int64_t n, int first,
                                  const float (&g)[Scalars],
                                  ShState<ApplyAdam<float>, Scalars>& state) {
-  auto& [x, m, v] = state;
+  auto& [x, moments] = state;
   TESSERA_UNROLL
   for (int j = 0; j < Scalars; ++j)
-    adam_step(sink.sh_scalars(group, first + j), g[j], x.value[j], m.value[j], v.value[j]);
+    adam_step_packed(sink.sh_scalars(group, first + j), g[j], x.value[j], moments.value[j]);
   using Access = ShScalars<Scalars>&;
   reinterpret_cast<Access>(sink.value.at(group, n)[first]) = x;
-  reinterpret_cast<Access>(sink.moment1.at(group, n)[first]) = m;
-  reinterpret_cast<Access>(sink.moment2.at(group, n)[first]) = v;
+  reinterpret_cast<Access>(sink.moment1.at(group, n)[first]) = moments;
 }
 
 /// What the SH of a Gaussian get from one splat of it.
@@ -376,9 +374,10 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
       run(a, args.forward.options, sink, stream_);
     });
     first += spans.count;
-    const double scalars = double(spans.count) * geometry_scalars(spans.form) +
-                           double(spans.group[kSh].size + spans.group[kShTime].size);
-    bytes += 8 * double(spans.count) + scalars * (sink.fused ? 24 : 8);
+    const double geometry = double(spans.count) * geometry_scalars(spans.form);
+    const double sh = double(spans.group[kSh].size + spans.group[kShTime].size);
+    bytes +=
+        8 * double(spans.count) + geometry * (sink.fused ? 24 : 8) + sh * (sink.fused ? 16 : 8);
   }
   report();
   clock_.add_bytes(kProjectBackward, bytes);

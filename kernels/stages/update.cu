@@ -11,11 +11,18 @@ namespace {
 
 constexpr int kThreads = 256;
 
-/// Scalars of a group, elements of `width`, of which the first `head` have step sizes of their own.
 __global__ void adam_group(const float* gradient, float* value, float* m, float* v, int64_t count,
-                           int width, int head, AdamScalars<float> first, AdamScalars<float> rest) {
+                           AdamScalars<float> adam) {
   const int64_t i = linear_index();
-  if (i < count) adam_step(i % width < head ? first : rest, gradient[i], value[i], m[i], v[i]);
+  if (i < count) adam_step(adam, gradient[i], value[i], m[i], v[i]);
+}
+
+/// Of SH, elements of `width`, of which the first `head` have step sizes of their own.
+__global__ void adam_sh(const float* gradient, float* value, float* moments, int64_t count,
+                        int width, int head, AdamScalars<float> first, AdamScalars<float> rest) {
+  const int64_t i = linear_index();
+  if (i < count)
+    adam_step_packed(i % width < head ? first : rest, gradient[i], value[i], moments[i]);
 }
 
 /// T: float or float4, the widest that divides an element.
@@ -37,27 +44,30 @@ __global__ void limit(Span<float> values, float most) {
 }  // namespace
 
 void CudaBackend::adam(const SinkArgs<float>& args) {
-  double scalars = 0;
-  const auto launch = [&](const SinkArgs<float>& elements, Group group) {
-    const int width = elements.value.width(group);
-    const int head = group == kSh ? 3 : group == kShTime ? 0 : width;  // the rest has sh_rest
-    const int64_t count = elements.value.count * width;
-    if (count == 0) return;
-    launch_linear<kThreads>(stream_, "adam: adam_group", adam_group, count,
-                            elements.gradient.group[group].data, elements.value.group[group].data,
-                            elements.moment1.group[group].data, elements.moment2.group[group].data,
-                            count, width, head, elements.adam.group[group], elements.adam.sh_rest);
-    scalars += double(count);
-  };
+  double bytes = 0;
   const GaussianSpans<float>& set = args.value;
-  for (int g = 0; g < group_count(set.dim()); ++g)
-    if (g != kSh && g != kShTime) launch(args, Group(g));
+  for (int g = 0; g < group_count(set.dim()); ++g) {
+    if (packs_moments(Group(g))) continue;
+    const int64_t count = set.count * set.width(Group(g));
+    launch_linear<kThreads>(stream_, "adam: adam_group", adam_group, count,
+                            args.gradient.group[g].data, args.value.group[g].data,
+                            args.moment1.group[g].data, args.moment2.group[g].data, count,
+                            args.adam.group[g]);
+    bytes += 28.0 * double(count);
+  }
   for_each_block(set.blocks, set.count, set.coefficients, [&](const ShBlock& block) {
     const SinkArgs<float> elements = args.block(block);
-    launch(elements, kSh);
-    if (set.dim() == 4) launch(elements, kShTime);
+    for (const Group group : {kSh, kShTime}) {
+      const int width = elements.value.width(group);
+      const int64_t count = block.count * width;
+      launch_linear<kThreads>(stream_, "adam: adam_sh", adam_sh, count,
+                              elements.gradient.group[group].data, elements.value.group[group].data,
+                              elements.moment1.group[group].data, count, width,
+                              group == kSh ? 3 : 0, args.adam.group[kSh], args.adam.sh_rest);
+      bytes += 20.0 * double(count);
+    }
   });
-  clock_.add_bytes(kUpdate, 28 * scalars);
+  clock_.add_bytes(kUpdate, bytes);
 }
 
 void CudaBackend::gather_elements(Span<const float> from, Span<const int64_t> index, int width,

@@ -35,7 +35,7 @@ void gather(Backend& backend, Span<const int64_t> values, Span<const int64_t> mo
     gather(backend, values, width, values.size, group.value);
     if (!has_moments) continue;
     gather(backend, moments, width, inherited, group.moment1);
-    gather(backend, moments, width, inherited, group.moment2);
+    if (!packs_moments(Group(g))) gather(backend, moments, width, inherited, group.moment2);
   }
   set.set_count(values.size);
 }

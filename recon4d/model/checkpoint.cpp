@@ -23,7 +23,7 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
       auto& group = set.group(Group(g));
       visit(group.value, scalars);
       visit(group.moment1, scalars);
-      visit(group.moment2, scalars);
+      visit(group.moment2, packs_moments(Group(g)) ? 0 : scalars);
     }
     visit(statistics.gradient_sum, set.count());
     visit(statistics.count, set.count());

@@ -16,7 +16,7 @@
 namespace tessera {
 namespace {
 
-constexpr uint32_t kVersion = 6;
+constexpr uint32_t kVersion = 7;
 constexpr size_t kBlock = size_t{1} << 18;  // bytes that stay in a cache between file and checksum
 
 struct Preamble {

@@ -96,11 +96,11 @@ void check_header(const CheckpointReader& file, const json& header) {
   const CheckpointParts parts = parts_of(header);
   const int64_t environment = header.at("environment_height");
   const int coefficients = header.at("sh_coefficients"), levels = header.at("sh_time_levels");
-  // values and two moments each; statistics, filter size where kept
+  // values and two moments each, of SH in one word; statistics, filter size where kept
   const auto scalars = [&](Form form, int64_t count, const ShBlocks& blocks) {
     const int sets = form == Form::kStatic ? 1 : 1 + levels;
     const int64_t all = blocks.mixed() ? blocks.coefficients() : count * coefficients;
-    return count * (int64_t{3} * geometry_scalars(form) + 2 + parts.filter_sizes) + 9 * all * sets;
+    return count * (int64_t{3} * geometry_scalars(form) + 2 + parts.filter_sizes) + 6 * all * sets;
   };
   const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
   constexpr int64_t kMost = int64_t{1} << 40;

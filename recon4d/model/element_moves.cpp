@@ -99,7 +99,7 @@ void move_elements(Backend& backend, const std::vector<ElementMove>& moves, Gaus
     gather(group.value);
     if (has_moments) {
       gather(group.moment1);
-      gather(group.moment2);
+      if (!packs_moments(Group(g))) gather(group.moment2);
     }
   }
   set.set_count(count, blocks);

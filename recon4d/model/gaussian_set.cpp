@@ -58,7 +58,7 @@ void GaussianSet::ensure_moments() {
   for (int g = 0; g < groups(); ++g) {
     ParameterGroup& group = groups_[size_t(g)];
     group.moment1.resize(group.value.size());
-    group.moment2.resize(group.value.size());
+    group.moment2.resize(packs_moments(Group(g)) ? 0 : group.value.size());
     std::fill(group.moment1.begin(), group.moment1.end(), 0.0f);
     std::fill(group.moment2.begin(), group.moment2.end(), 0.0f);
   }

@@ -22,9 +22,10 @@ constexpr double kCpuSplat = 0.58e-6;  //   at 240 × 180 with 30,000 Gaussians,
 constexpr double kGpuStep = 0.7e-3;    // seconds a step, by dnerf_lego, mic and bonsai
 constexpr double kGpuPixel = 0.05e-9, kGpuSplat = 0.45e-9;  //   on an H200
 
+/// A value and two moments of each scalar; those of SH share a word.
 int64_t element_bytes(Form form, int64_t time_levels) {
-  return int64_t{3} * (geometry_scalars(form) + 3 * kMaxShCoefficients * (1 + time_levels)) *
-         int64_t(sizeof(float));
+  const int64_t sh = 3 * kMaxShCoefficients * (1 + time_levels);
+  return (3 * geometry_scalars(form) + 2 * sh) * int64_t(sizeof(float));
 }
 
 }  // namespace

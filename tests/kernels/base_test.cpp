@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cstring>
+#include <new>
 #include <numeric>
 #include <stdexcept>
 #include <vector>
@@ -22,6 +24,39 @@ TEST(Buffer, IsAlignedAndKeepsItsCapacity) {
   b.resize(90);
   EXPECT_EQ(b.data(), first);
   EXPECT_EQ(b.size(), 90);
+}
+
+/// Of `limit` bytes, which it counts.
+struct SmallMemory : Memory {
+  size_t limit = 0, used = 0;
+
+  void* allocate(size_t bytes) override {
+    if (used + bytes > limit) throw std::bad_alloc();
+    used += bytes;
+    return host_memory().allocate(bytes);
+  }
+  void release(void* pointer, size_t bytes) noexcept override {
+    used -= bytes;
+    host_memory().release(pointer, bytes);
+  }
+  void copy(void* to, const void* from, size_t bytes) override { std::memcpy(to, from, bytes); }
+  int64_t grown(int64_t count, int64_t) const override { return count; }
+};
+
+// Bug put back: the old values kept until there are new ones; seen to fail.
+TEST(Buffer, GrowsWithoutHoldingTheOldValues) {
+  SmallMemory memory;
+  memory.limit = 1000;
+  Buffer<uint8_t> b(700, memory);
+  b.resize(900);
+  EXPECT_EQ(b.size(), 900);
+  EXPECT_EQ(memory.used, 900u);
+  EXPECT_THROW(b.resize(1100), std::bad_alloc);
+  EXPECT_TRUE(b.empty());
+  EXPECT_EQ(memory.used, 0u);
+  b.resize(500);
+  EXPECT_THROW(b.grow_keep(600), std::bad_alloc) << "whose values are kept";
+  EXPECT_EQ(b.size(), 500);
 }
 
 TEST(Buffer, GrowKeepKeepsTheValues) {

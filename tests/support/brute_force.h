@@ -5,6 +5,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -176,8 +177,12 @@ inline BruteImage render_brute(const TestScene<double>& scene, const View& view,
                       frozen.empty() ? nullptr : &frozen[number]))
         splats.push_back(splat);
   const double k = scene.options.truncation_sigma, threshold = std::exp(-k * k / 2);
+  // in steps of 16 units in the last place of a float, in which Gaussians keep their order
+  const auto bits = [](double x) { return std::bit_cast<uint32_t>(float(x)); };
+  const uint32_t nearest = bits(scene.options.near_plane);
+  const auto step = [&](const BruteSplat& s) { return (bits(s.depth) - nearest) / 16; };
   std::stable_sort(splats.begin(), splats.end(),
-                   [](const BruteSplat& a, const BruteSplat& b) { return a.depth < b.depth; });
+                   [&](const BruteSplat& a, const BruteSplat& b) { return step(a) < step(b); });
   const int width = view.camera.width, pixels = width * view.camera.height;
   BruteImage image{std::vector<double>(size_t(3 * pixels)), std::vector<double>(size_t(pixels)),
                    std::vector<bool>(size_t(pixels))};

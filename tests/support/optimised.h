@@ -1,6 +1,9 @@
 // What: parameters with Adam's moments in a backend's memory, and the arguments that update them.
 // Not: a trainer: rates are made up, one per group.
 #pragma once
+#include <bit>
+#include <type_traits>
+
 #include "tests/support/render.h"
 
 namespace tessera::testing {
@@ -14,8 +17,8 @@ struct Optimised {
   /// small and rounding stays rounding.
   Optimised(const TestScene<Real>& scene, Memory& memory)
       : value{{scene.fixed, memory}, {scene.moving, memory}},
-        moment1{{moments(scene.fixed, 1), memory}, {moments(scene.moving, 1), memory}},
-        moment2{{moments(scene.fixed, 2), memory}, {moments(scene.moving, 2), memory}},
+        moment1{{stored(scene.fixed, 1), memory}, {stored(scene.moving, 1), memory}},
+        moment2{{stored(scene.fixed, 2), memory}, {stored(scene.moving, 2), memory}},
         gradient{{empty(scene.fixed), memory}, {empty(scene.moving), memory}} {}
 
   SinkArgs<Real> sink(size_t set, int64_t step, bool fused, IdleUpdate idle = IdleUpdate::kDense) {
@@ -35,12 +38,47 @@ struct Optimised {
   static TestGaussians<Real> empty(const TestGaussians<Real>& set) {
     return TestGaussians<Real>(set.form, set.count, set.coefficients, set.time_levels, set.blocks);
   }
+  /// As they begin; a packed word holds them exactly.
   static TestGaussians<Real> moments(const TestGaussians<Real>& set, int order) {
     TestGaussians<Real> out = empty(set);
     Random random(uint64_t(100 * order + int(set.form)));
     for (std::vector<Real>& group : out.group)
-      for (Real& x : group)
-        x = Real(float(order == 1 ? random.uniform(-1e-3, 1e-3) : random.uniform(1e-6, 2e-6)));
+      for (Real& x : group) {
+        const float drawn =
+            float(order == 1 ? random.uniform(-1e-3, 1e-3) : random.uniform(1e-6, 2e-6));
+        const Moments kept = unpacked_moments(packed_moments({drawn, drawn}, 0));
+        x = Real(order == 1 ? kept.m : kept.v);
+      }
+    return out;
+  }
+  /// A set's moments one by one, as they are now: m or v.
+  TestGaussians<Real> fetch_moments(size_t set, int order) const {
+    const TestGaussians<Real> first = moment1[set].fetch();
+    TestGaussians<Real> out = order == 1 ? first : moment2[set].fetch();
+    for (const Group g : {kSh, kShTime}) {
+      if constexpr (!std::is_same_v<Real, float>) break;
+      out.group[g].clear();
+      for (const Real word : first.group[g]) {
+        const Moments kept = unpacked_moments(std::bit_cast<uint32_t>(float(word)));
+        out.group[g].push_back(Real(order == 1 ? kept.m : kept.v));
+      }
+    }
+    return out;
+  }
+
+ private:
+  /// As a backend keeps them: those of SH in words where Real is float.
+  static TestGaussians<Real> stored(const TestGaussians<Real>& set, int order) {
+    TestGaussians<Real> out = moments(set, order);
+    if constexpr (std::is_same_v<Real, float>) {
+      const TestGaussians<float> m = moments(set, 1), v = moments(set, 2);
+      for (const Group g : {kSh, kShTime}) {
+        out.group[g].clear();
+        for (size_t i = 0; i < m.group[g].size() && order == 1; ++i)
+          out.group[g].push_back(
+              std::bit_cast<float>(packed_moments({m.group[g][i], v.group[g][i]}, 0)));
+      }
+    }
     return out;
   }
 };

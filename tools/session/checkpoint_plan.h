@@ -19,7 +19,7 @@ class CheckpointPlan {
 
   /// `every`: steps between two; 0: none before the end; without a value: by the clock.
   CheckpointPlan(std::optional<int64_t> every, Stopwatch now)
-      : every_(every), now_(std::move(now)), saved_(now_()) {}
+      : every_(every.value_or(kByClock)), now_(std::move(now)), saved_(now_()) {}
 
   /// From a state that needs no saving.
   void begin(int64_t step) {
@@ -28,13 +28,13 @@ class CheckpointPlan {
   }
   bool due(int64_t step) const {
     if (step == step_) return false;
-    if (every_) return *every_ > 0 && step % *every_ == 0;
+    if (every_ != kByClock) return every_ > 0 && step % every_ == 0;
     return now_() - saved_ >= std::max(kLeastSeconds, kLeastMultiple * seconds_);
   }
   /// The step after `step` at which one is due; the largest number where steps do not say.
   int64_t next_after(int64_t step) const {
-    if (!every_ || *every_ == 0) return std::numeric_limits<int64_t>::max();
-    return (step / *every_ + 1) * *every_;
+    if (every_ <= 0) return std::numeric_limits<int64_t>::max();
+    return (step / every_ + 1) * every_;
   }
   template <class Work>
   void save(int64_t step, Work&& work) {
@@ -46,7 +46,9 @@ class CheckpointPlan {
   }
 
  private:
-  std::optional<int64_t> every_;
+  static constexpr int64_t kByClock = -1;
+
+  int64_t every_;
   Stopwatch now_;
   int64_t step_ = 0;                // of the last
   double saved_ = 0, seconds_ = 0;  // when it was written, and for how long

@@ -121,6 +121,7 @@ TEST_P(Density, ClonesAreCopiesWithoutMoments) {
       const int from = k < 2 * width ? k : k - width;  // the third is a copy of the second
       EXPECT_EQ(now.value[k], old.value[from]) << group_name(Group(g), GetParam());
       EXPECT_EQ(now.moment1[k], k < 2 * width ? old.moment1[k] : 0);
+      if (packs_moments(Group(g))) continue;
       EXPECT_EQ(now.moment2[k], k < 2 * width ? old.moment2[k] : 0);
     }
   }

@@ -132,6 +132,7 @@ TEST(Mcmc, TheDeadBecomeCopiesAndKeepTheirMoments) {
           EXPECT_NEAR(now.value[n * width + j], expected, 1e-6) << group_name(Group(g), set.form());
           const bool zeroed = s == n && count > 1;
           EXPECT_EQ(now.moment1[n * width + j], zeroed ? 0 : then.moment1[n * width + j]);
+          if (packs_moments(Group(g))) continue;
           EXPECT_EQ(now.moment2[n * width + j], zeroed ? 0 : then.moment2[n * width + j]);
         }
       }

@@ -140,6 +140,7 @@ TEST_P(SplitForm, ChildrenAreShrunkCopiesWithoutMoments) {
         EXPECT_NEAR(now, shrinks ? old - std::log(1.6) : old, shrinks ? 1e-6 : 0)
             << group_name(group, GetParam());
       EXPECT_EQ(made.set.group(group).moment1[i], 0);
+      if (packs_moments(group)) continue;
       EXPECT_EQ(made.set.group(group).moment2[i], 0);
     }
   }
@@ -226,6 +227,7 @@ TEST_P(SplitForm, ReorderMovesEverythingAlong) {
       for (int k = 0; k < width; ++k) {
         ASSERT_EQ(now.value[i * width + k], old.value[from * width + k]);
         ASSERT_EQ(now.moment1[i * width + k], old.moment1[from * width + k]);
+        if (packs_moments(Group(g))) continue;
         ASSERT_EQ(now.moment2[i * width + k], old.moment2[from * width + k]);
       }
     }

@@ -26,7 +26,7 @@ struct HandmadeSet {
       for (int64_t i = 0; i < group.value.size(); ++i) {
         group.value[i] = float(0.1 + 0.8 * std::fmod(0.618 * double(i + 7 * g), 1.0));
         group.moment1[i] = float(1 + i + 1000 * g);
-        group.moment2[i] = float(2 + i + 1000 * g);
+        if (!packs_moments(Group(g))) group.moment2[i] = float(2 + i + 1000 * g);
       }
     }
     for (int64_t n = 0; n < count; ++n) *set.values().at(kSh, n) = float(n);

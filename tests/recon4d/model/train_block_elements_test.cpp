@@ -71,6 +71,7 @@ void expect_elements(const Elements& actual, const Elements& before,
       for (auto member :
            {&ParameterGroup::value, &ParameterGroup::moment1, &ParameterGroup::moment2}) {
         if (!moments && member != &ParameterGroup::value) continue;
+        if (member == &ParameterGroup::moment2 && packs_moments(Group(g))) continue;
         ASSERT_EQ(
             element_of(actual.set, Group(g), actual.set.group(Group(g)).*member, int64_t(i), K),
             element_of(before.set, Group(g), before.set.group(Group(g)).*member, elements[i], K))
@@ -82,12 +83,14 @@ void expect_elements(const Elements& actual, const Elements& before,
   }
 }
 
-/// Bytes of elements that have these degrees, values and both moments.
-int64_t bytes_of(const std::vector<uint8_t>& degrees, Form form, int levels) {
-  int64_t scalars = 0;
-  for (const uint8_t degree : degrees)
-    scalars += geometry_scalars(form) + 3 * (degree + 1) * (degree + 1) * (1 + levels);
-  return 3 * 4 * scalars;
+/// Bytes of elements that have these degrees, values and both moments, which share a word in SH.
+int64_t bytes_of(const std::vector<uint8_t>& degrees, Form form, int levels, bool moments = true) {
+  int64_t words = 0;
+  for (const uint8_t degree : degrees) {
+    const int64_t sh = 3 * (degree + 1) * (degree + 1) * (1 + levels);
+    words += (moments ? 3 : 1) * geometry_scalars(form) + (moments ? 2 : 1) * sh;
+  }
+  return 4 * words;
 }
 
 int64_t bytes_of(const GaussianSet& set) {
@@ -131,7 +134,7 @@ TEST_P(BlockElements, SortsElementsAndDropsBands) {
     EXPECT_TRUE(after.set.blocks() == blocks_of(degrees));
     expect_elements(after, before, order);
     EXPECT_EQ(bytes_of(after.set), bytes_of(degrees, form, levels));
-    EXPECT_EQ(after.set.value_bytes(), bytes_of(degrees, form, levels) / 3);
+    EXPECT_EQ(after.set.value_bytes(), bytes_of(degrees, form, levels, false));
 
     // once more, from blocks: lower, or as it is
     std::vector<uint8_t> lower = sh_degrees(after.set);
@@ -178,7 +181,7 @@ TEST_P(BlockElements, PaddedIsTheSetWithZeroedBands) {
     EXPECT_TRUE(
         same_bits(back, set_of(held(made.select(block_order(degrees)), blocks_of(degrees)))))
         << form_name(form);
-    EXPECT_EQ(back.group(kSh).moment2.size(), 30 * 48);
+    EXPECT_EQ(back.group(kSh).moment1.size(), 30 * 48);
   }
 }
 

@@ -153,11 +153,11 @@ TEST_F(CheckpointFile, ForeignFiles) {
   expect_says(refusal(""), "not a Tessera checkpoint");
   expect_says(refusal("ply\nformat ascii 1.0\nelement vertex 0\n"), "not a Tessera checkpoint");
   std::string newer = bytes_;
-  newer[8] = 7;
-  expect_says(refusal(newer), "checkpoint version 7, this program reads version 6");
+  newer[8] = 8;
+  expect_says(refusal(newer), "checkpoint version 8, this program reads version 7");
   std::string older = bytes_;
   older[8] = 4;
-  expect_says(refusal(older), "checkpoint version 4, this program reads version 6; resume it");
+  expect_says(refusal(older), "checkpoint version 4, this program reads version 7; resume it");
   std::string endless = bytes_;
   for (size_t i = 0; i < 8; ++i) endless[testing::kHeaderBytesAt + i] = char(0xff);
   expect_says(refusal(endless), "header incomplete");

@@ -166,7 +166,9 @@ std::vector<float> element_of(const GaussianSet& set, int64_t n) {
     const ParameterGroup& group = set.group(Group(g));
     const int64_t width = set.width(Group(g));
     for (const Buffer<float>* values : {&group.value, &group.moment1, &group.moment2})
-      element.insert(element.end(), values->begin() + n * width, values->begin() + (n + 1) * width);
+      if (!values->empty())
+        element.insert(element.end(), values->begin() + n * width,
+                       values->begin() + (n + 1) * width);
   }
   return element;
 }
