@@ -19,7 +19,8 @@ TEST(Forecast, DoesNotOverflow) {
   options.batch = 64;
   const TrainForecast forecast = forecast_training(load, options);
   EXPECT_EQ(forecast.frame_bytes, 2488320000000);
-  EXPECT_EQ(forecast.parameter_bytes, 100000000LL * 3 * 4 * 65);  // 59 + 1 + 1 + 4 floats
+  EXPECT_EQ(forecast.parameter_bytes,
+            100000000LL * 4 * (3 * 17 + 2 * 48));  // 59 + 1 + 1 + 4 floats
   EXPECT_EQ(forecast.step_bytes, 64 * load.pixels * 68 + 2560000000LL * 168);
   EXPECT_EQ(forecast.total_bytes,
             forecast.frame_bytes + forecast.parameter_bytes + forecast.step_bytes);
