@@ -16,17 +16,6 @@ struct ViewSums {
   Vec3<Real> mean{};
   Real opacity{};    // by the opacity before p and comp
   Real ndc_norms{};  // Σ_v ‖dL/d mean2D in NDC‖
-
-  TESSERA_HD ViewSums& operator+=(const ViewSums& o) {
-    spacetime.covariance += o.spacetime.covariance;
-    spacetime.velocity += o.spacetime.velocity;
-    spacetime.mean_time += o.spacetime.mean_time;
-    spacetime.precision_time += o.spacetime.precision_time;
-    mean += o.mean;
-    opacity += o.opacity;
-    ndc_norms += o.ndc_norms;
-    return *this;
-  }
 };
 
 /// dL/d(un-clamped colour) of a splat: 0 where the channel was clamped.

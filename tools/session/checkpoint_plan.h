@@ -19,9 +19,9 @@ class CheckpointPlan {
 
   /// `every`: steps between two; 0: none before the end; without a value: by the clock.
   CheckpointPlan(std::optional<int64_t> every, Stopwatch now)
-      : every_(every.value_or(kByClock)), now_(std::move(now)), saved_(now_()) {}
+      : every_(every.value_or(kByClock)), now_(std::move(now)) {}
 
-  /// From a state that needs no saving.
+  /// Before the first step, from a state that needs no saving.
   void begin(int64_t step) {
     step_ = step;
     saved_ = now_();
