@@ -64,7 +64,7 @@ def measure(tessera, scene, preset, seed, options):
         "device": trained["device"],
         "seconds": trained["seconds"], "stages": stages,
         "ratio": trained["seconds"] / stages if stages > 0 else None,
-        "stage_ms": trained["stage_ms"],
+        "stage_ms": trained["stage_ms"], "stage_gbytes": trained["stage_gbytes"],
         "decisions": sum(event["decision_seconds"] for event in decisions),
         "looked_at": statistics.median([event["looked_at"] for event in decisions] or [0]),
         "load": trained["wall_seconds"]["load"],

@@ -90,10 +90,12 @@ void ScoringPass::draw_batch() {
 }
 
 double ScoringPass::squared_error() {
+  const StageTimer timer(backend_.clock(), kPhotometric);
   return backend_.sum_of_squares(std::as_const(pipeline_.d_colour()).span());
 }
 
 void ScoringPass::compare(ScoringPass& before) {
+  const StageTimer timer(backend_.clock(), kPhotometric);
   backend_.added_squares(pipeline_.batch(), std::as_const(before.pipeline_.d_colour()).span(),
                          pipeline_.d_colour().span());
 }

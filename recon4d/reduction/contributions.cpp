@@ -99,6 +99,7 @@ Contributions measure_contributions(Backend& backend, const GaussianModel& model
   const auto so_far = [&](double share) {
     scale_to_all(share);
     PricedErrors now;
+    now.squared_error = squared_error;
     for (int64_t n = 0; n < sums.size(); ++n) now.error.push_back(double(sums[n].removal2));
     now.price = prices(contributions);
     for (double& price : now.price) price *= share;

@@ -3,18 +3,18 @@
 #include "recon4d/reduction/precision.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace tessera {
 
 double regret(const std::vector<double>& first, const std::vector<double>& second,
               const std::vector<double>& price) {
-  double lost = 0, all = 0;
+  double lost = 0;
   for (size_t n = 0; n < price.size(); ++n) {
     const double a = first[n], b = second[n], p = price[n];
     lost += (a <= p ? b : p) - std::min(b, p) + (b <= p ? a : p) - std::min(a, p);
-    all += 2 * p;
   }
-  return all > 0 ? lost / all : 0;
+  return lost / 2;
 }
 
 double draw_until_precise(
@@ -40,7 +40,9 @@ double draw_until_precise(
       std::vector<double> second = now.error;
       for (size_t n = 0; n < second.size(); ++n) second[n] -= first[n];
       for (double& price : now.price) price /= 2;
-      if (regret(first, second, now.price) <= kRegretAllowed)
+      const double prices = std::accumulate(now.price.begin(), now.price.end(), 0.0);
+      if (regret(first, second, now.price) <=
+          std::max(kRegretOfPrice * prices, kRegretOfError * now.squared_error / 2))
         return double(drawn_frames) / double(sample.count());
     }
     first = std::move(now.error);

@@ -12,18 +12,20 @@ namespace tessera {
 
 /// An element is given up where the squared error that this adds is no more than its price. What
 /// that costs when `first`, the errors by one half of the frames, decide and `second`, those by the
-/// other half, judge, and the other way round, beyond the least possible; over the price of keeping
-/// all. `price`: by one half. 0: the halves decide alike. All [N].
+/// other half, judge, beyond the least possible; mean of that and of the other way round. Squared
+/// error. `price`: by one half. 0: the halves decide alike. All [N].
 double regret(const std::vector<double>& first, const std::vector<double>& second,
               const std::vector<double>& price);
 
-/// Half of the regret of both halves together is that of the whole, or less: it has half of their
-/// variance.
-inline constexpr double kRegretAllowed = 0.02;
+/// A pass is precise enough where the regret of its halves is no more than this share of the price
+/// of all elements, or than that of the images' squared error, which is 0.05 dB. Of the whole it is
+/// half of that of the halves, or less: it has half of their variance.
+inline constexpr double kRegretOfPrice = 0.02, kRegretOfError = 0.0116;
 
-/// Errors [N] of a pass so far, and the prices in the same frames.
+/// Errors [N] of a pass so far, and the prices and the images' squared error in the same frames.
 struct PricedErrors {
   std::vector<double> error, price;
+  double squared_error = 0;
 };
 
 /// Draws sweeps of `sample` and asks for `so_far` after 1, 2, 4, … of them, until the halves decide

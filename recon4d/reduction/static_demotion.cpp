@@ -38,11 +38,13 @@ Added added_error(Backend& backend, const GaussianModel& model, const GaussianMo
                   int64_t candidates, const FrameSample& sample, double allowed) {
   ScoringPass before(backend, model, false), after(backend, trial, true);
   ElementBuffers elements(backend, trial, false);
-  double total = 0;  // of what was drawn
+  double squared_error = 0, total = 0;  // of what was drawn
   const auto draw = [&](int64_t begin, int64_t end, int32_t series) {
     before.draw(sample, begin, end);
     after.draw_frames_of(before);
-    total += after.squared_error() - before.squared_error();
+    const double error = before.squared_error();
+    squared_error += error;
+    total += after.squared_error() - error;
     after.compare(before);
     after.add_to(elements, series);
   };
@@ -51,6 +53,7 @@ Added added_error(Backend& backend, const GaussianModel& model, const GaussianMo
   const auto so_far = [&](double share) {
     sums.copy_from(elements.sums);
     PricedErrors now;
+    now.squared_error = squared_error;
     for (int64_t i = 0; i < candidates; ++i) now.error.push_back(double(sums[first + i].image[0]));
     now.price.assign(size_t(candidates), allowed * share);
     return now;
@@ -86,6 +89,8 @@ GaussianSet as_static(Backend& backend, const GaussianModel& model,
 DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
                            const Contributions& contributions, const FrameSample& sample,
                            double allowed, int rounds) {
+  // of 50 candidates: another round would change as few of the others' shares
+  constexpr int64_t kFewRejected = 50;
   DemotionTrial trial(backend.memory());
   const SetContributions& dynamic = contributions.sets[1];
   for (size_t n = 0; n < dynamic.weight.size(); ++n)
@@ -103,9 +108,9 @@ DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
     }
     // what nobody in particular adds counts too: then only the better half is tried again
     const bool together = added.total <= allowed * double(trial.elements.size());
-    const bool all = accepted.size() == trial.elements.size();
-    if (all && together) break;
-    if (all) {
+    const int64_t rejected = int64_t(trial.elements.size() - accepted.size());
+    if (rejected == 0 && together) break;
+    if (rejected == 0) {
       std::stable_sort(accepted.begin(), accepted.end());
       accepted.resize(accepted.size() / 2);
     }
@@ -117,6 +122,7 @@ DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
       trial.error += error;
     }
     std::sort(trial.elements.begin(), trial.elements.end());
+    if (together && rejected * kFewRejected <= int64_t(trial.elements.size())) break;
   }
   trial.demoted = taken_elements(backend, demoted, trial.elements);
   return trial;

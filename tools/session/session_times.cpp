@@ -13,10 +13,8 @@ nlohmann::json WallSplit::json() const {
   return object;
 }
 
-void StageLog::run(Trainer& trainer, int64_t iteration, const std::function<bool()>& stop) {
-  const std::array<StageTotals, kStages> before = clock_.totals();
-  trainer.run(iteration, stop);
-  const std::array<StageTotals, kStages> after = clock_.totals();
+void StageLog::add(const std::array<StageTotals, kStages>& before) {
+  const std::array<StageTotals, kStages>& after = clock_.totals();
   peak_ = memory_.peak_bytes();
   for (size_t s = 0; s < kStages; ++s) {
     sum_[s].seconds += after[s].seconds - before[s].seconds;

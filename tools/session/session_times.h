@@ -1,12 +1,12 @@
 // What: where the time and the memory of a training went: wall time by kind of work, the stages of
-//       the steps.
+//       its steps and decisions.
 // Not: the clocks (kernels/stage_clock.h).
 // Source: failure mode D7.
 #pragma once
 #include <array>
 #include <nlohmann/json_fwd.hpp>
 
-#include "recon4d/training/trainer.h"
+#include "kernels/backend.h"
 
 namespace tessera {
 
@@ -36,17 +36,25 @@ class WallSplit {
   std::array<double, kKinds> seconds_{};
 };
 
-/// Stages and memory of training; evaluations use the same backend and are left out.
+/// Stages and memory of steps and decisions; evaluations use the same backend and are left out.
 class StageLog {
  public:
   explicit StageLog(Backend& backend) : memory_(backend.memory()), clock_(backend.clock()) {}
 
-  /// Trains until `iteration`, or until `stop` says so, which is asked before each step.
-  void run(Trainer& trainer, int64_t iteration, const std::function<bool()>& stop);
+  /// Counts what `work` does.
+  template <class Work>
+  void count(Work&& work) {
+    const std::array<StageTotals, kStages> before = clock_.totals();
+    work();
+    add(before);
+  }
   /// stage_ms, stage_gbytes, stage_gb_per_s, peak_device_bytes.
   void add_to(nlohmann::json& result) const;
 
  private:
+  /// What came after `before`.
+  void add(const std::array<StageTotals, kStages>& before);
+
   Memory& memory_;
   StageClock& clock_;
   std::array<StageTotals, kStages> sum_{};

@@ -174,9 +174,11 @@ class Session {
   void take_steps() {
     limit_.begin_steps();
     wall_.time(WallSplit::kTrain, [&] {
-      stages_->run(*trainer_, next_pause(), [&] {
-        return left_ || observer_.must_stop() || checkpoints_.due(trainer_->state().iteration) ||
-               limit_.due_after_step(trainer_->state().model.count());
+      stages_->count([&] {
+        trainer_->run(next_pause(), [&] {
+          return left_ || observer_.must_stop() || checkpoints_.due(trainer_->state().iteration) ||
+                 limit_.due_after_step(trainer_->state().model.count());
+        });
       });
     });
   }
@@ -286,8 +288,9 @@ class Session {
   void decide() {
     std::optional<ReductionReport> report;
     limit_.whole([&] {
-      wall_.time(WallSplit::kTrain,
-                 [&] { report = reduction_->act(*trainer_, validation_->record()); });
+      wall_.time(WallSplit::kTrain, [&] {
+        stages_->count([&] { report = reduction_->act(*trainer_, validation_->record()); });
+      });
     });
     if (!report) return;
     // models so far were larger than what may be shipped; within_db compares them by size

@@ -14,7 +14,7 @@ TEST(Precision, RegretByHand) {
   // the first gives it up, which costs 10 where 1 would do; the second keeps it for 1 instead of 0
   EXPECT_DOUBLE_EQ(regret({0}, {10}, {1}), (10.0 - 1 + 1 - 0) / 2);
   EXPECT_DOUBLE_EQ(regret({10}, {0}, {1}), regret({0}, {10}, {1}));
-  EXPECT_DOUBLE_EQ(regret({0, 4}, {10, 4}, {1, 3}), 10.0 / 8);
+  EXPECT_DOUBLE_EQ(regret({0, 4}, {10, 4}, {1, 3}), 5);
   EXPECT_DOUBLE_EQ(regret({-2}, {1.5}, {1}), (0.5 + 3) / 2) << "a change may help";
   EXPECT_EQ(regret({}, {}, {}), 0);
   EXPECT_EQ(regret({0}, {0}, {0}), 0);
@@ -30,7 +30,8 @@ FrameSample eight_sweeps() {
 }
 
 /// Sweeps after which a pass over one element ends; each sweep adds what `error` has for it.
-int64_t sweeps_drawn(const std::vector<double>& error, double price, bool asks = true) {
+int64_t sweeps_drawn(const std::vector<double>& error, double price, bool asks = true,
+                     double squared_error = 0) {
   const FrameSample sample = eight_sweeps();
   int64_t next = 0, last_series = -1;
   double sum = 0;
@@ -45,7 +46,7 @@ int64_t sweeps_drawn(const std::vector<double>& error, double price, bool asks =
   };
   const auto so_far = [&](double share) {
     EXPECT_DOUBLE_EQ(share, double(next) / 80);
-    return PricedErrors{{sum}, {price * share}};
+    return PricedErrors{{sum}, {price * share}, squared_error * share};
   };
   const double share =
       draw_until_precise(sample, draw, asks ? so_far : std::function<PricedErrors(double)>());
@@ -64,6 +65,16 @@ TEST(Precision, APassEndsWhenItsHalvesDecideAlike) {
   EXPECT_EQ(sweeps_drawn({0, 8, 0, 0, 0, 0, 0, 40}, 32), 4);
   EXPECT_EQ(sweeps_drawn({0, 9, 9, 9, 0, 9, 0, 0}, 40), 8) << "nor of four";
   EXPECT_EQ(sweeps_drawn({1, 1, 1, 1, 1, 1, 1, 1}, 16, false), 8) << "nobody asks";
+}
+
+// Bugs put back, each seen to fail: the squared error of both halves; that of all frames; the
+// smaller of the two bounds.
+TEST(Precision, WhatImagesDoNotShowIsPreciseEnough) {
+  // two sweeps are a quarter: halves of 0 and 8 at prices of 3 lose (8 − 3 + 3) / 2
+  const std::vector<double> error = {0, 8, 4, 4, 4, 4, 4, 4};
+  const double enough = 8 * 4 / kRegretOfError;  // of eight sweeps, where 4 are the bound of one
+  EXPECT_EQ(sweeps_drawn(error, 24, true, 1.01 * enough), 2);
+  EXPECT_EQ(sweeps_drawn(error, 24, true, 0.99 * enough), 4);
 }
 
 }  // namespace
