@@ -24,7 +24,8 @@ enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
 /// Initial cloud of the prepared scene: none, what the capture has, or a plane sweep added to it.
 enum class CloudDensity { kNone, kSparse, kDense };
 
-inline constexpr double kImageRate = 30;  // numbers per second of images that state none
+inline constexpr int64_t kCloudPoints = 100000;  // most that a plane sweep finds by default
+inline constexpr double kImageRate = 30;         // numbers per second of images that state none
 
 struct SyncOptions {
   SyncMethod method = SyncMethod::kAuto;  // container times, else sound, else motion
@@ -61,8 +62,8 @@ struct IngestOptions {
   // test frames, and frames of a single camera; 0: none. By default 8 for photos and for a camera
   // that moves, as the field's protocol has it.
   std::optional<int64_t> test_every;
-  std::optional<CloudDensity> cloud;  // by default dense where three cameras share timesteps
-  int64_t cloud_points = 100000;      // at most, found by the sweep
+  std::optional<CloudDensity> cloud;    // by default dense where three cameras share timesteps
+  int64_t cloud_points = kCloudPoints;  // at most, found by the sweep
   std::filesystem::path masks;  // folder of masks named as images or cameras; it replaces those
                                 // that a capture states; empty: the stated ones
   SyncOptions sync;             // videos

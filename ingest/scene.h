@@ -41,6 +41,8 @@ struct PointCloud {
   std::vector<float> time;     // timestep at which it was seen, normalised; NaN: not known
   std::vector<uint8_t> still;  // 1: looks the same at all times, 0: not, kStillUnknown
   static constexpr uint8_t kStillUnknown = 255;
+  // Empty or [P] world units per unit of normalised time; 0: at rest, or not known.
+  std::vector<glm::vec3> velocity{};
 };
 
 /// time = (source_time − origin) / duration; source_time in the capture's own unit.

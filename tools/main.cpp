@@ -6,8 +6,10 @@
 
 #include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
+#include "tools/cli/argument_words.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/option_help.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/usage_message.h"
 #include "tools/session/version.h"
@@ -47,6 +49,9 @@ int run_command(const Work& work) {
 int tessera_main(int argc, char** argv) {
   install_interrupt_handlers();
   CLI::App app("Tessera: multi-view video to 4D Gaussians that play", "tessera");
+  app.formatter(help_formatter());
+  app.set_help_flag("-h,--help", "show the options that are used often");
+  app.set_help_all_flag("--help-all", "show all options");
   app.set_version_flag("-V,--version", kVersionText);
   app.require_subcommand(1);
   Work work;
@@ -62,9 +67,11 @@ int tessera_main(int argc, char** argv) {
   add_synth_command(app, work);
   add_batch_command(app, work);
   add_report_command(app, work);
+  add_env_command(app, work);
+  add_reference_command(app, work);
   add_help_commands(app, work);
   try {
-    app.parse(argc, argv);
+    app.parse(joined_switches({argv + 1, argv + argc}));
   } catch (const CLI::ParseError& error) {
     const bool is_request = error.get_exit_code() == 0;  // --help, --version
     if (is_request && !names_no_command(app)) return app.exit(error);

@@ -50,12 +50,13 @@ std::vector<Timestep> group_timesteps(const std::vector<FrameTime>& frames) {
   return timesteps;
 }
 
-std::vector<Timestep> spread_timesteps(const std::vector<Timestep>& timesteps, int64_t count) {
-  const auto all = int64_t(timesteps.size());
-  if (count >= all) return timesteps;
-  std::vector<Timestep> chosen;
-  for (int64_t i = 0; i < count; ++i)
-    chosen.push_back(timesteps[size_t(count > 1 ? i * (all - 1) / (count - 1) : all / 2)]);
+std::vector<int64_t> key_timesteps(int64_t timesteps, int64_t most) {
+  constexpr int64_t kApart = 10, kFewest = 8, kMost = 16;
+  const int64_t last = timesteps - 1;
+  const int64_t wished = std::clamp(1 + (last + kApart - 1) / kApart, kFewest, kMost);
+  const int64_t count = std::min({wished, most, timesteps});
+  std::vector<int64_t> chosen;
+  for (int64_t i = 0; i < count; ++i) chosen.push_back(count > 1 ? i * last / (count - 1) : 0);
   return chosen;
 }
 

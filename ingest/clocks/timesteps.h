@@ -24,8 +24,9 @@ struct Timestep {
 /// has two timesteps, frames of equal times go together.
 std::vector<Timestep> group_timesteps(const std::vector<FrameTime>& frames);
 
-/// At most `count` of the timesteps, evenly spread, the first and the last among them where count
-/// is 2 or more.
-std::vector<Timestep> spread_timesteps(const std::vector<Timestep>& timesteps, int64_t count);
+/// Numbers of the key timesteps of a clip, ascending: about every tenth of its `timesteps`, evenly
+/// spread, the first and the last among them; at least 8, at most 16 and `most` (2 or more), and no
+/// more than there are.
+std::vector<int64_t> key_timesteps(int64_t timesteps, int64_t most);
 
 }  // namespace tessera

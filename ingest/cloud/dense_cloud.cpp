@@ -33,44 +33,46 @@ class Voxels {
   std::set<std::tuple<int, int64_t, int64_t, int64_t, float>> taken_;
 };
 
-std::optional<SweptPoint> attempt(const Scene& scene, const PlaneSweep& sweep, uint64_t seed,
-                                  int64_t number) {
+std::optional<SweptPoint> attempt(const PlaneSweep& sweep, uint64_t seed, int64_t number) {
   const RandomBlock random = philox(seed, RandomStream::kInitialise, uint64_t(number), 2);
   const int frame = sweep.frames()[random.word[0] % uint32_t(sweep.frames().size())];
-  const Image8& image = scene.frames[size_t(frame)].image;
+  const Image8& image = sweep.scene().frames[size_t(frame)].image;
   return sweep.find(frame, int(uniform(random.word[1]) * float(image.width)),
                     int(uniform(random.word[2]) * float(image.height)));
 }
 
-void append(const SweptPoint& point, PointCloud& cloud) {
-  cloud.position.push_back(point.position);
-  cloud.colour.push_back(point.colour);
-  cloud.time.push_back(point.time);
-  cloud.still.push_back(point.still);
-}
-
 }  // namespace
 
-PointCloud dense_cloud(const Scene& scene, const CloudOptions& options) {
+std::vector<SweptPoint> dense_points(const PlaneSweep& sweep, const CloudOptions& options) {
   constexpr int64_t kRound = 8192, kGrain = 64;  // pixels
-  PointCloud cloud;
-  if (scene.training_cameras().empty()) return cloud;
-  const PlaneSweep sweep(scene);
-  if (sweep.frames().empty()) return cloud;
+  std::vector<SweptPoint> points;
+  if (sweep.frames().empty()) return points;
   Voxels voxels;
   std::vector<std::optional<SweptPoint>> found;
   const int64_t tries = kTriesAPoint * options.points;
   for (int64_t begin = 0; begin < tries; begin += kRound) {
     found.resize(size_t(std::min(kRound, tries - begin)));
-    if (options.progress) options.progress(int64_t(cloud.position.size()));
+    if (options.progress) options.progress(int64_t(points.size()));
     parallel_for(int64_t(found.size()), kGrain, [&](int64_t from, int64_t to) {
       for (int64_t i = from; i < to; ++i)
-        found[size_t(i)] = attempt(scene, sweep, options.seed, begin + i);
+        found[size_t(i)] = attempt(sweep, options.seed, begin + i);
     });
     for (const std::optional<SweptPoint>& point : found) {
-      if (int64_t(cloud.position.size()) == options.points) return cloud;
-      if (point && voxels.take(*point)) append(*point, cloud);
+      if (int64_t(points.size()) == options.points) return points;
+      if (point && voxels.take(*point)) points.push_back(*point);
     }
+  }
+  return points;
+}
+
+PointCloud cloud_of(const std::vector<SweptPoint>& points) {
+  PointCloud cloud;
+  for (const SweptPoint& point : points) {
+    cloud.position.push_back(point.position);
+    cloud.colour.push_back(point.colour);
+    cloud.time.push_back(point.time);
+    cloud.still.push_back(point.still);
+    cloud.velocity.push_back(point.velocity);
   }
   return cloud;
 }

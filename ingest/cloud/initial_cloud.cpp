@@ -1,4 +1,4 @@
-// What: whether a capture is a rig, a thinned load of the prepared scene, the sweep on it.
+// What: whether a capture is a rig, and the sweep on the prepared scene where it is one.
 // Not: files: points.ply is written with the scene.
 // Source: scores with few cameras: failure mode B12.
 #include "ingest/cloud/initial_cloud.h"
@@ -9,9 +9,8 @@
 #include <set>
 
 #include "ingest/clocks/timesteps.h"
-#include "ingest/cloud/dense_cloud.h"
+#include "ingest/cloud/rig_cloud.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/layouts/scene_reader.h"
 
 namespace tessera {
 namespace {
@@ -25,21 +24,6 @@ std::vector<Timestep> training_timesteps(const PreparedScene& scene) {
     if (frame.split == Split::kTrain) times.push_back({frame.camera_name, frame.time, int(i)});
   }
   return group_timesteps(times);
-}
-
-/// Timesteps whose training images fit into the memory that the sweep may take.
-int64_t instants_in_memory(const PreparedScene& scene) {
-  constexpr int64_t kBytes = int64_t{1} << 30, kMost = 8, kFewest = 2;
-  int64_t largest = 1;
-  for (const Timestep& timestep : training_timesteps(scene)) {
-    int64_t bytes = 0;
-    for (int i : timestep.frames) {
-      const Camera& camera = scene.frames[size_t(i)].frame.camera;
-      bytes += int64_t{3} * camera.width * camera.height;
-    }
-    largest = std::max(largest, bytes);
-  }
-  return std::clamp(kBytes / largest, kFewest, kMost);
 }
 
 /// Dense by itself for rigs; photo sets have their COLMAP points, and far too many images a
@@ -68,7 +52,7 @@ int64_t cameras_of_a_timestep(const PreparedScene& scene) {
 
 PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScene& scene,
                          PointCloud sparse, const IngestOptions& options,
-                         const IngestProgress& progress, std::vector<std::string>& warnings) {
+                         const IngestProgress& progress, IngestReport& report) {
   switch (density(scene, sparse, options)) {
     case CloudDensity::kNone:
       return {};
@@ -77,23 +61,22 @@ PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScen
     case CloudDensity::kDense:
       break;
   }
-  SceneOptions thinned;
-  thinned.allow_static = true;
-  thinned.instants = instants_in_memory(scene);
   CloudOptions cloud;
   cloud.points = options.cloud_points;
   cloud.progress = [&](int64_t done) { progress("initial cloud", done, options.cloud_points); };
   cloud.progress(0);
-  const PointCloud found = dense_cloud(load_scene(folder, thinned), cloud);
-  if (found.position.empty())
-    warnings.push_back(
+  const RigCloud found = rig_cloud(folder, cloud);
+  if (found.points.position.empty())
+    report.warnings.push_back(
         fmt::format("no dense cloud: {}; the training starts from {}",
                     cameras_of_a_timestep(scene) < kFewestCameras
                         ? "no three training cameras show the same timestep"
                         : "the cameras agree on the depth of no pixel, check their poses",
                     sparse.position.empty() ? "random points" : "the sparse points"));
+  else
+    report.notes.push_back(summary(found));
   progress("initial cloud", options.cloud_points, options.cloud_points);
-  add_points(sparse, found);
+  add_points(sparse, found.points);
   return sparse;
 }
 

@@ -89,12 +89,12 @@ inline float texture(const Patch& patch) {
 
 /// One byte a pixel, for searches over many depths.
 struct GreyImage {
-  int width = 0;
+  int width = 0, height = 0;
   std::vector<uint8_t> level;
 };
 
 inline GreyImage grey_image(const Image8& image) {
-  GreyImage grey{image.width, std::vector<uint8_t>(image.data.size() / 3)};
+  GreyImage grey{image.width, image.height, std::vector<uint8_t>(image.data.size() / 3)};
   for (size_t i = 0; i < grey.level.size(); ++i)
     grey.level[i] =
         uint8_t((image.data[3 * i] + 2 * image.data[3 * i + 1] + image.data[3 * i + 2]) / 4);

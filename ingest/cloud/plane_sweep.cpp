@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "ingest/clocks/timesteps.h"
+#include "ingest/clocks/training_timesteps.h"
 
 namespace tessera {
 namespace {
@@ -142,13 +142,9 @@ struct PlaneSweep::Search {
 
 PlaneSweep::PlaneSweep(const Scene& scene)
     : scene_(scene), rig_(make_camera_rig(scene.training_cameras())) {
-  std::vector<FrameTime> times;
-  for (int i : scene.split_indices(Split::kTrain)) {
-    const Frame& frame = scene.frames[size_t(i)];
-    times.push_back({frame.camera_name, frame.time, i});
-    cameras_[frame.camera_name].push_back(i);
-  }
-  for (const Timestep& timestep : group_timesteps(times))
+  for (int i : scene.split_indices(Split::kTrain))
+    cameras_[scene.frames[size_t(i)].camera_name].push_back(i);
+  for (const Timestep& timestep : training_timesteps(scene))
     if (timestep.frames.size() >= 3) choose_neighbours(timestep.frames);
 }
 
@@ -248,7 +244,36 @@ std::optional<SweptPoint> PlaneSweep::find(int index, int x, int y) const {
                     {rgb[0], rgb[1], rgb[2]},
                     float(frame.time),
                     still(index, x, y),
-                    float(1 / (depth->inverse * frame.camera.fl_x))};
+                    float(1 / (depth->inverse * frame.camera.fl_x)),
+                    index};
+}
+
+std::vector<int> PlaneSweep::agreeing_frames(const SweptPoint& point) const {
+  std::vector<int> agreeing{point.frame};
+  const auto line_of = [&](int frame) {
+    const Frame& seen = scene_.frames[size_t(frame)];
+    const Camera& camera = seen.camera;
+    return Line{&seen.image,
+                &seen.mask,
+                &grey_.at(frame),
+                &camera,
+                frame,
+                camera.translation,
+                camera.cam_from_world * glm::dvec3(point.position)};
+  };
+  double u, v;
+  const Line found = line_of(point.frame);
+  if (!found.at(1, u, v)) return agreeing;
+  const Patch patch = patch_between(*found.image, u, v);
+  const float most = std::min(kMostDifference, kMostUnlike * texture(patch));
+  for (int other : neighbours_.at(point.frame)) {
+    const Line line = line_of(other);
+    if (!line.at(1, u, v)) continue;
+    const Patch seen = patch_between(*line.image, u, v);
+    if (brightness_difference(patch, seen) <= kMostGain && difference(patch, seen) < most)
+      agreeing.push_back(other);
+  }
+  return agreeing;
 }
 
 }  // namespace tessera

@@ -19,19 +19,25 @@ struct SweptPoint {
   float time;                     // normalised timestep of that image
   bool still;                     // that pixel looks the same at other timesteps of the clip
   float pixel;                    // size of a pixel there, world units
+  int frame;                      // that image, index into Scene::frames
+  glm::vec3 velocity{0};          // world units per unit of normalised time (point_velocities.h)
 };
 
 /// Takes a byte for each pixel of `scene`. Depths between a quarter of and four times the cameras'
 /// distance to what they look at.
 class PlaneSweep {
  public:
-  /// Looks at the training frames only. `scene` must outlive this.
+  /// Looks at the training frames only, of which there is one at least. `scene` must outlive this.
   explicit PlaneSweep(const Scene& scene);
+  const Scene& scene() const { return scene_; }
   /// Frames with at least two others of their timestep, indices into Scene::frames.
   const std::vector<int>& frames() const { return usable_; }
   /// None where a mask ignores the pixel, or without texture, agreement, a distinct best depth, or
   /// the other camera's consent.
   std::optional<SweptPoint> find(int frame, int x, int y) const;
+  /// The frame that the point was found in, and those that it was compared with and which agree on
+  /// what the point looks like.
+  std::vector<int> agreeing_frames(const SweptPoint& point) const;
 
  private:
   struct Depth;   // what a search along a ray found

@@ -55,6 +55,19 @@ void read_timesteps(const PlyElement& vertices, const std::vector<size_t>& rows,
                     where, outside, rows.size()));
 }
 
+/// Velocities of the rows that were taken; one that is not finite is 0.
+void read_velocities(const PlyElement& vertices, const std::vector<size_t>& rows,
+                     PointCloud& points) {
+  const std::array axes{vertices.find("vx"), vertices.find("vy"), vertices.find("vz")};
+  if (axes[0] == nullptr || axes[1] == nullptr || axes[2] == nullptr) return;
+  for (size_t row : rows) {
+    const glm::vec3 velocity(axes[0]->values[row], axes[1]->values[row], axes[2]->values[row]);
+    const bool finite =
+        std::isfinite(velocity.x) && std::isfinite(velocity.y) && std::isfinite(velocity.z);
+    points.velocity.push_back(finite ? velocity : glm::vec3(0));
+  }
+}
+
 PointCloud read_points(const std::filesystem::path& path, std::vector<std::string>& warnings) {
   const PlyFile file = read_ply(path);
   const PlyElement* vertices = file.find("vertex");
@@ -84,6 +97,7 @@ PointCloud read_points(const std::filesystem::path& path, std::vector<std::strin
     taken.push_back(row);
   }
   read_timesteps(*vertices, taken, path.string(), warnings, points);
+  read_velocities(*vertices, taken, points);
   const auto left_out = vertices->rows - int64_t(points.position.size());
   if (left_out > 0)
     warnings.push_back(fmt::format("{}: {} of {} points are not finite and were left out",
@@ -112,6 +126,8 @@ void write_points(const std::filesystem::path& path, const PointCloud& points) {
   check(points.time.empty() || points.time.size() == points.position.size(), "write_points: time");
   check(points.still.empty() || points.still.size() == points.position.size(),
         "write_points: still");
+  check(points.velocity.empty() || points.velocity.size() == points.position.size(),
+        "write_points: velocity");
   PlyElement vertices{"vertex", int64_t(points.position.size()), {}};
   for (const char* name : {"x", "y", "z"})
     vertices.columns.push_back({name, PlyType::kFloat32, {}});
@@ -128,6 +144,14 @@ void write_points(const std::filesystem::path& path, const PointCloud& points) {
   if (!points.still.empty())
     vertices.columns.push_back(
         {"still", PlyType::kUint8, {points.still.begin(), points.still.end()}});
+  if (!points.velocity.empty()) {
+    constexpr std::array kAxes{"vx", "vy", "vz"};
+    for (glm::length_t c = 0; c < 3; ++c) {
+      PlyColumn column{kAxes[size_t(c)], PlyType::kFloat32, {}};
+      for (const glm::vec3& velocity : points.velocity) column.values.push_back(velocity[c]);
+      vertices.columns.push_back(std::move(column));
+    }
+  }
   write_ply(path, {{}, {std::move(vertices)}});
 }
 
@@ -141,6 +165,7 @@ void add_points(PointCloud& cloud, const PointCloud& more) {
   };
   join(cloud.time, more.time, NAN);
   join(cloud.still, more.still, PointCloud::kStillUnknown);
+  join(cloud.velocity, more.velocity, glm::vec3(0));
   cloud.position.insert(cloud.position.end(), more.position.begin(), more.position.end());
   cloud.colour.insert(cloud.colour.end(), more.colour.begin(), more.colour.end());
 }
@@ -150,6 +175,7 @@ void change_time_axis(PointCloud& cloud, const TimeAxis& from, const TimeAxis& t
     const double moved = (from.origin + from.duration * double(time) - to.origin) / to.duration;
     time = moved >= -1e-6 && moved <= 1 + 1e-6 ? float(std::clamp(moved, 0.0, 1.0)) : NAN;
   }
+  for (glm::vec3& velocity : cloud.velocity) velocity *= float(to.duration / from.duration);
 }
 
 }  // namespace tessera

@@ -18,13 +18,15 @@ PointCloud find_points(const std::filesystem::path& folder, const std::string& s
                        std::vector<std::string>& warnings);
 
 /// x y z float, red green blue uchar; and, where the cloud has them, time float (normalised over
-/// the whole scene, NaN: not known) and still uchar (1, 0, other: not known). Errors: InputError
-/// when it cannot be written.
+/// the whole scene, NaN: not known), still uchar (1, 0, other: not known) and vx vy vz float (world
+/// units per unit of normalised time). Errors: InputError when it cannot be written.
 void write_points(const std::filesystem::path& path, const PointCloud& points);
 
-/// Appends `more`; a column that only one of them has is filled up with "not known".
+/// Appends `more`; a column that only one of them has is filled up with "not known", a velocity
+/// with 0.
 void add_points(PointCloud& cloud, const PointCloud& more);
-/// States the times of `cloud` on another axis; times that lie outside it become not known.
+/// States the times and velocities of `cloud` on another axis; times that lie outside it become
+/// not known.
 void change_time_axis(PointCloud& cloud, const TimeAxis& from, const TimeAxis& to);
 
 }  // namespace tessera

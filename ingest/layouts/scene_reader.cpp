@@ -87,14 +87,18 @@ void keep_held_out(TransformsCapture& capture, std::vector<double>& time, int64_
   keep(capture, time, kept);
 }
 
-/// Leaves the training frames of at most `count` timesteps.
-void keep_timesteps(TransformsCapture& capture, std::vector<double>& time, int64_t count) {
+/// Leaves the training frames of the timesteps of these numbers.
+void keep_timesteps(TransformsCapture& capture, std::vector<double>& time,
+                    const std::vector<int64_t>& numbers) {
   std::vector<FrameTime> training;
   for (int i : frames_of(capture, Split::kTrain))
     training.push_back({capture.frames[size_t(i)].camera_name, time[size_t(i)], i});
+  const std::vector<Timestep> timesteps = group_timesteps(training);
   std::vector<int> kept;
-  for (const Timestep& timestep : spread_timesteps(group_timesteps(training), count))
-    kept.insert(kept.end(), timestep.frames.begin(), timestep.frames.end());
+  for (int64_t number : numbers) {
+    const std::vector<int>& frames = timesteps.at(size_t(number)).frames;
+    kept.insert(kept.end(), frames.begin(), frames.end());
+  }
   keep(capture, time, kept);
 }
 
@@ -134,7 +138,7 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   scene.warnings = std::move(capture.warnings);
   scene.points = find_points(folder, capture.points_file, scene.warnings);
   NormalisedTimes times = times_of(capture, options.allow_static);
-  if (options.instants) keep_timesteps(capture, times.time, *options.instants);
+  if (options.timesteps) keep_timesteps(capture, times.time, *options.timesteps);
   if (options.held_out) keep_held_out(capture, times.time, *options.held_out);
   load_frames(capture, options, scene);
   scene.time_axis = times.axis;

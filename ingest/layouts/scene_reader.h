@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "ingest/scene.h"
 
@@ -15,7 +16,8 @@ struct SceneOptions {
   bool allow_static = false;                   // accept times that are all equal as one timestep
   bool load_pixels = true;                     // false: cameras, times and points only
   // Times stay those of the whole scene with any of these.
-  std::optional<int64_t> instants = {};  // training frames of at most N timesteps over the clip
+  // Training frames of these timesteps alone, by their numbers in order of time (timesteps.h).
+  std::optional<std::vector<int64_t>> timesteps = {};
   std::optional<int64_t> held_out = {};  // N frames of the first split that has some of test, val,
                                          // train
 };

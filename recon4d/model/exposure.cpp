@@ -42,6 +42,7 @@ void fix_gauge(ExposureState& state) {
 ExposureRows exposure_rows(const Scene& scene, const std::vector<int>& frames,
                            const TrainOptions& options) {
   ExposureRows rows;
+  check(options.exposure != ExposureGains::kAuto, "exposure_rows: auto is not resolved");
   if (options.exposure == ExposureGains::kNone) return rows;
   if (scene.had_alpha && scene.background != std::array<uint8_t, 3>{0, 0, 0})
     throw InputError(

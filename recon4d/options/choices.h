@@ -12,7 +12,8 @@ namespace tessera {
 
 enum class MotionForm { kPair, kVelocity };  // Form::kPair, Form::kVelocity
 enum class Filter3d { kNone, kMip, kClamp };
-enum class ExposureGains { kNone, kCamera, kFrame };
+/// kAuto is decided before a training starts: kCamera where the cameras differ, else kNone.
+enum class ExposureGains { kNone, kCamera, kFrame, kAuto };
 enum class Densification { kAdc, kMcmc };
 enum class ModelSize { kGrown, kKnee };
 
@@ -24,7 +25,7 @@ inline constexpr const char* kChoiceNames<MotionForm>[] = {"pair", "velocity"};
 template <>
 inline constexpr const char* kChoiceNames<Filter3d>[] = {"none", "mip", "clamp"};
 template <>
-inline constexpr const char* kChoiceNames<ExposureGains>[] = {"none", "camera", "frame"};
+inline constexpr const char* kChoiceNames<ExposureGains>[] = {"none", "camera", "frame", "auto"};
 template <>
 inline constexpr const char* kChoiceNames<IdleUpdate>[] = {"dense", "skip"};
 template <>

@@ -20,6 +20,11 @@ const OptionOverrides kBalanced = joined(kReduction, {{"iterations", 7000},
 constexpr int64_t kPixelsPerGaussian = 16;
 /// Photos of a place: what is seen far behind it is part of it.
 const OptionOverrides kStill = {{"far_plane", 1e4}};
+/// Several cameras that film at the same time: every timestep is seen from several sides, so
+/// dynamic Gaussians are short, and cameras differ in colour.
+const OptionOverrides kRig = {{"exposure", "auto"}, {"motion_form", "velocity"}};
+constexpr FrameRates kRigRates = {
+    .extent_frames = 5, .velocity_rate = 5.6e-5, .mean_time_rate = 0.05};
 /// The chain's own settings  [3DGS-MCMC].
 const OptionOverrides kMcmc = {{"densification", "mcmc"},
                                {"densify_until", 24900},
@@ -41,9 +46,12 @@ const std::vector<Preset>& presets() {
         {"prune_extent", 0},
         {"sweep", true},
         {"split_by_motion", true}},
-       kStill},
+       kStill,
+       0,
+       kRig,
+       kRigRates},
       {"balanced", "the default: 7,000 steps, what does not move becomes static", kBalanced, kStill,
-       kPixelsPerGaussian},
+       kPixelsPerGaussian, kRig, kRigRates},
       {"best",
        "balanced with MCMC densification of 200,000 Gaussians before they are pruned; of one "
        "timestep 30,000 steps, a million",
@@ -53,7 +61,7 @@ const std::vector<Preset>& presets() {
                        {"peak_gaussians", 1000000},
                        {"mcmc_noise", 5e5},
                        {"size", "grown"}}),
-       kPixelsPerGaussian},
+       kPixelsPerGaussian, kRig, kRigRates},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "skip"}}},

@@ -1,6 +1,8 @@
-// What: cameras counted once, however many frames they took.
-// Not: images.
+// Facts of the training split: each camera counts once, however many frames it took.
 #include "recon4d/options/scene_facts.h"
+
+#include <algorithm>
+#include <map>
 
 #include "kernels/base/camera_rig.h"
 
@@ -9,8 +11,16 @@ namespace tessera {
 SceneFacts facts_of(const Scene& scene) {
   SceneFacts facts;
   facts.still = scene.is_static;
-  for (const Camera& camera : make_camera_rig(scene.training_cameras()).cameras)
+  const CameraRig rig = make_camera_rig(scene.training_cameras());
+  facts.extent = rig.extent;
+  for (const Camera& camera : rig.cameras)
     facts.camera_pixels += int64_t(camera.width) * camera.height;
+  std::map<std::string, int64_t> frames;  // by camera
+  for (int i : scene.split_indices(Split::kTrain)) ++frames[scene.frames[size_t(i)].camera_name];
+  for (const auto& [camera, count] : frames) facts.timesteps = std::max(facts.timesteps, count);
+  facts.cameras = std::count_if(frames.begin(), frames.end(), [&](const auto& camera) {
+    return 2 * camera.second >= facts.timesteps;
+  });
   return facts;
 }
 

@@ -1,10 +1,10 @@
-// What: setting options by name, with the checks of their table; what pairs of them must satisfy.
-// Not: the table (train_option_table.cpp), nor any use of the values.
+// Setting options by name with the checks of their table, and what pairs of options must satisfy.
 #include "recon4d/options/train_options.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -30,6 +30,11 @@ double checked(const TrainOption& option, double value) {
     throw InputError(fmt::format("option '{}' is {}, expected {} to {}: {}", option.key, value,
                                  option.low, option.high, option.doc));
   return value;
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
 }
 
 struct Setter {
@@ -73,7 +78,7 @@ struct Setter {
     if (!std::holds_alternative<std::string>(value)) refuse("text");
     const std::string& text = std::get<std::string>(value);
     const std::vector<std::string> names(member.names.begin(), member.names.end());
-    const auto found = std::find(names.begin(), names.end(), text);
+    const auto found = std::find(names.begin(), names.end(), lower_case(text));
     if (found == names.end())
       throw InputError(fmt::format("option '{}' is '{}'{}: {}", option.key, text,
                                    known_names(text, names), option.doc));
@@ -92,7 +97,13 @@ void set_option_from_text(TrainOptions& options, const std::string& key, const s
   const TrainOption& option = option_of(key);
   if (std::holds_alternative<std::string O::*>(option.member) || !option.choices().empty())
     return set_option(options, key, text);
-  set_option(options, key, option_value_from_text(text));
+  const OptionValue value = option_value_from_text(text);
+  if (option.unit != Unit::kNone && std::holds_alternative<std::string>(value)) {
+    const std::optional<double> number = parse_quantity(text, option.unit);
+    if (!number) Setter{options, option, value}.refuse(quantity_example(option.unit));
+    return set_option(options, key, *number);
+  }
+  set_option(options, key, value);
 }
 
 OptionValue option_value(const TrainOptions& options, const TrainOption& option) {
@@ -126,6 +137,15 @@ bool prunes_after_growth(const TrainOptions& options) {
 
 namespace {
 
+/// Times are stored in clip lengths, from the first frame to the last.
+void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFacts& facts) {
+  if (rates.extent_frames == 0) return;
+  const double frames = double(facts.timesteps - 1);  // of a clip length
+  options.init_time_scale = rates.extent_frames / frames;
+  options.lr_velocity = rates.velocity_rate * frames;
+  options.lr_mean_time = rates.mean_time_rate / (frames * facts.extent);
+}
+
 /// Few cameras say little of where things are: more Gaussians than that fit their noise.
 void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t pixels) {
   constexpr int64_t kLeastLimit = 10000;
@@ -145,6 +165,10 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
     for (const auto& [key, value] : named.overrides) set_option(options, key, value);
     if (facts.still)
       for (const auto& [key, value] : named.still_overrides) set_option(options, key, value);
+    if (facts.rig()) {
+      for (const auto& [key, value] : named.rig_overrides) set_option(options, key, value);
+      apply_rates(options, named.rig_rates, facts);
+    }
     limit_by_pixels(options, named.pixels_per_gaussian, facts.camera_pixels);
     return;
   }

@@ -12,6 +12,7 @@
 #include "kernels/drawing_rules.h"
 #include "recon4d/options/choices.h"
 #include "recon4d/options/option_value.h"
+#include "recon4d/options/quantity.h"
 
 namespace tessera {
 
@@ -87,26 +88,47 @@ struct ChoiceMember {
   void (*set)(TrainOptions&, size_t);
 };
 
+/// One option of a training. The command line, --help, --config, the reference pages, man pages,
+/// shell completion and the metadata of checkpoints are made from these rows.
 struct TrainOption {
   const char* key;  // snake_case in JSON, dashes on the command line
   std::variant<int64_t TrainOptions::*, int TrainOptions::*, double TrainOptions::*,
                bool TrainOptions::*, std::string TrainOptions::*, ChoiceMember>
       member;
-  double low, high;    // numbers: inclusive range
-  const char* doc;     // one line: meaning and unit
-  const char* source;  // where the default comes from
+  double low = 0, high = 0;  // numbers: inclusive range
+  const char* doc;           // one line: meaning and unit
+  const char* source;        // of the default
+  const char* group;         // heading in --help-all and the reference
+  Unit unit = Unit::kNone;   // of numbers: which suffixes text may have
+  bool common = false;       // shown by --help
+  const char* example = "";  // a value, for --help; empty: none
 
-  /// What a choice may be; empty for other options.
+  /// Allowed values of a choice; empty for other options.
   std::vector<const char*> choices() const;
+  bool is_switch() const { return std::holds_alternative<bool TrainOptions::*>(member); }
 };
 const std::vector<TrainOption>& train_option_table();
 
 using OptionOverrides = std::vector<std::pair<const char*, OptionValue>>;  // applied in order
 
-/// What a preset asks of a scene.
+/// The properties of a scene that presets depend on.
 struct SceneFacts {
   bool still = false;         // one timestep
   int64_t camera_pixels = 0;  // of the distinct training cameras together; 0: not known
+  int64_t cameras = 0;        // that film at once: with half as many training frames as the longest
+  int64_t timesteps = 0;      // training frames of the camera that has most
+  double extent = 0;          // CameraRig::extent, world units
+
+  /// Several cameras that share timesteps, so that each timestep is seen from several sides.
+  bool rig() const { return !still && cameras >= 3 && timesteps >= 3; }
+};
+
+/// Initial extents and learning rates of dynamic Gaussians that follow from the time between two
+/// frames, not from the length of the clip.
+struct FrameRates {
+  double extent_frames = 0;   // initial temporal standard deviation; 0: none of the three applies
+  double velocity_rate = 0;   // lr_velocity, scene extents a frame
+  double mean_time_rate = 0;  // lr_mean_time, frames
 };
 
 /// A set of options under a name: a preset on top of the defaults, an ablation on top of that.
@@ -116,6 +138,8 @@ struct NamedOptions {
   OptionOverrides still_overrides = {};  // over those, where the scene has one timestep
   /// Lowers peak_gaussians where cameras have fewer pixels than so many for each; 0: never.
   int64_t pixels_per_gaussian = 0;
+  OptionOverrides rig_overrides = {};  // over the overrides, where SceneFacts::rig()
+  FrameRates rig_rates = {};           // likewise
 };
 /// `kind`: "preset", for the message. Errors: InputError naming the nearest known name.
 void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, const char* kind,

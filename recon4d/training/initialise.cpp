@@ -25,6 +25,7 @@ struct InitialPoint {
   std::array<uint8_t, 3> colour;
   std::optional<float> time;  // normalised moment at which it was seen
   std::optional<bool> still;  // whether it never moves
+  glm::vec3 velocity{0};      // world units per unit of normalised time
 };
 
 /// Uniform in the box around the focus: an object whose surroundings are known to be empty.
@@ -57,7 +58,7 @@ void add_random_points(const Scene& scene, const CameraRig& rig, const TrainOpti
     const bool seen =
         std::any_of(rig.cameras.begin(), rig.cameras.end(),
                     [&](const Camera& camera) { return sees(camera, p, options.near_plane); });
-    if (seen || !options.carve) points.push_back({glm::vec3(p), {128, 128, 128}, {}, {}});
+    if (seen || !options.carve) points.push_back({glm::vec3(p), {128, 128, 128}, {}, {}, {}});
   }
 }
 
@@ -74,10 +75,11 @@ std::vector<InitialPoint> random_points(const Scene& scene, const CameraRig& rig
 }
 
 InitialPoint point_of(const PointCloud& cloud, size_t i) {
-  InitialPoint point{cloud.position[i], cloud.colour[i], {}, {}};
+  InitialPoint point{cloud.position[i], cloud.colour[i], {}, {}, {}};
   if (!cloud.time.empty() && std::isfinite(cloud.time[i])) point.time = cloud.time[i];
   if (!cloud.still.empty() && cloud.still[i] != PointCloud::kStillUnknown)
     point.still = cloud.still[i] == 1;
+  if (!cloud.velocity.empty()) point.velocity = cloud.velocity[i];
   return point;
 }
 
@@ -125,10 +127,11 @@ void place(const InitialPoint& point, float squared_distance, const TrainOptions
   *v.at(kOpacityLogit, n) = logit(options.init_opacity);
   if (set.dim() != 4) return;
   std::fill_n(v.at(kShTime, n), set.width(kShTime), 0.0f);
-  if (set.form() == Form::kPair)
+  if (set.form() == Form::kPair) {
     std::copy_n(identity, 4, v.at(kRotationRight, n));
-  else
-    std::fill_n(v.at(kVelocity, n), 3, 0.0f);
+  } else {
+    std::copy_n(&point.velocity[0], 3, v.at(kVelocity, n));
+  }
   // when it was seen, else uniform over the clip and a tenth beyond either end  [method D.4]
   const RandomBlock random =
       philox(uint64_t(options.seed), RandomStream::kInitialise, uint64_t(n), 1);

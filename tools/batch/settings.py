@@ -1,6 +1,5 @@
 """What: batch.yaml, read and checked: scenes, presets, seeds, formats. Not: what is done with them."""
 import dataclasses
-import itertools
 import json
 import os
 import re
@@ -57,23 +56,33 @@ def dashed(key):
     return "--" + key.replace("_", "-")
 
 
-def listed(help_text, option):
-    """The words of a list below an option of --help."""
-    lines = iter(help_text.splitlines())
-    for line in lines:
-        if line.lstrip().startswith(option + " "):
-            break
-    below = itertools.takewhile(lambda line: not line.startswith("  --"), lines)
-    return [m.group(1) for m in (re.match(r"\s{8,}(\S+)\s{2,}\S", line) for line in below) if m]
-
-
-def program_help(program, command):
+def program_reference(program):
+    """The options of the program as `tessera reference json` gives them. Errors: Wrong."""
     try:
-        return subprocess.run([program, command, "--help"], capture_output=True, text=True,
+        text = subprocess.run([program, "reference", "json"], capture_output=True, text=True,
                               check=True).stdout
-    except (OSError, subprocess.CalledProcessError) as error:
-        raise Wrong(f"tessera: {program} {command} --help does not run ({error}); give `tessera: "
+        return json.loads(text)
+    except (OSError, subprocess.CalledProcessError, ValueError) as error:
+        raise Wrong(f"tessera: {program} reference json does not run ({error}); give `tessera: "
                     "/path/to/program`") from None
+
+
+def command_of(reference, name):
+    return next(command for command in reference["commands"] if command["name"] == name)
+
+
+def choices_of(reference, command, option):
+    entry = next(entry for entry in command_of(reference, command)["options"]
+                 if option in entry["names"])
+    return entry["choices"]
+
+
+def option_keys(reference, command):
+    """Names of a command's options, with underscores and without dashes in front."""
+    names = [name for entry in command_of(reference, command)["options"]
+             for name in entry["names"] if name.startswith("--")]
+    keys = [name[2:].replace("-", "_") for name in names]
+    return keys + [row["key"] for row in reference["train_options"]]
 
 
 def text_of(value):
@@ -122,9 +131,9 @@ def check_values(batch, variant):
 
 def check_with_program(batch):
     """Names that only the program knows."""
-    text = program_help(batch.program, "train")
-    presets = listed(text, "--preset")
-    known = [o.replace("-", "_") for o in re.findall(r"^  --([a-z0-9-]+)", text, re.M)]
+    reference = program_reference(batch.program)
+    presets = choices_of(reference, "train", "--preset")
+    known = option_keys(reference, "train")
     for variant in batch.variants.values():
         if variant.preset not in presets:
             raise Wrong(f"presets: unknown preset '{variant.preset}'; "
@@ -137,7 +146,7 @@ def check_with_program(batch):
                 raise Wrong(f"presets: {variant.name}: unknown option '{key}'; {nearest(key, known)}"
                             "`tessera train --help` lists them")
         check_values(batch, variant)
-    formats = listed(program_help(batch.program, "export"), "--format")
+    formats = choices_of(reference, "export", "--format")
     for name in batch.formats:
         if name not in formats:
             raise Wrong(f"exports: unknown format '{name}'; {nearest(name, formats)}There are "

@@ -24,6 +24,8 @@ void add_bench_command(CLI::App& app, Work& work);
 void add_synth_command(CLI::App& app, Work& work);
 void add_batch_command(CLI::App& app, Work& work);
 void add_report_command(CLI::App& app, Work& work);
+void add_env_command(CLI::App& app, Work& work);
+void add_reference_command(CLI::App& app, Work& work);
 void add_help_commands(CLI::App& app, Work& work);
 
 }  // namespace tessera

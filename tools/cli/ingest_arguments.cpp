@@ -91,10 +91,8 @@ void add_image_options(CLI::App& command, IngestArguments& arguments) {
   command.add_option("--masks", options.masks,
                      "folder of masks named as the images or cameras; black is ignored");
   command.add_flag("--invert-masks", options.invert_masks, "white is ignored, not black");
-  command
-      .add_option("--exposure", arguments.exposure,
-                  "fit: divide each training camera's images by its gains; none")
-      ->capture_default_str();
+  command.add_flag("--fit-exposure", options.fit_exposure,
+                   "divide each training camera's images by its gains, measured on features");
   command.add_flag("--keep-world", options.keep_world,
                    "leave the poses' world as it is; default: up, centre and scale are normalised "
                    "where the world is arbitrary (all but transforms)");
@@ -143,8 +141,6 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
                                               {"photos", ImageReading::kPhotos},
                                               {"moving", ImageReading::kMoving}},
                                              arguments.layout, "--layout");
-  options.fit_exposure =
-      value_of<bool>({{"fit", true}, {"none", false}}, arguments.exposure, "--exposure");
   if (!arguments.cloud.empty())
     options.cloud = value_of<CloudDensity>({{"none", CloudDensity::kNone},
                                             {"sparse", CloudDensity::kSparse},

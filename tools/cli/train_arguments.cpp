@@ -1,5 +1,4 @@
-// What: options of a training by name, and the layers that they are made of.
-// Not: what they mean (recon4d/options).
+// The options of a training on the command line, and the layers that its options are made of.
 #include "tools/cli/train_arguments.h"
 
 #include <fmt/format.h>
@@ -15,14 +14,29 @@
 #include "recon4d/options/scene_facts.h"
 #include "recon4d/options/train_options_json.h"
 #include "tools/cli/backend_options.h"
+#include "tools/cli/option_text.h"
 
 namespace tessera {
 namespace {
 
-std::string dashed(std::string key) {
-  for (char& c : key)
-    if (c == '_') c = '-';
-  return key;
+/// A switch is a flag with a twin, "--carve" and "--no-carve"; every other row takes a value.
+void add_row(CLI::App& command, const TrainOption& row, TrainArguments& arguments) {
+  const std::string key = row.key, name = dashed(key);
+  if (row.is_switch())
+    command
+        .add_flag_function(
+            fmt::format("--{0},!--no-{0}", name),
+            [&arguments, key](int64_t count) {
+              arguments.given[key] = count > 0 ? "true" : "false";
+            },
+            row.doc)
+        ->group(row.group);
+  else
+    command
+        .add_option_function<std::string>(
+            "--" + name,
+            [&arguments, key](const std::string& text) { arguments.given[key] = text; }, row.doc)
+        ->group(row.group);
 }
 
 }  // namespace
@@ -51,19 +65,10 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
 }
 
 void add_option_table(CLI::App& command, TrainArguments& arguments) {
-  for (const TrainOption& option : train_option_table()) {
-    const std::string key = option.key;
-    // of `run` and `batch`, where the word is shared with ingest's (commands/run.cpp)
-    if (command.get_option_no_throw("--" + dashed(key)) != nullptr) continue;
-    command
-        .add_option_function<std::string>(
-            "--" + dashed(key),
-            [&arguments, key](const std::string& text) { arguments.given[key] = text; }, option.doc)
-        ->group("Training");
-  }
+  for (const TrainOption& row : train_option_table()) add_row(command, row, arguments);
   command.add_flag_callback(
       "--static", [&arguments] { arguments.given["static_only"] = "true"; },
-      "one timestep: same as --static-only true");
+      "one timestep: same as --static-only");
 }
 
 namespace {

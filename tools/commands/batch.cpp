@@ -47,7 +47,6 @@ std::vector<std::string> ingest_words(const CLI::App& command, const BatchReques
   for (const std::string& name : request.ingest_options) {
     const CLI::Option& option = *command.get_option(name);
     if (option.count() == 0) continue;
-    if (name == "--exposure" && request.ingest.exposure != "fit") continue;  // the training's
     words.push_back(name);
     if (option.get_items_expected_max() == 0) continue;  // a flag
     std::string value = fmt::format("{}", fmt::join(option.results(), ","));
@@ -72,17 +71,13 @@ void refuse_settings(const CLI::App& command) {
   }
 }
 
-/// --exposure is ingest's or the training's, as in `run`.
 void complete(const CLI::App& command, BatchRequest& request) {
   BatchConfig& config = request.config;
   config.options = request.training.given;
   if (!request.training.ablation.empty()) config.options["ablation"] = request.training.ablation;
   if (!request.checkpoint_every.empty())
     config.options["checkpoint_every"] = request.checkpoint_every;
-  IngestArguments ingest = request.ingest;
-  if (ingest.exposure == "camera" || ingest.exposure == "frame")
-    config.options["exposure"] = std::exchange(ingest.exposure, "none");
-  resolve_ingest(ingest);  // its errors now
+  resolve_ingest(request.ingest);  // its errors now
   config.ingest = ingest_words(command, request);
   const int64_t jobs = std::max<int64_t>(request.engine.jobs, 1);
   if (command.count("--threads") == 0)
@@ -218,8 +213,6 @@ void add_batch_command(CLI::App& app, Work& work) {
   add_engine_options(*command, request->engine);
   const std::vector<CLI::Option*> before = command->get_options();
   add_ingest_options(*command, request->ingest);
-  command->get_option("--exposure")
-      ->description("fit: of ingest; camera or frame: training learns gains; none");
   for (const CLI::Option* option : command->get_options())
     if (std::find(before.begin(), before.end(), option) == before.end())
       request->ingest_options.push_back(option->get_name());

@@ -282,13 +282,6 @@ void check_request(const RunRequest& request) {
   is_cuda_chosen(request.training.backend);
 }
 
-/// --exposure of a run: fit is ingest's, camera and frame are the training's.
-void share_exposure(RunRequest& request) {
-  std::string& word = request.ingest.exposure;
-  if (word != "camera" && word != "frame") return;
-  request.training.given["exposure"] = std::exchange(word, "none");
-}
-
 }  // namespace
 
 void add_run_command(CLI::App& app, Work& work) {
@@ -298,10 +291,6 @@ void add_run_command(CLI::App& app, Work& work) {
   command.add_option("capture", request->capture, "folder of videos or images")->required();
   command.add_option("-o,--out", request->out, "output folder")->required();
   add_ingest_options(command, request->ingest);
-  command.get_option("--exposure")
-      ->description(
-          "fit: ingest divides each training camera's images by its gains; camera or frame: "
-          "training learns gains, of cameras or of all images; none");
   command.add_option("--export-frames", request->export_frames,
                      "frames of the .ply sequence; 0: as many as a camera filmed, at most 60");
   command.add_flag("--json", request->json_output, "print one JSON object");
@@ -309,7 +298,6 @@ void add_run_command(CLI::App& app, Work& work) {
   command.callback([request, &work] {
     work = [request] {
       set_thread_count(request->training.threads);
-      share_exposure(*request);
       check_request(*request);
       Runner runner(*request);
       if (!runner.run()) {

@@ -80,7 +80,7 @@ class Session {
     const int64_t aside =
         hold_out_validation(scene_, options_.validation_share, uint64_t(options_.seed));
     wall_.time(WallSplit::kInit, [&] {
-      if (!previous_) complete_cloud(scene_, options_);
+      if (!previous_) complete_scene();
       ChosenBackend chosen = choose_backend(request_.backend);
       backend_ = std::move(chosen.backend);
       choice_ = std::move(chosen.choice);
@@ -94,6 +94,12 @@ class Session {
       observer_.on_message(fmt::format(
           "{} training frames are validation frames, by which the model is chosen", aside));
     observer_.on_message(test_views_of(scene_).text());
+  }
+
+  /// What follows from the images alone.
+  void complete_scene() {
+    if (const auto found = complete_cloud(scene_, options_)) observer_.on_message(*found);
+    if (const auto found = resolve_exposure(scene_, options_)) observer_.on_message(*found);
   }
 
   void check_frames() const {

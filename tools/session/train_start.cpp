@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "ingest/cloud/dense_cloud.h"
+#include "ingest/checks/colour_gains.h"
+#include "ingest/cloud/rig_cloud.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/layouts/scene_reader.h"
 #include "kernels/base/errors.h"
@@ -89,9 +91,37 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
   return warnings;
 }
 
-void complete_cloud(Scene& scene, const TrainOptions& options) {
-  if (!options.sweep || !scene.points.position.empty()) return;
-  scene.points = dense_cloud(scene, {options.init_points, uint64_t(options.seed), {}});
+std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options) {
+  if (!options.sweep || !scene.points.position.empty()) return std::nullopt;
+  RigCloud cloud = rig_cloud(scene.path, {});
+  if (cloud.points.position.empty()) return std::nullopt;
+  const std::string found = summary(cloud);
+  scene.points = std::move(cloud.points);
+  return found;
+}
+
+std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& options) {
+  constexpr double kVisible = 0.03;
+  if (options.exposure != ExposureGains::kAuto) return std::nullopt;
+  options.exposure = ExposureGains::kNone;
+  if (scene.is_static || scene.had_alpha) return std::nullopt;
+  const std::vector<CameraGain> gains = measured_gains(scene);
+  const auto known = std::count_if(gains.begin(), gains.end(), [](const CameraGain& camera) {
+    return camera.pairs >= kLeastColourPairs;
+  });
+  if (known < 2)
+    return "exposure: too few points are seen by several cameras to compare their colours; pass "
+           "--exposure camera where they differ";
+  const double largest = largest_difference(gains);
+  if (largest <= kVisible)
+    return fmt::format("exposure: the gains of {} cameras differ by at most {:.1f} %", known,
+                       100 * largest);
+  options.exposure = ExposureGains::kCamera;
+  return fmt::format(
+      "exposure: the gains of {} cameras differ by up to {:.0f} %, so a gain per camera and "
+      "channel "
+      "is learned; --exposure none turns this off",
+      known, 100 * largest);
 }
 
 }  // namespace tessera

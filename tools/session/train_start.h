@@ -21,9 +21,15 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
 /// itself warns of.
 std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options);
 
-/// Gives a scene without a cloud the one that `tessera ingest` would have: options.init_points
-/// points found by a plane sweep, unless options.sweep is off.
-void complete_cloud(Scene& scene, const TrainOptions& options);
+/// Gives a scene without a cloud the one that `tessera ingest` makes by default, unless
+/// options.sweep is off: the rig_cloud() of its folder, in the size of its files and with its
+/// validation frames. A line on what was found; none where nothing was.
+std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options);
+
+/// Replaces exposure `auto`: by `camera` where the measured gains of the training cameras differ by
+/// more than 3 %, else by `none`. `scene` has its cloud. A line on what was measured; none where
+/// options.exposure is not `auto`.
+std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& options);
 
 /// The checkpoint to go on from; clears the folder where a new training may replace what is there.
 /// Errors: InputError: nothing to resume; a run is there that may not be replaced.

@@ -1,96 +1,20 @@
-// What: the fit of gains by iteratively reweighted least squares on a small dense system.
-// Not: the matches (feature_matches.h).
+// Gains of the stations from matched features, and what is reported of them.
 #include "ingest/media/checks/exposure.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core.hpp>
 
 #include "kernels/base/median.h"
 
 namespace tessera {
 namespace {
 
-constexpr int64_t kLeastPairs = 20;  // below, a gain would be an accident
-constexpr double kVisible = 0.05;    // of a gain: 6 levels at half white
-constexpr int kIterations = 30;
+constexpr double kVisible = 0.05;     // of a gain: 6 levels at half white
 constexpr double kMatchResidual = 6;  // pixels: matches that are farther off are not matches
 
-struct LogRatio {
-  int a, b;
-  double value;
-};
-
-/// log gains of one channel with mean 0; the weak pull to 0 decides where nothing else does.
-cv::Mat solve(const std::vector<LogRatio>& ratios, const std::vector<double>& weights,
-              int cameras) {
-  constexpr double kPull = 1e-6;
-  cv::Mat normal = cv::Mat::eye(cameras, cameras, CV_64F) * kPull;
-  cv::Mat right = cv::Mat::zeros(cameras, 1, CV_64F);
-  for (size_t i = 0; i < ratios.size(); ++i) {
-    const auto& [a, b, value] = ratios[i];
-    const double w = weights[i];
-    normal.at<double>(a, a) += w;
-    normal.at<double>(b, b) += w;
-    normal.at<double>(a, b) -= w;
-    normal.at<double>(b, a) -= w;
-    right.at<double>(a) += w * value;
-    right.at<double>(b) -= w * value;
-  }
-  cv::Mat solution;
-  cv::solve(normal, right, solution, cv::DECOMP_CHOLESKY);
-  return solution;
-}
-
-std::vector<double> log_gains(const std::vector<LogRatio>& ratios, int cameras) {
-  std::vector<double> weights(ratios.size(), 1.0);
-  cv::Mat gains;
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    gains = solve(ratios, weights, cameras);
-    std::vector<double> residuals;
-    for (const auto& [a, b, value] : ratios)
-      residuals.push_back(std::abs(value - gains.at<double>(a) + gains.at<double>(b)));
-    // 95 % efficient for a normal
-    const double huber = std::max(1e-6, 1.345 * 1.4826 * median(residuals));
-    for (size_t i = 0; i < weights.size(); ++i)
-      weights[i] = residuals[i] <= huber ? 1 : huber / residuals[i];
-  }
-  return {gains.begin<double>(), gains.end<double>()};
-}
-
 }  // namespace
-
-std::vector<CameraGain> fit_gains(const std::vector<std::string>& cameras,
-                                  const std::vector<ColourPair>& pairs) {
-  std::vector<CameraGain> gains;
-  for (const std::string& camera : cameras) gains.push_back({camera, {1, 1, 1}, 0});
-  std::vector<int64_t> used(cameras.size());
-  for (const ColourPair& pair : pairs) {
-    ++used[size_t(pair.a)];
-    ++used[size_t(pair.b)];
-  }
-  for (size_t c = 0; c < cameras.size(); ++c) gains[c].pairs = used[c];
-  for (size_t k = 0; k < 3; ++k) {
-    std::vector<LogRatio> ratios;
-    for (const ColourPair& pair : pairs)
-      if (pair.colour_a[k] > 0 && pair.colour_b[k] > 0 && used[size_t(pair.a)] >= kLeastPairs &&
-          used[size_t(pair.b)] >= kLeastPairs)
-        ratios.push_back({pair.a, pair.b, std::log(pair.colour_a[k] / pair.colour_b[k])});
-    if (ratios.empty()) continue;
-    const std::vector<double> logs = log_gains(ratios, int(cameras.size()));
-    double sum = 0, count = 0;
-    for (size_t c = 0; c < cameras.size(); ++c)
-      if (used[c] >= kLeastPairs) {
-        sum += std::exp(logs[c]);
-        ++count;
-      }
-    for (size_t c = 0; c < cameras.size(); ++c)
-      if (used[c] >= kLeastPairs) gains[c].gain[k] = std::exp(logs[c]) * count / sum;
-  }
-  return gains;
-}
 
 std::vector<CameraGain> fit_exposure(const MatchedStations& matched) {
   std::vector<std::string> names;
@@ -148,7 +72,7 @@ void judge_whole_images(const MatchedStations& matched, ExposureCheck& check) {
   }
   size_t named = 0;
   for (size_t c = 0; c < means.size(); ++c) {
-    if (check.gains[c].pairs >= kLeastPairs) continue;
+    if (check.gains[c].pairs >= kLeastColourPairs) continue;
     std::array<double, 3> ratio{};
     double most = 1;
     for (size_t k = 0; k < 3; ++k) {
@@ -175,7 +99,7 @@ ExposureCheck check_exposure(const MatchedStations& matched) {
     double most = 0;
     for (const double gain : check.gains[c].gain) most = std::max(most, std::abs(gain - 1));
     worst.push_back({-most, c});
-    known += check.gains[c].pairs >= kLeastPairs;
+    known += check.gains[c].pairs >= kLeastColourPairs;
   }
   std::sort(worst.begin(), worst.end());
   for (size_t i = 0; i < std::min(kMostNamed, worst.size()); ++i) {
@@ -184,7 +108,7 @@ ExposureCheck check_exposure(const MatchedStations& matched) {
     check.findings.push_back({Severity::kWarning, "exposure", camera.camera,
                               fmt::format("records {:.3f} {:.3f} {:.3f} (R G B) of the mean camera",
                                           camera.gain[0], camera.gain[1], camera.gain[2]),
-                              "prepare with --exposure fit"});
+                              "prepare with --fit-exposure"});
   }
   if (known < check.gains.size() && !matched.moving_camera) judge_whole_images(matched, check);
   if (known < check.gains.size())

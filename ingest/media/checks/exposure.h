@@ -5,27 +5,11 @@
 #pragma once
 #include <array>
 
+#include "ingest/checks/colour_gains.h"
 #include "ingest/checks/finding.h"
 #include "ingest/media/checks/feature_matches.h"
 
 namespace tessera {
-
-struct CameraGain {
-  std::string camera;
-  std::array<double, 3> gain{1, 1, 1};  // R, G, B
-  int64_t pairs = 0;                    // matches of it that the fit used; few: gain 1
-};
-
-/// One colour seen by two cameras; channels below 0 are left out.
-struct ColourPair {
-  int a = 0, b = 0;
-  std::array<double, 3> colour_a{}, colour_b{};
-};
-
-/// Robust (Huber) least squares of log c_a − log c_b = log g_a − log g_b for each channel. Gauge:
-/// the mean gain of the cameras with matches is 1 in each channel.
-std::vector<CameraGain> fit_gains(const std::vector<std::string>& cameras,
-                                  const std::vector<ColourPair>& pairs);
 
 /// The gains of the training stations from their matches.
 std::vector<CameraGain> fit_exposure(const MatchedStations& matched);

@@ -20,11 +20,11 @@ using Gains = std::map<std::string, std::array<double, 3>>;  // by camera
 Gains gains_of(const Scene& sample) {
   const std::vector<Station> stations = training_stations(sample);
   if (stations.size() < 2)
-    throw InputError("--exposure fit compares cameras, and there is one; leave it out");
+    throw InputError("--fit-exposure compares cameras, and there is one; leave it out");
   for (const Station& station : stations)
     if (station.name != sample.frames[size_t(station.frames.front())].camera_name)
       throw InputError(
-          fmt::format("--exposure fit compares cameras that stand still, and '{}' moves; leave it "
+          fmt::format("--fit-exposure compares cameras that stand still, and '{}' moves; leave it "
                       "out",
                       sample.frames[size_t(station.frames.front())].camera_name));
   Gains gains;

@@ -40,6 +40,8 @@ void normalise_world(Converted& converted) {
   for (PreparedFrame& prepared : scene.frames)
     prepared.frame.camera = camera_in_world(change, prepared.frame.camera);
   for (glm::vec3& point : converted.points.position) point = glm::vec3(change(glm::dvec3(point)));
+  for (glm::vec3& velocity : converted.points.velocity)
+    velocity = glm::vec3(change.scale * (change.rotation * glm::dvec3(velocity)));
   scene.prepared_from_source = compose(change, scene.prepared_from_source);
 }
 
@@ -61,7 +63,7 @@ void finish_scene(Converted& converted, CaptureLayout layout, const std::filesys
   write_prepared_scene(folder, scene);  // for the next two, which look at the images
   if (options.fit_exposure) even_exposure(folder, scene, progress);
   converted.points =
-      initial_cloud(folder, scene, std::move(converted.points), options, progress, report.warnings);
+      initial_cloud(folder, scene, std::move(converted.points), options, progress, report);
   warn_of_few_cameras(scene, report.warnings);
   report.points = int64_t(converted.points.position.size());
   TestViews test_views;

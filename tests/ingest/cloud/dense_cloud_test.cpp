@@ -29,6 +29,10 @@ void hold_out(Scene& scene, const std::set<std::string>& cameras) {
   }
 }
 
+PointCloud dense_cloud(const Scene& scene, const CloudOptions& options) {
+  return cloud_of(dense_points(PlaneSweep(scene), options));
+}
+
 int64_t marked(const PointCloud& cloud) {
   return std::count_if(cloud.colour.begin(), cloud.colour.end(),
                        [](const auto& rgb) { return rgb[2] == 255; });
@@ -39,6 +43,7 @@ void expect_equal(const PointCloud& one, const PointCloud& other) {
   EXPECT_EQ(one.colour, other.colour);
   EXPECT_EQ(one.time, other.time);
   EXPECT_EQ(one.still, other.still);
+  EXPECT_EQ(one.velocity, other.velocity);
 }
 
 // Bug put back: the limit looked at once a round; seen to fail.
@@ -52,7 +57,6 @@ TEST(DenseCloud, AsManyPointsAsAllowed) {
     EXPECT_EQ(int64_t(cloud.still.size()), limit);
   }
   EXPECT_TRUE(dense_cloud(wall_scene({.cameras = 2}), {100, 1, {}}).position.empty());
-  EXPECT_TRUE(dense_cloud({}, {100, 1, {}}).position.empty());
 }
 
 TEST(DenseCloud, SameSeedSamePointsOnAnyNumberOfThreads) {
@@ -118,9 +122,12 @@ PointCloud made(const Scene& scene, const IngestOptions& options, PointCloud spa
                 std::vector<std::string>& warnings) {
   const TemporaryFolder folder;
   const PreparedScene prepared = write_scene(scene, folder.path());
-  return initial_cloud(
+  IngestReport report;
+  PointCloud cloud = initial_cloud(
       folder.path(), prepared, std::move(sparse), options,
-      [](std::string_view, int64_t, int64_t) {}, warnings);
+      [](std::string_view, int64_t, int64_t) {}, report);
+  warnings = std::move(report.warnings);
+  return cloud;
 }
 
 // Bugs put back: the thinned load keeps all splits, with the bug of the test above; times of the
@@ -144,7 +151,7 @@ TEST(InitialCloud, FromTrainingImagesOfTimestepsSpreadOverTheClip) {
 // Bug put back: a stated density is not looked at; seen to fail.
 TEST(InitialCloud, DensityIsAChoice) {
   const Scene scene = wall_scene({.size = 48});
-  const PointCloud sparse{{{1, 2, 3}}, {{{9, 8, 7}}}, {}, {}};
+  const PointCloud sparse{{{1, 2, 3}}, {{{9, 8, 7}}}, {}, {}, {}};
   std::vector<std::string> warnings;
   IngestOptions options;
   options.cloud_points = 50;

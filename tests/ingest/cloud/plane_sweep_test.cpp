@@ -148,15 +148,16 @@ TEST(Timesteps, WithoutASecondFrameOfACameraOnlyEqualTimesShareOne) {
   EXPECT_TRUE(group_timesteps({}).empty());
 }
 
-TEST(Timesteps, SpreadOverTheClip) {
-  std::vector<Timestep> timesteps;
-  for (int i = 0; i < 36; ++i) timesteps.push_back({i / 35.0, {i}});
-  std::vector<int> first;
-  for (const Timestep& timestep : spread_timesteps(timesteps, 8))
-    first.push_back(timestep.frames[0]);
-  EXPECT_EQ(first, (std::vector<int>{0, 5, 10, 15, 20, 25, 30, 35}));
-  EXPECT_EQ(spread_timesteps(timesteps, 40).size(), 36u);
-  EXPECT_EQ(spread_timesteps(timesteps, 1)[0].frames[0], 18);
+// Bug put back: the number of steps of ten rounded down; seen to fail.
+TEST(Timesteps, KeysAreAboutTenApart) {
+  using Numbers = std::vector<int64_t>;
+  EXPECT_EQ(key_timesteps(36, 100), (Numbers{0, 5, 10, 15, 20, 25, 30, 35})) << "eight at least";
+  EXPECT_EQ(key_timesteps(101, 100), (Numbers{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100}));
+  EXPECT_EQ(key_timesteps(102, 100).size(), 12u);
+  EXPECT_EQ(key_timesteps(1000, 100).size(), 16u) << "sixteen at most";
+  EXPECT_EQ(key_timesteps(1000, 3), (Numbers{0, 499, 999})) << "what memory allows";
+  EXPECT_EQ(key_timesteps(2, 100), (Numbers{0, 1}));
+  EXPECT_EQ(key_timesteps(1, 100), Numbers{0});
 }
 
 }  // namespace

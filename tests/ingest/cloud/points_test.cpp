@@ -60,7 +60,7 @@ TEST(Points, GaussianModelsAndOtherFilesAreNoClouds) {
 // Bug put back: write_points leaves the columns out; seen to fail.
 TEST(Points, TimesAndStillSurviveTheFile) {
   const TemporaryFolder folder;
-  PointCloud points{{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {0, 0, 1}}, {}, {}, {}};
+  PointCloud points{{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {0, 0, 1}}, {}, {}, {}, {}};
   points.colour.resize(4);
   points.time = {0, 0.1f, 1, NAN};
   points.still = {1, 0, PointCloud::kStillUnknown, 1};
@@ -101,11 +101,36 @@ TEST(Points, TimesOutsideTheClipAreNotKnown) {
   EXPECT_TRUE(find_points(folder.path(), "", warnings).time.empty()) << "no point has a time";
 }
 
+// Bugs put back: the columns not written; those of the points before a point that is not finite
+// taken; each seen to fail.
+TEST(Points, VelocitiesSurviveTheFile) {
+  const TemporaryFolder folder;
+  PointCloud points{{{1, 2, 3}, {NAN, 5, 6}, {7, 8, 9}}, {}, {}, {}, {}};
+  points.colour.resize(3);
+  points.velocity = {{0.5f, -1, 1e-7f}, {1, 1, 1}, {0, NAN, 3}};
+  write_points(folder / "points.ply", points);
+  std::vector<std::string> warnings;
+  const std::vector<glm::vec3> expected{{0.5f, -1, 1e-7f}, {0, 0, 0}};
+  EXPECT_EQ(find_points(folder.path(), "", warnings).velocity, expected);
+}
+
+// Bug put back: the velocities of `more` left out; seen to fail.
+TEST(Points, AddedPointsKeepTheirVelocities) {
+  const PointCloud still{{{1, 2, 3}}, {{}}, {}, {}, {}};
+  PointCloud cloud = still;
+  add_points(cloud, {{{4, 5, 6}}, {{}}, {}, {}, {{7, 8, 9}}});
+  add_points(cloud, still);
+  EXPECT_EQ(cloud.velocity, (std::vector<glm::vec3>{{0, 0, 0}, {7, 8, 9}, {0, 0, 0}}));
+}
+
+// Bug put back: velocities left as they are; seen to fail.
 TEST(Points, AnotherTimeAxis) {
-  PointCloud points{{{1, 2, 3}, {4, 5, 6}}, {{}, {}}, {0.25f, 0.75f}, {0, 0}};
+  PointCloud points{
+      {{1, 2, 3}, {4, 5, 6}}, {{}, {}}, {0.25f, 0.75f}, {0, 0}, {{1, 2, 3}, {0, 0, 4}}};
   change_time_axis(points, {10, 4}, {10, 2});  // the first half of the clip
   EXPECT_EQ(points.time[0], 0.5f);
   EXPECT_TRUE(std::isnan(points.time[1]));
+  EXPECT_EQ(points.velocity[1], glm::vec3(0, 0, 2)) << "half as far in half of the time";
 }
 
 }  // namespace

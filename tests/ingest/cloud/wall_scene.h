@@ -28,6 +28,7 @@ inline std::array<uint8_t, 3> wall_colour(double x, double y, double time) {
 struct WallRig {
   int cameras = 5, timesteps = 2, size = 96;  // images are size × size
   double focus = 2.5;                         // z of what all cameras look at
+  double retreat = 0;                         // of the whole wall over the clip, world units
   std::array<uint8_t, 3> (*colour)(int camera, double x, double y, double time) =
       [](int, double x, double y, double time) { return wall_colour(x, y, time); };
 };
@@ -56,7 +57,7 @@ inline Scene wall_scene(const WallRig& rig = {}) {
         for (int u = 0; u < rig.size; ++u) {
           const glm::dvec3 ray = forward + (u + 0.5 - rig.size / 2.0) / rig.size * right +
                                  (v + 0.5 - rig.size / 2.0) / rig.size * down;
-          const glm::dvec3 p = eye + ray * (kWallDepth / ray.z);
+          const glm::dvec3 p = eye + ray * ((kWallDepth + rig.retreat * frame.time) / ray.z);
           for (uint8_t level : rig.colour(k, p.x, p.y, frame.time))
             frame.image.data.push_back(level);
         }

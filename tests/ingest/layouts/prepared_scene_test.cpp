@@ -61,7 +61,8 @@ TEST(PreparedScene, WrittenAndLoadedIsEqual) {
   const PreparedScene written = example_scene();
   for (const PreparedFrame& frame : written.frames)
     write_png(folder / frame.file_path, patterned_image(8, 6, 3, int(frame.frame.frame_number)));
-  const PointCloud points{{{1, 2, 3}, {-1, 0.5f, 1e-7f}}, {{{1, 2, 3}}, {{255, 0, 128}}}, {}, {}};
+  const PointCloud points{
+      {{1, 2, 3}, {-1, 0.5f, 1e-7f}}, {{{1, 2, 3}}, {{255, 0, 128}}}, {}, {}, {}};
   write_points(folder / "points.ply", points);
   write_prepared_scene(folder.path(), written);
   EXPECT_TRUE(is_prepared_scene(folder.path()));

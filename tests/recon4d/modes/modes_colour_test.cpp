@@ -42,7 +42,7 @@ TEST(ColourChange, IsNotStill) {
     const Scene scene = shoot(lamp_film(from, 1, 2.5));
     CloudOptions options;
     options.points = 400;
-    const PointCloud cloud = dense_cloud(scene, options);
+    const PointCloud cloud = cloud_of(dense_points(PlaneSweep(scene), options));
     ASSERT_GT(cloud.still.size(), 100u);
     const int64_t still = std::count(cloud.still.begin(), cloud.still.end(), 1);
     EXPECT_LT(still, int64_t(cloud.still.size()) / 50) << from;

@@ -83,7 +83,8 @@ TEST(LongRest, WhatLeavesAtTheEndIsNotStill) {
   };
   CloudOptions options;
   options.points = 400;
-  const PointCloud cloud = dense_cloud(shoot(film), options);
+  const Scene scene = shoot(film);
+  const PointCloud cloud = cloud_of(dense_points(PlaneSweep(scene), options));
   int ball = 0, still = 0;
   for (size_t i = 0; i < cloud.position.size(); ++i)
     if (cloud.position[i].z > 0) {

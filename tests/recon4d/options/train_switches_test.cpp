@@ -182,7 +182,8 @@ std::vector<uint32_t> trained(const TrainOptions& options, bool narrow = false,
   if (narrow) capture.arc = 0.5;  // cameras near enough for patches to be compared
   Scene scene = tiny_capture(capture);
   scene.had_alpha = !behind;
-  if (narrow) scene.points = dense_cloud(scene, {options.init_points, 1, {}});
+  if (narrow)
+    scene.points = cloud_of(dense_points(PlaneSweep(scene), {options.init_points, 1, {}}));
   Training training(scene, options);
   return model_bits(training.run().model());
 }

@@ -264,7 +264,8 @@ TEST(Stopping, NeverReadsTheTestSplit) {
   hold_out_validation(scene, options.validation_share, 1);
   const Outcome first = outcome(scene, options);
   EXPECT_LT(first.stopped_at, options.iterations);
-  EXPECT_GT(first.stopped_at, first.best_at);
+  // the last check may be the best by less than counts against patience
+  EXPECT_GE(first.stopped_at, first.best_at);
   Random random(77);
   for (Frame& frame : scene.frames)
     if (frame.split == Split::kTest || frame.split == Split::kVal)

@@ -29,10 +29,8 @@ TEST(CliDoctor, ExitCodesAndJson) {
   EXPECT_EQ(leaky.exit_code, 1) << leaky.err;
   EXPECT_TRUE(leaky.out.starts_with("error    leakage ")) << leaky.out;
   work.expect_refused({"doctor", work.at("nowhere")}, {"nowhere", "no such folder"});
-  work.expect_refused({"ingest", work.at("capture"), "-o", work.at("scene"), "--exposure", "auto"},
-                      {"--exposure is 'auto'", "one of fit, none"});
-  work.expect_refused({"ingest", work.at("capture"), "-o", work.at("scene"), "--exposure", "fit"},
-                      {"--exposure fit", "leave it out"});
+  work.expect_refused({"ingest", work.at("capture"), "-o", work.at("scene"), "--fit-exposure"},
+                      {"--fit-exposure", "leave it out"});
   EXPECT_FALSE(std::filesystem::exists(work / "scene"));
 }
 

@@ -49,8 +49,8 @@ TEST_F(CliExposure, GainsAreInAFileAndGoOnAfterAStop) {
 TEST_F(CliExposure, OfARunIsTheTrainings) {
   work.run_json(short_training({"run", work.at("six"), "-o", work.at("out")}));
   EXPECT_EQ(file("out/run/config.json")["options"]["exposure"], "frame");
-  work.expect_refused({"run", work.at("six"), "-o", work.at("out"), "--exposure", "auto"},
-                      {"--exposure is 'auto'"});
+  work.expect_refused({"run", work.at("six"), "-o", work.at("out"), "--exposure", "fit"},
+                      {"exposure", "fit", "camera"});
   work.expect_refused({"train", work.at("six"), "-o", work.at("one"), "--exposure", "camera"},
                       {"--exposure frame"});
 }

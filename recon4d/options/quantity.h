@@ -1,0 +1,24 @@
+// Numbers with suffixes as people type them: 10k, 2M, 5MB, 90s.
+#pragma once
+#include <optional>
+#include <string>
+
+namespace tessera {
+
+/// Which suffixes the text of a number may have.
+enum class Unit {
+  kNone,
+  kCount,    // k, M, G: powers of 1,000
+  kBytes,    // k, M, G, kB, MB, GB: powers of 1,000; KiB, MiB, GiB: of 1,024
+  kSeconds,  // h, m, s, also together: 1h30m
+  kWorld     // world units: none
+};
+
+/// The number that `text` states, as "1500", "1.5k" or "5MB"; none where it is not one of this unit.
+/// Letters count without regard to case, but for m (minutes, not millions) in kSeconds.
+std::optional<double> parse_quantity(const std::string& text, Unit unit);
+
+/// What such a text may look like, for messages: "a number like 1500, 10k or 2M".
+const char* quantity_example(Unit unit);
+
+}  // namespace tessera

@@ -1,0 +1,77 @@
+// What presets use for several cameras that film at the same time.
+#include <gtest/gtest.h>
+
+#include "recon4d/options/scene_facts.h"
+#include "recon4d/options/train_options_json.h"
+
+namespace tessera::testing {
+namespace {
+
+/// `counts`: training frames of each camera.
+Scene rig_scene(const std::vector<int>& counts) {
+  Scene scene;
+  for (size_t c = 0; c < counts.size(); ++c)
+    for (int i = 0; i < counts[c]; ++i) {
+      Frame frame;
+      frame.camera_name = "cam" + std::to_string(c);
+      frame.name = frame.camera_name + "/" + std::to_string(i);
+      frame.time = counts[c] > 1 ? double(i) / (counts[c] - 1) : 0;
+      frame.camera.width = 8;
+      frame.camera.height = 6;
+      frame.camera.translation = {double(c), 0, 0};
+      scene.frames.push_back(frame);
+    }
+  return scene;
+}
+
+// Bugs put back: cameras counted that have a single frame; a monocular capture taken for a rig; each
+// seen to fail.
+TEST(SceneFacts, OfRigsAndOthers) {
+  const SceneFacts rig = facts_of(rig_scene({10, 10, 9, 10}));
+  EXPECT_TRUE(rig.rig());
+  EXPECT_EQ(rig.cameras, 4);
+  EXPECT_EQ(rig.timesteps, 10);
+  EXPECT_NEAR(rig.extent, 1.1 * 1.5, 1e-12);
+  EXPECT_FALSE(facts_of(rig_scene({50})).rig()) << "one camera that moves";
+  EXPECT_FALSE(facts_of(rig_scene({10, 10})).rig());
+  EXPECT_FALSE(facts_of(rig_scene({10, 1, 1, 1})).rig()) << "one camera with photos beside it";
+  EXPECT_FALSE(facts_of(rig_scene({2, 2, 2})).rig());
+  Scene still = rig_scene({10, 10, 10});
+  still.is_static = true;
+  EXPECT_FALSE(facts_of(still).rig());
+}
+
+/// The options of a preset for a rig of that many frames.
+TrainOptions on_rig(const char* preset, int64_t frames, double extent = 2) {
+  TrainOptions options;
+  apply_preset(options, preset, {.cameras = 8, .timesteps = frames, .extent = extent});
+  return options;
+}
+
+// Bug put back: extents left in clip lengths; seen to fail.
+TEST(RigPresets, ExtentsAndRatesFollowTheFrameRate) {
+  for (const char* preset : {"fast", "balanced", "best"}) {
+    const TrainOptions shorter = on_rig(preset, 31), longer = on_rig(preset, 301);
+    EXPECT_NEAR(shorter.init_time_scale, 10 * longer.init_time_scale, 1e-12) << preset;
+    EXPECT_NEAR(shorter.lr_mean_time, 10 * longer.lr_mean_time, 1e-12) << preset;
+    EXPECT_LT(shorter.init_time_scale, 10.0 / 30) << preset << ": a few frames";
+    EXPECT_NEAR(on_rig(preset, 31, 4).lr_mean_time, shorter.lr_mean_time / 2, 1e-12)
+        << preset << ": the rate is per scene extent";
+    EXPECT_EQ(shorter.exposure, ExposureGains::kAuto) << preset;
+  }
+}
+
+TEST(RigPresets, OtherScenesAndProtocolsAreUnchanged) {
+  for (const char* preset : {"faster-gs", "yang4d", "3dgs", "mcmc"}) {
+    TrainOptions plain;
+    apply_preset(plain, preset);
+    EXPECT_EQ(to_json(on_rig(preset, 31)), to_json(plain)) << preset;
+  }
+  TrainOptions plain;
+  apply_preset(plain, "balanced");
+  EXPECT_EQ(plain.exposure, ExposureGains::kNone);
+  EXPECT_EQ(plain.init_time_scale, TrainOptions().init_time_scale);
+}
+
+}  // namespace
+}  // namespace tessera::testing

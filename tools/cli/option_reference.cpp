@@ -1,0 +1,94 @@
+// Rows of the option table are recognised by their name and group; of other options CLI11 has the
+// texts.
+#include "tools/cli/option_reference.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "tools/cli/option_text.h"
+
+namespace tessera {
+namespace {
+
+const TrainOption* row_of(const CLI::Option& option) {
+  for (const TrainOption& row : train_option_table())
+    if (option.get_group() == row.group && option.check_lname(dashed(row.key))) return &row;
+  return nullptr;
+}
+
+bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
+
+std::string placeholder_of(const CLI::Option& option) {
+  if (!takes_value(option)) return "";
+  const std::string type = option.get_type_name();
+  if (type.starts_with("UINT") || type.starts_with("INT")) return "N";
+  if (type.starts_with("FLOAT")) return "X";
+  return type.empty() || type.starts_with("TEXT") ? "VALUE" : type.substr(0, type.find(':'));
+}
+
+std::string default_of(const CLI::Option& option) {
+  const bool is_help = option.check_lname("help") || option.check_lname("help-all");
+  if (option.get_required() || is_help) return "";
+  if (!takes_value(option)) return "no";
+  const std::string text = option.get_default_str();
+  return text == "\"\"" || text == "[]" ? "" : text;
+}
+
+/// The first words of the indented lines below a description: what the value may be.
+std::vector<std::string> listed_choices(const std::string& doc) {
+  std::vector<std::string> choices;
+  std::istringstream lines(doc);
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("    ")) {
+      std::istringstream words(line);
+      words >> choices.emplace_back();
+    }
+  return choices;
+}
+
+}  // namespace
+
+std::string first_line(const std::string& doc) { return doc.substr(0, doc.find('\n')); }
+
+OptionReference option_reference(const CLI::Option& option) {
+  OptionReference entry;
+  entry.group = option.get_group();
+  entry.required = option.get_required();
+  entry.is_argument = option.get_positional();
+  entry.row = row_of(option);
+  if (const TrainOption* row = entry.row) {
+    entry.names = {"--" + dashed(row->key)};
+    if (row->is_switch()) entry.names.push_back("--no-" + dashed(row->key));
+    entry.placeholder = option_placeholder(*row);
+    for (const char* choice : row->choices()) entry.choices.emplace_back(choice);
+    entry.doc = row->doc;
+    entry.defaults = default_text(*row);
+    return entry;
+  }
+  if (entry.is_argument) entry.names.push_back(option.get_name(true, false));
+  for (const std::string& name : option.get_snames()) entry.names.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) entry.names.push_back("--" + name);
+  entry.placeholder = entry.is_argument ? "" : placeholder_of(option);
+  entry.doc = option.get_description();
+  entry.choices = listed_choices(entry.doc);
+  entry.defaults = default_of(option);
+  return entry;
+}
+
+CommandReference command_reference(const CLI::App& command) {
+  CommandReference reference{command.get_name(), command.get_description(), {}};
+  for (const CLI::Option* option : command.get_options())
+    if (!option->get_group().empty()) reference.options.push_back(option_reference(*option));
+  std::stable_partition(reference.options.begin(), reference.options.end(),
+                        [](const OptionReference& option) { return option.is_argument; });
+  return reference;
+}
+
+std::vector<CommandReference> program_reference(const CLI::App& app) {
+  std::vector<CommandReference> commands;
+  for (const CLI::App* command : app.get_subcommands({}))
+    if (!command->get_group().empty()) commands.push_back(command_reference(*command));
+  return commands;
+}
+
+}  // namespace tessera

@@ -1,0 +1,160 @@
+// Markdown of the command and preset pages.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "tools/cli/option_text.h"
+#include "tools/reference/reference.h"
+
+namespace tessera {
+namespace {
+
+/// Text inside a cell of a table: on one line, without marks of its own.
+std::string cell(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '|' || c == '<' || c == '_' || c == '*') result += '\\';
+    result += c == '\n' ? ' ' : c;
+  }
+  return result;
+}
+
+std::string code(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
+  return "`" + escaped + "`";
+}
+
+std::string names_cell(const OptionReference& option) {
+  std::vector<std::string> names;
+  for (const std::string& name : option.names)
+    names.push_back(code(option.placeholder.empty() || !option.choices.empty()
+                             ? name
+                             : name + " " + option.placeholder));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string choices_text(const OptionReference& option) {
+  std::vector<std::string> names;
+  for (const std::string& choice : option.choices) names.push_back(code(choice));
+  return names.empty() ? "" : fmt::format(" One of {}.", fmt::join(names, ", "));
+}
+
+std::string command_section(const CommandReference& command) {
+  std::string arguments, rows;
+  bool has_training = false;
+  for (const OptionReference& option : command.options) {
+    if (option.is_argument)
+      arguments += option.required ? " " + option.names.front() : " [" + option.names.front() + "]";
+    if (option.row != nullptr) {
+      has_training = true;
+      continue;
+    }
+    const std::string required = option.required ? " Required." : "";
+    rows += fmt::format("| {} | {}.{}{} | {} |\n", names_cell(option), cell(first_line(option.doc)),
+                        choices_text(option), required,
+                        option.defaults.empty() ? "" : code(option.defaults));
+  }
+  std::string text =
+      fmt::format("## tessera {}\n\n{}.\n\n```sh\ntessera {}{} [options]\n```\n\n", command.name,
+                  command.doc, command.name, arguments);
+  if (!rows.empty()) text += "| option | meaning | default |\n|---|---|---|\n" + rows + "\n";
+  if (has_training) text += "All [training options](#training-options) apply, too.\n\n";
+  return text;
+}
+
+std::string training_section() {
+  std::vector<std::string> groups;
+  for (const TrainOption& row : train_option_table())
+    if (std::find(groups.begin(), groups.end(), row.group) == groups.end())
+      groups.emplace_back(row.group);
+  std::string text =
+      "## Training options\n\n"
+      "These options apply to `train`, `run` and `batch`, and by their names with underscores in "
+      "`--config FILE.json`. Counts take `k` and `M` (`10k`), sizes take `kB`, `MB` and `MiB`, "
+      "choices are compared without regard to case. A switch `--x` has the twin `--no-x`.\n\n"
+      "The default is that of `balanced`; presets that differ follow after the semicolon.\n\n";
+  for (const std::string& group : groups) {
+    text += fmt::format("### {}\n\n| option | meaning | range | default | source |\n|---|---|---|---|---|\n",
+                        group);
+    for (const TrainOption& row : train_option_table()) {
+      if (row.group != group) continue;
+      const std::string placeholder = option_placeholder(row);
+      const std::string name = "--" + dashed(row.key);
+      std::string range = option_range(row);
+      if (const auto choices = row.choices(); !choices.empty())
+        range = fmt::format("{}", fmt::join(choices, ", "));
+      text += fmt::format("| {} | {}. | {} | {} | {} |\n",
+                          row.is_switch() ? fmt::format("`{0}`, `--no-{1}`", name, dashed(row.key))
+                          : row.choices().empty() ? code(name + " " + placeholder)
+                                                  : code(name),
+                          cell(row.doc), cell(range), cell(default_text(row)), cell(row.source));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+constexpr const char* kMade =
+    "<!-- Made by `tessera reference markdown docs/reference`; edit the sources, not this page. -->\n\n";
+
+}  // namespace
+
+std::string cli_page(const std::vector<CommandReference>& commands) {
+  std::string text = kMade;
+  text +=
+      "# Commands and options\n\n"
+      "Results go to standard output, messages to standard error. `tessera COMMAND --help` shows "
+      "the options that are used often, `--help-all` shows all of them.\n\n";
+  for (const CommandReference& command : commands) text += command_section(command);
+  return text + training_section();
+}
+
+std::string presets_page() {
+  std::string text = kMade;
+  text +=
+      "# Presets\n\n"
+      "A preset sets options; every option can still be given on the command line. Options that a "
+      "preset does not list have the value in the last table.\n\n"
+      "| preset | use |\n|---|---|\n";
+  for (const Preset& preset : presets()) text += fmt::format("| `{}` | {} |\n", preset.name, cell(preset.doc));
+  text +=
+      "\nA *rig* is a scene with three or more cameras that film at the same time. Options that "
+      "depend on the frame rate are given in frames there.\n\n";
+  const auto list = [&](const OptionOverrides& overrides) {
+    for (const auto& [key, value] : overrides)
+      text += fmt::format("- `--{}` {}\n", dashed(key), code(plain_text(value)));
+  };
+  for (const Preset& preset : presets()) {
+    text += fmt::format("## {}\n\n", preset.name);
+    list(preset.overrides);
+    if (!preset.still_overrides.empty()) {
+      text += "\nFor a scene with one timestep:\n\n";
+      list(preset.still_overrides);
+    }
+    if (!preset.rig_overrides.empty() || preset.rig_rates.extent_frames > 0) {
+      text += "\nFor a rig:\n\n";
+      list(preset.rig_overrides);
+      const FrameRates& rates = preset.rig_rates;
+      if (rates.extent_frames > 0) text += fmt::format("- initial temporal extent {:g} frames\n", rates.extent_frames);
+      if (rates.velocity_rate > 0)
+        text += fmt::format("- `--lr-velocity` {:g} scene extents a frame\n", rates.velocity_rate);
+      if (rates.mean_time_rate > 0)
+        text += fmt::format("- `--lr-mean-time` {:g} frames\n", rates.mean_time_rate);
+    }
+    if (preset.pixels_per_gaussian > 0)
+      text += fmt::format("\nAt most one Gaussian per {} pixels of the training cameras during growth.\n",
+                          preset.pixels_per_gaussian);
+    text += "\n";
+  }
+  text += "## Without a preset's value\n\n| option | value |\n|---|---|\n";
+  const TrainOptions defaults;
+  for (const TrainOption& row : train_option_table())
+    text += fmt::format("| `--{}` | {} |\n", dashed(row.key),
+                        code(plain_text(option_value(defaults, row))));
+  return text;
+}
+
+}  // namespace tessera
