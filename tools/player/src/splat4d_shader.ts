@@ -1,6 +1,7 @@
 // What: a resident block on the card: its textures, and the program that turns Gaussian `index`
 //       into a splat at moment t: mean, opacity, and colour towards the sliced mean.
-// Not: projecting and sorting splats, which is Spark's. Source: docs/format.md, 1; SH: [3DGS].
+// Not: projecting and sorting splats, which is Spark's.
+// Source: docs/reference/tessera4d.md, 1; SH: [3DGS].
 import { dyno, SplatGenerator } from "@sparkjsdev/spark";
 import * as THREE from "three";
 import { memoryOf, ROW, type PackedBlock, type Words } from "./packing";
