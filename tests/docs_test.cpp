@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 using Pages = std::map<std::string, std::string>;  // text by path from the root
 
-std::string text_of(const std::string& path) {
+std::string page_text(const std::string& path) {
   std::ostringstream text;
   text << std::ifstream(kSourceRoot / path).rdbuf();
   return text.str();
@@ -31,10 +31,10 @@ std::string text_of(const std::string& path) {
 Pages documentation() {
   Pages pages;
   for (const char* path : {"README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"})
-    pages[path] = text_of(path);
+    pages[path] = page_text(path);
   for (const auto& entry : fs::recursive_directory_iterator(kSourceRoot / "docs")) {
     const std::string path = fs::relative(entry.path(), kSourceRoot);
-    if (entry.path().extension() == ".md") pages[path] = text_of(path);
+    if (entry.path().extension() == ".md") pages[path] = page_text(path);
   }
   return pages;
 }
@@ -171,7 +171,7 @@ std::vector<std::string> navigation_complaints(const Pages& pages, const std::st
   return complaints;
 }
 
-// Seen to fail: README.md linked to pages that had been moved, docs/captures.md and eight more.
+// Seen to fail: README.md linked to pages that had been moved, as its page about captures was.
 TEST(Docs, LinksLeadSomewhere) {
   const Pages pages = documentation();
   size_t links = 0;
@@ -187,7 +187,7 @@ TEST(Docs, LinksLeadSomewhere) {
 TEST(Docs, NavigationHasAllPages) {
   const Pages pages = documentation();
   EXPECT_GT(pages.size(), 35u);
-  for (const std::string& complaint : navigation_complaints(pages, text_of("mkdocs.yml")))
+  for (const std::string& complaint : navigation_complaints(pages, page_text("mkdocs.yml")))
     ADD_FAILURE() << complaint;
 }
 

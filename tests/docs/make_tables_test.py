@@ -79,7 +79,7 @@ class MakeTables(unittest.TestCase):
 
     def test_rejects_planted_figures(self):
         for wrong in ("27.3 dB", "27.20001 dB", "62 s", "6 MB", "46,000 Gaussians", "47,011 Gaussians",
-                      "0.05 million Gaussians", "28.0 dB"):
+                      "0.06 million Gaussians", "28.0 dB"):
             lines = self.complaints(f"# Title\n\nIn room it is {wrong}.\n")
             self.assertEqual(len(lines), 1, wrong)
             self.assertTrue(lines[0].startswith(f"README.md:3: {wrong}: "), lines[0])
