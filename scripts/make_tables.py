@@ -41,7 +41,7 @@ BEGIN = re.compile(r"^<!-- table: (\S+) -->$", re.M)
 FENCE = re.compile(r"^[ ]*(```|~~~).*?^[ ]*\1[ ]*$", re.M | re.S)
 INLINE_CODE = re.compile(r"(`+)(?!`).+?(?<!`)\1(?!`)")
 FIGURE = re.compile(r"(?<![\w.,/])(\d[\d,]*(?:\.\d+)?)(?:\s(million|thousand))?\s?"
-                    r"(dB|s|min|MB|MiB|GiB|Gaussians|times as \w+|×(?!\s?\d))(?!\w)")
+                    r"(dB|s|min|MB|MiB|GiB|Gaussians|times (?:as \w+|\w+er)|×(?!\s?\d))(?!\w)")
 SOURCE = re.compile(r"<!-- (?:from: (.*?)|(setting)) -->")
 
 

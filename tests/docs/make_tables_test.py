@@ -100,6 +100,7 @@ class MakeTables(unittest.TestCase):
         self.assertEqual(self.complaints(f"2.0 times as fast {ratio}, 3.8 dB {more} more\n"), [])
         self.assertIn("is 1.98", self.complaints(f"2.1× {ratio}\n")[0])
         self.assertIn("a ratio names its source", self.complaints("2× faster\n")[0])
+        self.assertIn("a ratio names its source", self.complaints("2 times smaller\n")[0])
 
 
 class MeasureResults(unittest.TestCase):
