@@ -2,7 +2,7 @@
 # Installs what Tessera needs on Debian 12, Debian 13 or Ubuntu 24.04.
 # Usage: install_packages.sh [build|test|check]
 #   build  to build and run (default); test  also what scripts/test.sh needs; check  also what the
-#   other checks of .ci/run and .ci/nightly need (clang, formatters, debootstrap).
+#   other checks of .ci/run and .ci/nightly need (clang, formatters, debootstrap, mkdocs).
 set -euo pipefail
 purpose=${1:-build}
 . /etc/os-release
@@ -28,7 +28,7 @@ if [ "$purpose" != build ]; then
     munge)
 fi
 if [ "$purpose" = check ]; then
-  packages+=("clang-$clang" "libclang-rt-$clang-dev" debootstrap)
+  packages+=("clang-$clang" "libclang-rt-$clang-dev" debootstrap mkdocs mkdocs-material)
   # other versions format otherwise
   [ "$clang" != 14 ] || packages+=(clang-format-14 clang-tidy-14)
 fi

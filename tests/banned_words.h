@@ -8,10 +8,10 @@ namespace tessera {
 
 struct BannedWord {
   const char *pattern, *instead;      // of regular expressions, without regard to case
-  std::vector<std::string> except{};  // beginnings of paths
+  std::vector<std::string> except{};  // beginnings of paths that still have it
 };
 
-/// Adam's moments, and those of the windows of SSIM, are the only ones.
+/// Adam's moments, and those of the windows of SSIM, are the only ones; pages name them, too.
 inline const std::vector<std::string> kOfAdam = {"kernels/",
                                                  "recon4d/model/",
                                                  "recon4d/density/",
@@ -23,7 +23,9 @@ inline const std::vector<std::string> kOfAdam = {"kernels/",
                                                  "tests/support/",
                                                  "tests/recon4d/training/",
                                                  "tests/recon4d/options/",
-                                                 "recon4d/evaluation/structure_scores"};  // of SSIM
+                                                 "recon4d/evaluation/structure_scores",  // of SSIM
+                                                 "docs/development/",
+                                                 "docs/explanation/size.md"};
 
 inline const std::vector<BannedWord> kBannedWords = {
     {R"(\bworths?\b)", "contribution"},
@@ -35,12 +37,32 @@ inline const std::vector<BannedWord> kBannedWords = {
     {R"(\bcensus\b)", "histogram"},
     {R"(\bthinn(ing|ed) out\b)", "pruned"},
     {R"(\bdimming\b)", "compensation"},
-    {R"(\bMarkov chain\b)", "MCMC densification"},
-    {R"(\bframes (that are )?set aside\b)", "validation frames"},
+    {R"(\bMarkov chain\b)", "MCMC densification", {"docs/development/bibliography.md"}},
+    {R"(\bset aside\b)", "validation frames; exclude, skip"},
     {R"(\bbegins anew\b)", "restarts"},
     {R"(\bfrontiers?\b)", "Pareto front", {"tools/bench/", "tests/tools/bench/"}},  // a JSON key
     {R"(\b(own|mine|there|at|of) = )", "a noun"},
     {R"(\bpictures?\b)", "image (file), frame (of a video), view (rendered)"},
+    {R"(\bborn\b)", "added, spawned", {"recon4d/options/", "tests/recon4d/reduction/"}},
+    {R"(\blives\b)",
+     "is, lies; temporal extent",
+     {"kernels/", "recon4d/model/", "static3d/formats/", "tests/kernels/", "tests/recon4d/"}},
+    {R"(\bstilled\b)", "demoted", {"recon4d/reduction/"}},
+    {R"(\bfed\b)", "supplied, frame supply", {"recon4d/training/", "tests/recon4d/training/"}},
+    {R"(\bdeserve[sd]?\b)", "reduces the error enough", {"recon4d/model/"}},
+    {R"(\bnobody\b)",
+     "no view, no camera, no process",
+     {"kernels/", "ingest/media/checks/", "recon4d/", "tools/batch/", "tools/camera_paths/",
+      "tools/commands/", "tools/session/", "tests/recon4d/"}},
+    {R"(\bgoes on\b)",
+     "resumes, continues",
+     {"kernels/cuda/", "ingest/checks/", "ingest/media/video/", "recon4d/model/",
+      "recon4d/options/", "tools/bench/", "tools/commands/", "tools/session/", "tests/kernels/",
+      "tests/recon4d/density/", "tests/support/", "tests/tools/"}},
+    {R"(\bmended\b)", "fixed"},
+    {R"(\bthe program (says|knows|wants|looks)\b)",
+     "reports, has, requires, reads",
+     {"tests/ingest/poses/", "tests/tools/commands/"}},
     {R"(\bmoments?\b)", "timestep, time, timestamp", kOfAdam},
 };
 

@@ -69,7 +69,7 @@ TEST(Citations, FilesNamedInCommentsExist) {
       endings.insert(ending = ending.empty() ? *part : *part + "/" + ending);
   }
   int citations = 0;
-  const std::regex kFile(R"re(([\w/]*\w\.(?:h|cpp|cuh|cu|py|md))\b)re");
+  const std::regex kFile(R"re(([\w/-]*\w\.(?:h|cpp|cuh|cu|py|md))\b)re");
   for_each_citation(kFile, [&](const fs::path& path, const std::smatch& match) {
     const std::string name = match[1];
     const bool is_ours = endings.contains(name) || fs::exists(kSourceRoot / name);

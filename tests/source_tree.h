@@ -1,4 +1,4 @@
-// What: where the source tree is, and which of its files are sources.
+// What: where the source tree is, and which of its files are sources, pages, or of the player.
 // Not: what is in them.
 #pragma once
 #include <filesystem>
@@ -11,6 +11,16 @@ inline const std::filesystem::path kSourceRoot = TESSERA_SOURCE_DIR;
 inline bool is_source(const std::filesystem::path& path) {
   const std::string kind = path.extension();
   return kind == ".h" || kind == ".cpp" || kind == ".cu" || kind == ".cuh";
+}
+
+/// A page of the documentation.
+inline bool is_page(const std::filesystem::path& path) {
+  return path.extension() == ".md";
+}
+
+/// A source of the web player, of those that are not C++.
+inline bool is_player_source(const std::filesystem::path& path) {
+  return path.extension() == ".ts" || path.extension() == ".html";
 }
 
 }  // namespace tessera

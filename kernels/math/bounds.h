@@ -1,7 +1,7 @@
 // What: how far a splat reaches: its cut-off ellipse, its tile rectangle, its response in a
 // rectangle.
 // Not: a test of each tile: an instance where a splat draws nothing costs less than the test
-// (docs/performance.md).
+// (docs/development/performance.md).
 // Source: [Faster-GS] opacity-aware bounds; [StopThePop] least_power_in; method A.6, A.7, C.3.
 #pragma once
 #include "kernels/math/ewa.h"

@@ -2,7 +2,7 @@
 //       blending weight, the squared error that removing or simplifying it adds, and the error over
 //       it that changes with time.
 // Not: sums over the pixels of a splat (sensitivity.h), nor decisions (recon4d/reduction).
-// Source: docs/reduction.md.
+// Source: docs/explanation/size.md.
 #pragma once
 #include "kernels/math/sensitivity.h"
 #include "kernels/math/spherindrical.h"

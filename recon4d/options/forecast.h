@@ -1,6 +1,7 @@
 // What: what a training will need, before it starts: bytes of frames, Gaussians and steps; seconds.
 // Not: a measurement. Bytes follow from the layout of the data; the number of Gaussians and the
-//      seconds are models of measured runs (docs/results.md), right within a factor of 2 to 3.
+//      seconds are models of measured runs (research/results_history.md), right within a factor
+//      of 2 to 3.
 #pragma once
 #include <cstdint>
 #include <string>

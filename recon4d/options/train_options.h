@@ -66,7 +66,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
   int64_t reorder_interval = 5000;
   double mcmc_noise = 5e5, mcmc_growth = 1.05;
-  // no more than the scene needs (docs/reduction.md)
+  // no more than the scene needs (docs/explanation/size.md)
   ModelSize size = ModelSize::kGrown;
   int64_t peak_gaussians = 0, max_bytes = 0;
   double within_db = 0;

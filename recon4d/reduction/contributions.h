@@ -2,7 +2,7 @@
 //       its light, the squared error that removing or simplifying it adds, and the error over it
 //       that changes with time.
 // Not: decisions (pruning.h, static_demotion.h, dynamic_promotion.h).
-// Source: docs/reduction.md.
+// Source: docs/explanation/size.md.
 #pragma once
 #include <array>
 #include <functional>

@@ -146,7 +146,7 @@ std::optional<Contributions> ModelReduction::decide_motion(Trainer& trainer,
   constexpr double kMostTimeVarying = 0.1, kMostSpawned = 0.02;
   // a few frames see a timestep, so motion fits what only these show: its error in training is
   // less than that of a Gaussian that all of them see. Of 1, 16 and 64 on five scenes
-  // (docs/reduction.md)
+  // (docs/explanation/size.md)
   constexpr double kMotionCharge = 16;
   const ByteRates rates;
   const GaussianModel& model = trainer.drawn_model();

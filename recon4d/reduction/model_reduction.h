@@ -2,7 +2,7 @@
 //       static or dynamic, and how many are to be left.
 // Not: a look at images (contributions.h), an order (pruning.h), nor the exact size in the end
 //      (size_limit.h).
-// Source: docs/reduction.md.
+// Source: docs/explanation/size.md.
 #pragma once
 #include <array>
 #include <functional>

@@ -1,7 +1,7 @@
 // What: how many frames a scoring pass draws: sweep after sweep until what one half of them decides
 //       costs little by the other half.
 // Not: the decisions (pruning.h, static_demotion.h), nor the order of frames (frame_sample.h).
-// Source: docs/reduction.md.
+// Source: docs/explanation/size.md.
 #pragma once
 #include <functional>
 #include <vector>

@@ -1,7 +1,7 @@
 // What: which Gaussians go first: the squared error that each adds by going, by the bytes that it
 //       frees; the curve of size and error that follows; where it bends.
 // Not: when (model_reduction.h) or what that error is (contributions.h).
-// Source: docs/reduction.md.
+// Source: docs/explanation/size.md.
 #pragma once
 #include <vector>
 
@@ -11,7 +11,7 @@
 namespace tessera {
 
 /// What a Gaussian takes of the shipped file, bytes. Measured on files of trained scenes
-/// (docs/reduction.md); only ratios matter to what is decided.
+/// (docs/explanation/size.md); only ratios matter to what is decided.
 struct ByteRates {
   double still = 12.5;  // mean, scales, rotation, opacity, first colour
   double time = 7.5;    // mean timestep, life, velocity

@@ -2,7 +2,7 @@
 // least
 //       goes, over all training frames, without recovery.
 // Not: thinning while there is time to recover (model_reduction.h).
-// Source: docs/reduction.md; failure modes C12, C13.
+// Source: docs/explanation/size.md; failure modes C12, C13.
 #pragma once
 #include <functional>
 

@@ -1,7 +1,8 @@
 // What: which dynamic Gaussians may be static: tried, all at once, over all cameras and timesteps;
 //       the error that it adds is shared out by light.
 // Not: a threshold on how long a Gaussian lasts or how fast it is.
-// Source: docs/reduction.md; idea of a Gaussian that gives up its time: [Hybrid4D].
+// Source: docs/explanation/static-dynamic.md; idea of a Gaussian that gives up its time:
+// [Hybrid4D].
 #pragma once
 #include "recon4d/reduction/contributions.h"
 

@@ -1,6 +1,6 @@
 // What: Gaussians ↔ one block: sorted, rounded, as streams.
 // Not: containers (tessera4d.h) and not which Gaussians share a block (segments.h).
-// Source: docs/format.md, sections 4 and 5.
+// Source: docs/reference/tessera4d.md, sections 4 and 5.
 #pragma once
 #include <filesystem>
 #include <string>

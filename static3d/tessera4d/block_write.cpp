@@ -21,7 +21,7 @@
 namespace tessera {
 namespace {
 
-// Steps of docs/format.md, section 5.
+// Steps of docs/reference/tessera4d.md, section 5.
 constexpr double kRotationStep = 1.0 / 2048, kScaleStep = 1.0 / 32, kColourStep = 1.0 / 128,
                  kTimeScaleStep = 1.0 / 64;
 constexpr double kShStep[kMaxShDegree + 1] = {kColourStep, 1.0 / 64, 1.0 / 32, 1.0 / 32};

@@ -1,6 +1,6 @@
 // What: what the manifest of a Tessera 4D file says, as data; from JSON and to it.
 // Not: the bytes of streams (stream.h) or how time is cut (segments.h).
-// Source: docs/format.md, section 3.
+// Source: docs/reference/tessera4d.md, section 3.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // What: what a player needs besides Gaussians: the rig's cameras, which way is up, how splats are
 //       drawn. The same words in every manifest.
 // Not: a manifest (tessera4d/manifest.h, frame_sequence.h).
-// Source: docs/format.md, section 3.
+// Source: docs/reference/tessera4d.md, section 3.
 #pragma once
 #include <array>
 #include <nlohmann/json_fwd.hpp>

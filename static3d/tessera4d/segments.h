@@ -1,6 +1,6 @@
 // What: when a moving Gaussian is drawn, and in which segment of which level it is stored.
 // Not: its numbers (block.h).
-// Source: docs/format.md, sections 1 and 5.
+// Source: docs/reference/tessera4d.md, sections 1 and 5.
 #pragma once
 #include <compare>
 #include <cstdint>

@@ -1,6 +1,6 @@
 // What: the streams that hold spherical harmonics: one for each degree.
 // Not: their numbers (block.h).
-// Source: docs/format.md, section 4.
+// Source: docs/reference/tessera4d.md, section 4.
 #pragma once
 #include "kernels/math/spherical_harmonics.h"
 

@@ -18,7 +18,7 @@ using nlohmann::json;
 struct ComponentElement {
   const char* name;
   std::vector<Group> groups;              // in memory
-  std::vector<std::string_view> streams;  // of a file; docs/format.md, section 4
+  std::vector<std::string_view> streams;  // of a file; docs/reference/tessera4d.md, section 4
 };
 
 /// By Component.

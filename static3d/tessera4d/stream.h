@@ -1,6 +1,6 @@
 // What: a stream of a block: numbers ↔ words ↔ byte planes ↔ gzip.
 // Not: which streams a block has (block.h).
-// Source: docs/format.md, section 4.
+// Source: docs/reference/tessera4d.md, section 4.
 #pragma once
 #include <filesystem>
 #include <string>

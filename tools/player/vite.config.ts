@@ -33,8 +33,8 @@ function oneFile(): Plugin {
             ? `<script type="module">${source.replace(/<\/(script)/gi, "<\\/$1")}</script>\n`
             : `<style>${source}</style>\n`;
         const end = item.type === "chunk" ? "</body>" : "</head>";
-        const at = html.lastIndexOf(end);
-        html = html.slice(0, at) + inline + html.slice(at);
+        const place = html.lastIndexOf(end);
+        html = html.slice(0, place) + inline + html.slice(place);
         delete bundle[name];
       }
       page.source = html.replace(/^(<!doctype html>\n)/i, (doctype) => doctype + HEADING);

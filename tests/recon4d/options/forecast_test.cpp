@@ -1,5 +1,5 @@
 // What: forecasts of memory and time in 64 bits.
-// Not: their truth, which only trainings show (docs/results.md).
+// Not: their truth, which only trainings show (research/results_history.md).
 #include "recon4d/options/forecast.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,8 @@ TEST(Forecast, DoesNotOverflow) {
   EXPECT_GT(forecast.cpu_seconds, forecast.gpu_seconds);
 }
 
-// docs/results.md: the run of `synth room`, preset fast, took 138.1 s on 2 threads; dnerf_lego
+// research/results_history.md: the run of `synth room`, preset fast, took 138.1 s on 2 threads;
+// dnerf_lego
 // 67.2 s on an H200. The model claims a factor of 3.
 TEST(Forecast, IsNearMeasuredRuns) {
   TrainOptions fast;

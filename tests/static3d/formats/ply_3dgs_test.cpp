@@ -221,7 +221,7 @@ double range_of(const GaussianSet& set, Group group, int k, int64_t begin, int64
 }
 
 /// `set`, read from a compressed .ply and so in its chunks, as two files may differ that round one
-/// object: this .ply's steps and those of .spz (docs/splat_formats.md).
+/// object: this .ply's steps and those of .spz (docs/reference/splat-formats.md).
 GaussianSet rounded_otherwise(const GaussianSet& set) {
   constexpr int64_t kChunk = 256;
   constexpr double kParts[] = {2047, 1023, 2047};

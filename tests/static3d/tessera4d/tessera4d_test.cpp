@@ -1,7 +1,7 @@
 // What: the Tessera 4D file: bit-equal without loss, within its stated steps with it, every
 //       Gaussian in the blocks of the timesteps at which it is drawn.
 // Not: hostile files (tessera4d_spoilt_test.cpp) or players.
-// Source: docs/format.md; failure modes E1, E2, E3.
+// Source: docs/reference/tessera4d.md; failure modes E1, E2, E3.
 #include "static3d/tessera4d/tessera4d.h"
 
 #include <gtest/gtest.h>
@@ -127,7 +127,7 @@ TEST(Tessera4d, PairsAreReadBackAsTheirVelocities) {
     expect_same_image(render_one(read.model, view_at(time)), render_one(model, view_at(time)));
 }
 
-/// One stream at a time, against the steps that docs/format.md states.
+/// One stream at a time, against the steps that docs/reference/tessera4d.md states.
 class Steps : public ::testing::Test {
  protected:
   Steps() {

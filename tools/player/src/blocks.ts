@@ -1,5 +1,5 @@
-// What: which blocks are here: those of the moment first, then those ahead in the direction of
-//       play; fetches nobody waits for are given up, the least recently used goes first.
+// What: which blocks are here: those of the current time first, then those ahead in the direction of
+//       play; fetches without a use are cancelled, the least recently used goes first.
 // Not: bytes or graphics: a block is fetched by `load`, kept as an R and freed by `release`.
 import { isAbort, lineOf, PlayerError } from "./player_error";
 
@@ -22,7 +22,7 @@ export interface Look {
   t: number;
   /** How far ahead is fetched, in t; negative when time runs backwards, 0 when it stands. */
   ahead: number;
-  /** Whether time goes on at the other end. */
+  /** Whether time continues at the other end. */
   loop: boolean;
 }
 
@@ -75,7 +75,7 @@ export class BlockCache<R extends Resident> {
     return null;
   }
 
-  /** Fetches, gives up and frees as this moment asks. */
+  /** Fetches, cancels and frees what this time requires. */
   update(look: Look): void {
     this.look = look;
     const now = this.at(look.t);

@@ -1,4 +1,4 @@
-// What: a Tessera 4D file on a stage: blocks of the moment are in the scene, the shader moves them.
+// What: a Tessera 4D file on a stage: blocks of the current time are in the scene, the shader moves them.
 // Not: which blocks to have (blocks.ts), decoding (decoder.ts), the shader (splat4d_shader.ts).
 import { BlockCache } from "./blocks";
 import type { BlockSource } from "./container";
@@ -7,12 +7,12 @@ import { Decoder } from "./decoder";
 import { Arrivals } from "./loading";
 import { memoryBudget } from "./memory_budget";
 import type { OnProgress, Play, SceneInfo, ViewCamera } from "./scene_view";
-import { BlockSplats, Moment } from "./splat4d_shader";
+import { BlockSplats, SliceUniforms } from "./splat4d_shader";
 import type { Stage } from "./stage";
 
 export class BlocksContent implements Content {
   readonly info: SceneInfo;
-  private readonly moment = new Moment();
+  private readonly slice = new SliceUniforms();
   private readonly decoder = new Decoder();
   private readonly cache: BlockCache<BlockSplats>;
   private readonly arrivals: Arrivals;
@@ -28,7 +28,7 @@ export class BlocksContent implements Content {
   ) {
     const { manifest, address } = source;
     const clip = Number(manifest.anchor === "clip");
-    this.moment.when.value.set(0, clip, manifest.splat.cutoffAlpha, 0);
+    this.slice.when.value.set(0, clip, manifest.splat.cutoffAlpha, 0);
     this.info = {
       time: manifest.time,
       frames: null,
@@ -57,7 +57,7 @@ export class BlocksContent implements Content {
     this.arrivals.begin(i);
     const bytes = await this.source.fetchBlock(block, { signal, onBytes });
     this.arrivals.end(i);
-    return new BlockSplats(await this.decoder.decode(block, bytes), this.moment);
+    return new BlockSplats(await this.decoder.decode(block, bytes), this.slice);
   }
 
   show(t: number, play: Play, seen: boolean): boolean {
@@ -71,8 +71,8 @@ export class BlocksContent implements Content {
     if (changed) this.place(present);
     this.shown = names;
     if (!moved && !seen && !changed) return false;
-    this.moment.when.value.x = t;
-    this.moment.eye.value.set(...this.view.position);
+    this.slice.when.value.x = t;
+    this.slice.eye.value.set(...this.view.position);
     for (const block of present) block.updateVersion();
     return true;
   }

@@ -1,4 +1,4 @@
-// What: which moment it is: wall-clock time times rate, never a count of frames; where there is
+// What: the time of the clip: wall-clock time times rate, never a count of frames; where there is
 //       sound, the sound is the clock.
 // Not: drawing, and no timer: whoever wants to know asks.
 
@@ -48,7 +48,7 @@ export class Clock {
     return sound !== null && !sound.paused && !sound.ended && !sound.seeking;
   }
 
-  /** Seconds since the first moment of the clip. Stops at the end, or starts again. */
+  /** Seconds since the start of the clip. Stops at the end, or starts again. */
   now(): number {
     const wall = this.wall();
     if (this.ticking) {
@@ -110,6 +110,6 @@ export class Clock {
     sound.currentTime = this.anchor.seconds;
     sound.playbackRate = Math.min(FASTEST, Math.max(SLOWEST, this.speed));
     if (!this.ticking) sound.pause();
-    else sound.play().catch(() => sound.pause()); // not allowed yet, or no file: the wall goes on
+    else sound.play().catch(() => sound.pause()); // not allowed yet, or no file: the wall clock runs
   }
 }

@@ -1,12 +1,12 @@
-// What: what a stage shows at a moment; blocks in continuous time or frames of a sequence.
+// What: what a stage shows at one time; blocks in continuous time or frames of a sequence.
 // Not: the stage itself (stage.ts).
 import type { Play, SceneInfo } from "./scene_view";
 
 export interface Content {
   readonly info: SceneInfo;
   /**
-   * Makes the scene hold moment t and sees to what comes next. `seen`: the camera has moved since.
-   * True where the picture has to be drawn anew.
+   * Makes the scene hold time t and sees to what comes next. `seen`: the camera has moved since.
+   * True where the frame has to be drawn anew.
    */
   show(t: number, play: Play, seen: boolean): boolean;
   /** Whether data of t is on its way. */

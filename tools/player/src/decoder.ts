@@ -49,11 +49,11 @@ export class Decoder {
   async decode(block: Block, bytes: Uint8Array): Promise<PackedBlock> {
     const worker = await this.worker;
     if (worker === null) return packBlock(await decodeBlock(block, bytes));
-    const own = bytes as Uint8Array<ArrayBuffer>;
+    const owned = bytes as Uint8Array<ArrayBuffer>;
     return new Promise((resolve, reject) => {
-      const task: DecodeTask = { id: ++this.tasks, block, bytes: own };
+      const task: DecodeTask = { id: ++this.tasks, block, bytes: owned };
       this.waiting.set(task.id, { resolve, reject });
-      worker.postMessage(task, [own.buffer]);
+      worker.postMessage(task, [owned.buffer]);
     });
   }
 

@@ -52,10 +52,10 @@ async function bodyOf(response: Response, options: FetchOptions): Promise<Uint8A
     options.onBytes(value.length);
   }
   const bytes = new Uint8Array(length);
-  let at = 0;
+  let offset = 0;
   for (const part of parts) {
-    bytes.set(part, at);
-    at += part.length;
+    bytes.set(part, offset);
+    offset += part.length;
   }
   return bytes;
 }

@@ -1,5 +1,5 @@
 // What: a sequence of frame files on a stage: one mesh whose data is swapped; a ring of decoded
-//       frames around the moment. A frame that is late leaves the last one standing.
+//       frames around the current time. A frame that is late leaves the last one standing.
 // Not: the manifest (sequence_manifest.ts), nor the formats, which Spark decodes.
 import { ExtSplats, SplatFileType, SplatMesh } from "@sparkjsdev/spark";
 import { BlockCache } from "./blocks";

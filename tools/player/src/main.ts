@@ -42,8 +42,8 @@ class Page {
   private orbit!: Orbit;
   private loaded: Progress = { bytes: 0, needed: 0 };
   private pictured = false; // whether a first image is on the screen
-  private lost: string | null = null; // why there is no picture any more
-  private remembered = true; // whether the address says which moment is shown
+  private lost: string | null = null; // why nothing is drawn any more
+  private remembered = true; // whether the address says which time is shown
 
   async open(): Promise<void> {
     this.view = new SparkView(canvas, this.camera);
@@ -74,8 +74,8 @@ class Page {
   private about(): string {
     const { gaussians, time, frames } = this.info;
     const seconds = `${time.duration.toFixed(2)} s, continuous`;
-    const moments = frames ? `${frames.length} frames` : seconds;
-    return `${gaussians.toLocaleString("en")} Gaussians · ${moments}`;
+    const length = frames ? `${frames.length} frames` : seconds;
+    return `${gaussians.toLocaleString("en")} Gaussians · ${length}`;
   }
 
   /** By name, or by number from 1; −1: there is none such. */
@@ -172,8 +172,8 @@ class Page {
       case "end":
         return this.seek(this.info.time.duration);
       case "rate": {
-        const at = RATES.findIndex((rate) => rate >= clock.rate);
-        const next = Math.min(RATES.length - 1, Math.max(0, at + action.steps));
+        const index = RATES.findIndex((rate) => rate >= clock.rate);
+        const next = Math.min(RATES.length - 1, Math.max(0, index + action.steps));
         return this.setRate(RATES[next]);
       }
       case "loop":

@@ -1,6 +1,7 @@
 // What: the manifest of a Tessera 4D file, read and checked: whatever passes can be decoded without
 //       looking at its numbers again.
-// Not: the blocks (tessera4d.ts), nor where bytes come from (container.ts). Source: docs/format.md.
+// Not: the blocks (tessera4d.ts), nor where bytes come from (container.ts).
+// Source: docs/reference/tessera4d.md.
 import { PlayerError } from "./player_error";
 
 export const FORMAT = "tessera-4d";

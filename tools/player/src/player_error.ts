@@ -6,7 +6,7 @@ export type Trouble = "network" | "data" | "device";
 export class PlayerError extends Error {
   constructor(
     message: string,
-    /** network: worth trying again; data: the file is what it is; device: no picture. */
+    /** network: try again; data: the file is what it is; device: nothing can be drawn. */
     readonly trouble: Trouble = "data",
   ) {
     super(message);

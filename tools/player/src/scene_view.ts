@@ -5,7 +5,7 @@ import type { Bounds, Camera, Quaternion, Triple } from "./manifest";
 import type { Progress } from "./loading";
 import type { OpenedSource } from "./open_source";
 
-/** A pinhole's picture of width × height pixels; what lies beside it is shown too. */
+/** A pinhole's view of width × height pixels; what lies beside it is shown too. */
 export interface Lens {
   fx: number;
   fy: number;
@@ -15,7 +15,7 @@ export interface Lens {
   height: number;
 }
 
-/** Where the picture is taken from. Whoever changes it counts `version` up. */
+/** Where the view is taken from. Whoever changes it counts `version` up. */
 export interface ViewCamera {
   position: Triple; // world units
   rotation: Quaternion; // camera axes (right, down, forward) into the world
@@ -25,7 +25,7 @@ export interface ViewCamera {
 
 export interface SceneInfo {
   time: { origin: number; duration: number; fps: number | null }; // seconds
-  /** Moments of the frames of a sequence, in t, ascending; null: any moment can be drawn. */
+  /** Times of the frames of a sequence, in t, ascending; null: any time can be drawn. */
   frames: number[] | null;
   up: Triple;
   bounds: Bounds | null;
@@ -34,7 +34,7 @@ export interface SceneInfo {
   audio: string | null; // address
 }
 
-/** How play goes on from the moment that is drawn. */
+/** How play continues from the time that is drawn. */
 export interface Play {
   ahead: number; // t to fetch in advance; negative: backwards; 0: paused
   loop: boolean;
@@ -53,14 +53,14 @@ export interface SceneView {
   /** Reads what the scene is. Throws PlayerError. */
   load(source: OpenedSource, onProgress: OnProgress): Promise<SceneInfo>;
   /**
-   * Draws moment t (0 to 1) from the camera, if that or anything else has changed since; called
+   * Draws time t (0 to 1) from the camera, if that or anything else has changed since; called
    * for every frame of the display. Tells whether data of t is on its way, whether the image on
    * the screen is that of t (data, depth order, pixels), and what is missing.
    */
   setTime(t: number, play: Play): Drawn;
-  /** Size of the picture in CSS pixels, and device pixels for each of them. */
+  /** Size of the view in CSS pixels, and device pixels for each of them. */
   resize(width: number, height: number, dpr: number): void;
-  /** Resolves when the picture of the last moment is complete: data, depth order, pixels. */
+  /** Resolves when the frame of the last time is complete: data, depth order, pixels. */
   settle(): Promise<void>;
   dispose(): void;
 }

@@ -1,12 +1,13 @@
 // What: a resident block on the card: its textures, and the program that turns Gaussian `index`
-//       into a splat at moment t: mean, opacity, and colour towards the sliced mean.
-// Not: projecting and sorting splats, which is Spark's. Source: docs/format.md, 1; SH: [3DGS].
+//       into a splat at time t: mean, opacity, and colour towards the sliced mean.
+// Not: projecting and sorting splats, which is Spark's.
+// Source: docs/reference/tessera4d.md, 1; SH: [3DGS].
 import { dyno, SplatGenerator } from "@sparkjsdev/spark";
 import * as THREE from "three";
 import { memoryOf, ROW, type PackedBlock, type Words } from "./packing";
 
-/** What all blocks of a scene share: changing a value here changes every picture to come. */
-export class Moment {
+/** What all blocks of a scene share: changing a value here changes every later frame. */
+export class SliceUniforms {
   /** t; 1 where the anchor is clamped to the clip; least opacity that is drawn */
   readonly when = new dyno.DynoVec4({ value: new THREE.Vector4(0, 1, 1 / 255, 0), key: "when" });
   readonly eye = new dyno.DynoVec3({ value: new THREE.Vector3(), key: "eye" });
@@ -121,7 +122,7 @@ export class BlockSplats extends SplatGenerator {
   readonly memory: number;
   private readonly textures: THREE.DataArrayTexture[] = [];
 
-  constructor(packed: PackedBlock, moment: Moment) {
+  constructor(packed: PackedBlock, slice: SliceUniforms) {
     super({ numSplats: packed.count });
     this.memory = memoryOf(packed);
     const sampler = (words: Words, key: string) => {
@@ -138,8 +139,8 @@ export class BlockSplats extends SplatGenerator {
       high: sampler(packed.sh[2], "high"),
       counts: dyno.dynoIvec3(new THREE.Vector3(...packed.shCounts), "counts"),
       moving: dyno.dynoBool(packed.moving, "moving"),
-      when: moment.when,
-      eye: moment.eye,
+      when: slice.when,
+      eye: slice.eye,
     };
     this.generator = dyno.dynoBlock(
       { index: "int" },

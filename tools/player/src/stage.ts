@@ -22,7 +22,7 @@ export class Stage {
   private readonly spark: SparkRenderer;
   private size = { width: 1, height: 1 }; // CSS pixels
 
-  /** `onDirty`: the picture is not the latest any more (a new depth order has arrived). */
+  /** `onDirty`: the image on the screen is outdated (a new depth order has arrived). */
   constructor(
     canvas: HTMLCanvasElement,
     private readonly view: ViewCamera,
@@ -71,7 +71,7 @@ export class Stage {
     this.renderer.setSize(this.size.width, this.size.height, false);
   }
 
-  /** The rig's picture, as large as fits, in the window's middle; what is around is seen too. */
+  /** The rig's view, as large as fits, in the window's middle; what is around is seen too. */
   private applyCamera(): void {
     const { position, rotation, lens } = this.view;
     const { width, height } = this.size;

@@ -1,7 +1,7 @@
 // What: the bytes of one block of a Tessera 4D file -> numbers of its Gaussians; crc, counts and
 //       lengths are checked, so that no file makes it read or reserve what is not there.
 // Not: fetching (container.ts), nor how a card wants the numbers (packing.ts).
-// Source: docs/format.md, sections 3 and 4.
+// Source: docs/reference/tessera4d.md, sections 3 and 4.
 import type { Block, Stream } from "./manifest";
 import { PlayerError } from "./player_error";
 

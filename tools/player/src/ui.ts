@@ -1,5 +1,5 @@
 // What: the page's panels: what they show, and what a person asks of them.
-// Not: what is done about it (main.ts), keys (keys.ts), the picture.
+// Not: what is done about it (main.ts), keys (keys.ts), the view.
 import type { Action } from "./keys";
 
 export const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
@@ -96,7 +96,7 @@ export class Panels {
     this.camera.value = String(index);
   }
 
-  /** `share`: 0 to 1; null: nothing is awaited. `quiet`: a picture is there already. */
+  /** `share`: 0 to 1; null: nothing is awaited. `quiet`: a frame is shown already. */
   showLoading(line: string, share: number | null, quiet: boolean): void {
     this.loading.hidden = share === null;
     this.loading.classList.toggle("quiet", quiet);

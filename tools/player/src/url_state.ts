@@ -1,10 +1,10 @@
 // What: the page's address as state: ?scene=&t=&cam=&rate=&paused=&loop=&ui=; and back into it, so
-//       that a copied address shows the same moment from the same camera.
+//       that a copied address shows the same time from the same camera.
 // Not: what the values do (main.ts).
 
 export interface UrlState {
   scene: string | null;
-  seconds: number | null; // from the first moment
+  seconds: number | null; // from the start of the clip
   camera: string | null; // name, or number from 1
   rate: number | null;
   paused: boolean;

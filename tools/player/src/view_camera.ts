@@ -1,4 +1,4 @@
-// What: views to start from: those of the rig, exactly as they took their pictures, and one that
+// What: views to start from: those of the rig, exactly as they recorded, and one that
 //       shows the whole scene where there is no rig.
 // Not: moving about (orbit.ts) nor the projection matrix (stage.ts).
 import * as THREE from "three";

@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""Turns records of trainings into a results file, which scripts/make_tables.py reads.
+
+    measure_results.py RECORDS.jsonl --id quality_rigs --scenes basketball,studio
+                       --presets fast,balanced,best --commit HASH -o results/
+
+A line of RECORDS.jsonl is a JSON object per training: name, scene, preset, seed, options, seconds,
+device, n (Gaussians), psnr, ssim, moving, static (PSNR in dB), bytes (of the exported Tessera 4D
+file), version, command. psnr, ssim, moving, static and bytes may be null. Trainings are grouped by
+scene and preset; docs/development/results.md describes the result.
+"""
+
+import argparse
+import datetime
+import json
+import pathlib
+import re
+import sys
+
+FIELDS = ("name", "scene", "preset", "seed", "options", "seconds", "device", "n", "psnr", "ssim",
+          "moving", "static", "bytes", "version", "command")
+KEYS = {"psnr": "psnr", "psnr_moving": "moving", "psnr_static": "static", "ssim": "ssim",
+        "seconds": "seconds", "num_gaussians": "n", "shipped_bytes": "bytes"}
+
+
+def read_records(path):
+    """All records; ValueError names the line that is not one."""
+    records = []
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
+        except json.JSONDecodeError as error:
+            raise ValueError(f"{path}:{number}: {error}") from error
+        missing = [field for field in FIELDS if field not in record]
+        if missing:
+            raise ValueError(f"{path}:{number}: has no {', '.join(missing)}")
+        record["scene"] = pathlib.PurePath(record["scene"]).name
+        records.append(record)
+    return records
+
+
+def shared(records, field):
+    """The value that all records have; ValueError where they differ."""
+    values = {json.dumps(record[field], sort_keys=True) for record in records}
+    if len(values) != 1:
+        raise ValueError(f"trainings differ in {field}: {', '.join(sorted(values))}; "
+                         "choose with --scenes and --presets, or write two files")
+    return records[0][field]
+
+
+def command_of(records):
+    """The command of all records, with what differs as words in capitals."""
+    commands = []
+    for record in records:
+        command = record["command"]
+        for option, word in (("--seed", "SEED"), ("--preset", "PRESET"), ("-o", "RUN")):
+            command = re.sub(rf"(?<=\s){option}[ =]\S+", f"{option} {word}", command)
+        scene = re.escape(record["scene"])
+        command = re.sub(rf"(?<!\S)(\S*/)?{scene}/?(?!\S)", "SCENE", command)
+        if command not in commands:
+            commands.append(command)
+    return "; ".join(commands)
+
+
+def row_of(scene, preset, records):
+    """A row of the results file, seeds ascending."""
+    runs = sorted((one for one in records if one["scene"] == scene and one["preset"] == preset),
+                  key=lambda one: one["seed"])
+    if not runs:
+        raise ValueError(f"no training of {scene} with {preset}")
+    seeds = [run["seed"] for run in runs]
+    if len(set(seeds)) != len(seeds):
+        raise ValueError(f"{scene} {preset}: a seed occurs twice: {seeds}")
+    shared(runs, "options")
+    row = {"scene": scene, "preset": preset, "seeds": seeds}
+    for key, field in KEYS.items():
+        values = [run[field] for run in runs]
+        if None in values and any(value is not None for value in values):
+            raise ValueError(f"{scene} {preset}: {field} is null for some seeds only")
+        row[key] = None if None in values else values
+    return row
+
+
+def results(records, name, scenes, presets, commit, date):
+    """The results file as an object."""
+    scenes = scenes or list(dict.fromkeys(record["scene"] for record in records))
+    presets = presets or list(dict.fromkeys(record["preset"] for record in records))
+    chosen = [one for one in records if one["scene"] in scenes and one["preset"] in presets]
+    rows = [row_of(scene, preset, chosen) for scene in scenes for preset in presets]
+    return {"id": name, "version": shared(chosen, "version"), "commit": commit, "date": date,
+            "device": shared(chosen, "device"), "command": command_of(chosen), "rows": rows}
+
+
+def text_of(result):
+    """JSON with a line per row."""
+    head = json.dumps({key: value for key, value in result.items() if key != "rows"},
+                      ensure_ascii=False, indent=1)
+    rows = ",\n  ".join(json.dumps(row, ensure_ascii=False) for row in result["rows"])
+    return head[:-2] + ',\n "rows": [\n  ' + rows + "\n ]\n}\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    words = lambda text: text.split(",")
+    parser.add_argument("records", type=pathlib.Path, metavar="RECORDS.jsonl")
+    parser.add_argument("--id", required=True, help="name of the results file and of its table")
+    parser.add_argument("--scenes", type=words, help="default: all, in the order of the records")
+    parser.add_argument("--presets", type=words, help="default: all, in the order of the records")
+    parser.add_argument("--commit", required=True, help="of the program that trained")
+    parser.add_argument("--date", help="of the trainings; default: when RECORDS.jsonl was written")
+    parser.add_argument("-o", "--out", type=pathlib.Path, required=True, metavar="DIR")
+    arguments = parser.parse_args()
+    try:
+        written = arguments.records.stat().st_mtime
+        date = arguments.date or datetime.date.fromtimestamp(written).isoformat()
+        result = results(read_records(arguments.records), arguments.id, arguments.scenes,
+                         arguments.presets, arguments.commit, date)
+    except (OSError, ValueError) as error:
+        sys.exit(f"measure_results.py: {error}")
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    path = arguments.out / f"{arguments.id}.json"
+    path.write_text(text_of(result), encoding="utf-8")
+    print(path)
+
+
+if __name__ == "__main__":
+    main()

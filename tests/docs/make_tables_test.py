@@ -1,0 +1,145 @@
+"""scripts/make_tables.py and scripts/measure_results.py on a small tree: what is right passes, and
+each planted mistake is reported in one line."""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SCRIPTS = pathlib.Path(__file__).resolve().parent.parent.parent / "scripts"
+BLOCK = "<!-- table: quality_a -->\n<!-- end table -->\n"
+
+
+def row(scene, psnr, seconds):
+    return {"scene": scene, "preset": "fast", "seeds": [1, 2, 3], "psnr": psnr, "ssim": None,
+            "seconds": seconds, "num_gaussians": [46981, 47020, 47010],
+            "shipped_bytes": [5 * 2**20] * 3}
+
+
+RESULT = {"id": "quality_a", "version": "0.1.0", "commit": "abc", "date": "2026-11-24",
+          "device": "a device", "command": "tessera train",
+          "rows": [row("room", [27.1, 27.3, 27.2], [60, 62, 61]),
+                   row("yard", [31.0, 30.0, 32.0], [120, 122, 121])]}
+
+
+class MakeTables(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.root = pathlib.Path(self.folder.name)
+        for name in ("docs", "results"):
+            (self.root / name).mkdir()
+        (self.root / "docs/results.md").write_text("# Results\n\n" + BLOCK)
+        (self.root / "results/quality_a.json").write_text(json.dumps(RESULT))
+        self.text("")
+        self.run_script()
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def text(self, text):
+        (self.root / "README.md").write_text(text)
+
+    def run_script(self, *options):
+        return subprocess.run([sys.executable, SCRIPTS / "make_tables.py", "--root", self.root,
+                               *options], capture_output=True, text=True, check=False)
+
+    def complaints(self, text=""):
+        self.text(text)
+        result = self.run_script("--check")
+        lines = result.stderr.splitlines()
+        self.assertEqual(result.returncode, 1 if lines else 0)
+        return lines
+
+    def test_fills_blocks_with_median_and_range(self):
+        page = (self.root / "docs/results.md").read_text()
+        self.assertIn("| `room` | `fast` | 27.20 (27.10–27.30) | 61.0 (60.0–62.0) |", page)
+        self.assertIn("| 5.00 |", page)
+        self.assertIn("Version 0.1.0 (commit abc), a device, 2026-11-24, seeds 1, 2, 3:", page)
+        self.assertEqual(self.complaints(), [])
+
+    def test_reports_blocks_that_are_wrong(self):
+        page = self.root / "docs/results.md"
+        page.write_text(page.read_text().replace("27.20", "27.21"))
+        self.assertIn("quality_a is stale", self.complaints()[0])
+        page.write_text(BLOCK.replace("_a", "_b"))
+        self.assertIn("results/quality_b.json does not exist", self.complaints()[0])
+        page.write_text(BLOCK.splitlines()[0] + "\n")
+        self.assertIn("has no <!-- end table -->", self.complaints()[0])
+        page.write_text("```\n" + BLOCK + "```\n")
+        self.assertEqual(self.complaints(), [])
+
+    def test_accepts_figures_at_their_printed_precision(self):
+        self.assertEqual(self.complaints("In room 27.2 dB, 27 dB, 61 s, 1.0 min, 5.2 MB.\n"), [])
+        self.assertEqual(self.complaints("In room 47,000 Gaussians, 47,010 Gaussians.\n"), [])
+        self.assertEqual(self.complaints("`--max-bytes 9MB`, ` 9 dB`\n```sh\n9 dB\n```\n"), [])
+        self.assertEqual(self.complaints("8 × 4 pixels, 600 × 600, cam03, 1280x720\n"), [])
+        self.assertEqual(self.complaints("within 9 dB <!-- setting --> of it\n"), [])
+
+    def test_rejects_planted_figures(self):
+        for wrong in ("27.3 dB", "27.20001 dB", "62 s", "6 MB", "46,000 Gaussians", "47,011 Gaussians",
+                      "0.06 million Gaussians", "28.0 dB"):
+            lines = self.complaints(f"# Title\n\nIn room it is {wrong}.\n")
+            self.assertEqual(len(lines), 1, wrong)
+            self.assertTrue(lines[0].startswith(f"README.md:3: {wrong}: "), lines[0])
+        self.assertEqual(len(self.complaints("| room | 31.0 dB |\n| yard | 31.0 dB |\n")), 1)
+
+    def test_sources_settle_ambiguity(self):
+        self.assertIn("room, yard have it; name one", self.complaints("5.0 MiB\n")[0])
+        room = "quality_a room fast"
+        self.assertEqual(self.complaints(f"5.0 MiB <!-- from: {room} shipped_bytes -->\n"), [])
+        self.assertEqual(self.complaints(f"27.3 dB <!-- from: {room} psnr max -->\n"), [])
+        self.assertIn("is 27.2", self.complaints(f"27.3 dB <!-- from: {room} psnr -->\n")[0])
+        self.assertIn("is not in dB", self.complaints(f"61 dB <!-- from: {room} seconds -->\n")[0])
+        self.assertIn("results/ has no", self.complaints("1 s <!-- from: a b c d -->\n")[0])
+
+    def test_ratios_and_differences(self):
+        ratio = "<!-- from: quality_a yard fast seconds / quality_a room fast seconds -->"
+        more = "<!-- from: quality_a yard fast psnr - quality_a room fast psnr -->"
+        self.assertEqual(self.complaints(f"2.0 times as fast {ratio}, 3.8 dB {more} more\n"), [])
+        self.assertIn("is 1.98", self.complaints(f"2.1× {ratio}\n")[0])
+        self.assertIn("a ratio names its source", self.complaints("2× faster\n")[0])
+        self.assertIn("a ratio names its source", self.complaints("2 times smaller\n")[0])
+
+
+class MeasureResults(unittest.TestCase):
+    def record(self, seed, **changes):
+        return {"name": "r", "scene": "DATA/room", "preset": "fast", "seed": seed, "options": [],
+                "seconds": 60 + seed, "device": "a device", "n": 10, "psnr": 27 + seed / 10,
+                "ssim": 0.9, "moving": None, "static": None, "bytes": 100, "version": "0.1.0",
+                "command": f"tessera train DATA/room -o r{seed} --preset fast --seed {seed}",
+                **changes}
+
+    def measure(self, records, *options):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "records.jsonl"
+            path.write_text("\n".join(json.dumps(record) for record in records) + "\n")
+            result = subprocess.run([sys.executable, SCRIPTS / "measure_results.py", path, "--id", "q",
+                                     "--commit", "abc", "-o", folder, *options],
+                                    capture_output=True, text=True, check=False)
+            if result.returncode != 0:
+                return result.stderr
+            return json.loads((pathlib.Path(folder) / "q.json").read_text())
+
+    def test_groups_by_scene_and_preset_with_seeds_ascending(self):
+        result = self.measure([self.record(3), self.record(1), self.record(2),
+                               self.record(1, preset="best")], "--presets", "fast")
+        self.assertEqual(result["command"], "tessera train SCENE -o RUN --preset PRESET --seed SEED")
+        self.assertEqual(result["rows"], [
+            {"scene": "room", "preset": "fast", "seeds": [1, 2, 3], "psnr": [27.1, 27.2, 27.3],
+             "psnr_moving": None, "psnr_static": None, "ssim": [0.9] * 3, "seconds": [61, 62, 63],
+             "num_gaussians": [10] * 3, "shipped_bytes": [100] * 3}])
+
+    def test_refuses_what_does_not_belong_together(self):
+        self.assertIn("a seed occurs twice", self.measure([self.record(1), self.record(1)]))
+        for field in ("version", "device", "options"):
+            self.assertIn(f"differ in {field}",
+                          self.measure([self.record(1), self.record(2, **{field: "other"})]))
+        self.assertIn("no training of yard with fast",
+                      self.measure([self.record(1)], "--scenes", "yard"))
+        self.assertIn(":1: has no name", self.measure([{"scene": "room"}]))
+
+
+if __name__ == "__main__":
+    unittest.main()
