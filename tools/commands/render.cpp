@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
@@ -125,6 +126,16 @@ nlohmann::json write_video(const RenderRequest& request, Renderer& renderer,
   return result;
 }
 
+/// Images of a prepared scene may be small, by --scale, and a video of them comes out no larger.
+void say_small(const PathChoice& path, const Camera& lens) {
+  constexpr int kLarge = 1280;  // pixels of the longer side
+  const int longer = std::max(lens.width, lens.height);
+  if (!path.size.empty() || longer >= kLarge) return;
+  const auto even = [&](int side) { return int(std::lround(0.5 * kLarge * side / longer)) * 2; };
+  say(fmt::format("render: draws {}x{}, the size of the scene's images; --size {}x{} for more",
+                  lens.width, lens.height, even(lens.width), even(lens.height)));
+}
+
 /// What can be said before a model is read.
 void check_request(RenderRequest& request) {
   if (request.mp4 && !video_encoder_available())
@@ -150,11 +161,12 @@ int render(RenderRequest request) {
   ModelInput input = load_model_input(request.model);
   check_output_of_model(request.out, request.model, request.choice.cameras);
   const SceneLock in_use(request.choice.cameras, SceneLock::Use::kRead);
-  for (const std::string& warning : input.warnings) warn(warning);
   replace_background(request.background, input.model);
   const std::vector<NamedView> views = request.path.path.empty()
                                            ? read_views(request.choice, input.model)
-                                           : path_views(request.path, input);
+                                           : path_views(request.path, input, input.warnings);
+  for (const std::string& warning : input.warnings) warn(warning);
+  if (!request.path.path.empty()) say_small(request.path, views.front().view.camera);
   if (request.dynamic_share) input.model = dynamic_set_white(input.model);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   Renderer renderer(*backend, input.model);
