@@ -109,16 +109,15 @@ nlohmann::json encode_views(Renderer& renderer, const std::vector<NamedView>& vi
           {"bytes", std::filesystem::file_size(file)}};
 }
 
+bool is_video_file(const std::filesystem::path& out) {
+  return out.extension() == ".mp4" && !std::filesystem::is_directory(out);
+}
+
 /// OUT is the file itself when it ends in .mp4, else a folder for video.mp4.
 nlohmann::json write_video(const RenderRequest& request, Renderer& renderer,
                            const std::vector<NamedView>& views) {
   const std::filesystem::path out = request.out;
-  if (out.extension() == ".mp4" && !std::filesystem::is_directory(out)) {
-    if (std::filesystem::exists(out) && !request.overwrite)
-      throw InputError(fmt::format("{}: is there already; choose another file or pass --overwrite",
-                                   out.string()));
-    return encode_views(renderer, views, request.path.fps, out);
-  }
+  if (is_video_file(out)) return encode_views(renderer, views, request.path.fps, out);
   OutputFolder folder(out, "render", {"video.mp4"}, request.overwrite);
   nlohmann::json result = encode_views(renderer, views, request.path.fps, folder.path("video.mp4"));
   folder.finish();
@@ -153,6 +152,10 @@ void check_request(RenderRequest& request) {
   if (!request.background.empty()) parse_background(request.background);
   if (const auto time = request.choice.time; time && !(*time >= 0 && *time <= 1))
     throw InputError(fmt::format("render: --time is {}, expected 0 (first) to 1 (last)", *time));
+  if (request.mp4 && is_video_file(request.out) && std::filesystem::exists(request.out) &&
+      !request.overwrite)
+    throw InputError(
+        fmt::format("{}: is there already; choose another file or pass --overwrite", request.out));
 }
 
 int render(RenderRequest request) {
