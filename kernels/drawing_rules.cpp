@@ -4,6 +4,8 @@
 
 #include <cstdio>
 
+#include "kernels/math/depth_order.h"
+
 namespace tessera {
 
 namespace {
@@ -31,6 +33,9 @@ std::string wrong_rule(const DrawingRules& rules) {
   require(rules.near_plane > 0, "near_plane", rules.near_plane, "more than 0");
   require(rules.far_plane > rules.near_plane, "far_plane", rules.far_plane,
           "more than near_plane " + text_of(rules.near_plane));
+  require(rules.far_plane <= rules.near_plane * kDepthRange, "far_plane", rules.far_plane,
+          "at most 2^32 times near_plane " + text_of(rules.near_plane) +
+              ", beyond which depths are not told apart");
   require(rules.truncation_sigma > 0, "truncation_sigma", rules.truncation_sigma, "more than 0");
   require(rules.time_filter >= 0, "time_filter", rules.time_filter, "at least 0");
   return wrong;

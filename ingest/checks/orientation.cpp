@@ -76,6 +76,30 @@ glm::dvec3 common_up(const std::vector<Station>& cameras) {
 
 }  // namespace
 
+namespace {
+
+/// `degrees`: clockwise turn of the images. The filter, unlike the rotation flag, is the same in
+/// all versions of FFmpeg.
+Finding turned_finding(const CameraRoll& roll, size_t upright, size_t all) {
+  const double turn = std::abs(roll.degrees);
+  const bool upside_down = turn > 180 - kAlike;
+  const bool clockwise = roll.degrees > 0;
+  const std::string seen =
+      upside_down ? fmt::format("is upside down against {} of {} cameras", upright, all)
+                  : fmt::format(
+                        "lies on its side against {} of {} cameras, turned {} by {:.0f} "
+                        "degrees",
+                        upright, all, clockwise ? "clockwise" : "anticlockwise", turn);
+  const char* const back = upside_down ? "hflip,vflip" : clockwise ? "transpose=2" : "transpose=1";
+  return {Severity::kWarning, "turned", roll.camera, seen,
+          fmt::format("where that is not how it was mounted, turn its images back (ffmpeg -i IN "
+                      "-vf {} -crf 12 OUT), and with them what --poses states of it, and prepare "
+                      "again",
+                      back)};
+}
+
+}  // namespace
+
 OrientationCheck check_orientation(const Scene& scene) {
   const std::vector<Station> cameras = fixed_cameras(scene);
   OrientationCheck check;
@@ -91,18 +115,7 @@ OrientationCheck check_orientation(const Scene& scene) {
   for (const CameraRoll& roll : check.cameras) {
     const double turn = std::abs(roll.degrees);
     if (!roll.known || turn < kAlike || ++named > kMostNamed) continue;
-    const long quarter = 90 * std::lround(roll.degrees / 90);
-    check.findings.push_back(
-        {Severity::kWarning, "turned", roll.camera,
-         turn > 180 - kAlike
-             ? fmt::format("is upside down against {} of {} cameras", upright, cameras.size())
-             : fmt::format("lies on its side against {} of {} cameras, turned clockwise by {:.0f} "
-                           "degrees",
-                           upright, cameras.size(), roll.degrees),
-         fmt::format("where that is not how it was mounted, turn its images back, e.g. by its "
-                     "video's rotation flag (ffmpeg -display_rotation {} -i IN -c copy OUT), and "
-                     "prepare again",
-                     quarter)});
+    check.findings.push_back(turned_finding(roll, upright, cameras.size()));
   }
   return check;
 }

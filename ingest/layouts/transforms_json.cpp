@@ -11,6 +11,7 @@
 
 #include "ingest/files/input_folder.h"
 #include "ingest/images/image_paths.h"
+#include "ingest/poses/colmap_model.h"
 #include "ingest/poses/transforms_values.h"
 #include "kernels/base/errors.h"
 
@@ -207,13 +208,31 @@ void leave_out_missing(TransformsCapture& capture) {
 
 }  // namespace
 
+namespace {
+
+/// COLMAP's poses beside a transforms file are not read, nor is their protocol of test views.
+void warn_of_unread_model(const std::filesystem::path& folder, TransformsCapture& capture) {
+  const std::filesystem::path model = find_colmap_model(folder);
+  if (model.empty() || is_prepared_scene(folder)) return;
+  capture.warnings.push_back(fmt::format(
+      "{}: read as {}; {} is there, too, and is not read: move the transforms file away to have "
+      "the COLMAP model in its place",
+      folder.string(), capture.files.front().filename().string(),
+      model.lexically_relative(folder).string()));
+}
+
+}  // namespace
+
 TransformsCapture read_transforms(const std::filesystem::path& folder) {
-  return read_files(folder, Images::kRequired);
+  TransformsCapture capture = read_files(folder, Images::kRequired);
+  warn_of_unread_model(folder, capture);
+  return capture;
 }
 
 TransformsCapture read_transforms_capture(const std::filesystem::path& folder) {
   TransformsCapture capture = read_files(folder, Images::kListed);
   leave_out_missing(capture);
+  warn_of_unread_model(folder, capture);
   return capture;
 }
 

@@ -10,6 +10,7 @@
 namespace tessera {
 
 inline constexpr int kDepthKeyBits = 24;
+inline constexpr double kDepthRange = 4294967296;  // times the near plane: 2^32, beyond: one key
 
 /// Ascends with the depth, in world units, of at least the near plane: 32 octaves of 2^19 steps
 /// behind it, so that depths within 2e-6 of each other may share a key, as may those beyond. Splats

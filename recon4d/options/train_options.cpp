@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "kernels/base/errors.h"
+#include "kernels/math/depth_order.h"
 #include "recon4d/options/nearest_name.h"
 
 namespace tessera {
@@ -196,6 +197,11 @@ void validate(const TrainOptions& options) {
   if (options.near_plane >= options.far_plane)
     throw InputError(fmt::format("near_plane {} must be smaller than far_plane {}",
                                  options.near_plane, options.far_plane));
+  if (options.far_plane > options.near_plane * kDepthRange)
+    throw InputError(
+        fmt::format("far_plane {} is more than 2^32 times near_plane {}, beyond which depths are "
+                    "not told apart; pass a larger --near-plane or a smaller --far-plane",
+                    options.far_plane, options.near_plane));
   parse_background(options.background);
   check_truncation(options);
   if (!options.fused_optimizer && options.idle_updates != IdleUpdate::kDense)

@@ -67,6 +67,17 @@ std::string this_program() {
 
 }  // namespace
 
+namespace {
+
+/// The options of ingest without --test-every, where the capture has test views of its own.
+std::vector<std::string> ingest_words_of(const Dataset& dataset, std::vector<std::string> words) {
+  const auto option = std::find(words.begin(), words.end(), "--test-every");
+  if (dataset.has_own_test_views && words.end() - option >= 2) words.erase(option, option + 2);
+  return words;
+}
+
+}  // namespace
+
 json batch_yaml(const BatchConfig& config) {
   refuse_repeats(config.presets, "--preset");
   refuse_repeats(config.budgets, "--budgets");
@@ -79,8 +90,9 @@ json batch_yaml(const BatchConfig& config) {
   const auto deterministic = options.extract("deterministic");
   json scenes = json::array(), presets = json::array();
   for (const Dataset& dataset : config.datasets)
-    scenes.push_back(
-        {{"name", dataset.name}, {"path", dataset.path.string()}, {"ingest", config.ingest}});
+    scenes.push_back({{"name", dataset.name},
+                      {"path", dataset.path.string()},
+                      {"ingest", ingest_words_of(dataset, config.ingest)}});
   for (const std::string& preset : config.presets)
     presets.push_back(options.empty()
                           ? json(preset)

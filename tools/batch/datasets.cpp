@@ -10,6 +10,8 @@
 
 #include "ingest/files/input_folder.h"
 #include "ingest/ingest.h"
+#include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "tools/batch/ingest_batch.h"
 #include "tools/session/output_place.h"
@@ -103,6 +105,28 @@ std::vector<Dataset> find_datasets(const std::vector<std::string>& words, const 
   }
   check_any(datasets);
   return datasets;
+}
+
+bool has_test_views_of_its_own(const fs::path& capture, const IngestOptions& options) {
+  try {
+    switch (layout_of(capture, options)) {
+      case CaptureLayout::kVideos:
+      case CaptureLayout::kN3dv:
+        return videos_in(capture).size() > 1 && options.cameras.size() != 1;
+      case CaptureLayout::kSequences:
+        return options.reading != ImageReading::kMoving && options.cameras.size() != 1;
+      case CaptureLayout::kTransforms: {
+        const std::vector<TransformsFrame> frames = read_transforms_capture(capture).frames;
+        return std::any_of(frames.begin(), frames.end(), [](const TransformsFrame& frame) {
+          return frame.split != Split::kTrain;
+        });
+      }
+      default:
+        return false;
+    }
+  } catch (const InputError&) {
+    return false;  // its preparation says why
+  }
 }
 
 }  // namespace tessera

@@ -5,11 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "ingest/ingest.h"
+
 namespace tessera {
 
 struct Dataset {
-  std::string name;            // of the folder; names the results
-  std::filesystem::path path;  // absolute
+  std::string name;                 // of the folder; names the results
+  std::filesystem::path path;       // absolute
+  bool has_own_test_views = false;  // or is a rig, of which whole cameras are held out
 };
 
 /// In the order of the words, those of a folder or glob by name; a folder that is meant twice is
@@ -18,5 +21,9 @@ struct Dataset {
 /// capture among all, two of one name, a name that cannot be a folder of results.
 std::vector<Dataset> find_datasets(const std::vector<std::string>& words,
                                    const std::filesystem::path& out);
+
+/// Whether --test-every cannot choose the test views of a capture that is read with `options`: a
+/// rig of several cameras, a transforms capture with test frames. False where it cannot be read.
+bool has_test_views_of_its_own(const std::filesystem::path& capture, const IngestOptions& options);
 
 }  // namespace tessera

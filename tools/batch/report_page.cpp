@@ -64,6 +64,18 @@ std::string runs_text(const json& report, const json& scene, const json& label) 
   return text;
 }
 
+bool scored_on_training(const json& scene) {
+  return scene.value("split", "") == "train";
+}
+
+/// PSNR; that of training views says so.
+std::string psnr_cell(const json& scene, const json& metrics) {
+  std::string html = number_cell(metrics, "psnr", "{:.2f}");
+  if (scored_on_training(scene) && metrics.contains("psnr"))
+    html.insert(html.rfind("</td>"), "<br><span class=\"faint\">training views</span>");
+  return html;
+}
+
 std::string results(const json& report) {
   std::string rows;
   for (const json& scene : report["scenes"])
@@ -72,9 +84,8 @@ std::string results(const json& report) {
       rows += "<tr>";
       rows += cell(html_text(std::string(scene["scene"]))) +
               cell(html_text(std::string(point["label"]))) +
-              cell(runs_text(report, scene["scene"], point["label"])) +
-              number_cell(metrics, "psnr", "{:.2f}") + number_cell(metrics, "ssim", "{:.4f}") +
-              number_cell(metrics, "seconds", "{:.1f}") +
+              cell(runs_text(report, scene["scene"], point["label"])) + psnr_cell(scene, metrics) +
+              number_cell(metrics, "ssim", "{:.4f}") + number_cell(metrics, "seconds", "{:.1f}") +
               number_cell(metrics, "num_gaussians", "{:.0f}") +
               number_cell(metrics, "bytes", "{:.2f}", kMiB) +
               number_cell(metrics, "shipped_bytes", "{:.2f}", kMiB) +
@@ -105,9 +116,11 @@ std::string image_cell(const std::string& png, const std::string& words) {
                           data_address("image/png", png)));
 }
 
-std::string views(const ReportImages& images) {
+/// Of the scenes with held-out views, or of those without.
+std::string views(const ReportImages& images, bool training) {
   std::string html;
   for (const auto& [scene, frames] : images.views) {
+    if (frames.empty() || frames.front().training != training) continue;
     html += fmt::format("<h3>{}</h3>\n<div class=\"wide\"><table>\n", html_text(scene));
     for (const ComparedView& view : frames) {
       html += "<tr>";
@@ -118,9 +131,15 @@ std::string views(const ReportImages& images) {
     }
     html += "</table></div>\n";
   }
+  const char* const heading = training ? "Training views" : "Held-out views";
+  return html.empty() ? "" : fmt::format("<h2>{}</h2>\n", heading) + html;
+}
+
+std::string image_notes(const ReportImages& images) {
+  std::string html;
   for (const std::string& note : images.notes)
     html += fmt::format("<p class=\"faint\">{}</p>\n", html_text(note));
-  return html.empty() ? "" : "<h2>Held-out views</h2>\n" + html;
+  return html;
 }
 
 std::string failures(const json& report) {
@@ -178,8 +197,8 @@ std::string report_page(const json& report, const ReportImages& images) {
       (nothing ? "<p><strong>Nothing is done yet.</strong> Run the batch, then make this report "
                  "again.</p>\n"
                : failures(report)) +
-      (report["runs"].empty() ? "" : results(report)) + charts(images) + views(images) +
-      settings(report);
+      (report["runs"].empty() ? "" : results(report)) + charts(images) + views(images, false) +
+      views(images, true) + image_notes(images) + settings(report);
   std::string page = kReportTemplate;
   fill(page, "{{title}}", html_text(std::string(report["title"])));
   fill(page, "{{summary}}", html_text(std::string(report["summary"])));

@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-/// A held-out view of a scene: the truth, and the renders of presets that have one.
+/// A view of a scene that was scored: the truth, and the renders of presets that have one.
 struct ComparedView {
   std::string frame;
   std::string truth;  // PNG bytes
@@ -17,6 +17,7 @@ struct ComparedView {
     double psnr = 0;  // dB, of the whole image
   };
   std::vector<Render> renders;
+  bool training = false;  // of the training split: the scene holds nothing out
 };
 
 struct ReportImages {

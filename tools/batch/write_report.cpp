@@ -41,8 +41,9 @@ void draw_charts(const json& report, const fs::path& folder, ReportImages& image
 
 /// Adds a run's views to those of its scene; the truth is that of the first run with the frame.
 /// Returns the bytes of what was added.
-size_t add_views(std::vector<ComparedView>& views, const std::string& preset,
+size_t add_views(std::vector<ComparedView>& views, const json& run,
                  const std::vector<HeldOutView>& drawn) {
+  const bool training = run.value("split", "") == "train";
   size_t bytes = 0;
   for (const HeldOutView& one : drawn) {
     bytes += one.drawn.size();
@@ -50,10 +51,10 @@ size_t add_views(std::vector<ComparedView>& views, const std::string& preset,
     for (ComparedView& view : views)
       if (view.frame == one.frame) compared = &view;
     if (compared == nullptr) {
-      compared = &views.emplace_back(ComparedView{one.frame, one.truth, {}});
+      compared = &views.emplace_back(ComparedView{one.frame, one.truth, {}, training});
       bytes += one.truth.size();
     }
-    compared->renders.push_back({preset, one.drawn, one.psnr});
+    compared->renders.push_back({run["preset"], one.drawn, one.psnr});
   }
   return bytes;
 }
@@ -74,7 +75,7 @@ void draw_views(const ReportRequest& request, const json& report, ReportImages& 
   size_t bytes = 0;
   for (const json& run : report["runs"]) {
     stop_if_interrupted();
-    bar.update(++done, int64_t(report["runs"].size()), "held-out views");
+    bar.update(++done, int64_t(report["runs"].size()), "views");
     const json which = {run["scene"], run["preset"]};
     if (!run.contains("psnr") || std::find(drawn.begin(), drawn.end(), which) != drawn.end())
       continue;
@@ -82,14 +83,14 @@ void draw_views(const ReportRequest& request, const json& report, ReportImages& 
     if (bytes > kMostPictureBytes) {
       images.notes.push_back(
           fmt::format("Images from {} on are left out, as the page has {} MiB of them; `tessera "
-                      "report --images 0` makes one without any.",
+                      "report --pictures 0` makes one without any.",
                       run["scene"].get<std::string>(), bytes >> 20));
       return;
     }
     try {
       const std::vector<HeldOutView> views =
           held_out_views(*backend, request.out / run["folder"].get<std::string>(), most);
-      bytes += add_views(views_of(images, run["scene"]), run["preset"], views);
+      bytes += add_views(views_of(images, run["scene"]), run, views);
     } catch (const InputError& error) {
       images.notes.push_back(error.what());
     }

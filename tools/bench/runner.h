@@ -1,6 +1,11 @@
 // What: runs are trained, scored and timed, each in its folder; what is done is not done again.
 // Not: which runs (bench/plans.h) or what becomes of their results (bench/report.h).
 #pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
 #include "tools/bench/run.h"
 
 namespace tessera {

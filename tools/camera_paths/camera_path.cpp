@@ -85,6 +85,18 @@ Camera between(const std::vector<Camera>& keys, const KeyPlace& at_key) {
 
 }  // namespace
 
+bool looks_one_way(const std::vector<Camera>& rig, const dvec3& up) {
+  dvec3 sum(0.0);
+  double lengths = 0;
+  for (const Camera& camera : rig) {
+    const dvec3 forward = forward_of(camera);
+    const dvec3 level = forward - up * glm::dot(forward, up);
+    sum += level;
+    lengths += glm::length(level);
+  }
+  return glm::length(sum) > kOneWay * lengths;
+}
+
 OrbitFrame orbit_of_rig(const std::vector<Camera>& rig, const PointCloud& points) {
   const Similarity world_from_level = inverse(normalised_from_source(rig, points));
   OrbitFrame frame;

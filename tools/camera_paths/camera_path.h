@@ -29,6 +29,10 @@ OrbitFrame orbit_of_rig(const std::vector<Camera>& rig, const PointCloud& points
 OrbitFrame orbit_of_box(const glm::dvec3& centre, double half_extent, const glm::dvec3& up,
                         const Camera& lens);
 
+/// Whether the rig's cameras, seen along `up`, look into one half-plane: an orbit goes behind what
+/// they saw.
+bool looks_one_way(const std::vector<Camera>& rig, const glm::dvec3& up);
+
 /// `count` cameras with the lens of `lens` (size, focal lengths, principal point) that look at the
 /// centre, `up` up, evenly once around; the last is one step before the first.
 std::vector<Camera> orbit_path(const OrbitFrame& frame, const Camera& lens, int64_t count);

@@ -110,7 +110,8 @@ std::vector<Camera> orbit_without_rig(const PathChoice& choice, const ModelInput
   return orbit_path(orbit_of_box(centre, box.half_extent, up, lens), lens, count);
 }
 
-std::vector<Camera> curve(const PathChoice& choice, const ModelInput& input, int64_t count) {
+std::vector<Camera> curve(const PathChoice& choice, const ModelInput& input, int64_t count,
+                          std::vector<std::string>& warnings) {
   const std::vector<Camera> rig = rig_of(choice, input);
   const bool orbit = choice.path == kOrbit;
   if (rig.empty() && orbit) return orbit_without_rig(choice, input, count);
@@ -120,8 +121,12 @@ std::vector<Camera> curve(const PathChoice& choice, const ModelInput& input, int
                     input.file.string()));
   const PointCloud points = points_of(input.model);
   const Camera lens = lens_of(choice, rig.front());
-  return orbit ? orbit_path(orbit_of_rig(rig, points), lens, count)
-               : spiral_path(rig, points, lens, count);
+  if (!orbit) return spiral_path(rig, points, lens, count);
+  const OrbitFrame frame = orbit_of_rig(rig, points);
+  if (looks_one_way(rig, frame.up))
+    warnings.push_back(
+        "the rig looks one way; --path orbit shows what no camera saw: use --path spiral");
+  return orbit_path(frame, lens, count);
 }
 
 bool plays(const PathChoice& choice, const GaussianModel& model) {
@@ -202,12 +207,13 @@ void check_path_choice(const PathChoice& choice) {
         fmt::format("render: --path {} has its own cameras; leave --cameras out", choice.path));
 }
 
-std::vector<NamedView> path_views(const PathChoice& choice, const ModelInput& input) {
+std::vector<NamedView> path_views(const PathChoice& choice, const ModelInput& input,
+                                  std::vector<std::string>& warnings) {
   check_path_choice(choice);
   std::vector<View> views;
   if (!has_key_frames(choice)) {
     const double seconds = choice.seconds.value_or(default_seconds(choice, input.model));
-    for (const Camera& camera : curve(choice, input, frame_count(choice, seconds)))
+    for (const Camera& camera : curve(choice, input, frame_count(choice, seconds), warnings))
       views.push_back({camera, played_time(choice, input.model, int64_t(views.size()))});
   } else {
     views = views_through_keys(choice, input);

@@ -34,8 +34,10 @@ void check_path_choice(const PathChoice& choice);
 /// other programs. A file: its poses one by one, or, with `seconds`, a smooth path through them.
 /// Timesteps: `time`; else those of the file, unless a `rate` is given; else the clip at `rate`
 /// (default 1) of its normal speed, over and over.
+/// Warns of an orbit around a rig that looks one way.
 /// Errors: InputError naming the option: no such path, no rig for a spiral, a rig for a file, no
 /// such size, odd sizes for a video, too many frames.
-std::vector<NamedView> path_views(const PathChoice& choice, const ModelInput& input);
+std::vector<NamedView> path_views(const PathChoice& choice, const ModelInput& input,
+                                  std::vector<std::string>& warnings);
 
 }  // namespace tessera

@@ -54,10 +54,18 @@ std::string option_advice(const CLI::App& app, const CLI::App& command, const st
   return fmt::format("; see tessera {} --help", command.get_name());
 }
 
+/// Where the output is asked for by an option, and not given: "write -o OUT, or ".
+std::string output_advice(const CLI::App& command, const std::string& typed) {
+  const CLI::Option* const out = command.get_option_no_throw("--out");
+  if (out == nullptr || out->count() > 0 || typed.empty()) return "";
+  return fmt::format("for the output write -o {}, or ", typed);
+}
+
 std::string unknown_option(const CLI::App& app, const CLI::App& command, const std::string& typed) {
   if (!typed.starts_with('-'))
-    return fmt::format("tessera {}: '{}' is one argument too many; see tessera {} --help",
-                       command.get_name(), typed, command.get_name());
+    return fmt::format("tessera {}: '{}' is one argument too many; {}see tessera {} --help",
+                       command.get_name(), typed, output_advice(command, typed),
+                       command.get_name());
   const std::string name = typed.substr(0, typed.find('='));
   return fmt::format("tessera {}: unknown option '{}'{}", command.get_name(), name,
                      option_advice(app, command, name));

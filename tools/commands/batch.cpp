@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/held_out_cameras.h"
 #include "kernels/base/errors.h"
 #include "tools/batch/batch_config.h"
 #include "tools/batch/batch_folder.h"
@@ -71,13 +72,29 @@ void refuse_settings(const CLI::App& command) {
   }
 }
 
+/// Marks captures to which --test-every does not apply, and names them.
+void pass_over_test_views(const IngestOptions& options, std::vector<Dataset>& datasets) {
+  if (!options.test_every) return;
+  std::vector<std::string> names;
+  for (Dataset& dataset : datasets) {
+    dataset.has_own_test_views = has_test_views_of_its_own(dataset.path, options);
+    if (dataset.has_own_test_views) names.push_back(dataset.name);
+  }
+  if (!names.empty())
+    say(
+        fmt::format("batch: --test-every is passed over for {}: rigs, of which whole cameras are "
+                    "held out, or captures that state their test views; `scenes:` of batch.yaml "
+                    "gives each capture options of its own",
+                    listed_names(names)));
+}
+
 void complete(const CLI::App& command, BatchRequest& request) {
   BatchConfig& config = request.config;
   config.options = request.training.given;
   if (!request.training.ablation.empty()) config.options["ablation"] = request.training.ablation;
   if (!request.checkpoint_every.empty())
     config.options["checkpoint_every"] = request.checkpoint_every;
-  resolve_ingest(request.ingest);  // its errors now
+  pass_over_test_views(resolve_ingest(request.ingest), config.datasets);  // its errors now
   config.ingest = ingest_words(command, request);
   const int64_t jobs = std::max<int64_t>(request.engine.jobs, 1);
   if (command.count("--threads") == 0)

@@ -21,6 +21,10 @@ namespace tessera {
 namespace {
 
 void check_format(const std::string& name) {
+  if (name == "mp4")
+    throw InputError(
+        "export: mp4 is no format of models; for a video: tessera render RUN --path orbit --mp4 "
+        "-o OUT.mp4");
   std::vector<std::string> names;
   for (const TimeFormat& format : time_formats()) names.emplace_back(format.name);
   for (const SplatFormat& format : splat_formats()) names.emplace_back(format.name);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
@@ -108,21 +109,30 @@ nlohmann::json encode_views(Renderer& renderer, const std::vector<NamedView>& vi
           {"bytes", std::filesystem::file_size(file)}};
 }
 
+bool is_video_file(const std::filesystem::path& out) {
+  return out.extension() == ".mp4" && !std::filesystem::is_directory(out);
+}
+
 /// OUT is the file itself when it ends in .mp4, else a folder for video.mp4.
 nlohmann::json write_video(const RenderRequest& request, Renderer& renderer,
                            const std::vector<NamedView>& views) {
   const std::filesystem::path out = request.out;
-  if (out.extension() == ".mp4" && !std::filesystem::is_directory(out)) {
-    if (std::filesystem::exists(out) && !request.overwrite)
-      throw InputError(fmt::format("{}: is there already; choose another file or pass --overwrite",
-                                   out.string()));
-    return encode_views(renderer, views, request.path.fps, out);
-  }
+  if (is_video_file(out)) return encode_views(renderer, views, request.path.fps, out);
   OutputFolder folder(out, "render", {"video.mp4"}, request.overwrite);
   nlohmann::json result = encode_views(renderer, views, request.path.fps, folder.path("video.mp4"));
   folder.finish();
   result["file"] = (out / "video.mp4").string();
   return result;
+}
+
+/// Images of a prepared scene may be small, by --scale, and a video of them comes out no larger.
+void say_small(const PathChoice& path, const Camera& lens) {
+  constexpr int kLarge = 1280;  // pixels of the longer side
+  const int longer = std::max(lens.width, lens.height);
+  if (!path.size.empty() || longer >= kLarge) return;
+  const auto even = [&](int side) { return int(std::lround(0.5 * kLarge * side / longer)) * 2; };
+  say(fmt::format("render: draws {}x{}, the size of the scene's images; --size {}x{} for more",
+                  lens.width, lens.height, even(lens.width), even(lens.height)));
 }
 
 /// What can be said before a model is read.
@@ -142,6 +152,10 @@ void check_request(RenderRequest& request) {
   if (!request.background.empty()) parse_background(request.background);
   if (const auto time = request.choice.time; time && !(*time >= 0 && *time <= 1))
     throw InputError(fmt::format("render: --time is {}, expected 0 (first) to 1 (last)", *time));
+  if (request.mp4 && is_video_file(request.out) && std::filesystem::exists(request.out) &&
+      !request.overwrite)
+    throw InputError(
+        fmt::format("{}: is there already; choose another file or pass --overwrite", request.out));
 }
 
 int render(RenderRequest request) {
@@ -150,11 +164,12 @@ int render(RenderRequest request) {
   ModelInput input = load_model_input(request.model);
   check_output_of_model(request.out, request.model, request.choice.cameras);
   const SceneLock in_use(request.choice.cameras, SceneLock::Use::kRead);
-  for (const std::string& warning : input.warnings) warn(warning);
   replace_background(request.background, input.model);
   const std::vector<NamedView> views = request.path.path.empty()
                                            ? read_views(request.choice, input.model)
-                                           : path_views(request.path, input);
+                                           : path_views(request.path, input, input.warnings);
+  for (const std::string& warning : input.warnings) warn(warning);
+  if (!request.path.path.empty()) say_small(request.path, views.front().view.camera);
   if (request.dynamic_share) input.model = dynamic_set_white(input.model);
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   Renderer renderer(*backend, input.model);

@@ -76,6 +76,7 @@ class Runner {
     ingest();
     const SceneLock in_use(scene_, SceneLock::Use::kRead);
     options_ = resolve_options(request_.training, scene_);
+    if (const std::string note = page_bytes_note(options_.max_bytes); !note.empty()) say(note);
     return train() && evaluate_model() && export_frames() && write_player();
   }
 

@@ -14,19 +14,29 @@
 #include "tools/cli/train_arguments.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/export/in_time.h"
+#include "tools/export/player_files.h"
 #include "tools/session/output_place.h"
+#include "tools/session/run_folder.h"
 #include "tools/session/time_limit.h"
 #include "tools/session/train_session.h"
 
 namespace tessera {
 namespace {
 
+/// The last line of a training that left before its end; "" for one that has ended.
+std::string stopped_text(const TrainRequest& request, const nlohmann::json& result) {
+  if (result["finished"].get<bool>()) return "";
+  return fmt::format("\nstopped after {} of {} steps; resume with: tessera train {} -o {} --resume",
+                     result["iterations"].get<int64_t>(), result["total_iterations"].get<int64_t>(),
+                     request.scene.string(), request.run.string());
+}
+
 /// The exit code.
 int train_and_report(const TrainRequest& request, bool as_json) {
   try {
     TrainingTerminal terminal;
     const nlohmann::json result = train_session(request, terminal);
-    print_result(as_json, result, training_text(result));
+    print_result(as_json, result, training_text(result) + stopped_text(request, result));
     if (interrupted()) return stop_code();
     return result["left"].get<bool>() ? kExitNotFinished : kExitDone;
   } catch (const CheckpointRefused& error) {
@@ -74,11 +84,14 @@ void add_train_command(CLI::App& app, Work& work) {
       request.checkpoint_every = arguments.checkpoint_every;
       request.shipped_bytes = shipped_bytes_of(request.run.string());
       if (parsed->stop_after > 0) request.stop_after = parsed->stop_after;
-      if (request.resume &&
+      // without a checkpoint the session refuses, which is the better advice
+      if (request.resume && std::filesystem::exists(RunFolder{request.run}.checkpoint()) &&
           (!arguments.given.empty() || !arguments.config.empty() || !arguments.ablation.empty()))
         throw InputError(
             "--resume goes on with the options of the checkpoint; drop the training options or "
             "start a new run folder");
+      if (const std::string note = page_bytes_note(request.options.max_bytes); !note.empty())
+        say(note);
       return train_and_report(request, parsed->json);
     };
   });

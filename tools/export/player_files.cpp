@@ -32,4 +32,11 @@ void check_page_plays(const SplatFormat& format) {
       "compressed, spz or splat");
 }
 
+std::string page_bytes_note(int64_t max_bytes) {
+  if (max_bytes == 0 || !carries_player_page()) return "";
+  return fmt::format(
+      "--max-bytes counts the 4D file; a page that is exported of it adds {:.1f} MB of player",
+      double(player_page().size()) / 1e6);
+}
+
 }  // namespace tessera

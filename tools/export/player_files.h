@@ -1,6 +1,7 @@
 // What: the player's page as files: beside what it plays, or with it inside.
 // Not: the page itself (tools/player).
 #pragma once
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -16,5 +17,8 @@ std::string page_of_folder();
 std::string page_with(std::string_view tessera4d);
 /// Errors: InputError: frames that the page cannot read.
 void check_page_plays(const SplatFormat& format);
+
+/// What a limit in bytes does not count: "" without a limit, and of a build without the page.
+std::string page_bytes_note(int64_t max_bytes);
 
 }  // namespace tessera

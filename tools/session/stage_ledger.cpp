@@ -55,17 +55,31 @@ std::string key_of(const nlohmann::json& inputs) {
   return hash.hex();
 }
 
+namespace {
+
+/// Goes into folders that links name, as the readers of captures do; `open`: the folders that `at`
+/// lies in, none of which is entered again.
+void add_files(const fs::path& at, std::vector<fs::path>& open, std::vector<fs::path>& files) {
+  std::error_code error;
+  if (fs::is_regular_file(at, error)) files.push_back(at);
+  if (!fs::is_directory(at, error)) return;
+  const fs::path real = fs::canonical(at, error);
+  if (error || std::find(open.begin(), open.end(), real) != open.end()) return;
+  open.push_back(real);
+  for (fs::directory_iterator it(at, error), end; !error && it != end; it.increment(error))
+    add_files(it->path(), open, files);
+  open.pop_back();
+}
+
+}  // namespace
+
 nlohmann::json file_stamps(const fs::path& path) {
   std::vector<std::string> stamps;
-  const auto add = [&](const fs::path& file) {
+  std::vector<fs::path> open, files;
+  add_files(path, open, files);
+  for (const fs::path& file : files)
     stamps.push_back(fmt::format("{} {} {}", file.string(), fs::file_size(file),
                                  fs::last_write_time(file).time_since_epoch().count()));
-  };
-  std::error_code error;
-  if (fs::is_regular_file(path)) add(path);
-  for (fs::recursive_directory_iterator it(path, error), end; !error && it != end;
-       it.increment(error))
-    if (it->is_regular_file(error)) add(it->path());
   std::sort(stamps.begin(), stamps.end());
   return stamps;
 }

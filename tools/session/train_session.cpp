@@ -384,6 +384,7 @@ class Session {
     const GaussianModel& shipped = model();
     json result = {{"seconds", state.seconds},
                    {"iterations", state.iteration},
+                   {"total_iterations", options_.iterations},
                    {"finished", ended() && !left_},
                    {"left", left_},
                    {"num_gaussians", shipped.count()},

@@ -36,23 +36,31 @@ std::string scene_fingerprint(const Scene& scene) {
 }  // namespace
 
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run) {
+  const std::string root = run.root.string();
   if (!run.exists()) {
     if (request.resume)
-      throw InputError(
-          fmt::format("{}: nothing to resume: it has no config.json", run.root.string()));
+      throw InputError(fmt::format("{}: nothing to resume: it has no config.json", root));
     return std::nullopt;
   }
-  if (request.resume && std::filesystem::exists(run.checkpoint()))
-    return load_checkpoint(run.checkpoint());
-  if (request.resume && std::filesystem::exists(run.model()))
-    throw InputError(fmt::format(
-        "{}: has a model and no checkpoint.ckpt to go on from; pass --overwrite to train "
-        "it anew",
-        run.root.string()));
-  if (!request.resume && !request.overwrite)
+  const bool has_checkpoint = std::filesystem::exists(run.checkpoint());
+  const bool has_model = std::filesystem::exists(run.model());
+  if (request.resume) {
+    if (has_checkpoint) return load_checkpoint(run.checkpoint());
+    if (has_model)
+      throw InputError(fmt::format(
+          "{}: has a model and no checkpoint.ckpt to go on from; pass --overwrite to train it anew",
+          root));
+    throw InputError(
+        fmt::format("{}: no checkpoint yet; give the first command again, without --resume", root));
+  }
+  // a training that ended before its first checkpoint has left nothing to lose
+  const auto only_begun = [&] {
+    return !has_checkpoint && !has_model && run.read_config().contains("options");
+  };
+  if (!request.overwrite && !only_begun())
     throw InputError(fmt::format(
         "{}: holds a run already; pass --resume to go on with it or --overwrite to replace it",
-        run.root.string()));
+        root));
   return std::nullopt;
 }
 

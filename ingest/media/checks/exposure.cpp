@@ -89,10 +89,25 @@ void judge_whole_images(const MatchedStations& matched, ExposureCheck& check) {
   }
 }
 
+/// Gains of the cameras that have one, against the median by channel: one dark camera moves the
+/// mean, by which all others would look bright.
+void compare_with_median(std::vector<CameraGain>& gains) {
+  for (size_t k = 0; k < 3; ++k) {
+    std::vector<double> known;
+    for (const CameraGain& camera : gains)
+      if (camera.pairs >= kLeastPairs) known.push_back(camera.gain[k]);
+    if (known.empty()) return;
+    const double usual = median(std::move(known));
+    for (CameraGain& camera : gains)
+      if (camera.pairs >= kLeastPairs) camera.gain[k] /= usual;
+  }
+}
+
 }  // namespace
 
 ExposureCheck check_exposure(const MatchedStations& matched) {
   ExposureCheck check{fit_exposure(matched), {}};
+  compare_with_median(check.gains);
   std::vector<std::pair<double, size_t>> worst;
   size_t known = 0;
   for (size_t c = 0; c < check.gains.size(); ++c) {
@@ -106,7 +121,8 @@ ExposureCheck check_exposure(const MatchedStations& matched) {
     const CameraGain& camera = check.gains[worst[i].second];
     if (-worst[i].first < kVisible || matched.moving_camera) break;
     check.findings.push_back({Severity::kWarning, "exposure", camera.camera,
-                              fmt::format("records {:.3f} {:.3f} {:.3f} (R G B) of the mean camera",
+                              fmt::format("records {:.3f} {:.3f} {:.3f} (R G B) of the median "
+                                          "camera",
                                           camera.gain[0], camera.gain[1], camera.gain[2]),
                               "prepare with --fit-exposure"});
   }

@@ -12,6 +12,7 @@ extern "C" {
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string>
 
 namespace tessera {
 namespace {
@@ -46,7 +47,11 @@ class SoundTrack {
 bool SoundTrack::open(const std::filesystem::path& path) {
   av_log_set_level(AV_LOG_QUIET);
   AVFormatContext* opened = nullptr;
-  const int error = avformat_open_input(&opened, path.c_str(), nullptr, nullptr);
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "protocol_whitelist", "file", 0);  // a playlist must not reach the network
+  const std::string url = "file:" + path.string();         // else "a:b.mp4" names a protocol
+  const int error = avformat_open_input(&opened, url.c_str(), nullptr, &options);
+  av_dict_free(&options);
   format_.reset(opened);
   if (error < 0 || avformat_find_stream_info(opened, nullptr) < 0) return false;
   const AVCodec* decoder = nullptr;

@@ -145,6 +145,20 @@ TEST(FeatureChecks, GainsOfImages) {
   }
 }
 
+// Bug put back: gains against the mean, which one dark camera drags; seen to fail.
+TEST(FeatureChecks, OneDarkCameraAccusesNoOther) {
+  Scene scene = textured_rig();
+  for (Frame& frame : scene.frames)
+    if (frame.camera_name == "cam3")
+      for (uint8_t& value : frame.image.data) value = uint8_t(std::lround(0.6 * value));
+  const ExposureCheck check = check_exposure(match_stations(scene));
+  std::vector<std::string> named;
+  for (const Finding& finding : check.findings)
+    if (finding.severity == Severity::kWarning) named.push_back(finding.camera);
+  EXPECT_EQ(named, std::vector<std::string>{"cam3"});
+  EXPECT_NEAR(check.gains[3].gain[1], 0.6, 0.02);
+}
+
 // Cameras that see other things than the rest: cam2 as bright as the rest, cam5 a stop darker. Bug
 // put back: cameras without matches only counted; seen to fail.
 TEST(FeatureChecks, ExposureWithoutSharedFeatures) {

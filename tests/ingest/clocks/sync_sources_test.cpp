@@ -6,6 +6,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "ingest/media/clocks/sound_reader.h"
 #include "ingest/media/clocks/stated_offsets.h"
 #include "ingest/media/clocks/sync_audio.h"
 #include "kernels/base/errors.h"
@@ -139,6 +140,31 @@ TEST(SoundDelays, HumAndStrangersAreNotConfident) {
   const auto delays = sound_delays({noise(0, 1), noise(0, 2), hum(0), hum(1)});
   EXPECT_LT(delays[0].confidence, 1.5);
   EXPECT_LT(delays[5].confidence, 1.5);
+}
+
+/// A quarter of a second of silence, 8000 samples a second of 16 bits.
+std::string wave_file() {
+  constexpr uint32_t kBytes = 4000;
+  const auto number = [](uint64_t value, int bytes) {
+    std::string text;
+    for (int i = 0; i < bytes; ++i) text += char(value >> (8 * i) & 255);
+    return text;
+  };
+  return "RIFF" + number(36 + kBytes, 4) + "WAVEfmt " + number(16, 4) + number(1, 2) +
+         number(1, 2) + number(8000, 4) + number(16000, 4) + number(2, 2) + number(16, 2) + "data" +
+         number(kBytes, 4) + std::string(kBytes, 0);
+}
+
+// Bug put back: the name taken for an address; seen to fail.
+TEST(SoundReader, TakesNamesForFilesAlone) {
+  const ScratchFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  write("a:b.wav", wave_file());
+  const auto sound = read_sound("a:b.wav", 8000, 1);
+  std::filesystem::current_path(before);
+  ASSERT_TRUE(sound);
+  EXPECT_EQ(sound->samples.size(), 2000u);
 }
 
 }  // namespace

@@ -64,6 +64,8 @@ TEST(DrawnAsTrained, FilesWithoutARuleOrWithAWrongOneAreRefused) {
   }
   const auto path = model.with("comment far_plane 123.456", "comment far_plane 0.05");
   expect_input_error([&] { load_model(path); }, {"far_plane", "more than near_plane"});
+  model.with("comment far_plane 123.456", "comment far_plane 1e12");
+  expect_input_error([&] { load_model(path); }, {"far_plane", "at most 2^32 times near_plane"});
   model.with("comment sh_degree 3", "comment sh_degree 4");
   expect_input_error([&] { load_model(path); }, {"sh_degree", "0 to 3"});
   model.with("comment sh_degree 3", "comment sh_degree 2.5");

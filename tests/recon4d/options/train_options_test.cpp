@@ -196,6 +196,14 @@ TEST(TrainOptions, ValidateLooksAtPairs) {
   TrainOptions options;
   options.near_plane = 200;
   expect_says(refusal([&] { validate(options); }), {"near_plane 200", "far_plane 100"});
+  // Bug put back: any far plane; seen to fail.
+  options = {};
+  options.near_plane = 1e-6;
+  options.far_plane = 1e4;
+  expect_says(refusal([&] { validate(options); }),
+              {"far_plane 10000", "2^32 times near_plane 1e-06", "--near-plane"});
+  options.far_plane = 4000;
+  validate(options);
   options = {};
   options.background = "purple";
   expect_says(refusal([&] { validate(options); }), {"'purple'", "black, white or r,g,b"});

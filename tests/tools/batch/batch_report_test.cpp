@@ -38,11 +38,11 @@ class BatchReport : public ::testing::Test {
     write_text_file(folder / file, content.dump());
   }
   void finish(const std::string& scene, const std::string& preset, int seed, double psnr,
-              double seconds) const {
+              double seconds, const char* split = "test") const {
     const std::string run = "runs/" + scene + "/" + preset + "/seed-" + std::to_string(seed);
     write(run + "/metrics.json", {{"psnr", psnr},
                                   {"ssim", 0.9},
-                                  {"split", "test"},
+                                  {"split", split},
                                   {"num_gaussians", 1000},
                                   {"bytes", 1 << 20}});
     write(run + "/train.json", {{"seconds", seconds}, {"iterations", 100}});
@@ -87,6 +87,22 @@ TEST_F(BatchReport, HasMediansOverSeeds) {
   const std::string html = page();
   EXPECT_NE(html.find("21.00<br><span class=\"faint\">20.00 to 22.00</span>"), std::string::npos);
   EXPECT_NE(csv_of(all["scenes"]).find("room,test,fast,100,2,21.0,20.0,22.0"), std::string::npos);
+}
+
+// A scene that holds nothing out. Bugs put back, each seen to fail: one heading for all views; its
+// PSNR without a word.
+TEST_F(BatchReport, TellsTrainingViewsFromHeldOutOnes) {
+  EXPECT_EQ(page().find("raining views</span>"), std::string::npos);
+  finish("solo", "fast", 1, 40, 2, "train");
+  ReportImages images;
+  images.views = {{"room", {{"a", "", {}, false}}}, {"solo", {{"b", "", {}, true}}}};
+  const std::string html = report_page(report(), images);
+  const size_t held_out = html.find("<h2>Held-out views</h2>\n<h3>room</h3>");
+  const size_t training = html.find("<h2>Training views</h2>\n<h3>solo</h3>");
+  EXPECT_NE(held_out, std::string::npos) << html;
+  EXPECT_NE(training, std::string::npos) << html;
+  EXPECT_NE(html.find("40.00<br><span class=\"faint\">training views</span></td>"),
+            std::string::npos);
 }
 
 // Bug put back: a failure of a whole scene matched by its empty preset alone; seen to fail.

@@ -156,6 +156,26 @@ TEST_F(CliPath, WithoutFfmpegVideoIsRefused) {
 }
 #endif
 
+// The rig is one camera of 32 × 32. Bugs put back, each seen to fail: neither
+// line.
+TEST_F(CliPath, SaysWhatAnOrbitCannotShowAndHowLargeItIs) {
+  const std::string one_way = "the rig looks one way", small = "render: draws 32x32";
+  const auto said = [&](const std::vector<std::string>& more) {
+    const ChildResult result = work.run(arguments("out", more));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  const std::string cameras = work.at("capture/transforms_test.json");
+  const std::string orbit =
+      said({"--path", "orbit", "--seconds", "0.1", "--cameras", cameras, "--overwrite"});
+  EXPECT_NE(orbit.find(one_way), std::string::npos) << orbit;
+  EXPECT_NE(orbit.find("--path spiral"), std::string::npos) << orbit;
+  EXPECT_NE(orbit.find(small), std::string::npos) << orbit;
+  EXPECT_NE(orbit.find("--size 1280x1280 for more"), std::string::npos) << orbit;
+  const std::string sized = said({"--path", "orbit", "--seconds", "0.1", "--size", "16x16"});
+  EXPECT_EQ(sized.find("render: draws"), std::string::npos) << sized;
+}
+
 // Seen to fail with check_path, frame_count and parse_size returning at once.
 TEST_F(CliPath, WhatCannotBeIsRefused) {
   const std::string keys = work.at("capture/transforms_test.json");

@@ -70,7 +70,8 @@ TEST_F(CliResume, SameSeedSameBytes) {
   EXPECT_NE(work.read("one/model.ply"), work.read("other/model.ply"));
 }
 
-// Seen to fail with SIGINT left to its default, which ends the program at once.
+// Seen to fail with SIGINT left to its default, which ends the program at once, and without the
+// last line.
 TEST_F(CliResume, CtrlCLeavesACheckpointThatGoesOn) {
   ChildProcess training(work.train_arguments("run", {"--iterations", "1000000"}), work.path());
   ASSERT_TRUE(training.wait_until([&] { return fs::exists(work / "run/log.jsonl"); }));
@@ -80,6 +81,10 @@ TEST_F(CliResume, CtrlCLeavesACheckpointThatGoesOn) {
   EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
   const int64_t steps =
       work.run_json({"info", work.at("run/checkpoint.ckpt")})["iteration"].get<int64_t>();
+  const std::string last = "stopped after " + std::to_string(steps) +
+                           " of 1000000 steps; resume with: tessera train " + work.at("capture") +
+                           " -o " + work.at("run") + " --resume\n";
+  EXPECT_TRUE(stopped.out.ends_with(last)) << stopped.out;
   const ChildResult resumed = resume("run", {"--stop-after", "3"});
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_EQ(work.run_json({"info", work.at("run/checkpoint.ckpt")})["iteration"], steps + 3);
@@ -170,6 +175,31 @@ TEST_F(CliResume, LeftoversOfAKilledProgramGo) {
   work.write("run/.checkpoint.ckpt.1234567-0.partial", "half of it");
   ASSERT_EQ(resume("run").exit_code, 0);
   EXPECT_FALSE(fs::exists(work / "run/.checkpoint.ckpt.1234567-0.partial"));
+}
+
+// What a kill or a full disk before the first checkpoint leaves is no run. Bugs put back: a folder
+// with config.json alone is a run; --resume without a checkpoint starts another training; a
+// config.json of other programs is ours; each seen to fail.
+TEST_F(CliResume, WithoutACheckpointTheFirstCommandBeginsAnew) {
+  ASSERT_EQ(train("whole", {"--seed", "7"}).exit_code, 0);
+  ASSERT_EQ(train("run", {"--seed", "7", "--stop-after", "1"}).exit_code, 0);
+  fs::remove(work / "run/checkpoint.ckpt");
+  fs::remove(work / "run/model.ply");
+  const std::string config = work.read("run/config.json");
+  std::vector<std::string> arguments{"train", work.at("capture"), "-o", work.at("run"), "--resume"};
+  const std::vector<std::string> advice{"run: no checkpoint yet; give the first command again"};
+  work.expect_refused(arguments, advice);
+  arguments.insert(arguments.end(), {"--seed", "7"});
+  work.expect_refused(arguments, advice);
+  EXPECT_EQ(work.read("run/config.json"), config);
+  const ChildResult again = train("run", {"--seed", "7"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(work.read("run/model.ply"), work.read("whole/model.ply"));
+  work.expect_refused(work.train_arguments("run"), {"holds a run already"});
+
+  fs::create_directory(work / "other");
+  work.write("other/config.json", "{\"name\": \"of another program\"}");
+  work.expect_refused(work.train_arguments("other"), {"holds a run already"});
 }
 
 // Bug put back: the old run removed before the scene is read; seen to fail.
