@@ -10,6 +10,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/option_help.h"
+#include "tools/cli/suffixes.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/usage_message.h"
 #include "tools/session/version.h"
@@ -70,6 +71,7 @@ int tessera_main(int argc, char** argv) {
   add_env_command(app, work);
   add_reference_command(app, work);
   add_help_commands(app, work);
+  accept_suffixes(app);
   try {
     app.parse(joined_switches({argv + 1, argv + argc}));
   } catch (const CLI::ParseError& error) {

@@ -4,50 +4,20 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "kernels/base/errors.h"
+#include "recon4d/options/quantity.h"
 
 namespace tessera {
-namespace {
-
-double seconds_of_unit(char unit) {
-  switch (unit) {
-    case 'h':
-      return 3600;
-    case 'm':
-      return 60;
-    case 's':
-      return 1;
-    default:
-      return 0;
-  }
-}
-
-}  // namespace
 
 double parse_duration(const std::string& text) {
-  const auto refuse = [&] {
-    return InputError(fmt::format(
-        "'{}' is no duration; pass seconds above 0 (7200) or hours, minutes and seconds (1h30m)",
-        text));
-  };
-  double sum = 0;
-  const char *cursor = text.data(), *const end = cursor + text.size();
-  while (cursor != end) {
-    double number = 0;
-    const auto [after, error] = std::from_chars(cursor, end, number, std::chars_format::fixed);
-    if (error != std::errc()) throw refuse();
-    const bool bare = after == end && cursor == text.data();
-    const double unit = bare ? 1 : after == end ? 0 : seconds_of_unit(*after);
-    if (!(unit > 0) || !(number >= 0) || !std::isfinite(number)) throw refuse();
-    sum += number * unit;
-    cursor = bare ? after : after + 1;
-  }
-  if (!(sum > 0)) throw refuse();
-  return sum;
+  const std::optional<double> seconds = parse_quantity(text, Unit::kSeconds);
+  if (!seconds || !(*seconds > 0))
+    throw InputError(
+        fmt::format("'{}' is no duration; pass {}", text, quantity_example(Unit::kSeconds)));
+  return *seconds;
 }
 
 Stopwatch running_stopwatch() {

@@ -1,0 +1,49 @@
+// Suffixes are resolved before CLI11 reads the number; what is no such number is left to its message.
+#include "tools/cli/suffixes.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "recon4d/options/quantity.h"
+
+namespace tessera {
+namespace {
+
+bool is_time(const CLI::Option& option) {
+  return option.check_lname("start") || option.check_lname("duration") ||
+         option.check_lname("seconds");
+}
+
+/// The number that a text with a suffix states, as text; unchanged otherwise.
+std::string plain_number(const std::string& text, Unit unit) {
+  if (text.ends_with('%')) {
+    const auto percent = parse_quantity(text.substr(0, text.size() - 1), Unit::kNone);
+    return percent ? fmt::format("{}", *percent / 100) : text;
+  }
+  const auto number = parse_quantity(text, unit);
+  return number ? fmt::format("{}", *number) : text;
+}
+
+std::string whole_number(const std::string& text) {
+  const auto number = parse_quantity(text, Unit::kCount);
+  const bool is_whole = number && *number == std::floor(*number) && std::abs(*number) < 1e15;
+  return is_whole ? fmt::format("{:.0f}", *number) : text;
+}
+
+}  // namespace
+
+void accept_suffixes(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands({}))
+    for (CLI::Option* option : command->get_options()) {
+      const std::string type = option->get_type_name();
+      const bool is_whole = type.starts_with("INT") || type.starts_with("UINT");
+      if (!is_whole && !type.starts_with("FLOAT")) continue;
+      const Unit unit = is_time(*option) ? Unit::kSeconds : Unit::kNone;
+      option->transform([is_whole, unit](std::string text) {
+        return is_whole ? whole_number(text) : plain_number(text, unit);
+      });
+    }
+}
+
+}  // namespace tessera
