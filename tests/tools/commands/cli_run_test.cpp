@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/tools/commands/cli_workspace.h"
 #include "tools/player/player_page.h"
@@ -133,14 +134,20 @@ TEST_F(CliRun, EndsWithScoresPlacesAndWhatToTypeNext) {
 
 // Bug put back: a number's JSON text is cut after five characters; seen to fail.
 TEST_F(CliRun, TrainRoundsThePsnrThatItPrints) {
-  const ChildResult result = work.train("run", {"--json"});
+  const ChildResult result = work.train("run", {"--evaluate-every", "1"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  const nlohmann::json splits = nlohmann::json::parse(result.out)["scores"]["splits"];
-  for (const auto& [split, words] : {std::pair{"test", "test views"}, {"val", "validation views"}})
-    EXPECT_NE(result.err.find(fmt::format("step 20: {}: PSNR {:.2f} dB, ", words,
-                                          splits[split]["psnr"].get<double>())),
-              std::string::npos)
-        << result.err;
+  std::istringstream log(work.read("run/log.jsonl"));
+  int lines = 0;
+  for (std::string line; std::getline(log, line);) {
+    const nlohmann::json event = nlohmann::json::parse(line);
+    if (event["event"] != "evaluation") continue;
+    const std::string said =
+        fmt::format("step {}: test views: PSNR {:.2f} dB, ", event["iteration"].get<int64_t>(),
+                    event["splits"]["test"]["psnr"].get<double>());
+    EXPECT_NE(result.err.find(said), std::string::npos) << result.err << "lacks " << said;
+    ++lines;
+  }
+  EXPECT_EQ(lines, 20);
 }
 
 // Bug put back: a begun stage starts over instead of resuming; seen to fail.
