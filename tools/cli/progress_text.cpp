@@ -1,4 +1,5 @@
-// Counts, share, a bar and the time that is left at the speed so far.
+// What: Counts, share, a bar and the time that is left at the speed so far.
+// Not: a guess of a total.
 #include "tools/cli/progress_text.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// How far a stage of known or unknown length has come, in words and as a bar. terminal.h decides
-// when it is drawn.
+// What: How far a stage of known or unknown length has come, in words and as a bar.
+// Not: when it is drawn (terminal.h).
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,4 +1,5 @@
-// Lines and bars on stderr. Not thread-safe: commands report from one thread.
+// What: Lines and bars on stderr.
+// Not: thread-safe: commands report from one thread.
 #include "tools/cli/terminal.h"
 
 #include <fmt/format.h>

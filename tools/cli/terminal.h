@@ -1,5 +1,6 @@
-// What a user sees on stderr: messages, and a progress bar with the time left on a terminal or a
-// plain line now and then otherwise. Results go to stdout (print_result).
+// What: What a user sees on stderr: messages, and a progress bar with the time left on a terminal
+// or a plain line now and then otherwise.
+// Not: results: they go to stdout (print_result).
 #pragma once
 #include <chrono>
 #include <cstdint>

@@ -1,4 +1,5 @@
-// Sets the verbosity of the terminal while the command line is parsed, before any work.
+// What: Sets the verbosity of the terminal while the command line is parsed, before any work.
+// Not: flags of the program itself, before the command.
 #include "tools/cli/verbosity.h"
 
 #include "tools/cli/terminal.h"

@@ -1,4 +1,5 @@
-// The two flags that every command has: --quiet and --verbose.
+// What: The two flags that every command has: --quiet and --verbose.
+// Not: what they leave out or add (terminal.h, and the commands).
 #pragma once
 #include <CLI/CLI.hpp>
 

@@ -1,5 +1,5 @@
-// `tessera run`: ingest → train → evaluate → export → page in one folder. This file has its
-// options; run_stages.h has its work.
+// What: `tessera run`: ingest → train → evaluate → export → page in one folder; its options.
+// Not: the stages (run_stages.h).
 #include <fmt/format.h>
 
 #include <memory>

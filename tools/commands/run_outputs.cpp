@@ -1,4 +1,5 @@
-// Writes the PLY frames and the player page of a run, in the world of its capture.
+// What: Writes the PLY frames and the player page of a run, in the world of its capture.
+// Not: the formats (static3d, tools/export).
 #include "tools/commands/run_outputs.h"
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,5 @@
-// The files that `tessera run` makes of its model: PLY frames and the player page.
+// What: The files that `tessera run` makes of its model: PLY frames and the player page.
+// Not: when they are made (run_stages.h).
 #pragma once
 #include <cstdint>
 #include <filesystem>

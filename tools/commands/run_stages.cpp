@@ -1,5 +1,6 @@
-// Stage by stage; each has the key of the one before in its own, so that a change runs down the
-// chain.
+// What: Stage by stage; each has the key of the one before in its own, so that a change runs down
+// the chain.
+// Not: the files of the last two stages (run_outputs.h).
 #include "tools/commands/run_stages.h"
 
 #include <fmt/format.h>

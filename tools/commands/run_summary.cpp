@@ -1,4 +1,5 @@
-// The summary of a run as text, from its JSON object.
+// What: The summary of a run as text, from its JSON object.
+// Not: the scores in words (tools/session/held_out_scores.h).
 #include "tools/commands/run_summary.h"
 
 #include <fmt/format.h>
@@ -18,8 +19,8 @@ using nlohmann::json;
 /// With its later lines below the first one's text.
 std::string row(const std::string& name, std::string text) {
   constexpr int kWidth = 11;
-  for (size_t at = text.find('\n'); at != std::string::npos; at = text.find('\n', at + 1))
-    text.insert(at + 1, kWidth, ' ');
+  for (size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end + 1))
+    text.insert(end + 1, kWidth, ' ');
   return fmt::format("{:<{}}{}\n", name, kWidth, text);
 }
 

@@ -1,4 +1,5 @@
-// What `tessera run` prints in the end.
+// What: What `tessera run` prints on stdout in the end.
+// Not: messages during the run (run_stages.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

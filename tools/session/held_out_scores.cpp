@@ -1,4 +1,6 @@
-// Evaluates split by split, joins the scores in one object and describes them in a few lines.
+// What: Evaluates split by split, joins the scores in one object and describes them in a few
+// lines.
+// Not: printing.
 #include "tools/session/held_out_scores.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,6 @@
-// The scores of a model on the held-out splits of a scene, as the JSON and the text that
-// `evaluate`, `train` and `run` share. The metrics are those of recon4d/evaluation/evaluate.h.
+// What: The scores of a model on the held-out splits of a scene, as the JSON and the text that
+// `evaluate`, `train` and `run` share.
+// Not: the metrics (recon4d/evaluation/evaluate.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

@@ -1,4 +1,5 @@
-// What messages and bars write to a terminal: a pseudo-terminal stands for stderr.
+// What: What messages and bars write to a terminal: a pseudo-terminal stands for stderr.
+// Not: the text of a bar (progress_text_test.cpp).
 #include "tools/cli/terminal.h"
 
 #include <fcntl.h>
@@ -6,7 +7,6 @@
 #include <pty.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <thread>
 #include <vector>
@@ -53,10 +53,10 @@ class PseudoTerminal {
 std::vector<std::string> redraws(const std::string& text) {
   const std::string clear = "\r\033[K";
   std::vector<std::string> lines;
-  for (size_t at = text.find(clear); at != std::string::npos;) {
-    const size_t next = text.find(clear, at + 1);
-    lines.push_back(text.substr(at + clear.size(), next - at - clear.size()));
-    at = next;
+  for (size_t begin = text.find(clear); begin != std::string::npos;) {
+    const size_t next = text.find(clear, begin + 1);
+    lines.push_back(text.substr(begin + clear.size(), next - begin - clear.size()));
+    begin = next;
   }
   return lines;
 }

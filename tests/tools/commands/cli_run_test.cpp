@@ -1,5 +1,5 @@
-// `tessera run`: every stage once, again only what changed or is gone; what it prints. The stages
-// have tests of their own commands.
+// What: `tessera run`: every stage once, again only what changed or is gone; what it prints.
+// Not: the stages (their own commands' tests).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -98,11 +98,11 @@ TEST_F(CliRun, WritesPlyFramesOnlyOnRequest) {
 
 /// `text` has the parts in this order.
 void expect_in_order(const std::string& text, const std::vector<std::string>& parts) {
-  size_t at = 0;
+  size_t from = 0;
   for (const std::string& part : parts) {
-    const size_t found = text.find(part, at);
+    const size_t found = text.find(part, from);
     EXPECT_NE(found, std::string::npos) << text << "lacks, or has too early, " << part;
-    if (found != std::string::npos) at = found;
+    if (found != std::string::npos) from = found;
   }
 }
 

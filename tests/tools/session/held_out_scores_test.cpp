@@ -1,4 +1,5 @@
-// The scores of an evaluation in words.
+// What: The scores of an evaluation in words.
+// Not: the scores themselves (tests/recon4d/evaluation).
 #include "tools/session/held_out_scores.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// The text that a run ends with, also of builds that carry the player page.
+// What: The text that a run ends with, also of builds that carry the player page.
+// Not: the run (cli_run_test.cpp).
 #include "tools/commands/run_summary.h"
 
 #include <gtest/gtest.h>
