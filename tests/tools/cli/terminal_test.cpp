@@ -123,7 +123,7 @@ TEST_F(Terminal, WarningsAreYellowOnATerminalUnlessNoColorIsSet) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "warning: low light\n");
 }
 
-// Bug put back: say and update do not ask for the verbosity; seen to fail.
+// Bug put back: say does not ask for the verbosity; seen to fail.
 TEST_F(Terminal, QuietLeavesWarningsAndErrors) {
   set_verbosity(Verbosity::kQuiet);
   PseudoTerminal terminal(80);
@@ -135,7 +135,7 @@ TEST_F(Terminal, QuietLeavesWarningsAndErrors) {
   EXPECT_EQ(terminal.written(), "warning: low light\r\ntessera: failed\r\n");
 }
 
-// Bugs put back, each seen to fail: the first command alone has the flags; both at once are taken.
+// Bugs put back, each seen to fail: no command has the flags; both at once are taken.
 TEST_F(Terminal, EveryCommandHasBothFlags) {
   for (const auto& [flag, expected] : {std::pair{"-q", Verbosity::kQuiet},
                                        {"--quiet", Verbosity::kQuiet},

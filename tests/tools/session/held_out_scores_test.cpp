@@ -35,7 +35,6 @@ json moving_scores() {
   return {{"splits", {{"test", test}}}};
 }
 
-// Bugs put back, each seen to fail: the words that this replaced; every detail at every time.
 TEST(HeldOutScores, AreDescribedInTheWordsOfTheField) {
   EXPECT_EQ(scores_text(moving_scores()),
             "test views (2): PSNR 27.59 dB, SSIM 0.9061\n"
