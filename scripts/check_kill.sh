@@ -79,6 +79,7 @@ class Run:
     def command(self, out, new):
         more = ["--scale", "0.5", "--seed", "2"] if new else ["--seed", "1"]
         return [PROGRAM, "run", "capture", "-o", out, *TINY, "--iterations", "300",
+                "--export-frames", "2",
                 "--checkpoint-every", "10", *more]
 
     def claimed(self, out, whole):

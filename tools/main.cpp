@@ -13,6 +13,7 @@
 #include "tools/cli/suffixes.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/usage_message.h"
+#include "tools/cli/verbosity.h"
 #include "tools/session/version.h"
 
 namespace tessera {
@@ -29,20 +30,22 @@ int run_command(const Work& work) {
   try {
     return work();
   } catch (const InputError& error) {
-    say(fmt::format("tessera: {}", one_line(error.what())));
+    report_error(fmt::format("tessera: {}", one_line(error.what())));
     return kExitBadInput;
   } catch (const std::filesystem::filesystem_error& error) {
-    say(fmt::format("tessera: {}: cannot be reached ({}); check this path and its permissions",
+    report_error(
+        fmt::format("tessera: {}: cannot be reached ({}); check this path and its permissions",
                     error.path1().string(), error.code().message()));
     return path_is_at_fault(error.code().value()) ? kExitBadInput : kExitFailed;
   } catch (const Interrupted&) {
-    say("tessera: interrupted; nothing half-written was left");
+    report_error("tessera: interrupted; no partial output was written");
     return stop_code();
   } catch (const std::bad_alloc&) {
-    say("tessera: out of memory; try a smaller --scale, fewer --init-points or --max-gaussians");
+    report_error(
+        "tessera: out of memory; try a smaller --scale, fewer --init-points or --max-gaussians");
     return kExitFailed;
   } catch (const std::exception& error) {
-    say(fmt::format("tessera: {}", one_line(error.what())));
+    report_error(fmt::format("tessera: {}", one_line(error.what())));
     return kExitFailed;
   }
 }
@@ -71,13 +74,14 @@ int tessera_main(int argc, char** argv) {
   add_env_command(app, work);
   add_reference_command(app, work);
   add_help_commands(app, work);
+  add_verbosity(app);
   accept_suffixes(app);
   try {
     app.parse(joined_switches({argv + 1, argv + argc}));
   } catch (const CLI::ParseError& error) {
     const bool is_request = error.get_exit_code() == 0;  // --help, --version
     if (is_request && !names_no_command(app)) return app.exit(error);
-    say(usage_message(app, error));
+    report_error(usage_message(app, error));
     return kExitBadInput;
   }
   return run_command(work);

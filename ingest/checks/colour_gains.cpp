@@ -189,9 +189,9 @@ std::vector<CameraGain> measured_gains(const Scene& scene) {
     const auto nearest = [&](const Timestep& a, const Timestep& b) {
       return std::abs(a.time - double(cloud.time[i])) < std::abs(b.time - double(cloud.time[i]));
     };
-    const Timestep& timestep =
-        is_timed ? *std::min_element(timesteps.begin(), timesteps.end(), nearest)
-                 : timesteps[k % timesteps.size()];
+    const Timestep& timestep = is_timed
+                                   ? *std::min_element(timesteps.begin(), timesteps.end(), nearest)
+                                   : timesteps[k % timesteps.size()];
     if (timestep.frames.size() > 1)
       add_pairs(glm::dvec3(cloud.position[i]), scene, timestep.frames, index, pairs);
   }

@@ -1,4 +1,5 @@
-// FFmpeg's version is that of the library in use; OpenCV's and OpenImageIO's are those of the build.
+// FFmpeg's version is that of the library in use; OpenCV's and OpenImageIO's are those of the
+// build.
 #include "ingest/media/media_versions.h"
 
 extern "C" {
@@ -12,9 +13,8 @@ extern "C" {
 namespace tessera {
 
 std::vector<std::pair<std::string, std::string>> media_versions() {
-  return {{"FFmpeg", av_version_info()},
-          {"OpenCV", CV_VERSION},
-          {"OpenImageIO", OIIO_VERSION_STRING}};
+  return {
+      {"FFmpeg", av_version_info()}, {"OpenCV", CV_VERSION}, {"OpenImageIO", OIIO_VERSION_STRING}};
 }
 
 }  // namespace tessera

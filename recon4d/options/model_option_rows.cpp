@@ -239,8 +239,9 @@ std::vector<TrainOption> model_option_rows() {
        .group = group::kDrawing},
       {.key = "filter_3d",
        .member = choice<&TrainOptions::filter_3d>(),
-       .doc = "Limit Gaussians to the finest sampling of the training views: none; mip (smooth when "
-              "drawn); clamp (raise scales after each step)",
+       .doc =
+           "Limit Gaussians to the finest sampling of the training views: none; mip (smooth when "
+           "drawn); clamp (raise scales after each step)",
        .source = "mip: [Mip-Splatting]; clamp: [Faster-GS]",
        .group = group::kDrawing},
       {.key = "truncation_sigma",

@@ -27,7 +27,9 @@ std::vector<TrainOption> optimisation_option_rows() {
        .group = group::kLoss},
       {.key = "exposure",
        .member = choice<&TrainOptions::exposure>(),
-       .doc = "Learn RGB gains of the training images: none; camera (one per camera); frame (one per image); auto (camera where the gains of the cameras differ by more than 3 %, else none). Scores and exports use the mean gain",
+       .doc = "Learn RGB gains of the training images: none; camera (one per camera); frame (one "
+              "per image); auto (camera where the gains of the cameras differ by more than 3 %, "
+              "else none). Scores and exports use the mean gain",
        .source = "ours",
        .group = group::kLoss,
        .common = true},
@@ -91,7 +93,8 @@ std::vector<TrainOption> optimisation_option_rows() {
        .member = &TrainOptions::lr_velocity,
        .low = 0,
        .high = 1e3,
-       .doc = "Learning rate of velocities at the start, per scene extent and clip length; decays as lr_mean does",
+       .doc = "Learning rate of velocities at the start, per scene extent and clip length; decays "
+              "as lr_mean does",
        .source = "ours",
        .group = group::kRates},
       {.key = "lr_opacity",
@@ -129,7 +132,8 @@ std::vector<TrainOption> optimisation_option_rows() {
        .group = group::kRates},
       {.key = "densification",
        .member = choice<&TrainOptions::densification>(),
-       .doc = "adc: clone and split where gradients are large, prune faint Gaussians; mcmc: relocate faint Gaussians to opaque ones, up to max_gaussians",
+       .doc = "adc: clone and split where gradients are large, prune faint Gaussians; mcmc: "
+              "relocate faint Gaussians to opaque ones, up to max_gaussians",
        .source = "[3DGS]; mcmc: [3DGS-MCMC]",
        .group = group::kDensity},
       {.key = "densify_from",
@@ -196,7 +200,8 @@ std::vector<TrainOption> optimisation_option_rows() {
        .member = &TrainOptions::opacity_reset_interval,
        .low = 0,
        .high = 1e9,
-       .doc = "Steps between two opacity resets, with one more at 500 unless the background is black; 0: never",
+       .doc = "Steps between two opacity resets, with one more at 500 unless the background is "
+              "black; 0: never",
        .source = "[Hybrid4D]",
        .group = group::kDensity,
        .unit = Unit::kCount},
@@ -236,7 +241,8 @@ std::vector<TrainOption> optimisation_option_rows() {
        .member = &TrainOptions::max_bytes,
        .low = 0,
        .high = 1e14,
-       .doc = "Largest size of the exported file (export --format tessera); a player page adds 3.3 MB; 0: no limit",
+       .doc = "Largest size of the exported file (export --format tessera); a player page adds 3.3 "
+              "MB; 0: no limit",
        .source = "ours",
        .group = group::kSize,
        .unit = Unit::kBytes,
@@ -246,21 +252,24 @@ std::vector<TrainOption> optimisation_option_rows() {
        .member = &TrainOptions::within_db,
        .low = 0,
        .high = 100,
-       .doc = "Keep the smallest model whose validation PSNR is within so many dB of the best; 0: off",
+       .doc =
+           "Keep the smallest model whose validation PSNR is within so many dB of the best; 0: off",
        .source = "ours",
        .group = group::kSize,
        .common = true,
        .example = "0.3"},
       {.key = "size",
        .member = choice<&TrainOptions::size>(),
-       .doc = "Without one of these three limits: grown (as density control leaves it) or knee (where the curve of size and error bends)",
+       .doc = "Without one of these three limits: grown (as density control leaves it) or knee "
+              "(where the curve of size and error bends)",
        .source = "ours",
        .group = group::kSize},
       {.key = "peak_gaussians",
        .member = &TrainOptions::peak_gaussians,
        .low = 0,
        .high = 1e9,
-       .doc = "Largest number of Gaussians during growth, before pruning; 0: max_gaussians limits growth",
+       .doc = "Largest number of Gaussians during growth, before pruning; 0: max_gaussians limits "
+              "growth",
        .source = "ours",
        .group = group::kSize,
        .unit = Unit::kCount},
@@ -283,7 +292,8 @@ std::vector<TrainOption> optimisation_option_rows() {
        .member = &TrainOptions::decide_motion,
        .low = 0,
        .high = 1,
-       .doc = "Demote dynamic Gaussians to static where motion reduces the error too little, and promote static ones where the error changes over time",
+       .doc = "Demote dynamic Gaussians to static where motion reduces the error too little, and "
+              "promote static ones where the error changes over time",
        .source = "ours",
        .group = group::kSize},
       {.key = "decide_colour",
@@ -305,7 +315,8 @@ std::vector<TrainOption> optimisation_option_rows() {
        .member = &TrainOptions::deterministic,
        .low = 0,
        .high = 1,
-       .doc = "Bit-identical models on the same device: sum gradients in a fixed order (CUDA, about a fifth slower; the CPU always does)",
+       .doc = "Bit-identical models on the same device: sum gradients in a fixed order (CUDA, "
+              "about a fifth slower; the CPU always does)",
        .source = "ours",
        .group = group::kSpeed,
        .common = true},
@@ -313,7 +324,8 @@ std::vector<TrainOption> optimisation_option_rows() {
        .member = &TrainOptions::feed_bytes,
        .low = 0,
        .high = 1e12,
-       .doc = "CUDA: memory for training images; what does not fit is copied ahead of each step; 0: the free memory but for a reserve",
+       .doc = "CUDA: memory for training images; what does not fit is copied ahead of each step; "
+              "0: the free memory but for a reserve",
        .source = "ours",
        .group = group::kSpeed,
        .unit = Unit::kBytes},

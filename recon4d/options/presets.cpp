@@ -21,10 +21,20 @@ constexpr int64_t kPixelsPerGaussian = 16;
 /// Photos of a place: what is seen far behind it is part of it.
 const OptionOverrides kStill = {{"far_plane", 1e4}};
 /// Several cameras that film at the same time: every timestep is seen from several sides, so
-/// dynamic Gaussians are short, and cameras differ in colour.
-const OptionOverrides kRig = {{"exposure", "auto"}, {"motion_form", "velocity"}};
-constexpr FrameRates kRigRates = {
-    .extent_frames = 5, .velocity_rate = 5.6e-5, .mean_time_rate = 0.05};
+/// dynamic Gaussians start a few frames long, and cameras may differ in colour.
+const OptionOverrides kRig = {{"exposure", "auto"}, {"filter_2d", true}};
+constexpr FrameRates kRigRates = {.extent_frames = 3, .mean_time_rate = 0.02};
+/// With few steps the velocities that the initial cloud has count for more than form.
+const OptionOverrides kFastRig = {{"exposure", "auto"}, {"motion_form", "velocity"}};
+constexpr FrameRates kFastRigRates = {
+    .extent_frames = 3, .velocity_rate = 5.6e-5, .mean_time_rate = 0.05};
+/// MCMC densification blurs what moves on rigs; twice the steps and weights against haze do not.
+const OptionOverrides kBestRig = joined(kRig, {{"iterations", 15000},
+                                               {"densification", "adc"},
+                                               {"densify_until", 14900},
+                                               {"thin_until", 25000},
+                                               {"init_opacity", 0.1},
+                                               {"peak_gaussians", 400000}});
 /// The chain's own settings  [3DGS-MCMC].
 const OptionOverrides kMcmc = {{"densification", "mcmc"},
                                {"densify_until", 24900},
@@ -48,8 +58,8 @@ const std::vector<Preset>& presets() {
         {"split_by_motion", true}},
        kStill,
        0,
-       kRig,
-       kRigRates},
+       kFastRig,
+       kFastRigRates},
       {"balanced", "the default: 7,000 steps, what does not move becomes static", kBalanced, kStill,
        kPixelsPerGaussian, kRig, kRigRates},
       {"best",
@@ -61,7 +71,7 @@ const std::vector<Preset>& presets() {
                        {"peak_gaussians", 1000000},
                        {"mcmc_noise", 5e5},
                        {"size", "grown"}}),
-       kPixelsPerGaussian, kRig, kRigRates},
+       kPixelsPerGaussian, kBestRig, kRigRates},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "skip"}}},

@@ -13,12 +13,11 @@ namespace {
 using Suffixes = std::vector<std::pair<const char*, double>>;
 
 const Suffixes& suffixes(Unit unit) {
-  static const Suffixes none, count = {{"k", 1e3}, {"m", 1e6}, {"g", 1e9}},
-                              bytes = {{"b", 1},        {"k", 1e3},       {"kb", 1e3},
-                                       {"m", 1e6},      {"mb", 1e6},      {"g", 1e9},
-                                       {"gb", 1e9},     {"kib", 1 << 10}, {"mib", 1 << 20},
-                                       {"gib", 1 << 30}},
-                              seconds = {{"s", 1}, {"m", 60}, {"h", 3600}};
+  static const Suffixes none,
+      count = {{"k", 1e3}, {"m", 1e6}, {"g", 1e9}},
+      bytes = {{"b", 1},   {"k", 1e3},  {"kb", 1e3},      {"m", 1e6},       {"mb", 1e6},
+               {"g", 1e9}, {"gb", 1e9}, {"kib", 1 << 10}, {"mib", 1 << 20}, {"gib", 1 << 30}},
+      seconds = {{"s", 1}, {"m", 60}, {"h", 3600}};
   switch (unit) {
     case Unit::kCount:
       return count;
@@ -31,10 +30,13 @@ const Suffixes& suffixes(Unit unit) {
   }
 }
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
 
 /// A number and the letters after it; moves `cursor` past both.
-std::optional<double> parse_term(const char*& cursor, const char* end, Unit unit, bool& has_suffix) {
+std::optional<double> parse_term(const char*& cursor, const char* end, Unit unit,
+                                 bool& has_suffix) {
   double number = 0;
   const bool plus = cursor != end && *cursor == '+';
   const auto [after, error] = std::from_chars(cursor + (plus ? 1 : 0), end, number);

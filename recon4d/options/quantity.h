@@ -14,8 +14,8 @@ enum class Unit {
   kWorld     // world units: none
 };
 
-/// The number that `text` states, as "1500", "1.5k" or "5MB"; none where it is not one of this unit.
-/// Letters count without regard to case, but for m (minutes, not millions) in kSeconds.
+/// The number that `text` states, as "1500", "1.5k" or "5MB"; none where it is not one of this
+/// unit. Letters count without regard to case, but for m (minutes, not millions) in kSeconds.
 std::optional<double> parse_quantity(const std::string& text, Unit unit);
 
 /// What such a text may look like, for messages: "a number like 1500, 10k or 2M".

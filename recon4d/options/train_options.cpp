@@ -143,7 +143,7 @@ void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFact
   if (rates.extent_frames == 0) return;
   const double frames = double(facts.timesteps - 1);  // of a clip length
   options.init_time_scale = rates.extent_frames / frames;
-  options.lr_velocity = rates.velocity_rate * frames;
+  if (rates.velocity_rate > 0) options.lr_velocity = rates.velocity_rate * frames;
   options.lr_mean_time = rates.mean_time_rate / (frames * facts.extent);
 }
 

@@ -127,7 +127,7 @@ struct SceneFacts {
 /// frames, not from the length of the clip.
 struct FrameRates {
   double extent_frames = 0;   // initial temporal standard deviation; 0: none of the three applies
-  double velocity_rate = 0;   // lr_velocity, scene extents a frame
+  double velocity_rate = 0;   // lr_velocity, scene extents a frame; 0: as elsewhere
   double mean_time_rate = 0;  // lr_mean_time, frames
 };
 

@@ -57,7 +57,7 @@ void BatchWatch::tell_runs(const BatchFolder& batch) {
 void BatchWatch::tell_failures(const BatchFolder& batch) {
   for (const BatchFailure& failure : batch.failures)
     if (!failure.unfinished() && failures_.insert(failure.line()).second && !silent_)
-      say(fmt::format("batch: {}", failure.line()));
+      report_error(fmt::format("batch: {}", failure.line()));
 }
 
 }  // namespace tessera

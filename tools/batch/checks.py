@@ -11,7 +11,7 @@ class Wrong(Exception):
 
 
 def nearest(word, words):
-    near = difflib.get_close_matches(str(word), list(words), 1, 0.5)
+    near = difflib.get_close_matches(str(word), list(words), 1, 0.66)
     return f"did you mean '{near[0]}'? " if near else ""
 
 

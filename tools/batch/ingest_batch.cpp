@@ -86,7 +86,7 @@ class Batch {
       scene.error = error.what();
     }
     scene.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
-    if (!scene.error.empty()) say(fmt::format("{}: failed: {}", scene.name, scene.error));
+    if (!scene.error.empty()) report_error(fmt::format("{}: failed: {}", scene.name, scene.error));
     return scene;
   }
 

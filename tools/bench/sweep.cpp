@@ -177,7 +177,8 @@ int finish(const SweepRequest& request, const Sweep& done) {
     missing += run["status"] == "missing";
     if (run["status"] != "failed") continue;
     ++failed;
-    say(fmt::format("failed: {}: {}", run["folder"].get<std::string>(), run.value("error", "")));
+    report_error(
+        fmt::format("failed: {}: {}", run["folder"].get<std::string>(), run.value("error", "")));
   }
   if (missing > 0)
     say(fmt::format("{} of {} runs are not done yet; the same command runs them", missing,

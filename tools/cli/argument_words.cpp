@@ -9,10 +9,9 @@ namespace tessera {
 namespace {
 
 bool is_switch(const std::string& word) {
-  return std::any_of(train_option_table().begin(), train_option_table().end(),
-                     [&](const TrainOption& row) {
-                       return row.is_switch() && word == "--" + dashed(row.key);
-                     });
+  return std::any_of(
+      train_option_table().begin(), train_option_table().end(),
+      [&](const TrainOption& row) { return row.is_switch() && word == "--" + dashed(row.key); });
 }
 
 std::string dashed_name(const std::string& word) {

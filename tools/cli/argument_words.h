@@ -5,9 +5,9 @@
 
 namespace tessera {
 
-/// `words` in reverse order, as CLI11 wants them, with "--carve true" joined into "--carve=true" for
-/// the switches of the option table, so that commands of earlier versions still work. Underscores in
-/// the names of options become dashes.
+/// `words` in reverse order, as CLI11 wants them, with "--carve true" joined into "--carve=true"
+/// for the switches of the option table, so that commands of earlier versions still work.
+/// Underscores in the names of options become dashes.
 std::vector<std::string> joined_switches(const std::vector<std::string>& words);
 
 }  // namespace tessera

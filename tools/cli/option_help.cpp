@@ -49,8 +49,7 @@ std::string wrapped(const std::string& text) {
 
 std::string entry(const std::string& names, const std::string& text) {
   const std::string first = "  " + names;
-  if (first.size() + 1 < kNames)
-    return fmt::format("{:<{}}{}\n", first, kNames, wrapped(text));
+  if (first.size() + 1 < kNames) return fmt::format("{:<{}}{}\n", first, kNames, wrapped(text));
   return fmt::format("{}\n{}{}\n", first, std::string(kNames, ' '), wrapped(text));
 }
 
@@ -116,6 +115,8 @@ class HelpFormatter : public CLI::Formatter {
 
 }  // namespace
 
-std::shared_ptr<CLI::Formatter> help_formatter() { return std::make_shared<HelpFormatter>(); }
+std::shared_ptr<CLI::Formatter> help_formatter() {
+  return std::make_shared<HelpFormatter>();
+}
 
 }  // namespace tessera

@@ -16,7 +16,9 @@ const TrainOption* row_of(const CLI::Option& option) {
   return nullptr;
 }
 
-bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
+bool takes_value(const CLI::Option& option) {
+  return option.get_items_expected_max() > 0;
+}
 
 std::string placeholder_of(const CLI::Option& option) {
   if (!takes_value(option)) return "";
@@ -48,7 +50,9 @@ std::vector<std::string> listed_choices(const std::string& doc) {
 
 }  // namespace
 
-std::string first_line(const std::string& doc) { return doc.substr(0, doc.find('\n')); }
+std::string first_line(const std::string& doc) {
+  return doc.substr(0, doc.find('\n'));
+}
 
 OptionReference option_reference(const CLI::Option& option) {
   OptionReference entry;

@@ -1,4 +1,5 @@
-// Suffixes are resolved before CLI11 reads the number; what is no such number is left to its message.
+// Suffixes are resolved before CLI11 reads the number; what is no such number is left to its
+// message.
 #include "tools/cli/suffixes.h"
 
 #include <fmt/format.h>

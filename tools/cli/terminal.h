@@ -1,6 +1,6 @@
-// What: what a person sees on stderr: messages, and a progress bar with ETA on a terminal or a
-//       plain line now and then otherwise.
-// Not: results; those go to stdout (print_result).
+// What: What a user sees on stderr: messages, and a progress bar with the time left on a terminal
+// or a plain line now and then otherwise.
+// Not: results: they go to stdout (print_result).
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -10,18 +10,38 @@
 
 namespace tessera {
 
-/// One line on stderr, with a running progress bar moved out of the way.
+/// How much the program prints on stderr: warnings and errors alone; messages and progress as well;
+/// also the details that are left out by default.
+enum class Verbosity { kQuiet, kNormal, kVerbose };
+void set_verbosity(Verbosity verbosity);
+Verbosity verbosity();
+inline bool is_verbose() {
+  return verbosity() == Verbosity::kVerbose;
+}
+
+/// One message on stderr, with a running progress bar moved out of the way; none with --quiet.
 void say(const std::string& line);
+/// Warnings and errors are printed with --quiet as well. "warning:" is yellow on a terminal, unless
+/// NO_COLOR is set (https://no-color.org) or TERM is dumb.
 void warn(const std::string& line);
+void report_error(const std::string& line);
 
 /// The result of a command on stdout: one JSON object with --json, else the given text.
 void print_result(bool as_json, const nlohmann::json& json, const std::string& text);
 
 /// "12:34" or "1:02:03".
 std::string clock_time(double seconds);
+/// "3.2 s" below a minute, else as clock_time.
+std::string duration_text(double seconds);
+/// "4.8 MB", "12.0 kB"; units of 1000.
+std::string size_text(int64_t bytes);
 
-/// A bar for the stages of one command: its clock restarts where counting does. Call `update` as
-/// often as you like; it draws ten times a second on a terminal and every ten seconds elsewhere.
+/// Columns of the terminal on stderr; COLUMNS where the terminal does not tell, else 80.
+int terminal_columns();
+
+/// A bar for the stages of one command: its clock restarts where counting does. `update` may be
+/// called at any rate: it draws at most ten times a second on a terminal, one line that fits it,
+/// every ten seconds elsewhere, and nothing with --quiet.
 class ProgressBar {
  public:
   explicit ProgressBar(std::string label);

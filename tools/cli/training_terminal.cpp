@@ -17,8 +17,8 @@ namespace {
 std::string validation_text(const nlohmann::json& checks) {
   if (checks.is_null()) return "";
   return fmt::format(
-      "the model is that of step {} ({}), best of {} checks: PSNR {:.2f} dB on {} frames set "
-      "aside{}",
+      "the model is that of step {} ({}), best of {} checks: PSNR {:.2f} dB on {} "
+      "validation views{}",
       checks["best_iteration"].get<int64_t>(), clock_time(checks["best_seconds"]),
       checks["checks"].get<int64_t>(), checks["best_psnr"].get<double>(),
       checks["frames"].get<int64_t>(),
@@ -54,6 +54,10 @@ bool TrainingTerminal::must_stop() {
   return interrupted();
 }
 
+ScoreDetail score_detail() {
+  return is_verbose() ? ScoreDetail::kAll : ScoreDetail::kUsual;
+}
+
 std::string training_text(const nlohmann::json& result) {
   const std::string text =
       fmt::format("{} steps in {}, {} static + {} dynamic Gaussians, model {}",
@@ -61,7 +65,7 @@ std::string training_text(const nlohmann::json& result) {
                   result["num_static"].get<int64_t>(), result["num_dynamic"].get<int64_t>(),
                   result["model"].get<std::string>());
   const std::string checks = validation_text(result["validation"]);
-  const std::string scores = scores_text(result["scores"]);
+  const std::string scores = scores_text(result["scores"], score_detail());
   return text + (checks.empty() ? "" : "\n" + checks) + (scores.empty() ? "" : "\n" + scores);
 }
 

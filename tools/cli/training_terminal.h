@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tools/cli/terminal.h"
+#include "tools/session/held_out_scores.h"
 #include "tools/session/session_observer.h"
 
 namespace tessera {
@@ -21,6 +22,9 @@ class TrainingTerminal final : public SessionObserver {
  private:
   std::optional<ProgressBar> bar_;  // from the first step on
 };
+
+/// All scores with --verbose.
+ScoreDetail score_detail();
 
 /// What train_session returned, in two or three lines for a person.
 std::string training_text(const nlohmann::json& result);

@@ -102,15 +102,15 @@ std::string text_of(const json& facts) {
                                     facts["threads"].dump(), facts["memory_gib"].get<double>()));
   std::vector<std::string> cards;
   for (const json& card : cuda["built_for"]) cards.push_back("sm_" + card.dump());
-  result += line("cuda", cards.empty() ? "not built"
-                                       : fmt::format("runtime {}, for {}; driver supports {}",
-                                                     cuda["runtime"].get<std::string>(),
-                                                     fmt::join(cards, " "),
-                                                     cuda["driver_supports"].get<std::string>()));
+  result += line(
+      "cuda", cards.empty() ? "not built"
+                            : fmt::format("runtime {}, for {}; driver supports {}",
+                                          cuda["runtime"].get<std::string>(), fmt::join(cards, " "),
+                                          cuda["driver_supports"].get<std::string>()));
   for (const json& device : cuda["devices"]) result += line("gpu", device.get<std::string>());
-  result += line("backend", cuda["usable"].get<bool>()
-                                ? "cuda"
-                                : "cpu (" + cuda["reason"].get<std::string>() + ")");
+  result +=
+      line("backend",
+           cuda["usable"].get<bool>() ? "cuda" : "cpu (" + cuda["reason"].get<std::string>() + ")");
   result += line("player", facts["player_page"].get<bool>() ? "built" : "not built");
   for (const char* group : {"libraries", "programs"})
     for (const auto& [name, value] : facts[group].items())

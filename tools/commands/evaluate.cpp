@@ -21,6 +21,7 @@
 #include "tools/cli/image_files.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/cli/training_terminal.h"
 #include "tools/commands/model_size.h"
 #include "tools/export/output_folder.h"
 #include "tools/lpips/lpips.h"
@@ -50,18 +51,16 @@ std::string image_folder(const EvaluateRequest& request, double scale) {
   return request.scales.size() == 1 ? "" : fmt::format("x{}/", scale);
 }
 
-/// --scene, else what the run folder was trained on.
+/// --scene, else what the run was trained on.
 fs::path scene_path(const EvaluateRequest& request, const fs::path& model) {
   if (!request.scene.empty()) return request.scene;
+  if (const std::string scene = scene_of_model(model); !scene.empty()) return scene;
   const RunFolder run{fs::is_directory(model) ? run_folder_of(model) : model.parent_path()};
-  const std::string scene = run.scene();
-  if (scene.empty())
+  if (run.scene().empty())
     throw InputError(
         fmt::format("{}: no run folder that names its scene; pass --scene FOLDER", model.string()));
-  if (!fs::exists(scene))
-    throw InputError(
-        fmt::format("{}: its scene {} is gone; pass --scene FOLDER", run.config().string(), scene));
-  return scene;
+  throw InputError(fmt::format("{}: its scene {} is gone; pass --scene FOLDER",
+                               run.config().string(), run.scene()));
 }
 
 std::vector<Split> chosen_splits(const EvaluateRequest& request, const Scene& scene) {
@@ -153,11 +152,11 @@ json score(const EvaluateRequest& request, const ModelInput& input, const Scene&
 
 /// A line for each split, headed by the scale where there are several.
 std::string scores_lines(const EvaluateRequest& request, const json& scores) {
-  if (request.scales.size() == 1) return scores_text(scores);
+  if (request.scales.size() == 1) return scores_text(scores, score_detail());
   std::string text;
   for (const double scale : request.scales)
-    text += fmt::format("{}scale {}: {}", text.empty() ? "" : "\n", scale,
-                        scores_text(scores["scales"][fmt::format("{}", scale)]));
+    text += fmt::format("{}scale {}, {}", text.empty() ? "" : "\n", scale,
+                        scores_text(scores["scales"][fmt::format("{}", scale)], score_detail()));
   return text;
 }
 
@@ -200,14 +199,15 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   text = fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {}", scores_lines(request, scores),
                      input.model.count(), input.model.static_set.count(),
                      input.model.dynamic_set.count(),
-                     input.with_optimizer ? "a checkpoint" : fmt::format("{} bytes", input.bytes));
+                     input.with_optimizer ? "read from a checkpoint"
+                                          : fmt::format("model file {}", size_text(input.bytes)));
   if (!request.fps) return scores;
   const json rate = frame_rate_json(backend, input.model, scene, splits);
   scores["frame_rate"] = rate;
   text +=
-      fmt::format("\n{:.1f} frames/s of {} x {} pixels, {} frames by the clock of {}",
+      fmt::format("\n{:.1f} frames/s of {} x {} pixels, {} frames, measured by the clock of the {}",
                   rate["fps"].get<double>(), rate["width"].get<int>(), rate["height"].get<int>(),
-                  rate["frames"].get<int64_t>(), rate["clock"].get<std::string>());
+                  rate["frames"].get<int64_t>(), rate["clock"] == "host" ? "host" : "device");
   return scores;
 }
 
@@ -264,11 +264,12 @@ void add_evaluate_command(CLI::App& app, Work& work) {
   const auto request = std::make_shared<EvaluateRequest>();
   command
       ->add_option("model", request->models,
-                   "run folder, checkpoint, 3DGS or Tessera .ply; several runs of one scene, e.g. "
-                   "of several seeds: mean and sigma, too")
+                   "output of `tessera run`, run folder, checkpoint, 3DGS or Tessera .ply; several "
+                   "runs of one scene, e.g. with several seeds: mean and sigma, too")
       ->required();
-  command->add_option("--scene", request->scene,
-                      "prepared scene or D-NeRF folder; a run folder knows its own");
+  command->add_option(
+      "--scene", request->scene,
+      "prepared scene or D-NeRF folder; default: the one that the run was trained on");
   command->add_option("--split", request->split, "test, val or train; default: all held-out ones");
   command
       ->add_option("--scales", request->scales,

@@ -154,8 +154,10 @@ void add_export_command(CLI::App& app, Work& work) {
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<ExportRequest>();
   command
-      ->add_option("model", request->model,
-                   "run folder, checkpoint, Tessera .ply or 4D file, or other people's splats")
+      ->add_option(
+          "model", request->model,
+          "output of `tessera run`, run folder, checkpoint, Tessera .ply or 4D file, or splats of "
+          "other programs")
       ->required();
   command->add_option("-o,--out", request->out, "folder to write")->required();
   command->add_option("--format", request->format, "of the files:" + format_list());

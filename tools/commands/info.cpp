@@ -74,8 +74,10 @@ void add_info_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand("info", "say what a file or folder holds");
   const auto request = std::make_shared<InfoRequest>();
   command
-      ->add_option("path", request->path,
-                   "model, splat or cloud .ply, checkpoint, run folder, scene or capture")
+      ->add_option(
+          "path", request->path,
+          "model, splat or cloud .ply, checkpoint, output of `tessera run`, run folder, scene or "
+          "capture")
       ->required();
   command->add_flag("--shipped", request->shipped,
                     "of a model: what its Tessera 4D file would weigh, part by part; encodes it, "

@@ -29,7 +29,7 @@ int ingest_all(const IngestRequest& request, const IngestOptions& options) {
   const BatchResult result = ingest_batch(request.capture, request.out, options, request.overwrite);
   print_result(request.json, batch_json(result, request.out), batch_table(result));
   if (result.interrupted) {
-    say("interrupted; run the same command again to go on");
+    report_error("tessera: interrupted; run the same command again to resume");
     return stop_code();
   }
   return result.count(BatchOutcome::kFailed) == 0 ? kExitDone : kExitFailed;

@@ -44,8 +44,9 @@ int reference(const CLI::App& app, const ReferenceRequest& request) {
   else if (form == "fish")
     text = fish_completion(commands);
   else
-    throw InputError(fmt::format("reference: unknown form '{}'{}", form,
-                                 known_names(form, {"json", "markdown", "man", "bash", "zsh", "fish"})));
+    throw InputError(
+        fmt::format("reference: unknown form '{}'{}", form,
+                    known_names(form, {"json", "markdown", "man", "bash", "zsh", "fish"})));
   std::fputs(text.c_str(), stdout);
   return kExitDone;
 }
@@ -59,9 +60,8 @@ void add_reference_command(CLI::App& app, Work& work) {
   command->group("");
   command->add_option("form", request->form, "json, markdown, man, bash, zsh or fish")->required();
   command->add_option("folder", request->folder, "output folder of markdown and man");
-  command->callback([request, &app, &work] {
-    work = [request, &app] { return reference(app, *request); };
-  });
+  command->callback(
+      [request, &app, &work] { work = [request, &app] { return reference(app, *request); }; });
 }
 
 }  // namespace tessera

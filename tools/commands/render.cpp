@@ -218,7 +218,9 @@ void add_render_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand("render", "draw a model from given cameras");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<RenderRequest>();
-  command->add_option("model", request->model, "run folder, checkpoint, 3DGS or Tessera .ply")
+  command
+      ->add_option("model", request->model,
+                   "output of `tessera run`, run folder, checkpoint, 3DGS or Tessera .ply")
       ->required();
   command->add_option(
       "--cameras", request->choice.cameras,

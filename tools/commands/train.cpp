@@ -40,7 +40,7 @@ int train_and_report(const TrainRequest& request, bool as_json) {
     if (interrupted()) return stop_code();
     return result["left"].get<bool>() ? kExitNotFinished : kExitDone;
   } catch (const CheckpointRefused& error) {
-    say(fmt::format("tessera: {}", error.what()));
+    report_error(fmt::format("tessera: {}", error.what()));
     return kExitCheckpointRefused;
   }
 }

@@ -32,8 +32,9 @@ std::string bash_completion(const std::vector<CommandReference>& commands) {
     std::string choices;
     for (const OptionReference& option : command.options)
       if (!option.choices.empty() && !option.is_argument)
-        choices += fmt::format("        {}) COMPREPLY=($(compgen -W '{}' -- \"$word\")); return ;;\n",
-                               fmt::join(option.names, "|"), fmt::join(option.choices, " "));
+        choices +=
+            fmt::format("        {}) COMPREPLY=($(compgen -W '{}' -- \"$word\")); return ;;\n",
+                        fmt::join(option.names, "|"), fmt::join(option.choices, " "));
     cases += fmt::format(
         "    {})\n      case \"$before\" in\n{}      esac\n      options='{}'\n      ;;\n",
         command.name, choices, fmt::join(typed_names(command), " "));
@@ -102,8 +103,8 @@ std::string zsh_completion(const std::vector<CommandReference>& commands) {
 std::string fish_completion(const std::vector<CommandReference>& commands) {
   std::string text = "# fish completion of tessera\n";
   for (const CommandReference& command : commands)
-    text += fmt::format("complete -c tessera -f -n __fish_use_subcommand -a {} -d {}\n", command.name,
-                        quoted(first_line(command.doc)));
+    text += fmt::format("complete -c tessera -f -n __fish_use_subcommand -a {} -d {}\n",
+                        command.name, quoted(first_line(command.doc)));
   for (const CommandReference& command : commands)
     for (const OptionReference& option : command.options) {
       if (option.is_argument) continue;

@@ -52,8 +52,7 @@ std::string command_page(const CommandReference& command) {
     text += "\n" + roff(first_line(option.doc)) + ".\n";
     if (!option.choices.empty() && option.row == nullptr)
       text += roff(fmt::format("One of {}.", fmt::join(option.choices, ", "))) + "\n";
-    if (!option.defaults.empty())
-      text += roff(fmt::format("Default: {}.", option.defaults)) + "\n";
+    if (!option.defaults.empty()) text += roff(fmt::format("Default: {}.", option.defaults)) + "\n";
   }
   return text + ".SH SEE ALSO\n.BR tessera (1)\n";
 }
@@ -70,8 +69,8 @@ std::string program_page(const std::vector<CommandReference>& commands) {
       ".TP\n130\nInterrupted.\n.SH SEE ALSO\n";
   std::string others;
   for (const CommandReference& command : commands)
-    others += (others.empty() ? "" : " ,\n") +
-              fmt::format(".BR tessera\\-{} (1)", roff(command.name));
+    others +=
+        (others.empty() ? "" : " ,\n") + fmt::format(".BR tessera\\-{} (1)", roff(command.name));
   return text + others + "\n";
 }
 

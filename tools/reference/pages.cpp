@@ -57,9 +57,8 @@ std::string command_section(const CommandReference& command) {
                         choices_text(option), required,
                         option.defaults.empty() ? "" : code(option.defaults));
   }
-  std::string text =
-      fmt::format("## tessera {}\n\n{}.\n\n```sh\ntessera {}{} [options]\n```\n\n", command.name,
-                  command.doc, command.name, arguments);
+  std::string text = fmt::format("## tessera {}\n\n{}.\n\n```sh\ntessera {}{} [options]\n```\n\n",
+                                 command.name, command.doc, command.name, arguments);
   if (!rows.empty()) text += "| option | meaning | default |\n|---|---|---|\n" + rows + "\n";
   if (has_training) text += "All [training options](#training-options) apply, too.\n\n";
   return text;
@@ -77,8 +76,9 @@ std::string training_section() {
       "choices are compared without regard to case. A switch `--x` has the twin `--no-x`.\n\n"
       "The default is that of `balanced`; presets that differ follow after the semicolon.\n\n";
   for (const std::string& group : groups) {
-    text += fmt::format("### {}\n\n| option | meaning | range | default | source |\n|---|---|---|---|---|\n",
-                        group);
+    text += fmt::format(
+        "### {}\n\n| option | meaning | range | default | source |\n|---|---|---|---|---|\n",
+        group);
     for (const TrainOption& row : train_option_table()) {
       if (row.group != group) continue;
       const std::string placeholder = option_placeholder(row);
@@ -98,7 +98,8 @@ std::string training_section() {
 }
 
 constexpr const char* kMade =
-    "<!-- Made by `tessera reference markdown docs/reference`; edit the sources, not this page. -->\n\n";
+    "<!-- Made by `tessera reference markdown docs/reference`; edit the sources, not this page. "
+    "-->\n\n";
 
 }  // namespace
 
@@ -119,7 +120,8 @@ std::string presets_page() {
       "A preset sets options; every option can still be given on the command line. Options that a "
       "preset does not list have the value in the last table.\n\n"
       "| preset | use |\n|---|---|\n";
-  for (const Preset& preset : presets()) text += fmt::format("| `{}` | {} |\n", preset.name, cell(preset.doc));
+  for (const Preset& preset : presets())
+    text += fmt::format("| `{}` | {} |\n", preset.name, cell(preset.doc));
   text +=
       "\nA *rig* is a scene with three or more cameras that film at the same time. Options that "
       "depend on the frame rate are given in frames there.\n\n";
@@ -138,15 +140,17 @@ std::string presets_page() {
       text += "\nFor a rig:\n\n";
       list(preset.rig_overrides);
       const FrameRates& rates = preset.rig_rates;
-      if (rates.extent_frames > 0) text += fmt::format("- initial temporal extent {:g} frames\n", rates.extent_frames);
+      if (rates.extent_frames > 0)
+        text += fmt::format("- initial temporal extent {:g} frames\n", rates.extent_frames);
       if (rates.velocity_rate > 0)
         text += fmt::format("- `--lr-velocity` {:g} scene extents a frame\n", rates.velocity_rate);
       if (rates.mean_time_rate > 0)
         text += fmt::format("- `--lr-mean-time` {:g} frames\n", rates.mean_time_rate);
     }
     if (preset.pixels_per_gaussian > 0)
-      text += fmt::format("\nAt most one Gaussian per {} pixels of the training cameras during growth.\n",
-                          preset.pixels_per_gaussian);
+      text += fmt::format(
+          "\nAt most one Gaussian per {} pixels of the training cameras during growth.\n",
+          preset.pixels_per_gaussian);
     text += "\n";
   }
   text += "## Without a preset's value\n\n| option | value |\n|---|---|\n";

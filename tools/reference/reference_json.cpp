@@ -41,9 +41,9 @@ json row_json(const TrainOption& row) {
     apply_preset(options, preset.name);
     defaults[preset.name] = to_json(option_value(options, row));
   }
-  json object = {{"key", row.key},       {"type", type_of(row)}, {"unit", unit_of(row)},
-                 {"doc", row.doc},       {"group", row.group},   {"source", row.source},
-                 {"common", row.common}, {"example", row.example}, {"defaults", defaults},
+  json object = {{"key", row.key},          {"type", type_of(row)},   {"unit", unit_of(row)},
+                 {"doc", row.doc},          {"group", row.group},     {"source", row.source},
+                 {"common", row.common},    {"example", row.example}, {"defaults", defaults},
                  {"choices", row.choices()}};
   if (!option_range(row).empty()) object["range"] = {row.low, row.high};
   if (const std::string rig = rig_default(row); !rig.empty()) object["default_on_rigs"] = rig;
@@ -51,19 +51,21 @@ json row_json(const TrainOption& row) {
 }
 
 json option_json(const OptionReference& option) {
-  return {{"names", option.names},      {"placeholder", option.placeholder},
-          {"choices", option.choices},  {"doc", option.doc},
-          {"default", option.defaults}, {"required", option.required},
+  return {{"names", option.names},         {"placeholder", option.placeholder},
+          {"choices", option.choices},     {"doc", option.doc},
+          {"default", option.defaults},    {"required", option.required},
           {"argument", option.is_argument}};
 }
 
 }  // namespace
 
 json reference_json(const std::vector<CommandReference>& commands) {
-  json result = {{"version", kVersionText}, {"commands", json::array()},
-                 {"train_options", json::array()}};
+  json result = {
+      {"version", kVersionText}, {"commands", json::array()}, {"train_options", json::array()}};
   for (const CommandReference& command : commands) {
-    json object = {{"name", command.name}, {"doc", command.doc}, {"options", json::array()},
+    json object = {{"name", command.name},
+                   {"doc", command.doc},
+                   {"options", json::array()},
                    {"has_train_options", false}};
     for (const OptionReference& option : command.options)
       if (option.row == nullptr)

@@ -1,4 +1,5 @@
-// What: evaluate over splits, joined into one object.
+// What: Evaluates split by split, joins the scores in one object and describes them in a few
+// lines.
 // Not: printing.
 #include "tools/session/held_out_scores.h"
 
@@ -30,59 +31,78 @@ nlohmann::json score_splits(Backend& backend, const GaussianModel& model, const 
   return result;
 }
 
-namespace {
-
 using nlohmann::json;
 
-std::string number(const json& value, const char* format) {
-  return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>())
-                           : std::string("n/a");
+std::string number_text(const json& value, int digits) {
+  return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : "n/a";
 }
 
-/// What a split's scores have besides PSNR and SSIM, a line each.
-std::string details_text(const json& score) {
-  std::string text;
-  const auto add = [&](const std::string& line) { text += "\n  " + line; };
-  if (score["ms_ssim"].is_number() || score["lpips"].is_number())
-    add(fmt::format("MS-SSIM {}, D-SSIM {}, LPIPS {}", number(score["ms_ssim"], "{:.4f}"),
-                    number(score["dssim"], "{:.4f}"), number(score["lpips"], "{:.4f}")));
-  for (const auto& [key, name] : {std::pair{"novel_view", "new views, known timesteps"},
-                                  {"novel_time", "known views, new timesteps"},
-                                  {"novel_view_and_time", "new views at new timesteps"},
+std::string views_text(const std::string& split) {
+  if (split == "val") return "validation views";
+  return split == "train" ? "training views" : split + " views";
+}
+
+namespace {
+
+using Lines = std::vector<std::string>;
+
+void add_structure(const json& score, ScoreDetail detail, Lines& lines) {
+  if (detail == ScoreDetail::kAll) {
+    lines.push_back(
+        fmt::format("SSIM {} with reflect padding, {} with zero padding, {} without padding",
+                    number_text(score["ssim"], 4), number_text(score["ssim_zero"], 4),
+                    number_text(score["ssim_inside"], 4)));
+    lines.push_back(fmt::format("MS-SSIM {}, D-SSIM {}, LPIPS {}", number_text(score["ms_ssim"], 4),
+                                number_text(score["dssim"], 4), number_text(score["lpips"], 4)));
+  } else if (score["lpips"].is_number()) {
+    lines.push_back(fmt::format("LPIPS {}", number_text(score["lpips"], 4)));
+  }
+}
+
+void add_novelty(const json& score, Lines& lines) {
+  for (const auto& [key, name] : {std::pair{"novel_view", "novel views at known timesteps"},
+                                  {"novel_time", "known views at novel timesteps"},
+                                  {"novel_view_and_time", "novel views at novel timesteps"},
                                   {"withheld", "known views at known timesteps"}}) {
     const json& group = score[key];
-    // a split that is one group says so by its numbers above
+    // the line above has the scores of a split that is one group
     if (group["views"] > 0 && group["views"] < score["views"])
-      add(fmt::format("{}: PSNR {} dB over {} views", name, number(group["psnr"], "{:.2f}"),
-                      group["views"].get<int64_t>()));
+      lines.push_back(fmt::format("{} ({}): PSNR {} dB", name, group["views"].get<int64_t>(),
+                                  number_text(group["psnr"], 2)));
   }
+}
+
+void add_motion(const json& score, Lines& lines) {
   if (score["psnr_dynamic"].is_number())
-    add(fmt::format("pixels that move: PSNR {} dB, the others {} dB",
-                    number(score["psnr_dynamic"], "{:.2f}"),
-                    number(score["psnr_static"], "{:.2f}")));
+    lines.push_back(fmt::format("moving pixels {} dB, static pixels {} dB",
+                                number_text(score["psnr_dynamic"], 1),
+                                number_text(score["psnr_static"], 1)));
   if (score.contains("dynamic_weight_inside"))
-    add(
-        fmt::format("moving region: {} of the dynamic weight lies in it, {} of its pixels are of "
-                    "dynamic light",
-                    number(score["dynamic_weight_inside"], "{:.3f}"),
-                    number(score["moving_pixels_covered"], "{:.3f}")));
+    lines.push_back(
+        fmt::format("moving regions have {} of the blending weight of dynamic Gaussians, which "
+                    "cover {} of the moving pixels",
+                    number_text(score["dynamic_weight_inside"], 3),
+                    number_text(score["moving_pixels_covered"], 3)));
   if (score["flicker"].is_object())
-    add(fmt::format("flicker: {}/255 beside the truth's change, {}/255 where the truth is still",
-                    number(score["flicker"]["change_error"], "{:.2f}"),
-                    number(score["flicker"]["still_deviation"], "{:.2f}")));
-  return text;
+    lines.push_back(fmt::format("temporal error {}/255, flicker of static pixels {}/255",
+                                number_text(score["flicker"]["change_error"], 2),
+                                number_text(score["flicker"]["still_deviation"], 2)));
 }
 
 }  // namespace
 
-std::string scores_text(const json& scores) {
+std::string scores_text(const json& scores, ScoreDetail detail) {
   std::string text;
   if (!scores.contains("splits")) return text;
   for (const auto& [split, score] : scores["splits"].items()) {
-    text += fmt::format("{}{} PSNR {} dB, SSIM {} (reflect padding) over {} views",
-                        text.empty() ? "" : "\n", split, number(score["psnr"], "{:.2f}"),
-                        number(score["ssim"], "{:.4f}"), score["per_view"].size());
-    text += details_text(score);
+    text += fmt::format("{}{} ({}): PSNR {} dB, SSIM {}", text.empty() ? "" : "\n",
+                        views_text(split), score["per_view"].size(), number_text(score["psnr"], 2),
+                        number_text(score["ssim"], 4));
+    Lines lines;
+    add_structure(score, detail, lines);
+    add_novelty(score, lines);
+    add_motion(score, lines);
+    for (const std::string& line : lines) text += "\n  " + line;
   }
   return text;
 }

@@ -1,5 +1,5 @@
-// What: the scores of a model on the held-out splits of a scene, as the JSON that `evaluate`,
-//       `train` and `run` share.
+// What: The scores of a model on the held-out splits of a scene, as the JSON and the text that
+// `evaluate`, `train` and `run` share.
 // Not: the metrics (recon4d/evaluation/evaluate.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>
@@ -28,8 +28,17 @@ inline EvaluateOptions brief_scores() {
   return options;
 }
 
-/// Per split: "test PSNR 31.42 dB, SSIM 0.9512 (reflect padding) over 24 views", and a line each of
-/// what else there is: LPIPS, new views and timesteps apart, moving pixels, flicker.
-std::string scores_text(const nlohmann::json& scores);
+/// "27.59", or "n/a" where the value is no number.
+std::string number_text(const nlohmann::json& value, int digits);
+
+/// "test views", "validation views" or "training views" for test, val or train.
+std::string views_text(const std::string& split);
+
+enum class ScoreDetail { kUsual, kAll };
+
+/// A line per split, "test views (24): PSNR 31.42 dB, SSIM 0.9512", and an indented line each for
+/// what else there is: LPIPS, novel views and timesteps apart, moving pixels, the temporal error.
+/// kAll adds SSIM with each kind of padding, and scores that could not be computed as "n/a".
+std::string scores_text(const nlohmann::json& scores, ScoreDetail detail = ScoreDetail::kUsual);
 
 }  // namespace tessera

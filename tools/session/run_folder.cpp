@@ -84,7 +84,13 @@ std::filesystem::path run_folder_of(const std::filesystem::path& path) {
 std::string scene_of_model(const std::filesystem::path& model) {
   const RunFolder run{is_directory(model) ? run_folder_of(model) : model.parent_path()};
   const std::string scene = run.scene();
-  return std::filesystem::exists(scene) ? scene : "";
+  if (scene.empty() || std::filesystem::exists(scene)) return scene;
+  const std::filesystem::path root = std::filesystem::absolute(run.root / "").parent_path();
+  const std::filesystem::path beside = root.parent_path() / "scene";
+  const bool of_a_run = root.filename() == "run" &&
+                        std::filesystem::path(scene).filename() == "scene" &&
+                        std::filesystem::exists(beside / "transforms.json");
+  return of_a_run ? beside.string() : "";
 }
 
 }  // namespace tessera

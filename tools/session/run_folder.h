@@ -44,8 +44,9 @@ struct RunFolder {
 /// `path` as it is.
 std::filesystem::path run_folder_of(const std::filesystem::path& path);
 
-/// The scene that a model was trained on: `model` is a run folder or lies in one. "" where no run
-/// says so, or the scene is gone.
+/// The scene that a model was trained on: `model` is a run folder, an OUT of `tessera run`, or lies
+/// in a run folder. Where the scene that config.json names is gone, e.g. because OUT was moved, the
+/// scene in OUT. "" where no run names one, or both are gone.
 std::string scene_of_model(const std::filesystem::path& model);
 
 }  // namespace tessera

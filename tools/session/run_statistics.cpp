@@ -7,6 +7,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "tools/session/held_out_scores.h"
+
 namespace tessera {
 namespace {
 
@@ -58,8 +60,8 @@ std::string over_runs_text(const json& statistics) {
                                                   digits, score["sigma"].get<double>(), digits);
   };
   for (const auto& [split, score] : statistics["splits"].items())
-    text += fmt::format("{}{} PSNR {} dB, SSIM {} (reflect padding) over {} runs",
-                        text.empty() ? "" : "\n", split, number(score.value("psnr", json()), 2),
+    text += fmt::format("{}{}: PSNR {} dB, SSIM {} ({} runs)", text.empty() ? "" : "\n",
+                        views_text(split), number(score.value("psnr", json()), 2),
                         number(score.value("ssim", json()), 4), statistics["count"].get<int64_t>());
   return text;
 }

@@ -66,8 +66,8 @@ class Session {
     constexpr double kShare = 0.1;
     if (options_.within_db == 0 || options_.validation_share > 0) return;
     options_.validation_share = kShare;
-    observer_.on_message(
-        fmt::format("--within-db: sets a share of {} of the training frames aside", kShare));
+    observer_.on_message(fmt::format(
+        "--within-db: a share of {} of the training frames become validation views", kShare));
   }
 
   void prepare() {
@@ -92,7 +92,7 @@ class Session {
     });
     if (aside > 0)
       observer_.on_message(fmt::format(
-          "{} training frames are validation frames, by which the model is chosen", aside));
+          "{} training frames are validation views, by which the model is chosen", aside));
     observer_.on_message(test_views_of(scene_).text());
   }
 
@@ -344,8 +344,9 @@ class Session {
       for (const auto& [split, of_split] : scores_["splits"].items())
         summary[split] = {{"psnr", of_split["psnr"]}, {"ssim", of_split["ssim"]}};
     for (const auto& [split, of_split] : summary.items())
-      observer_.on_message(fmt::format("step {}: {} PSNR {} dB, {} Gaussians", iteration, split,
-                                       of_split["psnr"].dump().substr(0, 5), scored.count()));
+      observer_.on_message(fmt::format("step {}: {}: PSNR {} dB, {} Gaussians", iteration,
+                                       views_text(split), number_text(of_split["psnr"], 2),
+                                       scored.count()));
     log_->event(event, {{"iteration", iteration},
                         {"seconds", trainer_->state().seconds},
                         {"num_gaussians", scored.count()},

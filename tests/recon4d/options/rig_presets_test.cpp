@@ -24,8 +24,8 @@ Scene rig_scene(const std::vector<int>& counts) {
   return scene;
 }
 
-// Bugs put back: cameras counted that have a single frame; a monocular capture taken for a rig; each
-// seen to fail.
+// Bugs put back: cameras counted that have a single frame; a monocular capture taken for a rig;
+// each seen to fail.
 TEST(SceneFacts, OfRigsAndOthers) {
   const SceneFacts rig = facts_of(rig_scene({10, 10, 9, 10}));
   EXPECT_TRUE(rig.rig());

@@ -44,7 +44,7 @@ TEST(CliScored, TestEveryHoldsFramesOfTransformsFilesOut) {
   EXPECT_NE(trained.err.find("will be scored: 1 test view (1 of the 2 of camera train)"),
             std::string::npos)
       << trained.err;
-  EXPECT_NE(trained.out.find("over 1 views"), std::string::npos) << trained.out;
+  EXPECT_NE(trained.out.find("test views (1): PSNR"), std::string::npos) << trained.out;
 }
 #endif
 

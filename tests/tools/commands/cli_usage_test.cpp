@@ -25,10 +25,12 @@ void expect_no_suggestion(const CliWorkspace& work, const std::vector<std::strin
 }
 
 /// The program as `run` left it: OUT with a model of two steps in OUT/run.
-void run_once(const CliWorkspace& work) {
-  const ChildResult result =
-      work.run({"run", work.at("capture"), "-o", work.at("out"), "--iterations", "2",
-                "--init-points", "100", "--batch", "1", "--backend", "cpu"});
+void run_once(const CliWorkspace& work, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments{
+      "run", work.at("capture"), "-o",  work.at("out"), "--iterations", "2", "--batch",
+      "1",   "--init-points",    "100", "--backend",    "cpu"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const ChildResult result = work.run(arguments);
   ASSERT_EQ(result.exit_code, 0) << result.err;
 }
 
@@ -143,6 +145,21 @@ TEST(CliUsage, TheFolderOfARunStandsForItsModel) {
   EXPECT_EQ(work.run_json(render)["model"], model);
   EXPECT_EQ(work.run_json({"info", out})["kind"], "run");
 }
+
+#if TESSERA_HAS_INGEST
+// Bug put back: the scene beside the run is not looked for; seen to fail.
+TEST(CliUsage, AMovedOutputHasItsScene) {
+  const CliWorkspace work;
+  run_once(work, {"--scale", "0.5"});  // which needs a prepared scene of its own
+  ASSERT_TRUE(fs::exists(work / "out/scene/transforms.json"));
+  fs::rename(work / "out", work / "moved");
+  const std::string scene = (work / "moved/scene").string();
+  for (const char* model : {"moved", "moved/run", "moved/run/model.ply"})
+    EXPECT_EQ(work.run_json({"evaluate", work.at(model)})["scene"], scene) << model;
+  fs::rename(work / "moved/scene", work / "elsewhere");
+  work.expect_refused({"evaluate", work.at("moved")}, {"out/scene is gone", "pass --scene"});
+}
+#endif
 
 // Bugs put back, each seen to fail: the model read first; no check of the time.
 TEST(CliUsage, ArgumentsAreCheckedBeforeTheModelIsRead) {

@@ -13,6 +13,7 @@ says() { # TEXT LINES...
 }
 says "unknown key 'preset'; did you mean 'presets'?" "captures: [../captures/*/]" "preset: fast"
 says "unknown key 'ingst'; did you mean 'ingest'?" "scenes: [{path: a, ingst: []}]"
+says "unknown key 'captain'; There are" "captures: [../captures/*/]" "captain: fast"
 says "no folder matches ../nothing/*/" "captures: [../nothing/*/]"
 says "two are named 'a'" "captures: [../captures/*/, ../more/*/]"
 says "unknown preset 'balancd'; did you mean 'balanced'?" "captures: [../captures/*/]" "presets: [balancd]"

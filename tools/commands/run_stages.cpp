@@ -1,0 +1,239 @@
+// What: Stage by stage; each has the key of the one before in its own, so that a change runs down
+// the chain.
+// Not: the files of the last two stages (run_outputs.h).
+#include "tools/commands/run_stages.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/ingest.h"
+#include "ingest/layouts/scene_reader.h"
+#include "recon4d/model/model_file.h"
+#include "recon4d/options/train_options_json.h"
+#include "recon4d/training/scene_scale.h"
+#include "tools/cli/backend_options.h"
+#include "tools/cli/interrupt.h"
+#include "tools/cli/training_terminal.h"
+#include "tools/commands/run_outputs.h"
+#include "tools/export/in_time.h"
+#include "tools/export/player_files.h"
+#include "tools/player/player_page.h"
+#include "tools/session/device_choice.h"
+#include "tools/session/held_out_scores.h"
+#include "tools/session/run_folder.h"
+#include "tools/session/scene_lock.h"
+#include "tools/session/stage_ledger.h"
+#include "tools/session/train_session.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+  return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+IngestOptions defaults_for(const IngestOptions& options) {
+  IngestOptions defaults;
+  defaults.allow_static = options.allow_static;
+  return defaults;
+}
+
+struct Stage {
+  int number;
+  const char *name, *entry;  // in messages; in stages.json
+
+  std::string message(const std::string& text) const {
+    return fmt::format("[{}/5] {}{}", number, name, text);
+  }
+};
+constexpr Stage kIngest{1, "ingest", "ingest"}, kTrain{2, "train", "train"},
+    kEvaluate{3, "evaluate", "evaluate"}, kExport{4, "export", "export"},
+    kPage{5, "page", "player"};
+
+class Runner {
+ public:
+  explicit Runner(const RunRequest& request)
+      : request_(request),
+        options_(resolve_options(request.training, SceneFacts{})),
+        ingest_options_(resolve_ingest(request.ingest)),
+        run_{request.out / "run"},
+        ledger_(request.out / "stages.json") {}
+
+  /// False when interrupted.
+  bool run() {
+    if (!ingest()) return false;
+    const SceneLock in_use(scene_, SceneLock::Use::kRead);
+    options_ = resolve_options(request_.training, scene_);
+    if (const std::string note = page_bytes_note(options_.max_bytes); !note.empty()) say(note);
+    return train() && evaluate_model() && export_frames() && write_player();
+  }
+
+  json result() const {
+    json result = ledger_.result("evaluate");
+    result["training"] = ledger_.result("train");
+    result["export"] = request_.export_frames > 0
+                           ? ledger_.result("export")
+                           : json{{"folder", frames().string()}, {"frames", 0}, {"bytes", 0}};
+    if (carries_player_page()) result["player"] = ledger_.result("player");
+    result["model"] = run_.model().string();
+    result["metrics"] = run_.metrics().string();
+    result["scene"] = scene_.string();
+    result["out"] = request_.out.string();
+    result["stage_seconds"] = seconds_;
+    result["total_seconds"] = seconds_since(begin_);
+    result["camera_path"] = camera_path_of(load_scene(scene_, scene_options(false)));
+    return result;
+  }
+
+ private:
+  /// Does the stage unless it was done for this key and `product` is still there. `make` returns
+  /// its result, nothing where it was stopped before its end. False when interrupted.
+  bool do_stage(const Stage& stage, const std::string& key, const fs::path& product,
+                const std::function<std::optional<json>()>& make) {
+    if (ledger_.done(stage.entry, key) && fs::exists(product)) {
+      say(stage.message(": done before, unchanged"));
+      return true;
+    }
+    say(stage.message(""));
+    const auto begin = Clock::now();
+    ledger_.begin(stage.entry, key);
+    const std::optional<json> result = make();
+    if (!result) return false;
+    ledger_.finish(stage.entry, key, *result);
+    seconds_[stage.name] = seconds_since(begin);
+    say(stage.message(fmt::format(": done in {}", duration_text(seconds_[stage.name]))));
+    return !interrupted();
+  }
+
+  SceneOptions scene_options(bool pixels) const {
+    return {parse_background(options_.background), options_.static_only, pixels, {}};
+  }
+
+  bool ingest() {
+    IngestOptions options = ingest_options_;
+    options.allow_static = options_.static_only;
+    options.work = request_.out / "work";
+    const bool as_it_is =
+        to_json(options) == to_json(defaults_for(options)) && opens_as_scene(request_.capture);
+    scene_ = as_it_is ? request_.capture : request_.out / "scene";
+    scene_key_ = key_of({file_stamps(request_.capture), to_json(options), as_it_is});
+    return do_stage(kIngest, scene_key_, as_it_is ? scene_ : scene_ / "transforms.json", [&] {
+      json result = {{"scene", scene_.string()}};
+      if (as_it_is) return std::optional(result);
+      const IngestReport report = ingest_with_progress(request_.capture, scene_, options, "ingest");
+      result["frames"] = report.frames;
+      result["cameras"] = report.cameras;
+      return std::optional(result);
+    });
+  }
+
+  bool train() {
+    const std::string backend = parse_backend(request_.training.backend).name;
+    train_key_ = key_of({scene_key_, to_json(options_), backend});
+    return do_stage(kTrain, train_key_, run_.model(), [&]() -> std::optional<json> {
+      TrainingTerminal terminal;
+      json result = train_or_restart(train_request(), terminal);
+      if (interrupted()) return {};
+      result.erase("scores");  // the evaluate stage has them
+      return result;
+    });
+  }
+
+  TrainRequest train_request() const {
+    TrainRequest train;
+    train.scene = scene_;
+    train.run = run_.root;
+    train.options = options_;
+    train.preset = request_.training.preset;
+    train.ablation = request_.training.ablation;
+    train.backend = request_.training.backend;
+    train.evaluate_every = request_.training.evaluate_every;
+    train.checkpoint_every = request_.training.checkpoint_every;
+    train.made_for = train_key_;
+    train.resume = run_.made_for() == train_key_ && fs::exists(run_.checkpoint());
+    train.overwrite = true;
+    train.shipped_bytes = shipped_bytes_of(run_.root.string());
+    return train;
+  }
+
+  bool evaluate_model() {
+    return do_stage(kEvaluate, key_of({train_key_, "evaluate"}), run_.metrics(), [&] {
+      const GaussianModel model = load_model(run_.model());
+      const Scene scene = scaled_scene(load_scene(scene_, scene_options(true)), model.train_scale);
+      const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
+      ProgressBar bar("evaluate");
+      const json scores = score_splits(
+          *backend, model, scene, held_out_splits(scene), int64_t(fs::file_size(run_.model())),
+          [&](const Frame&, const RenderedImage&, const ViewScore& view, int64_t done,
+              int64_t total) {
+            stop_if_interrupted();
+            bar.update(done, total, fmt::format("{:.2f} dB", view.psnr));
+          });
+      write_text_file(run_.metrics(), scores.dump(2));
+      return std::optional(scores);
+    });
+  }
+
+  fs::path frames() const { return request_.out / "frames"; }
+
+  bool export_frames() {
+    if (request_.export_frames == 0) {
+      say(kExport.message(": no PLY frames are requested (--export-frames N writes N of them)"));
+      if (fs::exists(frames() / "manifest.json"))
+        warn(
+            fmt::format("{}: holds the frames of an earlier run, which may be of another model; "
+                        "remove the folder or pass --export-frames",
+                        frames().string()));
+      return true;
+    }
+    return do_stage(
+        kExport, key_of({train_key_, "export", request_.export_frames}), frames() / "manifest.json",
+        [&] { return std::optional(write_run_frames(run_, frames(), request_.export_frames)); });
+  }
+
+  bool write_player() {
+    if (!carries_player_page()) {
+      warn(kPage.message(
+          ": not written, because nodejs and npm were not found when this program was built"));
+      return true;
+    }
+    const fs::path folder = request_.out / "player";
+    return do_stage(kPage, key_of({train_key_, "player"}), folder / kPageFile,
+                    [&] { return std::optional(write_run_player(run_, folder)); });
+  }
+
+  const RunRequest& request_;
+  TrainOptions options_;
+  IngestOptions ingest_options_;
+  RunFolder run_;
+  StageLedger ledger_;
+  fs::path scene_;
+  std::string scene_key_, train_key_;
+  const Clock::time_point begin_ = Clock::now();
+  std::map<std::string, double> seconds_;  // by the names of the stages that ran
+};
+
+}  // namespace
+
+std::optional<json> run_stages(const RunRequest& request) {
+  try {
+    Runner runner(request);
+    if (!runner.run()) return {};
+    return runner.result();
+  } catch (const Interrupted&) {
+    return {};
+  }
+}
+
+}  // namespace tessera

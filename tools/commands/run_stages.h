@@ -1,0 +1,28 @@
+// What: The five stages of `tessera run`: ingest, train, evaluate, export, page. Each is done
+// once, and again only where its inputs or options changed. OUT holds scene/ (unless the capture
+// is a prepared scene already), run/, frames/ on request, player/ and stages.json.
+// Not: anything that the single commands do not do.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "tools/cli/ingest_arguments.h"
+#include "tools/cli/train_arguments.h"
+
+namespace tessera {
+
+struct RunRequest {
+  std::filesystem::path capture, out;
+  IngestArguments ingest;
+  TrainArguments training;
+  int64_t export_frames = 0;  // PLY frames to write; 0: none
+  bool json_output = false;
+};
+
+/// Runs what is to be done and returns the results of all stages: those of evaluate at the top
+/// level, the others under `training`, `export` and `player`; the seconds of the stages that ran
+/// under `stage_seconds`. Nothing when it was interrupted; what is done is kept.
+std::optional<nlohmann::json> run_stages(const RunRequest& request);
+
+}  // namespace tessera
