@@ -95,11 +95,11 @@ void compare_with_median(std::vector<CameraGain>& gains) {
   for (size_t k = 0; k < 3; ++k) {
     std::vector<double> known;
     for (const CameraGain& camera : gains)
-      if (camera.pairs >= kLeastPairs) known.push_back(camera.gain[k]);
+      if (camera.pairs >= kLeastColourPairs) known.push_back(camera.gain[k]);
     if (known.empty()) return;
     const double usual = median(std::move(known));
     for (CameraGain& camera : gains)
-      if (camera.pairs >= kLeastPairs) camera.gain[k] /= usual;
+      if (camera.pairs >= kLeastColourPairs) camera.gain[k] /= usual;
   }
 }
 
