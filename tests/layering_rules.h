@@ -151,13 +151,21 @@ inline Lines circle_of(const FolderGraph& graph) {
 
 /// Why the first lines are not the header comment that each file has.
 inline std::string heading_complaint(const std::string& file, const Lines& lines) {
-  if (lines.empty() || !lines[0].starts_with("// What: "))
-    return file + " does not begin with '// What: '";
+  std::string heading;
   for (const std::string& line : lines) {
-    if (!line.starts_with("//")) break;
-    if (line.find("Not: ") != std::string::npos) return "";
+    if (!line.starts_with("// ")) break;
+    heading += line.substr(2);
   }
-  return file + " does not say '// Not: ' in its first comment";
+  if (heading.empty()) return file + " does not begin with a comment";
+  // older files begin with "What: … Not: …"
+  const bool is_old = heading.starts_with(" What: ");
+  if (is_old && heading.find("Not: ") == std::string::npos)
+    return file + " does not say '// Not: ' in its first comment";
+  const char first = heading.size() > 1 ? heading[1] : ' ';
+  const bool is_sentence = first >= 'A' && first <= 'Z' && heading.ends_with('.');
+  if (!is_old && !is_sentence && first != '`')
+    return file + " does not begin with full sentences";
+  return "";
 }
 
 /// Why the line may not stand in a file outside tools/ and tests/, or in the library of sessions.

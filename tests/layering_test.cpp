@@ -195,6 +195,9 @@ TEST(LayeringRules, AreSeenToRefuse) {
   EXPECT_NE(heading_complaint("a.h", {"#pragma once", "// What: a", "// Not: b"}), "");
   EXPECT_NE(heading_complaint("a.h", {"// What: a", "#pragma once", "// Not: b"}), "");
   EXPECT_EQ(heading_complaint("a.h", {"// What: a", "// Not: b"}), "");
+  EXPECT_EQ(heading_complaint("a.h", {"// Rays of a camera in", "// world space.", "code"}), "");
+  EXPECT_NE(heading_complaint("a.h", {"// rays of a camera", "code"}), "");
+  EXPECT_NE(heading_complaint("a.h", {"// Rays of a camera", "code"}), "");
 
   FolderGraph graph;
   add_includes("a/x.h", {"#include \"b/y.h\"", "#include <c/z.h>", "#include \"a/w.h\""}, graph);

@@ -52,11 +52,11 @@ int run_command(const Work& work) {
 
 int tessera_main(int argc, char** argv) {
   install_interrupt_handlers();
-  CLI::App app("Tessera: multi-view video to 4D Gaussians that play", "tessera");
+  CLI::App app("Tessera turns multi-view video into 4D Gaussians that play.", "tessera");
   app.formatter(help_formatter());
   app.set_help_flag("-h,--help", "show the options that are used often");
   app.set_help_all_flag("--help-all", "show all options");
-  app.set_version_flag("-V,--version", kVersionText);
+  app.set_version_flag("-V,--version", kVersionText, "print the version");
   app.require_subcommand(1);
   Work work;
   add_run_command(app, work);

@@ -47,7 +47,7 @@ const OptionOverrides kMcmc = {{"densification", "mcmc"},
 const std::vector<Preset>& presets() {
   static const std::vector<Preset> rows = {
       {"fast",
-       "minutes on a CPU: few initial points, short schedule",
+       "a first result in minutes on a CPU: 2,000 steps, at most 40,000 Gaussians",
        {{"iterations", 2000},
         {"schedule_iterations", 30000},
         {"init_points", 20000},
@@ -60,11 +60,11 @@ const std::vector<Preset>& presets() {
        0,
        kFastRig,
        kFastRigRates},
-      {"balanced", "the default: 7,000 steps, what does not move becomes static", kBalanced, kStill,
+      {"balanced", "the default: 7,000 steps; what does not move becomes static, and the model is pruned", kBalanced, kStill,
        kPixelsPerGaussian, kRig, kRigRates},
       {"best",
-       "balanced with MCMC densification of 200,000 Gaussians before they are pruned; of one "
-       "timestep 30,000 steps, a million",
+       "highest quality: rigs 15,000 steps; one camera MCMC densification with 200,000 Gaussians; "
+       "one timestep 30,000 steps and a million Gaussians",
        joined(joined(kBalanced, kMcmc),
               {{"peak_gaussians", 200000}, {"mcmc_noise", 5e4}, {"thin_until", 28000}}),
        joined(kStill, {{"iterations", 30000},
@@ -86,7 +86,7 @@ const std::vector<Preset>& presets() {
         {"lr_opacity", 0.025},
         {"opacity_reset_interval", 3000},
         {"far_plane", 1e4}}},
-      {"mcmc", "static 3DGS with MCMC densification: exactly max_gaussians, no opacity reset",
+      {"mcmc", "static 3DGS with MCMC densification up to max_gaussians, no opacity reset",
        joined(kMcmc, {{"static_only", true},
                       {"batch", 1},
                       {"far_plane", 1e4},

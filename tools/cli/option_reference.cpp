@@ -22,6 +22,12 @@ bool takes_value(const CLI::Option& option) {
 
 std::string placeholder_of(const CLI::Option& option) {
   if (!takes_value(option)) return "";
+  constexpr std::pair<const char*, const char*> kNamed[] = {
+      {"out", "DIR"},     {"config", "FILE"}, {"masks", "DIR"},  {"offsets", "FILE"},
+      {"lpips", "FILE"},  {"model", "FILE"},  {"preset", "NAME"}, {"ablation", "NAME"},
+      {"format", "NAME"}, {"scene", "DIR"},   {"size", "WxH"}};
+  for (const auto& [name, placeholder] : kNamed)
+    if (option.check_lname(name)) return placeholder;
   const std::string type = option.get_type_name();
   if (type.starts_with("UINT") || type.starts_with("INT")) return "N";
   if (type.starts_with("FLOAT")) return "X";
@@ -29,8 +35,9 @@ std::string placeholder_of(const CLI::Option& option) {
 }
 
 std::string default_of(const CLI::Option& option) {
-  const bool is_help = option.check_lname("help") || option.check_lname("help-all");
-  if (option.get_required() || is_help) return "";
+  const bool ends_program = option.check_lname("help") || option.check_lname("help-all") ||
+                            option.check_lname("version");
+  if (option.get_required() || ends_program) return "";
   if (!takes_value(option)) return "no";
   const std::string text = option.get_default_str();
   return text == "\"\"" || text == "[]" ? "" : text;

@@ -221,8 +221,7 @@ void add_batch_command(CLI::App& app, Work& work) {
   const auto request = std::make_shared<BatchRequest>();
   CLI::App* const command = app.add_subcommand(
       "batch",
-      "captures x presets x budgets x seeds on this machine or a cluster, and a report; "
-      "run again to go on");
+      "reconstruct many captures with many presets here or on a cluster; repeat it to resume");
   command->add_option("datasets", request->datasets,
                       "captures, folders of captures, globs; without any OUT/batch.yaml as it is");
   command->add_option("-o,--out", request->engine.out, "folder of the batch")->required();

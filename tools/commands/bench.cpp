@@ -165,7 +165,7 @@ void add_sweep_options(CLI::App& command, BenchRequest& request) {
 
 void add_bench_command(CLI::App& app, Work& work) {
   CLI::App* command = app.add_subcommand(
-      "bench", "stage times, speed-accuracy charts, the paper's tables, time-to-quality curves");
+      "bench", "measure stage times, speed-accuracy charts, tables and time-to-quality curves");
   auto request = std::make_shared<BenchRequest>();
   command->add_option("scenes", request->sweep.scenes,
                       "prepared scenes or D-NeRF folders; PATH:val is scored on that split");

@@ -103,7 +103,7 @@ int doctor(const DoctorRequest& request) {
 
 void add_doctor_command(CLI::App& app, Work& work) {
   CLI::App* command =
-      app.add_subcommand("doctor", "say what is wrong with a capture or scene, and what to do");
+      app.add_subcommand("doctor", "check a capture or scene before hours are spent on it");
   const auto request = std::make_shared<DoctorRequest>();
   command->add_option("path", request->path, "capture or prepared scene")->required();
   add_ingest_options(*command, request->ingest);

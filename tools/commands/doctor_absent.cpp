@@ -7,7 +7,7 @@ namespace tessera {
 
 void add_doctor_command(CLI::App& app, Work& work) {
   CLI::App* command =
-      app.add_subcommand("doctor", "say what is wrong with a capture or scene, and what to do");
+      app.add_subcommand("doctor", "check a capture or scene before hours are spent on it");
   const auto path = std::make_shared<std::string>();
   command->add_option("path", *path, "capture or prepared scene")->required();
   command->callback([&work, path] {

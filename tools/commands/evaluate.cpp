@@ -259,7 +259,7 @@ int evaluate_command(const EvaluateRequest& request) {
 }  // namespace
 
 void add_evaluate_command(CLI::App& app, Work& work) {
-  CLI::App* command = app.add_subcommand("evaluate", "score a model on held-out frames");
+  CLI::App* command = app.add_subcommand("evaluate", "score models on test views");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<EvaluateRequest>();
   command

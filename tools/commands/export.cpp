@@ -150,7 +150,7 @@ void add_time_options(CLI::App& command, ExportTimes& times) {
 }  // namespace
 
 void add_export_command(CLI::App& app, Work& work) {
-  CLI::App* command = app.add_subcommand("export", "write a model for other programs");
+  CLI::App* command = app.add_subcommand("export", "write a model as player, 4D file or splat sequence");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<ExportRequest>();
   command

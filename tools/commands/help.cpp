@@ -30,7 +30,7 @@ std::string help_text(const CLI::App& app, const std::string& name) {
 
 void add_help_commands(CLI::App& app, Work& work) {
   const auto name = std::make_shared<std::string>();
-  CLI::App* help = app.add_subcommand("help", "the same as --help, of a command too");
+  CLI::App* help = app.add_subcommand("help", "print the help of a command");
   help->add_option("command", *name, "to be explained; default: the program");
   help->callback([name, &app, &work] {
     work = [name, &app] {
@@ -38,7 +38,7 @@ void add_help_commands(CLI::App& app, Work& work) {
       return int(kExitDone);
     };
   });
-  app.add_subcommand("version", "the same as --version")->callback([&work] {
+  app.add_subcommand("version", "print the version")->callback([&work] {
     work = [] {
       fmt::print("{}\n", kVersionText);
       return int(kExitDone);

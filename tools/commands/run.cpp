@@ -45,7 +45,7 @@ void check_request(const RunRequest& request) {
 void add_run_command(CLI::App& app, Work& work) {
   const auto request = std::make_shared<RunRequest>();
   CLI::App& command = *app.add_subcommand(
-      "run", "capture -> prepared scene, model, scores, player files; run again to resume");
+      "run", "reconstruct a capture: ingest, train, evaluate, export, player; repeat it to resume");
   command.add_option("capture", request->capture, "folder of videos or images")->required();
   command.add_option("-o,--out", request->out, "output folder")->required();
   add_ingest_options(command, request->ingest);

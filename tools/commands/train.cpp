@@ -56,7 +56,7 @@ void add_train_command(CLI::App& app, Work& work) {
     std::string time_limit;
   };
   const auto parsed = std::make_shared<Parsed>();
-  CLI::App& command = *app.add_subcommand("train", "prepared scene or D-NeRF folder -> run folder");
+  CLI::App& command = *app.add_subcommand("train", "train a model from a prepared scene or a D-NeRF folder");
   command.add_option("scene", parsed->request.scene, "prepared scene or D-NeRF folder")->required();
   command.add_option("-o,--out", parsed->request.run, "run folder")->required();
   command.add_flag("--resume", parsed->request.resume,

@@ -125,9 +125,15 @@ std::string presets_page() {
   text +=
       "\nA *rig* is a scene with three or more cameras that film at the same time. Options that "
       "depend on the frame rate are given in frames there.\n\n";
+  // of a key that is overridden twice the last value counts
   const auto list = [&](const OptionOverrides& overrides) {
-    for (const auto& [key, value] : overrides)
-      text += fmt::format("- `--{}` {}\n", dashed(key), code(plain_text(value)));
+    for (size_t i = 0; i < overrides.size(); ++i) {
+      const auto& [key, value] = overrides[i];
+      const bool is_last = std::none_of(
+          overrides.begin() + long(i) + 1, overrides.end(),
+          [&](const auto& later) { return std::string(later.first) == overrides[i].first; });
+      if (is_last) text += fmt::format("- `--{}` {}\n", dashed(key), code(plain_text(value)));
+    }
   };
   for (const Preset& preset : presets()) {
     text += fmt::format("## {}\n\n", preset.name);
