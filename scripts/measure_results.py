@@ -6,7 +6,8 @@
 
 A line of RECORDS.jsonl is a JSON object per training: name, scene, preset, seed, options, seconds,
 device, n (Gaussians), psnr, ssim, moving, static (PSNR in dB), bytes (of the exported Tessera 4D
-file), version, command. psnr, ssim, moving, static and bytes may be null. Trainings are grouped by
+file), version, command. psnr, ssim, moving, static and bytes may be null; psnr_val (of the split
+val) may be absent. scripts/measure_training.py writes such lines. Trainings are grouped by
 scene and preset; docs/development/results.md describes the result.
 """
 
@@ -19,7 +20,7 @@ import sys
 
 FIELDS = ("name", "scene", "preset", "seed", "options", "seconds", "device", "n", "psnr", "ssim",
           "moving", "static", "bytes", "version", "command")
-KEYS = {"psnr": "psnr", "psnr_moving": "moving", "psnr_static": "static", "ssim": "ssim",
+KEYS = {"psnr": "psnr", "psnr_val": "psnr_val", "psnr_moving": "moving", "psnr_static": "static", "ssim": "ssim",
         "seconds": "seconds", "num_gaussians": "n", "shipped_bytes": "bytes"}
 
 
@@ -76,7 +77,7 @@ def row_of(scene, preset, records):
     shared(runs, "options")
     row = {"scene": scene, "preset": preset, "seeds": seeds}
     for key, field in KEYS.items():
-        values = [run[field] for run in runs]
+        values = [run.get(field) for run in runs]
         if None in values and any(value is not None for value in values):
             raise ValueError(f"{scene} {preset}: {field} is null for some seeds only")
         row[key] = None if None in values else values

@@ -1,17 +1,21 @@
 #!/usr/bin/env python3
-"""Trains scenes with presets and seeds and says where the seconds went.
+"""Trains scenes with presets and seeds and states where the seconds went.
 
-    measure_training.py [--tessera build/release/tessera] [--seeds 3] [--out FILE.jsonl]
-                        SCENE:PRESET[,PRESET...] ... [-- OPTION...]
+    measure_training.py [--tessera build/release/tessera] [--seeds 3] [--jobs 1] [--split val]
+                        [--out FILE.jsonl] SCENE:PRESET[,PRESET...] ... [-- OPTION...]
 
-Options after -- are passed to every training. A line of JSON a training is added to FILE.jsonl as
-it ends, with version, command, device and seed; the table at the end has medians over the seeds:
-seconds of training, sum of the stages' device seconds, their ratio, seconds of decisions and the
-frames that their first passes drew, loading, Gaussians, peak memory, PSNR of all held-out pixels
-and of those that move.
+Options after -- are passed to every training. A line of JSON per training is added to FILE.jsonl
+as it ends; scripts/measure_results.py makes a results file of such lines. The table at the end has
+medians over the seeds: seconds of training, sum of the device seconds of the stages, their ratio,
+seconds of decisions and the frames that their first passes drew, loading, Gaussians, peak memory,
+PSNR of all pixels of the test views, of moving and of static pixels.
+
+With --jobs above 1 trainings run side by side: scores are the same, seconds are not comparable.
+--split scores the views of another split too, which the record has as psnr_SPLIT.
 """
 
 import argparse
+import concurrent.futures
 import json
 import pathlib
 import statistics
@@ -26,10 +30,11 @@ COLUMNS = {  # key in a record: (heading, format)
     "decisions": ("decisions s", "{:.2f}"),
     "looked_at": ("frames of a pass", "{:.0f}"),
     "load": ("load s", "{:.1f}"),
-    "gaussians": ("Gaussians", "{:,.0f}"),
+    "n": ("Gaussians", "{:,.0f}"),
     "peak_gib": ("peak GiB", "{:.2f}"),
     "psnr": ("PSNR", "{:.2f}"),
-    "psnr_moving": ("moving", "{:.2f}"),
+    "moving": ("moving", "{:.2f}"),
+    "static": ("static", "{:.2f}"),
 }
 
 
@@ -49,7 +54,7 @@ def decisions_of(log):
     return [event for event in events if event.get("event") == "decision"]
 
 
-def measure(tessera, scene, preset, seed, options):
+def measure(tessera, scene, preset, seed, options, split):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "run"
         command = [tessera, "train", scene, "-o", str(out), "--preset", preset, "--seed", str(seed),
@@ -57,9 +62,13 @@ def measure(tessera, scene, preset, seed, options):
         trained = run_json(command)
         scores = run_json([tessera, "evaluate", str(out), "--scene", scene, "--json"])
         decisions = decisions_of(out / "log.jsonl")
+        other = {f"psnr_{split}": run_json([tessera, "evaluate", str(out), "--scene", scene,
+                                            "--split", split, "--json"])["psnr"]} if split else {}
     stages = sum(trained["stage_ms"].values()) / 1000
+    views = scores["held_out_views"] or {}
     return {
-        "scene": pathlib.Path(scene).name, "preset": preset, "seed": seed,
+        "name": preset, "scene": pathlib.Path(scene).name, "preset": preset, "seed": seed,
+        "options": options,
         "command": " ".join(command[:3] + ["-o", "RUN"] + command[5:]),
         "device": trained["device"],
         "seconds": trained["seconds"], "stages": stages,
@@ -68,9 +77,10 @@ def measure(tessera, scene, preset, seed, options):
         "decisions": sum(event["decision_seconds"] for event in decisions),
         "looked_at": statistics.median([event["looked_at"] for event in decisions] or [0]),
         "load": trained["wall_seconds"]["load"],
-        "gaussians": trained["num_gaussians"], "dynamic": trained["num_dynamic"],
+        "n": trained["num_gaussians"], "dynamic": trained["num_dynamic"],
         "peak_gib": trained["peak_device_bytes"] / 2**30,
-        "psnr": scores["psnr"], "psnr_moving": scores["held_out_views"]["psnr_dynamic"],
+        "psnr": scores["psnr"], "ssim": scores["ssim"], "bytes": scores["bytes"],
+        "moving": views.get("psnr_dynamic"), "static": views.get("psnr_static"), **other,
     }
 
 
@@ -101,25 +111,33 @@ def main():
     parser.add_argument("--commit", help="of the program; default: what git says")
     parser.add_argument("--out", type=pathlib.Path)
     parser.add_argument("loads", nargs="+", metavar="SCENE:PRESET[,PRESET]")
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--split")
     asked = parser.parse_args(arguments)
     version = asked.commit or output_of(["git", "rev-parse", "--short", "HEAD"])
-    records = []
+    work = []
     for load in asked.loads:
         scene, colon, presets = load.rpartition(":")
         if not colon:
             parser.error(f"{load}: give the presets, too: {load}:balanced")
-        for preset in presets.split(","):
-            for seed in range(1, asked.seeds + 1):
-                record = measure(asked.tessera, scene, preset, seed, options)
-                record["version"] = version
-                records.append(record)
-                print(f"{record['scene']} {preset} seed {seed}:",
-                      ", ".join(f"{heading} {form.format(record[key])}"
-                                for key, (heading, form) in COLUMNS.items()
-                                if record[key] is not None), flush=True)
-                if asked.out:
-                    with asked.out.open("a") as file:
-                        file.write(json.dumps(record) + "\n")
+        work += [(scene, preset, seed) for preset in presets.split(",")
+                 for seed in range(1, asked.seeds + 1)]
+    records = []
+    with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
+        runs = [pool.submit(measure, asked.tessera, *one, options, asked.split) for one in work]
+        for run in concurrent.futures.as_completed(runs):
+            record = run.result()
+            record["version"] = version
+            records.append(record)
+            print(f"{record['scene']} {record['preset']} seed {record['seed']}:",
+                  ", ".join(f"{heading} {form.format(record[key])}"
+                            for key, (heading, form) in COLUMNS.items()
+                            if record[key] is not None), flush=True)
+            if asked.out:
+                with asked.out.open("a") as file:
+                    file.write(json.dumps(record) + "\n")
+    records.sort(key=lambda r: work.index(next(w for w in work if pathlib.Path(w[0]).name ==
+                 r["scene"] and w[1:] == (r["preset"], r["seed"]))))
     print(table(records))
 
 

@@ -163,8 +163,7 @@ inline std::string heading_complaint(const std::string& file, const Lines& lines
     return file + " does not say '// Not: ' in its first comment";
   const char first = heading.size() > 1 ? heading[1] : ' ';
   const bool is_sentence = first >= 'A' && first <= 'Z' && heading.ends_with('.');
-  if (!is_old && !is_sentence && first != '`')
-    return file + " does not begin with full sentences";
+  if (!is_old && !is_sentence && first != '`') return file + " does not begin with full sentences";
   return "";
 }
 

@@ -60,8 +60,9 @@ const std::vector<Preset>& presets() {
        0,
        kFastRig,
        kFastRigRates},
-      {"balanced", "the default: 7,000 steps; what does not move becomes static, and the model is pruned", kBalanced, kStill,
-       kPixelsPerGaussian, kRig, kRigRates},
+      {"balanced",
+       "the default: 7,000 steps; what does not move becomes static, and the model is pruned",
+       kBalanced, kStill, kPixelsPerGaussian, kRig, kRigRates},
       {"best",
        "highest quality: rigs 15,000 steps; one camera MCMC densification with 200,000 Gaussians; "
        "one timestep 30,000 steps and a million Gaussians",

@@ -96,7 +96,7 @@ json bench_ablations(const StageBenchRequest& request, const Scene& scene,
 }  // namespace
 
 int bench_stages_command(StageBenchRequest request) {
-  const TrainOptions options = resolve_options(request.training, request.scene);
+  TrainOptions options = resolve_options(request.training, request.scene);
   Scene scene = load_training_scene(request.scene, options);
   std::optional<GaussianModel> model;
   if (!request.model.empty()) {
@@ -105,6 +105,7 @@ int bench_stages_command(StageBenchRequest request) {
   } else {
     complete_cloud(scene, options);
   }
+  resolve_exposure(scene, options);
   if (request.ablations) {
     const json rows = bench_ablations(request, scene, options);
     print_result(request.json, {{"ablations", rows}}, "");

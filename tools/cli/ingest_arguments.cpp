@@ -36,61 +36,70 @@ void check_positive(const std::optional<double>& value, const char* option) {
 
 void add_frame_options(CLI::App& command, IngestArguments& arguments) {
   IngestOptions& options = arguments.options;
-  command.add_option("--layout", arguments.layout,
-                     "what images are: rig (of cameras that film together), photos (of a scene "
-                     "that stands still), moving (one camera that moves; the scene may, too); "
-                     "default: by their names");
-  command.add_option("--scale", options.scale, "size of the images by the source's, (0, 1]")
-      ->capture_default_str();
-  command.add_option("--frames", options.frames, "first N instants of each camera; default: all");
-  command.add_option("--start", options.start, "videos: seconds after the first common timestep");
-  command.add_option("--duration", options.duration, "videos: seconds to take; default: all");
-  command.add_option("--fps", options.fps,
-                     "videos: frames to take per second; default: all; numbered images of cameras: "
-                     "numbers per second; default: 30");
+  command.add_option(
+      "--layout", arguments.layout,
+      "how images are read: rig (several cameras that film together), photos (of a static "
+      "scene), moving (one camera that moves); default: from their names");
   command
-      .add_option("--cameras", options.cameras, "videos: cameras to take, by name; default: all")
+      .add_option("--scale", options.scale,
+                  "image size relative to the source, above 0 to 1, or 50%")
+      ->capture_default_str();
+  command.add_option("--frames", options.frames,
+                     "use the first N timesteps of each camera; default: all");
+  command.add_option("--start", options.start,
+                     "videos: begin so many seconds after the first common timestep");
+  command.add_option("--duration", options.duration, "videos: use so many seconds; default: all");
+  command.add_option(
+      "--fps", options.fps,
+      "videos: use so many frames per second; default: all. Image sequences: frame rate of "
+      "the numbers; default: 30");
+  command
+      .add_option("--cameras", options.cameras, "videos: use these cameras, by name; default: all")
       ->delimiter(',');
   command
-      .add_option("--held-out", options.held_out,
-                  "cameras (or photos) of the test split, by name; default: the first of several "
-                  "cameras, of photos see --test-every")
+      .add_option(
+          "--held-out", options.held_out,
+          "test cameras (or photos), by name; default: the first camera of a rig; for photos "
+          "see --test-every")
       ->delimiter(',');
   command.add_option("--images", options.images,
-                     "photo sets: folder of the photos, e.g. images_4; default: images");
-  command.add_option("--test-every", options.test_every,
-                     "every Nth image by name is a test view, of photos, of transforms files "
-                     "without test frames, of a single camera; 0: none; default: 8 for photos "
-                     "and a moving camera");
+                     "photos: folder of the images, for example images_4; default: images");
+  command.add_option(
+      "--test-every", options.test_every,
+      "photos, one moving camera, transforms files without test frames: every Nth image by "
+      "name is a test view; 0: none; default: 8");
 }
 
 void add_camera_options(CLI::App& command, IngestArguments& arguments) {
   IngestOptions& options = arguments.options;
   command.add_option(
       "--poses", options.poses.source,
-      "where poses come from: n3dv or llff (poses_bounds.npy), colmap (the model "
-      "that is there, else estimated), or a file of cameras; default: what is there");
-  command.add_option("--camera-model", options.poses.lens_model,
-                     "lens model that colmap estimates, e.g. OPENCV; default: as simple as fits");
+      "source of the poses: n3dv or llff (poses_bounds.npy), colmap (an existing model, else "
+      "estimated), or a file of cameras; default: what the folder has");
+  command.add_option(
+      "--camera-model", options.poses.lens_model,
+      "lens model that COLMAP estimates, for example OPENCV; default: the simplest that fits");
   command
       .add_option("--intrinsics", arguments.intrinsics,
-                  "estimated ones: shared (by cameras of one image size) or per-camera")
+                  "estimated intrinsics: shared (by cameras of one image size) or per-camera")
       ->capture_default_str();
   command
-      .add_option("--sync", arguments.sync,
-                  "how the cameras' clocks are aligned: auto, none, container, audio, motion")
+      .add_option(
+          "--sync", arguments.sync,
+          "how the clocks of the cameras are aligned: auto, none, container, audio or motion")
       ->capture_default_str();
   command.add_option("--offsets", options.sync.offsets,
-                     "file of clock offsets, seconds by camera; wins over --sync");
+                     "file of clock offsets in seconds by camera; replaces --sync");
   command.add_flag("--strict", options.strict,
-                   "a missing or unreadable image, or a camera without a pose, is an error");
+                   "treat a missing or unreadable image and a camera without a pose as errors");
 }
 
 void add_image_options(CLI::App& command, IngestArguments& arguments) {
   IngestOptions& options = arguments.options;
   command.add_option("--masks", options.masks,
-                     "folder of masks named as the images or cameras; black is ignored");
-  command.add_flag("--invert-masks", options.invert_masks, "white is ignored, not black");
+                     "folder of masks, named as the images or cameras; black pixels are ignored");
+  command.add_flag("--invert-masks", options.invert_masks,
+                   "ignore white pixels instead of black ones");
   command.add_flag("--fit-exposure", options.fit_exposure,
                    "divide each training camera's images by its gains, measured on features");
   command.add_flag("--keep-world", options.keep_world,
@@ -101,7 +110,9 @@ void add_image_options(CLI::App& command, IngestArguments& arguments) {
       "initial points: none, sparse (the capture's, else COLMAP's), dense (and a plane "
       "sweep); "
       "default: dense where three training cameras share timesteps");
-  command.add_option("--cloud-points", options.cloud_points, "most points of the plane sweep")
+  command
+      .add_option("--cloud-points", options.cloud_points,
+                  "largest number of points of the plane sweep")
       ->capture_default_str();
 }
 

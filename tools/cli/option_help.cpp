@@ -25,26 +25,41 @@ size_t line_width() {
   return std::clamp(size_t(size.ws_col), kNarrowest, kWidest);
 }
 
-/// `text` in lines of the second column; lines that it has already are kept, with their indent.
-std::string wrapped(const std::string& text) {
+/// `words` in lines of the second column: `first` before the first line, `indent` before the
+/// others.
+std::string filled(std::istringstream& words, const std::string& first, const std::string& indent) {
   const size_t width = line_width() - kNames - 1;
+  std::string text, word, line = first;
+  bool is_empty = true;  // of words
+  while (words >> word) {
+    if (!is_empty && line.size() + 1 + word.size() > width) {
+      text += line + "\n" + std::string(kNames, ' ');
+      line = indent;
+      is_empty = true;
+    }
+    line += (is_empty ? "" : " ") + word;
+    is_empty = false;
+  }
+  return text + line;
+}
+
+/// `text` in lines of the second column. An indented line is a choice: its name, then its meaning.
+std::string wrapped(const std::string& text) {
+  constexpr size_t kChoice = 12;  // width of the name of a choice
   std::istringstream lines(text);
   std::string result, line;
   while (std::getline(lines, line)) {
-    const size_t first = line.find_first_not_of(' ');
-    const std::string indent(first == std::string::npos ? 0 : first, ' ');
     std::istringstream words(line);
-    std::string word, filled = indent;
-    while (words >> word) {
-      if (filled.size() + 1 + word.size() > width && filled.size() > indent.size()) {
-        result += filled + "\n" + std::string(kNames, ' ');
-        filled = indent;
-      }
-      filled += (filled.size() > indent.size() ? " " : "") + word;
+    if (!result.empty()) result += "\n" + std::string(kNames, ' ');
+    if (!line.starts_with("    ")) {
+      result += filled(words, "", "");
+      continue;
     }
-    result += filled + "\n" + std::string(kNames, ' ');
+    std::string name;
+    words >> name;
+    result += filled(words, fmt::format("  {:<{}}", name, kChoice), std::string(2 + kChoice, ' '));
   }
-  return result.substr(0, result.find_last_not_of(" \n") + 1);
+  return result;
 }
 
 std::string entry(const std::string& names, const std::string& text) {

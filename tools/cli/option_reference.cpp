@@ -23,7 +23,7 @@ bool takes_value(const CLI::Option& option) {
 std::string placeholder_of(const CLI::Option& option) {
   if (!takes_value(option)) return "";
   constexpr std::pair<const char*, const char*> kNamed[] = {
-      {"out", "DIR"},     {"config", "FILE"}, {"masks", "DIR"},  {"offsets", "FILE"},
+      {"out", "DIR"},     {"config", "FILE"}, {"masks", "DIR"},   {"offsets", "FILE"},
       {"lpips", "FILE"},  {"model", "FILE"},  {"preset", "NAME"}, {"ablation", "NAME"},
       {"format", "NAME"}, {"scene", "DIR"},   {"size", "WxH"}};
   for (const auto& [name, placeholder] : kNamed)
@@ -35,8 +35,8 @@ std::string placeholder_of(const CLI::Option& option) {
 }
 
 std::string default_of(const CLI::Option& option) {
-  const bool ends_program = option.check_lname("help") || option.check_lname("help-all") ||
-                            option.check_lname("version");
+  const bool ends_program =
+      option.check_lname("help") || option.check_lname("help-all") || option.check_lname("version");
   if (option.get_required() || ends_program) return "";
   if (!takes_value(option)) return "no";
   const std::string text = option.get_default_str();

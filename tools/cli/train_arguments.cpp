@@ -48,18 +48,16 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
   command.add_option("--preset", arguments.preset, "set of options:" + names)
       ->capture_default_str();
   command.add_option("--ablation", arguments.ablation,
-                     "techniques taken out or added, over the preset's: full, basis, no-..., "
-                     "basis+...; a wrong name lists them");
+                     "techniques removed or added after the preset: no-NAME, basis+NAME");
   command.add_option("--config", arguments.config,
-                     "JSON file of options, or the config.json of a run, over the preset's");
+                     "JSON file of options, or the config.json of a run, after the preset");
   add_backend_options(command, arguments.backend);
   command.add_option("--threads", arguments.threads, "CPU threads; 0: all")->capture_default_str();
   command.add_option("--evaluate-every", arguments.evaluate_every,
-                     "steps between two evaluations of the held-out splits; 0: at the end only");
+                     "steps between two scores of the test views; 0: at the end only");
   command
       .add_option("--checkpoint-every", arguments.checkpoint_every,
-                  "steps between two checkpoints; 0: at the end only; left out: every minute, and "
-                  "less often where writing would take more than a twentieth of the time")
+                  "steps between two checkpoints; 0: at the end only; default: every minute")
       ->check(CLI::NonNegativeNumber);
   add_option_table(command, arguments);
 }
@@ -68,7 +66,7 @@ void add_option_table(CLI::App& command, TrainArguments& arguments) {
   for (const TrainOption& row : train_option_table()) add_row(command, row, arguments);
   command.add_flag_callback(
       "--static", [&arguments] { arguments.given["static_only"] = "true"; },
-      "one timestep: same as --static-only");
+      "same as --static-only");
 }
 
 namespace {

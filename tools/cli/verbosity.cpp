@@ -1,5 +1,4 @@
-// What: Sets the verbosity of the terminal while the command line is parsed, before any work.
-// Not: flags of the program itself, before the command.
+// Verbosity is set while the command line is parsed, before any work.
 #include "tools/cli/verbosity.h"
 
 #include "tools/cli/terminal.h"
@@ -10,12 +9,10 @@ void add_verbosity(CLI::App& app) {
   const auto every_command = [](const CLI::App*) { return true; };
   for (CLI::App* command : app.get_subcommands(every_command)) {
     CLI::Option* const quiet = command->add_flag_callback(
-        "-q,--quiet", [] { set_verbosity(Verbosity::kQuiet); },
-        "print no progress and no messages but warnings and errors");
+        "-q,--quiet", [] { set_verbosity(Verbosity::kQuiet); }, "print warnings and errors only");
     command
         ->add_flag_callback(
-            "-v,--verbose", [] { set_verbosity(Verbosity::kVerbose); },
-            "also print details, e.g. SSIM with each kind of padding")
+            "-v,--verbose", [] { set_verbosity(Verbosity::kVerbose); }, "also print details")
         ->excludes(quiet);
   }
 }

@@ -123,8 +123,8 @@ std::string text_of(const json& facts) {
 
 void add_env_command(CLI::App& app, Work& work) {
   const auto as_json = std::make_shared<bool>(false);
-  CLI::App* command =
-      app.add_subcommand("env", "print versions, build, devices and helper programs, for bug reports");
+  CLI::App* command = app.add_subcommand(
+      "env", "print versions, build, devices and helper programs, for bug reports");
   command->add_flag("--json", *as_json, "print one JSON object");
   command->callback([as_json, &work] {
     work = [as_json] {

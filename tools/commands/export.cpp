@@ -150,7 +150,8 @@ void add_time_options(CLI::App& command, ExportTimes& times) {
 }  // namespace
 
 void add_export_command(CLI::App& app, Work& work) {
-  CLI::App* command = app.add_subcommand("export", "write a model as player, 4D file or splat sequence");
+  CLI::App* command =
+      app.add_subcommand("export", "write a model as player, 4D file or splat sequence");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<ExportRequest>();
   command
@@ -160,13 +161,13 @@ void add_export_command(CLI::App& app, Work& work) {
           "other programs")
       ->required();
   command->add_option("-o,--out", request->out, "folder to write")->required();
-  command->add_option("--format", request->format, "of the files:" + format_list());
+  command->add_option("--format", request->format, "format of the files:" + format_list());
   add_time_options(*command, request->times);
   command->add_option("--spz-version", request->spz_version,
-                      "of .spz: 3, or 4, which fewer players read");
-  command->add_flag("--page", request->page, "the web player beside the frames");
-  command->add_flag("--single", request->single, "Tessera 4D as one file");
-  command->add_flag("--lossless", request->lossless, "Tessera 4D with floats, nothing rounded");
+                      "version of .spz: 3, or 4 (read by fewer players)");
+  command->add_flag("--page", request->page, "write the web player beside the frames");
+  command->add_flag("--single", request->single, "Tessera 4D: write one file");
+  command->add_flag("--lossless", request->lossless, "Tessera 4D: store floats without rounding");
   command->add_option("--segment", request->segment_seconds, "Tessera 4D: seconds of a segment");
   command->add_option(
       "--cameras", request->cameras,
@@ -175,7 +176,8 @@ void add_export_command(CLI::App& app, Work& work) {
   command->add_option("--audio", request->audio, "Tessera 4D: sound, which becomes the clock");
   command->add_flag("--keep-world", request->keep_world,
                     "stay in the world of the prepared scene; default: back in the capture's own");
-  command->add_flag("--overwrite", request->overwrite, "write among files that are not ours");
+  command->add_flag("--overwrite", request->overwrite,
+                    "allow writing into a folder that holds other files");
   command->add_option("--threads", request->threads, "CPU threads; 0: all");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] { work = [request] { return export_command(*request); }; });

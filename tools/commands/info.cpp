@@ -71,7 +71,8 @@ std::string info_text(nlohmann::json info) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Work& work) {
-  CLI::App* command = app.add_subcommand("info", "describe a model, checkpoint, scene or splat file");
+  CLI::App* command =
+      app.add_subcommand("info", "describe a model, checkpoint, scene or splat file");
   const auto request = std::make_shared<InfoRequest>();
   command
       ->add_option(

@@ -66,7 +66,8 @@ int ingest(const IngestRequest& request) {
 }  // namespace
 
 void add_ingest_command(CLI::App& app, Work& work) {
-  CLI::App* command = app.add_subcommand("ingest", "prepare a capture: poses, clocks, images, initial points");
+  CLI::App* command =
+      app.add_subcommand("ingest", "prepare a capture: poses, clocks, images, initial points");
   const auto request = std::make_shared<IngestRequest>();
   command->add_option("capture", request->capture, "folder of the capture, or of captures")
       ->required();

@@ -215,7 +215,8 @@ void add_path_options(CLI::App& command, RenderRequest& request) {
 }  // namespace
 
 void add_render_command(CLI::App& app, Work& work) {
-  CLI::App* command = app.add_subcommand("render", "render images or a video from given cameras or along a path");
+  CLI::App* command =
+      app.add_subcommand("render", "render images or a video from given cameras or along a path");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<RenderRequest>();
   command

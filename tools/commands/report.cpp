@@ -21,8 +21,8 @@ void add_report_command(CLI::App& app, Work& work) {
     bool json = false;
   };
   const auto parsed = std::make_shared<Parsed>();
-  CLI::App& command = *app.add_subcommand(
-      "report", "write the report of a batch: HTML, CSV and JSON");
+  CLI::App& command =
+      *app.add_subcommand("report", "write the report of a batch: HTML, CSV and JSON");
   command.option_defaults()->always_capture_default();
   command.add_option("out", parsed->request.out, "folder of the batch")->required();
   command.add_option(

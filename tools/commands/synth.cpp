@@ -114,7 +114,8 @@ int synth(SynthRequest request) {
 }  // namespace
 
 void add_synth_command(CLI::App& app, Work& work) {
-  CLI::App* command = app.add_subcommand("synth", "render a synthetic capture with exact ground truth");
+  CLI::App* command =
+      app.add_subcommand("synth", "render a synthetic capture with exact ground truth");
   command->option_defaults()->always_capture_default();
   const auto request = std::make_shared<SynthRequest>();
   SynthOptions& options = request->options;

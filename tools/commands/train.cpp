@@ -56,16 +56,17 @@ void add_train_command(CLI::App& app, Work& work) {
     std::string time_limit;
   };
   const auto parsed = std::make_shared<Parsed>();
-  CLI::App& command = *app.add_subcommand("train", "train a model from a prepared scene or a D-NeRF folder");
+  CLI::App& command =
+      *app.add_subcommand("train", "train a model from a prepared scene or a D-NeRF folder");
   command.add_option("scene", parsed->request.scene, "prepared scene or D-NeRF folder")->required();
   command.add_option("-o,--out", parsed->request.run, "run folder")->required();
   command.add_flag("--resume", parsed->request.resume,
-                   "go on from the run folder's checkpoint, with its options");
+                   "resume from the checkpoint of the run folder, with its options");
   command.add_flag("--overwrite", parsed->request.overwrite, "replace the run that is there");
-  command.add_option("--stop-after", parsed->stop_after, "stop after so many steps of this call");
+  command.add_option("--stop-after", parsed->stop_after,
+                     "steps of this call, after which training stops with a checkpoint; 0: all");
   command.add_option("--time-limit", parsed->time_limit,
-                     "leave with a checkpoint and exit code 75 before so long has passed: seconds, "
-                     "2h, 90m, 1h30m; --resume goes on. SIGTERM and SIGUSR1 do the same at once");
+                     "stop with a checkpoint and exit code 75 before this time: 90s, 2h, 1h30m");
   command.add_flag("--json", parsed->json, "print one JSON object");
   add_train_options(command, parsed->arguments);
   command.callback([parsed, &work] {

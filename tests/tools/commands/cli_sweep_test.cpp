@@ -2,6 +2,7 @@
 // Not: the points it finds (tests/ingest/cloud/dense_cloud_test.cpp).
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "ingest/files/png.h"
@@ -13,9 +14,10 @@ namespace tessera::testing {
 namespace {
 
 /// A prepared scene without points.ply below `folder`.
-void write_wall(const std::filesystem::path& folder) {
+void write_wall(const std::filesystem::path& folder,
+                const WallRig& rig = {.cameras = 4, .size = 40}) {
   PreparedScene prepared;
-  for (const Frame& frame : wall_scene({.cameras = 4, .size = 40}).frames) {
+  for (const Frame& frame : wall_scene(rig).frames) {
     write_png(folder / (frame.name + ".png"), frame.image);
     prepared.frames.push_back({frame.name + ".png", frame, {}, {}});
   }
@@ -58,6 +60,33 @@ TEST(CliSweep, StartsFromTheCloudThatIngestMakes) {
   EXPECT_EQ(trained(work, "ingested", "after", "true").find("plane sweep"), std::string::npos);
   trained(work, "wall", "directly", "true");
   EXPECT_EQ(work.read("directly/model.ply"), work.read("after/model.ply"));
+}
+
+/// The wall at 0.8 of its levels, and at 0.6 of camera 1.
+std::array<uint8_t, 3> dimmed_wall(int camera, double x, double y, double time) {
+  std::array<uint8_t, 3> colour = wall_colour(x, y, time);
+  for (uint8_t& level : colour) level = uint8_t((camera == 1 ? 0.6 : 0.8) * level);
+  return colour;
+}
+
+// Bugs put back: auto always camera; auto always none; each seen to fail.
+TEST(CliSweep, ExposureAutoFollowsTheGainsOfTheCameras) {
+  const CliWorkspace work;
+  write_wall(work / "even", {.cameras = 4, .timesteps = 3, .size = 64});
+  write_wall(work / "uneven", {.cameras = 4, .timesteps = 3, .size = 64, .colour = dimmed_wall});
+  const auto exposure_of = [&](const std::string& scene, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--iterations", "1", "--preset", "fast", "--overwrite"};
+    words.insert(words.end(), more.begin(), more.end());
+    std::vector<std::string> arguments = work.train_arguments("run", words);
+    arguments[1] = work.at(scene);
+    const ChildResult result = work.run(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const auto config = nlohmann::json::parse(work.read("run/config.json"));
+    return config["options"]["exposure"].get<std::string>();
+  };
+  EXPECT_EQ(exposure_of("even", {}), "none") << "a rig, whose cameras are equal";
+  EXPECT_EQ(exposure_of("uneven", {}), "camera");
+  EXPECT_EQ(exposure_of("uneven", {"--exposure", "none"}), "none");
 }
 
 }  // namespace

@@ -35,9 +35,12 @@ std::string entry_of(const std::string& help, const std::string& name) {
   while (std::getline(lines, line)) {
     const bool begins = line.starts_with("  -");
     if (!entry.empty() && (begins || line.empty())) return entry;
-    if (begins && (line + " ").find(" " + name + " ") != std::string::npos) entry = line + "\n";
-    else if (begins && line.find(" " + name + ",") != std::string::npos) entry = line + "\n";
-    else if (!entry.empty()) entry += line + "\n";
+    if (begins && (line + " ").find(" " + name + " ") != std::string::npos)
+      entry = line + "\n";
+    else if (begins && line.find(" " + name + ",") != std::string::npos)
+      entry = line + "\n";
+    else if (!entry.empty())
+      entry += line + "\n";
   }
   return entry;
 }
@@ -118,18 +121,19 @@ TEST(CliHelp, ManPages) {
   EXPECT_NE(read_text_file(work / "man/tessera.1").find("tessera\\-train"), std::string::npos);
   const std::string page = work.at("man/tessera-train.1");
   EXPECT_NE(read_text_file(page).find("\\-\\-max\\-gaussians"), std::string::npos);
-  if (std::system("command -v groff >/dev/null 2>&1") != 0) GTEST_SKIP() << "groff is not installed";
-  const std::string check = fmt::format("groff -man -Tutf8 -ww -z {} > {} 2>&1", page, work.at("said"));
+  if (std::system("command -v groff >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "groff is not installed";
+  const std::string check =
+      fmt::format("groff -man -Tutf8 -ww -z {} > {} 2>&1", page, work.at("said"));
   EXPECT_EQ(std::system(check.c_str()), 0);
   EXPECT_EQ(read_text_file(work / "said"), "");
 }
 
 /// What bash completes `line` to, where the last word is being typed.
 std::string completed(const CliWorkspace& work, const std::string& words, int word) {
-  work.write("complete.sh",
-             fmt::format("source {}\nCOMP_WORDS=({})\nCOMP_CWORD={}\n_tessera\n"
-                         "echo \"${{COMPREPLY[*]}}\"\n",
-                         work.at("tessera.bash"), words, word));
+  work.write("complete.sh", fmt::format("source {}\nCOMP_WORDS=({})\nCOMP_CWORD={}\n_tessera\n"
+                                        "echo \"${{COMPREPLY[*]}}\"\n",
+                                        work.at("tessera.bash"), words, word));
   const std::string command =
       fmt::format("bash {} > {}", work.at("complete.sh"), work.at("completed"));
   EXPECT_EQ(std::system(command.c_str()), 0);
