@@ -1,5 +1,6 @@
 // What: what `info` says of numbered images: cameras, frames, how ingest reads them.
 // Not: which names are a rig's (image_sequences_test.cpp), or the other kinds (cli_*_test.cpp).
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -14,12 +15,11 @@ namespace {
 using nlohmann::json;
 using testing::ScratchFolder;
 
-/// Empty images 000000.png … in each folder.
+/// Twenty empty images 000000.png … in each folder.
 void write_names(const std::filesystem::path& folder, const std::vector<std::string>& cameras) {
   for (const std::string& camera : cameras) {
     std::filesystem::create_directories(folder / camera);
-    for (int n = 0; n < 4; ++n)
-      std::ofstream(folder / camera / ("00000" + std::to_string(n) + ".png"));
+    for (int n = 0; n < 20; ++n) std::ofstream(folder / camera / fmt::format("{:06}.png", n));
   }
 }
 
@@ -33,8 +33,8 @@ TEST(DescribeSequences, CamerasAndFramesOfARig) {
   EXPECT_EQ((*info)["kind"], "capture of image sequences");
   EXPECT_EQ((*info)["cameras"], 3);
   EXPECT_EQ((*info)["camera_names"], json({"cam00", "cam01", "cam02"}));
-  EXPECT_EQ((*info)["frames"], 11);
-  EXPECT_EQ((*info)["moments"], 4);
+  EXPECT_EQ((*info)["frames"], 59);
+  EXPECT_EQ((*info)["moments"], 20);
   EXPECT_NE((*info)["reading"].dump().find("3 cameras that film together, number N at N / 30 s"),
             std::string::npos);
 }
