@@ -187,6 +187,15 @@ ImageSequences find_image_sequences(const fs::path& capture) {
   return best;
 }
 
+std::string reading_text(size_t cameras, double rate) {
+  return fmt::format(
+      "numbered images are read as those of {}, number N at N / {} s (--fps changes the rate; pass "
+      "--layout photos if they are photos of a scene that stands still)",
+      cameras == 1 ? "one camera that moves"
+                   : fmt::format("{} cameras that film together", cameras),
+      rate);
+}
+
 ImageSequence single_sequence(const fs::path& folder) {
   auto sequences = sequences_by_name(folder);
   if (sequences.size() == 1) {

@@ -39,6 +39,9 @@ struct ImageSequences {
 /// capture/images… are sizes of one photo set, never cameras.
 ImageSequences find_image_sequences(const std::filesystem::path& capture);
 
+/// How numbered images of so many cameras are read, for people; `rate`: numbers a second.
+std::string reading_text(size_t cameras, double rate);
+
 /// All images of `folder` as one sequence: by the numbers that their names end with, where these
 /// differ, else counted in the order of names.
 ImageSequence single_sequence(const std::filesystem::path& folder);

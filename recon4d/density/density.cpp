@@ -17,9 +17,11 @@ namespace {
 /// buffer at a time.
 void gather(Backend& backend, Span<const int64_t> index, int width, int64_t inherited,
             Buffer<float>& buffer) {
-  Buffer<float> to(index.size * width, backend.memory());
-  backend.gather_elements(std::as_const(buffer).span(), index, width, inherited, to.span());
-  buffer = std::move(to);
+  {
+    Buffer<float> to(index.size * width, backend.memory());
+    backend.gather_elements(std::as_const(buffer).span(), index, width, inherited, to.span());
+    buffer = std::move(to);  // swaps: `to` frees the old elements at the end of this block
+  }
   // the old elements of a large group are not kept beside the new ones of the next
   constexpr int64_t kLarge = int64_t{1} << 22;
   if (buffer.size() > kLarge) backend.memory().trim();

@@ -40,28 +40,36 @@ class Gatherer {
   }
 
   void operator()(Buffer<float>& buffer) const {
-    Buffer<float> to(size_, backend_.memory());
-    int64_t position = 0;
-    for (size_t i = 0; i < moves_.size(); ++i) {
-      const ElementMove& move = moves_[i];
-      const int stored = width(move.from.coefficients);
-      const Span<const float> from = part_of(
-          std::as_const(buffer).span(),
-          (colours_ ? move.from.sh_first : move.from.first) * scalars_, move.from.count * stored);
-      const bool whole = shorter_[i].empty();
-      const Span<const int64_t> index = whole ? move.index.span() : shorter_[i].span();
-      const int width = whole ? stored : 3;
-      backend_.gather_elements(from, index, width, index.size,
-                               part_of(to.span(), position, index.size * width));
-      position += index.size * width;
+    {
+      Buffer<float> to = gathered(buffer);
+      buffer = std::move(to);  // swaps: `to` frees the old elements at the end of this block
     }
-    buffer = std::move(to);
     // the old elements of a large group are not kept beside the new ones of the next
     constexpr int64_t kLarge = int64_t{1} << 22;
     if (buffer.size() > kLarge) backend_.memory().trim();
   }
 
  private:
+  /// The elements of `from` after the moves.
+  Buffer<float> gathered(const Buffer<float>& from) const {
+    Buffer<float> to(size_, backend_.memory());
+    int64_t position = 0;
+    for (size_t i = 0; i < moves_.size(); ++i) {
+      const ElementMove& move = moves_[i];
+      const int stored = width(move.from.coefficients);
+      const Span<const float> part =
+          part_of(from.span(), (colours_ ? move.from.sh_first : move.from.first) * scalars_,
+                  move.from.count * stored);
+      const bool whole = shorter_[i].empty();
+      const Span<const int64_t> index = whole ? move.index.span() : shorter_[i].span();
+      const int width = whole ? stored : 3;
+      backend_.gather_elements(part, index, width, index.size,
+                               part_of(to.span(), position, index.size * width));
+      position += index.size * width;
+    }
+    return to;
+  }
+
   int width(int coefficients) const { return colours_ ? coefficients * scalars_ : scalars_; }
 
   Backend& backend_;

@@ -34,7 +34,8 @@ class Validation {
   int64_t next_after(int64_t iteration) const;
   /// Whether a check is due after `iteration` steps and has not been made.
   bool due(int64_t iteration) const;
-  /// Scores the model, in the host's memory, and keeps a copy when it is the best so far.
+  /// Scores the model, in the host's memory or the backend's, and keeps a copy in the host's when
+  /// it is the best so far.
   void check(const GaussianModel& model, int64_t iteration, double seconds);
   /// PSNR on the validation frames, dB. Errors: std::logic_error where there are none.
   double psnr(const GaussianModel& model) const;

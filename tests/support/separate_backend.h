@@ -52,6 +52,7 @@ class SeparateMemory final : public Memory {
   }
   int64_t free_bytes() const override { return free; }
   int64_t peak_bytes() const override { return peak_; }
+  void trim() override { buffers_at_trim.push_back(buffers()); }
 
   /// Opens the pages while `work` runs.
   template <class Work>
@@ -70,6 +71,7 @@ class SeparateMemory final : public Memory {
 
   int64_t free = int64_t{1} << 40;
   int64_t copies = 0, copied_bytes = 0, async_copies = 0;
+  std::vector<int64_t> buffers_at_trim;
 
  private:
   int rights() const { return depth_ > 0 ? PROT_READ | PROT_WRITE : PROT_NONE; }

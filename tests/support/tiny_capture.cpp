@@ -143,11 +143,15 @@ Training& Training::run(int64_t iteration, const std::function<bool()>& stop) {
   return *this;
 }
 
+void Training::check_if_due(Validation& validation) {
+  const int64_t i = state().iteration;
+  if (validation.due(i)) validation.check(trainer_.drawn_model(), i, state().seconds);
+}
+
 Training& Training::run(int64_t iteration, Validation& validation) {
   while (state().iteration < iteration && !validation.stops()) {
     trainer_.run(std::min(iteration, validation.next_after(state().iteration)));
-    const int64_t i = state().iteration;
-    if (validation.due(i)) validation.check(trainer_.host_model(), i, state().seconds);
+    check_if_due(validation);
   }
   return *this;
 }
@@ -157,8 +161,7 @@ Training& Training::run(int64_t iteration, ModelReduction& reduction, Validation
     int64_t next = std::min(iteration, reduction.next_after(state().iteration));
     if (validation.on()) next = std::min(next, validation.next_after(state().iteration));
     trainer_.run(next);
-    const int64_t i = state().iteration;
-    if (validation.due(i)) validation.check(trainer_.host_model(), i, state().seconds);
+    check_if_due(validation);
     if (const auto report = reduction.act(trainer_, validation.record()))
       decisions_.push_back(*report);
   }

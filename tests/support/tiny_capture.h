@@ -45,6 +45,9 @@ class Training : private Observer {
   /// With the checks that fall due, until `iteration` steps or the stop.
   Training& run(int64_t iteration, Validation& validation);
 
+  /// The check of a model that falls due now.
+  void check_if_due(Validation& validation);
+
   /// With the decisions that fall due too, in the order in which the program takes them.
   Training& run(int64_t iteration, ModelReduction& reduction, Validation& validation);
   const std::vector<ReductionReport>& decisions() const { return decisions_; }

@@ -131,7 +131,7 @@ json describe_run(const RunFolder& run, bool with_shipped) {
   return info;
 }
 
-json describe_sequence(const fs::path& folder) {
+json describe_splat_sequence(const fs::path& folder) {
   const json manifest = read_json(folder / "manifest.json");
   if (!manifest.is_object() || !manifest.contains("format"))
     throw InputError(
@@ -148,8 +148,9 @@ json describe_folder(const fs::path& path, bool with_shipped) {
   if (has_transforms(path)) return describe_transforms(path);
   if (!videos_in(path).empty()) return describe_videos(path);
   if (is_tessera4d_folder(path)) return describe_tessera4d(path / kTessera4dManifest);
-  if (fs::exists(path / "manifest.json")) return describe_sequence(path);
+  if (fs::exists(path / "manifest.json")) return describe_splat_sequence(path);
   if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply", with_shipped);
+  if (const std::optional<json> sequences = describe_sequences(path)) return *sequences;
   throw InputError(fmt::format("{}: holds no files of a known type; {}", path.string(), kKnown));
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 
 namespace tessera {
 
@@ -14,5 +15,8 @@ nlohmann::json describe(const std::filesystem::path& path, bool with_shipped);
 /// Of a folder with transforms files, or with videos.
 nlohmann::json describe_transforms(const std::filesystem::path& folder);
 nlohmann::json describe_videos(const std::filesystem::path& folder);
+/// Of a folder with numbered images of several cameras: how ingest reads them. Nothing where it is
+/// read as something else.
+std::optional<nlohmann::json> describe_sequences(const std::filesystem::path& folder);
 
 }  // namespace tessera

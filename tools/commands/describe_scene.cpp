@@ -1,4 +1,4 @@
-// What: prepared scenes, transforms folders and captures of videos.
+// What: prepared scenes, transforms folders, captures of videos and of numbered images.
 // Not: pixels: sizes come from the headers of the images, lengths from those of the videos.
 #include <algorithm>
 #include <map>
@@ -113,6 +113,34 @@ json describe_videos(const fs::path& folder) {
     }
     info["depth"] = {low, high};
   }
+  return info;
+}
+
+std::optional<json> describe_sequences(const fs::path& folder) {
+  const ImageSequences found = find_image_sequences(folder);
+  if (found.evidence == RigEvidence::kNone) return std::nullopt;
+  std::string reading = reading_text(found.cameras.size(), kImageRate);
+  try {
+    if (detect_layout(folder) != CaptureLayout::kSequences) return std::nullopt;
+  } catch (const AmbiguousCapture& unclear) {
+    reading = unclear.what();
+  }
+  json info = {{"kind", "capture of image sequences"},
+               {"path", folder.string()},
+               {"layout", "sequences"},
+               {"reading", reading},
+               {"cameras", found.cameras.size()}};
+  json names = json::array();
+  int64_t frames = 0;
+  std::set<int64_t> numbers;
+  for (const ImageSequence& sequence : found.cameras) {
+    names.push_back(sequence.camera);
+    frames += int64_t(sequence.images.size());
+    for (const NumberedImage& image : sequence.images) numbers.insert(image.number);
+  }
+  info["camera_names"] = names;
+  info["frames"] = frames;
+  info["moments"] = numbers.size();
   return info;
 }
 

@@ -277,7 +277,7 @@ class Session {
     if (!validation_->due(state.iteration)) return;
     limit_.whole([&] {
       wall_.time(WallSplit::kEvaluate, [&] {
-        validation_->check(trainer_->host_model(), state.iteration, state.seconds);
+        validation_->check(trainer_->drawn_model(), state.iteration, state.seconds);
       });
     });
     const ValidationRecord& record = validation_->record();

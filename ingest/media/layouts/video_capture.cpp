@@ -36,13 +36,13 @@ struct Work {
 
 /// How numbered images are read, for people.
 std::string reading_of(const Work& work, const RigClips& rig) {
-  return fmt::format(
-      "{}: numbered images are read as those of {}, number N at N / {} s (--fps changes the rate; "
-      "pass --layout photos if they are photos of a scene that stands still)",
-      work.capture.string(),
-      rig.clips.size() == 1 ? "one camera that moves"
-                            : fmt::format("{} cameras that film together", rig.clips.size()),
-      *work.options.image_rate);
+  return fmt::format("{}: {}", work.capture.string(),
+                     reading_text(rig.clips.size(), *work.options.image_rate));
+}
+
+/// What explains why no poses were found: numbered images may be none of a rig's.
+std::string reading_hint(const Work& work, const RigClips& rig) {
+  return rig.clips.front().images.empty() ? "" : "; " + reading_of(work, rig);
 }
 
 /// What the shapes of the images say where no poses could be found; empty where they are alike.
@@ -64,7 +64,7 @@ PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::strin
       return estimate_rig(rig.clips, rig.held_out, work.options.work / "colmap", work.options.poses,
                           work.progress);
     } catch (const InputError& error) {
-      throw InputError(error.what() + turned_hint(rig));
+      throw InputError(error.what() + turned_hint(rig) + reading_hint(work, rig));
     }
   }();
   warnings.insert(warnings.end(), estimate.warnings.begin(), estimate.warnings.end());
@@ -220,6 +220,22 @@ std::vector<RigInstant> spread_instants(const std::vector<std::vector<size_t>>& 
   return instants;
 }
 
+/// One camera whose poses are to be found.
+Converted convert_moving(const Work& work, const RigClips& rig, IngestReport report) {
+  Converted moving = [&] {
+    try {
+      return convert_moving_video(work.capture, rig.clips.front(), work.folder, work.options,
+                                  work.progress);
+    } catch (const InputError& error) {
+      throw InputError(error.what() + reading_hint(work, rig));
+    }
+  }();
+  moving.report.notes = std::move(report.notes);
+  moving.report.warnings.insert(moving.report.warnings.begin(), report.warnings.begin(),
+                                report.warnings.end());
+  return moving;
+}
+
 }  // namespace
 
 Converted convert_videos(const fs::path& capture, const fs::path& folder,
@@ -228,13 +244,7 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   IngestReport report;
   RigClips rig = open_rig_clips(capture, options, report.warnings);
   if (options.layout == CaptureLayout::kSequences) report.notes.push_back(reading_of(work, rig));
-  if (!rig.posed && rig.clips.size() == 1) {
-    Converted moving = convert_moving_video(capture, rig.clips.front(), folder, options, progress);
-    moving.report.notes = std::move(report.notes);
-    moving.report.warnings.insert(moving.report.warnings.begin(), report.warnings.begin(),
-                                  report.warnings.end());
-    return moving;
-  }
+  if (!rig.posed && rig.clips.size() == 1) return convert_moving(work, rig, std::move(report));
   if (options.test_every && rig.clips.size() > 1)
     throw InputError(
         "--test-every is given, but of several cameras whole ones are held out; pass --held-out "

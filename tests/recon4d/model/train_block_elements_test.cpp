@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "recon4d/density/density.h"
+#include "recon4d/model/element_moves.h"
 #include "recon4d/model/sh_blocks.h"
 #include "tests/recon4d/model/small_models.h"
 #include "tests/support/backends.h"
@@ -312,6 +313,33 @@ TEST_P(BlockElements, OrdersAndPrunesInsideTheBlocks) {
                                const_cast<GaussianSet&>(pruned.set),
                                const_cast<SetStatistics&>(pruned.statistics)),
                std::logic_error);
+}
+
+/// Statistics and a static set whose SH is large enough for memory to be trimmed after it.
+Elements large_elements(Memory& memory) {
+  Elements elements{GaussianSet(Form::kStatic, kMaxShCoefficients, memory), SetStatistics(memory)};
+  elements.set.resize(90000);
+  return elements;
+}
+
+// A device's memory gives back what is free when it is trimmed, at the price of a wait. Bugs put
+// back, each seen to fail: the old elements, which the move leaves in `to`, freed after trim().
+TEST(LargeElements, TheOldOnesAreFreeWhenMemoryIsTrimmed) {
+  SeparateBackend backend;
+  SeparateMemory& memory = backend.separate_memory;
+  Elements elements = large_elements(memory);
+  const int64_t count = elements.set.count();
+  std::vector<ElementMove> moves;
+  moves.push_back({{}, kMaxShCoefficients, Buffer<int64_t>(count, memory)});
+  for_each_block(elements.set, [&](const ShBlock& block) { moves[0].from = block; });
+  memory.inside([&] { std::iota(moves[0].index.begin(), moves[0].index.end(), 0); });
+  const int64_t before = memory.buffers();
+  move_elements(backend, moves, elements.set, elements.statistics);
+  EXPECT_EQ(memory.buffers_at_trim, std::vector<int64_t>{before}) << "pruned";
+  memory.buffers_at_trim.clear();
+  const Span<const int64_t> index = std::as_const(moves[0].index).span();
+  take_elements(backend, index, index, elements.set);
+  EXPECT_EQ(memory.buffers_at_trim, std::vector<int64_t>{before}) << "grown";
 }
 
 TEST(BlockElementsApart, TouchNothingOfAnotherMemory) {

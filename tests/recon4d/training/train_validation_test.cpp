@@ -14,6 +14,7 @@
 #include "tests/support/backends.h"
 #include "tests/support/random.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/separate_backend.h"
 #include "tests/support/tiny_capture.h"
 
 namespace tessera {
@@ -368,6 +369,31 @@ TEST_P(FrameRateOn, IsTheBackendsOwnTime) {
   EXPECT_LE(rate.seconds, rate.wall_seconds * 1.05) << "stages do not overlap";
 }
 TESSERA_ON_EVERY_BACKEND(FrameRateOn);
+
+// Bug put back: host_model() checked, which downloads the state with its moments; seen to fail.
+TEST(Stopping, AModelIsCheckedWhereItLies) {
+  Scene scene = tiny_capture();
+  const TrainOptions options = checked_options();
+  hold_out_validation(scene, options.validation_share, 1);
+  testing::SeparateBackend backend;
+  Training training(scene, options, testing::first_state(scene, options), backend);
+  Validation validation(backend, scene, options);
+  training.run(3, validation);
+  training.trainer().run(4);
+  ASSERT_EQ(validation.record().checks, 0);
+  const int64_t before = backend.separate_memory.copied_bytes;
+  training.check_if_due(validation);
+  ASSERT_EQ(validation.record().checks, 1);
+  EXPECT_EQ(&validation.best()->static_set.memory(), &host_memory());
+  const GaussianModel& model = training.model();
+  const int64_t values = model.static_set.value_bytes() + model.dynamic_set.value_bytes();
+  int64_t images = 0;  // colour and transmittance
+  for (const int i : scene.split_indices(Split::kValidation)) {
+    const Camera& camera = scene.frames[size_t(i)].camera;
+    images += int64_t{camera.width} * camera.height * 4 * int64_t(sizeof(float));
+  }
+  EXPECT_LT(backend.separate_memory.copied_bytes - before, images + 2 * values);
+}
 
 // Bug put back: prune_invisible not called; seen to fail.
 TEST(Stopping, ShipsTheBestWithoutWhatCannotBeDrawn) {
