@@ -76,8 +76,13 @@ int tessera_main(int argc, char** argv) {
   add_help_commands(app, work);
   add_verbosity(app);
   accept_suffixes(app);
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  if (const std::string complaint = switch_complaint(words); !complaint.empty()) {
+    report_error(fmt::format("tessera: {}", complaint));
+    return kExitBadInput;
+  }
   try {
-    app.parse(joined_switches({argv + 1, argv + argc}));
+    app.parse(joined_switches(words));
   } catch (const CLI::ParseError& error) {
     const bool is_request = error.get_exit_code() == 0;  // --help, --version
     if (is_request && !names_no_command(app)) return app.exit(error);

@@ -241,8 +241,8 @@ std::vector<TrainOption> optimisation_option_rows() {
        .member = &TrainOptions::max_bytes,
        .low = 0,
        .high = 1e14,
-       .doc = "Largest size of the exported file (export --format tessera); a player page adds 3.3 "
-              "MB; 0: no limit",
+       .doc = "Largest size of the exported file (export --format tessera); a player page adds "
+              "about 3 MB; 0: no limit",
        .source = "ours",
        .group = group::kSize,
        .unit = Unit::kBytes,

@@ -104,6 +104,10 @@ void set_option_from_text(TrainOptions& options, const std::string& key, const s
     if (!number) Setter{options, option, value}.refuse(quantity_example(option.unit));
     return set_option(options, key, *number);
   }
+  const bool is_share = std::holds_alternative<double O::*>(option.member) && text.ends_with('%');
+  const auto percent =
+      is_share ? parse_quantity(text.substr(0, text.size() - 1), Unit::kNone) : std::nullopt;
+  if (percent) return set_option(options, key, *percent / 100);
   set_option(options, key, value);
 }
 

@@ -1,7 +1,10 @@
 // Joins values to the switches before them.
 #include "tools/cli/argument_words.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <iterator>
 
 #include "tools/cli/option_text.h"
 
@@ -21,6 +24,19 @@ std::string dashed_name(const std::string& word) {
 }
 
 }  // namespace
+
+std::string switch_complaint(const std::vector<std::string>& words) {
+  constexpr const char* kReadable[] = {"true", "false", "yes", "no", "on", "off", "1", "0"};
+  for (const std::string& word : words) {
+    const size_t equals = word.find('=');
+    if (equals == std::string::npos || !is_switch(dashed_name(word.substr(0, equals)))) continue;
+    const std::string value = word.substr(equals + 1);
+    if (std::find(std::begin(kReadable), std::end(kReadable), value) == std::end(kReadable))
+      return fmt::format("{} is '{}', expected no value, true or false", word.substr(0, equals),
+                         value);
+  }
+  return "";
+}
 
 std::vector<std::string> joined_switches(const std::vector<std::string>& words) {
   std::vector<std::string> joined;

@@ -10,4 +10,8 @@ namespace tessera {
 /// Underscores in the names of options become dashes.
 std::vector<std::string> joined_switches(const std::vector<std::string>& words);
 
+/// "--carve is 'maybe', expected no value, true or false" of the first switch whose value cannot be
+/// read; empty where there is none.
+std::string switch_complaint(const std::vector<std::string>& words);
+
 }  // namespace tessera

@@ -4,7 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <iterator>
 
 #include "recon4d/options/quantity.h"
 
@@ -32,11 +35,28 @@ std::string whole_number(const std::string& text) {
   return is_whole ? fmt::format("{:.0f}", *number) : text;
 }
 
+/// Options of a command whose values are names.
+bool is_choice(const CLI::Option& option) {
+  constexpr const char* kChoices[] = {"preset",     "format", "layout", "sync",
+                                      "intrinsics", "cloud",  "split",  "backend"};
+  return std::any_of(std::begin(kChoices), std::end(kChoices),
+                     [&](const char* name) { return option.check_lname(name); });
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
 }  // namespace
 
 void accept_suffixes(CLI::App& app) {
   for (CLI::App* command : app.get_subcommands({}))
     for (CLI::Option* option : command->get_options()) {
+      if (is_choice(*option)) {
+        option->transform([](const std::string& text) { return lower_case(text); });
+        continue;
+      }
       const std::string type = option->get_type_name();
       const bool is_whole = type.starts_with("INT") || type.starts_with("UINT");
       if (!is_whole && !type.starts_with("FLOAT")) continue;
