@@ -16,7 +16,7 @@
 namespace tessera {
 namespace {
 
-/// While it lives, stderr is a terminal of so many columns.
+/// Until it is destroyed, stderr is a terminal of so many columns.
 class PseudoTerminal {
  public:
   explicit PseudoTerminal(unsigned short columns) {

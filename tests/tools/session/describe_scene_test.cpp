@@ -1,5 +1,4 @@
-// What: what `info` says of numbered images: cameras, frames, how ingest reads them.
-// Not: which names are a rig's (image_sequences_test.cpp), or the other kinds (cli_*_test.cpp).
+// Cameras, frames and reading of image sequences, as `tessera info` describes them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
