@@ -73,9 +73,9 @@ TEST(CliUsage, UnknownOptions) {
     work.expect_refused(arguments, {part});
   };
   refused({"train", "--lr", "0.01"},
-          "unknown option '--lr'; did you mean one of --lr-environment, ");
+          "unknown option '--lr'; did you mean one of --lr-exposure, ");
   refused({"train", "--iter", "5"}, "did you mean '--iterations'?");
-  refused({"train", "--max_gaussians", "5"}, "did you mean '--max-gaussians'?");
+  refused({"train", "--max-gausians", "5"}, "did you mean '--max-gaussians'?");
   refused({"run", "-p", "fast"}, "unknown option '-p'; did you mean '--preset'?");
   refused({"run", "--resume"}, "'--resume'; run resumes by itself: repeat the command");
   refused({"run", "--stop-after", "5"}, "'--stop-after'; it is an option of train");
