@@ -80,6 +80,8 @@ def row_of(scene, preset, records):
         values = [run.get(field) for run in runs]
         if None in values and any(value is not None for value in values):
             raise ValueError(f"{scene} {preset}: {field} is null for some seeds only")
+        if key == "psnr_val" and None in values:
+            continue
         row[key] = None if None in values else values
     return row
 

@@ -72,8 +72,7 @@ TEST(CliUsage, UnknownOptions) {
     arguments.insert(arguments.begin() + 1, {work.at("capture"), "-o", work.at("x")});
     work.expect_refused(arguments, {part});
   };
-  refused({"train", "--lr", "0.01"},
-          "unknown option '--lr'; did you mean one of --lr-exposure, ");
+  refused({"train", "--lr", "0.01"}, "unknown option '--lr'; did you mean one of --lr-exposure, ");
   refused({"train", "--iter", "5"}, "did you mean '--iterations'?");
   refused({"train", "--max-gausians", "5"}, "did you mean '--max-gaussians'?");
   refused({"run", "-p", "fast"}, "unknown option '-p'; did you mean '--preset'?");
@@ -96,8 +95,8 @@ TEST(CliUsage, ValuesThatCannotBeRead) {
   const CliWorkspace work;
   work.expect_refused({"train", "x", "-o", "y", "--threads", "many"},
                       {"tessera train: --threads is 'many', expected a whole number; see"});
-  work.expect_refused({"bench", "x", "--opacity", "50%"},
-                      {"--opacity is '50%', expected a number"});
+  work.expect_refused({"bench", "x", "--opacity", "half"},
+                      {"--opacity is 'half', expected a number"});
   work.expect_refused({"info", "x", "--json=maybe"}, {"--json is 'maybe', expected no value"});
   work.expect_refused({"train", "x", "-o"}, {"tessera train: --out needs a value; see"});
 }
