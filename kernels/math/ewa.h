@@ -31,9 +31,6 @@ inline constexpr Real kJacobianMargin = Real(0.15);
 /// Smaller determinants of Σ2 are rejected  [method A.5].
 template <class Real>
 inline constexpr Real kMinDeterminant = Real(1e-6);
-/// ‖q‖² below this is not a rotation  [method A.5].
-template <class Real>
-inline constexpr Real kMinQuaternionNorm2 = Real(1e-8);
 
 template <class Real>
 struct Projection {

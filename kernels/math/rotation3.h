@@ -8,6 +8,10 @@ namespace tessera {
 
 // A quaternion is a Vec4 in the order (w, x, y, z), not necessarily of length 1.
 
+/// ‖q‖² below this is not a rotation  [method A.5].
+template <class Real>
+inline constexpr Real kMinQuaternionNorm2 = Real(1e-8);
+
 template <class Real>
 TESSERA_HD inline Mat3<Real> rotation_matrix(const Vec4<Real>& q) {
   const Real s = Real(2) / dot(q, q);
