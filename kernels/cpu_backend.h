@@ -22,6 +22,8 @@ class CpuBackend final : public BackendOf<Real> {
   void blend_backward(const BlendBackwardArgs<Real>& args,
                       Span<SplatMoments<Real>> d_splats) override;
   void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) override;
+  void largest_weights(const BlendArgs<Real>& forward, const Images<Real>& images,
+                       Span<Real> elements) override;
   void contributions(const ContributionArgs<Real>& args) override;
   void demote(const DemoteArgs<Real>& args) override;
   void added_squares(const ViewBatch<Real>& batch, Span<const Real> before,

@@ -86,6 +86,13 @@ void Pipeline<Real>::add_contributions(Span<ElementSums<Real>> elements,
 }
 
 template <class Real>
+void Pipeline<Real>::add_largest_weights(Span<Real> elements) {
+  check(project_.for_backward, "largest weights after a forward pass that was not for them");
+  const StageTimer timer(backend_.clock(), kBlendBackward);
+  backend_.largest_weights(blend_args(), images_, elements);
+}
+
+template <class Real>
 void Pipeline<Real>::release() {
   Memory& memory = backend_.memory();
   splats_ = Splats<Real>(memory);

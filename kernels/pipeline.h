@@ -78,6 +78,9 @@ class Pipeline {
   /// `series`: of the views.
   void add_contributions(Span<ElementSums<Real>> elements, Span<TimeVariation> variation = {},
                          int32_t series = 0);
+  /// Raises the value of each Gaussian, [N] static set first, to its largest blending weight in the
+  /// images of the last forward, which was for_backward.
+  void add_largest_weights(Span<Real> elements);
   /// Gives the memory of the last step back, so that something else can have it for a while.
   void release();
   /// Losses and non-finite gradients of the last loss and backward. On a device the wait is short

@@ -38,8 +38,17 @@ struct BlendBackward {
   }
 };
 
+/// How the shares of pixels become the sums of a splat.
+template <int Terms>
+struct AddedTerms {
+  __device__ static float combine(float a, float b) { return a + b; }
+  __device__ static void give(const BlendBackward&, float* to, int32_t splat, float total) {
+    atomicAdd(to + int64_t(splat) * Terms, total);
+  }
+};
+
 /// A pixel on its way back through the splats.
-struct PixelBackward {
+struct PixelBackward : AddedTerms<kSplatMomentTerms> {
   using Args = BlendBackward;
   static constexpr int kLaneTerms = kColumnTerms, kTerms = kSplatMomentTerms;
   float x = 0, y = 0;               // centre

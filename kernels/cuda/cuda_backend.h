@@ -68,6 +68,8 @@ class CudaBackend final : public Backend {
   void blend_backward(const BlendBackwardArgs<float>& args,
                       Span<SplatMoments<float>> d_splats) override;
   void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override;
+  void largest_weights(const BlendArgs<float>& forward, const Images<float>& images,
+                       Span<float> elements) override;
   void contributions(const ContributionArgs<float>& args) override;
   void demote(const DemoteArgs<float>& args) override;
   void added_squares(const ViewBatch<float>& batch, Span<const float> before,

@@ -43,8 +43,10 @@ struct Work {
 ///   kLaneTerms, kTerms: floats that a lane sums over its column, and that a splat gets
 ///   x, y, used: its centre, and how many splats of the tile it goes past
 ///   step(splat, response, on, add): its step past a splat, add(k, its share of lane term k)
+///   combine(a, b): of two shares of a lane term
 ///   reduce(dx, v): of what the lanes of a warp summed, the total of the term that is this lane's
-///   term_of_lane(): which that is; kTerms: none.
+///   term_of_lane(): which that is; kTerms: none
+///   give(args, to, splat, total): adds such a total; `to`: the term of the first splat.
 template <class Pixel, int Pixels, bool Cull, bool Ordered, bool Segmented>
 __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) sum_tiles(typename Pixel::Args a) {
   __shared__ SharedSplat shared[TileParts<Pixels>::kWarps][kBucket];
@@ -84,14 +86,15 @@ __global__ void __launch_bounds__(TileParts<Pixels>::kThreads) sum_tiles(typenam
       float v[Pixel::kLaneTerms];
       TESSERA_UNROLL
       for (int p = 0; p < Pixels; ++p)
-        pixel[p].step(splat, response[p], on[p],
-                      [&](int k, float term) { v[k] = p == 0 ? term : v[k] + term; });
+        pixel[p].step(splat, response[p], on[p], [&](int k, float term) {
+          v[k] = p == 0 ? term : Pixel::combine(v[k], term);
+        });
       const float sum = Pixel::reduce(column.dx, v);
       if (term >= Pixel::kTerms) continue;
       if constexpr (Ordered)
         a.instance_sums[(warp * a.instances + first + index) * Pixel::kTerms + term] = sum;
       else
-        atomicAdd(to + int64_t(splat.number()) * Pixel::kTerms, sum);
+        Pixel::give(a, to, splat.number(), sum);
     }
   }
 }

@@ -15,7 +15,7 @@ struct SensitivityPass : BlendBackward {  // d_colour: the image x
 };
 
 /// A pixel on its way back through the splats.
-struct PixelSensitivity {
+struct PixelSensitivity : AddedTerms<kSensitivityTerms> {
   using Args = SensitivityPass;
   static constexpr int kLaneTerms = kSensitivityTerms, kTerms = kSensitivityTerms;
   float x = 0, y = 0;  // centre

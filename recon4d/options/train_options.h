@@ -65,6 +65,8 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   double prune_opacity = 0.005, prune_extent = 0.1;
   int64_t prune_large_from = 3000, opacity_reset_interval = 0, max_gaussians = 0;
   int64_t reorder_interval = 5000;
+  double min_blending_weight = 0;
+  int64_t unseen_interval = 500;
   double mcmc_noise = 5e5, mcmc_growth = 1.05;
   // no more than the scene needs (docs/explanation/size.md)
   ModelSize size = ModelSize::kGrown;

@@ -57,6 +57,15 @@ bool Schedule::measure_filter(int64_t i) const {
   return i > densify_until_ && i % interval == 0 && i + interval <= options_.iterations;
 }
 
+bool Schedule::prune_unseen(int64_t i) const {
+  constexpr int64_t kRecovery = 500;  // steps
+  if (options_.min_blending_weight <= 0 || i < std::max<int64_t>(densify_from_, 1)) return false;
+  if (i % options_.unseen_interval != 0) return false;
+  for (int64_t before = 1; before < std::min(kRecovery, i); ++before)
+    if (reset_opacity(i - before)) return false;
+  return true;
+}
+
 double Schedule::decayed(double first, double last, int64_t i) const {
   if (first == last) return first;
   const double u =

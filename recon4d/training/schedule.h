@@ -24,6 +24,8 @@ class Schedule {
   bool prunes_large(int64_t i) const { return i > prune_large_from_; }
   bool reset_opacity(int64_t i) const;
   bool reorder(int64_t i) const;
+  /// Not before Gaussians are opaque again after a reset of their opacities.
+  bool prune_unseen(int64_t i) const;
   /// The sizes of the 3D filter: at the start, after density control, and on from its end.
   bool measure_filter(int64_t i) const;
   /// Learning rate of the means at step i, world units.

@@ -13,6 +13,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/density/mcmc.h"
+#include "recon4d/density/unseen.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/options/kernel_options.h"
 #include "recon4d/training/environment.h"
@@ -98,6 +99,8 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
   if (options_.filter_3d != Filter3d::kNone)
     for (int k = 0; k < 2; ++k)
       filter_views_[k] = make_view_batch<float>(filter_views(scene, train_frames_, k == 1));
+  constexpr int64_t kEnough = 1024;  // frames of a rig, spread over its cameras and timesteps
+  if (options_.min_blending_weight > 0) unseen_views_ = views_of_training(scene, kEnough);
   if (&backend.memory() != &host_memory()) state_ = state_.clone_to(backend.memory());
 }
 
@@ -165,6 +168,7 @@ void Trainer::control() {
   GaussianModel& model = state_.model;
   const int degree = schedule_.sh_degree(i), time_degree = schedule_.sh_time_degree(i);
   const bool densifies = schedule_.densify(i), reorders = schedule_.reorder(i);
+  if (schedule_.prune_unseen(i)) prune_unseen();  // of what the last step left
   if (densifies) {
     complete_pending();  // it waits for the backend anyway
     // the copies of density control and the buffers of a step need not exist at once
@@ -214,16 +218,31 @@ void Trainer::densify() {
   }
 }
 
-void Trainer::step() {
-  forget_copies();
-  control();
-  const std::vector<int64_t> batch = sampler_.next(options_.batch);
+ForwardArgs<float> Trainer::forward_args() const {
   ForwardArgs<float> args{{drawn_values(state_, 0, options_), drawn_values(state_, 1, options_)},
                           {},
                           render_options(state_.model),
                           true};
-  args.environment = environment_of(std::as_const(state_).model);
+  args.environment = environment_of(state_.model);
   args.options.kernels = kernel_switches(options_);
+  return args;
+}
+
+void Trainer::prune_unseen() {
+  complete_pending();  // the pass takes the place of its images
+  const std::array<DensityReport, 2> reports = tessera::prune_unseen(
+      backend_, largest_weights(backend_, pipeline_, forward_args(), unseen_views_, options_.batch),
+      options_.min_blending_weight, state_);
+  for (int k = 0; k < 2; ++k)
+    if (reports[size_t(k)].before > 0)
+      observer_.on_density(state_.iteration, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
+}
+
+void Trainer::step() {
+  forget_copies();
+  control();
+  const std::vector<int64_t> batch = sampler_.next(options_.batch);
+  ForwardArgs<float> args = forward_args();
   for (const int64_t index : batch) {
     const Frame& frame = scene_.frames[size_t(train_frames_[size_t(index)])];
     args.views.push_back({frame.camera, frame.time});

@@ -59,9 +59,12 @@ class Trainer {
 
  private:
   void step();
+  /// Without views.
+  ForwardArgs<float> forward_args() const;
   void control();
   void measure_filter(int k);
   void densify();
+  void prune_unseen();
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
   void backward();
@@ -90,6 +93,7 @@ class Trainer {
   GaussianSet gradients_[2];  // only with a separate optimizer
   /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
   ViewBatch<float> filter_views_[2];
+  std::vector<View> unseen_views_;  // only where those are removed that no view shows
   Buffer<float> d_environment_;
   ExposureRows exposed_;
   std::vector<Vec3<double>> gains_;        // [R] of the next step

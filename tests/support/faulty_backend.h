@@ -48,6 +48,10 @@ class FaultyBackend final : public Backend {
   void sensitivity(const SensitivityArgs<float>& args, Span<SplatSensitivity<float>> out) override {
     cpu_->sensitivity(args, out);
   }
+  void largest_weights(const BlendArgs<float>& forward, const Images<float>& images,
+                       Span<float> elements) override {
+    cpu_->largest_weights(forward, images, elements);
+  }
   void contributions(const ContributionArgs<float>& args) override { cpu_->contributions(args); }
   void demote(const DemoteArgs<float>& args) override { cpu_->demote(args); }
   void added_squares(const ViewBatch<float>& batch, Span<const float> before,

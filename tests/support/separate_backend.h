@@ -136,6 +136,11 @@ class SeparateBackend final : public Backend {
                       Span<SplatMoments<float>> d_splats) override {
     separate_memory.inside([&] { cpu_->blend_backward(args, d_splats); });
   }
+  void largest_weights(const BlendArgs<float>& forward, const Images<float>& images,
+                       Span<float> elements) override {
+    check_lies_here(elements);
+    separate_memory.inside([&] { cpu_->largest_weights(forward, images, elements); });
+  }
   void contributions(const ContributionArgs<float>& args) override {
     check_lies_here(args.sums);
     check_lies_here(args.elements);

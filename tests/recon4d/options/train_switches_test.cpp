@@ -98,6 +98,8 @@ const std::vector<Alternative>& alternatives() {
       {"opacity_reset_interval", 10},
       {"max_gaussians", 70},
       {"peak_gaussians", 70},
+      {"min_blending_weight", 0.2, {{"unseen_interval", 10}}},
+      {"unseen_interval", 7, {{"min_blending_weight", 0.2}}},
       {"reorder_interval", 0},
       {"idle_updates", "skip"},
   };

@@ -30,6 +30,7 @@ std::vector<int64_t> every(int64_t interval, int64_t first, int64_t last) {
 }
 const auto densifies = [](const Schedule& s, int64_t i) { return s.densify(i); };
 const auto reorders = [](const Schedule& s, int64_t i) { return s.reorder(i); };
+const auto prunes = [](const Schedule& s, int64_t i) { return s.prune_unseen(i); };
 const auto resets = [](const Schedule& s, int64_t i) { return s.reset_opacity(i); };
 
 TEST(TrainSchedule, EventsOfTheReference) {
@@ -48,6 +49,20 @@ TEST(TrainSchedule, EventsOfTheReference) {
   const int degrees[] = {0, 0, 1, 1, 2, 3, 3};
   for (size_t k = 0; k < std::size(steps); ++k)
     EXPECT_EQ(schedule.sh_degree(steps[k]), degrees[k]) << steps[k];
+}
+
+// Bugs put back, each seen to fail: pruning right after a reset; pruning without a least weight.
+TEST(TrainSchedule, UnseenGaussiansAreNotPrunedUntilOpacitiesHaveRecovered) {
+  TrainOptions options;
+  options.iterations = 4000;
+  options.schedule_iterations = 4000;
+  EXPECT_TRUE(steps_of(options, prunes).empty());
+  options.min_blending_weight = 0.05;
+  EXPECT_EQ(steps_of(options, prunes), every(500, 1000, 3500));
+  options.unseen_interval = 250;
+  options.opacity_reset_interval = 1500;
+  EXPECT_EQ(steps_of(options, prunes), (std::vector<int64_t>{750, 1000, 1250, 1500, 2000, 2250,
+                                                             2500, 2750, 3000, 3500, 3750}));
 }
 
 // Bug put back: no extra reset; seen to fail.
