@@ -9,6 +9,7 @@
 #include "kernels/gaussians.h"
 #include "kernels/math/contribution.h"
 #include "kernels/math/filter_3d.h"
+#include "kernels/motion_nodes.h"
 #include "kernels/stage_clock.h"
 
 namespace tessera {
@@ -93,6 +94,8 @@ struct ProjectBackwardArgs {
   SinkArgs<Real> sinks[2];
   DensityStatistics<Real> statistics[2];  // empty spans: not gathered
   RegulariserWeights regulariser;         // into the gradients
+  /// [B, N] of a canonical set: gradient by what each Gaussian is in each view; written.
+  Span<CarriedGaussian<Real>> d_carried;
 };
 
 /// Light from beyond the scene, behind all Gaussians (math/environment.h).
@@ -133,6 +136,9 @@ class BackendOf {
   virtual Memory& memory() = 0;
   virtual StageClock& clock() = 0;
 
+  /// Poses of the nodes in every view, weights of every binding, and every Gaussian of a canonical
+  /// set in every view. What is bound to no node stays as it is at rest, bit by bit.
+  virtual void carry(const CarryArgs<Real>& args, Carried<Real>& carried) = 0;
   /// Gaussians → visible splats of every view: slice, EWA, colour, tiles counted.
   virtual void project(const ProjectArgs<Real>& args, Splats<Real>& splats) = 0;
   /// Splats → instances by tile and depth.
@@ -176,8 +182,12 @@ class BackendOf {
                              Span<Real> residual) = 0;
   /// Equal inputs give equal bits. Waits.
   virtual double sum_of_squares(Span<const Real> values) = 0;
-  /// Splat gradients → parameter gradients, summed over views, into the sinks.
+  /// Splat gradients → parameter gradients, summed over views, into the sinks; of a canonical set
+  /// those by mean and rotation in each view, which carry_backward takes further.
   virtual void project_backward(const ProjectBackwardArgs<Real>& args) = 0;
+  /// Gradients by mean and rotation in each view → by those at rest and by the logits, into the
+  /// sink, and by the nodes. After project_backward.
+  virtual void carry_backward(const CarryBackwardArgs<Real>& args) = 0;
   /// Of the last photometric and project_backward, and of adam_values after it; waits for these,
   /// not for what came after.
   virtual StepOutcome outcome() = 0;

@@ -11,6 +11,7 @@ class CpuBackend final : public BackendOf<Real> {
   std::string name() const override;
   Memory& memory() override { return host_memory(); }
   StageClock& clock() override { return clock_; }
+  void carry(const CarryArgs<Real>& args, Carried<Real>& carried) override;
   void project(const ProjectArgs<Real>& args, Splats<Real>& splats) override;
   void bin(const BinArgs<Real>& args, TileInstances<Real>& instances) override;
   void blend(const BlendArgs<Real>& args, Images<Real>& images) override;
@@ -30,6 +31,7 @@ class CpuBackend final : public BackendOf<Real> {
                      Span<Real> residual) override;
   double sum_of_squares(Span<const Real> values) override;
   void project_backward(const ProjectBackwardArgs<Real>& args) override;
+  void carry_backward(const CarryBackwardArgs<Real>& args) override;
   StepOutcome outcome() override { return outcome_; }
   void adam(const SinkArgs<Real>& args) override;
   void adam_values(Span<const Real> gradient, const AdamScalars<Real>& adam, Span<Real> value,

@@ -1,11 +1,13 @@
-// What: the parameters of a set of Gaussians as kernels see them: named groups of spans.
-// Not: an owner (recon4d/model/gaussian_set.h), and no schedule or learning rate.
+// The parameters of a set of Gaussians as kernels see them: named groups of spans. Their owner is
+// recon4d/model/gaussian_set.h; schedules and learning rates lie above both.
 #pragma once
 #include <cassert>
 #include <cstdint>
 #include <type_traits>
+#include <utility>
 
 #include "kernels/base/buffer.h"
+#include "kernels/math/carry.h"
 #include "kernels/math/packed_moments.h"
 #include "kernels/sh_blocks.h"
 
@@ -14,16 +16,22 @@ namespace tessera {
 /// How a set stores its Gaussians: the template axis of all that comes before the slice in time.
 /// Both forms of Dim 4 are the same family (static3d/transform/motion_form.h converts).
 enum class Form : uint8_t {
-  kStatic,    // Dim 3
-  kPair,      // Dim 4: two quaternions and four scales of space-time  [Yang24]
-  kVelocity,  // Dim 4: quaternion and scales of the slice, velocity, temporal scale  [FreeTimeGS]
+  kStatic,     // Dim 3
+  kPair,       // Dim 4: two quaternions and four scales of space-time  [Yang24]
+  kVelocity,   // Dim 4: quaternion and scales of the slice, velocity, temporal scale  [FreeTimeGS]
+  kCanonical,  // Dim 3 at rest, carried by motion nodes through time  (method D.9)
 };
 
+/// Whether a set's Gaussians have times of their own.
+TESSERA_HD inline constexpr bool is_dynamic(Form form) {
+  return form == Form::kPair || form == Form::kVelocity;
+}
 TESSERA_HD inline constexpr int dim_of(Form form) {
-  return form == Form::kStatic ? 3 : 4;
+  return is_dynamic(form) ? 4 : 3;
 }
 
-/// visit(form) with the form as a type: `form()` is a constant inside.
+/// visit(form) with the form as a type: `form()` is a constant inside. A canonical set is static
+/// here: as it lies at rest.
 template <class Visit>
 decltype(auto) with_form(Form form, Visit&& visit) {
   if (form == Form::kPair) return visit(std::integral_constant<Form, Form::kPair>{});
@@ -31,9 +39,16 @@ decltype(auto) with_form(Form form, Visit&& visit) {
   return visit(std::integral_constant<Form, Form::kStatic>{});
 }
 
-/// Parameter groups in storage order. Dim 3 sets have the first kStaticGroups only; kRotationRight
-/// is what couples space and time, and differs between the forms of Dim 4. kShTime has no scalars
-/// where a set has no levels of time.
+/// The same for the stages that draw, to which a canonical set is a form of its own.
+template <class Visit>
+decltype(auto) with_drawn_form(Form form, Visit&& visit) {
+  if (form == Form::kCanonical) return visit(std::integral_constant<Form, Form::kCanonical>{});
+  return with_form(form, std::forward<Visit>(visit));
+}
+
+/// Parameter groups in storage order, of which each form has a first part (group_count). Groups in
+/// it that a form does not use have no scalars, as kShTime in a set without levels of time.
+/// kRotationRight is what couples space and time, and differs between the forms of Dim 4.
 enum Group : int {
   kMean,           // [N, 3] world units
   kLogScale,       // [N, 3] ln of world units
@@ -44,20 +59,23 @@ enum Group : int {
   kLogScaleTime,   // [N] ln of normalised time
   kRotationRight,  // [N, 4] of a pair
   kShTime,         // [N, L, K, 3] levels of time of the colour (math/spherindrical.h)
+  kNodeLogit,      // [N, kBindings] of the weight of each node that a Gaussian is bound to
+  kNode,           // [N, kBindings] numbers of these nodes, −1: none; not optimised
   kGroupCount,
   kVelocity = kRotationRight  // [N, 3] world units per unit of normalised time, in its place
 };
-inline constexpr int kStaticGroups = 5;
+inline constexpr int kStaticGroups = 5, kDynamicGroups = 9;
 
-inline constexpr int group_count(int dim) {
-  return dim == 4 ? kGroupCount : kStaticGroups;
+inline constexpr int group_count(Form form) {
+  return form == Form::kCanonical ? kGroupCount
+                                  : (is_dynamic(form) ? kDynamicGroups : kStaticGroups);
 }
 
 /// The stored name: `rotation` is `rotation_left` in a pair.
 inline const char* group_name(Group group, Form form) {
   constexpr const char* kNames[kGroupCount] = {
-      "mean",      "log_scale",      "rotation",       "opacity_logit", "sh",
-      "mean_time", "log_scale_time", "rotation_right", "sh_time"};
+      "mean",           "log_scale",      "rotation", "opacity_logit", "sh",  "mean_time",
+      "log_scale_time", "rotation_right", "sh_time",  "node_logit",    "node"};
   if (form == Form::kVelocity && group == kVelocity) return "velocity";
   return form == Form::kPair && group == kRotation ? "rotation_left" : kNames[group];
 }
@@ -66,6 +84,11 @@ inline const char* group_name(Group group, Form form) {
 /// `moment2` of them is empty  (kernels/math/packed_moments.h).
 TESSERA_HD inline constexpr bool packs_moments(Group group) {
   return group == kSh || group == kShTime;
+}
+/// Buffers of Adam's moments of a group, which are `moment1` and `moment2`; those of 0 are not
+/// optimised.
+inline constexpr int moment_buffers(Group group) {
+  return group == kNode ? 0 : (packs_moments(group) ? 1 : 2);
 }
 
 /// Scalars per Gaussian of a group; `coefficients` = K, `time_levels` = L.
@@ -77,22 +100,35 @@ TESSERA_HD inline constexpr int group_width(Group group, int coefficients, Form 
       return 3;
     case kRotation:
       return 4;
-    case kRotationRight:
-      return form == Form::kVelocity ? 3 : 4;
+    case kOpacityLogit:
+      return 1;
     case kSh:
       return 3 * coefficients;
+    case kMeanTime:
+    case kLogScaleTime:
+      return form == Form::kCanonical ? 0 : 1;
+    case kRotationRight:
+      return form == Form::kCanonical ? 0 : (form == Form::kVelocity ? 3 : 4);
     case kShTime:
       return 3 * coefficients * time_levels;
     default:
-      return 1;
+      return form == Form::kCanonical ? kBindings : 0;
   }
 }
 
-/// Scalars per Gaussian of all groups but the two of SH: 11, 17 or 16.
+/// Scalars per Gaussian of all groups but the two of SH: 11, 17, 16 or 27.
 inline constexpr int geometry_scalars(Form form) {
   int sum = 0;
-  for (int g = 0; g < group_count(dim_of(form)); ++g)
+  for (int g = 0; g < group_count(form); ++g)
     if (g != kSh) sum += group_width(Group(g), 0, form);
+  return sum;
+}
+
+/// The same with the moments of these scalars.
+inline constexpr int trained_geometry_scalars(Form form) {
+  int sum = 0;
+  for (int g = 0; g < group_count(form); ++g)
+    if (g != kSh) sum += group_width(Group(g), 0, form) * (1 + moment_buffers(Group(g)));
   return sum;
 }
 
@@ -113,6 +149,9 @@ struct GaussianSpans {
   Span<T> group[kGroupCount];
   Span<T> filter_size;  // [N] φ of the 3D filter that is applied, world units; empty: none is
   ShBlocks blocks;      // where elements differ in K
+  /// [B, carried_stride] of a canonical set that is drawn: Gaussian n in view b.
+  const CarriedGaussian<std::remove_const_t<T>>* carried = nullptr;
+  int64_t carried_stride = 0;
 
   TESSERA_HD int dim() const { return dim_of(form); }
   TESSERA_HD int width(Group g) const { return group_width(g, coefficients, form, time_levels); }
@@ -137,6 +176,7 @@ struct GaussianSpans {
                  : part_of(group[g], block.first * scalars, scalars * out.count);
     }
     out.filter_size = part_of(filter_size, block.first, block.count);
+    if (carried != nullptr) out.carried = carried + block.first;
     return out;
   }
   /// The same, not to be written.
@@ -149,6 +189,8 @@ struct GaussianSpans {
     out.blocks = blocks;
     for (int g = 0; g < kGroupCount; ++g) out.group[g] = group[g];
     out.filter_size = filter_size;
+    out.carried = carried;
+    out.carried_stride = carried_stride;
     return out;
   }
 };

@@ -17,6 +17,13 @@ const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
   StageClock& clock = backend_.clock();
   {
     const StageTimer timer(clock, kProject);
+    if (GaussianSpans<const Real>& canonical = project_.sets[0];
+        canonical.form == Form::kCanonical) {
+      backend_.carry({&batch_, canonical, args.nodes}, carried_);
+      canonical.carried = std::as_const(carried_).gaussians.data();
+      canonical.carried_stride = canonical.count;
+      nodes_ = args.nodes;
+    }
     backend_.project(project_, splats_);
   }
   {
@@ -48,13 +55,28 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
       backend_.environment_backward(environment_, images_, d_colour_.span(), args.d_environment);
     backend_.blend_backward({blend_args(), &images_, d_colour_.span()}, d_splats_.span());
   }
-  ProjectBackwardArgs<Real> project{project_, &splats_, d_splats_.span(), {}, {}, args.regulariser};
+  const GaussianSpans<const Real>& canonical = project_.sets[0];
+  const bool carries = canonical.form == Form::kCanonical;
+  d_carried_.resize(carries ? int64_t(batch_.views.size()) * canonical.count : 0);
+  ProjectBackwardArgs<Real> project;
+  project.forward = project_;
+  project.splats = &splats_;
+  project.d_splats = d_splats_.span();
+  project.regulariser = args.regulariser;
+  project.d_carried = d_carried_.span();
   for (int set = 0; set < 2; ++set) {
     project.sinks[set] = args.sinks[set];
     project.statistics[set] = args.statistics[set];
   }
   const StageTimer timer(backend_.clock(), kProjectBackward);
   backend_.project_backward(project);
+  if (carries)
+    backend_.carry_backward({{&batch_, canonical, nodes_},
+                             &carried_,
+                             std::as_const(d_carried_).span(),
+                             args.sinks[0],
+                             args.d_nodes,
+                             args.acceleration});
 }
 
 template <class Real>
@@ -100,6 +122,8 @@ void Pipeline<Real>::release() {
   images_ = Images<Real>(memory);
   d_colour_.release();
   d_splats_.release();
+  carried_ = Carried<Real>(memory);
+  d_carried_.release();
   sensitivity_.release();
 }
 

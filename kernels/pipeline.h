@@ -22,6 +22,8 @@ struct BackwardArgs {
   DensityStatistics<Real> statistics[2];
   RegulariserWeights regulariser;
   Span<Real> d_environment = {};  // [H, 2H, 3] written where the forward pass had an environment
+  NodeSpans<Real> d_nodes = {};   // written where it had nodes
+  Real acceleration = Real(0);    // as CarryBackwardArgs::acceleration
 };
 
 /// Gaussians, views and how they are drawn.
@@ -32,6 +34,7 @@ struct ForwardArgs {
   RenderOptions options;
   bool for_backward = false;
   EnvironmentArgs<Real> environment = {};  // its batch is the pipeline's
+  NodeSpans<const Real> nodes = {};        // of a canonical static set
 };
 
 /// What a step found, besides the images.
@@ -49,6 +52,8 @@ class Pipeline {
         images_(backend.memory()),
         d_colour_(backend.memory()),
         d_splats_(backend.memory()),
+        carried_(backend.memory()),
+        d_carried_(backend.memory()),
         sensitivity_(backend.memory()) {}
   Pipeline(const Pipeline&) = delete;  // what is kept of a forward pass points into its members
   Pipeline& operator=(const Pipeline&) = delete;
@@ -108,7 +113,10 @@ class Pipeline {
   Images<Real> images_;
   Buffer<Real> d_colour_;
   Buffer<SplatMoments<Real>> d_splats_;
-  Target compared_;  // of the last residual
+  NodeSpans<const Real> nodes_;  // of the last forward with a canonical set
+  Carried<Real> carried_;
+  Buffer<CarriedGaussian<Real>> d_carried_;  // [B, N]
+  Target compared_;                          // of the last residual
   Buffer<SplatSensitivity<Real>> sensitivity_;
 };
 

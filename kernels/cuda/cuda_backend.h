@@ -57,6 +57,8 @@ class CudaBackend final : public Backend {
   StageClock& clock() override { return clock_; }
   cudaStream_t stream() const { return stream_; }
 
+  void carry(const CarryArgs<float>& args, Carried<float>& carried) override;
+  void carry_backward(const CarryBackwardArgs<float>& args) override;
   void project(const ProjectArgs<float>& args, Splats<float>& splats) override;
   void bin(const BinArgs<float>& args, TileInstances<float>& instances) override;
   void blend(const BlendArgs<float>& args, Images<float>& images) override;

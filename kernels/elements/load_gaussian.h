@@ -1,6 +1,5 @@
-// What: one stored Gaussian of a set → what a view needs of it.
-// Not: the view (kernels/math/splat.h).
-// Source: method A.5, A.6, C.1.
+// One stored Gaussian of a set → what a view needs of it, and, of a canonical set, what motion
+// nodes have made of it in that view. Source: method A.5, A.6, C.1, D.9.
 #pragma once
 #include "kernels/gaussians.h"
 #include "kernels/math/splat.h"
@@ -48,13 +47,31 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
   const Real trace = c.xx + c.yy + c.zz;
   Real stored = g.mean[0] + g.mean[1] + g.mean[2] + *set.at(kOpacityLogit, n) + log_scale[0] +
                 log_scale[1] + log_scale[2];
-  if constexpr (form != Form::kStatic) stored += *set.at(kLogScaleTime, n);
+  if constexpr (is_dynamic(form)) stored += *set.at(kLogScaleTime, n);
   if constexpr (form == Form::kVelocity) {
     const Vec3<Real> v = g.spacetime.velocity;
     stored += v[0] + v[1] + v[2];
   }
   const Real sum = stored + trace + g.spacetime.mean_time + g.spacetime.precision_time;
   return sum - sum == Real(0);  // finite
+}
+
+/// Gaussian n, loaded as `at_rest`, as view b of the batch sees it: of a canonical set in `room`,
+/// where its mean and its covariance are those that it is carried to; of others `at_rest` itself.
+template <Form form, class Real>
+TESSERA_HD inline const GaussianState<Real>& state_in_view(const GaussianSpans<const Real>& set,
+                                                           int64_t n, int b,
+                                                           const GaussianState<Real>& at_rest,
+                                                           GaussianState<Real>& room) {
+  if constexpr (form == Form::kCanonical) {
+    const CarriedGaussian<Real>& carried = set.carried[b * set.carried_stride + n];
+    room = at_rest;
+    room.mean = carried.mean;
+    room.spacetime = static_spacetime(carried.rotation, at_rest.log_scale);
+    return room;
+  } else {
+    return at_rest;
+  }
 }
 
 }  // namespace tessera

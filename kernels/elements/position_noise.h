@@ -24,7 +24,7 @@ TESSERA_HD inline void add_position_noise(const GaussianSpans<Real>& set, int64_
   const Real gate = noise_gate(sigmoid(*set.at(kOpacityLogit, n)));
   GaussianState<Real> g;
   if (!(gate >= Real(kLeastGate)) || !load_gaussian<form>(set.view(), n, g)) return;
-  const uint64_t index = uint64_t(n) | uint64_t(form != Form::kStatic) << 63;
+  const uint64_t index = uint64_t(n) | uint64_t(is_dynamic(form)) << 63;
   const Vec4<float> random =
       normals(philox(noise.seed, RandomStream::kPositionNoise, index, uint32_t(noise.step)));
   const Vec3<Real> step =

@@ -26,7 +26,7 @@ TESSERA_HD inline void become_copies(const GaussianSpans<Real>& set, int64_t n, 
   logit = Real(log(opacity) - log1p(-opacity));
   const Real shrink = Real(log(r.scale));
   for (int k = 0; k < 3; ++k) set.at(kLogScale, n)[k] += shrink;
-  if constexpr (form != Form::kStatic) *set.at(kLogScaleTime, n) += shrink;
+  if constexpr (is_dynamic(form)) *set.at(kLogScaleTime, n) += shrink;
 }
 
 }  // namespace tessera

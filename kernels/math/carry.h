@@ -81,28 +81,38 @@ struct Carry {
 template <class Real>
 TESSERA_HD inline Carry<Real> blend_poses(const Binding<Real>& binding,
                                           const NodePose<Real>* poses) {
-  int heaviest = 0;
+  int heaviest = -1;
+  Real most = Real(0);
   TESSERA_UNROLL
-  for (int k = 1; k < kBindings; ++k)
-    if (binding.weight[k] > binding.weight[heaviest]) heaviest = k;
+  for (int k = 0; k < kBindings; ++k) {
+    if (binding.node[k] < 0 || (heaviest >= 0 && !(binding.weight[k] > most))) continue;
+    most = binding.weight[k];
+    heaviest = binding.node[k];
+  }
   Carry<Real> c;
   c.linear = Mat3<Real>(Real(0));
   c.offset = Vec3<Real>(Real(0));
   c.turn = Vec4<Real>(Real(0));
-  const int anchor = binding.node[heaviest];
   TESSERA_UNROLL
   for (int k = 0; k < kBindings; ++k) {
     c.flipped[k] = false;
     if (binding.node[k] < 0) continue;
     const NodePose<Real>& pose = poses[binding.node[k]];
     const Real w = binding.weight[k];
-    c.flipped[k] = dot(pose.quaternion, poses[anchor].quaternion) < Real(0);
+    c.flipped[k] = dot(pose.quaternion, poses[heaviest].quaternion) < Real(0);
     c.linear += pose.rotation * w;
     c.offset += pose.translation * w;
     c.turn += pose.quaternion * (c.flipped[k] ? -w : w);
   }
   return c;
 }
+
+/// A Gaussian of a canonical set as a view sees it, or the gradient by that.
+template <class Real>
+struct alignas(4 * sizeof(Real)) CarriedGaussian {
+  Vec4<Real> rotation;  // w,x,y,z, not normalised
+  Vec3<Real> mean;      // world units
+};
 
 template <class Real>
 TESSERA_HD inline Vec3<Real> carried_mean(const Carry<Real>& c, const Vec3<Real>& mean) {
@@ -115,8 +125,7 @@ TESSERA_HD inline Vec4<Real> carried_rotation(const Carry<Real>& c, const Vec4<R
   return quaternion_product(c.turn, rotation);
 }
 
-/// Of one Gaussian in one view. The gradient of node k's pose is w_k times {d_mean ⊗ mean, d_mean,
-/// ±d_turn}.
+/// Of one Gaussian in one view.
 template <class Real>
 struct CarryGradient {
   Vec3<Real> mean;              // by the mean at rest
@@ -124,6 +133,17 @@ struct CarryGradient {
   Vec4<Real> turn;              // b = h ⊗ conj(q)
   Real weight[kBindings] = {};  // G_k
 };
+
+/// The gradient of a node's pose by what one Gaussian is in one view: w {g ⊗ x, g, ±b}.
+template <class Real>
+TESSERA_HD inline NodePose<Real> node_share(Real weight, bool flipped, const Vec3<Real>& mean,
+                                            const Vec3<Real>& d_mean, const Vec4<Real>& d_turn) {
+  NodePose<Real> d;
+  for (int c = 0; c < 3; ++c) d.rotation[c] = d_mean * (weight * mean[c]);
+  d.translation = d_mean * weight;
+  d.quaternion = d_turn * (flipped ? -weight : weight);
+  return d;
+}
 
 /// `d_mean`: g, by the carried mean; `d_rotation`: h, by the carried rotation.
 template <class Real>

@@ -24,11 +24,14 @@ void add_block(const ContributionArgs<Real>& args, const GaussianSpans<const Rea
       GaussianState<Real> g;
       if (from == to || !load_gaussian<form>(set, n, g)) continue;
       TimeVariation* const variation =
-          form == Form::kStatic && !args.variation.empty() ? &args.variation[first + n] : nullptr;
-      for (int64_t s = from; s < to; ++s)
-        add_splat(args.forward.batch->views[size_t(splats.splat[s].view)], colours,
-                  Real(options.time_filter), g, splats.splat[s], args.sums[s], args.series,
-                  args.elements[first + n], variation);
+          !is_dynamic(form) && !args.variation.empty() ? &args.variation[first + n] : nullptr;
+      for (int64_t s = from; s < to; ++s) {
+        const int b = splats.splat[s].view;
+        GaussianState<Real> room;
+        add_splat(args.forward.batch->views[size_t(b)], colours, Real(options.time_filter),
+                  state_in_view<form>(set, n, b, g, room), splats.splat[s], args.sums[s],
+                  args.series, args.elements[first + n], variation);
+      }
     }
   });
 }
@@ -41,8 +44,9 @@ void CpuBackend<Real>::contributions(const ContributionArgs<Real>& args) {
   int64_t first = 0;
   for (const GaussianSpans<const Real>& set : args.forward.sets) {
     for_each_block(set.blocks, set.count, set.coefficients, [&](const ShBlock& block) {
-      with_form(set.form,
-                [&](auto form) { add_block<form()>(args, set.block(block), first + block.first); });
+      with_drawn_form(set.form, [&](auto form) {
+        add_block<form()>(args, set.block(block), first + block.first);
+      });
     });
     first += set.count;
   }

@@ -34,11 +34,14 @@ __global__ void __launch_bounds__(kThreads) add_elements(ContributionPass a) {
   GaussianState<float> g;
   if (from == to || !load_gaussian<form>(a.set, n, g)) return;
   TimeVariation* const variation =
-      form == Form::kStatic && a.variation != nullptr ? a.variation + a.first + n : nullptr;
+      !is_dynamic(form) && a.variation != nullptr ? a.variation + a.first + n : nullptr;
   ElementSums<float> sums = a.elements[a.first + n];
-  for (int64_t s = from; s < to; ++s)
-    add_splat(a.views[a.splats[s].view], a.colours, a.time_filter, g, a.splats[s], a.sums[s],
-              a.series, sums, variation);
+  for (int64_t s = from; s < to; ++s) {
+    const int b = a.splats[s].view;
+    GaussianState<float> room;
+    add_splat(a.views[b], a.colours, a.time_filter, state_in_view<form>(a.set, n, b, g, room),
+              a.splats[s], a.sums[s], a.series, sums, variation);
+  }
   a.elements[a.first + n] = sums;
 }
 
@@ -76,7 +79,7 @@ void CudaBackend::contributions(const ContributionArgs<float>& args) {
           args.elements.data,
           args.variation.data,
           args.series};
-      with_form(set.form, [&](auto form) {
+      with_drawn_form(set.form, [&](auto form) {
         launch_linear<kThreads>(stream_, "contributions", add_elements<form()>, elements.count, a);
       });
     });

@@ -1,7 +1,6 @@
-// What: where the gradient of a Gaussian goes: stored for later, or into Adam on the spot.
-// The sink is the choice between a separate and a fused optimizer; kernels are templated on it.
-// Not: schedules; step sizes come ready in AdamGroups. Which Gaussians it is called for is the
-// traversal's (IdleUpdate).
+// Where the gradient of a Gaussian goes: stored for later, or into Adam on the spot. The sink is
+// the choice between a separate and a fused optimizer; kernels are templated on it. Step sizes come
+// ready in AdamGroups. Which Gaussians it is called for is the traversal's choice (IdleUpdate).
 #pragma once
 #include <type_traits>
 
@@ -11,7 +10,20 @@
 
 namespace tessera {
 
+/// Bit (1 << group) for each group of a gradient with a value that is not finite.
+template <Form form, class Gradient>
+TESSERA_HD inline unsigned non_finite_groups(const Gradient& gradient) {
+  unsigned bits = 0;
+  Gradient::template for_each_group<form>(gradient, [&](Group group, const auto* g, int width) {
+    auto sum = g[0] - g[0];
+    for (int j = 1; j < width; ++j) sum += g[j] - g[j];
+    if (!(sum == 0)) bits |= 1u << group;
+  });
+  return bits;
+}
+
 /// Gradient of one Gaussian by all that is stored of it but SH, summed over the views of a batch.
+/// What motion nodes carry of a canonical one is in CarriedGradient.
 template <class Real>
 struct GeometryGradient {
   Vec3<Real> mean{}, log_scale{};
@@ -23,28 +35,32 @@ struct GeometryGradient {
   /// and mutable gradients.
   template <Form form, class Gradient, class Visit>
   TESSERA_HD static void for_each_group(Gradient& self, Visit&& visit) {
-    visit(kMean, &self.mean[0], 3);
+    if constexpr (form != Form::kCanonical) visit(kMean, &self.mean[0], 3);
     visit(kLogScale, &self.log_scale[0], 3);
-    visit(kRotation, &self.rotation[0], 4);
+    if constexpr (form != Form::kCanonical) visit(kRotation, &self.rotation[0], 4);
     visit(kOpacityLogit, &self.opacity_logit, 1);
-    if constexpr (form != Form::kStatic) {
+    if constexpr (is_dynamic(form)) {
       visit(kMeanTime, &self.mean_time, 1);
       visit(kLogScaleTime, &self.log_scale_time, 1);
     }
     if constexpr (form == Form::kPair) visit(kRotationRight, &self.rotation_right[0], 4);
     if constexpr (form == Form::kVelocity) visit(kVelocity, &self.velocity[0], 3);
   }
+};
 
-  /// Bit (1 << group) for each group with a value that is not finite.
-  template <Form form>
-  TESSERA_HD unsigned non_finite() const {
-    unsigned bits = 0;
-    for_each_group<form>(*this, [&](Group group, const Real* g, int width) {
-      Real sum = Real(0);
-      for (int j = 0; j < width; ++j) sum += g[j] - g[j];
-      if (!(sum == Real(0))) bits |= 1u << group;
-    });
-    return bits;
+/// Gradient of one canonical Gaussian by what motion nodes carry of it and by their logits.
+template <class Real>
+struct CarriedGradient {
+  Vec3<Real> mean{};
+  Vec4<Real> rotation{};
+  Real node_logit[kBindings] = {};
+
+  template <Form form, class Gradient, class Visit>
+  TESSERA_HD static void for_each_group(Gradient& self, Visit&& visit) {
+    static_assert(form == Form::kCanonical);
+    visit(kMean, &self.mean[0], 3);
+    visit(kRotation, &self.rotation[0], 4);
+    visit(kNodeLogit, self.node_logit, kBindings);
   }
 };
 
@@ -52,12 +68,11 @@ template <class Real>
 struct StoreGradient {
   GaussianSpans<Real> out;
 
-  template <Form form>
-  TESSERA_HD void accept(int64_t n, const GeometryGradient<Real>& gradient) const {
-    GeometryGradient<Real>::template for_each_group<form>(
-        gradient, [&](Group group, const Real* g, int width) {
-          for (int j = 0; j < width; ++j) out.at(group, n)[j] = g[j];
-        });
+  template <Form form, class Gradient>
+  TESSERA_HD void accept(int64_t n, const Gradient& gradient) const {
+    Gradient::template for_each_group<form>(gradient, [&](Group group, const Real* g, int width) {
+      for (int j = 0; j < width; ++j) out.at(group, n)[j] = g[j];
+    });
   }
   /// Scalar j of the SH coefficients: kSh or kShTime.
   TESSERA_HD void accept_sh(Group group, int64_t n, int j, Real gradient) const {
@@ -70,13 +85,12 @@ struct ApplyAdam {
   GaussianSpans<Real> value, moment1, moment2;
   AdamGroups<Real> adam;
 
-  template <Form form>
-  TESSERA_HD void accept(int64_t n, const GeometryGradient<Real>& gradient) const {
-    GeometryGradient<Real>::template for_each_group<form>(
-        gradient, [&](Group group, const Real* g, int width) {
-          Real *x = value.at(group, n), *m = moment1.at(group, n), *v = moment2.at(group, n);
-          for (int j = 0; j < width; ++j) adam_step(adam.group[group], g[j], x[j], m[j], v[j]);
-        });
+  template <Form form, class Gradient>
+  TESSERA_HD void accept(int64_t n, const Gradient& gradient) const {
+    Gradient::template for_each_group<form>(gradient, [&](Group group, const Real* g, int width) {
+      Real *x = value.at(group, n), *m = moment1.at(group, n), *v = moment2.at(group, n);
+      for (int j = 0; j < width; ++j) adam_step(adam.group[group], g[j], x[j], m[j], v[j]);
+    });
   }
   TESSERA_HD void accept_sh(Group group, int64_t n, int j, Real gradient) const {
     static_assert(packs_moments(kSh) && packs_moments(kShTime));

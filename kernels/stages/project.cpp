@@ -56,13 +56,15 @@ void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chu
       make_colour_rules<Real>(args.options, set.coefficients, set.time_levels);
   for (int64_t n = run.begin; n < run.end; ++n) {
     chunk.starts.push_back(int64_t(chunk.records.size()));
-    GaussianState<Real> g;
-    if (!load_gaussian<form>(set, n, g)) {
+    GaussianState<Real> at_rest;
+    if (!load_gaussian<form>(set, n, at_rest)) {
       ++chunk.invalid;
       continue;
     }
     for (size_t b = 0; b < views.size(); ++b) {
       ViewSplat<Real> splat;
+      GaussianState<Real> room_of_state;
+      const GaussianState<Real>& g = state_in_view<form>(set, n, int(b), at_rest, room_of_state);
       if (!splat_in_view(views[b], g, rules, splat)) continue;
       Record<Real> record;
       Splat<Real>& out = record.splat;
@@ -115,8 +117,8 @@ void CpuBackend<Real>::project(const ProjectArgs<Real>& args, Splats<Real>& spla
   std::vector<Chunk<Real>> chunks(runs.size());
   parallel_for(int64_t(chunks.size()), 1, [&](int64_t c, int64_t) {
     const Run& run = runs[size_t(c)];
-    with_form(args.sets[run.set].form,
-              [&](auto form) { project_run<form()>(args, run, chunks[size_t(c)]); });
+    with_drawn_form(args.sets[run.set].form,
+                    [&](auto form) { project_run<form()>(args, run, chunks[size_t(c)]); });
   });
   std::vector<int64_t> offset(chunks.size() + 1, 0);
   std::vector<int64_t> gaussian(chunks.size() + 1, 0);

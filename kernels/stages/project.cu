@@ -44,7 +44,9 @@ __global__ void __launch_bounds__(kThreads)
     uint32_t bits = 0;
     for (int b = 32 * word; valid && b < min(a.view_count, 32 * word + 32); ++b) {
       ViewSplat<float> splat;
-      if (splat_in_view(a.views[b], g, a.rules, splat)) bits |= 1u << (b - 32 * word);
+      GaussianState<float> room;
+      if (splat_in_view(a.views[b], state_in_view<form>(a.set, n, b, g, room), a.rules, splat))
+        bits |= 1u << (b - 32 * word);
     }
     seen_by[(a.first + n) * words + word] = bits;
     count += __popc(bits);
@@ -88,9 +90,10 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
   const int64_t n = out.gaussian[s] - a.first;
   const int b = out.view[s];
   const ColourRules<float> colours = rules_of<form>(a.colours);
-  GaussianState<float> g;
+  GaussianState<float> at_rest, room;
   ViewSplat<float> in_view;
-  load_gaussian<form>(a.set, n, g);
+  load_gaussian<form>(a.set, n, at_rest);
+  const GaussianState<float>& g = state_in_view<form>(a.set, n, b, at_rest, room);
   splat_in_view(a.views[b], g, a.rules, in_view);
   splat.mean2d = in_view.projection.mean2d;
   splat.conic = in_view.projection.conic;
@@ -176,7 +179,7 @@ void CudaBackend::write_splats(const ProjectArgs<float>& args, Splats<float>& sp
     for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& elements) {
       const SetArgs a =
           set_args(args, spans.block(elements), first + elements.first, views_of(*args.batch));
-      with_form(spans.form, [&](auto form) {
+      with_drawn_form(spans.form, [&](auto form) {
         launch_linear<kThreads>(stream_, "project: write_splats_of", write_splats_of<form()>,
                                 capacity, a, out, counters_.data());
       });
@@ -200,7 +203,7 @@ void CudaBackend::project(const ProjectArgs<float>& args, Splats<float>& splats)
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.sets[set];
     if (spans.count == 0) continue;
-    with_form(spans.form, [&](auto form) {
+    with_drawn_form(spans.form, [&](auto form) {
       launch_linear<kThreads>(
           stream_, "project: count_views", count_views<form()>, spans.count,
           set_args(args, spans, set == 0 ? 0 : args.sets[0].count, views_of(*args.batch)), words,

@@ -53,6 +53,7 @@ struct BlockArgs {
   int64_t first_gaussian;
   SinkArgs<Real> sink;
   DensityStatistics<Real> statistics;
+  CarriedGaussian<Real>* d_carried;  // of a canonical set: [B, set.carried_stride]
 };
 
 /// Element n of a block, whose splats are `first` … `last`.
@@ -62,13 +63,15 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
                        int64_t first, int64_t last, GaussianGradient<Real>& out) {
   const GaussianSpans<const Real>& params = block.set;
   const std::vector<ViewArgs<Real>>& views = args.forward.batch->views;
-  GaussianState<Real> g;
-  if (!load_gaussian<form>(params, n, g)) return;
-  ViewSums<Real> sums;
+  GaussianState<Real> at_rest, room_of_state;
+  if (!load_gaussian<form>(params, n, at_rest)) return;
+  SumsOf<form, Real> sums;
   for (int64_t s = first; s < last; ++s) {
     const Splat<Real>& splat = args.splats->splat[s];
     const ViewArgs<Real>& view = views[size_t(splat.view)];
     const SplatMoments<Real>& moments = args.d_splats[s];
+    const GaussianState<Real>& g =
+        state_in_view<form>(params, n, splat.view, at_rest, room_of_state);
     const Slice<Real> slice = slice_at(g.mean, g.spacetime, view.time, rules.time_filter);
     Real room[3 * kMaxShCoefficients];
     const Real* const sh = sh_at(colours, g, slice.delta, room);
@@ -79,11 +82,18 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
     const Vec3<Real> time_slope = colours.levels > 0
                                       ? levels_slope(colours, slice.delta, g.sh_time, direction)
                                       : Vec3<Real>(Real(0));
-    add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, sums);
+    if constexpr (form == Form::kCanonical) {
+      const int64_t place = splat.view * params.carried_stride + n;
+      ViewSums<Real> of_view;
+      add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, of_view);
+      block.d_carried[place] = carried_gradient(params.carried[place], g, of_view, sums);
+    } else {
+      add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, sums);
+    }
     add_sh(colours, direction, slice.delta, unclamped_gradient(splat.negative, moments.colour),
            out);
   }
-  out.geometry = geometry_gradient<form>(params, n, g, sums);
+  out.geometry = geometry_gradient<form>(params, n, at_rest, sums);
   if (!all_finite(out.sh, params.width(kSh))) out.bad |= 1u << kSh;
   if (!all_finite(out.sh_time, params.width(kShTime))) out.bad |= 1u << kShTime;
   const DensityStatistics<Real>& statistics = block.statistics;
@@ -107,6 +117,9 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Rea
   for (int64_t n = begin; n < end; ++n) {
     const int64_t first = args.splats->first_of[block.first_gaussian + n];
     const int64_t last = args.splats->first_of[block.first_gaussian + n + 1];
+    if constexpr (form == Form::kCanonical)
+      for (size_t b = 0; b < args.forward.batch->views.size(); ++b)
+        block.d_carried[int64_t(b) * params.carried_stride + n] = {};
     if (first == last && idle == IdleUpdate::kSkip) continue;
     GaussianGradient<Real> gradient;
     std::fill_n(gradient.sh_time, params.width(kShTime), Real(0));
@@ -114,7 +127,7 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Rea
       gaussian_gradient<form>(args, block, rules, colours, n, first, last, gradient);
     const Real share = Real(last - first) / Real(args.forward.batch->views.size());
     add_regulariser<form>(terms, params, n, share, gradient.geometry);
-    bad |= gradient.bad | gradient.geometry.template non_finite<form>();
+    bad |= gradient.bad | non_finite_groups<form>(gradient.geometry);
     sink.template accept<form>(n, gradient.geometry);
     for (int j = 0; j < params.width(kSh); ++j) sink.accept_sh(kSh, n, j, gradient.sh[j]);
     for (int j = 0; j < params.width(kShTime); ++j)
@@ -152,10 +165,10 @@ void CpuBackend<Real>::project_backward(const ProjectBackwardArgs<Real>& args) {
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const Real>& spans = args.forward.sets[set];
     for_each_block(spans.blocks, spans.count, spans.coefficients, [&](const ShBlock& elements) {
-      const BlockArgs<Real> block{spans.block(elements), first_gaussian + elements.first,
-                                  args.sinks[set].block(elements),
-                                  args.statistics[set].block(elements)};
-      outcome_.bad_groups |= with_form(
+      const BlockArgs<Real> block{
+          spans.block(elements), first_gaussian + elements.first, args.sinks[set].block(elements),
+          args.statistics[set].block(elements), args.d_carried.data + elements.first};
+      outcome_.bad_groups |= with_drawn_form(
           spans.form, [&](auto form) { return backward_block<form()>(args, block, terms); });
     });
     first_gaussian += spans.count;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
+#include "kernels/cuda/accept_block.cuh"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
@@ -41,86 +42,59 @@ struct Backward {
   IdleUpdate idle;
   RegulariserTerms<float> regulariser;
   StepCounters* counters;
+  CarriedGaussian<float>* d_carried;  // of a canonical set: [B, set.carried_stride]
 };
 
-/// Floats of a ViewSums.
-constexpr int kSumFloats = int(sizeof(ViewSums<float>) / sizeof(float));
+template <Form form>
+constexpr int kSumFloats = int(sizeof(SumsOf<form, float>) / sizeof(float));
 
 /// What the threads of a block tell each other.
+template <Form form>
 struct Shared {
-  float sums[kSumFloats][kThreads];  // of a splat each
-  bool drawn[kThreads];              // that splat has tiles
+  float sums[kSumFloats<form>][kThreads];  // of a splat each
+  bool drawn[kThreads];                    // that splat has tiles
 };
 
 /// One thread a splat: its share of its Gaussian's sums.
 template <Form form>
-__device__ inline ViewSums<float> splat_sums(const Backward& a, int64_t s, bool& drawn) {
-  ViewSums<float> sums;
-  GaussianState<float> g;
+__device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, bool& drawn) {
+  SumsOf<form, float> sums;
+  GaussianState<float> at_rest, room;
   const int64_t n = a.gaussian[s] - a.first;
   const Splat<float> splat = a.splats[s];
   drawn = splat.negative != kNotDrawn;
-  if (!drawn || !load_gaussian<form>(a.set, n, g)) return sums;
+  if (!drawn || !load_gaussian<form>(a.set, n, at_rest)) return sums;
+  const GaussianState<float>& g = state_in_view<form>(a.set, n, splat.view, at_rest, room);
   const ViewArgs<float>& view = a.views[splat.view];
   const ColourRules<float> colours = rules_of<form>(a.colours);
-  add_view_gradient(view, g, slice_at(g.mean, g.spacetime, view.time, a.rules.time_filter),
-                    a.slopes[s], colours.levels > 0 ? a.time_slopes[s] : Vec3<float>(0.0f), colours,
-                    a.rules, splat, a.d_splats[s], sums);
+  const auto add_to = [&](ViewSums<float>& of_view) {
+    add_view_gradient(view, g, slice_at(g.mean, g.spacetime, view.time, a.rules.time_filter),
+                      a.slopes[s], colours.levels > 0 ? a.time_slopes[s] : Vec3<float>(0.0f),
+                      colours, a.rules, splat, a.d_splats[s], of_view);
+  };
+  if constexpr (form == Form::kCanonical) {
+    const int64_t place = splat.view * a.set.carried_stride + n;
+    ViewSums<float> of_view;
+    add_to(of_view);
+    a.d_carried[place] = carried_gradient(a.set.carried[place], g, of_view, sums);
+  } else {
+    add_to(sums);
+  }
   return sums;
 }
 
 /// Of the splats [begin, end) of this thread's Gaussian, those of the block's threads; the splat of
 /// thread 0 is s.
-__device__ inline void add_shared(const Shared& shared, int64_t s, int64_t begin, int64_t end,
-                                  ViewSums<float>& sums, int& seen) {
+template <Form form>
+__device__ inline void add_shared(const Shared<form>& shared, int64_t s, int64_t begin, int64_t end,
+                                  SumsOf<form, float>& sums, int& seen) {
   float* const to = reinterpret_cast<float*>(&sums);
   const int last = int(min(end - s, int64_t{kThreads}));
   for (int i = int(max(begin - s, int64_t{0})); i < last; ++i) {
     seen += shared.drawn[i];
     TESSERA_UNROLL
-    for (int k = 0; k < kSumFloats; ++k) to[k] += shared.sums[k][i];
+    for (int k = 0; k < kSumFloats<form>; ++k) to[k] += shared.sums[k][i];
   }
-}
-
-/// Scalar i of a group, counted through the set, into a sink.
-__device__ inline void accept_scalar(const StoreGradient<float>& sink, Group group, int64_t i,
-                                     float gradient) {
-  sink.out.group[group].data[i] = gradient;
-}
-__device__ inline void accept_scalar(const ApplyAdam<float>& sink, Group group, int64_t i,
-                                     float gradient) {
-  adam_step(sink.adam.group[group], gradient, sink.value.group[group].data[i],
-            sink.moment1.group[group].data[i], sink.moment2.group[group].data[i]);
-}
-
-/// The gradients of a block's Gaussians into the sink, group by group, whole lines at a time: a
-/// thread with a Gaussian each would touch every line of memory once for each scalar of a group.
-/// `on`: whether this thread's Gaussian takes a step.
-template <Form form, class Sink>
-__device__ inline void accept_block(const Sink& sink, int64_t count, bool on,
-                                    const GeometryGradient<float>& gradient, float* shared,
-                                    bool* shared_on) {
-  const int thread = int(threadIdx.x);
-  const int64_t first = int64_t(blockIdx.x) * kThreads;
-  const int gaussians = int(min(count - first, int64_t{kThreads}));
-  shared_on[thread] = on;
-  float* to = shared;
-  GeometryGradient<float>::for_each_group<form>(gradient, [&](Group, const float* g, int width) {
-    for (int j = 0; j < width; ++j) to[thread * width + j] = g[j];
-    to += kThreads * width;
-  });
-  __syncthreads();
-  const float* from = shared;
-  GeometryGradient<float>::for_each_group<form>(
-      gradient, [&](Group group, const float*, int width) {
-        TESSERA_UNROLL
-        for (int j = 0; j < width; ++j) {
-          const int i = j * kThreads + thread;
-          if (i < gaussians * width && shared_on[i / width])
-            accept_scalar(sink, group, first * width + i, from[i]);
-        }
-        from += kThreads * width;
-      });
 }
 
 /// Asks for the moments of a block's Gaussians, which are read last.
@@ -145,8 +119,8 @@ __device__ inline void prefetch_moments(const ApplyAdam<float>& sink, int64_t co
 template <Form form, class Sink>
 __global__ void __launch_bounds__(kThreads, kBlocks) geometry_backward(Backward a, Sink sink) {
   __shared__ union {
-    Shared splats;
-    float gradients[geometry_scalars(form) * kThreads];
+    Shared<form> splats;
+    float gradients[geometry_scalars(form) * kThreads];  // of a canonical set fewer are used
   } shared;
   __shared__ bool stepping[kThreads];
   const int64_t first = int64_t(blockIdx.x) * kThreads, n = first + threadIdx.x;
@@ -157,19 +131,19 @@ __global__ void __launch_bounds__(kThreads, kBlocks) geometry_backward(Backward 
   const bool listed = n < a.set.count;
   const int64_t begin = listed ? a.first_of[a.first + n] : 0;
   const int64_t end = listed ? a.first_of[a.first + n + 1] : 0;
-  ViewSums<float> sums;
+  SumsOf<form, float> sums;
   int seen = 0;
   for (int64_t s = block_begin; s < block_end; s += kThreads) {
     const int64_t taken = s + threadIdx.x;
     bool drawn = false;
-    const ViewSums<float> found =
-        taken < block_end ? splat_sums<form>(a, taken, drawn) : ViewSums<float>();
+    const SumsOf<form, float> found =
+        taken < block_end ? splat_sums<form>(a, taken, drawn) : SumsOf<form, float>();
     TESSERA_UNROLL
-    for (int k = 0; k < kSumFloats; ++k)
+    for (int k = 0; k < kSumFloats<form>; ++k)
       shared.splats.sums[k][threadIdx.x] = reinterpret_cast<const float*>(&found)[k];
     shared.splats.drawn[threadIdx.x] = drawn;
     __syncthreads();
-    add_shared(shared.splats, s, begin, end, sums, seen);
+    add_shared<form>(shared.splats, s, begin, end, sums, seen);
     __syncthreads();
   }
   GeometryGradient<float> gradient;
@@ -184,10 +158,10 @@ __global__ void __launch_bounds__(kThreads, kBlocks) geometry_backward(Backward 
   const bool on = listed && (begin < end || a.idle != IdleUpdate::kSkip);
   if (on) {
     add_regulariser<form>(a.regulariser, a.set, n, float(seen) / float(a.view_count), gradient);
-    const unsigned bad = gradient.template non_finite<form>();
+    const unsigned bad = non_finite_groups<form>(gradient);
     if (bad != 0) atomicOr(&a.counters->bad_groups, bad);
   }
-  accept_block<form>(sink, a.set.count, on, gradient, shared.gradients, stepping);
+  accept_block<form, kThreads>(sink, a.set.count, on, gradient, shared.gradients, stepping);
 }
 
 /// Neighbouring SH scalars of a Gaussian: one access of 16 bytes where there are 4.
@@ -330,9 +304,10 @@ void backward_set(const Backward& all, const RenderOptions& options, const SinkA
     a.first = all.first + elements.first;
     a.colours = make_colour_rules<float>(options, a.set.coefficients, a.set.time_levels);
     a.statistics = all.statistics.block(elements);
+    a.d_carried = all.d_carried + elements.first;
     const Sink sink = sink_of<Sink>(args.block(elements));
     backward_sh<kSh>(a, sink, !args.fused, stream);
-    if constexpr (form != Form::kStatic) backward_sh<kShTime>(a, sink, !args.fused, stream);
+    if constexpr (is_dynamic(form)) backward_sh<kShTime>(a, sink, !args.fused, stream);
     // last: a fused optimizer changes the means in time that the SH of time read
     geometry_backward<form, Sink><<<grid_of(a.set.count, kThreads), kThreads, 0, stream>>>(a, sink);
     check_launch("project_backward: geometry_backward");
@@ -347,6 +322,11 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
         "project_backward after a forward pass that was not for it");
   const RegulariserTerms<float> terms(args.regulariser,
                                       args.forward.sets[0].count + args.forward.sets[1].count);
+  if (!args.d_carried.empty())  // of what no view draws
+    check_device(
+        cudaMemsetAsync(args.d_carried.data, 0,
+                        size_t(args.d_carried.size) * sizeof(CarriedGaussian<float>), stream_),
+        "memset");
   double bytes = double(args.splats->count) * (2 * (48 + 36 + 48) + 4);
   for (int set = 0; set < 2; ++set) {
     const GaussianSpans<const float>& spans = args.forward.sets[set];
@@ -367,8 +347,9 @@ void CudaBackend::project_backward(const ProjectBackwardArgs<float>& args) {
                      args.statistics[set],
                      sink.fused ? sink.idle : IdleUpdate::kDense,
                      terms,
-                     counters_.data()};
-    with_form(spans.form, [&](auto form) {
+                     counters_.data(),
+                     args.d_carried.data};
+    with_drawn_form(spans.form, [&](auto form) {
       const auto run = sink.fused ? backward_set<form(), ApplyAdam<float>>
                                   : backward_set<form(), StoreGradient<float>>;
       run(a, args.forward.options, sink, stream_);

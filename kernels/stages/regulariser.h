@@ -30,7 +30,7 @@ template <Form form, class Real>
 TESSERA_HD inline void add_regulariser(const RegulariserTerms<Real>& terms,
                                        const GaussianSpans<const Real>& set, int64_t n, Real share,
                                        GeometryGradient<Real>& gradient) {
-  const Real weight = form == Form::kStatic ? share : Real(1);
+  const Real weight = is_dynamic(form) ? Real(1) : share;
   if (weight == Real(0)) return;
   if (terms.opacity != Real(0)) {
     const Real o = sigmoid(*set.at(kOpacityLogit, n));

@@ -51,7 +51,45 @@ TESSERA_HD inline void add_view_gradient(const ViewArgs<Real>& view, const Gauss
   sums.ndc_norms += ndc_gradient_norm(d.mean2d, view.width, view.height);
 }
 
+/// Sums over the views of one canonical Gaussian: of what does not pass through its nodes.
+template <class Real>
+struct CarriedSums {
+  Vec3<Real> log_scale{};
+  Real opacity_logit{};
+  Real ndc_norms{};  // as ViewSums::ndc_norms
+};
+template <Form form, class Real>
+using SumsOf = std::conditional_t<form == Form::kCanonical, CarriedSums<Real>, ViewSums<Real>>;
+
+/// Of a canonical Gaussian g, which is `carried` in one view: gradient by what it is there, from
+/// the sums of that view; what does not pass through its nodes is added to `sums`.
+template <class Real>
+TESSERA_HD inline CarriedGaussian<Real> carried_gradient(const CarriedGaussian<Real>& carried,
+                                                         const GaussianState<Real>& g,
+                                                         const ViewSums<Real>& of_view,
+                                                         CarriedSums<Real>& sums) {
+  CarriedGaussian<Real> d;
+  Vec3<Real> d_log_scale;
+  covariance3_backward(carried.rotation, g.log_scale, of_view.spacetime.covariance, d.rotation,
+                       d_log_scale);
+  d.mean = of_view.mean;
+  sums.log_scale += d_log_scale;
+  sums.opacity_logit += of_view.opacity * g.opacity * (Real(1) - g.stored_opacity);
+  sums.ndc_norms += of_view.ndc_norms;
+  return d;
+}
+
 /// Sums over the views → gradient by the stored parameters of Gaussian n.
+template <Form form, class Real>
+TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<const Real>&,
+                                                           int64_t, const GaussianState<Real>&,
+                                                           const CarriedSums<Real>& sums) {
+  static_assert(form == Form::kCanonical);
+  GeometryGradient<Real> out;
+  out.log_scale = sums.log_scale;
+  out.opacity_logit = sums.opacity_logit;
+  return out;
+}
 template <Form form, class Real>
 TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<const Real>& set,
                                                            int64_t n, const GaussianState<Real>& g,

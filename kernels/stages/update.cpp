@@ -12,19 +12,22 @@ namespace {
 
 constexpr int64_t kGrain = 1024;  // Gaussians or elements per task
 
-template <Form form, class Real>
+template <class Real>
 void adam_run(const SinkArgs<Real>& args, int64_t begin, int64_t end) {
   const ApplyAdam<Real> sink{args.value, args.moment1, args.moment2, args.adam};
-  for (int64_t n = begin; n < end; ++n) {
-    GeometryGradient<Real> gradient;
-    GeometryGradient<Real>::template for_each_group<form>(
-        gradient, [&](Group group, Real* g, int scalars) {
-          std::copy_n(args.gradient.at(group, n), scalars, g);
-        });
-    sink.template accept<form>(n, gradient);
-    for (const Group group : {kSh, kShTime})
-      for (int j = 0; j < args.gradient.width(group); ++j)
-        sink.accept_sh(group, n, j, args.gradient.at(group, n)[j]);
+  const GaussianSpans<Real>& set = args.gradient;
+  for (int g = 0; g < group_count(set.form); ++g) {
+    const auto group = Group(g);
+    const int width = set.width(group);
+    if (moment_buffers(group) == 0) continue;
+    for (int64_t i = begin * width; i < end * width; ++i) {
+      const Real gradient = set.group[g][i];
+      if (packs_moments(group))
+        sink.accept_sh(group, i / width, int(i % width), gradient);
+      else
+        adam_step(args.adam.group[g], gradient, args.value.group[g][i], args.moment1.group[g][i],
+                  args.moment2.group[g][i]);
+    }
   }
 }
 
@@ -35,9 +38,8 @@ void CpuBackend<Real>::adam(const SinkArgs<Real>& args) {
   const GaussianSpans<Real>& set = args.value;
   for_each_block(set.blocks, set.count, set.coefficients, [&](const ShBlock& block) {
     const SinkArgs<Real> elements = args.block(block);
-    parallel_for(block.count, kGrain, [&](int64_t begin, int64_t end) {
-      with_form(set.form, [&](auto form) { adam_run<form()>(elements, begin, end); });
-    });
+    parallel_for(block.count, kGrain,
+                 [&](int64_t begin, int64_t end) { adam_run(elements, begin, end); });
   });
 }
 

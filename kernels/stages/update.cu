@@ -46,8 +46,8 @@ __global__ void limit(Span<float> values, float most) {
 void CudaBackend::adam(const SinkArgs<float>& args) {
   double bytes = 0;
   const GaussianSpans<float>& set = args.value;
-  for (int g = 0; g < group_count(set.dim()); ++g) {
-    if (packs_moments(Group(g))) continue;
+  for (int g = 0; g < group_count(set.form); ++g) {
+    if (moment_buffers(Group(g)) != 2) continue;
     const int64_t count = set.count * set.width(Group(g));
     launch_linear<kThreads>(stream_, "adam: adam_group", adam_group, count,
                             args.gradient.group[g].data, args.value.group[g].data,

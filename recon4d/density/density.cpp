@@ -36,8 +36,9 @@ void gather(Backend& backend, Span<const int64_t> values, Span<const int64_t> mo
     const int width = set.width(Group(g));
     gather(backend, values, width, values.size, group.value);
     if (!has_moments) continue;
-    gather(backend, moments, width, inherited, group.moment1);
-    if (!packs_moments(Group(g))) gather(backend, moments, width, inherited, group.moment2);
+    const int buffers = moment_buffers(Group(g));
+    if (buffers > 0) gather(backend, moments, width, inherited, group.moment1);
+    if (buffers > 1) gather(backend, moments, width, inherited, group.moment2);
   }
   set.set_count(values.size);
 }

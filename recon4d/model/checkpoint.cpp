@@ -22,8 +22,8 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
       const int64_t scalars = set.scalars(Group(g));
       auto& group = set.group(Group(g));
       visit(group.value, scalars);
-      visit(group.moment1, scalars);
-      visit(group.moment2, packs_moments(Group(g)) ? 0 : scalars);
+      visit(group.moment1, moment_buffers(Group(g)) > 0 ? scalars : 0);
+      visit(group.moment2, moment_buffers(Group(g)) > 1 ? scalars : 0);
     }
     visit(statistics.gradient_sum, set.count());
     visit(statistics.count, set.count());

@@ -98,9 +98,10 @@ void check_header(const CheckpointReader& file, const json& header) {
   const int coefficients = header.at("sh_coefficients"), levels = header.at("sh_time_levels");
   // values and two moments each, of SH in one word; statistics, filter size where kept
   const auto scalars = [&](Form form, int64_t count, const ShBlocks& blocks) {
-    const int sets = form == Form::kStatic ? 1 : 1 + levels;
+    const int sets = is_dynamic(form) ? 1 + levels : 1;
     const int64_t all = blocks.mixed() ? blocks.coefficients() : count * coefficients;
-    return count * (int64_t{3} * geometry_scalars(form) + 2 + parts.filter_sizes) + 6 * all * sets;
+    return count * (int64_t{trained_geometry_scalars(form)} + 2 + parts.filter_sizes) +
+           6 * all * sets;
   };
   const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
   constexpr int64_t kMost = int64_t{1} << 40;

@@ -105,10 +105,9 @@ void move_elements(Backend& backend, const std::vector<ElementMove>& moves, Gaus
     const Gatherer gather(backend, moves, scalars, colours);
     ParameterGroup& group = set.group(Group(g));
     gather(group.value);
-    if (has_moments) {
-      gather(group.moment1);
-      if (!packs_moments(Group(g))) gather(group.moment2);
-    }
+    if (!has_moments) continue;
+    if (moment_buffers(Group(g)) > 0) gather(group.moment1);
+    if (moment_buffers(Group(g)) > 1) gather(group.moment2);
   }
   set.set_count(count, blocks);
   const Gatherer gather(backend, moves, 1, false);

@@ -10,7 +10,7 @@ namespace tessera {
 
 GaussianSet::GaussianSet(Form form, int coefficients, Memory& memory, int time_levels)
     : form_(form), coefficients_(coefficients), time_levels_(time_levels), memory_(&memory) {
-  check(time_levels == 0 || form != Form::kStatic, "GaussianSet: a static set with levels of time");
+  check(time_levels == 0 || is_dynamic(form), "GaussianSet: a static set with levels of time");
   for (ParameterGroup& group : groups_) group = ParameterGroup(memory);
 }
 
@@ -57,8 +57,9 @@ void GaussianSet::ensure_moments() {
   check(memory_ == &host_memory(), "GaussianSet: moments are made on the host");
   for (int g = 0; g < groups(); ++g) {
     ParameterGroup& group = groups_[size_t(g)];
-    group.moment1.resize(group.value.size());
-    group.moment2.resize(packs_moments(Group(g)) ? 0 : group.value.size());
+    const int buffers = moment_buffers(Group(g));
+    group.moment1.resize(buffers > 0 ? group.value.size() : 0);
+    group.moment2.resize(buffers > 1 ? group.value.size() : 0);
     std::fill(group.moment1.begin(), group.moment1.end(), 0.0f);
     std::fill(group.moment2.begin(), group.moment2.end(), 0.0f);
   }

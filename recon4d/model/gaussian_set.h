@@ -39,7 +39,7 @@ class GaussianSet {
   const ShBlocks& blocks() const { return blocks_; }
   int time_levels() const { return time_levels_; }
   Memory& memory() const { return *memory_; }
-  int groups() const { return group_count(dim()); }
+  int groups() const { return group_count(form_); }
   /// Scalars of an element. Errors: std::logic_error of kSh and kShTime where elements differ.
   int width(Group group) const;
   /// Scalars of all elements.

@@ -34,7 +34,7 @@ void gather(const GaussianSet& set, Facts& facts) {
     facts.opacity.push_back(g.opacity);
     for (int axis = 0; axis < 3; ++axis)
       facts.scale.push_back(std::exp(values.at(kLogScale, n)[axis]));
-    if constexpr (form != Form::kStatic) {
+    if constexpr (is_dynamic(form)) {
       facts.temporal_extent.push_back(1.0f / std::sqrt(g.spacetime.precision_time));
       facts.speed.push_back(std::sqrt(dot(g.spacetime.velocity, g.spacetime.velocity)));
     }

@@ -199,8 +199,9 @@ std::vector<int64_t> append_elements(Backend& backend, const GaussianSet& from,
     ParameterGroup& group = to.group(Group(g));
     joiner.join(backend, scalars, colours, &from.group(Group(g)).value, group.value);
     if (!has_moments) continue;
-    joiner.join(backend, scalars, colours, nullptr, group.moment1);
-    if (!packs_moments(Group(g))) joiner.join(backend, scalars, colours, nullptr, group.moment2);
+    const int buffers = moment_buffers(Group(g));
+    if (buffers > 0) joiner.join(backend, scalars, colours, nullptr, group.moment1);
+    if (buffers > 1) joiner.join(backend, scalars, colours, nullptr, group.moment2);
   }
   to.set_count(count, joiner.blocks());
   join_statistics(backend, joiner, from_statistics, before, statistics);

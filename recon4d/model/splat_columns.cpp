@@ -95,13 +95,13 @@ int stored_levels(const PlyElement& element) {
 std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_levels) {
   std::vector<SplatColumn> columns;
   append(columns, kMean, {"x", "y", "z"});
-  if (form == Form::kStatic)
+  if (!is_dynamic(form))
     for (const char* name : {"nx", "ny", "nz"}) columns.push_back({name, std::nullopt, 0});
   append_sh(columns, coefficients);
   append(columns, kOpacityLogit, {"opacity"});
   append(columns, kLogScale, {"scale_0", "scale_1", "scale_2"});
   append(columns, kRotation, {"rot_0", "rot_1", "rot_2", "rot_3"});
-  if (form == Form::kStatic) return columns;
+  if (!is_dynamic(form)) return columns;
   append(columns, kMeanTime, {"mean_time"});
   append(columns, kLogScaleTime, {"scale_time"});
   if (form == Form::kPair)
@@ -137,7 +137,7 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
 
 GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, Form form) {
   const int coefficients = stored_coefficients(path, element);
-  const int levels = form == Form::kStatic ? 0 : stored_levels(element);
+  const int levels = is_dynamic(form) ? stored_levels(element) : 0;
   // All columns before any memory: a row of the file may be a byte where a Gaussian is hundreds.
   std::vector<std::pair<SplatColumn, const PlyColumn*>> found;
   for (const SplatColumn& column : splat_columns(form, coefficients, levels)) {

@@ -9,7 +9,7 @@
 namespace tessera {
 
 bool is_valid_element(const GaussianSpans<const float>& set, int64_t n) {
-  for (int g = 0; g < group_count(set.dim()); ++g) {
+  for (int g = 0; g < group_count(set.form); ++g) {
     const float* const values = set.at(Group(g), n);
     for (int i = 0; i < set.width(Group(g)); ++i)
       if (!std::isfinite(values[i])) return false;

@@ -25,7 +25,7 @@ constexpr double kGpuPixel = 0.05e-9, kGpuSplat = 0.45e-9;  //   on an H200
 /// A value and two moments of each scalar; those of SH share a word.
 int64_t element_bytes(Form form, int64_t time_levels) {
   const int64_t sh = 3 * kMaxShCoefficients * (1 + time_levels);
-  return (3 * geometry_scalars(form) + 2 * sh) * int64_t(sizeof(float));
+  return (trained_geometry_scalars(form) + 2 * sh) * int64_t(sizeof(float));
 }
 
 }  // namespace

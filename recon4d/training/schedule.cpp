@@ -96,7 +96,7 @@ AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   set(kOpacityLogit, options_.lr_opacity);
   set(kSh, options_.lr_sh);
   groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
-  if (form == Form::kStatic) return groups;
+  if (!is_dynamic(form)) return groups;
   set(kMeanTime, extent_ * options_.lr_mean_time);
   set(kLogScaleTime, options_.lr_scale_time);
   if (form == Form::kPair)

@@ -53,7 +53,7 @@ class Encoder {
     sorted_ = select_elements(set, order);
     position_step_ = position_step();
     opacity_ = opacities();
-    block_.info.moving = set.form() != Form::kStatic;
+    block_.info.moving = is_dynamic(set.form());
     block_.info.count = set.count();
   }
 

@@ -73,7 +73,7 @@ ModelHistograms histograms_of(const GaussianModel& model) {
     ++histograms.dynamic_degrees[size_t(needed_degree(
         model.dynamic_set.values(), n, model.drawing.sh_degree, model.drawing.sh_time_degree))];
   with_form(model.dynamic_set.form(), [&](auto form) {
-    if constexpr (form() != Form::kStatic) count_extents<form()>(model, moving, histograms);
+    if constexpr (is_dynamic(form())) count_extents<form()>(model, moving, histograms);
   });
   return histograms;
 }

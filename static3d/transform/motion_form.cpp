@@ -58,8 +58,7 @@ void to_pair(const GaussianSpans<const float>& from, const GaussianSpans<float>&
 }  // namespace
 
 GaussianSet in_form(const GaussianSet& dynamic_set, Form form) {
-  check(dynamic_set.form() != Form::kStatic && form != Form::kStatic,
-        "in_form: forms of a dynamic set");
+  check(is_dynamic(dynamic_set.form()) && is_dynamic(form), "in_form: forms of a dynamic set");
   const GaussianSet sound = select_elements(dynamic_set, valid_elements(dynamic_set));
   if (sound.form() == form) return sound.clone_values();
   GaussianSet result(form, sound.coefficients(), host_memory(), sound.time_levels());

@@ -96,7 +96,7 @@ void expect_fused_equals_separate() {
   add_time_levels(start.moving, 2, 6);
   const TestScene<Real> scene = start.template as<Real>();
   const TestGaussians<Real> a = trained(scene, true), b = trained(scene, false);
-  for (int g = 0; g < kGroupCount; ++g) {
+  for (int g = 0; g < kDynamicGroups; ++g) {
     EXPECT_EQ(a.group[g], b.group[g]) << group_name(Group(g), Form::kPair);
     EXPECT_NE(a.group[g], scene.moving.group[g]) << group_name(Group(g), Form::kPair);
   }

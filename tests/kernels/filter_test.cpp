@@ -47,7 +47,7 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
   constexpr double kStep = 1e-5;
   for (TestGaussians<double>* set : {&scene.fixed, &scene.moving})
     for (const Group group : {kMean, kLogScale, kRotation, kOpacityLogit, kMeanTime}) {
-      if (group >= group_count(set->dim())) continue;
+      if (group >= group_count(set->form)) continue;
       std::vector<double> expected;
       for (double& x : set->group[group]) {
         const double centre = x;
@@ -89,7 +89,7 @@ TEST(Truncation, ByFalloffOpacityZeroIsDrawnAndHasAFiniteGradient) {
     EXPECT_EQ(result.bad, 0u);
     EXPECT_GT(result.rendered.report.splats, 20);
     for (const TestGaussians<float>* set : {&result.fixed, &result.moving})
-      for (int g = 0; g < group_count(set->dim()); ++g)
+      for (int g = 0; g < group_count(set->form); ++g)
         for (const float d : set->group[g]) ASSERT_TRUE(std::isfinite(d)) << logit;
     // σ(−80) is a float: there is a gradient, by the opacity times σ'
     if (logit > -85) {

@@ -51,7 +51,7 @@ void expect_differences(TestScene<double> scene, const std::vector<Group>& group
     TestGaussians<double>& set = *each;
     const Form form = set.form;
     for (const Group group : groups) {
-      if (group >= group_count(dim_of(form)) || set.count == 0) continue;
+      if (group >= group_count(form) || set.count == 0) continue;
       const GroupError error =
           group_error(scene, set, form == Form::kStatic ? analytic.fixed : analytic.moving, group);
       EXPECT_GT(error.scale, 1e-7) << group_name(group, form);  // the group matters at all
@@ -192,7 +192,7 @@ TEST(Gradient, GaussianOutsideEveryViewHasNone) {
   *scene.moving.at(kMeanTime, 3) = 40;
   const Backward<double> analytic = backward(scene);
   const auto expect_zero = [](const TestGaussians<double>& set, int64_t n) {
-    for (int g = 0; g < group_count(set.dim()); ++g)
+    for (int g = 0; g < group_count(set.form); ++g)
       for (int i = 0; i < group_width(Group(g), set.coefficients, set.form); ++i)
         EXPECT_EQ(set.at(Group(g), n)[i], 0.0) << group_name(Group(g), set.form);
   };

@@ -306,10 +306,11 @@ TEST(MotionCarry, BackwardEqualsDuals) {
       actual[size_t(7 + k)] = d.weight[k];
       if (nodes[size_t(k)] < 0) continue;
       double* const pose = &actual[7 + kBindings + 16 * size_t(nodes[size_t(k)])];
-      const double w = binding.weight[k];
-      for (int i = 0; i < 9; ++i) pose[i] += w * d_mean[i % 3] * x[size_t(i / 3)];
-      for (int i = 0; i < 3; ++i) pose[9 + i] += w * d_mean[i];
-      for (int i = 0; i < 4; ++i) pose[12 + i] += (c.flipped[k] ? -w : w) * d.turn[i];
+      const NodePose<double> share =
+          node_share(binding.weight[k], c.flipped[k], vec3(x), d_mean, d.turn);
+      for (int i = 0; i < 9; ++i) pose[i] += share.rotation[i / 3][i % 3];
+      for (int i = 0; i < 3; ++i) pose[9 + i] += share.translation[i];
+      for (int i = 0; i < 4; ++i) pose[12 + i] += share.quaternion[i];
     }
     expect_near_all(actual, expected, kTolerance, "gradients of a carried Gaussian");
   }

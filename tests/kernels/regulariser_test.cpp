@@ -76,7 +76,7 @@ TEST(Regulariser, EqualsDifferencesForEveryGaussian) {
     const TestGaussians<double>&with =
               form == Form::kStatic ? regularised.fixed : regularised.moving,
           &without = form == Form::kStatic ? plain.fixed : plain.moving;
-    for (int g = 0; g < group_count(dim_of(form)); ++g)
+    for (int g = 0; g < group_count(form); ++g)
       for (size_t i = 0; i < set.group[g].size(); ++i) {
         double& x = set.group[g][i];
         constexpr double kStep = 1e-4;

@@ -126,7 +126,7 @@ TEST(Levels, ThatAreNotFiniteAreNotDrawnNorLearned) {  // C5
   const auto poisoned = backward<float>(scene, [](std::vector<float>& d) {
     for (float& x : d) x = std::numeric_limits<float>::quiet_NaN();
   });
-  EXPECT_EQ(poisoned.bad, (1u << kGroupCount) - 1);
+  EXPECT_EQ(poisoned.bad, (1u << kDynamicGroups) - 1);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ TEST(AdamStage, EveryGroupTakesItsOwnStepAndShTwo) {
       args.adam.group[g] = adam_scalars<double>(0.01 * (g + 1), 7);
     args.adam.sh_rest = adam_scalars<double>(0.5, 7);
     CpuBackend<double>().adam(args);
-    for (int g = 0; g < group_count(dim_of(form)); ++g)
+    for (int g = 0; g < group_count(form); ++g)
       for (size_t i = 0; i < value.group[g].size(); ++i) {
         const double d = gradient.group[g][i], m = 0.1 * d, v = 0.001 * d * d;
         const double rate = g == kSh && i % 48 >= 3 ? 0.5 : 0.01 * (g + 1);

@@ -17,7 +17,7 @@ TEST(Validity, NonFiniteFieldIsCulledAndCounted) {
   // Bugs put back, seen to fail: the logit, or the log scale of time, not looked at.
   const TestScene<float> scene = random_scene(10, 10, 0.3, 1).as<float>();
   for (const Form form : {Form::kStatic, Form::kPair})
-    for (int g = 0; g < group_count(dim_of(form)); ++g)
+    for (int g = 0; g < group_count(form); ++g)
       for (int i = 0; i < group_width(Group(g), 16, form); i += g == kSh ? 11 : 1)
         for (const float value : {kNan, kInf, -kInf}) {
           TestScene<float> spoilt = scene;

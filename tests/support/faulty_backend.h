@@ -20,6 +20,10 @@ class FaultyBackend final : public Backend {
   std::string name() const override { return "faulty " + cpu_->name(); }
   Memory& memory() override { return cpu_->memory(); }
   StageClock& clock() override { return cpu_->clock(); }
+  void carry(const CarryArgs<float>& args, Carried<float>& carried) override {
+    cpu_->carry(args, carried);
+  }
+  void carry_backward(const CarryBackwardArgs<float>& args) override { cpu_->carry_backward(args); }
   void project(const ProjectArgs<float>& args, Splats<float>& splats) override {
     ++steps_begun_;
     cpu_->project(args, splats);

@@ -9,7 +9,7 @@ inline constexpr Form kForms[] = {Form::kStatic, Form::kPair, Form::kVelocity};
 inline constexpr Form kDynamicForms[] = {Form::kPair, Form::kVelocity};
 
 inline const char* form_name(Form form) {
-  constexpr const char* kNames[] = {"static", "pair", "velocity"};
+  constexpr const char* kNames[] = {"static", "pair", "velocity", "canonical"};
   return kNames[size_t(form)];
 }
 

@@ -77,6 +77,7 @@ struct Backward {
   unsigned bad = 0;
   std::vector<Vec3<double>> d_gain;
   std::vector<Real> d_environment;
+  TestNodes<Real> d_nodes;
 
   double mean_loss() const {
     double sum = 0;
@@ -125,7 +126,11 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   }
   Buffer<Real> d_environment(int64_t(scene.environment.size()), memory);
   args.d_environment = d_environment.span();
+  StoredNodes<Real> d_nodes(scene.nodes.like(), memory);
+  args.d_nodes = d_nodes.spans();
+  args.acceleration = Real(scene.acceleration);
   pipeline.backward(args);
+  out.d_nodes = d_nodes.fetch();
   out.d_environment = fetched(d_environment, memory);
   const StepOutcome outcome = pipeline.outcome();
   out.losses = outcome.losses;

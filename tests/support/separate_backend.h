@@ -94,6 +94,16 @@ class SeparateBackend final : public Backend {
   std::string name() const override { return "separate " + cpu_->name(); }
   Memory& memory() override { return separate_memory; }
   StageClock& clock() override { return cpu_->clock(); }
+  void carry(const CarryArgs<float>& args, Carried<float>& carried) override {
+    check_lies_here(args.set);
+    check_lies_here(args.nodes);
+    separate_memory.inside([&] { cpu_->carry(args, carried); });
+  }
+  void carry_backward(const CarryBackwardArgs<float>& args) override {
+    check_lies_here(args.d_carried);
+    check_lies_here(args.d_nodes);
+    separate_memory.inside([&] { cpu_->carry_backward(args); });
+  }
   void project(const ProjectArgs<float>& args, Splats<float>& splats) override {
     calls.push_back("project");
     for (int k = 0; k < 2; ++k) check_lies_here(args.sets[k]);
@@ -248,6 +258,12 @@ class SeparateBackend final : public Backend {
   void check_lies_here(const GaussianSpans<T>& set) {
     for (const Span<T>& group : set.group) check_lies_here(group);
     check_lies_here(set.filter_size);
+  }
+  template <class T>
+  void check_lies_here(const NodeSpans<T>& nodes) {
+    for (const Span<T>& values :
+         {nodes.position, nodes.log_radius, nodes.translation, nodes.rotation})
+      check_lies_here(values);
   }
   void check_lies_here(const SinkArgs<float>& sink) {
     check_lies_here(sink.value);

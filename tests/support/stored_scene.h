@@ -77,6 +77,43 @@ class StoredGaussians {
   Buffer<Real> filter_size_;
 };
 
+/// TestNodes in a backend's memory.
+template <class Real>
+class StoredNodes {
+ public:
+  StoredNodes(const TestNodes<Real>& nodes, Memory& memory)
+      : memory_(memory),
+        count_(nodes.count),
+        knots_(nodes.knots),
+        position_(stored(nodes.position, memory)),
+        log_radius_(stored(nodes.log_radius, memory)),
+        translation_(stored(nodes.translation, memory)),
+        rotation_(stored(nodes.rotation, memory)) {}
+
+  NodeSpans<Real> spans() {
+    return {count_,          knots_, position_.span(), log_radius_.span(), translation_.span(),
+            rotation_.span()};
+  }
+  NodeSpans<const Real> view() const {
+    return {count_,          knots_, position_.span(), log_radius_.span(), translation_.span(),
+            rotation_.span()};
+  }
+  TestNodes<Real> fetch() const {
+    return {count_,
+            knots_,
+            fetched(position_, memory_),
+            fetched(log_radius_, memory_),
+            fetched(translation_, memory_),
+            fetched(rotation_, memory_)};
+  }
+
+ private:
+  Memory& memory_;
+  int64_t count_;
+  int knots_;
+  Buffer<Real> position_, log_radius_, translation_, rotation_;
+};
+
 /// Parameters and ground truth of a TestScene in a backend's memory.
 template <class Real>
 struct StoredScene {
@@ -88,6 +125,7 @@ struct StoredScene {
   std::vector<Vec3<double>> gain;
   Buffer<Real> environment;
   int environment_height;
+  StoredNodes<Real> nodes;
 
   StoredScene(const TestScene<Real>& scene, Memory& memory)
       : sets{{scene.fixed, memory}, {scene.moving, memory}},
@@ -96,7 +134,8 @@ struct StoredScene {
         weights(scene.weights),
         gain(scene.gain),
         environment(stored(scene.environment, memory)),
-        environment_height(scene.environment_height) {
+        environment_height(scene.environment_height),
+        nodes(scene.nodes, memory) {
     for (const auto& bytes : scene.truth) truth.push_back(stored(bytes, memory));
     for (const auto& bytes : scene.mask) mask.push_back(stored(bytes, memory));
   }
@@ -111,7 +150,8 @@ struct StoredScene {
             views,
             options,
             for_backward,
-            {nullptr, environment.span(), environment_height, turned()}};
+            {nullptr, environment.span(), environment_height, turned()},
+            nodes.view()};
   }
   Target target() const {
     Target out;

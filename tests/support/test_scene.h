@@ -24,7 +24,7 @@ struct TestGaussians {
   explicit TestGaussians(Form f = Form::kStatic, int64_t n = 0, int k = 16, int levels = 0,
                          const ShBlocks& of_rows = {})
       : form(f), count(n), coefficients(k), time_levels(levels), blocks(of_rows) {
-    for (int g = 0; g < group_count(dim()); ++g) {
+    for (int g = 0; g < group_count(form); ++g) {
       const bool ragged = blocks.mixed() && (g == kSh || g == kShTime);
       const int64_t scalars = ragged ? blocks.coefficients() * group_width(Group(g), 1, f, levels)
                                      : n * width(Group(g));
@@ -48,7 +48,7 @@ struct TestGaussians {
   /// Gaussians of this set in the order `index`.
   TestGaussians select(const std::vector<int64_t>& index) const {
     TestGaussians to(form, int64_t(index.size()), coefficients, time_levels);
-    for (int g = 0; g < group_count(dim_of(form)); ++g)
+    for (int g = 0; g < group_count(form); ++g)
       for (size_t i = 0; i < index.size(); ++i)
         std::copy_n(at(Group(g), index[i]), width(Group(g)), to.at(Group(g), int64_t(i)));
     for (const int64_t i : index)
@@ -72,6 +72,12 @@ struct TestGaussians {
   }
 };
 
+}  // namespace tessera::testing
+
+#include "tests/support/test_nodes.h"  // of the sets above
+
+namespace tessera::testing {
+
 template <class Real>
 struct TestScene {
   TestGaussians<Real> fixed{Form::kStatic}, moving{Form::kPair};
@@ -84,6 +90,8 @@ struct TestScene {
   std::vector<Vec3<double>> gain;          // [B] RGB, of the loss; none: the images as rendered
   int environment_height = 0;              // H; 0: there is none
   std::vector<Real> environment = {};      // [H, 2H, 3]
+  TestNodes<Real> nodes = {};              // of a canonical `fixed`
+  double acceleration = 0;                 // of `backward` alone
 
   template <class To>
   TestScene<To> as() const {
@@ -97,7 +105,9 @@ struct TestScene {
             regulariser,
             gain,
             environment_height,
-            std::vector<To>(environment.begin(), environment.end())};
+            std::vector<To>(environment.begin(), environment.end()),
+            nodes.template as<To>(),
+            acceleration};
   }
 };
 

@@ -35,7 +35,7 @@ void expect_culled_and_counted(const TestScene<float>& spoilt, Form form, const 
   EXPECT_EQ(a.bad, 0u) << what;
   const TestGaussians<float>&ga = form == Form::kStatic ? a.fixed : a.moving,
         &gb = form == Form::kStatic ? b.fixed : b.moving;
-  for (int g = 0; g < group_count(dim_of(form)); ++g) {
+  for (int g = 0; g < group_count(form); ++g) {
     EXPECT_EQ(without_victim(ga).group[g], gb.group[g]) << what;
     for (int i = 0; i < group_width(Group(g), 16, form); ++i)
       EXPECT_EQ(ga.at(Group(g), kVictim)[i], 0.0f) << what;

@@ -39,8 +39,11 @@ std::string default_of(const CLI::Option& option) {
       option.check_lname("help") || option.check_lname("help-all") || option.check_lname("version");
   if (option.get_required() || ends_program) return "";
   if (!takes_value(option)) return "no";
-  const std::string text = option.get_default_str();
-  return text == "\"\"" || text == "[]" ? "" : text;
+  // lists come in brackets, empty ones differently from version to version of CLI11
+  std::string text = option.get_default_str();
+  if (text == "\"\"" || text == "{}") return "";
+  if (text.starts_with('[') && text.ends_with(']')) text = text.substr(1, text.size() - 2);
+  return text;
 }
 
 /// The first words of the indented lines below a description: what the value may be.
@@ -58,7 +61,9 @@ std::vector<std::string> listed_choices(const std::string& doc) {
 }  // namespace
 
 std::string first_line(const std::string& doc) {
-  return doc.substr(0, doc.find('\n'));
+  std::string line = doc.substr(0, doc.find('\n'));
+  if (line.ends_with(':')) line.pop_back();  // a list follows
+  return line;
 }
 
 OptionReference option_reference(const CLI::Option& option) {

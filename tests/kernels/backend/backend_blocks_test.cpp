@@ -62,7 +62,7 @@ Sorted wide_scene(Form form, int levels, uint64_t seed) {
 void expect_equal(const TestGaussians<float>& actual, const TestGaussians<float>& full,
                   const ShBlocks& blocks, const char* what) {
   const TestGaussians<float> expected = in_blocks(full, blocks);
-  for (int g = 0; g < group_count(actual.dim()); ++g)
+  for (int g = 0; g < group_count(actual.form); ++g)
     EXPECT_EQ(actual.group[g], expected.group[g]) << what << " " << group_name(Group(g), full.form);
 }
 
@@ -107,7 +107,7 @@ TEST_P(BackendBlocks, ReportsColoursThatAreNotFinite) {  // C20
   const auto result = backward<float>(scene, backend(), [](std::vector<float>& d) {
     for (float& x : d) x = std::numeric_limits<float>::quiet_NaN();
   });
-  EXPECT_EQ(result.bad, (1u << kGroupCount) - 1);
+  EXPECT_EQ(result.bad, (1u << kDynamicGroups) - 1);
 }
 
 /// A set on its way through an optimizer, on the host between the steps.

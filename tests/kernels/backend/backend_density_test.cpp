@@ -92,7 +92,7 @@ TEST_P(BackendDensity, ChildrenAreTheCpus) {
       return set.fetch();
     };
     const TestGaussians<float> actual = placed(backend()), expected = placed(cpu());
-    for (int g = 0; g < group_count(dim_of(form)); ++g) {
+    for (int g = 0; g < group_count(form); ++g) {
       const size_t first = size_t(kFirst * group_width(Group(g), 16, form));
       for (size_t i = 0; i < first; ++i)
         ASSERT_EQ(actual.group[g][i], before.group[g][i]) << group_name(Group(g), form);

@@ -69,7 +69,7 @@ TEST_P(BackendFailures, NonFiniteFieldIsCulledAndCounted) {  // C5
   // Bugs put back, seen to fail: the logit not looked at; not counted.
   const TestScene<float> scene = scene_to_spoil(1);
   for (const Form form : {Form::kStatic, Form::kPair})
-    for (int g = 0; g < group_count(dim_of(form)); ++g)
+    for (int g = 0; g < group_count(form); ++g)
       for (int i = 0; i < group_width(Group(g), 16, form); i += g == kSh ? 11 : 1)
         for (const float value : {kNan, kInf, -kInf}) {
           TestScene<float> spoilt = scene;

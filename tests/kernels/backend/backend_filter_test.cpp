@@ -111,7 +111,7 @@ TEST_P(BackendFilter, ByFalloffOpacityZeroHasAFiniteGradient) {
     EXPECT_EQ(result.bad, 0u);
     EXPECT_GT(result.rendered.report.splats, 100);
     for (const TestGaussians<float>* set : {&result.fixed, &result.moving})
-      for (int g = 0; g < group_count(set->dim()); ++g)
+      for (int g = 0; g < group_count(set->form); ++g)
         for (const float d : set->group[g]) ASSERT_TRUE(std::isfinite(d)) << logit;
   }
 }
@@ -158,7 +158,7 @@ TEST_P(BackendFilter, EditsAreTheOracles) {
       const TestGaussians<float> actual = stored.fetch();
       CpuBackend<double> oracle;
       oracle.edit_by_filter(edit, set.spans(), 0.01);
-      for (int g = 0; g < group_count(set.dim()); ++g)
+      for (int g = 0; g < group_count(set.form); ++g)
         expect_group(actual.group[g], set.group[g], {2e-6, 2e-6, 0, 1e-5},
                      group_name(Group(g), form));
     }

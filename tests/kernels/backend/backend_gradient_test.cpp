@@ -26,7 +26,7 @@ class BackendGradient : public EveryBackend {
     for (int set = 0; set < 2; ++set) {
       const auto& a = set == 0 ? actual.fixed : actual.moving;
       const auto& e = set == 0 ? expected.fixed : expected.moving;
-      for (int g = 0; g < group_count(e.dim()); ++g)
+      for (int g = 0; g < group_count(e.form); ++g)
         expect_group(a.group[g], e.group[g], kGradientBounds, group_name(Group(g), e.form));
       expect_group(actual.statistic[set], expected.statistic[set], kGradientBounds, "statistic");
       // a Gaussian at the edge of an image may be counted as seen or not

@@ -40,7 +40,7 @@ TEST_P(BackendMcmc, RelocationIsTheCpus) {
         EXPECT_EQ(actual.moments, expected.moments);
         EXPECT_EQ(actual.moved, expected.moved);
         EXPECT_EQ(actual.weight, expected.weight);
-        for (int g = 0; g < group_count(dim_of(form)); ++g)
+        for (int g = 0; g < group_count(form); ++g)
           for (size_t i = 0; i < set.group[g].size(); ++i)  // from logarithms in double
             ASSERT_NEAR(actual.set.group[g][i], expected.set.group[g][i],
                         2e-7 * std::max(1.0f, std::abs(expected.set.group[g][i])))
@@ -77,7 +77,7 @@ TEST_P(BackendMcmc, NoiseIsTheCpus) {
     }
     EXPECT_GT(still, kCrowd);  // the opaque ones
     EXPECT_LT(still, 2 * 3 * kCrowd / 3);
-    for (int g = 1; g < group_count(dim_of(form)); ++g) EXPECT_EQ(actual.group[g], before.group[g]);
+    for (int g = 1; g < group_count(form); ++g) EXPECT_EQ(actual.group[g], before.group[g]);
   }
   backend().add_position_noise(GaussianSpans<float>{}, {1, 1, 1});
 }

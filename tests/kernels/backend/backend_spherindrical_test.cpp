@@ -57,7 +57,7 @@ TEST_P(BackendSpherindrical, ReportsLevelsThatAreNotFinite) {  // C20
   const auto result = backward<float>(scene, backend(), [](std::vector<float>& d) {
     for (float& x : d) x = std::numeric_limits<float>::quiet_NaN();
   });
-  EXPECT_EQ(result.bad, (1u << kGroupCount) - 1);
+  EXPECT_EQ(result.bad, (1u << kDynamicGroups) - 1);
 }
 
 /// Bit for bit: sets that store levels which are not active are drawn and trained as those without.

@@ -61,7 +61,7 @@ void expect_trained(const Trained& actual, const Trained& expected, const TestSc
   const TestScene<double> rounded = start.as<float>().as<double>();
   for (size_t set = 0; set < 2; ++set) {
     const TestGaussians<double>& before = set == 0 ? rounded.fixed : rounded.moving;
-    for (int g = 0; g < group_count(before.dim()); ++g) {
+    for (int g = 0; g < group_count(before.form); ++g) {
       const std::string name = group_name(Group(g), before.form);
       // packed moments are rounded to 2^-7 of themselves, up as often as down
       GroupBounds rounded_bounds = bounds;
@@ -131,7 +131,7 @@ TEST_P(BackendUpdate, SkipLeavesIdleGaussiansUntouched) {
     const TestGaussians<float> rough = before.as<float>();
     const auto moment1 = Optimised<float>::moments(rough, 1).as<double>();
     const auto moment2 = Optimised<float>::moments(rough, 2).as<double>();
-    for (int g = 0; g < group_count(before.dim()); ++g) {
+    for (int g = 0; g < group_count(before.form); ++g) {
       const size_t idle = size_t(kHidden * group_width(Group(g), 16, before.form));
       for (size_t i = 0; i < idle; ++i) {
         ASSERT_EQ(skip.value[set].group[g][i], before.group[g][i]);
@@ -154,7 +154,7 @@ TEST_P(BackendUpdate, SkipUpdatesTheOthersAsDenseDoes) {
     for (int64_t n = kHidden; n < a.count; ++n) {
       if (seen.seen[set][size_t(n)] == 0) continue;
       ++compared;
-      for (int g = 0; g < group_count(a.dim()); ++g)
+      for (int g = 0; g < group_count(a.form); ++g)
         for (int i = 0; i < group_width(Group(g), 16, a.form); ++i)
           ASSERT_NEAR(a.at(Group(g), n)[i], e.at(Group(g), n)[i], 1e-6)
               << group_name(Group(g), Form::kPair);
