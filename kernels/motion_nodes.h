@@ -1,6 +1,7 @@
 // Motion nodes as kernels see them, and what they make of a canonical set in the views of a batch.
 // The equations are in math/node_pose.h and math/carry.h (method D.9).
 #pragma once
+#include "kernels/batch.h"
 #include "kernels/gaussians.h"
 
 namespace tessera {

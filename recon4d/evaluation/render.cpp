@@ -41,6 +41,9 @@ void Renderer::refresh() {
     if (&model_set.memory() != &backend_.memory())
       copies_[k] = model_set.clone_values(backend_.memory());
   }
+  nodes_.reset();
+  if (!model_.nodes.empty() && &model_.nodes.position.memory() != &backend_.memory())
+    nodes_ = model_.nodes.clone_to(backend_.memory(), false);
   const Buffer<float>& map = model_.environment.map.value;
   if (!map.empty() && &map.memory() != &backend_.memory()) environment_.copy_from(map);
 }
@@ -51,6 +54,7 @@ const GaussianSet& Renderer::set(int k) const {
 
 const Images<float>& Renderer::draw(const std::vector<View>& views) {
   ForwardArgs<float> args{{set(0).values(), set(1).values()}, views, options_, {}};
+  args.nodes = (nodes_ ? std::as_const(*nodes_) : model_.nodes).spans();
   if (background_) args.environment = environment_of(model_, std::as_const(environment_).span());
   return pipeline_.forward(args);
 }

@@ -51,7 +51,8 @@ class Renderer {
   RenderOptions options_;
   Pipeline<float> pipeline_;
   std::optional<GaussianSet> copies_[2];
-  Buffer<float> environment_;  // where the model's is in another memory
+  std::optional<MotionNodes> nodes_;  // where the model's are in another memory
+  Buffer<float> environment_;         // the same
   bool background_ = true;
   Buffer<float> colour_, transmittance_;  // of a batch, on the host
 };

@@ -42,6 +42,8 @@ ScoringPass::ScoringPass(Backend& backend, const GaussianModel& model, bool sums
     const GaussianSet& set = k == 0 ? model.static_set : model.dynamic_set;
     if (&set.memory() != &backend.memory()) copies_[k] = set.clone_values(backend.memory());
   }
+  if (!model.nodes.empty() && &model.nodes.position.memory() != &backend.memory())
+    nodes_ = model.nodes.clone_to(backend.memory(), false);
   environment_.copy_from(model.environment.map.value);
 }
 
@@ -84,6 +86,7 @@ void ScoringPass::draw_batch() {
                           render_options(model_),
                           sums_elements_};
   args.options.kernels = kernels_;
+  args.nodes = (nodes_ ? std::as_const(*nodes_) : model_.nodes).spans();
   args.environment = environment_of(model_, std::as_const(environment_).span());
   pipeline_.forward(args);
   pipeline_.residual(target_);

@@ -48,6 +48,7 @@ class ScoringPass {
   const GaussianModel& model_;
   bool sums_elements_;
   std::optional<GaussianSet> copies_[2];  // static, dynamic
+  std::optional<MotionNodes> nodes_;
   Buffer<float> environment_;
   Pipeline<float> pipeline_;
   std::vector<View> views_;  // of the batch

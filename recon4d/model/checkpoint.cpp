@@ -40,6 +40,15 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
   visit(state.exposure.moment1, 3 * parts.exposures);
   visit(state.exposure.moment2, 3 * parts.exposures);
   visit(state.exposure.steps, parts.exposures);
+  auto& nodes = state.model.nodes;
+  visit(nodes.position, 3 * nodes.count);
+  const int64_t scalars[] = {nodes.count, 3 * nodes.count * nodes.knots,
+                             4 * nodes.count * nodes.knots};
+  for (size_t g = 0; g < std::size(scalars); ++g) {
+    auto& group = *nodes.groups()[g];
+    for (auto* const buffer : {&group.value, &group.moment1, &group.moment2})
+      visit(*buffer, scalars[g]);
+  }
 }
 
 }  // namespace

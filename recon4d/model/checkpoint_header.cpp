@@ -33,9 +33,29 @@ Form dynamic_form(const json& header) {
   return header.at("motion_form") == name_of(MotionForm::kVelocity) ? Form::kVelocity : Form::kPair;
 }
 
+/// Of a canonical set: [nodes, control points], absent where there are none.
+struct NodeCounts {
+  int64_t nodes = 0, knots = 0, started = 0, refitted = 0;
+
+  Form static_form() const { return nodes > 0 ? Form::kCanonical : Form::kStatic; }
+  /// Positions, and values and moments of all that is optimised.
+  int64_t scalars() const { return nodes * (3 + 3 * (1 + 7 * knots)); }
+};
+
+NodeCounts node_counts(const json& header) {
+  const auto found = header.find("motion_nodes");
+  if (found == header.end()) return {};
+  return {found->at("count"), found->at("knots"), found->at("started"), found->at("refitted")};
+}
+
 void restore_sets(const json& header, GaussianModel& model) {
   const int coefficients = header.at("sh_coefficients");
-  model.static_set = GaussianSet(Form::kStatic, coefficients);
+  const NodeCounts nodes = node_counts(header);
+  model.nodes.count = nodes.nodes;
+  model.nodes.knots = int(nodes.knots);
+  model.nodes.started = nodes.started;
+  model.nodes.refitted = nodes.refitted;
+  model.static_set = GaussianSet(nodes.static_form(), coefficients);
   model.static_set.resize(header.at("num_static"), blocks_in(header, "static"));
   model.dynamic_set =
       GaussianSet(dynamic_form(header), coefficients, host_memory(), header.at("sh_time_levels"));
@@ -103,12 +123,16 @@ void check_header(const CheckpointReader& file, const json& header) {
     return count * (int64_t{trained_geometry_scalars(form)} + 2 + parts.filter_sizes) +
            6 * all * sets;
   };
+  const NodeCounts nodes = node_counts(header);
   const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
   constexpr int64_t kMost = int64_t{1} << 40;
   const auto within = [](int64_t value, int64_t low, int64_t high) {
     return value >= low && value <= high;
   };
   if (!within(statics, 0, kMost) || !within(dynamics, 0, kMost) ||
+      !within(nodes.nodes, 0, kMaxNodes) || !within(nodes.started, 0, kMost) ||
+      !within(nodes.refitted, 0, kMost) ||
+      !within(nodes.knots, nodes.nodes > 0 ? kSplineOrder : 0, kMaxKnots) ||
       !within(parts.exposures, 0, kMost) || !within(environment, 0, int64_t{1} << 16) ||
       !within(coefficients, 1, kMaxShCoefficients) ||
       !blocks_fit(of_static, statics, coefficients) ||
@@ -116,9 +140,9 @@ void check_header(const CheckpointReader& file, const json& header) {
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse_checkpoint(file.path(), "damaged checkpoint: impossible numbers in its header");
-  const auto promised = uint64_t(kScalar * (scalars(Form::kStatic, statics, of_static) +
+  const auto promised = uint64_t(kScalar * (scalars(nodes.static_form(), statics, of_static) +
                                             scalars(dynamic_form(header), dynamics, of_dynamic) +
-                                            kExposureScalars * parts.exposures +
+                                            nodes.scalars() + kExposureScalars * parts.exposures +
                                             3 * environment_scalars(environment)));
   if (file.array_bytes() != promised)
     refuse_checkpoint(file.path(),
@@ -154,6 +178,11 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
       {"options", to_json(options)},
       {"provenance", provenance.empty() ? json::object() : json::parse(provenance)},
       {"validation", to_json(validation)}};
+  if (const MotionNodes& nodes = model.nodes; !nodes.empty())
+    header["motion_nodes"] = {{"count", nodes.count},
+                              {"knots", nodes.knots},
+                              {"started", nodes.started},
+                              {"refitted", nodes.refitted}};
   if (state.has_blocks())
     header["sh_blocks"] = {{"static", model.static_set.blocks().elements},
                            {"dynamic", model.dynamic_set.blocks().elements}};

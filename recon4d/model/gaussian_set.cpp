@@ -103,8 +103,9 @@ EnvironmentLight EnvironmentLight::clone_to(Memory& memory, bool moments) const 
 namespace {
 
 GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set, GaussianSet dynamic_set,
-                        EnvironmentLight environment) {
+                        MotionNodes nodes, EnvironmentLight environment) {
   GaussianModel model;
+  model.nodes = std::move(nodes);
   model.environment = std::move(environment);
   model.static_set = std::move(static_set);
   model.dynamic_set = std::move(dynamic_set);
@@ -120,12 +121,12 @@ GaussianModel with_sets(const GaussianModel& like, GaussianSet static_set, Gauss
 
 GaussianModel GaussianModel::clone_to(Memory& memory) const {
   return with_sets(*this, static_set.clone_to(memory), dynamic_set.clone_to(memory),
-                   environment.clone_to(memory, true));
+                   nodes.clone_to(memory, true), environment.clone_to(memory, true));
 }
 
 GaussianModel GaussianModel::clone_values(Memory& memory) const {
   return with_sets(*this, static_set.clone_values(memory), dynamic_set.clone_values(memory),
-                   environment.clone_to(memory, false));
+                   nodes.clone_to(memory, false), environment.clone_to(memory, false));
 }
 
 }  // namespace tessera

@@ -1,6 +1,6 @@
-// What: a set of Gaussians (Dim 3 static or Dim 4 dynamic) that owns its parameter groups and their
-//       Adam moments, in any memory; a GaussianModel is one static and one dynamic set.
-// Not: rendering, training or files.
+// A set of Gaussians (static, dynamic or canonical) that owns its parameter groups and their Adam
+// moments, in any memory. A GaussianModel is a static or canonical set, the motion nodes of the
+// latter, and a dynamic set.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -11,18 +11,10 @@
 #include "kernels/gaussians.h"
 #include "kernels/math/bounds.h"
 #include "kernels/math/spherindrical.h"
+#include "recon4d/model/motion_nodes.h"
+#include "recon4d/model/parameter_group.h"
 
 namespace tessera {
-
-struct ParameterGroup {
-  explicit ParameterGroup(Memory& memory = host_memory())
-      : value(memory), moment1(memory), moment2(memory) {}
-
-  Buffer<float> value;  // [N, width]
-  /// [N, width] Adam's m and v; empty in a model that only renders. Of groups that pack them both
-  /// are in the words of moment1, and moment2 is empty.
-  Buffer<float> moment1, moment2;
-};
 
 class GaussianSet {
  public:
@@ -115,6 +107,7 @@ struct EnvironmentLight {
 struct GaussianModel {
   GaussianSet static_set{Form::kStatic, kMaxShCoefficients};
   GaussianSet dynamic_set{Form::kPair, kMaxShCoefficients};
+  MotionNodes nodes;                           // of a canonical static set; else none
   EnvironmentLight environment;                // behind both
   DrawingRules drawing;                        // as it was trained
   TimeAxis time_axis;                          // normalised time → the capture's own
@@ -127,6 +120,8 @@ struct GaussianModel {
     return make_cutoff<Real>(drawing);
   }
   int64_t count() const { return static_set.count() + dynamic_set.count(); }
+  /// Whether anything changes with time.
+  bool moves() const { return dynamic_set.count() > 0 || !nodes.empty(); }
   /// Deep copies in a memory: with the moments that there are, or of the values alone.
   GaussianModel clone_to(Memory& memory) const;
   GaussianModel clone_values(Memory& memory = host_memory()) const;

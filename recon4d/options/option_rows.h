@@ -13,11 +13,13 @@ inline constexpr const char *kLength = "Length", *kScene = "Scene", *kStart = "I
                             *kValidation = "Validation views", *kModel = "Model",
                             *kDrawing = "Rendering", *kLoss = "Loss and exposure",
                             *kRates = "Optimiser", *kDensity = "Density control",
-                            *kSize = "Model size", *kSpeed = "Kernels";
+                            *kMotion = "Motion nodes", *kSize = "Model size", *kSpeed = "Kernels";
 }  // namespace group
 
 /// The scene, the initial Gaussians, what a Gaussian is and how it is drawn.
 std::vector<TrainOption> model_option_rows();
+/// Motion nodes.
+std::vector<TrainOption> motion_option_rows();
 /// The loss, learning rates, density control, the size of the model, how kernels work.
 std::vector<TrainOption> optimisation_option_rows();
 

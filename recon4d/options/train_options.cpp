@@ -213,6 +213,9 @@ void validate(const TrainOptions& options) {
         "idle_updates {} needs the fused optimizer; pass --fused-optimizer true or --idle-updates "
         "dense",
         name_of(options.idle_updates)));
+  if (options.motion_nodes > 0 && options.filter_3d != Filter3d::kNone)
+    throw InputError(
+        "filter_3d knows nothing of motion nodes; pass --filter-3d none or --motion-nodes 0");
   const int contracts =
       (options.max_gaussians > 0) + (options.max_bytes > 0) + (options.within_db > 0);
   if (contracts > 1)

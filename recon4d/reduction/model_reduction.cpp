@@ -30,6 +30,11 @@ bool has_timesteps(const FrameSample& sample) {
   return false;
 }
 
+/// Between static and dynamic; what motion nodes carry stays as it is.
+bool decides_motion(const TrainOptions& options) {
+  return options.decide_motion && !options.static_only && options.motion_nodes == 0;
+}
+
 /// Adds Gaussians that lie where the backend works to set k, without optimizer state or statistics.
 void add_elements(Backend& backend, TrainState& state, int k, const GaussianSet& added) {
   SetStatistics statistics(backend.memory());
@@ -56,7 +61,7 @@ ModelReduction::ModelReduction(Backend& backend, const TrainOptions& options, Sh
   rounds_.erase(std::unique(rounds_.begin(), rounds_.end()), rounds_.end());
   std::erase_if(rounds_, [&](int64_t i) { return i >= options.iterations; });
   const int64_t interval = std::max<int64_t>(1, scaled_steps(options, options.decide_interval));
-  if (options.decide_motion && !options.static_only)
+  if (tessera::decides_motion(options))
     for (int64_t i = interval; i < std::min(grown, options.iterations); i += interval)
       motion_.push_back(i);
 }
@@ -76,8 +81,7 @@ int64_t ModelReduction::rounds_left(int64_t i) const {
 }
 
 bool ModelReduction::decides_motion(int64_t i) const {
-  return contains(motion_, i) ||
-         (options_.decide_motion && !options_.static_only && contains(rounds_, i));
+  return contains(motion_, i) || (tessera::decides_motion(options_) && contains(rounds_, i));
 }
 
 bool ModelReduction::has_pruned(int64_t iteration) const {

@@ -152,11 +152,11 @@ double static_share(const std::vector<InitialPoint>& points, const TrainOptions&
   return std::max(options.static_fraction, double(still) / double(known));
 }
 
-/// 1 for points of the static set: all of a static scene; still points; else an even share of the
-/// rest.
+/// 1 for points of the static set: all of a static scene and of one that nodes will carry; still
+/// points; else an even share of the rest.
 std::vector<uint8_t> static_choice(const std::vector<InitialPoint>& points, const Scene& scene,
                                    const TrainOptions& options) {
-  const bool all = options.static_only || scene.is_static;
+  const bool all = options.static_only || scene.is_static || options.motion_nodes > 0;
   std::vector<uint8_t> chosen(points.size(), 0);
   const double share = static_share(points, options);
   double due = 0;  // static points owed by the share so far

@@ -20,7 +20,9 @@ Schedule::Schedule(const TrainOptions& options, double extent)
       prune_large_from_(scaled(options.prune_large_from)),
       sh_interval_(std::max<int64_t>(1, scaled(options.sh_interval))),
       opacity_reset_interval_(scaled(options.opacity_reset_interval)),
-      reorder_interval_(scaled(options.reorder_interval)) {}
+      reorder_interval_(scaled(options.reorder_interval)),
+      nodes_from_(scaled(options.nodes_from)),
+      node_knot_interval_(std::max<int64_t>(1, scaled(options.node_knot_interval))) {}
 
 int Schedule::sh_degree(int64_t i) const {
   return int(std::min<int64_t>(options_.sh_degree, i / sh_interval_));
@@ -66,6 +68,22 @@ bool Schedule::prune_unseen(int64_t i) const {
   return true;
 }
 
+int Schedule::node_knots(int64_t i, int64_t timesteps) const {
+  constexpr int64_t kFirst = 5, kSecond = 8, kTimestepsOfOne = 6;
+  const int64_t most = std::clamp(timesteps / kTimestepsOfOne, kFirst, options_.node_knots);
+  const int64_t stage = (i - nodes_from_) / node_knot_interval_;
+  const int64_t wanted = stage == 0 ? kFirst : stage == 1 ? kSecond : options_.node_knots;
+  return int(std::min(wanted, most));
+}
+
+std::array<AdamScalars<float>, 3> Schedule::node_adam(int64_t i, int64_t refitted) const {
+  const int64_t step = i + 1 - refitted;
+  const double decay = decayed(1, options_.lr_node_decay, i);
+  return {adam_scalars<float>(options_.lr_node_radius, step),
+          adam_scalars<float>(extent_ * options_.lr_node_translation * decay, step),
+          adam_scalars<float>(options_.lr_node_rotation * decay, step)};
+}
+
 double Schedule::decayed(double first, double last, int64_t i) const {
   if (first == last) return first;
   const double u =
@@ -84,7 +102,7 @@ double Schedule::exposure_rate(int64_t i) const {
          std::pow(kFinal, double(i + 1) / double(std::max<int64_t>(1, options_.iterations)));
 }
 
-AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
+AdamGroups<float> Schedule::adam(int64_t i, Form form, int64_t nodes_started) const {
   const int64_t step = i + 1;
   AdamGroups<float> groups;
   const auto set = [&](Group group, double rate) {
@@ -96,6 +114,8 @@ AdamGroups<float> Schedule::adam(int64_t i, Form form) const {
   set(kOpacityLogit, options_.lr_opacity);
   set(kSh, options_.lr_sh);
   groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
+  if (form == Form::kCanonical)
+    groups.group[kNodeLogit] = adam_scalars<float>(options_.lr_node_logit, step - nodes_started);
   if (!is_dynamic(form)) return groups;
   set(kMeanTime, extent_ * options_.lr_mean_time);
   set(kLogScaleTime, options_.lr_scale_time);

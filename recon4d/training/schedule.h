@@ -2,6 +2,8 @@
 // Not: doing them (trainer.cpp).
 // Source: method A.3, A.4, C.1, D.5, D.7.
 #pragma once
+#include <array>
+
 #include "kernels/gaussians.h"
 #include "recon4d/options/train_options.h"
 
@@ -28,14 +30,21 @@ class Schedule {
   bool prune_unseen(int64_t i) const;
   /// The sizes of the 3D filter: at the start, after density control, and on from its end.
   bool measure_filter(int64_t i) const;
+  /// Whether motion nodes start before step i.
+  bool start_nodes(int64_t i) const { return options_.motion_nodes > 0 && i == nodes_from_; }
+  /// Control points of a node at step i, of a clip of so many timesteps.
+  int node_knots(int64_t i, int64_t timesteps) const;
+  /// Step sizes of log radii, translations and rotations of nodes at step i.
+  std::array<AdamScalars<float>, 3> node_adam(int64_t i, int64_t refitted) const;
   /// Learning rate of the means at step i, world units.
   double mean_rate(int64_t i) const;
   /// Learning rate of log gains at step i.
   double exposure_rate(int64_t i) const;
   /// Scale of the means' noise after step i; 0: none (PositionNoise::scale).
   double noise_scale(int64_t i) const { return is_mcmc() ? options_.mcmc_noise * mean_rate(i) : 0; }
-  /// Step sizes of step i for a set of that form.
-  AdamGroups<float> adam(int64_t i, Form form) const;
+  /// Step sizes of step i for a set of that form. `nodes_started`: of a canonical one, the step at
+  /// which it became one.
+  AdamGroups<float> adam(int64_t i, Form form, int64_t nodes_started = 0) const;
 
  private:
   /// Log-linear from first to last over the whole training.
@@ -46,7 +55,7 @@ class Schedule {
   const TrainOptions options_;
   double extent_;
   int64_t densify_from_, densify_until_, prune_large_from_, sh_interval_;
-  int64_t opacity_reset_interval_, reorder_interval_;
+  int64_t opacity_reset_interval_, reorder_interval_, nodes_from_, node_knot_interval_;
 };
 
 }  // namespace tessera

@@ -15,6 +15,8 @@
 #include "recon4d/density/mcmc.h"
 #include "recon4d/density/unseen.h"
 #include "recon4d/evaluation/render.h"
+#include "recon4d/motion/refit.h"
+#include "recon4d/motion/start.h"
 #include "recon4d/options/kernel_options.h"
 #include "recon4d/training/environment.h"
 #include "recon4d/training/initialise.h"
@@ -54,6 +56,12 @@ std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frame
   return views;
 }
 
+int64_t count_timesteps(const Scene& scene, const std::vector<int>& frames) {
+  std::set<double> times;
+  for (const int i : frames) times.insert(scene.frames[size_t(i)].time);
+  return int64_t(times.size());
+}
+
 }  // namespace
 
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source) {
@@ -87,6 +95,8 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       pipeline_(backend),
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
+      timesteps_(count_timesteps(scene, train_frames_)),
+      d_nodes_(backend.memory()),
       d_environment_(backend.memory()),
       exposed_(exposure_rows(scene, train_frames_, options_)) {
   validate(options_);
@@ -169,6 +179,7 @@ void Trainer::control() {
   const int degree = schedule_.sh_degree(i), time_degree = schedule_.sh_time_degree(i);
   const bool densifies = schedule_.densify(i), reorders = schedule_.reorder(i);
   if (schedule_.prune_unseen(i)) prune_unseen();  // of what the last step left
+  control_nodes();
   if (densifies) {
     complete_pending();  // it waits for the backend anyway
     // the copies of density control and the buffers of a step need not exist at once
@@ -223,6 +234,7 @@ ForwardArgs<float> Trainer::forward_args() const {
                           {},
                           render_options(state_.model),
                           true};
+  args.nodes = state_.model.nodes.spans();
   args.environment = environment_of(state_.model);
   args.options.kernels = kernel_switches(options_);
   return args;
@@ -236,6 +248,40 @@ void Trainer::prune_unseen() {
   for (int k = 0; k < 2; ++k)
     if (reports[size_t(k)].before > 0)
       observer_.on_density(state_.iteration, k == 0 ? "static" : "dynamic", reports[size_t(k)]);
+}
+
+void Trainer::control_nodes() {
+  const int64_t i = state_.iteration;
+  GaussianModel& model = state_.model;
+  const int knots = schedule_.node_knots(i, timesteps_);
+  const bool has_motion = timesteps_ > 1 && !options_.static_only;
+  if (has_motion && schedule_.start_nodes(i) && model.nodes.empty()) {
+    complete_pending();
+    Buffer<float> mean, opacity_logit;
+    mean.copy_from(model.static_set.group(kMean).value);
+    opacity_logit.copy_from(model.static_set.group(kOpacityLogit).value);
+    const NodePlan plan = plan_nodes(std::as_const(mean).span(),
+                                     std::as_const(opacity_logit).span(), options_.motion_nodes);
+    start_nodes(backend_, plan, knots, state_);
+    gradients_[0] = model.static_set.like(backend_.memory());
+  } else if (!model.nodes.empty() && knots > model.nodes.knots) {
+    complete_pending();
+    refit_nodes(knots, i, model.nodes);
+  }
+  if (!model.nodes.empty() &&
+      d_nodes_.translation.value.size() != model.nodes.translation.value.size())
+    d_nodes_.resize(model.nodes.count, model.nodes.knots);
+}
+
+void Trainer::step_nodes() {
+  MotionNodes& nodes = state_.model.nodes;
+  if (nodes.empty()) return;
+  const auto adam = schedule_.node_adam(state_.iteration, nodes.refitted);
+  for (size_t g = 0; g < adam.size(); ++g) {
+    ParameterGroup& group = *nodes.groups()[g];
+    backend_.adam_values(std::as_const(d_nodes_.groups()[g]->value).span(), adam[g],
+                         group.value.span(), group.moment1.span(), group.moment2.span());
+  }
 }
 
 void Trainer::step() {
@@ -293,7 +339,7 @@ void Trainer::backward() {
     sink.value = set.values();
     sink.moment1 = set.moments1();
     sink.moment2 = set.moments2();
-    sink.adam = schedule_.adam(i, set.form());
+    sink.adam = schedule_.adam(i, set.form(), state_.model.nodes.started);
     sink.idle = options_.idle_updates;
     if (!sink.fused) {
       gradients_[k].resize(set.count(), set.blocks());
@@ -305,8 +351,15 @@ void Trainer::backward() {
   ParameterGroup& environment = state_.model.environment.map;
   d_environment_.resize(environment.value.size());
   args.d_environment = d_environment_.span();
+  args.d_nodes = d_nodes_.spans();
+  if (const MotionNodes& nodes = state_.model.nodes; !nodes.empty()) {
+    constexpr double kKnots = 25;  // at which the weight is as it is stated
+    args.acceleration =
+        float(options_.node_acceleration * std::pow(nodes.knots / kKnots, 3) / double(nodes.count));
+  }
   pipeline_.backward(args);
   const StageTimer timer(backend_.clock(), kUpdate);
+  step_nodes();
   if (!environment.value.empty())
     backend_.adam_values(
         std::as_const(d_environment_).span(), adam_scalars<float>(options_.lr_environment, i + 1),

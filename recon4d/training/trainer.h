@@ -65,6 +65,9 @@ class Trainer {
   void measure_filter(int k);
   void densify();
   void prune_unseen();
+  /// Motion nodes where they start, and more control points where these are due.
+  void control_nodes();
+  void step_nodes();
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
   void backward();
@@ -94,6 +97,8 @@ class Trainer {
   /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
   ViewBatch<float> filter_views_[2];
   std::vector<View> unseen_views_;  // only where those are removed that no view shows
+  int64_t timesteps_;               // of the training frames
+  MotionNodes d_nodes_;             // gradients
   Buffer<float> d_environment_;
   ExposureRows exposed_;
   std::vector<Vec3<double>> gains_;        // [R] of the next step

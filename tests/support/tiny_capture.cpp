@@ -185,6 +185,8 @@ std::vector<uint32_t> model_bits(const GaussianModel& model) {
     for (int g = 0; g < set->groups(); ++g) append_bits(bits, set->group(Group(g)).value);
   }
   append_bits(bits, model.environment.map.value);
+  append_bits(bits, model.nodes.position);
+  for (const ParameterGroup* group : model.nodes.groups()) append_bits(bits, group->value);
   for (int value : {model.drawing.sh_degree, int(model.background[0]), int(model.background[1]),
                     int(model.background[2])})
     bits.push_back(uint32_t(value));
@@ -202,6 +204,12 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
       append_bits(bits, set->group(Group(g)).moment1);
       append_bits(bits, set->group(Group(g)).moment2);
     }
+  for (const ParameterGroup* group : state.model.nodes.groups()) {
+    append_bits(bits, group->moment1);
+    append_bits(bits, group->moment2);
+  }
+  bits.push_back(uint32_t(state.model.nodes.started));
+  bits.push_back(uint32_t(state.model.nodes.refitted));
   append_bits(bits, state.model.environment.map.moment1);
   append_bits(bits, state.model.environment.map.moment2);
   for (const SetStatistics& statistics : state.statistics) {

@@ -1,0 +1,12 @@
+// More control points for motion nodes: the new spline follows the old one as closely as it can.
+#pragma once
+#include "recon4d/model/motion_nodes.h"
+
+namespace tessera {
+
+/// Control points `knots` whose spline is the old one in the least-squares sense, exactly where
+/// knots = 2·S − 3. Moments are zero afterwards; nodes are in any memory, `step`: steps done.
+/// `knots` is at least as large as before.
+void refit_nodes(int knots, int64_t step, MotionNodes& nodes);
+
+}  // namespace tessera

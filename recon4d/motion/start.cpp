@@ -1,0 +1,188 @@
+// Farthest points, nearest nodes, and a static set that becomes canonical with its buffers moved.
+#include "recon4d/motion/start.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+#include "kernels/elements/load_gaussian.h"
+
+namespace tessera {
+namespace {
+
+constexpr float kMinOpacity = 0.1f;
+constexpr int64_t kElementsPerNode = 4;
+
+float squared_distance(const Vec3<float>& a, const Vec3<float>& b) {
+  const Vec3<float> offset = a - b;
+  return dot(offset, offset);
+}
+
+float median(std::vector<float> values) {
+  std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+/// Elements that may become nodes, by their number, and how far from the centre they may lie.
+struct Eligible {
+  std::vector<int64_t> elements;
+  Vec3<float> centre{0.0f};
+  float reach = 0;  // world units
+};
+
+Eligible eligible_elements(Span<const float> mean, Span<const float> opacity_logit) {
+  constexpr float kReach = 3;  // by the median: a few strays lie far away
+  Eligible eligible;
+  std::vector<int64_t> opaque;
+  for (int64_t n = 0; n < opacity_logit.size; ++n)
+    if (sigmoid(opacity_logit[n]) > kMinOpacity) opaque.push_back(n);
+  if (opaque.empty()) return eligible;
+  std::vector<float> values;
+  for (int c = 0; c < 3; ++c) {
+    values.clear();
+    for (const int64_t n : opaque) values.push_back(mean[3 * n + c]);
+    eligible.centre[c] = median(values);
+  }
+  values.clear();
+  for (const int64_t n : opaque)
+    values.push_back(squared_distance(load3(mean.data + 3 * n), eligible.centre));
+  eligible.reach = kReach * std::sqrt(median(values));
+  for (size_t i = 0; i < opaque.size(); ++i)
+    if (values[i] <= eligible.reach * eligible.reach) eligible.elements.push_back(opaque[i]);
+  return eligible;
+}
+
+std::vector<Vec3<float>> farthest_points(Span<const float> mean, const Eligible& eligible,
+                                         int64_t count) {
+  const std::vector<int64_t>& elements = eligible.elements;
+  std::vector<Vec3<float>> chosen;
+  std::vector<float> nearest(elements.size(), std::numeric_limits<float>::max());
+  Vec3<float> last = eligible.centre;
+  bool first = true;
+  while (int64_t(chosen.size()) < count) {
+    size_t farthest = 0;
+    float most = 0;
+    for (size_t i = 0; i < elements.size(); ++i) {
+      const float distance = squared_distance(load3(mean.data + 3 * elements[i]), last);
+      nearest[i] = first ? distance : std::min(nearest[i], distance);
+      if (nearest[i] > most) {
+        most = nearest[i];
+        farthest = i;
+      }
+    }
+    if (most == 0 && !first) break;  // all others lie on nodes
+    last = load3(mean.data + 3 * elements[farthest]);
+    if (first) std::fill(nearest.begin(), nearest.end(), std::numeric_limits<float>::max());
+    first = false;
+    chosen.push_back(last);
+  }
+  return chosen;
+}
+
+/// Numbers of the `count` nodes nearest to a point, nearest first; of all where there are fewer.
+std::vector<int> nearest_nodes(const std::vector<Vec3<float>>& nodes, const Vec3<float>& point,
+                               size_t count) {
+  std::vector<std::pair<float, int>> by_distance;
+  by_distance.reserve(nodes.size());
+  for (size_t m = 0; m < nodes.size(); ++m)
+    by_distance.emplace_back(squared_distance(nodes[m], point), int(m));
+  count = std::min(count, nodes.size());
+  std::partial_sort(by_distance.begin(), by_distance.begin() + ptrdiff_t(count), by_distance.end());
+  std::vector<int> nearest;
+  for (size_t k = 0; k < count; ++k) nearest.push_back(by_distance[k].second);
+  return nearest;
+}
+
+/// ln of the distance to the third nearest other node, or to the farthest where there are fewer;
+/// of a single node `alone`.
+std::vector<float> log_radii(const std::vector<Vec3<float>>& nodes, float alone) {
+  constexpr size_t kNeighbour = 3;
+  std::vector<float> radii;
+  for (const Vec3<float>& node : nodes) {
+    const std::vector<int> nearest = nearest_nodes(nodes, node, kNeighbour + 1);
+    const float distance2 = squared_distance(nodes[size_t(nearest.back())], node);
+    radii.push_back(nodes.size() > 1 ? 0.5f * std::log(distance2) : alone);
+  }
+  return radii;
+}
+
+/// Moves the groups of a static set into a canonical one without bindings.
+GaussianSet moved_to_canonical(GaussianSet& from) {
+  GaussianSet to(Form::kCanonical, from.coefficients(), from.memory());
+  for (int g = 0; g < kStaticGroups; ++g) to.group(Group(g)) = std::move(from.group(Group(g)));
+  return to;
+}
+
+template <class T>
+void write(const std::vector<T>& values, Buffer<float>& to) {
+  to.resize(int64_t(values.size() * sizeof(T) / sizeof(float)));
+  to.memory().copy(to.data(), values.data(), values.size() * sizeof(T));
+}
+
+void write_zeros(Backend& backend, int64_t count, Buffer<float>& to) {
+  to.resize(count);
+  backend.fill_zero(to.span());
+}
+
+MotionNodes nodes_at_rest(Backend& backend, const NodePlan& plan, int knots, int64_t step) {
+  MotionNodes nodes(backend.memory());
+  nodes.resize(int64_t(plan.position.size()), knots);
+  nodes.started = nodes.refitted = step;
+  write(plan.position, nodes.position);
+  write(plan.log_radius, nodes.log_radius.value);
+  write_zeros(backend, nodes.translation.value.size(), nodes.translation.value);
+  write(std::vector<Vec4<float>>(size_t(nodes.count * knots), Vec4<float>(1, 0, 0, 0)),
+        nodes.rotation.value);
+  for (ParameterGroup* const group : nodes.groups()) {
+    write_zeros(backend, group->value.size(), group->moment1);
+    write_zeros(backend, group->value.size(), group->moment2);
+  }
+  return nodes;
+}
+
+}  // namespace
+
+NodePlan plan_nodes(Span<const float> mean, Span<const float> opacity_logit, int64_t nodes) {
+  check(mean.size == 3 * opacity_logit.size, "plan_nodes: one mean and opacity a Gaussian");
+  NodePlan plan;
+  const Eligible eligible = eligible_elements(mean, opacity_logit);
+  const int64_t count = std::min(nodes, int64_t(eligible.elements.size()) / kElementsPerNode);
+  if (count == 0) return plan;
+  plan.position = farthest_points(mean, eligible, count);
+  plan.log_radius = log_radii(plan.position, std::log(std::max(eligible.reach, 1e-6f)));
+  plan.node.assign(size_t(opacity_logit.size * kBindings), -1.0f);
+  constexpr int64_t kGrain = 256;
+  parallel_for(opacity_logit.size, kGrain, [&](int64_t begin, int64_t end) {
+    for (int64_t n = begin; n < end; ++n) {
+      const std::vector<int> nearest =
+          nearest_nodes(plan.position, load3(mean.data + 3 * n), kBindings);
+      std::copy(nearest.begin(), nearest.end(), plan.node.begin() + n * kBindings);
+    }
+  });
+  return plan;
+}
+
+void start_nodes(Backend& backend, const NodePlan& plan, int knots, TrainState& state) {
+  GaussianSet& set = state.model.static_set;
+  if (plan.position.empty()) return;
+  const int64_t count = set.count();
+  check(set.form() == Form::kStatic && int64_t(plan.node.size()) == count * kBindings,
+        "start_nodes: a plan of another set");
+  const ShBlocks blocks = set.blocks();
+  const bool has_moments = set.has_moments();
+  set = moved_to_canonical(set);
+  write(plan.node, set.group(kNode).value);
+  ParameterGroup& logits = set.group(kNodeLogit);
+  write_zeros(backend, count * kBindings, logits.value);
+  if (has_moments) {
+    write_zeros(backend, count * kBindings, logits.moment1);
+    write_zeros(backend, count * kBindings, logits.moment2);
+  }
+  set.set_count(count, blocks);
+  state.model.nodes = nodes_at_rest(backend, plan, knots, state.iteration);
+}
+
+}  // namespace tessera

@@ -1,0 +1,28 @@
+// Where motion nodes come from: positions by farthest-point sampling of the static set, radii by
+// their neighbours, and every Gaussian bound to its nearest nodes, for good. Source: [SC-GS].
+#pragma once
+#include <array>
+#include <vector>
+
+#include "recon4d/model/train_state.h"
+
+namespace tessera {
+
+/// Nodes of a set, at rest.
+struct NodePlan {
+  std::vector<Vec3<float>> position;  // [M] world units
+  std::vector<float> log_radius;      // [M] ln of the distance to the third nearest node
+  std::vector<float> node;            // [N, kBindings] nearest first; −1: none
+};
+
+/// At most `nodes`, and at most a quarter of those elements that may have one: more opaque than
+/// 0.1, and no more than three times as far from the centre as half of the opaque ones are. Fewer
+/// where two would lie in one place. The first is the one farthest from the centre. `mean`: [N, 3]
+/// world units; `opacity_logit`: [N].
+NodePlan plan_nodes(Span<const float> mean, Span<const float> opacity_logit, int64_t nodes);
+
+/// The static set of a state, where the backend works, becomes canonical: nodes at rest with
+/// `knots` control points, logits 0. Nothing changes where no node is found.
+void start_nodes(Backend& backend, const NodePlan& plan, int knots, TrainState& state);
+
+}  // namespace tessera
