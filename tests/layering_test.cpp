@@ -153,7 +153,7 @@ TEST(LayeringRules, AreSeenToRefuse) {
   const std::pair<const char*, const char*> wrong[] = {
       {"kernels/stages/a.cpp", "#include \"recon4d/training/trainer.h\""},
       {"kernels/stages/a.cpp", "#include \"ingest/scene.h\""},
-      {"kernels/math/a.h", "#include \"kernels/stages/gradient_sink.h\""},
+      {"kernels/math/a.h", "#include \"kernels/elements/gradient_sink.h\""},
       {"kernels/math/a.h", "#include \"kernels/backend.h\""},
       {"kernels/base/a.h", "#include \"kernels/math/scalar.h\""},
       {"kernels/a.cpp", "#include <nlohmann/json.hpp>"},

@@ -1,6 +1,6 @@
-// The gradients of a block's Gaussians on their way into a sink (kernels/stages/gradient_sink.h).
+// The gradients of a block's Gaussians on their way into a sink (kernels/elements/gradient_sink.h).
 #pragma once
-#include "kernels/stages/gradient_sink.h"
+#include "kernels/elements/gradient_sink.h"
 
 namespace tessera {
 

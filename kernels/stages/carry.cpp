@@ -9,7 +9,7 @@
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/elements/carry.h"
-#include "kernels/stages/gradient_sink.h"
+#include "kernels/elements/gradient_sink.h"
 
 namespace tessera {
 namespace {

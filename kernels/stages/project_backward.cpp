@@ -8,8 +8,8 @@
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/elements/load_gaussian.h"
-#include "kernels/stages/regulariser.h"
-#include "kernels/stages/splat_gradient.h"
+#include "kernels/elements/regulariser.h"
+#include "kernels/elements/splat_gradient.h"
 
 namespace tessera {
 namespace {

@@ -1,9 +1,8 @@
 // What: splat gradients → parameter gradients into a sink, on the device. For the SH a
 // thread takes four neighbouring scalars. For the rest a block has a run of Gaussians: its threads
 // take their splats, add them up, and hand the gradients on as whole lines of each group.
-// Not: equations (stages/splat_gradient.h). Compiled without contraction to fused multiply-adds, so
-// that fused and separate Adam agree to the bit.
-// Source: method A.12, A.16, D.6, G.4.
+// Not: equations (elements/splat_gradient.h). Compiled without contraction to fused multiply-adds,
+// so that fused and separate Adam agree to the bit. Source: method A.12, A.16, D.6, G.4.
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -13,8 +12,8 @@
 #include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/sh_registers.cuh"
 #include "kernels/elements/load_gaussian.h"
-#include "kernels/stages/regulariser.h"
-#include "kernels/stages/splat_gradient.h"
+#include "kernels/elements/regulariser.h"
+#include "kernels/elements/splat_gradient.h"
 
 namespace tessera {
 namespace {

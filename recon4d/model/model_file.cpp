@@ -14,12 +14,14 @@
 #include "ingest/files/ply_header.h"
 #include "kernels/base/errors.h"
 #include "kernels/math/environment.h"
+#include "recon4d/model/motion_nodes_file.h"
 #include "recon4d/model/splat_columns.h"
 
 namespace tessera {
 namespace {
 
-constexpr int kFormatVersion = 2;
+constexpr int kFormatVersion = 2, kNodesVersion = 3;  // the second of models with motion nodes
+constexpr const char* kNodesKey = "motion_nodes";
 constexpr const char* kVersionKey = "tessera_4d_version";
 constexpr const char* kStaticElement = "vertex";
 constexpr const char* kDynamicElement = "vertex_dynamic";
@@ -81,11 +83,11 @@ void read_rules(const std::filesystem::path& path, const std::vector<std::string
 void read_comments(const std::filesystem::path& path, const std::vector<std::string>& comments,
                    GaussianModel& model) {
   const double version = numbers_of(path, comments, kVersionKey, 1)[0];
-  if (version != kFormatVersion)
+  if (version != kFormatVersion && version != kNodesVersion)
     throw InputError(
-        fmt::format("{}: format version {}, this program reads {}; use the program "
+        fmt::format("{}: format version {}, this program reads {} and {}; use the program "
                     "that wrote it or export again",
-                    path.string(), version, kFormatVersion));
+                    path.string(), version, kFormatVersion, kNodesVersion));
   const auto axis = numbers_of(path, comments, "time_axis", 2);
   if (!(axis[1] > 0))
     throw InputError(fmt::format("{}: a clip of {} seconds, expected more than 0; export again",
@@ -118,7 +120,7 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
 void save_model(const std::filesystem::path& path, const GaussianModel& model) {
   const auto& rgb = model.background;
   std::vector<std::string> comments = {
-      fmt::format("{} {}", kVersionKey, kFormatVersion),
+      fmt::format("{} {}", kVersionKey, model.nodes.empty() ? kFormatVersion : kNodesVersion),
       fmt::format("time_axis {} {}", model.time_axis.origin, model.time_axis.duration),
       fmt::format("background {} {} {}", rgb[0], rgb[1], rgb[2]),
       fmt::format("train_scale {}", model.train_scale),
@@ -139,6 +141,11 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
     comments.push_back(fmt::format("environment {} {}", environment.height,
                                    fmt::join(similarity_numbers(turn), " ")));
     others.push_back({kEnvironmentElement, {"red", "green", "blue"}, environment.map.value.span()});
+  }
+  const NodeElements nodes(model.nodes);
+  if (!model.nodes.empty()) {
+    comments.push_back(fmt::format("{} {} {}", kNodesKey, model.nodes.count, model.nodes.knots));
+    for (FloatElement& element : nodes.elements()) others.push_back(std::move(element));
   }
   write_splats(path, comments, elements, others);
 }
@@ -187,7 +194,11 @@ GaussianModel load_model(const std::filesystem::path& path) {
   if (static_element == nullptr)
     throw InputError(fmt::format("{}: no element '{}', expected a Tessera 4D .ply; export again",
                                  path.string(), kStaticElement));
-  model.static_set = read_splats(path, *static_element, Form::kStatic);
+  const auto counts = numbers_if_any(path, file.comments, kNodesKey, 2);
+  if (!counts.empty()) model.nodes = read_nodes(path, file, counts[0], counts[1]);
+  model.static_set =
+      read_splats(path, *static_element, model.nodes.empty() ? Form::kStatic : Form::kCanonical);
+  if (!model.nodes.empty()) check_bindings(path, model.static_set, model.nodes.count);
   if (const PlyElement* const dynamic_element = file.find(kDynamicElement))
     model.dynamic_set = read_splats(path, *dynamic_element, dynamic_form_of(*dynamic_element));
   return model;

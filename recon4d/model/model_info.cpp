@@ -66,6 +66,8 @@ json model_info(const GaussianModel& model) {
   info["num_gaussians"] = model.count();
   info["num_static"] = model.static_set.count();
   info["num_dynamic"] = model.dynamic_set.count();
+  if (!model.nodes.empty())
+    info["motion_nodes"] = {{"count", model.nodes.count}, {"knots", model.nodes.knots}};
   info["num_unsound"] = model.count() - facts.sound;
   info["motion_form"] = name_of(motion_form_of(model.dynamic_set.form()));
   info["sh_degree"] = model.drawing.sh_degree;

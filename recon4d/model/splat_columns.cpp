@@ -101,6 +101,11 @@ std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_lev
   append(columns, kOpacityLogit, {"opacity"});
   append(columns, kLogScale, {"scale_0", "scale_1", "scale_2"});
   append(columns, kRotation, {"rot_0", "rot_1", "rot_2", "rot_3"});
+  if (form == Form::kCanonical)
+    for (const auto& [group, name] :
+         {std::pair{kNode, "node"}, std::pair{kNodeLogit, "node_logit"}})
+      for (int k = 0; k < kBindings; ++k)
+        columns.push_back({fmt::format("{}_{}", name, k), group, k});
   if (!is_dynamic(form)) return columns;
   append(columns, kMeanTime, {"mean_time"});
   append(columns, kLogScaleTime, {"scale_time"});

@@ -20,8 +20,9 @@ struct SplatColumn {
 };
 
 /// x y z [nx ny nz] f_dc f_rest opacity scale rot, then for Dim 4 mean_time scale_time, by form
-/// rot_right or velocity, and f_cos1_0 … f_cos<L>_<3K−1>, the levels of time, each channel-major.
-/// Normals belong to Dim 3 only, where viewers expect them.
+/// rot_right or velocity, of a canonical set node_0 … node_7 and node_logit_0 … node_logit_7, and
+/// f_cos1_0 … f_cos<L>_<3K−1>, the levels of time, each channel-major. Normals belong to Dim 3
+/// only, where viewers expect them.
 std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_levels = 0);
 
 /// The form that the columns of a dynamic element are of.

@@ -193,6 +193,11 @@ PlayerCamera splatv_camera(const GaussianModel& model) {
 SplatvReport save_splatv(const std::filesystem::path& path, const GaussianModel& model,
                          const std::vector<PlayerCamera>& cameras) {
   check(!cameras.empty(), "save_splatv: a camera, splatv_camera makes one");
+  if (!model.nodes.empty())
+    throw InputError(fmt::format(
+        "{}: .splatv holds Gaussians that move by themselves, this model has motion nodes; export "
+        "frames as ply",
+        path.string()));
   SplatvReport report;
   std::string texture = texture_of(model, report);
   constexpr int64_t kPerRow = kTextureWidth / kTexels;

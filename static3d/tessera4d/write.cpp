@@ -159,6 +159,10 @@ int64_t Tessera4dFile::bytes() const {
 }
 
 Tessera4dFile encode_tessera4d(const GaussianModel& model, const Tessera4dOptions& options) {
+  if (!model.nodes.empty())
+    throw InputError(
+        "the Tessera 4D file cannot hold motion nodes; export frames (--format ply) or the model "
+        "(--format model)");
   return Writer(model, options).write();
 }
 

@@ -42,6 +42,20 @@ void copy_sh(const float* from, int from_coefficients, float* to, int to_coeffic
               3 * (to_coefficients - from_coefficients), 0.0f);
 }
 
+/// Means and rotations of a canonical set as its nodes carry them at a time.
+void carry_to(double time, const GaussianSet& from, const MotionNodes& nodes, GaussianSet& to) {
+  const std::unique_ptr<Backend> host = make_cpu_backend();
+  const ViewBatch<float> batch = make_view_batch<float>({{Camera{}, time}});
+  Carried<float> carried;
+  host->carry({&batch, from.values(), nodes.spans()}, carried);
+  const GaussianSpans<float> target = to.values();
+  for (int64_t n = 0; n < from.count(); ++n) {
+    const CarriedGaussian<float>& g = carried.gaussians[n];
+    for (int c = 0; c < 3; ++c) target.at(kMean, n)[c] = g.mean[c];
+    for (int c = 0; c < 4; ++c) target.at(kRotation, n)[c] = g.rotation[c];
+  }
+}
+
 void copy_static(const GaussianSet& from, GaussianSet& to) {
   const GaussianSpans<const float> source = from.values();
   const GaussianSpans<float> target = to.values();
@@ -89,6 +103,7 @@ GaussianSet Slicer::at(double time) const {
   GaussianSet set(Form::kStatic, coefficients);
   set.resize(fixed.count() + int64_t(drawn.size()));
   copy_static(fixed, set);
+  if (!model_.nodes.empty()) carry_to(time, fixed, model_.nodes, set);
   const GaussianSpans<const float> source = dynamic.values();
   const GaussianSpans<float> target = set.values();
   const ColourRules<float> colours =

@@ -85,6 +85,24 @@ void change_set(const Change& change, GaussianSet& set) {
   });
 }
 
+/// Nodes move as points do, their translations as velocities; their rotations turn in the other
+/// axes.
+void change_nodes(const Change& change, MotionNodes& nodes) {
+  for (int64_t m = 0; m < nodes.count; ++m) {
+    float* const p = nodes.position.data() + 3 * m;
+    const glm::dvec3 moved = change.world({double(p[0]), double(p[1]), double(p[2])});
+    for (int k = 0; k < 3; ++k) p[k] = float(moved[k]);
+    float& log_radius = nodes.log_radius.value[m];
+    log_radius = float(double(log_radius) + change.log_scale);
+  }
+  for (int64_t i = 0; i < nodes.count * nodes.knots; ++i) {
+    change_velocity(change, nodes.translation.value.data() + 3 * i);
+    float* const q = nodes.rotation.value.data() + 4 * i;
+    const glm::dvec3 axis = change.world.rotation * glm::dvec3(q[1], q[2], q[3]);
+    for (int k = 0; k < 3; ++k) q[k + 1] = float(axis[k]);
+  }
+}
+
 }  // namespace
 
 GaussianModel model_in_world(const Similarity& b_from_a, const GaussianModel& model) {
@@ -93,6 +111,7 @@ GaussianModel model_in_world(const Similarity& b_from_a, const GaussianModel& mo
   const Change change(b_from_a);
   change_set(change, moved.static_set);
   change_set(change, moved.dynamic_set);
+  change_nodes(change, moved.nodes);
   moved.environment.map_from_world =
       model.environment.map_from_world * glm::transpose(b_from_a.rotation);
   moved.drawing.near_plane *= b_from_a.scale;

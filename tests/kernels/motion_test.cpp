@@ -64,9 +64,9 @@ TEST(MotionSpline, WeightsAreThoseOfTheDefinition) {
 TEST(MotionSpline, TimesOutsideOfTheClipAreItsEnds) {
   for (const auto& [outside, end] : {std::pair{-0.5, 0.0}, std::pair{1.5, 1.0}}) {
     const SplineWeights<double> s = spline_weights(outside, kKnots),
-                                at = spline_weights(end, kKnots);
-    EXPECT_EQ(s.first, at.first);
-    for (int i = 0; i < kSplineOrder; ++i) EXPECT_EQ(s.weight[i], at.weight[i]);
+                                last = spline_weights(end, kKnots);
+    EXPECT_EQ(s.first, last.first);
+    for (int i = 0; i < kSplineOrder; ++i) EXPECT_EQ(s.weight[i], last.weight[i]);
   }
 }
 
@@ -86,9 +86,9 @@ TEST(MotionSpline, ANodeTurnsOnceAroundWithoutASeam) {
   };
   for (int k = 0; k <= knots - 3; ++k) {  // at its knots the spline is on the circle
     const double angle = 2 * std::numbers::pi * k / (knots - 3);
-    const Vec3<double> at = tip(double(k) / (knots - 3));
-    EXPECT_NEAR(at[0], std::cos(angle), kTolerance);
-    EXPECT_NEAR(at[1], std::sin(angle), kTolerance);
+    const Vec3<double> place = tip(double(k) / (knots - 3));
+    EXPECT_NEAR(place[0], std::cos(angle), kTolerance);
+    EXPECT_NEAR(place[1], std::sin(angle), kTolerance);
   }
   Vec3<double> before = tip(0);
   for (int k = 1; k <= 1000; ++k) {

@@ -1,6 +1,6 @@
 // What: what regularisers add to the gradients, against differences of the terms themselves.
 // Not: that it helps; nor a device (backend_mcmc_test.cpp).
-#include "kernels/stages/regulariser.h"
+#include "kernels/elements/regulariser.h"
 
 #include <array>
 

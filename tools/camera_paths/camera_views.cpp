@@ -46,7 +46,7 @@ Image8 size_of(const TransformsFrame& frame, const fs::path& folder) {
 
 double time_of(const KeyFrame& key, const CameraChoice& choice, const GaussianModel& model) {
   if (choice.time) return *choice.time;
-  if (key.time || model.dynamic_set.count() == 0) return key.time.value_or(0);
+  if (key.time || !model.moves()) return key.time.value_or(0);
   throw InputError(
       fmt::format("{}: has no time and the model moves; add it or pass --time", key.where));
 }

@@ -130,7 +130,7 @@ std::vector<Camera> curve(const PathChoice& choice, const ModelInput& input, int
 }
 
 bool plays(const PathChoice& choice, const GaussianModel& model) {
-  return !choice.time && model.dynamic_set.count() > 0;
+  return !choice.time && model.moves();
 }
 
 double rate_of(const PathChoice& choice) {

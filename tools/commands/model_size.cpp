@@ -12,7 +12,8 @@ namespace tessera {
 nlohmann::json model_size(const std::string& path, const ModelInput& input, bool with_shipped) {
   nlohmann::json result = to_json(histograms_of(input.model), input.model.time_axis);
   result["account"]["memory"] = to_json(memory_breakdown(input.model));
-  if (!input.shipped && !with_shipped) return result;
+  const bool can_ship = input.model.nodes.empty();  // the Tessera 4D file has no motion nodes
+  if (!input.shipped && !(with_shipped && can_ship)) return result;
   nlohmann::json shipped =
       to_json(input.shipped ? *input.shipped : shipped_size_of(path, input.model).account);
   shipped["encoded_for_this"] = !input.shipped;

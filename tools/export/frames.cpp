@@ -32,8 +32,7 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
   Rig rig = rig_of(request.page ? request.cameras : "", request.model, model);
   ExportTimes wanted = request.times;
   if (rig.fps > 0) wanted.capture_fps = rig.fps;
-  const std::vector<double> times =
-      export_times(wanted, model.time_axis, model.dynamic_set.count() > 0);
+  const std::vector<double> times = export_times(wanted, model.time_axis, model.moves());
   OutputFolder folder(request.out, "export", files_of(request, int64_t(times.size()), format),
                       request.overwrite);
   SequenceHints hints;

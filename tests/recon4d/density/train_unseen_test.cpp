@@ -80,8 +80,8 @@ TEST(TrainUnseen, AGaussianBehindAnOpaqueOneGoes) {
   const Camera& camera = scene.frames[0].camera;
   const glm::dvec3 eye = -(glm::transpose(camera.cam_from_world) * camera.translation);
   for (const auto& [n, share] : {std::pair{0, 0.5}, std::pair{1, 0.8}, std::pair{2, 1.3}}) {
-    const glm::dvec3 at = eye * (1 - share);  // on the axis, the last behind the origin
-    set_value(model.static_set, kMean, n, {float(at.x), float(at.y), float(at.z)});
+    const glm::dvec3 place = eye * (1 - share);  // on the axis, the last behind the origin
+    set_value(model.static_set, kMean, n, {float(place.x), float(place.y), float(place.z)});
     set_value(model.static_set, kLogScale, n,
               std::vector<float>(3, std::log(n == 1 ? 0.4f : 0.01f)));
     set_value(model.static_set, kOpacityLogit, n, {logit(n == 1 ? 0.995 : 0.9)});

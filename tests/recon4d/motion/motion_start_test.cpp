@@ -13,8 +13,8 @@ namespace {
 struct Cloud {
   std::vector<float> mean, opacity_logit;
 
-  void add(const Vec3<float>& at, float opacity = 0.5f) {
-    for (int c = 0; c < 3; ++c) mean.push_back(at[c]);
+  void add(const Vec3<float>& place, float opacity = 0.5f) {
+    for (int c = 0; c < 3; ++c) mean.push_back(place[c]);
     opacity_logit.push_back(logit(opacity));
   }
   NodePlan plan(int64_t nodes) const {
@@ -34,12 +34,12 @@ Cloud line() {
 TEST(MotionStart, NodesAreFarthestPointsAndEveryGaussianHasTheNearest) {
   const NodePlan plan = line().plan(4);
   ASSERT_EQ(plan.position.size(), 4u);
-  std::vector<float> at;
-  for (const Vec3<float>& node : plan.position) at.push_back(node[0]);
-  std::sort(at.begin(), at.end());
-  EXPECT_EQ(at.front(), 0);
-  EXPECT_EQ(at.back(), 15);
-  for (size_t m = 1; m < at.size(); ++m) EXPECT_NEAR(at[m] - at[m - 1], 5, 2.01);
+  std::vector<float> places;
+  for (const Vec3<float>& node : plan.position) places.push_back(node[0]);
+  std::sort(places.begin(), places.end());
+  EXPECT_EQ(places.front(), 0);
+  EXPECT_EQ(places.back(), 15);
+  for (size_t m = 1; m < places.size(); ++m) EXPECT_NEAR(places[m] - places[m - 1], 5, 2.01);
   for (size_t n = 0; n < 16; ++n) {
     float before = -1;
     for (size_t k = 0; k < size_t(kBindings); ++k) {
@@ -53,7 +53,7 @@ TEST(MotionStart, NodesAreFarthestPointsAndEveryGaussianHasTheNearest) {
   }
   for (size_t m = 0; m < 4; ++m) {  // with four nodes the third nearest is the farthest
     const float farthest =
-        std::max(plan.position[m][0] - at.front(), at.back() - plan.position[m][0]);
+        std::max(plan.position[m][0] - places.front(), places.back() - plan.position[m][0]);
     EXPECT_NEAR(plan.log_radius[m], std::log(farthest), 1e-5);
   }
 }
@@ -83,7 +83,7 @@ TEST(MotionStart, OneSpotHasOneNodeAndNothingHasNone) {
   EXPECT_TRUE(faint.plan(3).position.empty());
 }
 
-/// A state of static Gaussians with moments that tell them apart.
+/// A state of static Gaussians with Adam's moments that tell them apart.
 TrainState static_state() {
   TrainState state;
   state.model = random_model(60, 0);
@@ -145,7 +145,8 @@ double largest_difference(const MotionNodes& a, const MotionNodes& b) {
   return most;
 }
 
-// Bugs put back, each seen to fail: moments kept; the weights of the old number of control points.
+// Bugs put back, each seen to fail: Adam's moments kept; the weights of the old number of control
+// points.
 TEST(MotionRefit, MoreControlPointsFollowTheOldMotion) {
   const MotionNodes before = random_motion(3, 5);
   MotionNodes after = before.clone_to(host_memory(), true);

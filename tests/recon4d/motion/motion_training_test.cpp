@@ -55,7 +55,7 @@ TEST(MotionTraining, SeesAroundATurningBody) {
   EXPECT_GT(nodes, still + 5) << "static " << still;
 }
 
-// Bug put back: control points and their moments left out of the checkpoint; seen to fail.
+// Bug put back: control points and Adam's moments of them left out of the checkpoint; seen to fail.
 TEST(MotionTraining, ResumesBitByBit) {
   const Scene scene = travelling_camera(turning_truth(0.8, {0.2, 0, 0}), 48, 12);
   for (const bool fused : {true, false}) {
@@ -83,6 +83,19 @@ TEST(MotionTraining, FusedAndSeparateOptimizersAgree) {
   separate.run();
   EXPECT_EQ(state_bits(fused.state()), state_bits(separate.state()));
   EXPECT_FALSE(fused.model().nodes.empty());
+}
+
+TEST(MotionTraining, ControlPointsFollowTheOptions) {
+  const Scene scene = travelling_camera(turning_truth(0.8, {0.2, 0, 0}), 48, 8);
+  TrainOptions options = node_options(24);
+  const auto knots = [&] { return Training(scene, options).run().model().nodes.knots; };
+  EXPECT_EQ(knots(), 8);
+  options.node_knots = 6;
+  EXPECT_EQ(knots(), 6);
+  options.node_knots = 14;  // at most one for six timesteps
+  EXPECT_EQ(knots(), 8);
+  options.node_knot_interval = 1000;
+  EXPECT_EQ(knots(), 5);
 }
 
 TEST(MotionTraining, OneTimestepHasNoNodes) {

@@ -1,6 +1,8 @@
 // What presets use for several cameras that film at the same time.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "recon4d/options/scene_facts.h"
 #include "recon4d/options/train_options_json.h"
 

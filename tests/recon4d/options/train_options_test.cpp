@@ -40,7 +40,8 @@ json another_value(const TrainOption& option) {
   if (usual.is_string() && !option.choices().empty())
     return usual == option.choices()[0] ? option.choices()[1] : option.choices()[0];
   if (usual.is_string()) return "10,20,30";
-  if (usual.is_number_integer()) return usual.get<int64_t>() == 2 ? 3 : 2;
+  if (const int64_t least = std::max<int64_t>(2, int64_t(option.low)); usual.is_number_integer())
+    return usual.get<int64_t>() == least ? least + 1 : least;
   const double value = usual.get<double>();
   return value > option.low ? (option.low + value) / 2 : (option.high + value) / 2;
 }

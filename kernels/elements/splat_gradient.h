@@ -3,9 +3,9 @@
 // Source: method A.12, C.1, C.2, D.2, D.3, D.6.
 #pragma once
 #include "kernels/batch.h"
+#include "kernels/elements/gradient_sink.h"
 #include "kernels/elements/load_gaussian.h"
 #include "kernels/math/screen_gradient.h"
-#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 

@@ -3,8 +3,8 @@
 // Not: their value; the losses that are reported are those of images.
 // Source: method B  [3DGS-MCMC].
 #pragma once
+#include "kernels/elements/gradient_sink.h"
 #include "kernels/elements/load_gaussian.h"
-#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 
