@@ -5,8 +5,8 @@
 namespace tessera {
 
 /// Control points `knots` whose spline is the old one in the least-squares sense, exactly where
-/// knots = 2·S − 3. Adam's moments are zero afterwards; nodes are in any memory, `step`: steps
-/// done. `knots` is at least as large as before.
+/// knots = 2·S − 3. `knots` is at least as large as before. Optimizer state is zero afterwards.
+/// `step`: steps done. Nodes are in any memory.
 void refit_nodes(int knots, int64_t step, MotionNodes& nodes);
 
 }  // namespace tessera

@@ -83,7 +83,7 @@ TEST(MotionStart, OneSpotHasOneNodeAndNothingHasNone) {
   EXPECT_TRUE(faint.plan(3).position.empty());
 }
 
-/// A state of static Gaussians with Adam's moments that tell them apart.
+/// A state of static Gaussians whose optimizer state tells them apart.
 TrainState static_state() {
   TrainState state;
   state.model = random_model(60, 0);
@@ -145,7 +145,7 @@ double largest_difference(const MotionNodes& a, const MotionNodes& b) {
   return most;
 }
 
-// Bugs put back, each seen to fail: Adam's moments kept; the weights of the old number of control
+// Bugs put back, each seen to fail: optimizer state kept; the weights of the old number of control
 // points.
 TEST(MotionRefit, MoreControlPointsFollowTheOldMotion) {
   const MotionNodes before = random_motion(3, 5);

@@ -55,7 +55,7 @@ TEST(MotionTraining, SeesAroundATurningBody) {
   EXPECT_GT(nodes, still + 5) << "static " << still;
 }
 
-// Bug put back: control points and Adam's moments of them left out of the checkpoint; seen to fail.
+// Bug put back: control points and their optimizer state left out of the checkpoint; seen to fail.
 TEST(MotionTraining, ResumesBitByBit) {
   const Scene scene = travelling_camera(turning_truth(0.8, {0.2, 0, 0}), 48, 12);
   for (const bool fused : {true, false}) {
