@@ -166,13 +166,21 @@ std::string code(const std::string& text) {
   return fmt::format("<code>{}</code>", html_text(text));
 }
 
+/// Of a file that people may have edited. Not operator[], which reads beyond the end of a constant
+/// object where a key is missing.
+std::string text_of(const json& object, const char* key, const char* otherwise) {
+  const auto found = object.find(key);
+  if (found == object.end()) return otherwise;
+  return found->is_string() ? found->get<std::string>() : found->dump();
+}
+
 /// What was asked for, so that it can be asked for again.
 std::string settings(const json& report) {
   std::string rows =
       row("versions", list_of(report["versions"])) + row("devices", list_of(report["devices"]));
   for (const json& variant : report["variants"])
-    rows += row("preset " + variant["name"].get<std::string>(),
-                code(variant["preset"].get<std::string>() + " " + variant["options"].dump()));
+    rows += row("preset " + text_of(variant, "name", ""),
+                code(text_of(variant, "preset", "") + " " + text_of(variant, "options", "{}")));
   for (const json& capture : report["captures"]) rows += row("capture", code(capture.dump()));
   std::string notes;
   for (const json& note : report["notes"])
