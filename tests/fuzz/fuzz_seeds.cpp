@@ -5,6 +5,7 @@
 #include <zstd.h>
 #endif
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -42,6 +43,17 @@ GaussianModel some_model(Form form, int coefficients) {
   model.static_set = some_set(Form::kStatic, 3, coefficients);
   model.dynamic_set = some_set(form, 3, coefficients);
   model.drawing.sh_degree = coefficients == 1 ? 0 : 3;
+  return model;
+}
+
+GaussianModel model_with_nodes() {
+  GaussianModel model = some_model(Form::kPair, 1);
+  model.static_set = some_set(Form::kCanonical, 3, 1);
+  for (float& node : model.static_set.group(kNode).value.span()) node = node > 0 ? 1.0f : -1.0f;
+  model.nodes.resize(2, kSplineOrder);
+  std::fill(model.nodes.position.begin(), model.nodes.position.end(), 0.5f);
+  for (ParameterGroup* const group : model.nodes.groups())
+    std::fill(group->value.begin(), group->value.end(), 0.25f);
   return model;
 }
 
@@ -116,6 +128,7 @@ void write_models(const fs::path& folder) {
   all.environment.map.value.resize(2 * 4 * 3);
   for (float& value : all.environment.map.value.span()) value = 0.5f;
   save_model(folder / "model/all", all);
+  save_model(folder / "model/nodes", model_with_nodes());
   for (const bool lossless : {false, true})
     write_text_file(folder / "tessera4d" / (lossless ? "exact" : "rounded"), tessera4d(lossless));
 }
