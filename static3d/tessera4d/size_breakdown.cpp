@@ -30,7 +30,7 @@ const std::array<ComponentElement, kComponents>& component_elements() {
       {"opacity", {kOpacityLogit}, {"opacity", "opacity_logit"}},
       {"colour", {kSh}, {"colour", "sh1", "sh2", "sh3"}},
       {"time",
-       {kMeanTime, kLogScaleTime, kRotationRight, kShTime},
+       {kMeanTime, kLogScaleTime, kRotationRight, kShTime, kNodeLogit, kNode},
        {"velocity", "time_mean", "log_time_scale"}},
   }};
   return elements;
