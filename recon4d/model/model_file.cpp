@@ -88,6 +88,10 @@ void read_comments(const std::filesystem::path& path, const std::vector<std::str
         fmt::format("{}: format version {}, this program reads {} and {}; use the program "
                     "that wrote it or export again",
                     path.string(), version, kFormatVersion, kNodesVersion));
+  const bool has_nodes = !numbers_if_any(path, comments, kNodesKey, 2).empty();
+  if (has_nodes != (version == kNodesVersion))
+    throw InputError(fmt::format("{}: format version {} {} motion nodes; export again",
+                                 path.string(), version, has_nodes ? "with" : "without"));
   const auto axis = numbers_of(path, comments, "time_axis", 2);
   if (!(axis[1] > 0))
     throw InputError(fmt::format("{}: a clip of {} seconds, expected more than 0; export again",

@@ -79,8 +79,8 @@ TEST(ModelFile, TellsItselfFromOtherFiles) {
 
 TEST(ModelFile, RefusesWhatItCannotRead) {
   const ModelToSpoil model(random_model(3, 2));
-  const auto path = model.with("tessera_4d_version 2", "tessera_4d_version 3");
-  expect_input_error([&] { load_model(path); }, {"changed.ply", "version 3", "reads 2"});
+  const auto path = model.with("tessera_4d_version 2", "tessera_4d_version 4");
+  expect_input_error([&] { load_model(path); }, {"changed.ply", "version 4", "reads 2 and 3"});
   model.with("property float mean_time", "property float mean_tide");
   expect_input_error([&] { load_model(path); }, {"changed.ply", "vertex_dynamic", "mean_time"});
   model.with("time_axis 12.5 ", "time_axis oops ");

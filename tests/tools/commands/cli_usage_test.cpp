@@ -72,7 +72,7 @@ TEST(CliUsage, UnknownOptions) {
     arguments.insert(arguments.begin() + 1, {work.at("capture"), "-o", work.at("x")});
     work.expect_refused(arguments, {part});
   };
-  refused({"train", "--lr", "0.01"}, "unknown option '--lr'; did you mean one of --lr-exposure, ");
+  refused({"train", "--lr", "0.01"}, "unknown option '--lr'; did you mean one of --lr-node-");
   refused({"train", "--iter", "5"}, "did you mean '--iterations'?");
   refused({"train", "--max-gausians", "5"}, "did you mean '--max-gaussians'?");
   refused({"run", "-p", "fast"}, "unknown option '-p'; did you mean '--preset'?");
