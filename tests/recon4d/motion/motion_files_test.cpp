@@ -24,6 +24,14 @@ double largest_difference(const std::vector<RenderedImage>& a,
   return most;
 }
 
+double mean_difference(const std::vector<RenderedImage>& a, const std::vector<RenderedImage>& b) {
+  double sum = 0, count = 0;
+  for (size_t v = 0; v < a.size(); ++v)
+    for (size_t i = 0; i < a[v].rgb.size(); ++i, ++count)
+      sum += std::abs(double(a[v].rgb[i]) - double(b[v].rgb[i]));
+  return sum / count;
+}
+
 // Bug put back: rotations of control points left out of the file; seen to fail.
 TEST(MotionFiles, AModelComesBackBitForBit) {
   const GaussianModel model = turning_truth(2, {0.3, 0, 0});
@@ -121,9 +129,9 @@ TEST(MotionFiles, AnotherWorldMovesAlike) {
         b_from_a.scale * view.camera.translation - rotation * b_from_a.translation;
     view.camera.cam_from_world = rotation;
   }
-  EXPECT_LT(largest_difference(render_views(*backend, moved, other),
-                               render_views(*backend, model, views)),
-            2e-4);
+  const auto a = render_views(*backend, moved, other), b = render_views(*backend, model, views);
+  EXPECT_LT(largest_difference(a, b), 1.2 / 255);  // a splat at its cut-off may gain a pixel
+  EXPECT_LT(mean_difference(a, b), 1e-5);
 }
 
 // Bug put back: the groups of bindings in no component; seen to fail.

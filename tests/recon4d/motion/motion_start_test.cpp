@@ -109,9 +109,16 @@ TEST(MotionStart, AStaticSetBecomesCanonicalAndLooksTheSame) {
   EXPECT_EQ(state.set(0).group(kNodeLogit).moment2.size(), 60 * kBindings);
   EXPECT_TRUE(state.set(0).group(kNode).moment1.empty());
   const std::vector<RenderedImage> after = render_views(*backend, state.model, three_views());
-  for (size_t b = 0; b < before.size(); ++b)
-    for (size_t i = 0; i < before[b].rgb.size(); ++i)
-      ASSERT_NEAR(after[b].rgb[i], before[b].rgb[i], 2e-4) << b << " " << i;
+  // weights add up to 1 but for rounding, by which a splat at its cut-off may gain or lose a pixel
+  for (size_t b = 0; b < before.size(); ++b) {
+    double sum = 0;
+    for (size_t i = 0; i < before[b].rgb.size(); ++i) {
+      const double difference = std::abs(double(after[b].rgb[i]) - double(before[b].rgb[i]));
+      ASSERT_LE(difference, 1.2 / 255) << b << " " << i;
+      sum += difference;
+    }
+    EXPECT_LE(sum / double(before[b].rgb.size()), 1e-5) << b;
+  }
 }
 
 MotionNodes random_motion(int64_t count, int knots) {

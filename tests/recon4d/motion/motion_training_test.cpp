@@ -40,7 +40,7 @@ double test_psnr(const Scene& scene, TrainOptions options) {
 }
 
 /// Half a turn in 48 images: a dynamic Gaussian sees a few of them, a canonical one sees all.
-// Bugs put back, each seen to fail: nodes that are not stepped; a gradient of the logits alone.
+// Bug put back: nodes that are not stepped; seen to fail.
 TEST(MotionTraining, SeesAroundATurningBody) {
   const Scene scene = travelling_camera(turning_truth(3, {0.3, 0.2, 0}), 48, 24);
   TrainOptions options = node_options(1500);
