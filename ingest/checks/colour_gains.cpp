@@ -8,6 +8,7 @@
 
 #include "ingest/clocks/training_timesteps.h"
 #include "ingest/cloud/patch.h"
+#include "kernels/base/cholesky.h"
 #include "kernels/base/median.h"
 
 namespace tessera {
@@ -17,28 +18,6 @@ struct LogRatio {
   size_t a, b;
   double value;
 };
-
-/// Solution of A x = b by Cholesky, A symmetric and positive definite, [n, n] row-major.
-std::vector<double> solve_positive(std::vector<double> a, std::vector<double> b) {
-  const size_t n = b.size();
-  for (size_t j = 0; j < n; ++j) {
-    for (size_t k = 0; k < j; ++k) a[j * n + j] -= a[j * n + k] * a[j * n + k];
-    a[j * n + j] = std::sqrt(a[j * n + j]);
-    for (size_t i = j + 1; i < n; ++i) {
-      for (size_t k = 0; k < j; ++k) a[i * n + j] -= a[i * n + k] * a[j * n + k];
-      a[i * n + j] /= a[j * n + j];
-    }
-  }
-  for (size_t i = 0; i < n; ++i) {
-    for (size_t k = 0; k < i; ++k) b[i] -= a[i * n + k] * b[k];
-    b[i] /= a[i * n + i];
-  }
-  for (size_t i = n; i-- > 0;) {
-    for (size_t k = i + 1; k < n; ++k) b[i] -= a[k * n + i] * b[k];
-    b[i] /= a[i * n + i];
-  }
-  return b;
-}
 
 /// log gains of one channel with mean 0; the weak pull to 0 decides where nothing else does.
 std::vector<double> solve(const std::vector<LogRatio>& ratios, const std::vector<double>& weights,
@@ -56,7 +35,7 @@ std::vector<double> solve(const std::vector<LogRatio>& ratios, const std::vector
     right[a] += w * value;
     right[b] -= w * value;
   }
-  return solve_positive(std::move(normal), std::move(right));
+  return Cholesky(std::move(normal), cameras).solve(std::move(right));
 }
 
 std::vector<double> log_gains(const std::vector<LogRatio>& ratios, size_t cameras) {

@@ -39,19 +39,19 @@ Buffer<float> largest_weights(Backend& backend, Pipeline<float>& pipeline,
 std::array<DensityReport, 2> prune_unseen(Backend& backend, const Buffer<float>& largest,
                                           double least, TrainState& state) {
   check(largest.size() == state.model.count(), "prune_unseen: one weight a Gaussian");
-  std::vector<float> weights(size_t(largest.size()));
-  largest.memory().copy(weights.data(), largest.data(), sizeof(float) * weights.size());
+  Buffer<float> weights;  // on the host
+  weights.copy_from(largest);
   const StageTimer timer(backend.clock(), kDensity);
   std::array<DensityReport, 2> reports;
-  size_t first = 0;
+  int64_t first = 0;
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = state.set(k);
     DensityReport& report = reports[size_t(k)];
     report.before = set.count();
     std::vector<int64_t> seen;
     for (int64_t n = 0; n < report.before; ++n)
-      if (double(weights[first + size_t(n)]) >= least) seen.push_back(n);
-    first += size_t(report.before);
+      if (double(weights[first + n]) >= least) seen.push_back(n);
+    first += report.before;
     report.after = int64_t(seen.size());
     report.pruned = report.before - report.after;
     if (report.pruned > 0) keep_elements(backend, seen, set, state.statistics[k]);

@@ -27,6 +27,10 @@ constexpr const char* kStaticElement = "vertex";
 constexpr const char* kDynamicElement = "vertex_dynamic";
 constexpr const char* kEnvironmentElement = "environment";
 
+std::vector<std::string> environment_columns() {
+  return {"red", "green", "blue"};
+}
+
 /// Numbers behind `key` in the comments; none when it is not there. fmt writes the shortest text
 /// that reads back bit-equal.
 std::vector<double> numbers_if_any(const std::filesystem::path& path,
@@ -144,7 +148,7 @@ void save_model(const std::filesystem::path& path, const GaussianModel& model) {
     const Similarity turn{1, environment.map_from_world, {}};
     comments.push_back(fmt::format("environment {} {}", environment.height,
                                    fmt::join(similarity_numbers(turn), " ")));
-    others.push_back({kEnvironmentElement, {"red", "green", "blue"}, environment.map.value.span()});
+    others.push_back({kEnvironmentElement, environment_columns(), environment.map.value.span()});
   }
   const NodeElements nodes(model.nodes);
   if (!model.nodes.empty()) {
@@ -173,17 +177,9 @@ EnvironmentLight read_environment(const std::filesystem::path& path, const PlyFi
   SimilarityNumbers turn{};
   std::copy(numbers.begin() + 1, numbers.end(), turn.begin());
   environment.map_from_world = similarity_from_numbers(turn).rotation;
+  const std::vector<float> texels = read_floats(path, *element, environment_columns());
   environment.map.value.resize(scalars);
-  int64_t c = 0;
-  for (const char* name : {"red", "green", "blue"}) {
-    const PlyColumn* const column = element->find(name);
-    if (column == nullptr)
-      throw InputError(fmt::format("{}: element '{}' has no scalar property '{}'; export again",
-                                   path.string(), kEnvironmentElement, name));
-    for (int64_t i = 0; i < element->rows; ++i)
-      environment.map.value[3 * i + c] = float(column->values[size_t(i)]);
-    ++c;
-  }
+  std::copy(texels.begin(), texels.end(), environment.map.value.begin());
   return environment;
 }
 

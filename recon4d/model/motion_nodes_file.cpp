@@ -32,15 +32,7 @@ std::vector<float> rows_of(const std::filesystem::path& path, const PlyFile& fil
         fmt::format("{}: element '{}' does not have the {} rows of the comment motion_nodes; "
                     "export again",
                     path.string(), name, rows));
-  std::vector<float> values(size_t(rows) * columns.size());
-  for (size_t c = 0; c < columns.size(); ++c) {
-    const PlyColumn* const column = element->find(columns[c]);
-    if (column == nullptr)
-      throw InputError(fmt::format("{}: element '{}' has no scalar property '{}'; export again",
-                                   path.string(), name, columns[c]));
-    for (size_t r = 0; r < size_t(rows); ++r)
-      values[r * columns.size() + c] = float(column->values[r]);
-  }
+  const std::vector<float> values = read_floats(path, *element, columns);
   for (const float value : values)
     if (!std::isfinite(value))
       throw InputError(fmt::format("{}: element '{}' has a value that is not finite; export again",

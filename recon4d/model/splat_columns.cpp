@@ -140,6 +140,20 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
   output.commit();
 }
 
+std::vector<float> read_floats(const std::filesystem::path& path, const PlyElement& element,
+                               const std::vector<std::string>& columns) {
+  std::vector<float> values(size_t(element.rows) * columns.size());
+  for (size_t c = 0; c < columns.size(); ++c) {
+    const PlyColumn* const column = element.find(columns[c]);
+    if (column == nullptr)
+      throw InputError(fmt::format("{}: element '{}' has no scalar property '{}'; export again",
+                                   path.string(), element.name, columns[c]));
+    for (size_t r = 0; r < size_t(element.rows); ++r)
+      values[r * columns.size() + c] = float(column->values[r]);
+  }
+  return values;
+}
+
 GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, Form form) {
   const int coefficients = stored_coefficients(path, element);
   const int levels = is_dynamic(form) ? stored_levels(element) : 0;

@@ -43,6 +43,10 @@ struct FloatElement {
   Span<const float> values;  // [rows, columns]
 };
 
+/// [rows, columns] of an element. Errors: InputError naming a column that is missing.
+std::vector<float> read_floats(const std::filesystem::path& path, const PlyElement& element,
+                               const std::vector<std::string>& columns);
+
 /// Values as stored, `float` columns, binary little-endian, atomically; needs no copy of the sets.
 void write_splats(const std::filesystem::path& path, const std::vector<std::string>& comments,
                   const std::vector<SplatElement>& elements,

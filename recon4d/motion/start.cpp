@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 #include "kernels/elements/load_gaussian.h"
 
@@ -19,11 +20,6 @@ constexpr int64_t kElementsPerNode = 4;
 float squared_distance(const Vec3<float>& a, const Vec3<float>& b) {
   const Vec3<float> offset = a - b;
   return dot(offset, offset);
-}
-
-float median(std::vector<float> values) {
-  std::nth_element(values.begin(), values.begin() + ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 /// Elements that may become nodes, by their number, and how far from the centre they may lie.
@@ -116,30 +112,22 @@ GaussianSet moved_to_canonical(GaussianSet& from) {
   return to;
 }
 
-template <class T>
-void write(const std::vector<T>& values, Buffer<float>& to) {
-  to.resize(int64_t(values.size() * sizeof(T) / sizeof(float)));
-  to.memory().copy(to.data(), values.data(), values.size() * sizeof(T));
-}
-
 void write_zeros(Backend& backend, int64_t count, Buffer<float>& to) {
   to.resize(count);
   backend.fill_zero(to.span());
 }
 
-MotionNodes nodes_at_rest(Backend& backend, const NodePlan& plan, int knots, int64_t step) {
-  MotionNodes nodes(backend.memory());
+MotionNodes nodes_at_rest(const NodePlan& plan, int knots, int64_t step) {
+  MotionNodes nodes;
   nodes.resize(int64_t(plan.position.size()), knots);
   nodes.started = nodes.refitted = step;
-  write(plan.position, nodes.position);
-  write(plan.log_radius, nodes.log_radius.value);
-  write_zeros(backend, nodes.translation.value.size(), nodes.translation.value);
-  write(std::vector<Vec4<float>>(size_t(nodes.count * knots), Vec4<float>(1, 0, 0, 0)),
-        nodes.rotation.value);
-  for (ParameterGroup* const group : nodes.groups()) {
-    write_zeros(backend, group->value.size(), group->moment1);
-    write_zeros(backend, group->value.size(), group->moment2);
-  }
+  for (int64_t m = 0; m < nodes.count; ++m)
+    for (int c = 0; c < 3; ++c) nodes.position[3 * m + c] = plan.position[size_t(m)][c];
+  std::copy(plan.log_radius.begin(), plan.log_radius.end(), nodes.log_radius.value.begin());
+  std::fill(nodes.translation.value.begin(), nodes.translation.value.end(), 0.0f);
+  Buffer<float>& rotation = nodes.rotation.value;
+  for (int64_t i = 0; i < rotation.size(); ++i) rotation[i] = i % 4 == 0 ? 1.0f : 0.0f;
+  nodes.ensure_moments();
   return nodes;
 }
 
@@ -174,7 +162,9 @@ void start_nodes(Backend& backend, const NodePlan& plan, int knots, TrainState& 
   const ShBlocks blocks = set.blocks();
   const bool has_moments = set.has_moments();
   set = moved_to_canonical(set);
-  write(plan.node, set.group(kNode).value);
+  Buffer<float>& node = set.group(kNode).value;
+  node.resize(int64_t(plan.node.size()));
+  node.memory().copy(node.data(), plan.node.data(), sizeof(float) * plan.node.size());
   ParameterGroup& logits = set.group(kNodeLogit);
   write_zeros(backend, count * kBindings, logits.value);
   if (has_moments) {
@@ -182,7 +172,7 @@ void start_nodes(Backend& backend, const NodePlan& plan, int knots, TrainState& 
     write_zeros(backend, count * kBindings, logits.moment2);
   }
   set.set_count(count, blocks);
-  state.model.nodes = nodes_at_rest(backend, plan, knots, state.iteration);
+  state.model.nodes = nodes_at_rest(plan, knots, state.iteration).clone_to(backend.memory(), true);
 }
 
 }  // namespace tessera

@@ -7,15 +7,6 @@
 
 namespace tessera {
 
-/// Quaternion product a·b.
-inline Vec4<double> product(const Vec4<double>& a, const Vec4<double>& b) {
-  const Mat4<double> left = left_matrix(a);
-  Vec4<double> result(0.0);
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j) result[i] += left.m[i][j] * b[j];
-  return result;
-}
-
 /// Unit (l, r), up to a common sign, with rotation4(l, r) = R for a proper rotation R.
 void quaternions_of_rotation4(const Mat4<double>& R, Vec4<double>& left, Vec4<double>& right);
 

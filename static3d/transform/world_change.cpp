@@ -6,6 +6,7 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/elements/load_gaussian.h"
+#include "kernels/math/carry.h"
 #include "kernels/math/eigen3.h"
 #include "static3d/transform/four_rotation.h"
 #include "static3d/transform/sh_rotation.h"
@@ -35,9 +36,10 @@ struct Change {
 
 /// Quaternions and scales of one dynamic Gaussian.
 void change_shape4(const Change& change, const GaussianSpans<float>& v, int64_t n) {
-  const Vec4<double> left = product(change.quaternion, Vec4<double>(load4(v.at(kRotation, n))));
-  const Vec4<double> right =
-      product(Vec4<double>(load4(v.at(kRotationRight, n))), conjugate(change.quaternion));
+  const Vec4<double> left =
+      quaternion_product(change.quaternion, Vec4<double>(load4(v.at(kRotation, n))));
+  const Vec4<double> right = quaternion_product(Vec4<double>(load4(v.at(kRotationRight, n))),
+                                                conjugate(change.quaternion));
   float* const log_scale = v.at(kLogScale, n);
   float* const log_scale_time = v.at(kLogScaleTime, n);
   const double sigma[4] = {std::exp(double(*log_scale_time)), std::exp(double(log_scale[0])),
@@ -70,7 +72,8 @@ void change_gaussian(const Change& change, const GaussianSpans<float>& v, int64_
   } else {
     float* const log_scale = v.at(kLogScale, n);
     for (int k = 0; k < 3; ++k) log_scale[k] = float(double(log_scale[k]) + change.log_scale);
-    store4(product(change.quaternion, Vec4<double>(load4(v.at(kRotation, n)))), v.at(kRotation, n));
+    store4(quaternion_product(change.quaternion, Vec4<double>(load4(v.at(kRotation, n)))),
+           v.at(kRotation, n));
   }
   if (v.form == Form::kVelocity) change_velocity(change, v.at(kVelocity, n));
   change.sh.apply(v.coefficients, v.at(kSh, n));
