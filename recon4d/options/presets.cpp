@@ -15,14 +15,17 @@ const OptionOverrides kBalanced = joined(kReduction, {{"iterations", 7000},
                                                       {"peak_gaussians", 400000},
                                                       {"prune_extent", 0},
                                                       {"sweep", true},
-                                                      {"split_by_motion", true}});
+                                                      {"split_by_motion", true},
+                                                      {"filter_2d", true}});
 /// Rigs of few cameras fit noise with more: 108,000 for ten of 480 × 360.
 constexpr int64_t kPixelsPerGaussian = 16;
 /// Photos of a place: what is seen far behind it is part of it.
 const OptionOverrides kStill = {{"far_plane", 1e4}};
+const OptionOverrides kBalancedStill = joined(kStill, {{"filter_2d", false}});
 /// Several cameras that film at the same time: every timestep is seen from several sides, so
 /// dynamic Gaussians start a few frames long, and cameras may differ in colour.
-const OptionOverrides kRig = {{"exposure", "auto"}, {"filter_2d", true}};
+/// What no training view shows would be grown at the cost of what moves.
+const OptionOverrides kRig = {{"exposure", "auto"}, {"min_blending_weight", 0.05}};
 constexpr FrameRates kRigRates = {.extent_frames = 3, .mean_time_rate = 0.02};
 /// With few steps the velocities that the initial cloud has count for more than form.
 const OptionOverrides kFastRig = {{"exposure", "auto"}, {"motion_form", "velocity"}};
@@ -62,16 +65,16 @@ const std::vector<Preset>& presets() {
        kFastRigRates},
       {"balanced",
        "the default: 7,000 steps; what does not move becomes static, and the model is pruned",
-       kBalanced, kStill, kPixelsPerGaussian, kRig, kRigRates},
+       kBalanced, kBalancedStill, kPixelsPerGaussian, kRig, kRigRates},
       {"best",
        "highest quality: rigs 15,000 steps; one camera MCMC densification with 200,000 Gaussians; "
        "one timestep 30,000 steps and a million Gaussians",
        joined(joined(kBalanced, kMcmc),
               {{"peak_gaussians", 200000}, {"mcmc_noise", 5e4}, {"thin_until", 28000}}),
-       joined(kStill, {{"iterations", 30000},
-                       {"peak_gaussians", 1000000},
-                       {"mcmc_noise", 5e5},
-                       {"size", "grown"}}),
+       joined(kBalancedStill, {{"iterations", 30000},
+                               {"peak_gaussians", 1000000},
+                               {"mcmc_noise", 5e5},
+                               {"size", "grown"}}),
        kPixelsPerGaussian, kBestRig, kRigRates},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
