@@ -22,14 +22,17 @@ struct Block {
   std::string bytes;
 };
 
-/// A static set, or a dynamic one in velocity form without levels of time; sound Gaussians only, at
-/// least one.
-Block encode_block(const GaussianSet& set, const BlockRules& rules);
+/// A static set, a dynamic one in velocity form without levels of time, or a canonical one, every
+/// Gaussian of which `nodes` carry; sound Gaussians only, at least one.
+Block encode_block(const GaussianSet& set, const BlockRules& rules,
+                   const MotionNodes& nodes = MotionNodes());
 
-/// A static set or one in velocity form, with the SH coefficients of `sh_degree`. Errors:
+/// A static set, a canonical one or one in velocity form, with the SH coefficients of `sh_degree`;
+/// of a canonical one also its nodes. Errors:
 /// InputError naming `path`: a checksum that differs, streams that are missing, too short, or of
 /// another shape.
 GaussianSet decode_block(std::string_view bytes, const BlockInfo& info, int sh_degree,
-                         bool anchor_in_clip, const std::filesystem::path& path);
+                         bool anchor_in_clip, const std::filesystem::path& path,
+                         MotionNodes* nodes = nullptr);
 
 }  // namespace tessera

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "ingest/files/gzip.h"
 #include "kernels/base/errors.h"
 #include "static3d/tessera4d/block.h"
+#include "static3d/tessera4d/node_streams.h"
 #include "static3d/tessera4d/sh_streams.h"
 #include "static3d/tessera4d/stream.h"
 #include "static3d/transform/splat_quanta.h"
@@ -20,9 +22,12 @@ class Decoder {
   Decoder(std::string_view bytes, const BlockInfo& info, const std::filesystem::path& path)
       : bytes_(bytes), info_(info), path_(path) {}
 
-  GaussianSet decode(int sh_degree, bool anchor_in_clip) {
+  GaussianSet decode(int sh_degree, bool anchor_in_clip) const {
     const StreamWords position = needed("position", 3);  // no room for what is not there
-    GaussianSet set(info_.moving ? Form::kVelocity : Form::kStatic, sh_coefficients(sh_degree));
+    const Form form = info_.moving      ? Form::kVelocity
+                      : info_.nodes > 0 ? Form::kCanonical
+                                        : Form::kStatic;
+    GaussianSet set(form, sh_coefficients(sh_degree));
     set.resize(info_.count);
     const GaussianSpans<float> to = set.values();
     fill(position, to, kMean);
@@ -35,7 +40,16 @@ class Decoder {
       if (find(kShNames[degree]) != nullptr)
         fill(read(kShNames[degree], band_width(degree)), to, kSh, band_begin(degree));
     if (info_.moving) fill_motion(to, anchor_in_clip);
+    if (info_.nodes > 0) fill_bindings(to);
     return set;
+  }
+  MotionNodes decode_nodes() const {
+    NodeStreams streams{read("node_position", 3), read("node_translation", 3),
+                        read("node_rotation", 4)};
+    std::optional<StreamWords> log_radius;
+    if (find("node_log_radius") != nullptr) log_radius = read("node_log_radius", 1);
+    streams.log_radius = log_radius ? &*log_radius : nullptr;
+    return nodes_from(streams, info_.nodes, info_.knots, path_);
   }
 
  private:
@@ -49,16 +63,19 @@ class Decoder {
     if (stream == nullptr || stream->components != components)
       throw InputError(fmt::format("{}: has no stream '{}' of {} components; export it again",
                                    path_.string(), name, components));
+    if (const int64_t rows = node_rows(name, info_.nodes, info_.knots); rows > 0)
+      check_rows(*stream, rows);
     return read_stream(bytes_, *stream, path_);
+  }
+  void check_rows(const StreamInfo& stream, int64_t rows) const {
+    if (stream.count != rows)
+      throw InputError(fmt::format("{}: stream '{}' has {} rows in place of {}; export it again",
+                                   path_.string(), stream.name, stream.count, rows));
   }
   /// One number of every Gaussian.
   StreamWords needed(const char* name, int components) const {
     StreamWords stream = read(name, components);
-    if (stream.info.count != info_.count)
-      throw InputError(
-          fmt::format("{}: stream '{}' does not hold the {} Gaussians of its block; "
-                      "export it again",
-                      path_.string(), name, info_.count));
+    check_rows(stream.info, info_.count);
     return stream;
   }
   static void fill(const StreamWords& stream, const GaussianSpans<float>& to, Group group,
@@ -88,6 +105,13 @@ class Decoder {
     for (int64_t n = 0; n < info_.count; ++n)
       *to.at(kOpacityLogit, n) = logit_of_byte(255 * double(value_at(stream, 0, n)));
   }
+  void fill_bindings(const GaussianSpans<float>& to) const {
+    const bool has_logits = find("node_logit") != nullptr;
+    read_bindings(
+        needed("node", kBindings),
+        has_logits ? needed("node_logit", kBindings) : needed("node_weight", kBindings - 1),
+        info_.nodes, to, path_);
+  }
   void fill_motion(const GaussianSpans<float>& to, bool anchor_in_clip) const {
     fill(needed("velocity", 3), to, kVelocity);
     fill(needed("time_mean", 1), to, kMeanTime);
@@ -107,7 +131,8 @@ class Decoder {
 }  // namespace
 
 GaussianSet decode_block(std::string_view bytes, const BlockInfo& info, int sh_degree,
-                         bool anchor_in_clip, const std::filesystem::path& path) {
+                         bool anchor_in_clip, const std::filesystem::path& path,
+                         MotionNodes* nodes) {
   if (bytes.size() != info.bytes)
     throw InputError(fmt::format("{}: has {} bytes, its manifest says {}; fetch or export it again",
                                  path.string(), bytes.size(), info.bytes));
@@ -116,7 +141,9 @@ GaussianSet decode_block(std::string_view bytes, const BlockInfo& info, int sh_d
         fmt::format("{}: its checksum differs from the manifest's: it is damaged or of another "
                     "export; fetch or export it again",
                     path.string()));
-  return Decoder(bytes, info, path).decode(sh_degree, anchor_in_clip);
+  const Decoder decoder(bytes, info, path);
+  if (nodes != nullptr && info.nodes > 0) *nodes = decoder.decode_nodes();
+  return decoder.decode(sh_degree, anchor_in_clip);
 }
 
 }  // namespace tessera

@@ -12,6 +12,7 @@
 #include "kernels/base/quantile.h"
 #include "kernels/elements/load_gaussian.h"
 #include "recon4d/model/validity.h"
+#include "static3d/tessera4d/node_streams.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/sh_streams.h"
 #include "static3d/tessera4d/stream.h"
@@ -39,7 +40,8 @@ int needed_degree(const float* sh, const BlockRules& rules) {
 
 class Encoder {
  public:
-  Encoder(const GaussianSet& set, const BlockRules& rules) : rules_(rules) {
+  Encoder(const GaussianSet& set, const BlockRules& rules, const MotionNodes& nodes)
+      : rules_(rules), nodes_(nodes) {
     const GaussianSpans<const float> values = set.values();
     std::vector<int64_t> order = morton_order(values);
     rules_.sh_degree = std::min(rules.sh_degree, degree_of(set));
@@ -55,6 +57,9 @@ class Encoder {
     opacity_ = opacities();
     block_.info.moving = is_dynamic(set.form());
     block_.info.count = set.count();
+    if (set.form() != Form::kCanonical) return;
+    block_.info.nodes = nodes.count;
+    block_.info.knots = nodes.knots;
   }
 
   Block encode() {
@@ -64,6 +69,9 @@ class Encoder {
       add_position(column(kMean, 0, 3));
     add_shape();
     add_colour();
+    if (block_.info.nodes > 0)
+      for (StreamWords& stream : node_streams(sorted_, nodes_, position_step_, rules_.lossless))
+        add(std::move(stream));
     pack();
     block_.info.bytes = block_.bytes.size();
     block_.info.crc32 = crc32_of(block_.bytes);
@@ -213,6 +221,7 @@ class Encoder {
   }
 
   BlockRules rules_;
+  const MotionNodes& nodes_;
   std::array<int64_t, kMaxShDegree + 1>
       sh_elements_{};  // Gaussians that need a degree: the first ones
   GaussianSet sorted_{Form::kStatic, 1};
@@ -224,10 +233,11 @@ class Encoder {
 
 }  // namespace
 
-Block encode_block(const GaussianSet& set, const BlockRules& rules) {
-  check(set.form() != Form::kPair && set.time_levels() == 0, "encode_block: static or velocity");
+Block encode_block(const GaussianSet& set, const BlockRules& rules, const MotionNodes& nodes) {
+  check(set.form() != Form::kPair && set.time_levels() == 0, "encode_block: not of pairs");
+  check((set.form() == Form::kCanonical) == !nodes.empty(), "encode_block: nodes and bindings");
   check(set.count() > 0, "encode_block: a block of no Gaussians");
-  return Encoder(set, rules).encode();
+  return Encoder(set, rules, nodes).encode();
 }
 
 }  // namespace tessera

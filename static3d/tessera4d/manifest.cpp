@@ -12,6 +12,8 @@
 #include "kernels/math/eigen3.h"
 #include "kernels/math/ewa.h"
 #include "kernels/math/filter_2d.h"
+#include "kernels/math/node_pose.h"
+#include "static3d/tessera4d/node_streams.h"
 
 namespace tessera {
 namespace {
@@ -113,13 +115,19 @@ json to_json(const StreamInfo& stream) {
 }
 
 json to_json(const BlockInfo& block) {
-  json out = {{"kind", block.moving ? "dynamic" : "static"},
+  json out = {{"kind", block.moving      ? "dynamic"
+                       : block.nodes > 0 ? "canonical"
+                                         : "static"},
               {"bytes", block.bytes},
               {"crc32", block.crc32},
               {"visible", list_of(block.visible)},
               {"level", block.level},
               {"segment", list_of(block.segment)},
               {"count", block.count}};
+  if (block.nodes > 0) {
+    out["nodes"] = block.nodes;
+    out["knots"] = block.knots;
+  }
   if (block.file.empty())
     out["offset"] = block.offset;
   else
@@ -142,7 +150,14 @@ bool is_known(const std::string& name) {
                                     "time_mean",
                                     "log_time_scale",
                                     "opacity_logit",
-                                    "rotation_largest"};
+                                    "rotation_largest",
+                                    "node",
+                                    "node_weight",
+                                    "node_logit",
+                                    "node_position",
+                                    "node_translation",
+                                    "node_rotation",
+                                    "node_log_radius"};
   return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
 }
 
@@ -159,7 +174,8 @@ StreamInfo stream_from(const json& object, const BlockInfo& block, const fs::pat
   stream.gzip = codec == "gzip";
   constexpr uint64_t kMostComponents = 64;
   stream.components = int(reading.whole("components", kMostComponents));
-  stream.count = int64_t(reading.whole("count", uint64_t(block.count)));
+  const int64_t rows = node_rows(stream.name, block.nodes, block.knots);
+  stream.count = int64_t(reading.whole("count", uint64_t(rows > 0 ? rows : block.count)));
   stream.delta = reading.flag_or("delta", false);
   stream.offset = reading.whole("offset", block.bytes);
   stream.bytes = reading.whole("bytes", block.bytes - stream.offset);
@@ -178,13 +194,21 @@ std::string plain_name(const Reading& block) {
   return name;
 }
 
-BlockInfo block_from(const json& object, const fs::path& path) {
+BlockInfo block_from(const json& object, uint64_t version, const fs::path& path) {
   const Reading reading(object, path, "a block");
   BlockInfo block;
   const std::string kind = reading.text("kind");
-  if (kind != "static" && kind != "dynamic")
+  const bool is_canonical = kind == "canonical" && version >= kTessera4dNodesVersion;
+  if (kind != "static" && kind != "dynamic" && !is_canonical)
     reading.fail(fmt::format("is of kind '{}', expected static or dynamic", kind));
   block.moving = kind == "dynamic";
+  if (is_canonical) {
+    block.nodes = int64_t(reading.whole("nodes", kMaxNodes));
+    block.knots = int(reading.whole("knots", kMaxKnots));
+    if (block.nodes == 0 || block.knots < kSplineOrder)
+      reading.fail(
+          fmt::format("has {} motion nodes with {} control points", block.nodes, block.knots));
+  }
   if (reading.has("file"))
     block.file = plain_name(reading);
   else
@@ -222,8 +246,9 @@ void read_world(const Reading& file, GaussianModel& rules) {
 
 InputError newer_tessera4d(const fs::path& path, uint64_t version) {
   return InputError(
-      fmt::format("{}: a Tessera 4D file of version {}, this program reads {}; use a newer one",
-                  path.string(), version, kTessera4dVersion));
+      fmt::format("{}: a Tessera 4D file of version {}, this program reads up to {}; use a newer "
+                  "one",
+                  path.string(), version, kTessera4dNodesVersion));
 }
 
 int bytes_of(StreamType type) {
@@ -246,10 +271,17 @@ int64_t Tessera4dManifest::gaussians(bool moving) const {
   return sum;
 }
 
+int64_t Tessera4dManifest::canonical() const {
+  int64_t sum = 0;
+  for (const BlockInfo& block : blocks)
+    if (block.nodes > 0) sum += block.count;
+  return sum;
+}
+
 json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules) {
   json out = {
       {"format", kTessera4dFormat},
-      {"version", kTessera4dVersion},
+      {"version", manifest.version()},
       {"generator", manifest.generator},
       {"axes", "RDF"},
       {"up", manifest.up},
@@ -258,7 +290,9 @@ json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules) {
         {"duration", rules.time_axis.duration},
         {"fps", manifest.fps > 0 ? json(manifest.fps) : json()}}},
       {"bounds", nullptr},
-      {"gaussians", {{"static", manifest.gaussians(false)}, {"dynamic", manifest.gaussians(true)}}},
+      {"gaussians",
+       {{"static", manifest.gaussians(false) - manifest.canonical()},
+        {"dynamic", manifest.gaussians(true)}}},
       {"sh_degree", rules.drawing.sh_degree},
       {"background", rules.background},
       {"splat", splat_json(rules)},
@@ -277,6 +311,7 @@ json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules) {
     out["prepared_from_source"] = similarity_numbers(rules.prepared_from_source);
   if (!manifest.audio.empty()) out["audio"] = manifest.audio;
   for (const PlayerCamera& camera : manifest.cameras) out["cameras"].push_back(camera_json(camera));
+  if (manifest.canonical() > 0) out["gaussians"]["canonical"] = manifest.canonical();
   for (const BlockInfo& block : manifest.blocks) out["blocks"].push_back(to_json(block));
   return out;
 }
@@ -286,7 +321,8 @@ Tessera4dManifest manifest_from(const json& object, const fs::path& path, Gaussi
   if (file.text("format") != kTessera4dFormat)
     throw InputError(fmt::format("{}: format '{}', expected '{}'", path.string(),
                                  file.text("format"), kTessera4dFormat));
-  if (const uint64_t version = file.whole("version", UINT32_MAX); version != kTessera4dVersion)
+  const uint64_t version = file.whole("version", UINT32_MAX);
+  if (version < kTessera4dVersion || version > kTessera4dNodesVersion)
     throw newer_tessera4d(path, version);
   Tessera4dManifest manifest;
   manifest.generator = file.has("generator") ? file.text("generator") : "";
@@ -307,7 +343,11 @@ Tessera4dManifest manifest_from(const json& object, const fs::path& path, Gaussi
     file.fail(fmt::format("has anchor '{}', expected clip or mean_time", anchor));
   manifest.anchor_in_clip = anchor == "clip";
   manifest.lossless = file.flag_or("lossless", false);
-  for (const json& block : file.list("blocks")) manifest.blocks.push_back(block_from(block, path));
+  for (const json& block : file.list("blocks"))
+    manifest.blocks.push_back(block_from(block, version, path));
+  if (std::count_if(manifest.blocks.begin(), manifest.blocks.end(),
+                    [](const BlockInfo& block) { return block.nodes > 0; }) > 1)
+    file.fail("has more than one canonical block");
   return manifest;
 }
 

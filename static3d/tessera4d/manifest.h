@@ -20,7 +20,8 @@ namespace tessera {
 
 inline constexpr std::string_view kTessera4dMagic = "TES4";  // of a single file
 inline constexpr const char* kTessera4dFormat = "tessera-4d";
-inline constexpr uint32_t kTessera4dVersion = 1;
+/// Of files without motion nodes, and of those with them; readers know both.
+inline constexpr uint32_t kTessera4dVersion = 1, kTessera4dNodesVersion = 2;
 
 /// What readers say of a version that is not theirs.
 InputError newer_tessera4d(const std::filesystem::path& path, uint64_t version);
@@ -34,7 +35,7 @@ struct StreamInfo {
   std::string name;
   StreamType type = StreamType::kU8;
   int components = 1;
-  int64_t count = 0;                // Gaussians, from the first of the block
+  int64_t count = 0;  // Gaussians, from the first of the block; nodes or their control points
   std::vector<double> scale, bias;  // [components] of integers
   bool delta = false, gzip = true;
   uint64_t offset = 0, bytes = 0;  // within the block
@@ -54,6 +55,8 @@ struct BlockInfo {
   Interval visible, segment;
   int level = 0;
   int64_t count = 0;
+  int64_t nodes = 0;  // of a canonical block: motion nodes, and the control points of each
+  int knots = 0;
   std::vector<StreamInfo> streams;
 };
 
@@ -69,7 +72,11 @@ struct Tessera4dManifest {
   std::string audio;
   std::vector<BlockInfo> blocks;
 
+  /// Of dynamic blocks, or of all others.
   int64_t gaussians(bool moving) const;
+  /// Of the block that motion nodes carry.
+  int64_t canonical() const;
+  uint32_t version() const { return canonical() > 0 ? kTessera4dNodesVersion : kTessera4dVersion; }
 };
 
 /// `rules`: a model of no Gaussians that says how they are drawn, their SH degree and their clock.

@@ -47,20 +47,38 @@ GaussianSet joined(std::vector<GaussianSet> parts, Form form, int coefficients, 
   return whole;
 }
 
+/// Static Gaussians in front of those that nodes carry, in one canonical set.
+GaussianSet with_carried(const GaussianSet& fixed, const GaussianSet& carried) {
+  GaussianSet whole(Form::kCanonical, fixed.coefficients());
+  whole.resize(fixed.count() + carried.count());
+  const GaussianSpans<float> to = whole.values();
+  std::fill_n(to.group[kNode].data, kBindings * fixed.count(), -1.0f);
+  std::fill_n(to.group[kNodeLogit].data, kBindings * fixed.count(), 0.0f);
+  place_elements(fixed, whole, 0);
+  place_elements(carried, whole, fixed.count());
+  return whole;
+}
+
 /// `block` gives the bytes of a block and the name of the file that they are in.
 template <class BlockBytes>
 void read_blocks(Tessera4dInput& input, const fs::path& path, BlockBytes&& block) {
-  std::vector<GaussianSet> fixed, moving;
+  std::vector<GaussianSet> fixed, moving, carried;
   for (const BlockInfo& info : input.manifest.blocks) {
     const auto& [file, bytes] = block(info);
-    (info.moving ? moving : fixed)
+    (info.moving      ? moving
+     : info.nodes > 0 ? carried
+                      : fixed)
         .push_back(decode_block(bytes, info, input.model.drawing.sh_degree,
-                                input.manifest.anchor_in_clip, file));
+                                input.manifest.anchor_in_clip, file, &input.model.nodes));
     input.bytes += int64_t(info.bytes);
   }
   int64_t unsound = 0;
   const int coefficients = sh_coefficients(input.model.drawing.sh_degree);
   input.model.static_set = joined(std::move(fixed), Form::kStatic, coefficients, unsound);
+  if (!carried.empty())
+    input.model.static_set =
+        with_carried(input.model.static_set,
+                     joined(std::move(carried), Form::kCanonical, coefficients, unsound));
   input.model.dynamic_set = joined(std::move(moving), Form::kVelocity, coefficients, unsound);
   if (unsound > 0)
     input.warnings.push_back(
@@ -100,7 +118,8 @@ Tessera4dInput load_single(const fs::path& path) {
   const std::string bytes = read_text_file(path);
   ByteReader reader(bytes, path);
   reader.take(kTessera4dMagic.size());
-  if (const auto version = reader.number<uint32_t>(); version != kTessera4dVersion)
+  if (const auto version = reader.number<uint32_t>();
+      version < kTessera4dVersion || version > kTessera4dNodesVersion)
     throw newer_tessera4d(path, version);
   const std::string_view text = reader.take(reader.number<uint32_t>());
   const nlohmann::json manifest = parse_json(std::string(text), path);

@@ -31,7 +31,8 @@ const std::array<ComponentElement, kComponents>& component_elements() {
       {"colour", {kSh}, {"colour", "sh1", "sh2", "sh3"}},
       {"time",
        {kMeanTime, kLogScaleTime, kRotationRight, kShTime, kNodeLogit, kNode},
-       {"velocity", "time_mean", "log_time_scale"}},
+       {"velocity", "time_mean", "log_time_scale", "node", "node_weight", "node_logit",
+        "node_position", "node_translation", "node_rotation", "node_log_radius"}},
   }};
   return elements;
 }

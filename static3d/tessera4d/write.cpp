@@ -15,6 +15,7 @@
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/validity.h"
 #include "static3d/tessera4d/block.h"
+#include "static3d/tessera4d/node_streams.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/tessera4d.h"
 #include "static3d/transform/motion_form.h"
@@ -42,6 +43,18 @@ GaussianSet plain_dynamic(const GaussianModel& model) {
     *to.at(kLogScaleTime, n) = float(0.5 * std::log(variance));
   }
   return plain;
+}
+
+/// Of a canonical set what a static one has.
+GaussianSet in_static_form(GaussianSet set) {
+  if (set.form() == Form::kStatic) return set;
+  GaussianSet out(Form::kStatic, set.coefficients());
+  out.resize(set.count());
+  const GaussianSpans<const float> from = std::as_const(set).values();
+  const GaussianSpans<float> to = out.values();
+  for (int g = 0; g < kStaticGroups; ++g)
+    std::copy_n(from.group[g].data, from.group[g].size, to.group[g].data);
+  return out;
 }
 
 class Writer {
@@ -75,7 +88,8 @@ class Writer {
 
  private:
   void add_block(const GaussianSet& set, const std::string& name, BlockInfo place) {
-    Block block = encode_block(set, rules_);
+    Block block = set.form() == Form::kCanonical ? encode_block(set, rules_, model_.nodes)
+                                                 : encode_block(set, rules_);
     block.info.file = name;
     block.info.level = place.level;
     block.info.segment = place.segment;
@@ -107,8 +121,16 @@ class Writer {
         note(load3(values.at(kMean, n)));
       }
     }
-    if (!elements.empty())
-      add_block(select_elements(model_.static_set, elements), "static.bin", {});
+    const auto first_static =
+        std::stable_partition(elements.begin(), elements.end(), [&](int64_t n) {
+          return model_.static_set.form() == Form::kCanonical && is_bound(values, n);
+        });
+    const std::vector<int64_t> carried(elements.begin(), first_static),
+        fixed(first_static, elements.end());
+    if (!fixed.empty())
+      add_block(in_static_form(select_elements(model_.static_set, fixed)), "static.bin", {});
+    if (!carried.empty())
+      add_block(select_elements(model_.static_set, carried), "canonical.bin", {});
   }
 
   void add_dynamic() {
@@ -159,10 +181,6 @@ int64_t Tessera4dFile::bytes() const {
 }
 
 Tessera4dFile encode_tessera4d(const GaussianModel& model, const Tessera4dOptions& options) {
-  if (!model.nodes.empty())
-    throw InputError(
-        "the Tessera 4D file cannot hold motion nodes; export frames (--format ply) or the model "
-        "(--format model)");
   return Writer(model, options).write();
 }
 
@@ -182,7 +200,7 @@ std::string single_tessera4d(const Tessera4dFile& file) {
   }
   const std::string text = manifest.dump();
   std::string out(kTessera4dMagic);
-  append(out, kTessera4dVersion);
+  append(out, manifest["version"].get<uint32_t>());
   append(out, uint32_t(text.size()));
   out += text;
   for (const auto& [name, bytes] : file.blocks) out += bytes;

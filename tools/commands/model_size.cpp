@@ -12,8 +12,7 @@ namespace tessera {
 nlohmann::json model_size(const std::string& path, const ModelInput& input, bool with_shipped) {
   nlohmann::json result = to_json(histograms_of(input.model), input.model.time_axis);
   result["account"]["memory"] = to_json(memory_breakdown(input.model));
-  const bool can_ship = input.model.nodes.empty();  // the Tessera 4D file has no motion nodes
-  if (!input.shipped && !(with_shipped && can_ship)) return result;
+  if (!input.shipped && !with_shipped) return result;
   nlohmann::json shipped =
       to_json(input.shipped ? *input.shipped : shipped_size_of(path, input.model).account);
   shipped["encoded_for_this"] = !input.shipped;

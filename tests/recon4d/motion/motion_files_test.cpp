@@ -6,7 +6,6 @@
 #include "kernels/base/errors.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/tessera4d/size_breakdown.h"
-#include "static3d/tessera4d/tessera4d.h"
 #include "static3d/transform/slicer.h"
 #include "static3d/transform/world_change.h"
 #include "tests/support/scratch_folder.h"
@@ -140,10 +139,6 @@ TEST(MotionFiles, BytesOfBindingsAreAccountedFor) {
   const ComponentBytes bytes = memory_breakdown(model).fixed;
   EXPECT_EQ(bytes.total(), model.static_set.value_bytes());
   EXPECT_EQ(bytes.bytes[size_t(Component::kTime)], model.static_set.count() * 16 * 4);
-}
-
-TEST(MotionFiles, TheTessera4dFileRefusesNodes) {
-  EXPECT_THROW(encode_tessera4d(turning_truth(1, {0, 0, 0}), {}), InputError);
 }
 
 }  // namespace
