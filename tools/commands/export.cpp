@@ -104,10 +104,10 @@ int export_command(const ExportRequest& request) {
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
   check_places(request, input.file);
-  warn_of_losses(input, in_time);
   if (!request.keep_world) input.model = model_in_source_world(input.model);
   nlohmann::json result = in_time != nullptr ? in_time->write(request, input.model)
                                              : export_frames(request, input.model);
+  warn_of_losses(input, in_time);  // of what has been written
   result["out"] = request.out;
   result["format"] = request.format;
   result["model"] = input.file.string();
