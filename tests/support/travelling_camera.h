@@ -44,6 +44,33 @@ inline GaussianModel turning_truth(double angle, const Vec3<double>& shift) {
   return truth;
 }
 
+/// Two bodies, each carried by a node of its own, which move towards each other until half of the
+/// clip, when they touch, and then back.
+inline GaussianModel touching_truth() {
+  GaussianModel truth = turning_truth(0, {0, 0, 0});
+  constexpr int kKnots = 8;
+  GaussianSet& set = truth.static_set;
+  const GaussianSpans<float> values = set.values();
+  truth.nodes.resize(2, kKnots);
+  const NodeSpans<float> nodes = truth.nodes.spans();
+  for (int m = 0; m < 2; ++m) {
+    const float side = m == 0 ? -1.0f : 1.0f;
+    for (int c = 0; c < 3; ++c) nodes.position[3 * m + c] = c == 0 ? 0.55f * side : 0.1f;
+    nodes.log_radius[m] = 0;
+    for (int i = 0; i < kKnots; ++i) {
+      const float share = 1 - std::abs(2 * float(i - 1) / float(kKnots - 3) - 1);  // 0 … 1 … 0
+      for (int c = 0; c < 3; ++c)
+        nodes.translation[3 * (kKnots * m + i) + c] = c == 0 ? -0.3f * side * share : 0;
+      for (int c = 0; c < 4; ++c) nodes.rotation[4 * (kKnots * m + i) + c] = c == 0 ? 1 : 0;
+    }
+  }
+  for (int64_t n = 0; n < 9; ++n) {  // those that a node carries, by turns
+    *values.at(kNode, n) = float(n % 2);
+    values.at(kMean, n)[0] = 0.3f * values.at(kMean, n)[0] + (n % 2 == 0 ? -0.55f : 0.55f);
+  }
+  return truth;
+}
+
 /// Frames of all cameras at all timesteps, of which each timestep has one that is trained on; every
 /// third of the others is a test view.
 inline Scene travelling_camera(const GaussianModel& truth, int timesteps, int size) {
