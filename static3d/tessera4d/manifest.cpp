@@ -244,8 +244,9 @@ void read_world(const Reading& file, GaussianModel& rules) {
 
 }  // namespace
 
-InputError newer_tessera4d(const fs::path& path, uint64_t version) {
-  return InputError(
+void check_tessera4d_version(const fs::path& path, uint64_t version) {
+  if (version >= kTessera4dVersion && version <= kTessera4dNodesVersion) return;
+  throw InputError(
       fmt::format("{}: a Tessera 4D file of version {}, this program reads up to {}; use a newer "
                   "one",
                   path.string(), version, kTessera4dNodesVersion));
@@ -322,8 +323,7 @@ Tessera4dManifest manifest_from(const json& object, const fs::path& path, Gaussi
     throw InputError(fmt::format("{}: format '{}', expected '{}'", path.string(),
                                  file.text("format"), kTessera4dFormat));
   const uint64_t version = file.whole("version", UINT32_MAX);
-  if (version < kTessera4dVersion || version > kTessera4dNodesVersion)
-    throw newer_tessera4d(path, version);
+  check_tessera4d_version(path, version);
   Tessera4dManifest manifest;
   manifest.generator = file.has("generator") ? file.text("generator") : "";
   const Reading time(file.at("time"), path, "its time");

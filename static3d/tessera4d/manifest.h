@@ -23,8 +23,8 @@ inline constexpr const char* kTessera4dFormat = "tessera-4d";
 /// Of files without motion nodes, and of those with them; readers know both.
 inline constexpr uint32_t kTessera4dVersion = 1, kTessera4dNodesVersion = 2;
 
-/// What readers say of a version that is not theirs.
-InputError newer_tessera4d(const std::filesystem::path& path, uint64_t version);
+/// Errors: InputError naming `path`: a version that readers do not know.
+void check_tessera4d_version(const std::filesystem::path& path, uint64_t version);
 
 enum class StreamType { kU8, kU16, kU24, kU32, kF32 };
 

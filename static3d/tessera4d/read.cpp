@@ -118,9 +118,7 @@ Tessera4dInput load_single(const fs::path& path) {
   const std::string bytes = read_text_file(path);
   ByteReader reader(bytes, path);
   reader.take(kTessera4dMagic.size());
-  if (const auto version = reader.number<uint32_t>();
-      version < kTessera4dVersion || version > kTessera4dNodesVersion)
-    throw newer_tessera4d(path, version);
+  check_tessera4d_version(path, reader.number<uint32_t>());
   const std::string_view text = reader.take(reader.number<uint32_t>());
   const nlohmann::json manifest = parse_json(std::string(text), path);
   input.manifest = manifest_from(manifest, path, input.model);
