@@ -9,14 +9,9 @@
 
 namespace tessera::synth {
 
-namespace {
-
 glm::dmat3 turn(double radians, const glm::dvec3& axis) {
   return glm::mat3_cast(glm::angleAxis(radians, glm::normalize(axis)));
 }
-
-}  // namespace
-
 glm::dmat3 turn_z(double degrees) {
   return turn(glm::radians(degrees), {0, 0, 1});
 }

@@ -15,7 +15,7 @@ struct Pose {
 /// All cycles and turns are counted over the clip, t in [0, 1].
 struct Motion {
   glm::dvec3 rest{0.0};           // world units
-  glm::dmat3 rest_rotation{1.0};  // world from object
+  glm::dmat3 rest_rotation{1.0};  // world from object; lengths of columns: sizes along its axes
   glm::dvec3 sway_sine{0.0};      // the path is rest + sway_sine·sin θ + sway_cosine·cos θ,
   glm::dvec3 sway_cosine{0.0};    // θ = 2π·sway_cycles·t: an ellipse, an arc or a line
   double sway_cycles = 1;
@@ -28,6 +28,8 @@ struct Motion {
 
 Pose pose_at(const Motion& motion, double time);
 
+/// The rotation about `axis`, which may have any length.
+glm::dmat3 turn(double radians, const glm::dvec3& axis);
 /// Rotations by an angle in degrees about the world's z and x.
 glm::dmat3 turn_z(double degrees);
 glm::dmat3 turn_x(double degrees);

@@ -28,7 +28,7 @@ std::vector<PlacedSolid> place(const World& world, Part part, double time) {
   for (const Solid& solid : world.solids) {
     if (solid.moves != (part == Part::kMoving) || !solid.lifetime.contains(time)) continue;
     const double timestep = solid.moves ? time : 0;
-    const Pose pose = pose_at(solid.motion, timestep);
+    const Pose pose = carried(solid.joints, pose_at(solid.motion, timestep), timestep);
     const double growth = std::max({glm::length(pose.linear[0]), glm::length(pose.linear[1]),
                                     glm::length(pose.linear[2])});  // columns are orthogonal
     placed.push_back({&solid, timestep, glm::inverse(pose.linear), pose.origin,

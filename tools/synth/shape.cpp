@@ -1,12 +1,14 @@
-// What: ray intersections with quad, box, sphere and cylinder in closed form, the cloth by
-// marching. Not: acceleration structures; a world has a few dozen shapes and movers are boxed on
-// screen.
+// What: ray intersections with the solid shapes in closed form, the cloth by marching.
+// Not: the surface of the skirt (skirt.cpp); acceleration structures; a world has a few dozen
+// shapes and movers are boxed on screen.
 #include "tools/synth/shape.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <numbers>
+
+#include "tools/synth/skirt.h"
 
 namespace tessera::synth {
 namespace {
@@ -113,6 +115,50 @@ bool meet_cylinder(const Shape& shape, const dvec3& o, const dvec3& d, ShapeHit&
   return met;
 }
 
+bool meet_ball(double height, double radius, const dvec3& o, const dvec3& d, ShapeHit& hit) {
+  const dvec3 centre(0, 0, height);
+  if (!meet_sphere({ShapeKind::kSphere, dvec3(radius)}, o - centre, d, hit)) return false;
+  hit.point += centre;
+  return true;
+}
+
+/// From outside; a ray from within may meet what lies inside the hull.
+bool meet_round_cone(const Shape& shape, const dvec3& o, const dvec3& d, ShapeHit& hit) {
+  const double low = shape.half.x, high = shape.half.y, length = 2 * shape.half.z;
+  bool met = meet_ball(-shape.half.z, low, o, d, hit);
+  met |= meet_ball(shape.half.z, high, o, d, hit);
+  // The cone touches both balls: cosine · distance from the axis = low - sine · height.
+  const double sine = (low - high) / length, cosine2 = 1 - sine * sine;
+  const double first = o.z + shape.half.z, rest = low - sine * first;
+  const double a = cosine2 * (d.x * d.x + d.y * d.y) - sine * sine * d.z * d.z;
+  const double b = cosine2 * (o.x * d.x + o.y * d.y) + sine * rest * d.z;
+  const double c = cosine2 * (o.x * o.x + o.y * o.y) - rest * rest, discriminant = b * b - a * c;
+  if (discriminant < 0) return met;
+  for (const double sign : {-1.0, 1.0}) {
+    const double depth = (-b + sign * std::sqrt(discriminant)) / a, height = first + depth * d.z;
+    if (!(height >= low * sine && height <= length + high * sine) || !accept(depth, hit)) continue;
+    hit.point = o + depth * d;
+    hit.normal = {cosine2 * hit.point.x, cosine2 * hit.point.y, sine * (low - sine * height)};
+    hit.axis = largest_axis(hit.normal);
+    met = true;
+  }
+  return met;
+}
+
+bool meet_skirt(const Shape& shape, const dvec3& o, const dvec3& d, double time, ShapeHit& hit) {
+  const double reach = skirt_reach(shape);
+  const Crossing c = cross_box({reach, reach, shape.half.z}, o, d);
+  const double begin = std::max(c.enter, kNearest), end = std::min(c.leave, hit.depth);
+  if (!(begin < end)) return false;
+  const Skirt skirt(shape, time);
+  if (!accept(skirt.depth(o, d, begin, end), hit)) return false;
+  const dvec3 point = o + hit.depth * d;
+  hit.point = skirt.unrolled(point);
+  hit.normal = skirt.normal(point);
+  hit.axis = 2;
+  return true;
+}
+
 bool meet_cloth(const Shape& shape, const dvec3& o, const dvec3& d, double time, ShapeHit& hit) {
   constexpr int kSteps = 28, kHalvings = 18;
   const Crossing c = cross_box({shape.half.x, shape.half.y, kClothReach * shape.half.z}, o, d);
@@ -169,8 +215,12 @@ bool intersect(const Shape& shape, const dvec3& origin, const dvec3& direction, 
       return meet_sphere(shape, origin, direction, hit);
     case ShapeKind::kCylinder:
       return meet_cylinder(shape, origin, direction, hit);
+    case ShapeKind::kRoundCone:
+      return meet_round_cone(shape, origin, direction, hit);
     case ShapeKind::kCloth:
       return meet_cloth(shape, origin, direction, time, hit);
+    case ShapeKind::kSkirt:
+      return meet_skirt(shape, origin, direction, time, hit);
   }
   return false;
 }
@@ -186,6 +236,10 @@ double bounding_radius(const Shape& shape) {
       return h.x;
     case ShapeKind::kCylinder:
       return std::hypot(h.x, h.z);
+    case ShapeKind::kRoundCone:
+      return h.z + std::max(h.x, h.y);
+    case ShapeKind::kSkirt:
+      return std::hypot(skirt_reach(shape), h.z);
     case ShapeKind::kCloth:
       return glm::length(dvec3(h.x, h.y, kClothReach * h.z));
   }

@@ -6,17 +6,19 @@
 namespace tessera::synth {
 
 enum class ShapeKind {
-  kQuad,      // |x| <= half.x, |y| <= half.y, z = 0, both sides
-  kBox,       // |x|, |y|, |z| <= half
-  kSphere,    // radius half.x
-  kCylinder,  // radius half.x about z, |z| <= half.z, with caps
-  kCloth,     // |x| <= half.x, |y| <= half.y, z = cloth_height: pinned at y = +half.y
+  kQuad,       // |x| <= half.x, |y| <= half.y, z = 0, both sides
+  kBox,        // |x|, |y|, |z| <= half
+  kSphere,     // radius half.x
+  kCylinder,   // radius half.x about z, |z| <= half.z, with caps
+  kRoundCone,  // balls of radius half.x at z = -half.z and half.y at z = +half.z, and their hull
+  kCloth,      // |x| <= half.x, |y| <= half.y, z = cloth_height: pinned at y = +half.y
+  kSkirt,      // |z| <= half.z, radius half.x at the top, about half.y at the bottom (skirt.h)
 };
 
 struct Shape {
   ShapeKind kind = ShapeKind::kSphere;
   glm::dvec3 half{1.0};    // half sizes, world units; cloth: half.z is the swing at the free edge
-  double wave_cycles = 0;  // cloth: waves that pass over the clip
+  double wave_cycles = 0;  // cloth, skirt: waves that pass over the clip
 };
 
 struct ShapeHit {
@@ -27,7 +29,7 @@ struct ShapeHit {
 };
 
 /// First meeting of origin + depth·direction with depth in (0, hit.depth); direction need not be
-/// of unit length. True: `hit` is replaced. `time` in [0, 1] moves only the cloth.
+/// of unit length. True: `hit` is replaced. `time` moves only the cloth and the skirt.
 bool intersect(const Shape& shape, const glm::dvec3& origin, const glm::dvec3& direction,
                double time, ShapeHit& hit);
 

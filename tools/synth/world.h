@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/synth/joint.h"
 #include "tools/synth/motion.h"
 #include "tools/synth/shape.h"
 #include "tools/synth/synth.h"
@@ -25,6 +26,7 @@ struct Solid {
   Shape shape;
   Texture texture;
   Motion motion;
+  std::vector<Joint> joints;  // that carry the motion, the root first
   Lifetime lifetime;
   bool moves = false;    // false: shown as at t = 0, whatever the motion says
   bool shadows = false;  // casts and receives the light's shadow; only for what never moves
