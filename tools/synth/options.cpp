@@ -1,5 +1,5 @@
 // What: the tables of scenes and layouts, and the checks of every option with its remedy.
-// Not: how a scene is built (room.cpp, object.cpp) or a layout written (layout_*.cpp).
+// Not: how a scene is built (room.cpp, object.cpp, figure.cpp) or a layout written (layout_*.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::array<SynthSceneRow, 4> kScenes{{
+constexpr std::array<SynthSceneRow, 5> kScenes{{
     {SynthScene::kRoom, "room",
      "furnished room: rigid, stretching and waving movers, an object that comes and goes"},
     {SynthScene::kRoomStatic, "room-static",
@@ -23,6 +23,8 @@ constexpr std::array<SynthSceneRow, 4> kScenes{{
      "a moving, deforming toy on nothing (transparent), seen from an upper hemisphere"},
     {SynthScene::kPatch, "patch",
      "the furnished room where nothing moves but a ball in a given share of the image"},
+    {SynthScene::kFigure, "figure",
+     "a marching figure with skirt and scarf on nothing (transparent), seen from all around"},
 }};
 
 constexpr std::array<SynthLayoutRow, 3> kLayouts{{
@@ -104,7 +106,7 @@ void resolve_moving_share(SynthOptions& options) {
 SynthOptions resolve_synth_options(const SynthOptions& options) {
   SynthOptions full = options;
   const bool dnerf = options.layout == SynthLayout::kDnerf;
-  const bool square = dnerf && options.scene == SynthScene::kObject;
+  const bool square = dnerf && is_on_nothing(options.scene);
   if (full.width == 0) full.width = square ? 200 : 240;
   if (full.height == 0) full.height = square ? 200 : 180;
   check_range("cameras", full.cameras, 1, 100);

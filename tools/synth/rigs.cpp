@@ -69,7 +69,7 @@ std::array<std::array<double, 4>, 4> opengl_pose(const Camera& camera) {
 }
 
 double field_of_view(SynthScene scene) {
-  return scene == SynthScene::kObject ? kBlenderAngle : 60 * kDegree;
+  return is_on_nothing(scene) ? kBlenderAngle : 60 * kDegree;
 }
 
 std::vector<Camera> video_rig(const SynthOptions& options, const dvec3& target) {
@@ -103,9 +103,11 @@ std::vector<Camera> monocular_poses(const SynthOptions& options, const dvec3& ta
     const double sweep = (i + 0.5) / count;
     const bool test = set == PoseSet::kTest;
     dvec3 eye;
-    if (options.scene == SynthScene::kObject) {
+    if (is_on_nothing(options.scene)) {
       const double azimuth = 2 * std::numbers::pi * (test ? sweep : pair.first);
-      const double height = test ? 0.5 : 0.08 + 0.82 * pair.second;  // even by area of the sphere
+      // Sines of elevations are even by area of the sphere; a tall figure is not seen from the top.
+      const bool tall = options.scene == SynthScene::kFigure;
+      const double height = test ? (tall ? 0.3 : 0.5) : 0.08 + (tall ? 0.47 : 0.82) * pair.second;
       eye = around(target, 4.0, azimuth, std::asin(height));
     } else {
       eye = test ? room_eye(target, sweep, 0.45, 0.3)

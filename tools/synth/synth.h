@@ -15,7 +15,7 @@
 
 namespace tessera {
 
-enum class SynthScene { kRoom, kRoomStatic, kObject, kPatch };
+enum class SynthScene { kRoom, kRoomStatic, kObject, kPatch, kFigure };
 enum class SynthLayout { kDnerf, kN3dv, kVideos };
 
 /// One row of what can be asked for: its name on the command line and one line of explanation.
@@ -27,6 +27,10 @@ struct SynthLayoutRow {
   SynthLayout layout;
   std::string_view name, doc;
 };
+/// Whether rays that miss the solids of the scene meet no background.
+inline bool is_on_nothing(SynthScene scene) {
+  return scene == SynthScene::kObject || scene == SynthScene::kFigure;
+}
 std::span<const SynthSceneRow> synth_scenes();
 std::span<const SynthLayoutRow> synth_layouts();
 std::string_view name_of(SynthScene scene);
@@ -40,7 +44,7 @@ struct SynthOptions {
   int cameras = 12;           // n3dv, videos; a dnerf capture is monocular and ignores it
   int frames = 24;            // instants; in dnerf the number of training views
   int held_out_frames = 0;    // dnerf: views in each of val and test; 0: a fifth of frames, >= 4
-  int width = 0, height = 0;  // pixels; 0: 240 × 180, or 200 × 200 for `object` as dnerf
+  int width = 0, height = 0;  // pixels; 0: 240 × 180, or 200 × 200 on nothing as dnerf
   FrameRate fps;
   uint64_t seed = 1;           // textures, colours, small offsets of furniture and cameras
   int supersampling = 3;       // N × N rays a pixel, 1..16; 16·N² bytes of memory a pixel

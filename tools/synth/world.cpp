@@ -1,5 +1,5 @@
 // What: a scene's name to its world; the static room is the room with its movers held.
-// Not: what is in the worlds (room.cpp, object.cpp, patch.cpp).
+// Not: what is in the worlds (room.cpp, object.cpp, figure.cpp, patch.cpp).
 #include "tools/synth/world.h"
 
 #include <vector>
@@ -10,9 +10,10 @@ namespace tessera::synth {
 
 World build_world(SynthScene scene, uint64_t seed, double specular, double ball) {
   const uint32_t folded = hash(uint32_t(seed), int64_t(seed >> 32));
-  World world = scene == SynthScene::kObject  ? build_object(folded)
-                : scene == SynthScene::kPatch ? build_patch(folded, ball)
-                                              : build_room(folded);
+  World world = scene == SynthScene::kObject   ? build_object(folded)
+                : scene == SynthScene::kFigure ? build_figure(folded)
+                : scene == SynthScene::kPatch  ? build_patch(folded, ball)
+                                               : build_room(folded);
   world.light.specular = specular;
   if (scene == SynthScene::kRoomStatic) {
     std::erase_if(world.solids, [](const Solid& s) { return !s.lifetime.whole_clip(); });

@@ -52,6 +52,8 @@ World build_world(SynthScene scene, uint64_t seed, double specular, double ball 
 World build_room(uint32_t seed);
 /// `object`: a toy on a base plate (object.cpp).
 World build_object(uint32_t seed);
+/// `figure`: a marching figure with cloth (figure.cpp).
+World build_figure(uint32_t seed);
 /// `patch`: the room, and a ball of that radius as its only mover (patch.cpp).
 World build_patch(uint32_t seed, double radius);
 /// The radius at which the path of the ball covers options.moving_share of cam00's image.
