@@ -1,5 +1,6 @@
-// What: the model and the cameras that the browser tests look at: a textured torus and boxes that
-//       stay, a swarm that moves for three seconds; equal bytes on every run.
+// What: the models and the cameras that the browser tests look at: a textured torus and boxes that
+//       stay, a swarm that moves for three seconds; the same with torus and boxes carried by motion
+//       nodes; equal bytes on every run.
 // Not: a reconstruction, and nothing that is drawn here. Usage: fixture_model FOLDER
 #include <fmt/format.h>
 
@@ -13,6 +14,7 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/math/spherical_harmonics.h"
 #include "recon4d/model/model_file.h"
+#include "tests/browser/fixture_nodes.h"
 #include "tests/support/random.h"
 
 namespace tessera::testing {
@@ -179,7 +181,11 @@ int main(int count, char** words) {
   try {
     const std::filesystem::path folder = words[1];
     tessera::make_folder(folder);
-    tessera::save_model(folder / "model.ply", tessera::testing::fixture_model());
+    tessera::GaussianModel model = tessera::testing::fixture_model();
+    tessera::save_model(folder / "model.ply", model);
+    tessera::testing::Random random(7);
+    tessera::testing::carry_by_nodes(model, random);
+    tessera::save_model(folder / "carried.ply", model);
     tessera::write_text_file(folder / "transforms.json", tessera::testing::cameras().dump(1));
   } catch (const std::exception& error) {
     std::fputs(fmt::format("fixture_model: {}\n", error.what()).c_str(), stderr);

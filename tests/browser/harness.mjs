@@ -20,10 +20,11 @@ export const packagesFolder = join(named('TESSERA_BROWSER_PACKAGES'), 'node_modu
 export const packages = createRequire(join(packagesFolder, 'harness.cjs'));
 const {PNG} = packages('pngjs');
 
-/** model.ply and transforms.json of fixture_model.cpp. */
+/** Files of fixture_model.cpp. */
 export const fixture = {
   folder: named('TESSERA_FIXTURE'),
   model: join(named('TESSERA_FIXTURE'), 'model.ply'),
+  carried: join(named('TESSERA_FIXTURE'), 'carried.ply'),
   cameras: join(named('TESSERA_FIXTURE'), 'transforms.json'),
   fixed: 1000, moving: 1200, seconds: 3, width: 320, height: 240,
 };

@@ -254,8 +254,8 @@ test('play goes on with what is there, and says what is not', async () => {
 });
 
 const kUseless = {
-  'a later version': [(f) => rewrite(f, (m) => ({...m, version: 2})),
-                      /manifest\.json: version 2 is later than this player knows/],
+  'a later version': [(f) => rewrite(f, (m) => ({...m, version: 3})),
+                      /manifest\.json: version 3 is later than this player knows/],
   'no manifest': [(f) => rmSync(join(f, 'manifest.json')), /manifest\.json: .* 404; it is missing/],
 };
 function rewrite(f, change) {

@@ -73,7 +73,7 @@ test('what goes to the card', () => {
   const packed = packBlock({count: 2, position: Float32Array.of(1, 2, 3, 4, 5, 6),
     rotation: Float32Array.of(1, 0, 0, 0, 1, 0, 0, 0), logScale: new Float32Array(6),
     opacity: Float32Array.of(1, 0.5), colour: new Float32Array(6), sh: [sh1, sh2, none],
-    velocity: none, timeMean: none, logTimeScale: none});
+    velocity: none, timeMean: none, logTimeScale: none, carried: null});
   assert.deepEqual(packed.shCounts, [2, 1, 0]);
   assert.equal(packed.sh[0].words[4] >>> 16, halfBits(100));      // ninth half: degree 2 begins
   assert.equal(packed.sh[1].words[0] & 0xffff, halfBits(107));    // and goes on
@@ -95,7 +95,7 @@ function refuses(error, pattern) {
 
 const kManifests = {
   'another format': [(m) => { m.format = '3dgs'; }, /format should be "tessera-4d"/],
-  'a later version': [(m) => { m.version = 2; }, /version 2 is later/],
+  'a later version': [(m) => { m.version = 3; }, /version 3 is later/],
   'a version that is no number': [(m) => { m.version = '1'; }, /version should be an integer/],
   'no blocks but a number': [(m) => { m.blocks = 7; }, /blocks should be a list/],
   'a block that is null': [(m) => { m.blocks[0] = null; }, /blocks\[0\] should be an object/],

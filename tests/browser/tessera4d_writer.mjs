@@ -1,4 +1,4 @@
-// What: a small writer of Tessera 4D files by docs/format.md alone, written apart from the program's
+// What: a small writer of Tessera 4D files by docs/reference/tessera4d.md alone, written apart from the program's
 //       own: for files as they should not be.
 // Not: a good one: no order, no levels.
 import zlib from 'node:zlib';
@@ -47,9 +47,10 @@ export function floatRows(rows) {
 
 /**
  * A block of streams {name: {type, rows, scale, bias, delta, codec}}; `rows`: integers, or floats of
- * type f32. Returns {bytes, info: its entry in the manifest}.
+ * type f32. `more`: further keys. Returns {bytes, info: its entry in the manifest}.
  */
-export function makeBlock({kind = 'static', count, visible = [0, 1], file, offset, streams}) {
+export function makeBlock({kind = 'static', count, visible = [0, 1], file, offset, streams,
+                           ...more}) {
   const parts = [], infos = [];
   let at = 0;
   for (const [name, stream] of Object.entries(streams)) {
@@ -68,7 +69,7 @@ export function makeBlock({kind = 'static', count, visible = [0, 1], file, offse
   const bytes = Buffer.concat(parts);
   const where = file === undefined ? {offset: offset ?? 0} : {file};
   return {bytes, info: {kind, ...where, bytes: bytes.length, crc32: checksum(bytes), visible,
-                        level: 0, segment: visible, count, streams: infos}};
+                        level: 0, segment: visible, count, ...more, streams: infos}};
 }
 
 export function makeManifest(blocks, more = {}) {
@@ -109,5 +110,19 @@ export function movingStreams(count) {
     velocity: {type: 'f32', rows: each([1, 0, 0])},
     time_mean: {type: 'f32', rows: each([0.5])},
     log_time_scale: {type: 'f32', rows: each([-1])},
+  };
+}
+
+/** Gaussians carried by one node of two that does nothing. */
+export function carriedStreams(count) {
+  const each = (row) => Array.from({length: count}, () => row);
+  const controls = (row) => Array.from({length: 8}, () => row);  // of two nodes, four each
+  return {
+    ...plainStreams(count),
+    node: {type: 'u8', rows: each([2, 0, 0, 0, 0, 0, 0, 0]), bias: Array(8).fill(-1)},
+    node_weight: {type: 'u16', rows: each(Array(7).fill(0)), scale: Array(7).fill(1 / 1023)},
+    node_position: {type: 'f32', rows: [[0, 0, 0], [1, 0, 0]]},
+    node_translation: {type: 'f32', rows: controls([0, 0, 0])},
+    node_rotation: {type: 'f32', rows: controls([1, 0, 0, 0])},
   };
 }

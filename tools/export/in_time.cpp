@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
-#include "kernels/base/errors.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/model/validity.h"
 #include "static3d/tessera4d/tessera4d.h"
@@ -85,20 +84,11 @@ json write_tessera(const ExportRequest& request, GaussianModel& model) {
   return write_one(request, file, kSingleFile, single_tessera4d(file));
 }
 
-void check_player_reads(const GaussianModel& model) {
-  if (!model.nodes.empty())
-    throw InputError(
-        "the player cannot show motion nodes; export frames (--format ply) or the file alone "
-        "(--format tessera)");
-}
-
 json write_page(const ExportRequest& request, GaussianModel& model) {
-  check_player_reads(model);
   return write_folder(request, model, true);
 }
 
 json write_html(const ExportRequest& request, GaussianModel& model) {
-  check_player_reads(model);
   const Tessera4dFile file = encoded(request, model);
   return write_one(request, file, kPageFile, page_with(single_tessera4d(file)));
 }

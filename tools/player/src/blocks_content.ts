@@ -35,7 +35,7 @@ export class BlocksContent implements Content {
       up: manifest.up,
       bounds: manifest.bounds,
       cameras: manifest.cameras,
-      gaussians: manifest.gaussians.static + manifest.gaussians.dynamic,
+      gaussians: Object.values(manifest.gaussians).reduce((sum, count) => sum + count, 0),
       audio: manifest.audio && address ? new URL(manifest.audio, address).href : null,
     };
     const sizes = manifest.blocks.map(({ bytes }) => bytes);
@@ -73,7 +73,10 @@ export class BlocksContent implements Content {
     if (!moved && !seen && !changed) return false;
     this.slice.when.value.x = t;
     this.slice.eye.value.set(...this.view.position);
-    for (const block of present) block.updateVersion();
+    for (const block of present) {
+      block.pose(t);
+      block.updateVersion();
+    }
     return true;
   }
 

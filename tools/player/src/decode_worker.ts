@@ -1,6 +1,6 @@
 // What: the thread that checks, decodes and packs blocks, so that playing does not stutter.
 // Not: asking it (decoder.ts).
-import { allWords, packBlock, type PackedBlock } from "./packing";
+import { allArrays, packBlock, type PackedBlock } from "./packing";
 import { lineOf } from "./player_error";
 import { decodeBlock } from "./tessera4d";
 import type { Block } from "./manifest";
@@ -20,7 +20,7 @@ self.onmessage = async ({ data }: MessageEvent<DecodeTask>) => {
     self.postMessage(message, { transfer: moved });
   try {
     const packed = packBlock(await decodeBlock(data.block, data.bytes));
-    const buffers = allWords(packed).map(({ words }) => words.buffer);
+    const buffers = allArrays(packed).map(({ buffer }) => buffer as ArrayBuffer);
     answer({ id: data.id, packed }, buffers);
   } catch (error) {
     answer({ id: data.id, line: lineOf(error) });

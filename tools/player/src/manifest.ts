@@ -2,10 +2,12 @@
 //       looking at its numbers again.
 // Not: the blocks (tessera4d.ts), nor where bytes come from (container.ts).
 // Source: docs/reference/tessera4d.md.
+import { Fields } from "./json_fields";
 import { PlayerError } from "./player_error";
 
 export const FORMAT = "tessera-4d";
-export const VERSION = 1;
+export const VERSION = 2;
+const NODES_VERSION = 2; // from which blocks can be canonical
 
 export type Triple = [number, number, number];
 /** w, x, y, z */
@@ -27,7 +29,7 @@ export interface Stream {
   name: string;
   type: string;
   components: number;
-  count: number; // of the first Gaussians of the block
+  count: number; // of the first Gaussians of the block; of nodes or of their control points
   scale: number[]; // per component; empty for f32
   bias: number[];
   delta: boolean;
@@ -38,13 +40,15 @@ export interface Stream {
 
 export interface Block {
   name: string; // for messages: its file, or its place in the single file
-  kind: "static" | "dynamic";
+  kind: "static" | "dynamic" | "canonical";
   file: string | null; // of a folder
   offset: number; // in a single file: from the end of the manifest, bytes
   bytes: number;
   crc32: number;
   visible: [number, number]; // t
   count: number;
+  nodes: number; // motion nodes of a canonical block, else 0
+  knots: number; // control points of each of them
   streams: Stream[];
 }
 
@@ -66,7 +70,7 @@ export interface Manifest {
   up: Triple;
   time: { origin: number; duration: number; fps: number | null }; // seconds
   bounds: Bounds | null;
-  gaussians: { static: number; dynamic: number };
+  gaussians: { static: number; dynamic: number; canonical: number };
   background: Triple; // sRGB, 0 to 255
   splat: SplatRules;
   anchor: "clip" | "mean_time";
@@ -77,77 +81,9 @@ export interface Manifest {
 
 const MAX_COUNT = 2 ** 27; // Gaussians of a block: more do not fit any card
 const MAX_BYTES = 2 ** 31;
-
-/** Reads fields of one JSON object; every complaint names the file and the key. */
-class Fields {
-  private readonly object: Record<string, unknown>;
-  constructor(
-    value: unknown,
-    private readonly file: string,
-    private readonly path: string,
-  ) {
-    if (typeof value !== "object" || value === null || Array.isArray(value))
-      throw this.wrong(path || "the manifest", "an object", value);
-    this.object = value as Record<string, unknown>;
-  }
-  wrong(key: string, expected: string, seen: unknown): PlayerError {
-    const text = JSON.stringify(seen) ?? "nothing";
-    return new PlayerError(
-      `${this.file}: ${key} should be ${expected}, saw ${text.slice(0, 40)}; ` +
-        `export the scene again`,
-    );
-  }
-  private key(name: string): string {
-    return this.path ? `${this.path}.${name}` : name;
-  }
-  has(name: string): boolean {
-    return this.object[name] !== undefined && this.object[name] !== null;
-  }
-  raw(name: string): unknown {
-    return this.object[name];
-  }
-  number(name: string, fallback?: number): number {
-    const value = this.object[name];
-    if (value === undefined && fallback !== undefined) return fallback;
-    if (typeof value !== "number" || !Number.isFinite(value))
-      throw this.wrong(this.key(name), "a number", value);
-    return value;
-  }
-  /** An integer from 0 to `limit`. */
-  size(name: string, limit: number): number {
-    const value = this.object[name];
-    if (typeof value !== "number" || !Number.isSafeInteger(value) || value < 0 || value > limit)
-      throw this.wrong(this.key(name), `an integer from 0 to ${limit}`, value);
-    return value;
-  }
-  text(name: string): string {
-    const value = this.object[name];
-    if (typeof value !== "string") throw this.wrong(this.key(name), "a string", value);
-    return value;
-  }
-  flag(name: string, fallback: boolean): boolean {
-    const value = this.object[name] ?? fallback;
-    if (typeof value !== "boolean") throw this.wrong(this.key(name), "true or false", value);
-    return value;
-  }
-  numbers(name: string, count: number): number[] {
-    const value = this.object[name];
-    if (!Array.isArray(value) || value.length !== count || !value.every(Number.isFinite))
-      throw this.wrong(this.key(name), `${count} numbers`, value);
-    return value as number[];
-  }
-  triple(name: string): Triple {
-    return this.numbers(name, 3) as Triple;
-  }
-  within(name: string): Fields {
-    return new Fields(this.object[name], this.file, this.key(name));
-  }
-  list<T>(name: string, make: (item: Fields, i: number) => T): T[] {
-    const value = this.object[name] ?? [];
-    if (!Array.isArray(value)) throw this.wrong(this.key(name), "a list", value);
-    return value.map((item, i) => make(new Fields(item, this.file, `${this.key(name)}[${i}]`), i));
-  }
-}
+const MAX_NODES = 1024; // the words of bindings hold no larger number (packing.ts)
+const MAX_KNOTS = 256;
+const MIN_KNOTS = 4; // control points that act on a node at a time
 
 function readCamera(f: Fields): Camera {
   const rotation = f.numbers("rotation", 4) as Quaternion;
@@ -168,24 +104,32 @@ function readCamera(f: Fields): Camera {
   return camera;
 }
 
-function readStream(f: Fields, blockBytes: number, blockCount: number): Stream {
+/** Rows of a stream of motion nodes; 0: it is one of Gaussians. */
+export function nodeRows(name: string, block: { nodes: number; knots: number }): number {
+  if (name === "node_position" || name === "node_log_radius") return block.nodes;
+  const ofControls = name === "node_translation" || name === "node_rotation";
+  return ofControls ? block.nodes * block.knots : 0;
+}
+
+function readStream(f: Fields, block: Omit<Block, "streams">): Stream {
+  const name = f.text("name");
   const type = f.text("type");
   const components = f.size("components", 64);
   const scaled = /^u\d+$/.test(type);
   const stream: Stream = {
-    name: f.text("name"),
+    name,
     type,
     components,
-    count: f.size("count", blockCount),
+    count: f.size("count", nodeRows(name, block) || block.count),
     scale: scaled ? f.numbers("scale", components) : [],
     bias: scaled ? f.numbers("bias", components) : [],
     delta: f.flag("delta", false),
     codec: f.text("codec"),
-    offset: f.size("offset", blockBytes),
-    bytes: f.size("bytes", blockBytes),
+    offset: f.size("offset", block.bytes),
+    bytes: f.size("bytes", block.bytes),
   };
-  if (stream.offset + stream.bytes > blockBytes)
-    throw f.wrong("offset + bytes", `at most ${blockBytes}`, stream.offset + stream.bytes);
+  if (stream.offset + stream.bytes > block.bytes)
+    throw f.wrong("offset + bytes", `at most ${block.bytes}`, stream.offset + stream.bytes);
   return stream;
 }
 
@@ -198,24 +142,38 @@ function localFile(f: Fields): string | null {
   return file;
 }
 
-function readBlock(f: Fields, i: number): Block {
+function readKind(f: Fields, version: number): Block["kind"] {
   const kind = f.text("kind");
-  if (kind !== "static" && kind !== "dynamic") throw f.wrong("kind", "static or dynamic", kind);
-  const bytes = f.size("bytes", MAX_BYTES);
-  const count = f.size("count", MAX_COUNT);
+  if (kind === "static" || kind === "dynamic") return kind;
+  if (version < NODES_VERSION) throw f.wrong("kind", "static or dynamic", kind);
+  if (kind !== "canonical") throw f.wrong("kind", "static, dynamic or canonical", kind);
+  return kind;
+}
+
+function readBlock(f: Fields, i: number, version: number): Block {
+  const kind = readKind(f, version);
+  const carried = kind === "canonical";
   const file = localFile(f);
-  const visible = f.numbers("visible", 2) as [number, number];
-  return {
+  const block: Omit<Block, "streams"> = {
     name: file ?? `block ${i}`,
     kind,
     file,
     offset: file === null ? f.size("offset", Number.MAX_SAFE_INTEGER) : 0,
-    bytes,
+    bytes: f.size("bytes", MAX_BYTES),
     crc32: f.size("crc32", 0xffffffff),
-    visible,
-    count,
-    streams: f.list("streams", (stream) => readStream(stream, bytes, count)),
+    visible: f.numbers("visible", 2) as [number, number],
+    count: f.size("count", MAX_COUNT),
+    nodes: carried ? f.size("nodes", MAX_NODES, 1) : 0,
+    knots: carried ? f.size("knots", MAX_KNOTS, MIN_KNOTS) : 0,
   };
+  return { ...block, streams: f.list("streams", (stream) => readStream(stream, block)) };
+}
+
+function readBlocks(f: Fields, version: number): Block[] {
+  const blocks = f.list("blocks", (block, i) => readBlock(block, i, version));
+  const carried = blocks.filter(({ kind }) => kind === "canonical").length;
+  if (carried > 1) throw f.wrong("blocks", "at most one of kind canonical", carried);
+  return blocks;
 }
 
 function readSplat(f: Fields): SplatRules {
@@ -278,12 +236,16 @@ export function readManifest(json: unknown, file: string): Manifest {
       fps: time.has("fps") ? time.number("fps") : null,
     },
     bounds: readBounds(f.raw("bounds"), file),
-    gaussians: { static: counts.size("static", 2 ** 40), dynamic: counts.size("dynamic", 2 ** 40) },
+    gaussians: {
+      static: counts.size("static", 2 ** 40),
+      dynamic: counts.size("dynamic", 2 ** 40),
+      canonical: counts.has("canonical") ? counts.size("canonical", 2 ** 40) : 0,
+    },
     background: f.triple("background"),
     splat: readSplat(f.within("splat")),
     anchor,
     cameras: f.list("cameras", readCamera),
     audio: f.has("audio") ? f.text("audio") : null,
-    blocks: f.list("blocks", readBlock),
+    blocks: readBlocks(f, version),
   };
 }

@@ -1,6 +1,9 @@
 // What: a decoded block as the words of the textures that the shader reads (splat4d_shader.ts): 32
-//       bytes a Gaussian, 16 more when it moves, 16 to 96 more for SH of degrees 1 to 3.
+//       bytes a Gaussian, 16 more when it moves, 32 more when motion nodes carry it, 16 to 96 more
+//       for SH of degrees 1 to 3.
 // Not: textures (splat4d_shader.ts) nor the file (tessera4d.ts). Runs in a worker.
+import { BINDINGS, type Carried } from "./bindings";
+import type { MotionNodes } from "./motion_nodes";
 import type { DecodedBlock } from "./tessera4d";
 
 /** Texels of four words; `per`: texels a Gaussian has. */
@@ -17,11 +20,15 @@ export interface PackedBlock {
   place: Words; // x, y, z; rotation
   look: Words; // halves: opacity, r; g, b; ln scales; ln time scale
   motion: Words; // velocity, time mean
+  bindings: Words; // of each, the heaviest first: 22 bits of weight, 10 of the node
+  nodes: MotionNodes | null;
   sh: [Words, Words, Words]; // halves: 9 of degree 1 and 7 of degree 2; the other 8; 21 of degree 3
 }
 
 /** Texels of a row; textures are filled to whole rows, and to whole layers beyond 2048 rows. */
 export const ROW = 2048;
+
+const MOST_WEIGHT = 2 ** 22 - 1;
 
 const FLOAT = new Float32Array(1);
 const BITS = new Uint32Array(FLOAT.buffer);
@@ -103,6 +110,24 @@ function packMotion(block: DecodedBlock, moving: boolean): Words {
   return motion;
 }
 
+/** No weight stands for no node. */
+function packBindings(carried: Carried | null): Words {
+  const count = (carried?.node.length ?? 0) / BINDINGS;
+  const bindings = texels(count, BINDINGS / 4);
+  if (carried === null) return bindings;
+  const { node, weight } = carried;
+  for (let i = 0; i < count; ++i) {
+    const bound = Array.from({ length: BINDINGS }, (_, k) => BINDINGS * i + k)
+      .filter((k) => weight[k] > 0)
+      .sort((a, b) => weight[b] - weight[a]);
+    bound.forEach((k, place) => {
+      const steps = Math.round(weight[k] * MOST_WEIGHT);
+      bindings.words[BINDINGS * i + place] = ((steps << 10) | node[k]) >>> 0;
+    });
+  }
+  return bindings;
+}
+
 /** Values `from` to `to` of rows of `stride`, as halves from half `at` of a Gaussian's texels. */
 function packHalves(
   target: Words,
@@ -135,15 +160,31 @@ export function packBlock(block: DecodedBlock): PackedBlock {
     place: packPlace(block),
     look: packLook(block, moving),
     motion: packMotion(block, moving),
+    bindings: packBindings(block.carried),
+    nodes: block.carried?.nodes ?? null,
     sh: [low, mid, high],
   };
 }
 
-/** All words of a block: what moves between threads, and what a card keeps. */
-export function allWords(packed: PackedBlock): Words[] {
-  return [packed.place, packed.look, packed.motion, ...packed.sh];
+/** All words of a block: what a card keeps. */
+function allWords(packed: PackedBlock): Words[] {
+  return [packed.place, packed.look, packed.motion, packed.bindings, ...packed.sh];
 }
 
+/** All arrays of a block: what moves between threads. */
+export function allArrays(packed: PackedBlock): (Uint32Array | Float32Array)[] {
+  const { nodes } = packed;
+  const ofNodes = nodes === null ? [] : [nodes.position, nodes.translation, nodes.rotation];
+  return [...allWords(packed).map(({ words }) => words), ...ofNodes];
+}
+
+/** Of motion nodes at one time: two texels each, eight floats. */
+export function poseTexels(nodes: MotionNodes | null): Words {
+  return texels(nodes?.count ?? 0, 2);
+}
+
+/** Bytes of a block while it can be drawn. */
 export function memoryOf(packed: PackedBlock): number {
-  return allWords(packed).reduce((sum, { words }) => sum + words.byteLength, 0);
+  const arrays = [...allArrays(packed), poseTexels(packed.nodes).words];
+  return arrays.reduce((sum, { byteLength }) => sum + byteLength, 0);
 }

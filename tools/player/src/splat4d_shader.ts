@@ -1,10 +1,12 @@
 // What: a resident block on the card: its textures, and the program that turns Gaussian `index`
-//       into a splat at time t: mean, opacity, and colour towards the sliced mean.
+//       into a splat at time t: mean, rotation, opacity, and colour towards the sliced mean.
 // Not: projecting and sorting splats, which is Spark's.
 // Source: docs/reference/tessera4d.md, 1; SH: [3DGS].
 import { dyno, SplatGenerator } from "@sparkjsdev/spark";
 import * as THREE from "three";
-import { memoryOf, ROW, type PackedBlock, type Words } from "./packing";
+import { CARRY_GLSL } from "./carry_shader";
+import { writePoses, type MotionNodes } from "./motion_nodes";
+import { memoryOf, poseTexels, ROW, type PackedBlock, type Words } from "./packing";
 
 /** What all blocks of a scene share: changing a value here changes every later frame. */
 export class SliceUniforms {
@@ -89,9 +91,11 @@ uvec4 look = texelFetch(${i.look}, splatTexCoord(${i.index}), 0);
 vec2 opacityRed = unpackHalf2x16(look.x);
 vec2 scaleTime = unpackHalf2x16(look.w);
 vec3 mean = uintBitsToFloat(place.xyz);
+vec4 rotation = t4Rotation(place.w);
 float alpha = opacityRed.x;
 if (${i.moving}) alpha *= t4Slice(${i.motion}, ${i.index}, ${i.when}, scaleTime.y, mean);
 if (alpha > 0.0 && alpha >= ${i.when}.z) {
+  if (${i.carried}) t4Carry(${i.bindings}, ${i.poses}, ${i.index}, mean, rotation);
   vec3 colour = 0.5 + 0.28209479177387814 * vec3(opacityRed.y, unpackHalf2x16(look.y));
   vec3 towards = normalize(mean - ${i.eye});
   if (${i.index} < ${i.counts}.x)
@@ -100,7 +104,7 @@ if (alpha > 0.0 && alpha >= ${i.when}.z) {
   ${splat}.flags = GSPLAT_FLAG_ACTIVE;
   ${splat}.center = mean;
   ${splat}.scales = exp(vec3(unpackHalf2x16(look.z), scaleTime.x));
-  ${splat}.quaternion = t4Rotation(place.w);
+  ${splat}.quaternion = rotation;
   ${splat}.rgba = vec4(max(colour, 0.0), alpha);
 }`;
 }
@@ -121,24 +125,34 @@ function textureOf({ words }: Words): THREE.DataArrayTexture {
 export class BlockSplats extends SplatGenerator {
   readonly memory: number;
   private readonly textures: THREE.DataArrayTexture[] = [];
+  private readonly nodes: MotionNodes | null;
+  private readonly poses: THREE.DataArrayTexture; // of the nodes, at the time of the last pose()
+  private readonly poseFloats: Float32Array; // the same memory
 
   constructor(packed: PackedBlock, slice: SliceUniforms) {
     super({ numSplats: packed.count });
     this.memory = memoryOf(packed);
-    const sampler = (words: Words, key: string) => {
-      const texture = textureOf(words);
+    this.nodes = packed.nodes;
+    const poses = poseTexels(packed.nodes);
+    this.poses = textureOf(poses);
+    this.poseFloats = new Float32Array(poses.words.buffer);
+    const samplerOf = (texture: THREE.DataArrayTexture, key: string) => {
       this.textures.push(texture);
       return new dyno.DynoUsampler2DArray({ value: texture, key });
     };
+    const sampler = (words: Words, key: string) => samplerOf(textureOf(words), key);
     const uniforms = {
       place: sampler(packed.place, "place"),
       look: sampler(packed.look, "look"),
       motion: sampler(packed.motion, "motion"),
+      bindings: sampler(packed.bindings, "bindings"),
+      poses: samplerOf(this.poses, "poses"),
       low: sampler(packed.sh[0], "low"),
       mid: sampler(packed.sh[1], "mid"),
       high: sampler(packed.sh[2], "high"),
       counts: dyno.dynoIvec3(new THREE.Vector3(...packed.shCounts), "counts"),
       moving: dyno.dynoBool(packed.moving, "moving"),
+      carried: dyno.dynoBool(packed.nodes !== null, "carried"),
       when: slice.when,
       eye: slice.eye,
     };
@@ -152,21 +166,31 @@ export class BlockSplats extends SplatGenerator {
             place: "usampler2DArray",
             look: "usampler2DArray",
             motion: "usampler2DArray",
+            bindings: "usampler2DArray",
+            poses: "usampler2DArray",
             low: "usampler2DArray",
             mid: "usampler2DArray",
             high: "usampler2DArray",
             counts: "ivec3",
             moving: "bool",
+            carried: "bool",
             when: "vec4",
             eye: "vec3",
           },
           outTypes: { gsplat: dyno.Gsplat },
           inputs: { index, ...uniforms },
-          globals: () => [dyno.defineGsplat, GLSL],
+          globals: () => [dyno.defineGsplat, GLSL, CARRY_GLSL],
           statements: ({ inputs, outputs }) =>
             statements(inputs as Record<string, string>, outputs.gsplat!).split("\n"),
         }).outputs,
     );
+  }
+
+  /** Motion nodes are where t has them from the next draw on. */
+  pose(t: number): void {
+    if (this.nodes === null) return;
+    writePoses(this.nodes, t, this.poseFloats);
+    this.poses.needsUpdate = true;
   }
 
   dispose(): void {
