@@ -77,7 +77,7 @@ SceneTimes check_times(const Scene& scene) {
   if (range.is_static && !scene.is_static)
     range.findings.push_back({Severity::kWarning, "time", "",
                               "all frames have one time though several were stated",
-                              "check the times, or train with --static-only true"});
+                              "check the times, or train with --motion none"});
   // A camera of several poses moves, and the times of its splits may differ.
   const bool rig = stations_of(scene).size() == of_camera.size();
   if (!range.is_static && rig) judge_cameras(range);

@@ -30,7 +30,7 @@ ShBlocks blocks_in(const json& header, const char* set) {
 }
 
 Form dynamic_form(const json& header) {
-  return header.at("motion_form") == name_of(MotionForm::kVelocity) ? Form::kVelocity : Form::kPair;
+  return header.at("motion_form") == dynamic_form_name(Form::kVelocity) ? Form::kVelocity : Form::kPair;
 }
 
 /// Of a canonical set: [nodes, control points], absent where there are none.
@@ -164,7 +164,7 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
       {"sampler", {{"epoch", state.sampler_epoch}, {"position", state.sampler_position}}},
       {"num_static", model.static_set.count()},
       {"num_dynamic", model.dynamic_set.count()},
-      {"motion_form", name_of(motion_form_of(model.dynamic_set.form()))},
+      {"motion_form", dynamic_form_name(model.dynamic_set.form())},
       {"sh_coefficients", model.static_set.coefficients()},
       {"sh_time_levels", model.dynamic_set.time_levels()},
       {"drawing", drawing_json(model.drawing)},

@@ -69,7 +69,7 @@ json model_info(const GaussianModel& model) {
   if (!model.nodes.empty())
     info["motion_nodes"] = {{"count", model.nodes.count}, {"knots", model.nodes.knots}};
   info["num_unsound"] = model.count() - facts.sound;
-  info["motion_form"] = name_of(motion_form_of(model.dynamic_set.form()));
+  info["motion_form"] = dynamic_form_name(model.dynamic_set.form());
   info["sh_degree"] = model.drawing.sh_degree;
   info["sh_coefficients"] = {{"static", model.static_set.coefficients()},
                              {"dynamic", model.dynamic_set.coefficients()}};

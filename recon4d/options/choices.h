@@ -10,7 +10,8 @@
 
 namespace tessera {
 
-enum class MotionForm { kPair, kVelocity };  // Form::kPair, Form::kVelocity
+/// How a scene moves in its model. kAuto is decided before a training starts: kNodes or kPair.
+enum class Motion { kAuto, kNone, kPair, kVelocity, kNodes };
 enum class Filter3d { kNone, kMip, kClamp };
 /// kAuto is decided before a training starts: kCamera where the cameras differ, else kNone.
 enum class ExposureGains { kNone, kCamera, kFrame, kAuto };
@@ -21,7 +22,7 @@ enum class ModelSize { kGrown, kKnee };
 template <class Enum>
 inline constexpr std::nullptr_t kChoiceNames = nullptr;
 template <>
-inline constexpr const char* kChoiceNames<MotionForm>[] = {"pair", "velocity"};
+inline constexpr const char* kChoiceNames<Motion>[] = {"auto", "none", "pair", "velocity", "nodes"};
 template <>
 inline constexpr const char* kChoiceNames<Filter3d>[] = {"none", "mip", "clamp"};
 template <>
@@ -39,11 +40,13 @@ template <class Enum>
 constexpr const char* name_of(Enum value) {
   return kChoiceNames<Enum>[size_t(value)];
 }
-constexpr MotionForm motion_form_of(Form form) {
-  return form == Form::kVelocity ? MotionForm::kVelocity : MotionForm::kPair;
+/// Form of the dynamic set.
+constexpr Form dynamic_form_of(Motion motion) {
+  return motion == Motion::kVelocity ? Form::kVelocity : Form::kPair;
 }
-constexpr Form form_of(MotionForm form) {
-  return form == MotionForm::kVelocity ? Form::kVelocity : Form::kPair;
+/// Name of the form of a dynamic set, as files have it.
+constexpr const char* dynamic_form_name(Form form) {
+  return name_of(form == Form::kVelocity ? Motion::kVelocity : Motion::kPair);
 }
 template <class Enum>
 std::vector<const char*> choice_names() {

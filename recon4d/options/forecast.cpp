@@ -36,7 +36,7 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
       std::max(options.init_points, growth_limit(options) > 0 ? growth_limit(options) : kUnlimited);
   forecast.frame_bytes = load.all_bytes;
   forecast.parameter_bytes =
-      forecast.gaussians * (options.static_only
+      forecast.gaussians * (options.motion == Motion::kNone
                                 ? element_bytes(Form::kStatic, 0)
                                 : element_bytes(dynamic_form(options), options.sh_time_degree));
   const int64_t batch = std::min(options.batch, std::max<int64_t>(1, load.training_frames));

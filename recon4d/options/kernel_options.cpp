@@ -17,7 +17,7 @@ KernelSwitches kernel_switches(const TrainOptions& options) {
 }
 
 Form dynamic_form(const TrainOptions& options) {
-  return form_of(options.motion_form);
+  return dynamic_form_of(options.motion);
 }
 
 }  // namespace tessera

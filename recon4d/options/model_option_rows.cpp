@@ -43,12 +43,13 @@ std::vector<TrainOption> model_option_rows() {
        .group = group::kLength,
        .common = true,
        .example = "2"},
-      {.key = "static_only",
-       .member = &TrainOptions::static_only,
-       .low = 0,
-       .high = 1,
-       .doc = "Train static Gaussians only, as 3DGS does; all images count as one timestep",
-       .source = "[3DGS]",
+      {.key = "motion",
+       .member = choice<&TrainOptions::motion>(),
+       .doc = "How the scene moves: none (static Gaussians only, as 3DGS; all images count as one "
+              "timestep), pair (two quaternions and four scales of space-time), velocity (a 3D "
+              "Gaussian with a velocity and a temporal extent), nodes (one set of Gaussians that "
+              "motion nodes carry), auto (nodes or pair, by frames held out of a short trial)",
+       .source = "[Yang24]; velocity: [FreeTimeGS]; nodes: ours, after [SC-GS]",
        .group = group::kScene,
        .common = true},
       {.key = "background",
@@ -175,13 +176,6 @@ std::vector<TrainOption> model_option_rows() {
        .doc = "Scores in a row without a gain of 0.02 dB after which training stops; 0: never",
        .source = "ours",
        .group = group::kValidation},
-      {.key = "motion_form",
-       .member = choice<&TrainOptions::motion_form>(),
-       .doc = "Form of dynamic Gaussians: pair (two quaternions and four scales of space-time) or "
-              "velocity (a 3D Gaussian with a velocity and a temporal extent)",
-       .source = "[Yang24]; velocity: [FreeTimeGS]",
-       .group = group::kModel,
-       .common = true},
       {.key = "sh_degree",
        .member = &TrainOptions::sh_degree,
        .low = 0,

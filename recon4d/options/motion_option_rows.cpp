@@ -7,10 +7,9 @@ std::vector<TrainOption> motion_option_rows() {
   return {
       {.key = "motion_nodes",
        .member = &TrainOptions::motion_nodes,
-       .low = 0,
+       .low = 1,
        .high = 1024,
-       .doc = "Largest number of motion nodes that carry one set of Gaussians through the clip; 0: "
-              "none, dynamic Gaussians in their place",
+       .doc = "Largest number of motion nodes, of --motion nodes",
        .source = "ours; [SC-GS] has 512",
        .group = group::kMotion,
        .unit = Unit::kCount},
@@ -27,8 +26,8 @@ std::vector<TrainOption> motion_option_rows() {
        .low = 5,
        .high = 256,
        .doc =
-           "Largest number of control points of a node; they begin with 5, then 8, then this, and "
-           "are at most one for six timesteps",
+           "Largest number of control points of a node; they begin with 5, then nearly double, and "
+           "are at most one for four timesteps",
        .source = "ours",
        .group = group::kMotion},
       {.key = "node_knot_interval",

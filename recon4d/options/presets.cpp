@@ -28,7 +28,7 @@ const OptionOverrides kBalancedStill = joined(kStill, {{"filter_2d", false}});
 const OptionOverrides kRig = {{"exposure", "auto"}, {"min_blending_weight", 0.05}};
 constexpr FrameRates kRigRates = {.extent_frames = 3, .mean_time_rate = 0.02};
 /// With few steps the velocities that the initial cloud has count for more than form.
-const OptionOverrides kFastRig = {{"exposure", "auto"}, {"motion_form", "velocity"}};
+const OptionOverrides kFastRig = {{"exposure", "auto"}, {"motion", "velocity"}};
 constexpr FrameRates kFastRigRates = {
     .extent_frames = 3, .velocity_rate = 5.6e-5, .mean_time_rate = 0.05};
 /// MCMC densification blurs what moves on rigs; twice the steps and weights against haze do not.
@@ -38,6 +38,19 @@ const OptionOverrides kBestRig = joined(kRig, {{"iterations", 15000},
                                                {"thin_until", 25000},
                                                {"init_opacity", 0.1},
                                                {"peak_gaussians", 400000}});
+/// With one view a timestep, frames that a short trial holds out say whether nodes carry the scene
+/// (recon4d/training/motion_trial.h).
+const OptionOverrides kSingleView = {{"motion", "auto"}};
+const OptionOverrides kNodes = {{"min_blending_weight", 0.05}};
+/// MCMC densification is 2 dB worse with nodes than this; more views a step or steps gain nothing.
+const OptionOverrides kBestNodes = joined(kNodes, {{"iterations", 14000},
+                                                   {"batch", 2},
+                                                   {"densification", "adc"},
+                                                   {"densify_until", 14900},
+                                                   {"thin_until", 25000},
+                                                   {"opacity_weight", 0},
+                                                   {"scale_weight", 0},
+                                                   {"init_opacity", 0.1}});
 /// The chain's own settings  [3DGS-MCMC].
 const OptionOverrides kMcmc = {{"densification", "mcmc"},
                                {"densify_until", 24900},
@@ -65,7 +78,7 @@ const std::vector<Preset>& presets() {
        kFastRigRates},
       {"balanced",
        "the default: 7,000 steps; what does not move becomes static, and the model is pruned",
-       kBalanced, kBalancedStill, kPixelsPerGaussian, kRig, kRigRates},
+       kBalanced, kBalancedStill, kPixelsPerGaussian, kRig, kRigRates, kSingleView, kNodes},
       {"best",
        "highest quality: rigs 15,000 steps; one camera MCMC densification with 200,000 Gaussians; "
        "one timestep 30,000 steps and a million Gaussians",
@@ -75,7 +88,7 @@ const std::vector<Preset>& presets() {
                                {"peak_gaussians", 1000000},
                                {"mcmc_noise", 5e5},
                                {"size", "grown"}}),
-       kPixelsPerGaussian, kBestRig, kRigRates},
+       kPixelsPerGaussian, kBestRig, kRigRates, kSingleView, kBestNodes},
       {"faster-gs",
        "the 4D protocol of Faster-GS: all dynamic, batch 4, opacity reset every 3000 steps",
        {{"opacity_reset_interval", 3000}, {"idle_updates", "skip"}}},
@@ -84,14 +97,14 @@ const std::vector<Preset>& presets() {
        {{"opacity_reset_interval", 3000}, {"carve", false}}},
       {"3dgs",
        "static 3DGS: one view a step, opacity reset, one timestep",
-       {{"static_only", true},
+       {{"motion", "none"},
         {"idle_updates", "skip"},
         {"batch", 1},
         {"lr_opacity", 0.025},
         {"opacity_reset_interval", 3000},
         {"far_plane", 1e4}}},
       {"mcmc", "static 3DGS with MCMC densification up to max_gaussians, no opacity reset",
-       joined(kMcmc, {{"static_only", true},
+       joined(kMcmc, {{"motion", "none"},
                       {"batch", 1},
                       {"far_plane", 1e4},
                       {"lr_opacity", 0.05},

@@ -174,6 +174,10 @@ void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, 
       for (const auto& [key, value] : named.rig_overrides) set_option(options, key, value);
       apply_rates(options, named.rig_rates, facts);
     }
+    if (facts.single_view)
+      for (const auto& [key, value] : named.single_view_overrides) set_option(options, key, value);
+    if (facts.nodes)
+      for (const auto& [key, value] : named.node_overrides) set_option(options, key, value);
     limit_by_pixels(options, named.pixels_per_gaussian, facts.camera_pixels);
     return;
   }
@@ -213,9 +217,9 @@ void validate(const TrainOptions& options) {
         "idle_updates {} needs the fused optimizer; pass --fused-optimizer true or --idle-updates "
         "dense",
         name_of(options.idle_updates)));
-  if (options.motion_nodes > 0 && options.filter_3d != Filter3d::kNone)
+  if (options.motion == Motion::kNodes && options.filter_3d != Filter3d::kNone)
     throw InputError(
-        "filter_3d knows nothing of motion nodes; pass --filter-3d none or --motion-nodes 0");
+        "filter_3d knows nothing of motion nodes; pass --filter-3d none or another --motion");
   const int contracts =
       (options.max_gaussians > 0) + (options.max_bytes > 0) + (options.within_db > 0);
   if (contracts > 1)

@@ -4,6 +4,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -26,8 +27,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   // steps
   int64_t iterations = 30000, schedule_iterations = 30000, batch = 4, seed = 1;
   // scene
-  bool static_only = false;
-  MotionForm motion_form = MotionForm::kPair;
+  Motion motion = Motion::kPair;
   std::string background = "black";
   double train_scale = 1;
   // initial Gaussians
@@ -67,8 +67,8 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   int64_t reorder_interval = 5000;
   double min_blending_weight = 0;
   int64_t unseen_interval = 500;
-  // motion nodes
-  int64_t motion_nodes = 0, nodes_from = 1300, node_knots = 14, node_knot_interval = 7500;
+  // motion nodes, of Motion::kNodes
+  int64_t motion_nodes = 64, nodes_from = 1300, node_knots = 100, node_knot_interval = 1500;
   double lr_node_translation = 1e-3, lr_node_rotation = 5e-3, lr_node_decay = 0.004;
   double lr_node_logit = 0.01, lr_node_radius = 0.01, node_acceleration = 1e-5;
   double mcmc_noise = 5e5, mcmc_growth = 1.05;
@@ -124,6 +124,8 @@ struct SceneFacts {
   int64_t cameras = 0;        // that film at once: with half as many training frames as the longest
   int64_t timesteps = 0;      // training frames of the camera that has most
   double extent = 0;          // CameraRig::extent, world units
+  bool single_view = false;   // several timesteps, of which none has two training views
+  bool nodes = false;         // motion nodes are to carry it
 
   /// Several cameras that share timesteps, so that each timestep is seen from several sides.
   bool rig() const { return !still && cameras >= 3 && timesteps >= 3; }
@@ -144,9 +146,18 @@ struct NamedOptions {
   OptionOverrides still_overrides = {};  // over those, where the scene has one timestep
   /// Lowers peak_gaussians where cameras have fewer pixels than so many for each; 0: never.
   int64_t pixels_per_gaussian = 0;
-  OptionOverrides rig_overrides = {};  // over the overrides, where SceneFacts::rig()
-  FrameRates rig_rates = {};           // likewise
+  OptionOverrides rig_overrides = {};          // over the overrides, where SceneFacts::rig()
+  FrameRates rig_rates = {};                   // likewise
+  OptionOverrides single_view_overrides = {};  // likewise, where SceneFacts::single_view
+  OptionOverrides node_overrides = {};         // over all of these, where SceneFacts::nodes
 };
+/// Options of a training. Where its motion is `auto`, `with_nodes` are those that hold once nodes
+/// are chosen.
+struct PlannedOptions {
+  TrainOptions options;
+  std::optional<TrainOptions> with_nodes;
+};
+
 /// `kind`: "preset", for the message. Errors: InputError naming the nearest known name.
 void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, const char* kind,
                  const std::string& name, const SceneFacts& facts = {});

@@ -32,7 +32,8 @@ bool has_timesteps(const FrameSample& sample) {
 
 /// Between static and dynamic; what motion nodes carry stays as it is.
 bool decides_motion(const TrainOptions& options) {
-  return options.decide_motion && !options.static_only && options.motion_nodes == 0;
+  return options.decide_motion && options.motion != Motion::kNone &&
+         options.motion != Motion::kNodes;
 }
 
 /// Adds Gaussians that lie where the backend works to set k, without optimizer state or statistics.

@@ -156,7 +156,8 @@ double static_share(const std::vector<InitialPoint>& points, const TrainOptions&
 /// points; else an even share of the rest.
 std::vector<uint8_t> static_choice(const std::vector<InitialPoint>& points, const Scene& scene,
                                    const TrainOptions& options) {
-  const bool all = options.static_only || scene.is_static || options.motion_nodes > 0;
+  const bool all =
+      scene.is_static || options.motion == Motion::kNone || options.motion == Motion::kNodes;
   std::vector<uint8_t> chosen(points.size(), 0);
   const double share = static_share(points, options);
   double due = 0;  // static points owed by the share so far

@@ -71,18 +71,28 @@ Image8 averaged_image(const Image8& image, int width, int height) {
   return out;
 }
 
+Frame scaled_frame(const Frame& frame, double scale) {
+  check(scale > 0 && scale <= 1, "scaled_frame: a scale of at most 1");
+  if (scale == 1) return frame;
+  const int width = scaled_side(frame.image.width, scale);
+  const int height = scaled_side(frame.image.height, scale);
+  Frame scaled{frame.name,
+               frame.camera_name,
+               frame.frame_number,
+               frame.time,
+               frame.split,
+               frame.camera.resized(width, height),
+               averaged_image(frame.image, width, height),
+               {}};
+  if (frame.mask.data.empty()) return scaled;
+  scaled.mask = averaged_image(frame.mask, width, height);
+  for (uint8_t& used : scaled.mask.data) used = used == 255 ? 255 : 0;
+  return scaled;
+}
+
 Scene scaled_scene(Scene scene, double scale) {
-  check(scale > 0 && scale <= 1, "scaled_scene: a scale of at most 1");
-  if (scale == 1) return scene;
-  for (Frame& frame : scene.frames) {
-    const int width = scaled_side(frame.image.width, scale);
-    const int height = scaled_side(frame.image.height, scale);
-    frame.camera = frame.camera.resized(width, height);
-    frame.image = averaged_image(frame.image, width, height);
-    if (frame.mask.data.empty()) continue;
-    frame.mask = averaged_image(frame.mask, width, height);
-    for (uint8_t& used : frame.mask.data) used = used == 255 ? 255 : 0;
-  }
+  if (scale != 1)
+    for (Frame& frame : scene.frames) frame = scaled_frame(frame, scale);
   return scene;
 }
 

@@ -10,6 +10,8 @@ namespace tessera {
 /// `width`, `height`: at most the image's.
 Image8 averaged_image(const Image8& image, int width, int height);
 
+/// A frame at `scale` times its size, 0 < scale ≤ 1, as of scaled_scene.
+Frame scaled_frame(const Frame& frame, double scale);
 /// Images, masks and cameras of `scale` times their size, 0 < scale ≤ 1; sides are rounded to
 /// nearest. A new pixel is used where the mask uses all of its area.
 Scene scaled_scene(Scene scene, double scale);

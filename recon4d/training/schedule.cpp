@@ -69,11 +69,12 @@ bool Schedule::prune_unseen(int64_t i) const {
 }
 
 int Schedule::node_knots(int64_t i, int64_t timesteps) const {
-  constexpr int64_t kFirst = 5, kSecond = 8, kTimestepsOfOne = 6;
+  constexpr int64_t kFirst = 5, kTimestepsOfOne = 4;
   const int64_t most = std::clamp(timesteps / kTimestepsOfOne, kFirst, options_.node_knots);
-  const int64_t stage = (i - nodes_from_) / node_knot_interval_;
-  const int64_t wanted = stage == 0 ? kFirst : stage == 1 ? kSecond : options_.node_knots;
-  return int(std::min(wanted, most));
+  int64_t knots = kFirst;
+  for (int64_t stage = (i - nodes_from_) / node_knot_interval_; stage > 0 && knots < most; --stage)
+    knots = 2 * knots - 2;
+  return int(std::min(knots, most));
 }
 
 std::array<AdamScalars<float>, 3> Schedule::node_adam(int64_t i, int64_t refitted) const {

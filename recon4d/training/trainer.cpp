@@ -254,7 +254,7 @@ void Trainer::control_nodes() {
   const int64_t i = state_.iteration;
   GaussianModel& model = state_.model;
   const int knots = schedule_.node_knots(i, timesteps_);
-  const bool has_motion = timesteps_ > 1 && !options_.static_only;
+  const bool has_motion = timesteps_ > 1 && options_.motion == Motion::kNodes;
   if (has_motion && schedule_.start_nodes(i) && model.nodes.empty()) {
     complete_pending();
     Buffer<float> mean, opacity_logit;

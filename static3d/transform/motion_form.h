@@ -1,5 +1,5 @@
 // What: the two forms of dynamic Gaussians into each other: both describe the same family.
-// Not: which form a training uses (TrainOptions::motion_form).
+// Not: which form a training uses (TrainOptions::motion).
 #pragma once
 #include "recon4d/model/gaussian_set.h"
 

@@ -14,6 +14,12 @@ namespace {
 
 using nlohmann::json;
 
+/// Sets an option, whatever the motion will be.
+void set_in(BenchRun& run, const std::string& key, const OptionValue& value) {
+  set_option(run.options, key, value);
+  if (run.with_nodes) set_option(*run.with_nodes, key, value);
+}
+
 /// A run without its options' iterations and seed. Still scenes can only be trained as such.
 BenchRun run_of(const BenchAxes& axes, const BenchScene& scene, const std::string& preset,
                 const std::string& ablation) {
@@ -24,14 +30,16 @@ BenchRun run_of(const BenchAxes& axes, const BenchScene& scene, const std::strin
   run.scene = scene;
   run.label = run.preset = preset;
   run.ablation = arguments.ablation;
-  run.options = resolve_options(arguments, scene.facts);
-  if (scene.facts.still) run.options.static_only = true;
+  PlannedOptions planned = resolve_options(arguments, scene.facts);
+  run.options = std::move(planned.options);
+  run.with_nodes = std::move(planned.with_nodes);
+  if (scene.facts.still) run.options.motion = Motion::kNone;
   return run;
 }
 
 BenchRun with_steps(BenchRun run, int64_t iterations, int64_t seed) {
-  set_option(run.options, "iterations", iterations);
-  set_option(run.options, "seed", seed);
+  set_in(run, "iterations", iterations);
+  set_in(run, "seed", seed);
   validate(run.options);
   return run;
 }
@@ -54,7 +62,7 @@ std::string misfit(const std::string& what, SceneKind kind, const BenchScene& sc
 BenchRun row_cell(const BenchAxes& axes, const BenchScene& scene, const BenchTable& table,
                   const BenchRow& row) {
   BenchRun run = run_of(axes, scene, row_preset(row, scene.facts.still), row.ablation);
-  for (const auto& [key, value] : row.overrides) set_option(run.options, key, value);
+  for (const auto& [key, value] : row.overrides) set_in(run, key, value);
   run.label = row_label(row, scene.facts.still);
   run.row = row.name;
   run.scales = table.scales;
@@ -88,7 +96,7 @@ void limit_by(const json& records, const std::string& row, int64_t share, BenchR
     return;
   }
   const int64_t count = counted->at("metrics").at("num_gaussians");
-  set_option(run.options, "max_gaussians", std::max<int64_t>(1, (count + share / 2) / share));
+  set_in(run, "max_gaussians", std::max<int64_t>(1, (count + share / 2) / share));
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,15 +30,16 @@ std::vector<BenchScene> open_bench_scenes(const std::vector<std::string>& texts)
 
 struct BenchRun {
   BenchScene scene;
-  std::string label;              // names row and folder: "balanced", "3dgs+filter_2d=true"
-  std::string preset, ablation;   // for config.json
-  TrainOptions options;           // all of them, with iterations and seed
-  std::vector<int64_t> score_at;  // steps at which it is scored on the way
-  std::vector<double> scales;     // factors of the training resolution that it is scored at too
-  std::string waits_for;          // why it cannot be run yet; empty: it can
-  std::string row;                // of a table; or empty
-  int64_t share = 0;              // a budget: a Gaussian for so many of the reference's; 0: none
-  int64_t turn = 0;               // which shard runs it
+  std::string label;             // names row and folder: "balanced", "3dgs+filter_2d=true"
+  std::string preset, ablation;  // for config.json
+  TrainOptions options;          // all of them, with iterations and seed
+  std::optional<TrainOptions> with_nodes{};  // PlannedOptions::with_nodes
+  std::vector<int64_t> score_at;             // steps at which it is scored on the way
+  std::vector<double> scales;  // factors of the training resolution that it is scored at too
+  std::string waits_for;       // why it cannot be run yet; empty: it can
+  std::string row;             // of a table; or empty
+  int64_t share = 0;           // a budget: a Gaussian for so many of the reference's; 0: none
+  int64_t turn = 0;            // which shard runs it
 };
 
 std::filesystem::path folder_of_run(const std::filesystem::path& root, const BenchRun& run);

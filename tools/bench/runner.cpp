@@ -52,7 +52,7 @@ bool can_resume(const RunFolder& folder, const TrainRequest& request) {
   const std::string made_for = folder.made_for();
   if (!made_for.empty() && made_for != request.made_for) return false;
   const json config = json::parse(read_text_file(folder.config()), nullptr, false);
-  return config.is_object() && config.value("options", json()) == to_json(request.options);
+  return config.is_object() && config.value("asked_options", json()) == to_json(request.options);
 }
 
 TrainRequest request_of(const BenchRunOptions& options, const BenchRun& run,
@@ -61,6 +61,7 @@ TrainRequest request_of(const BenchRunOptions& options, const BenchRun& run,
   request.scene = run.scene.path;
   request.run = folder.root;
   request.options = run.options;
+  request.with_nodes = run.with_nodes;
   request.preset = run.preset;
   request.ablation = run.ablation;
   request.backend = options.backend;

@@ -96,7 +96,7 @@ json bench_ablations(const StageBenchRequest& request, const Scene& scene,
 }  // namespace
 
 int bench_stages_command(StageBenchRequest request) {
-  TrainOptions options = resolve_options(request.training, request.scene);
+  TrainOptions options = resolve_options(request.training, request.scene).options;
   Scene scene = load_training_scene(request.scene, options);
   std::optional<GaussianModel> model;
   if (!request.model.empty()) {

@@ -88,6 +88,8 @@ std::string default_text(const TrainOption& option) {
   for (size_t i = 1; i < defaults.size(); ++i)
     text += fmt::format("; {} {}", fmt::join(defaults[i].presets, ", "), defaults[i].value);
   if (const std::string rig = rig_default(option); !rig.empty()) text += "; rigs " + rig;
+  const std::string single = value_in(option, "balanced", {.single_view = true});
+  if (single != value_in(option, "balanced")) text += "; one view a timestep " + single;
   return text;
 }
 

@@ -65,8 +65,7 @@ void add_train_options(CLI::App& command, TrainArguments& arguments) {
 void add_option_table(CLI::App& command, TrainArguments& arguments) {
   for (const TrainOption& row : train_option_table()) add_row(command, row, arguments);
   command.add_flag_callback(
-      "--static", [&arguments] { arguments.given["static_only"] = "true"; },
-      "same as --static-only");
+      "--static", [&arguments] { arguments.given["motion"] = "none"; }, "same as --motion none");
 }
 
 namespace {
@@ -96,17 +95,25 @@ TrainOptions layered_options(const TrainArguments& arguments, const SceneFacts& 
 
 }  // namespace
 
-TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts) {
+PlannedOptions resolve_options(const TrainArguments& arguments, SceneFacts facts) {
   const TrainOptions asked = layered_options(arguments, {});
-  facts.still |= asked.static_only;
+  facts.still |= asked.motion == Motion::kNone;
   facts.camera_pixels =
       std::llround(asked.train_scale * asked.train_scale * double(facts.camera_pixels));
-  return layered_options(arguments, facts);
+  facts.nodes = asked.motion == Motion::kNodes;
+  PlannedOptions planned{layered_options(arguments, facts), std::nullopt};
+  if (planned.options.motion != Motion::kAuto) return planned;
+  facts.nodes = true;
+  planned.with_nodes = layered_options(arguments, facts);
+  planned.with_nodes->motion = Motion::kNodes;
+  validate(*planned.with_nodes);
+  return planned;
 }
 
-TrainOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene) {
+PlannedOptions resolve_options(const TrainArguments& arguments,
+                               const std::filesystem::path& scene) {
   SceneOptions options;
-  options.allow_static = layered_options(arguments, {}).static_only;
+  options.allow_static = layered_options(arguments, {}).motion == Motion::kNone;
   options.load_pixels = false;
   return resolve_options(arguments, facts_of(load_scene(scene, options)));
 }

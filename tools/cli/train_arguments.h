@@ -26,8 +26,8 @@ void add_train_options(CLI::App& command, TrainArguments& arguments);
 void add_option_table(CLI::App& command, TrainArguments& arguments);
 /// Defaults ← preset ← ablation ← --config ← command line; presets look at the scene. Errors:
 /// InputError.
-TrainOptions resolve_options(const TrainArguments& arguments, SceneFacts facts);
+PlannedOptions resolve_options(const TrainArguments& arguments, SceneFacts facts);
 /// The same for the scene in that folder, whose cameras and times are read. Errors: as load_scene.
-TrainOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene);
+PlannedOptions resolve_options(const TrainArguments& arguments, const std::filesystem::path& scene);
 
 }  // namespace tessera

@@ -12,6 +12,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/held_out_cameras.h"
 #include "kernels/base/errors.h"
+#include "recon4d/options/train_options_json.h"
 #include "tools/batch/batch_config.h"
 #include "tools/batch/batch_folder.h"
 #include "tools/batch/batch_watch.h"
@@ -55,8 +56,10 @@ std::vector<std::string> ingest_words(const CLI::App& command, const BatchReques
     words.push_back(is_file && fs::exists(value) ? fs::absolute(value).lexically_normal().string()
                                                  : value);
   }
-  const auto still = request.training.given.find("static_only");
-  if (still != request.training.given.end() && still->second == "true") words.push_back("--static");
+  const auto motion = request.training.given.find("motion");
+  if (motion != request.training.given.end() &&
+      train_options_from_json({{"motion", motion->second}}).motion == Motion::kNone)
+    words.push_back("--static");
   return words;
 }
 

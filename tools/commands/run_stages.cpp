@@ -65,7 +65,7 @@ class Runner {
  public:
   explicit Runner(const RunRequest& request)
       : request_(request),
-        options_(resolve_options(request.training, SceneFacts{})),
+        planned_(resolve_options(request.training, SceneFacts{})),
         ingest_options_(resolve_ingest(request.ingest)),
         run_{request.out / "run"},
         ledger_(request.out / "stages.json") {}
@@ -74,8 +74,9 @@ class Runner {
   bool run() {
     if (!ingest()) return false;
     const SceneLock in_use(scene_, SceneLock::Use::kRead);
-    options_ = resolve_options(request_.training, scene_);
-    if (const std::string note = page_bytes_note(options_.max_bytes); !note.empty()) say(note);
+    planned_ = resolve_options(request_.training, scene_);
+    if (const std::string note = page_bytes_note(planned_.options.max_bytes); !note.empty())
+      say(note);
     return train() && evaluate_model() && export_frames() && write_player();
   }
 
@@ -117,12 +118,15 @@ class Runner {
   }
 
   SceneOptions scene_options(bool pixels) const {
-    return {parse_background(options_.background), options_.static_only, pixels, {}};
+    return {parse_background(planned_.options.background),
+            planned_.options.motion == Motion::kNone,
+            pixels,
+            {}};
   }
 
   bool ingest() {
     IngestOptions options = ingest_options_;
-    options.allow_static = options_.static_only;
+    options.allow_static = planned_.options.motion == Motion::kNone;
     options.work = request_.out / "work";
     const bool as_it_is =
         to_json(options) == to_json(defaults_for(options)) && opens_as_scene(request_.capture);
@@ -140,7 +144,7 @@ class Runner {
 
   bool train() {
     const std::string backend = parse_backend(request_.training.backend).name;
-    train_key_ = key_of({scene_key_, to_json(options_), backend});
+    train_key_ = key_of({scene_key_, to_json(planned_.options), backend});
     return do_stage(kTrain, train_key_, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
       json result = train_or_restart(train_request(), terminal);
@@ -154,7 +158,8 @@ class Runner {
     TrainRequest train;
     train.scene = scene_;
     train.run = run_.root;
-    train.options = options_;
+    train.options = planned_.options;
+    train.with_nodes = planned_.with_nodes;
     train.preset = request_.training.preset;
     train.ablation = request_.training.ablation;
     train.backend = request_.training.backend;
@@ -214,7 +219,7 @@ class Runner {
   }
 
   const RunRequest& request_;
-  TrainOptions options_;
+  PlannedOptions planned_;
   IngestOptions ingest_options_;
   RunFolder run_;
   StageLedger ledger_;

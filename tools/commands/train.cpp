@@ -77,7 +77,9 @@ void add_train_command(CLI::App& app, Work& work) {
       const TrainArguments& arguments = parsed->arguments;
       set_thread_count(arguments.threads);
       check_output_apart(request.run, request.scene);
-      request.options = resolve_options(arguments, request.scene);
+      PlannedOptions planned = resolve_options(arguments, request.scene);
+      request.options = std::move(planned.options);
+      request.with_nodes = std::move(planned.with_nodes);
       request.preset = arguments.preset;
       request.ablation = arguments.ablation;
       request.backend = arguments.backend;

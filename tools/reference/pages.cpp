@@ -153,6 +153,14 @@ std::string presets_page() {
       if (rates.mean_time_rate > 0)
         text += fmt::format("- `--lr-mean-time` {:g} frames\n", rates.mean_time_rate);
     }
+    if (!preset.single_view_overrides.empty()) {
+      text += "\nWith one view a timestep:\n\n";
+      list(preset.single_view_overrides);
+    }
+    if (!preset.node_overrides.empty()) {
+      text += "\nWhere motion nodes carry the scene:\n\n";
+      list(preset.node_overrides);
+    }
     if (preset.pixels_per_gaussian > 0)
       text += fmt::format(
           "\nAt most one Gaussian per {} pixels of the training cameras during growth.\n",

@@ -15,6 +15,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_file.h"
+#include "recon4d/options/train_options_json.h"
 #include "recon4d/reduction/model_reduction.h"
 #include "recon4d/training/trainer.h"
 #include "recon4d/training/validation.h"
@@ -50,6 +51,7 @@ class Session {
         previous_(wall_.time(WallSplit::kLoad, [&] { return previous_state(request, run_); })) {
     run_.remove_leftovers();
     options_ = previous_ ? previous_->options : request.options;
+    with_nodes_ = previous_ ? stored_with_nodes() : request.with_nodes;
     complete_size_limit();
     validate(options_);
   }
@@ -80,13 +82,14 @@ class Session {
     const int64_t aside =
         hold_out_validation(scene_, options_.validation_share, uint64_t(options_.seed));
     wall_.time(WallSplit::kInit, [&] {
-      if (!previous_) complete_scene();
       ChosenBackend chosen = choose_backend(request_.backend);
       backend_ = std::move(chosen.backend);
       choice_ = std::move(chosen.choice);
       if (choice_.leaves_cuda_unused()) observer_.on_cuda_unused(choice_.reason);
-      config_ = make_config(request_, options_, scene_, backend_->name());
+      if (!previous_ || options_.motion == Motion::kAuto) complete_scene();
+      config_ = make_config(request_, {options_, with_nodes_}, scene_, backend_->name());
       if (previous_) check_frames();
+      if (previous_ && previous_->options.motion == Motion::kAuto) previous_.reset();
       make_folder(run_.root);
       start();
     });
@@ -100,6 +103,30 @@ class Session {
   void complete_scene() {
     if (const auto found = complete_cloud(scene_, options_)) observer_.on_message(*found);
     if (const auto found = resolve_exposure(scene_, options_)) observer_.on_message(*found);
+    complete_motion();
+  }
+
+  /// Its trial takes a quarter of a time limit at most. Where the observer stops it, motion stays
+  /// `auto`, the training takes no step, and a resumed one tries again.
+  void complete_motion() {
+    constexpr double kShare = 0.25;
+    const double last = request_.stopwatch() + kShare * limit_.seconds();
+    const auto say = [&](const std::string& line) { observer_.on_message(line); };
+    const auto stop = [&] {
+      left_ = left_ || observer_.must_stop();
+      return left_ || request_.stopwatch() > last;
+    };
+    if (resolve_motion(*backend_, scene_, with_nodes_, options_, stop, say) || left_) return;
+    options_.motion = Motion::kPair;
+    say("motion: dynamic Gaussians, as --time-limit leaves too little time to try nodes; "
+        "--motion nodes does otherwise");
+  }
+
+  /// Of a checkpoint whose training was stopped before it knew its motion.
+  std::optional<TrainOptions> stored_with_nodes() const {
+    const json provenance = json::parse(previous_->provenance);
+    if (!provenance.contains("with_nodes")) return std::nullopt;
+    return train_options_from_json(provenance["with_nodes"]);
   }
 
   void check_frames() const {
@@ -415,6 +442,7 @@ class Session {
   const SceneLock scene_lock_;
   std::optional<Checkpoint> previous_;
   TrainOptions options_;
+  std::optional<TrainOptions> with_nodes_;
   Scene scene_;
   DeviceChoice choice_;
   std::unique_ptr<Backend> backend_;

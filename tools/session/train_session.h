@@ -20,6 +20,7 @@ namespace tessera {
 struct TrainRequest {
   std::filesystem::path scene, run;
   TrainOptions options;
+  std::optional<TrainOptions> with_nodes;  // PlannedOptions::with_nodes
   std::string preset, ablation, backend = "auto";
   bool resume = false;
   bool overwrite = false;                   // an existing run folder may be replaced

@@ -14,6 +14,7 @@
 #include "ingest/layouts/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/options/train_options_json.h"
+#include "recon4d/training/motion_trial.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/session/version.h"
 
@@ -64,25 +65,31 @@ std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunF
   return std::nullopt;
 }
 
-json make_config(const TrainRequest& request, const TrainOptions& options, const Scene& scene,
+json make_config(const TrainRequest& request, const PlannedOptions& planned, const Scene& scene,
                  const std::string& device) {
-  return {{"tessera", kVersionText},
-          {"preset", request.preset},
-          {"ablation", request.ablation.empty() ? json(nullptr) : json(request.ablation)},
-          {"options", to_json(options)},
-          {"scene", std::filesystem::absolute(request.scene).string()},
-          {"scene_fingerprint", scene_fingerprint(scene)},
-          {"train_frames", scene.split_indices(Split::kTrain).size()},
-          {"validation_frames", scene.split_indices(Split::kValidation).size()},
-          {"device", device},
-          {"seed", options.seed},
-          {"made_for", request.made_for}};
+  const TrainOptions& options = planned.options;
+  json config = {{"tessera", kVersionText},
+                 {"preset", request.preset},
+                 {"ablation", request.ablation.empty() ? json(nullptr) : json(request.ablation)},
+                 {"options", to_json(options)},
+                 {"asked_options", to_json(request.options)},  // before the images decided on any
+                 {"scene", std::filesystem::absolute(request.scene).string()},
+                 {"scene_fingerprint", scene_fingerprint(scene)},
+                 {"train_frames", scene.split_indices(Split::kTrain).size()},
+                 {"validation_frames", scene.split_indices(Split::kValidation).size()},
+                 {"device", device},
+                 {"seed", options.seed},
+                 {"made_for", request.made_for}};
+  // of a training that was stopped before it knew its motion
+  if (options.motion == Motion::kAuto && planned.with_nodes)
+    config["with_nodes"] = to_json(*planned.with_nodes);
+  return config;
 }
 
 Scene load_training_scene(const std::filesystem::path& path, const TrainOptions& options) {
   SceneOptions scene_options;
   scene_options.background = parse_background(options.background);
-  scene_options.allow_static = options.static_only;
+  scene_options.allow_static = options.motion == Motion::kNone;
   return scaled_scene(load_scene(path, scene_options), options.train_scale);
 }
 
@@ -91,9 +98,9 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
   std::set<double> timesteps;
   for (const int i : scene.split_indices(Split::kTrain))
     timesteps.insert(scene.frames[size_t(i)].time);
-  if (options.static_only && timesteps.size() > 1)
+  if (options.motion == Motion::kNone && timesteps.size() > 1)
     warnings.push_back(fmt::format(
-        "{}: has {} timesteps, and static_only makes one static scene of them all, in which what "
+        "{}: has {} timesteps, and --motion none makes one static scene of them all, in which what "
         "moves is blurred; for a moving scene choose another preset, for instance balanced",
         scene.path, timesteps.size()));
   return warnings;
@@ -130,6 +137,36 @@ std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& op
       "channel "
       "is learned; --exposure none turns this off",
       known, 100 * largest);
+}
+
+bool resolve_motion(Backend& backend, const Scene& scene,
+                    const std::optional<TrainOptions>& with_nodes, TrainOptions& options,
+                    const std::function<bool()>& stop,
+                    const std::function<void(const std::string&)>& say) {
+  if (options.motion != Motion::kAuto) return true;
+  if (const std::string reason = reason_against_trial(scene, options); !reason.empty()) {
+    options.motion = Motion::kPair;
+    say(fmt::format("motion: dynamic Gaussians, as {}; --motion nodes does otherwise", reason));
+    return true;
+  }
+  TrainOptions nodes = with_nodes.value_or(options);
+  nodes.motion = Motion::kNodes;
+  nodes.exposure = options.exposure;
+  nodes.validation_share = options.validation_share;
+  say("motion: two short trainings say whether motion nodes or dynamic Gaussians show more");
+  const std::optional<MotionTrial> trial = try_motion(backend, scene, nodes, stop);
+  if (!trial) return false;
+  const bool chosen = trial->prefers_nodes();
+  if (chosen)
+    options = nodes;
+  else
+    options.motion = Motion::kPair;
+  say(fmt::format(
+      "motion: {} frames that neither saw have {:.1f} dB with motion nodes and {:.1f} dB with "
+      "dynamic Gaussians, so {}; --motion {} does otherwise",
+      trial->frames, trial->nodes_psnr, trial->dynamic_psnr,
+      chosen ? "nodes carry the scene" : "Gaussians are dynamic", chosen ? "pair" : "nodes"));
+  return true;
 }
 
 }  // namespace tessera

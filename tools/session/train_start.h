@@ -2,11 +2,13 @@
 // Not: the training (train_session.h).
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "kernels/backend.h"
 #include "recon4d/model/checkpoint.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
@@ -31,12 +33,21 @@ std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& opti
 /// options.exposure is not `auto`.
 std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& options);
 
+/// Replaces motion `auto`: the options become `with_nodes` where a trial on `scene`, which has its
+/// cloud, prefers nodes, else their motion is `pair`. False where `stop`, asked before each step of
+/// the trial, said so: options stay as they are. `say` is given a line before a trial and one on
+/// why.
+bool resolve_motion(Backend& backend, const Scene& scene,
+                    const std::optional<TrainOptions>& with_nodes, TrainOptions& options,
+                    const std::function<bool()>& stop,
+                    const std::function<void(const std::string&)>& say);
+
 /// The checkpoint to go on from; clears the folder where a new training may replace what is there.
 /// Errors: InputError: nothing to resume; a run is there that may not be replaced.
 std::optional<Checkpoint> previous_state(const TrainRequest& request, const RunFolder& run);
 
 /// config.json: versions, options, scene, device.
-nlohmann::json make_config(const TrainRequest& request, const TrainOptions& options,
+nlohmann::json make_config(const TrainRequest& request, const PlannedOptions& planned,
                            const Scene& scene, const std::string& device);
 
 }  // namespace tessera

@@ -208,7 +208,7 @@ TEST(McmcOptions, ThePresetIsTheMethods) {
   EXPECT_EQ(count, 244);
   EXPECT_EQ(resets + gathered, 0);
   EXPECT_TRUE(schedule.reorder(25000));
-  EXPECT_TRUE(options.static_only);
+  EXPECT_EQ(options.motion, Motion::kNone);
   EXPECT_EQ(options.init_opacity, 0.5);
   EXPECT_EQ(options.init_scale_factor, 0.1);
   // 5e5·η_μ, whose first is 1.6e-4·E and whose last a hundredth of it

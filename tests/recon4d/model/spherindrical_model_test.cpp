@@ -165,7 +165,7 @@ TEST(SpherindricalModel, TheForecastCountsThem) {
   const int64_t before = forecast_training({}, options).parameter_bytes;
   options.sh_time_degree = 2;
   EXPECT_EQ(forecast_training({}, options).parameter_bytes, before + 1000 * 2 * 4 * 96);
-  options.static_only = true;
+  options.motion = Motion::kNone;
   const int64_t fixed = forecast_training({}, options).parameter_bytes;
   options.sh_time_degree = 0;
   EXPECT_EQ(forecast_training({}, options).parameter_bytes, fixed);

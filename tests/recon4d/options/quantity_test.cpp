@@ -46,8 +46,8 @@ TEST(Quantity, OfOptions) {
 // Bug put back: names compared with regard to case; seen to fail.
 TEST(Choices, AreComparedWithoutCase) {
   TrainOptions options;
-  set_option_from_text(options, "motion_form", "Velocity");
-  EXPECT_EQ(options.motion_form, MotionForm::kVelocity);
+  set_option_from_text(options, "motion", "Velocity");
+  EXPECT_EQ(options.motion, Motion::kVelocity);
   set_option_from_text(options, "densification", "MCMC");
   EXPECT_EQ(options.densification, Densification::kMcmc);
 }

@@ -39,7 +39,8 @@ struct Alternative {
 };
 
 /// Motion nodes from an early step on.
-const json kNodes = {{"motion_nodes", 6}, {"nodes_from", 8}, {"init_opacity", 0.3}};
+const json kNodes = {
+    {"motion", "nodes"}, {"motion_nodes", 6}, {"nodes_from", 8}, {"init_opacity", 0.3}};
 
 const std::vector<Alternative>& alternatives() {
   static const std::vector<Alternative> rows = {
@@ -47,8 +48,7 @@ const std::vector<Alternative>& alternatives() {
       {"schedule_iterations", 80},
       {"batch", 3},
       {"seed", 7},
-      {"static_only", true},
-      {"motion_form", "velocity"},
+      {"motion", "velocity"},
       {"background", "white"},
       {"near_plane", 3.9},
       {"far_plane", 4.1},
@@ -83,7 +83,7 @@ const std::vector<Alternative>& alternatives() {
       {"lr_scale", 1e-2},
       {"lr_scale_time", 1e-2},
       {"lr_rotation", 1e-2},
-      {"lr_velocity", 2e-3, {{"motion_form", "velocity"}}},
+      {"lr_velocity", 2e-3, {{"motion", "velocity"}}},
       {"lr_opacity", 0.02},
       {"lr_sh", 1e-2},
       {"lr_sh_rest", 1e-3},

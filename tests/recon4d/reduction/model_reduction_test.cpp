@@ -56,9 +56,9 @@ TEST(ModelReduction, DecidesAtItsSteps) {
   using Steps = std::vector<int64_t>;
   TrainOptions options = thrifty_options();
   EXPECT_EQ(steps_of(*backend, options), (Steps{30, 60, 90, 101, 127, 153, 180}));
-  options.static_only = true;
+  options.motion = Motion::kNone;
   EXPECT_EQ(steps_of(*backend, options), (Steps{101, 127, 153, 180}));
-  options.static_only = false;
+  options.motion = Motion::kPair;
   options.decide_motion = false;
   options.thin_rounds = 1;
   EXPECT_EQ(steps_of(*backend, options), (Steps{101}));

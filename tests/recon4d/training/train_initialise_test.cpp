@@ -114,14 +114,14 @@ TEST(Initialise, SharesAreExactAndSpreadOut) {
   // neighbours in the cloud's order alternate: both sets cover the whole cloud
   EXPECT_EQ(model.dynamic_set.group(kMean).value[0], scene.points.position[0].x);
   EXPECT_EQ(model.static_set.group(kMean).value[3 * 49], scene.points.position[99].x);
-  half.static_only = true;
+  half.motion = Motion::kNone;
   EXPECT_EQ(initialise(scene, half).model.dynamic_set.count(), 0);
 }
 
 TEST(Initialise, LargeCloudsAreThinnedWithoutRepetition) {
   const Scene scene = scene_with_cloud(500);
   TrainOptions options;
-  options.static_only = true;
+  options.motion = Motion::kNone;
   options.init_points = 77;
   const GaussianModel model = initialise(scene, options).model;
   ASSERT_EQ(model.count(), 77);
@@ -172,7 +172,7 @@ TEST(Initialise, VelocitiesOfACloudAreTaken) {
   TrainOptions options;
   options.split_by_motion = true;
   options.init_points = 30;
-  options.motion_form = MotionForm::kVelocity;
+  options.motion = Motion::kVelocity;
   const GaussianModel moving = initialise(scene, options).model;
   const GaussianSpans<const float> v = moving.dynamic_set.values();
   int taken = 0;
@@ -206,7 +206,7 @@ TEST(Initialise, CarvedPointsAreInAView) {
   TrainOptions options;
   options.init_points = 4000;
   options.init_extent = 6;
-  options.static_only = true;
+  options.motion = Motion::kNone;
   const auto unseen = [&](const GaussianModel& model) {
     int64_t count = 0;
     const GaussianSpans<const float> v = model.static_set.values();
@@ -241,7 +241,7 @@ TEST(Initialise, RandomPointsSurroundTheFocusOrFillTheViews) {
   const CameraRig rig = make_camera_rig(scene.training_cameras());
   TrainOptions options;
   options.init_points = 3000;
-  options.static_only = true;
+  options.motion = Motion::kNone;
   scene.had_alpha = false;  // a room: points in view, near to far
   const GaussianModel room = initialise(scene, options).model;
   EXPECT_EQ(room.count(), 3000) << "each is drawn in a view";
@@ -270,7 +270,7 @@ TEST(Initialise, AllCarvedAwaySaysWhatToDo) {
 
 TEST(Initialise, OnePointAndNone) {
   TrainOptions options;
-  options.static_only = true;
+  options.motion = Motion::kNone;
   const GaussianModel one = initialise(scene_with_cloud(1), options).model;
   ASSERT_EQ(one.count(), 1);
   EXPECT_NEAR(one.static_set.group(kLogScale).value[0], 0.5 * std::log(1e-7), 1e-5);

@@ -207,7 +207,7 @@ TEST(TrainLoop, OneTimestepIsStatic) {
   still.timesteps = 1;
   const Scene scene = tiny_capture(still);
   TrainOptions options = tiny_options(), static_only = tiny_options();
-  static_only.static_only = true;
+  static_only.motion = Motion::kNone;
   Training a(scene, options);
   Training b(scene, static_only);
   a.run();

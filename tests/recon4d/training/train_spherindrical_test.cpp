@@ -120,7 +120,7 @@ TEST(TrainSpherindrical, ResumeGoesOnBitForBit) {
   for (const IdleUpdate idle : {IdleUpdate::kDense, IdleUpdate::kSkip}) {
     TrainOptions options = levelled_options();
     options.idle_updates = idle;
-    options.motion_form = MotionForm::kVelocity;
+    options.motion = Motion::kVelocity;
     Training whole(scene, options);
     whole.run();
     EXPECT_EQ(whole.model().drawing.sh_time_degree, 2);

@@ -88,4 +88,8 @@ ChildResult ChildProcess::wait() {
   return result;
 }
 
+std::string ChildProcess::err_so_far() const {
+  return read_text_file(err_);
+}
+
 }  // namespace tessera::testing

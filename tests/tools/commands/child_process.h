@@ -36,6 +36,8 @@ class ChildProcess {
   /// Polls until `condition` holds. False when the program ends or 20 s pass before.
   bool wait_until(const std::function<bool()>& condition);
   ChildResult wait();
+  /// What it has written to stderr.
+  std::string err_so_far() const;
 
  private:
   std::filesystem::path out_, err_;

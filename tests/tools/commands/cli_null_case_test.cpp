@@ -71,7 +71,7 @@ class NullCase : public ::testing::Test {
   /// The whole row of A6.
   void expect_as_told(const std::vector<std::string>& more) {
     std::vector<std::string> told = more;
-    told.insert(told.end(), {"--static-only", "true"});
+    told.insert(told.end(), {"--motion", "none"});
     int changed = 0;
     const Trained found = train("found", more), given = train("given", told);
     EXPECT_EQ(found.scores["num_dynamic"], 0);

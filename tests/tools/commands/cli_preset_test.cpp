@@ -51,7 +51,7 @@ TEST(CliPreset, AStaticOneOnAMovingSceneIsSaid) {
                : trained.err.substr(position, trained.err.find('\n', position) - position);
   };
   for (const char* preset : {"3dgs", "mcmc"})
-    EXPECT_NE(warning_of(preset, preset).find("capture: has 2 timesteps, and static_only"),
+    EXPECT_NE(warning_of(preset, preset).find("capture: has 2 timesteps, and --motion none"),
               std::string::npos);
   EXPECT_EQ(warning_of("moving", "fast"), "");
 }

@@ -28,7 +28,7 @@ class CliWorld : public ::testing::Test {
     ASSERT_EQ(work_.run({"ingest", work_.at("room"), "-o", work_.at("scene")}).exit_code, 0);
     const ChildResult trained =
         work_.run({"train", work_.at("scene"), "-o", work_.at("run"), "--iterations", "4",
-                   "--init-points", "500", "--batch", "1", "--static-only", "true"});
+                   "--init-points", "500", "--batch", "1", "--motion", "none"});
     ASSERT_EQ(trained.exit_code, 0) << trained.err;
   }
   json bounds(const std::string& name) const {

@@ -161,7 +161,7 @@ TEST(CliHelp, BashCompletes) {
   EXPECT_EQ(completed(work, "tessera tr", 1), "train\n");
   EXPECT_EQ(completed(work, "tessera train --pre", 2), "--preset\n");
   EXPECT_EQ(completed(work, "tessera train --preset fa", 3), "fast faster-gs\n");
-  EXPECT_EQ(completed(work, "tessera train --motion-form v", 3), "velocity\n");
+  EXPECT_EQ(completed(work, "tessera train --motion v", 3), "velocity\n");
   EXPECT_EQ(completed(work, "tessera train --no-ca", 2), "--no-carve\n");
 }
 

@@ -1,0 +1,33 @@
+// Whether motion nodes or dynamic Gaussians explain a capture better, by two short trainings at a
+// small size and the frames that neither saw.
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "ingest/scene.h"
+#include "kernels/backend.h"
+#include "recon4d/options/train_options.h"
+
+namespace tessera {
+
+struct MotionTrial {
+  double nodes_psnr = 0, dynamic_psnr = 0;  // of the frames held out, dB
+  int64_t frames = 0;                       // held out
+  int64_t iterations = 0;                   // of each training
+
+  bool prefers_nodes() const { return nodes_psnr > dynamic_psnr; }
+};
+
+/// Why a trial would say nothing; empty: it can be made. Nodes are for scenes of one view a
+/// timestep; a trial needs frames to hold out, and a training that is long beside it.
+std::string reason_against_trial(const Scene& scene, const TrainOptions& options);
+
+/// Trains twice and scores. Frames of Split::kValidation are those held out; without any a share of
+/// the training frames is. `with_nodes`: options of the training where nodes carry the scene.
+/// Nothing where `stop`, asked before each step, has said so.
+std::optional<MotionTrial> try_motion(Backend& backend, const Scene& scene,
+                                      const TrainOptions& with_nodes,
+                                      const std::function<bool()>& stop);
+
+}  // namespace tessera
