@@ -88,6 +88,9 @@ class Session {
       if (choice_.leaves_cuda_unused()) observer_.on_cuda_unused(choice_.reason);
       if (!previous_ || options_.motion == Motion::kAuto) complete_scene();
       config_ = make_config(request_, {options_, with_nodes_}, scene_, backend_->name());
+      // before the images decided on any
+      config_["asked_options"] =
+          previous_ ? provenance().value("asked_options", json()) : to_json(request_.options);
       if (previous_) check_frames();
       if (previous_ && previous_->options.motion == Motion::kAuto) previous_.reset();
       make_folder(run_.root);
@@ -103,6 +106,8 @@ class Session {
   void complete_scene() {
     if (const auto found = complete_cloud(scene_, options_)) observer_.on_message(*found);
     if (const auto found = resolve_exposure(scene_, options_)) observer_.on_message(*found);
+    // refuses what cannot be learned before motion is tried
+    exposure_rows(scene_, scene_.split_indices(Split::kTrain), options_);
     complete_motion();
   }
 
@@ -124,14 +129,16 @@ class Session {
 
   /// Of a checkpoint whose training was stopped before it knew its motion.
   std::optional<TrainOptions> stored_with_nodes() const {
-    const json provenance = json::parse(previous_->provenance);
-    if (!provenance.contains("with_nodes")) return std::nullopt;
-    return train_options_from_json(provenance["with_nodes"]);
+    const json stored = provenance();
+    if (!stored.contains("with_nodes")) return std::nullopt;
+    return train_options_from_json(stored["with_nodes"]);
   }
 
+  /// config.json of the training that is resumed.
+  json provenance() const { return json::parse(previous_->provenance); }
+
   void check_frames() const {
-    const nlohmann::json provenance = nlohmann::json::parse(previous_->provenance);
-    if (provenance.value("scene_fingerprint", "") !=
+    if (provenance().value("scene_fingerprint", "") !=
         config_["scene_fingerprint"].get<std::string>())
       throw CheckpointRefused(
           fmt::format("{}: was trained on other frames than {} holds; resume with the "

@@ -72,7 +72,6 @@ json make_config(const TrainRequest& request, const PlannedOptions& planned, con
                  {"preset", request.preset},
                  {"ablation", request.ablation.empty() ? json(nullptr) : json(request.ablation)},
                  {"options", to_json(options)},
-                 {"asked_options", to_json(request.options)},  // before the images decided on any
                  {"scene", std::filesystem::absolute(request.scene).string()},
                  {"scene_fingerprint", scene_fingerprint(scene)},
                  {"train_frames", scene.split_indices(Split::kTrain).size()},
