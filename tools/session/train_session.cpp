@@ -115,13 +115,15 @@ class Session {
   /// `auto`, the training takes no step, and a resumed one tries again.
   void complete_motion() {
     constexpr double kShare = 0.25;
-    const double last = request_.stopwatch() + kShare * limit_.seconds();
+    const double begin = request_.stopwatch(), last = begin + kShare * limit_.seconds();
     const auto say = [&](const std::string& line) { observer_.on_message(line); };
     const auto stop = [&] {
       left_ = left_ || observer_.must_stop();
       return left_ || request_.stopwatch() > last;
     };
-    if (resolve_motion(*backend_, scene_, with_nodes_, options_, stop, say) || left_) return;
+    const bool known = resolve_motion(*backend_, scene_, with_nodes_, options_, stop, say);
+    choice_seconds_ = request_.stopwatch() - begin;
+    if (known || left_) return;
     options_.motion = Motion::kPair;
     say("motion: dynamic Gaussians, as --time-limit leaves too little time to try nodes; "
         "--motion nodes does otherwise");
@@ -154,7 +156,10 @@ class Session {
     std::string source = "checkpoint";
     TrainState state =
         previous_ ? std::move(previous_->state) : initial_state(scene_, options_, source);
-    if (!previous_) replace_previous_run();
+    if (!previous_) {
+      state.seconds = choice_seconds_;  // training that the model needs
+      replace_previous_run();
+    }
     log_.emplace(run_.log(), options_.iterations, state.iteration, observer_);
     log_->event("start", {{"iteration", state.iteration}, {"initialisation", source}});
     const std::string why = choice_.cuda ? "" : fmt::format(" ({})", choice_.reason);
@@ -454,7 +459,8 @@ class Session {
   DeviceChoice choice_;
   std::unique_ptr<Backend> backend_;
   json config_, scores_ = json::object();
-  int64_t end_ = 0;  // of this call, steps
+  int64_t end_ = 0;            // of this call, steps
+  double choice_seconds_ = 0;  // of the trials of motion
   std::optional<TrainingLog> log_;
   std::optional<Trainer> trainer_;
   std::optional<StageLog> stages_;
