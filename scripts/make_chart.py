@@ -18,7 +18,7 @@ from make_tables import ROOT, load_results
 
 OUT = ROOT / "docs" / "quality_seconds.svg"
 SCENES = {"studio": "studio, ten cameras", "basketball": "basketball, 27 cameras",
-          "dnerf_lego": "dnerf_lego, one camera", "mic": "mic, one timestep"}
+          "dnerf_lego": "dnerf_lego, one camera", "figure": "figure, one camera"}
 WIDTH, HEIGHT, MARGIN_X, MARGIN_Y = 360, 230, 50, 44  # of a panel, of which there are two by two
 SECONDS = (1, 100)
 
