@@ -46,15 +46,30 @@ TrainOptions trial_options(TrainOptions options) {
   return options;
 }
 
-/// Of the frames held out, dB; nothing where `stop` said so.
-std::optional<double> trained_psnr(Backend& backend, const Scene& scene,
-                                   const TrainOptions& options, const std::function<bool()>& stop) {
+/// Of the frames held out, dB.
+struct Scores {
+  double psnr = 0;
+  double frozen_psnr = 0;  // all frames at the middle of the clip
+};
+
+Scene frozen(Scene scene) {
+  for (Frame& frame : scene.frames) frame.time = 0.5;
+  return scene;
+}
+
+/// Nothing where `stop` said so.
+std::optional<Scores> scores_after_training(Backend& backend, const Scene& scene,
+                                            const TrainOptions& options,
+                                            const std::function<bool()>& stop) {
   Observer silent;
   std::string source;
   Trainer trainer(backend, scene, options, initial_state(scene, options, source), silent);
   trainer.run(options.iterations, stop);
   if (!trainer.state().finished) return std::nullopt;
-  return Validation(backend, scene, options).psnr(trainer.drawn_model());
+  const GaussianModel& model = trainer.drawn_model();
+  const Scene still = frozen(scene);
+  return Scores{Validation(backend, scene, options).psnr(model),
+                Validation(backend, still, options).psnr(model)};
 }
 
 }  // namespace
@@ -89,14 +104,15 @@ std::optional<MotionTrial> try_motion(Backend& backend, const Scene& scene,
   TrainOptions options = trial_options(with_nodes);
   options.motion = Motion::kPair;
   options.min_blending_weight = 0;  // of sets that one view a timestep sees: removes what is hidden
-  const auto dynamic = trained_psnr(backend, small, options, stop);
+  const auto dynamic = scores_after_training(backend, small, options, stop);
   if (!dynamic) return std::nullopt;
   options.motion = Motion::kNodes;
   options.min_blending_weight = with_nodes.min_blending_weight;
-  const auto nodes = trained_psnr(backend, small, options, stop);
+  const auto nodes = scores_after_training(backend, small, options, stop);
   if (!nodes) return std::nullopt;
-  trial.dynamic_psnr = *dynamic;
-  trial.nodes_psnr = *nodes;
+  trial.dynamic_psnr = dynamic->psnr;
+  trial.nodes_psnr = nodes->psnr;
+  trial.frozen_psnr = nodes->frozen_psnr;
   return trial;
 }
 

@@ -12,11 +12,14 @@
 namespace tessera {
 
 struct MotionTrial {
-  double nodes_psnr = 0, dynamic_psnr = 0;  // of the frames held out, dB
-  int64_t frames = 0;                       // held out
-  int64_t iterations = 0;                   // of each training
+  // of the frames held out, dB; frozen: with nodes, all frames at the middle of the clip
+  double nodes_psnr = 0, dynamic_psnr = 0, frozen_psnr = 0;
+  int64_t frames = 0;      // held out
+  int64_t iterations = 0;  // of each training
 
-  bool prefers_nodes() const { return nodes_psnr > dynamic_psnr; }
+  /// Whether what nodes carry moves: a still scene is drawn as well with its motion taken away.
+  bool nodes_move() const { return nodes_psnr > frozen_psnr + 0.1; }
+  bool prefers_nodes() const { return nodes_psnr > dynamic_psnr && nodes_move(); }
 };
 
 /// Why a trial would say nothing; empty: it can be made. Nodes are for scenes of one view a

@@ -38,7 +38,8 @@ void move_nodes(const NodePlan& plan, MotionNodes& nodes, Random& random) {
     to.log_radius[m] = plan.log_radius[size_t(m)];
     const double sign = m % 2 == 0 ? 1 : -1;
     for (int64_t i = m * kKnots; i < (m + 1) * kKnots; ++i) {
-      for (int c = 0; c < 3; ++c) to.translation[3 * i + c] = float(random.uniform(-kShift, kShift));
+      for (int c = 0; c < 3; ++c)
+        to.translation[3 * i + c] = float(random.uniform(-kShift, kShift));
       for (int c = 0; c < 4; ++c)
         to.rotation[4 * i + c] = float(sign * ((c == 0 ? 1 : 0) + random.uniform(-kTilt, kTilt)));
     }

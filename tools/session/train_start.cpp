@@ -161,10 +161,11 @@ bool resolve_motion(Backend& backend, const Scene& scene,
   else
     options.motion = Motion::kPair;
   say(fmt::format(
-      "motion: {} frames that neither saw have {:.1f} dB with motion nodes and {:.1f} dB with "
+      "motion: {} frames that neither saw have {:.1f} dB with motion nodes{} and {:.1f} dB with "
       "dynamic Gaussians, so {}; --motion {} does otherwise",
-      trial->frames, trial->nodes_psnr, trial->dynamic_psnr,
-      chosen ? "nodes carry the scene" : "Gaussians are dynamic", chosen ? "pair" : "nodes"));
+      trial->frames, trial->nodes_psnr, trial->nodes_move() ? "" : ", which hardly move,",
+      trial->dynamic_psnr, chosen ? "nodes carry the scene" : "Gaussians are dynamic or static",
+      chosen ? "pair" : "nodes"));
   return true;
 }
 
