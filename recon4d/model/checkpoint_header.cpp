@@ -30,7 +30,8 @@ ShBlocks blocks_in(const json& header, const char* set) {
 }
 
 Form dynamic_form(const json& header) {
-  return header.at("motion_form") == dynamic_form_name(Form::kVelocity) ? Form::kVelocity : Form::kPair;
+  return header.at("motion_form") == dynamic_form_name(Form::kVelocity) ? Form::kVelocity
+                                                                        : Form::kPair;
 }
 
 /// Of a canonical set: [nodes, control points], absent where there are none.

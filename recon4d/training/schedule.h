@@ -31,7 +31,9 @@ class Schedule {
   /// The sizes of the 3D filter: at the start, after density control, and on from its end.
   bool measure_filter(int64_t i) const;
   /// Whether motion nodes start before step i.
-  bool start_nodes(int64_t i) const { return options_.motion == Motion::kNodes && i == nodes_from_; }
+  bool start_nodes(int64_t i) const {
+    return options_.motion == Motion::kNodes && i == nodes_from_;
+  }
   /// Control points of a node at step i, of a clip of so many timesteps.
   int node_knots(int64_t i, int64_t timesteps) const;
   /// Step sizes of log radii, translations and rotations of nodes at step i.
