@@ -2,6 +2,7 @@
 // Not: what the values do, nor numbers and switches (train_options.h).
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace tessera {
 
 /// How a scene moves in its model. kAuto is decided before a training starts: kNodes or kPair.
 enum class Motion { kAuto, kNone, kPair, kVelocity, kNodes };
+/// Of each of the two short trainings by which that is decided; images have about as many pixels at
+/// most.
+inline constexpr int64_t kTrialIterations = 2000, kTrialBatch = 4, kTrialPixels = 400 * 400;
 enum class Filter3d { kNone, kMip, kClamp };
 /// kAuto is decided before a training starts: kCamera where the cameras differ, else kNone.
 enum class ExposureGains { kNone, kCamera, kFrame, kAuto };

@@ -6,7 +6,6 @@
 
 #include "kernels/gaussians.h"
 #include "kernels/math/spherical_harmonics.h"
-#include "recon4d/options/kernel_options.h"
 
 namespace tessera {
 namespace {
@@ -15,6 +14,8 @@ namespace {
 constexpr int64_t kUnlimited = 1000000;
 constexpr int64_t kPixelBytes = 68;  // eight floats a pixel, nine for the loss
 constexpr int64_t kSplatBytes = 168;
+// Of motion nodes: weights and sorted bindings of a Gaussian; its place in a view and gradients.
+constexpr int64_t kBindingBytes = 176, kCarriedBytes = 73;
 constexpr double kVisible = 0.4;       // splats by views and Gaussians
 constexpr double kMeanShare = 0.75;    // mean size of the set over the training, by the last
 constexpr double kCpuPixel = 0.4e-6;   // seconds a pixel and thread: 14.5 steps a second
@@ -28,6 +29,23 @@ int64_t element_bytes(Form form, int64_t time_levels) {
   return (trained_geometry_scalars(form) + 2 * sh) * int64_t(sizeof(float));
 }
 
+/// Of the larger set.
+Form trained_form(Motion motion) {
+  if (motion == Motion::kNone) return Form::kStatic;
+  return motion == Motion::kNodes ? Form::kCanonical : dynamic_form_of(motion);
+}
+
+/// The time of the two short trainings that decide on motion.
+void add_trials(ForecastLoad load, TrainOptions options, TrainForecast& forecast) {
+  load.pixels = std::min(load.pixels, kTrialPixels);
+  options.motion = Motion::kPair;
+  options.iterations = kTrialIterations;
+  options.batch = kTrialBatch;
+  const TrainForecast trial = forecast_training(load, options);
+  forecast.cpu_seconds += 2 * trial.cpu_seconds;
+  forecast.gpu_seconds += 2 * trial.gpu_seconds;
+}
+
 }  // namespace
 
 TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& options) {
@@ -35,13 +53,15 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
   forecast.gaussians =
       std::max(options.init_points, growth_limit(options) > 0 ? growth_limit(options) : kUnlimited);
   forecast.frame_bytes = load.all_bytes;
+  const Form form = trained_form(options.motion);
+  const bool in_time = form == Form::kPair || form == Form::kVelocity;
   forecast.parameter_bytes =
-      forecast.gaussians * (options.motion == Motion::kNone
-                                ? element_bytes(Form::kStatic, 0)
-                                : element_bytes(dynamic_form(options), options.sh_time_degree));
+      forecast.gaussians * element_bytes(form, in_time ? options.sh_time_degree : 0);
   const int64_t batch = std::min(options.batch, std::max<int64_t>(1, load.training_frames));
   const double splats = kVisible * double(forecast.gaussians) * double(batch);
   forecast.step_bytes = batch * load.pixels * kPixelBytes + int64_t(splats) * kSplatBytes;
+  if (form == Form::kCanonical)
+    forecast.step_bytes += forecast.gaussians * (kBindingBytes + batch * kCarriedBytes);
   forecast.total_bytes = forecast.frame_bytes + forecast.parameter_bytes + forecast.step_bytes;
   const double steps = double(options.iterations);
   const double pixels = double(batch) * double(load.pixels);
@@ -49,6 +69,7 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
   forecast.cpu_seconds =
       steps * (kCpuPixel * pixels + kCpuSplat * elements) / std::max(1, load.threads);
   forecast.gpu_seconds = steps * (kGpuStep + kGpuPixel * pixels + kGpuSplat * elements);
+  if (options.motion == Motion::kAuto) add_trials(load, options, forecast);
   return forecast;
 }
 

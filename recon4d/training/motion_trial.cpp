@@ -14,9 +14,8 @@
 namespace tessera {
 namespace {
 
-constexpr int64_t kIterations = 2000, kBatch = 4, kLeastFrames = 24;
-constexpr double kShare = 0.15;        // of the training frames, held out
-constexpr double kPixels = 400 * 400;  // of an image, at most about
+constexpr int64_t kLeastFrames = 24;
+constexpr double kShare = 0.15;  // of the training frames, held out
 
 /// What training reads of a scene, its images so small that steps are quick.
 Scene small_scene(const Scene& scene) {
@@ -29,15 +28,16 @@ Scene small_scene(const Scene& scene) {
   for (const Frame& frame : scene.frames) {
     if (frame.split != Split::kTrain && frame.split != Split::kValidation) continue;
     const double pixels = double(frame.image.width) * double(frame.image.height);
-    small.frames.push_back(scaled_frame(frame, std::min(1.0, std::sqrt(kPixels / pixels))));
+    small.frames.push_back(
+        scaled_frame(frame, std::min(1.0, std::sqrt(double(kTrialPixels) / pixels))));
   }
   return small;
 }
 
 /// What decides on the size of a model is left out: trials are compared while they grow.
 TrainOptions trial_options(TrainOptions options) {
-  options.iterations = kIterations;
-  options.batch = kBatch;
+  options.iterations = kTrialIterations;
+  options.batch = kTrialBatch;
   options.size = ModelSize::kGrown;
   options.decide_motion = options.decide_colour = false;
   options.max_gaussians = options.max_bytes = 0;
@@ -87,7 +87,7 @@ std::string reason_against_trial(const Scene& scene, const TrainOptions& options
   if (shared) return "several cameras see a timestep";
   if (frames < kLeastFrames)
     return fmt::format("{} training frames are too few to hold some out", frames);
-  if (options.iterations < 2 * kIterations)
+  if (options.iterations < 2 * kTrialIterations)
     return fmt::format("a training of {} steps is short beside a trial", options.iterations);
   return "";
 }
@@ -99,7 +99,6 @@ std::optional<MotionTrial> try_motion(Backend& backend, const Scene& scene,
   if (small.split_indices(Split::kValidation).empty())
     hold_out_validation(small, kShare, uint64_t(with_nodes.seed));
   MotionTrial trial;
-  trial.iterations = kIterations;
   trial.frames = int64_t(small.split_indices(Split::kValidation).size());
   TrainOptions options = trial_options(with_nodes);
   options.motion = Motion::kPair;

@@ -14,8 +14,7 @@ namespace tessera {
 struct MotionTrial {
   // of the frames held out, dB; frozen: with nodes, all frames at the middle of the clip
   double nodes_psnr = 0, dynamic_psnr = 0, frozen_psnr = 0;
-  int64_t frames = 0;      // held out
-  int64_t iterations = 0;  // of each training
+  int64_t frames = 0;  // held out
 
   /// Whether what nodes carry moves: a still scene is drawn as well with its motion taken away.
   bool nodes_move() const { return nodes_psnr > frozen_psnr + 0.1; }

@@ -27,6 +27,26 @@ TEST(Forecast, DoesNotOverflow) {
   EXPECT_GT(forecast.cpu_seconds, forecast.gpu_seconds);
 }
 
+// Bugs put back: nodes counted as pairs; no time for the trials; each seen to fail.
+TEST(Forecast, KnowsMotionNodesAndTheirTrials) {
+  const ForecastLoad load{50, 800 * 800, 50LL * 3 * 800 * 800, 2};
+  TrainOptions options;
+  options.max_gaussians = 1000;
+  options.motion = Motion::kNodes;
+  // 11 + 8 trained scalars with moments, 8 numbers of nodes, and colours
+  const TrainForecast nodes = forecast_training(load, options);
+  EXPECT_EQ(nodes.parameter_bytes, nodes.gaussians * 4 * (3 * (11 + 8) + 8 + 2 * 48));
+  options.motion = Motion::kPair;
+  const TrainForecast pair = forecast_training(load, options);
+  EXPECT_GT(nodes.step_bytes, pair.step_bytes);
+  options.motion = Motion::kAuto;
+  const double trials = forecast_training(load, options).cpu_seconds - pair.cpu_seconds;
+  options.motion = Motion::kPair;
+  options.iterations = 2 * kTrialIterations;
+  const ForecastLoad small{50, kTrialPixels, load.all_bytes, 2};
+  EXPECT_NEAR(trials, forecast_training(small, options).cpu_seconds, 1e-6 * trials);
+}
+
 // research/results_history.md: the run of `synth room`, preset fast, took 138.1 s on 2 threads;
 // dnerf_lego
 // 67.2 s on an H200. The model claims a factor of 3.
