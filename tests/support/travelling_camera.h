@@ -45,8 +45,8 @@ inline GaussianModel turning_truth(double angle, const Vec3<double>& shift) {
 }
 
 /// Two bodies, each carried by a node of its own, which move towards each other until half of the
-/// clip, when they touch, and then back.
-inline GaussianModel touching_truth() {
+/// clip, by `way`, and then back. With 0.3 they touch; with a negative one they part and return.
+inline GaussianModel meeting_truth(float way) {
   GaussianModel truth = turning_truth(0, {0, 0, 0});
   constexpr int kKnots = 8;
   GaussianSet& set = truth.static_set;
@@ -60,7 +60,7 @@ inline GaussianModel touching_truth() {
     for (int i = 0; i < kKnots; ++i) {
       const float share = 1 - std::abs(2 * float(i - 1) / float(kKnots - 3) - 1);  // 0 … 1 … 0
       for (int c = 0; c < 3; ++c)
-        nodes.translation[3 * (kKnots * m + i) + c] = c == 0 ? -0.3f * side * share : 0;
+        nodes.translation[3 * (kKnots * m + i) + c] = c == 0 ? -way * side * share : 0;
       for (int c = 0; c < 4; ++c) nodes.rotation[4 * (kKnots * m + i) + c] = c == 0 ? 1 : 0;
     }
   }
