@@ -100,7 +100,7 @@ int64_t ModelReduction::goal_of(Trainer& trainer, const std::vector<Removal>& or
     if (validation.checks > 0) room -= validation.peak_psnr - validation.last_psnr;
     double error = 0;
     int64_t gone = 0;
-    for (; gone + 1 < int64_t(order.size()); ++gone) {
+    for (; gone + 1 < int64_t(order.size()) && order[size_t(gone)].seen; ++gone) {
       error += order[size_t(gone)].error;
       if (contributions.psnr_after(0) - contributions.psnr_after(error) > room) break;
     }

@@ -20,13 +20,14 @@ double ByteRates::bytes_of(bool dynamic, int sh_degree) const {
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
                                    const ByteRates& rates) {
   struct Ranked {
+    bool unseen;
     double error_per_byte;
     bool is_lit;
     int64_t place;  // static set first
 
     bool operator<(const Ranked& b) const {
-      return std::tie(error_per_byte, is_lit, place) <
-             std::tie(b.error_per_byte, b.is_lit, b.place);
+      return std::tie(unseen, error_per_byte, is_lit, place) <
+             std::tie(b.unseen, b.error_per_byte, b.is_lit, b.place);
     }
   };
   std::vector<Ranked> ranked;
@@ -35,9 +36,11 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
   for (int k = 0; k < 2; ++k) {
     const SetContributions& set = contributions.sets[k];
     bytes[k] = rates.bytes_of(k == 1, model.drawing.sh_degree);
-    for (size_t n = 0; n < set.weight.size(); ++n)
-      ranked.push_back(
-          {double(set.removal2[n]) / bytes[k], set.weight[n] > 0, int64_t(ranked.size())});
+    for (size_t n = 0; n < set.weight.size(); ++n) {
+      const bool is_lit = set.weight[n] > 0;
+      ranked.push_back({!is_lit && contributions.share < 1, double(set.removal2[n]) / bytes[k],
+                        is_lit, int64_t(ranked.size())});
+    }
   }
   std::sort(ranked.begin(), ranked.end());
   std::vector<Removal> order;
@@ -47,7 +50,7 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
     const int k = r.place < statics ? 0 : 1;
     const int64_t element = r.place - k * statics;
     order.push_back(
-        {k, element, double(contributions.sets[k].removal2[size_t(element)]), bytes[k]});
+        {k, element, double(contributions.sets[k].removal2[size_t(element)]), bytes[k], !r.unseen});
   }
   return order;
 }
@@ -60,7 +63,7 @@ int64_t knee_count(const std::vector<Removal>& order, const Contributions& contr
   for (const Removal& removal : order) all += removal.bytes;
   std::vector<double> size{std::log(all)}, psnr{contributions.psnr_after(0)};
   double bytes = all, error = 0;
-  for (int64_t i = 0; i + 1 < count; ++i) {
+  for (int64_t i = 0; i + 1 < count && order[size_t(i)].seen; ++i) {
     bytes -= order[size_t(i)].bytes;
     error += order[size_t(i)].error;
     if (bytes < least_share * all) break;

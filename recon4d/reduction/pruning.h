@@ -28,18 +28,21 @@ struct Removal {
   /// which training drives to 0, and of what others take over.
   double error = 0;
   double bytes = 0;  // that it frees
+  /// False where the pass has drawn a part of the frames and it was in none of them: nothing is
+  /// known of it.
+  bool seen = true;
 
   double error_per_byte() const { return error / bytes; }
 };
 
 /// All Gaussians of a model, the cheapest first; of equals those without light, then in the order
-/// of their elements.
+/// of their elements. Those that were not seen come last.
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
                                    const ByteRates& rates = {});
 
 /// Gaussians that are left where the curve of ln(bytes) and dB, as removals in this order add to
 /// it, is farthest above the line from its end of `least_share` of the bytes to its beginning, each
-/// axis scaled to [0, 1]. No fewer than one, if there are any.
+/// axis scaled to [0, 1]. No fewer than one, if there are any; those that were not seen are left.
 int64_t knee_count(const std::vector<Removal>& order, const Contributions& contributions,
                    double least_share = 1.0 / 32);
 

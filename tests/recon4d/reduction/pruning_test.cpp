@@ -69,6 +69,30 @@ TEST(Thinning, EqualsGoInTheOrderOfElementsAndWhatHasNoLightFirst) {
   EXPECT_EQ(elements, (std::vector<int64_t>{4, 2, 0, 1, 3}));
 }
 
+/// A pass over a part of the frames says nothing of what none of them shows: with one camera that
+/// is what lives between two of its frames.
+// Bugs put back: unseen ones first whatever was drawn; the knee looks for them; each seen to fail.
+TEST(Thinning, WhatAPartOfTheFramesDidNotShowStays) {
+  constexpr int kUnseen = 40, kSeen = 200;
+  std::vector<float> removal(kUnseen, 0.0f);
+  for (int n = 0; n < kSeen; ++n) removal.push_back(n < 120 ? 1e-6f : 0.01f * float(n));
+  Contributions contributions = made_worth(removal);
+  std::fill_n(contributions.sets[0].weight.begin(), kUnseen, 0.0f);
+  EXPECT_EQ(made_order(contributions)[0].element, 0) << "no frame shows it: it goes first";
+  contributions.share = 0.5;
+  const std::vector<Removal> order = made_order(contributions);
+  for (int n = 0; n < kUnseen; ++n) {
+    EXPECT_EQ(order[size_t(kSeen + n)].element, n);
+    EXPECT_FALSE(order[size_t(kSeen + n)].seen);
+  }
+  const int64_t knee = knee_count(order, contributions);
+  EXPECT_GE(knee, kUnseen + kSeen - 120) << "of those that are known";
+  EXPECT_LE(knee, kUnseen + kSeen - 119);
+  contributions.sets[0].removal2.assign(kUnseen + kSeen, 0.0f);
+  EXPECT_GE(knee_count(made_order(contributions), contributions), kUnseen)
+      << "where what is known is worth nothing";
+}
+
 // C13. Bug put back: one more kept; seen to fail.
 TEST(Thinning, LeavesExactlySoMany) {
   const Contributions contributions = made_worth({5, 1, 3, 2, 8, 0, 0}, {1, 9, 4, 0});
