@@ -90,7 +90,7 @@ TEST(Thinning, WhatAPartOfTheFramesDidNotShowStays) {
   EXPECT_LE(knee, kUnseen + kSeen - 119);
   contributions.sets[0].removal2.assign(kUnseen + kSeen, 0.0f);
   EXPECT_GE(knee_count(made_order(contributions), contributions), kUnseen)
-      << "where what is known is worth nothing";
+      << "where removing any that was seen adds no error";
 }
 
 // C13. Bug put back: one more kept; seen to fail.
