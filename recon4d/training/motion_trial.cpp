@@ -46,30 +46,16 @@ TrainOptions trial_options(TrainOptions options) {
   return options;
 }
 
-/// Of the frames held out, dB.
-struct Scores {
-  double psnr = 0;
-  double frozen_psnr = 0;  // all frames at the middle of the clip
-};
-
-Scene frozen(Scene scene) {
-  for (Frame& frame : scene.frames) frame.time = 0.5;
-  return scene;
-}
-
-/// Nothing where `stop` said so.
-std::optional<Scores> scores_after_training(Backend& backend, const Scene& scene,
-                                            const TrainOptions& options,
-                                            const std::function<bool()>& stop) {
+/// In the host's memory; nothing where `stop` said so.
+std::optional<GaussianModel> trained_model(Backend& backend, const Scene& scene,
+                                           const TrainOptions& options,
+                                           const std::function<bool()>& stop) {
   Observer silent;
   std::string source;
   Trainer trainer(backend, scene, options, initial_state(scene, options, source), silent);
   trainer.run(options.iterations, stop);
   if (!trainer.state().finished) return std::nullopt;
-  const GaussianModel& model = trainer.drawn_model();
-  const Scene still = frozen(scene);
-  return Scores{Validation(backend, scene, options).psnr(model),
-                Validation(backend, still, options).psnr(model)};
+  return trainer.host_model().clone_values();
 }
 
 }  // namespace
@@ -103,15 +89,17 @@ std::optional<MotionTrial> try_motion(Backend& backend, const Scene& scene,
   TrainOptions options = trial_options(with_nodes);
   options.motion = Motion::kPair;
   options.min_blending_weight = 0;  // of sets that one view a timestep sees: removes what is hidden
-  const auto dynamic = scores_after_training(backend, small, options, stop);
+  const std::optional<GaussianModel> dynamic = trained_model(backend, small, options, stop);
   if (!dynamic) return std::nullopt;
   options.motion = Motion::kNodes;
   options.min_blending_weight = with_nodes.min_blending_weight;
-  const auto nodes = scores_after_training(backend, small, options, stop);
+  const std::optional<GaussianModel> nodes = trained_model(backend, small, options, stop);
   if (!nodes) return std::nullopt;
-  trial.dynamic_psnr = dynamic->psnr;
-  trial.nodes_psnr = nodes->psnr;
-  trial.frozen_psnr = nodes->frozen_psnr;
+  const Validation held_out(backend, small, options);
+  trial.dynamic_psnr = held_out.psnr(*dynamic);
+  trial.nodes_psnr = held_out.psnr(*nodes);
+  for (Frame& frame : small.frames) frame.time = 0.5;
+  trial.frozen_psnr = held_out.psnr(*nodes);
   return trial;
 }
 
