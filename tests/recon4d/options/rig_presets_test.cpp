@@ -54,6 +54,8 @@ TEST(SceneFacts, OfOneViewATimestep) {
   Scene tested = rig_scene({10, 10});
   for (size_t i = 10; i < 20; ++i) tested.frames[i].split = Split::kTest;
   EXPECT_TRUE(facts_of(tested).single_view);
+  for (size_t i = 10; i < 20; ++i) tested.frames[i].time += 0.01;
+  EXPECT_TRUE(facts_of(tested).single_view) << "tested between its timesteps";
 }
 
 // Bug put back: options of nodes before those of the preset; seen to fail.
