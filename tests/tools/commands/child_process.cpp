@@ -89,7 +89,7 @@ ChildResult ChildProcess::wait() {
 }
 
 std::string ChildProcess::err_so_far() const {
-  return read_text_file(err_);
+  return std::filesystem::exists(err_) ? read_text_file(err_) : "";
 }
 
 }  // namespace tessera::testing

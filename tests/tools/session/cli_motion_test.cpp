@@ -35,16 +35,18 @@ class CliMotion : public ::testing::Test {
 // Bugs put back: a wrong choice kept after the stop; the options of nodes forgotten by the
 // checkpoint; each seen to fail.
 TEST_F(CliMotion, AStopBeforeItIsKnownLosesNothing) {
-  const auto stop_in_trial = [&](const std::vector<std::string>& arguments) {
-    ChildProcess stopped(arguments, work.path());
+  // each writes into a folder of its own, so that no line is taken for the other's
+  const auto stop_in_trial = [&](const char* output, const std::vector<std::string>& arguments) {
+    std::filesystem::create_directory(work / output);
+    ChildProcess stopped(arguments, work / output);
     EXPECT_TRUE(stopped.wait_until(
         [&] { return stopped.err_so_far().find("two short trainings") != std::string::npos; }));
     stopped.send(SIGINT);
     EXPECT_EQ(stopped.wait().exit_code, 130);
     EXPECT_EQ(options_of("run")["motion"], "auto");
   };
-  stop_in_trial(training("run", "4000", {"--preset", "best"}));
-  stop_in_trial({"train", work.at("film"), "-o", work.at("run"), "--resume"});
+  stop_in_trial("first", training("run", "4000", {"--preset", "best"}));
+  stop_in_trial("second", {"train", work.at("film"), "-o", work.at("run"), "--resume"});
   const json config = json::parse(read_text_file(work / "run/config.json"));
   EXPECT_EQ(config["with_nodes"]["densification"], "adc") << "the first command's, after a resume";
 
