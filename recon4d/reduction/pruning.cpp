@@ -118,9 +118,13 @@ KeptElements kept_elements(const GaussianModel& model, const std::vector<Removal
   return elements;
 }
 
-void keep_elements(Backend& backend, TrainState& state, const KeptElements& elements) {
-  for (int k = 0; k < 2; ++k)
-    keep_elements(backend, elements.set_elements[k], state.set(k), state.statistics[k]);
+StateEdit cut_to(const std::vector<Removal>& order, int64_t count) {
+  StateEdit edit;
+  const size_t left = size_t(std::clamp<int64_t>(count, 0, int64_t(order.size())));
+  for (size_t i = 0; i < order.size() - left; ++i)
+    edit.dropped[order[i].set].push_back(order[i].element);
+  for (std::vector<int64_t>& elements : edit.dropped) std::sort(elements.begin(), elements.end());
+  return edit;
 }
 
 GaussianModel with_elements(const GaussianModel& model, const KeptElements& elements) {

@@ -5,7 +5,7 @@
 #pragma once
 #include <vector>
 
-#include "recon4d/model/train_state.h"
+#include "recon4d/model/state_edit.h"
 #include "recon4d/reduction/contributions.h"
 
 namespace tessera {
@@ -63,10 +63,10 @@ struct KeptElements {
 };
 KeptElements kept_elements(const GaussianModel& model, const std::vector<Removal>& order,
                            int64_t count);
+/// The edit that leaves those elements, of the model that `order` is of.
+StateEdit cut_to(const std::vector<Removal>& order, int64_t count);
 
-/// Leaves only these elements, in the host's memory; optimizer state and statistics
-/// stay with their elements.
-void keep_elements(Backend& backend, TrainState& state, const KeptElements& elements);
+/// The model of only these elements, in the host's memory.
 GaussianModel with_elements(const GaussianModel& model, const KeptElements& elements);
 
 }  // namespace tessera

@@ -2,11 +2,11 @@
 // Not: sums over pixels (kernels/stages/sensitivity).
 #include "recon4d/reduction/static_demotion.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/sh_blocks.h"
+#include "recon4d/reduction/motion_choice.h"
 #include "recon4d/reduction/precision.h"
 
 namespace tessera {
@@ -89,42 +89,23 @@ GaussianSet as_static(Backend& backend, const GaussianModel& model,
 DemotionTrial try_demotion(Backend& backend, const GaussianModel& model,
                            const Contributions& contributions, const FrameSample& sample,
                            double allowed, int rounds) {
-  // of 50 candidates: another round would change as few of the others' shares
-  constexpr int64_t kFewRejected = 50;
-  DemotionTrial trial(backend.memory());
   const SetContributions& dynamic = contributions.sets[1];
+  DemotionVerdict verdict;
   for (size_t n = 0; n < dynamic.weight.size(); ++n)
-    if (dynamic.weight[n] > 0) trial.elements.push_back(int64_t(n));
+    if (dynamic.weight[n] > 0) verdict.accepted.push_back(int64_t(n));
+  verdict.finished = verdict.accepted.empty();
   const GaussianSet demoted = as_static(backend, model, dynamic);
-  for (int round = 0; round < rounds && !trial.elements.empty(); ++round) {
-    const GaussianSet candidates = taken_elements(backend, demoted, trial.elements);
+  for (int round = 0; round < rounds && !verdict.finished; ++round) {
+    const GaussianSet candidates = taken_elements(backend, demoted, verdict.accepted);
     const Added added =
-        added_error(backend, model, tried(backend, model, candidates, trial.elements),
+        added_error(backend, model, tried(backend, model, candidates, verdict.accepted),
                     candidates.count(), sample, allowed);
-    trial.error = added.total;
-    std::vector<std::pair<double, int64_t>> accepted;
-    for (size_t i = 0; i < trial.elements.size(); ++i) {
-      if (added.error[i] <= allowed) accepted.emplace_back(added.error[i], trial.elements[i]);
-    }
-    // what nobody in particular adds counts too: then only the better half is tried again
-    const bool together = added.total <= allowed * double(trial.elements.size());
-    const int64_t rejected = int64_t(trial.elements.size() - accepted.size());
-    if (rejected == 0 && together) break;
-    if (rejected == 0) {
-      std::stable_sort(accepted.begin(), accepted.end());
-      accepted.resize(accepted.size() / 2);
-    }
-    if (round + 1 == rounds && !together) accepted.clear();
-    trial.elements.clear();
-    trial.error = 0;
-    for (const auto& [error, element] : accepted) {
-      trial.elements.push_back(element);
-      trial.error += error;
-    }
-    std::sort(trial.elements.begin(), trial.elements.end());
-    if (together && rejected * kFewRejected <= int64_t(trial.elements.size())) break;
+    verdict = judge({verdict.accepted, added.error, added.total, allowed, round + 1 == rounds});
   }
-  trial.demoted = taken_elements(backend, demoted, trial.elements);
+  DemotionTrial trial(backend.memory());
+  trial.demoted = taken_elements(backend, demoted, verdict.accepted);
+  trial.elements = std::move(verdict.accepted);
+  trial.error = verdict.error;
   return trial;
 }
 

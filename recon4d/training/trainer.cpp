@@ -139,12 +139,19 @@ const GaussianModel& Trainer::drawn_model() {
   return is_filtered(state_, options_) || state_.has_blocks() ? host_model() : state_.model;
 }
 
-void Trainer::edit(const std::function<void(TrainState&)>& change) {
+void Trainer::apply(const StateEdit& edit) {
   complete_pending();
   forget_copies();
   pipeline_.release();
-  change(state_);
+  apply_edit(backend_, edit, state_);
   for (int k = 0; k < 2 && options_.filter_3d != Filter3d::kNone; ++k) measure_filter(k);
+}
+
+void Trainer::record(int64_t goal, double seconds) {
+  state_.decided = state_.iteration;
+  state_.goal = goal;
+  state_.seconds += seconds;
+  forget_copies();
 }
 
 FrameSample Trainer::sample_frames() {

@@ -9,7 +9,7 @@
 #include "kernels/base/camera_rig.h"
 #include "kernels/pipeline.h"
 #include "recon4d/evaluation/scoring_pass.h"
-#include "recon4d/model/train_state.h"
+#include "recon4d/model/state_edit.h"
 #include "recon4d/training/batch_sampler.h"
 #include "recon4d/training/frame_cache.h"
 #include "recon4d/training/observer.h"
@@ -40,17 +40,11 @@ class Trainer {
   /// The model as it is drawn: in the backend's memory where the state is drawn as it is stored,
   /// else host_model(). Valid until the next step.
   const GaussianModel& drawn_model();
-  /// Lets `change` work on the state, in the backend's memory; Gaussians may be fewer or more after
-  /// it, statistics must fit them.
-  void edit(const std::function<void(TrainState&)>& change);
-  /// Notes that a decision was made after the steps that are done: what it leaves to be thinned to,
-  /// and the time it took.
-  void note_decision(int64_t goal, double seconds) {
-    state_.decided = state_.iteration;
-    state_.goal = goal;
-    state_.seconds += seconds;
-    forget_copies();
-  }
+  /// Changes the Gaussians of the state where the backend has it. Errors: as apply_edit.
+  void apply(const StateEdit& edit);
+  /// Records that a decision was made after the steps that are done: the Gaussians that pruning is
+  /// to leave (0: not known yet), and the seconds that it took.
+  void record(int64_t goal, double seconds);
   /// Training frames with the gains they have now, and their images where all are on the device.
   FrameSample sample_frames();
   const TrainOptions& options() const { return options_; }

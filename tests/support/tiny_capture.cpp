@@ -158,7 +158,7 @@ Training& Training::run(int64_t iteration, Validation& validation) {
 
 Training& Training::run(int64_t iteration, ModelReduction& reduction, Validation& validation) {
   while (state().iteration < iteration) {
-    int64_t next = std::min(iteration, reduction.next_after(state().iteration));
+    int64_t next = std::min(iteration, reduction.schedule().next_after(state().iteration));
     if (validation.on()) next = std::min(next, validation.next_after(state().iteration));
     trainer_.run(next);
     check_if_due(validation);

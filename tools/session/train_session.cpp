@@ -266,7 +266,7 @@ class Session {
       next = std::min(next, (i / request_.evaluate_every + 1) * request_.evaluate_every);
     for (int64_t step : request_.evaluate_at)
       if (step > i) next = std::min(next, step);
-    next = std::min(next, reduction_->next_after(i));
+    next = std::min(next, reduction_->schedule().next_after(i));
     return validation_->on() ? std::min(next, validation_->next_after(i)) : next;
   }
 
@@ -280,7 +280,7 @@ class Session {
 
   /// Patience has run out with a model of the size that is asked for.
   bool stops() const {
-    return validation_->stops() && reduction_->has_pruned(trainer_->state().decided);
+    return validation_->stops() && reduction_->schedule().has_pruned(trainer_->state().decided);
   }
   bool ended() const { return trainer_->state().finished || stops(); }
 
@@ -339,7 +339,8 @@ class Session {
     });
     if (!report) return;
     // models so far were larger than what may be shipped; within_db compares them by size
-    if (report->goal > 0 && reduction_->has_pruned(report->iteration) && options_.within_db == 0)
+    if (report->goal > 0 && reduction_->schedule().has_pruned(report->iteration) &&
+        options_.within_db == 0)
       validation_->restart();
     log_->event("decision", to_json(*report));
   }

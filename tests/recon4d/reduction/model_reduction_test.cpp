@@ -1,10 +1,13 @@
-// What: when a training decides what it needs no more of, how many Gaussians are left then, and
-//       that a resumed training decides as one that was never stopped.
-// Not: what decides (contributions_test.cpp, pruning_test.cpp, static_demotion_test.cpp,
-// dynamic_promotion_test.cpp). Source: failure modes C13, E5.
+// Trainings with decisions: how many Gaussians are left after them, and that a resumed training
+// decides as one that was never stopped. The choices are tested in decision_schedule_test.cpp,
+// motion_choice_test.cpp and pruning_choice_test.cpp, what they rest on in contributions_test.cpp,
+// pruning_test.cpp, static_demotion_test.cpp and dynamic_promotion_test.cpp.
+// Source: failure modes C13, E5.
 #include "recon4d/reduction/model_reduction.h"
 
 #include <gtest/gtest.h>
+
+#include <numeric>
 
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/sh_blocks.h"
@@ -40,47 +43,6 @@ TrainOptions thrifty_options() {
   options.thin_until = 180;
   options.decide_interval = 30;
   return options;
-}
-
-std::vector<int64_t> steps_of(const Backend& backend, const TrainOptions& options) {
-  const ModelReduction reduction(const_cast<Backend&>(backend), options, made_bytes);
-  std::vector<int64_t> steps;
-  for (int64_t i = reduction.next_after(0); i < 1000000; i = reduction.next_after(i))
-    steps.push_back(i);
-  return steps;
-}
-
-// Bug put back: thin_until not scaled with the schedule; seen to fail.
-TEST(ModelReduction, DecidesAtItsSteps) {
-  const std::unique_ptr<Backend> backend = make_cpu_backend();
-  using Steps = std::vector<int64_t>;
-  TrainOptions options = thrifty_options();
-  EXPECT_EQ(steps_of(*backend, options), (Steps{30, 60, 90, 101, 127, 153, 180}));
-  options.motion = Motion::kNone;
-  EXPECT_EQ(steps_of(*backend, options), (Steps{101, 127, 153, 180}));
-  options.motion = Motion::kPair;
-  options.decide_motion = false;
-  options.thin_rounds = 1;
-  EXPECT_EQ(steps_of(*backend, options), (Steps{101}));
-  options.size = ModelSize::kGrown;
-  EXPECT_EQ(steps_of(*backend, options), Steps{});
-  EXPECT_TRUE(ModelReduction(*backend, options, made_bytes).has_pruned(0));
-  for (const auto& [key, value] : {std::pair<const char*, OptionValue>{"max_bytes", 9},
-                                   {"within_db", 0.5},
-                                   {"max_gaussians", 100}}) {
-    TrainOptions asked = options;
-    set_option(asked, key, value);
-    EXPECT_EQ(steps_of(*backend, asked), (Steps{101})) << key;
-  }
-  options = thrifty_options();
-  options.iterations = 100;  // half of the schedule
-  EXPECT_EQ(steps_of(*backend, options), (Steps{15, 30, 45, 51, 64, 77, 90}));
-  options = thrifty_options();
-  options.thin_until = 400;
-  EXPECT_EQ(steps_of(*backend, options), (Steps{30, 60, 90, 101})) << "those before the end";
-  const ModelReduction reduction(*backend, thrifty_options(), made_bytes);
-  for (int64_t i : {0, 101, 179}) EXPECT_FALSE(reduction.has_pruned(i)) << i;
-  for (int64_t i : {180, 200}) EXPECT_TRUE(reduction.has_pruned(i)) << i;
 }
 
 /// A training with its decisions, from its beginning or from a state.
@@ -242,13 +204,12 @@ TEST(ModelReduction, NoGaussiansAreNothingToThin) {
   options.max_gaussians = 50;
   Thrifty run(options);
   run.run(100);
-  run.training->trainer().edit([](TrainState& state) {
-    for (int k = 0; k < 2; ++k) {
-      state.set(k).resize(0);
-      state.set(k).ensure_moments();
-      state.statistics[k].reset(0);
-    }
-  });
+  StateEdit all;
+  for (int k = 0; k < 2; ++k) {
+    all.dropped[k].resize(size_t(run.training->state().set(k).count()));
+    std::iota(all.dropped[k].begin(), all.dropped[k].end(), 0);
+  }
+  run.training->trainer().apply(all);
   run.run(200);
   EXPECT_EQ(run.training->model().count(), 0);
   EXPECT_TRUE(run.training->state().finished);

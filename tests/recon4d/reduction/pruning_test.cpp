@@ -1,13 +1,12 @@
-// What: the order in which Gaussians go, exact counts of those that are left, the knee of curves
-//       that are known, and elements that keep what is theirs.
-// Not: what a removal costs (contributions_test.cpp). Source: failure mode C13.
+// The order in which Gaussians go, exact counts of those that are left, and the knee of curves that
+// are known. What a removal costs is tested in contributions_test.cpp. Source: failure mode C13.
 #include "recon4d/reduction/pruning.h"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "tests/recon4d/model/handmade_set.h"
+#include "recon4d/model/sh_blocks.h"
 #include "tests/recon4d/model/plain_gaussians.h"
 
 namespace tessera::testing {
@@ -111,6 +110,10 @@ TEST(Thinning, LeavesExactlySoMany) {
         EXPECT_EQ(expected.erase({k, element}), 1u);
     }
     EXPECT_TRUE(expected.empty());
+    const StateEdit cut = cut_to(order, asked);
+    for (int k = 0; k < 2; ++k)
+      EXPECT_EQ(elements_but(int64_t(contributions.sets[k].weight.size()), cut.dropped[k]),
+                elements.set_elements[k]);
     const GaussianModel thinned = with_elements(model, elements);
     EXPECT_EQ(thinned.count(), left);
     EXPECT_EQ(thinned.static_set.count(), int64_t(elements.set_elements[0].size()));
@@ -181,52 +184,6 @@ TEST(Thinning, AByteIsWorthWhatTheLastOneGoneCost) {
   EXPECT_EQ(error_per_byte_at(order, 2), 1 / bytes);
   EXPECT_EQ(error_per_byte_at(order, 1), 2 / bytes);
   EXPECT_EQ(error_per_byte_at(order, 0), 4 / bytes);
-}
-
-/// All values and the optimizer state of an element, by group.
-std::vector<float> element_of(const GaussianSet& set, int64_t n) {
-  std::vector<float> element;
-  for (int g = 0; g < set.groups(); ++g) {
-    const ParameterGroup& group = set.group(Group(g));
-    const int64_t width = set.width(Group(g));
-    for (const Buffer<float>* values : {&group.value, &group.moment1, &group.moment2})
-      if (!values->empty())
-        element.insert(element.end(), values->begin() + n * width,
-                       values->begin() + (n + 1) * width);
-  }
-  return element;
-}
-
-// Bug put back: statistics begun anew, so that the next density control saw none; seen to fail.
-TEST(Thinning, ElementsKeepTheirValuesTimestepsAndStatistics) {
-  for (const Form form : {Form::kPair, Form::kVelocity}) {
-    HandmadeSet fixed(Form::kStatic, 9);
-    HandmadeSet moving(form, 7);
-    const GaussianSet before[2] = {fixed.set.clone_to(host_memory()),
-                                   moving.set.clone_to(host_memory())};
-    TrainState state;
-    state.iteration = 17;
-    state.model.static_set = std::move(fixed.set);
-    state.model.dynamic_set = std::move(moving.set);
-    state.statistics[0] = std::move(fixed.statistics);
-    state.statistics[1] = std::move(moving.statistics);
-    const auto gathered = [](int k, int64_t element) { return float(100 * k + element + 1); };
-    for (int k = 0; k < 2; ++k)
-      for (int64_t n = 0; n < state.set(k).count(); ++n)
-        state.statistics[k].count[n] = gathered(k, n);
-    const KeptElements elements{{{0, 3, 4, 8}, {1, 2, 6}}};
-    keep_elements(*make_cpu_backend(), state, elements);
-    for (int k = 0; k < 2; ++k) {
-      ASSERT_EQ(state.set(k).count(), int64_t(elements.set_elements[k].size()));
-      for (int64_t i = 0; i < state.set(k).count(); ++i)
-        EXPECT_EQ(element_of(state.set(k), i),
-                  element_of(before[k], elements.set_elements[k][size_t(i)]))
-            << k << i;
-      ASSERT_EQ(state.statistics[k].count.size(), state.set(k).count());
-      for (int64_t i = 0; i < state.set(k).count(); ++i)
-        EXPECT_EQ(state.statistics[k].count[i], gathered(k, elements.set_elements[k][size_t(i)]));
-    }
-  }
 }
 
 }  // namespace
