@@ -112,6 +112,7 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   const DueDecision due = schedule_.due(state.iteration, state.decided);
   if (!due.any()) return std::nullopt;
   const auto begin = std::chrono::steady_clock::now();
+  trainer.release_step_buffers();
   const FrameSample sample = trainer.sample_frames();
   const auto measure = [&](const ElementPrices& prices) {
     return measure_contributions(backend_, trainer.drawn_model(), sample, prices);

@@ -139,6 +139,13 @@ const GaussianModel& Trainer::drawn_model() {
   return is_filtered(state_, options_) || state_.has_blocks() ? host_model() : state_.model;
 }
 
+void Trainer::release_step_buffers() {
+  complete_pending();
+  if (&backend_.memory() == &host_memory()) return;
+  pipeline_.release();
+  backend_.memory().trim();
+}
+
 void Trainer::apply(const StateEdit& edit) {
   complete_pending();
   forget_copies();
@@ -187,12 +194,8 @@ void Trainer::control() {
   const bool densifies = schedule_.densify(i), reorders = schedule_.reorder(i);
   if (schedule_.prune_unseen(i)) prune_unseen();  // of what the last step left
   control_nodes();
-  if (densifies) {
-    complete_pending();  // it waits for the backend anyway
-    // the copies of density control and the buffers of a step need not exist at once
-    if (&backend_.memory() != &host_memory()) pipeline_.release();
-    backend_.memory().trim();
-  }
+  // The copies of density control and the buffers of a step need not exist at once.
+  if (densifies) release_step_buffers();
   model.drawing.sh_degree = degree;
   model.drawing.sh_time_degree = time_degree;
   if (densifies) densify();

@@ -40,6 +40,9 @@ class Trainer {
   /// The model as it is drawn: in the backend's memory where the state is drawn as it is stored,
   /// else host_model(). Valid until the next step.
   const GaussianModel& drawn_model();
+  /// Waits for the last step and frees the buffers that only a step needs, on a device: what
+  /// measures the model next takes their place. The next step allocates them again.
+  void release_step_buffers();
   /// Changes the Gaussians of the state where the backend has it. Errors: as apply_edit.
   void apply(const StateEdit& edit);
   /// Records that a decision was made after the steps that are done: the Gaussians that pruning is

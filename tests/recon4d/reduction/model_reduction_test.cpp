@@ -169,6 +169,20 @@ TEST(ModelReduction, IsTheSameInAMemoryOfItsOwn) {
   EXPECT_EQ(backend.strays, 0);
 }
 
+// A device need not hold the buffers of a step and those of a scoring pass at once. Bug put back:
+// memory trimmed with the buffers of the step in it; seen to fail.
+TEST(ModelReduction, MeasuresWithoutTheBuffersOfAStep) {
+  testing::SeparateBackend backend;
+  SeparateMemory& memory = backend.separate_memory;
+  Thrifty run(thrifty_options(), {}, &backend);
+  run.training->run(30);
+  memory.buffers_at_trim.clear();
+  const int64_t before = memory.buffers();
+  ASSERT_TRUE(run.reduction->act(run.training->trainer(), {}).has_value());
+  ASSERT_FALSE(memory.buffers_at_trim.empty());
+  EXPECT_LT(memory.buffers_at_trim[0], before);
+}
+
 // E5. Bug put back: the goal not read from the checkpoint; seen to fail.
 TEST(ModelReduction, ResumeGoesOnBitForBit) {
   for (const IdleUpdate updates : {IdleUpdate::kDense, IdleUpdate::kSkip}) {
