@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "kernels/base/errors.h"
@@ -43,19 +44,6 @@ void check_background(const GaussianModel& model, const Scene& scene) {
         "{}: frames were composited on {},{},{}, the model was trained on {},{},{}; load the scene "
         "on the model's background",
         scene.path, s[0], s[1], s[2], m[0], m[1], m[2]));
-}
-
-/// Mean of a member over the views that have it.
-std::optional<double> mean_of(const std::vector<ViewScore>& views,
-                              const std::function<std::optional<double>(const ViewScore&)>& value) {
-  double sum = 0;
-  int64_t count = 0;
-  for (const ViewScore& view : views)
-    if (const std::optional<double> v = value(view)) {
-      sum += *v;
-      ++count;
-    }
-  return count > 0 ? std::optional<double>(sum / double(count)) : std::nullopt;
 }
 
 /// The frames of a split that have a pixel to be compared.
@@ -111,26 +99,33 @@ Image8 only_used(const Image8& drawn, const Frame& frame) {
   return merged;
 }
 
-/// PSNR over the pixels of a region that the frame's mask uses.
-std::optional<double> psnr_within(const Image8& drawn, const Frame& frame,
-                                  std::vector<uint8_t> region) {
-  for (size_t p = 0; p < frame.mask.data.size(); ++p)
-    if (frame.mask.data[p] == 0) region[p] = 0;
-  if (std::count(region.begin(), region.end(), uint8_t{0}) == int64_t(region.size()))
-    return std::nullopt;
-  return psnr_of_mse(
-      mean_squared_error(drawn, frame.image, {region.data(), int64_t(region.size())}));
+std::optional<double> psnr_of(const PixelSums& sums) {
+  if (sums.pixels == 0) return std::nullopt;
+  return psnr_of_mse(sums.mean_squared_error());
 }
 
-/// What a view's score has of the pixels that move and of the others.
-void add_regions(DynamicRegions& regions, const Frame& frame, const RenderedImage& image,
-                 ViewScore& score) {
-  std::vector<uint8_t> moves = regions.mask_of(frame);
-  if (moves.empty()) return;
-  const Image8 drawn = quantise(image.planar(), image.width, image.height);
-  score.psnr_dynamic = psnr_within(drawn, frame, moves);
-  for (uint8_t& value : moves) value = uint8_t(255 - value);
-  score.psnr_static = psnr_within(drawn, frame, std::move(moves));
+std::optional<double> psnr_after(const ColourFit& fit, const PixelSums& sums) {
+  if (sums.pixels == 0) return std::nullopt;
+  return psnr_of_mse(fit.mean_squared_error(sums));
+}
+
+/// The fit of each camera over its views, and what its views score after it. `sums`: of each view.
+void add_colour_fit(const std::vector<ViewPixelSums>& sums, EvaluationReport& report) {
+  std::map<std::string, PixelSums> cameras;
+  for (size_t i = 0; i < sums.size(); ++i) cameras[report.views[i].camera] += sums[i].all();
+  std::map<std::string, ColourFit> fits;
+  for (const auto& [camera, pixels] : cameras) {
+    fits[camera] = fit_colour(pixels);
+    report.colour_fit.push_back({camera, fits[camera]});
+  }
+  for (size_t i = 0; i < sums.size(); ++i) {
+    ViewScore& view = report.views[i];
+    const ColourFit& fit = fits[view.camera];
+    view.psnr_fit = psnr_after(fit, sums[i].all());
+    if (!sums[i].knows_motion) continue;
+    view.psnr_fit_dynamic = psnr_after(fit, sums[i].moving);
+    view.psnr_fit_static = psnr_after(fit, sums[i].still);
+  }
 }
 
 /// The light of the dynamic set against what moves, where the options say what does.
@@ -161,25 +156,6 @@ class MovingRegionMeter {
 };
 
 }  // namespace
-
-MeanScore mean_score(const std::vector<ViewScore>& views) {
-  MeanScore mean;
-  mean.views = int64_t(views.size());
-  mean.psnr = mean_of(views, [](const ViewScore& v) { return v.psnr; });
-  mean.psnr_float = mean_of(views, [](const ViewScore& v) { return v.psnr_float; });
-  for (auto member : {&StructureScores::reflect, &StructureScores::zero, &StructureScores::inside,
-                      &StructureScores::inside_range2, &StructureScores::multi_scale})
-    mean.structure.*member =
-        mean_of(views, [member](const ViewScore& v) { return v.structure.*member; });
-  mean.lpips = mean_of(views, [](const ViewScore& v) { return v.lpips; });
-  mean.psnr_dynamic = mean_of(views, [](const ViewScore& v) { return v.psnr_dynamic; });
-  mean.psnr_static = mean_of(views, [](const ViewScore& v) { return v.psnr_static; });
-  mean.dynamic_views = std::count_if(views.begin(), views.end(),
-                                     [](const ViewScore& v) { return v.psnr_dynamic.has_value(); });
-  if (const auto mse = mean_of(views, [](const ViewScore& v) { return v.mse; }))
-    mean.psnr_of_mean_mse = psnr_of_mse(*mse);
-  return mean;
-}
 
 ViewScore score_view(const Frame& frame, const RenderedImage& image,
                      const EvaluateOptions& options) {
@@ -216,6 +192,8 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
   MovingRegionMeter moving(backend, model, options);
   FlickerMeter flicker;
   DynamicRegions regions(scene);
+  TimestepMeter timesteps;
+  std::vector<ViewPixelSums> sums;  // of each scored view
   for (size_t begin = 0; begin < indices.size(); begin += size_t(options.batch)) {
     const size_t end = std::min(begin + size_t(options.batch), indices.size());
     std::vector<View> views;
@@ -237,18 +215,25 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
     for (size_t i = begin; i < end; ++i) {
       const Frame& frame = scene.frames[size_t(indices[i])];
       ViewScore& score = scores[i - begin];
-      if (options.temporal) {
-        add_regions(regions, frame, images[i - begin], score);
-        flicker.add(frame, images[i - begin]);
+      const RenderedImage& image = images[i - begin];
+      sums.push_back(view_sums(quantise(image.planar(), image.width, image.height), frame,
+                               options.temporal ? regions.mask_of(frame) : std::vector<uint8_t>()));
+      if (sums.back().knows_motion) {
+        score.psnr_dynamic = psnr_of(sums.back().moving);
+        score.psnr_static = psnr_of(sums.back().still);
       }
+      timesteps.add(frame, sums.back());
+      if (options.temporal) flicker.add(frame, image);
       const bool held_out = split == Split::kVal || split == Split::kTest;
       score.held_out_view = held_out && training.has_time(frame.time);
       score.held_out_time = held_out && training.has_camera(frame.camera_name);
       report.views.push_back(score);
-      if (scored) scored(frame, images[i - begin], score, int64_t(i + 1), int64_t(indices.size()));
+      if (scored) scored(frame, image, score, int64_t(i + 1), int64_t(indices.size()));
     }
   }
+  add_colour_fit(sums, report);
   add_means(report);
+  report.timesteps = timesteps.scores();
   report.flicker = flicker.scores();
   report.moving = moving.score();
   return report;
