@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <set>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/evaluation/metrics.h"
+#include "recon4d/evaluation/pixel_scores.h"
 
 namespace tessera {
 namespace {
@@ -99,35 +99,6 @@ Image8 only_used(const Image8& drawn, const Frame& frame) {
   return merged;
 }
 
-std::optional<double> psnr_of(const PixelSums& sums) {
-  if (sums.pixels == 0) return std::nullopt;
-  return psnr_of_mse(sums.mean_squared_error());
-}
-
-std::optional<double> psnr_after(const ColourFit& fit, const PixelSums& sums) {
-  if (sums.pixels == 0) return std::nullopt;
-  return psnr_of_mse(fit.mean_squared_error(sums));
-}
-
-/// The fit of each camera over its views, and what its views score after it. `sums`: of each view.
-void add_colour_fit(const std::vector<ViewPixelSums>& sums, EvaluationReport& report) {
-  std::map<std::string, PixelSums> cameras;
-  for (size_t i = 0; i < sums.size(); ++i) cameras[report.views[i].camera] += sums[i].all();
-  std::map<std::string, ColourFit> fits;
-  for (const auto& [camera, pixels] : cameras) {
-    fits[camera] = fit_colour(pixels);
-    report.colour_fit.push_back({camera, fits[camera]});
-  }
-  for (size_t i = 0; i < sums.size(); ++i) {
-    ViewScore& view = report.views[i];
-    const ColourFit& fit = fits[view.camera];
-    view.psnr_fit = psnr_after(fit, sums[i].all());
-    if (!sums[i].knows_motion) continue;
-    view.psnr_fit_dynamic = psnr_after(fit, sums[i].moving);
-    view.psnr_fit_static = psnr_after(fit, sums[i].still);
-  }
-}
-
 /// The light of the dynamic set against what moves, where the options say what does.
 class MovingRegionMeter {
  public:
@@ -190,10 +161,7 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
   report.split = split;
   Renderer renderer(backend, model);
   MovingRegionMeter moving(backend, model, options);
-  FlickerMeter flicker;
-  DynamicRegions regions(scene);
-  TimestepMeter timesteps;
-  std::vector<ViewPixelSums> sums;  // of each scored view
+  PixelScores pixels(scene, options);
   for (size_t begin = 0; begin < indices.size(); begin += size_t(options.batch)) {
     const size_t end = std::min(begin + size_t(options.batch), indices.size());
     std::vector<View> views;
@@ -216,14 +184,7 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
       const Frame& frame = scene.frames[size_t(indices[i])];
       ViewScore& score = scores[i - begin];
       const RenderedImage& image = images[i - begin];
-      sums.push_back(view_sums(quantise(image.planar(), image.width, image.height), frame,
-                               options.temporal ? regions.mask_of(frame) : std::vector<uint8_t>()));
-      if (sums.back().knows_motion) {
-        score.psnr_dynamic = psnr_of(sums.back().moving);
-        score.psnr_static = psnr_of(sums.back().still);
-      }
-      timesteps.add(frame, sums.back());
-      if (options.temporal) flicker.add(frame, image);
+      pixels.add(frame, image, score);
       const bool held_out = split == Split::kVal || split == Split::kTest;
       score.held_out_view = held_out && training.has_time(frame.time);
       score.held_out_time = held_out && training.has_camera(frame.camera_name);
@@ -231,10 +192,8 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
       if (scored) scored(frame, image, score, int64_t(i + 1), int64_t(indices.size()));
     }
   }
-  add_colour_fit(sums, report);
+  pixels.finish(report);
   add_means(report);
-  report.timesteps = timesteps.scores();
-  report.flicker = flicker.scores();
   report.moving = moving.score();
   return report;
 }

@@ -10,6 +10,7 @@
 
 #include "recon4d/evaluation/colour_fit.h"
 #include "recon4d/evaluation/dynamic_share.h"
+#include "recon4d/evaluation/object_scores.h"
 #include "recon4d/evaluation/structure_scores.h"
 #include "recon4d/evaluation/temporal_scores.h"
 #include "recon4d/evaluation/timestep_scores.h"
@@ -58,6 +59,7 @@ struct EvaluationReport {
   MeanScore novel_view, novel_time, novel_view_and_time, withheld;
   std::vector<CameraColourFit> colour_fit;  // by name of camera
   std::vector<TimestepScore> timesteps;     // ascending
+  std::vector<ObjectScore> objects;         // by name, where boxes were given
   std::vector<FlickerScore> flicker;        // of the cameras that have one
   std::optional<MovingRegionScore> moving;  // where masks of what moves were given
   std::optional<int64_t> bytes;             // of the model's file; set by the caller
@@ -75,6 +77,8 @@ struct EvaluateOptions {
   /// What moves in a frame, one channel, of its size: values as MovingRegionScore has them; empty:
   /// not known.
   std::function<Image8(const Frame&)> moving_mask;
+  /// Boxes of the objects that a frame shows; empty: objects are not scored.
+  std::function<NamedBoxes(const Frame&)> object_boxes;
 };
 
 /// Each scored view with its image, in order; throwing stops the evaluation.
@@ -101,7 +105,8 @@ const char* split_name(Split split);  // "train", "val", "test"
 /// num_dynamic, bytes, split, background, width, height (null when views differ), views,
 /// held_out_views, held_out_times, novel_view, novel_time, novel_view_and_time, withheld,
 /// colour_fit (by camera: gain, offset), timesteps and worst_timestep (time, frame_number, views,
-/// psnr, psnr_dynamic), flicker, per_view (with `masked`). What is undefined is null.
+/// psnr, psnr_dynamic), objects (name, psnr, worst, timesteps), flicker, per_view (with `masked`).
+/// What is undefined is null.
 nlohmann::json to_json(const EvaluationReport& report, const GaussianModel& model);
 
 }  // namespace tessera

@@ -115,6 +115,20 @@ void put_timesteps(const std::vector<TimestepScore>& timesteps, json& object) {
   object["worst_timestep"] = worst ? timestep_json(*worst) : json(nullptr);
 }
 
+json object_json(const ObjectScore& object) {
+  json timesteps = json::array();
+  const auto without_regions = [](const TimestepScore& score) {
+    json row = timestep_json(score);
+    row.erase("psnr_dynamic");
+    return row;
+  };
+  for (const TimestepScore& score : object.timesteps) timesteps.push_back(without_regions(score));
+  return {{"name", object.name},
+          {"psnr", object.psnr},
+          {"worst", without_regions(*worst_timestep(object.timesteps))},
+          {"timesteps", timesteps}};
+}
+
 json view_json(const ViewScore& view) {
   json object = {{"name", view.name},
                  {"camera", view.camera},
@@ -167,6 +181,7 @@ json to_json(const EvaluationReport& report, const GaussianModel& model) {
   put_means(report.withheld, object["withheld"]);
   object["colour_fit"] = colour_fit_json(report.colour_fit);
   put_timesteps(report.timesteps, object);
+  for (const ObjectScore& score : report.objects) object["objects"].push_back(object_json(score));
   object["flicker"] = flicker_json(report.flicker);
   if (report.moving) {
     object["dynamic_weight_inside"] = or_null(report.moving->dynamic_weight_inside());

@@ -92,6 +92,16 @@ void add_worst_timestep(const json& score, Lines& lines) {
                               worst["frame_number"].get<int64_t>(), number_text(worst["psnr"], 2)));
 }
 
+/// Of the boxes of each object, where they were given.
+void add_objects(const json& score, Lines& lines) {
+  if (!score.contains("objects")) return;
+  for (const json& object : score["objects"])
+    lines.push_back(fmt::format("{}: PSNR {} dB, lowest at frame {}, {} dB",
+                                object["name"].get<std::string>(), number_text(object["psnr"], 2),
+                                object["worst"]["frame_number"].get<int64_t>(),
+                                number_text(object["worst"]["psnr"], 2)));
+}
+
 void add_motion(const json& score, Lines& lines) {
   if (score["psnr_dynamic"].is_number())
     lines.push_back(fmt::format("moving pixels {} dB, static pixels {} dB",
@@ -124,6 +134,7 @@ std::string scores_text(const json& scores, ScoreDetail detail) {
     add_motion(score, lines);
     add_colour_fit(score, lines);
     add_worst_timestep(score, lines);
+    add_objects(score, lines);
     for (const std::string& line : lines) text += "\n  " + line;
   }
   return text;

@@ -31,6 +31,10 @@ json moving_scores() {
                {"psnr_fit_static", 31.25},
                {"timesteps", {1, 2}},
                {"worst_timestep", {{"frame_number", 17}, {"psnr", 26.5}}},
+               {"objects",
+                {{{"name", "thrown ball"},
+                  {"psnr", 19.25},
+                  {"worst", {{"frame_number", 12}, {"psnr", 15.5}}}}}},
                {"novel_view", group(1, 26)},
                {"novel_time", group(0, 0)},
                {"novel_view_and_time", group(0, 0)},
@@ -48,7 +52,8 @@ TEST(HeldOutScores, AreDescribedInTheWordsOfTheField) {
             "  temporal error 3.23/255, flicker of static pixels 0.55/255\n"
             "  PSNR 28.12 dB after the best gain and offset of each camera, moving pixels 21.9 dB, "
             "static pixels 31.2 dB\n"
-            "  lowest timestep: frame 17, PSNR 26.50 dB");
+            "  lowest timestep: frame 17, PSNR 26.50 dB\n"
+            "  thrown ball: PSNR 19.25 dB, lowest at frame 12, 15.50 dB");
   EXPECT_EQ(scores_text(json::object()), "");
 }
 
