@@ -10,6 +10,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/evaluation/metrics.h"
+#include "recon4d/evaluation/pixel_scores.h"
 
 namespace tessera {
 namespace {
@@ -43,19 +44,6 @@ void check_background(const GaussianModel& model, const Scene& scene) {
         "{}: frames were composited on {},{},{}, the model was trained on {},{},{}; load the scene "
         "on the model's background",
         scene.path, s[0], s[1], s[2], m[0], m[1], m[2]));
-}
-
-/// Mean of a member over the views that have it.
-std::optional<double> mean_of(const std::vector<ViewScore>& views,
-                              const std::function<std::optional<double>(const ViewScore&)>& value) {
-  double sum = 0;
-  int64_t count = 0;
-  for (const ViewScore& view : views)
-    if (const std::optional<double> v = value(view)) {
-      sum += *v;
-      ++count;
-    }
-  return count > 0 ? std::optional<double>(sum / double(count)) : std::nullopt;
 }
 
 /// The frames of a split that have a pixel to be compared.
@@ -111,28 +99,6 @@ Image8 only_used(const Image8& drawn, const Frame& frame) {
   return merged;
 }
 
-/// PSNR over the pixels of a region that the frame's mask uses.
-std::optional<double> psnr_within(const Image8& drawn, const Frame& frame,
-                                  std::vector<uint8_t> region) {
-  for (size_t p = 0; p < frame.mask.data.size(); ++p)
-    if (frame.mask.data[p] == 0) region[p] = 0;
-  if (std::count(region.begin(), region.end(), uint8_t{0}) == int64_t(region.size()))
-    return std::nullopt;
-  return psnr_of_mse(
-      mean_squared_error(drawn, frame.image, {region.data(), int64_t(region.size())}));
-}
-
-/// What a view's score has of the pixels that move and of the others.
-void add_regions(DynamicRegions& regions, const Frame& frame, const RenderedImage& image,
-                 ViewScore& score) {
-  std::vector<uint8_t> moves = regions.mask_of(frame);
-  if (moves.empty()) return;
-  const Image8 drawn = quantise(image.planar(), image.width, image.height);
-  score.psnr_dynamic = psnr_within(drawn, frame, moves);
-  for (uint8_t& value : moves) value = uint8_t(255 - value);
-  score.psnr_static = psnr_within(drawn, frame, std::move(moves));
-}
-
 /// The light of the dynamic set against what moves, where the options say what does.
 class MovingRegionMeter {
  public:
@@ -161,25 +127,6 @@ class MovingRegionMeter {
 };
 
 }  // namespace
-
-MeanScore mean_score(const std::vector<ViewScore>& views) {
-  MeanScore mean;
-  mean.views = int64_t(views.size());
-  mean.psnr = mean_of(views, [](const ViewScore& v) { return v.psnr; });
-  mean.psnr_float = mean_of(views, [](const ViewScore& v) { return v.psnr_float; });
-  for (auto member : {&StructureScores::reflect, &StructureScores::zero, &StructureScores::inside,
-                      &StructureScores::inside_range2, &StructureScores::multi_scale})
-    mean.structure.*member =
-        mean_of(views, [member](const ViewScore& v) { return v.structure.*member; });
-  mean.lpips = mean_of(views, [](const ViewScore& v) { return v.lpips; });
-  mean.psnr_dynamic = mean_of(views, [](const ViewScore& v) { return v.psnr_dynamic; });
-  mean.psnr_static = mean_of(views, [](const ViewScore& v) { return v.psnr_static; });
-  mean.dynamic_views = std::count_if(views.begin(), views.end(),
-                                     [](const ViewScore& v) { return v.psnr_dynamic.has_value(); });
-  if (const auto mse = mean_of(views, [](const ViewScore& v) { return v.mse; }))
-    mean.psnr_of_mean_mse = psnr_of_mse(*mse);
-  return mean;
-}
 
 ViewScore score_view(const Frame& frame, const RenderedImage& image,
                      const EvaluateOptions& options) {
@@ -214,8 +161,7 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
   report.split = split;
   Renderer renderer(backend, model);
   MovingRegionMeter moving(backend, model, options);
-  FlickerMeter flicker;
-  DynamicRegions regions(scene);
+  PixelScores pixels(scene, options);
   for (size_t begin = 0; begin < indices.size(); begin += size_t(options.batch)) {
     const size_t end = std::min(begin + size_t(options.batch), indices.size());
     std::vector<View> views;
@@ -237,19 +183,17 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
     for (size_t i = begin; i < end; ++i) {
       const Frame& frame = scene.frames[size_t(indices[i])];
       ViewScore& score = scores[i - begin];
-      if (options.temporal) {
-        add_regions(regions, frame, images[i - begin], score);
-        flicker.add(frame, images[i - begin]);
-      }
+      const RenderedImage& image = images[i - begin];
+      pixels.add(frame, image, score);
       const bool held_out = split == Split::kVal || split == Split::kTest;
       score.held_out_view = held_out && training.has_time(frame.time);
       score.held_out_time = held_out && training.has_camera(frame.camera_name);
       report.views.push_back(score);
-      if (scored) scored(frame, images[i - begin], score, int64_t(i + 1), int64_t(indices.size()));
+      if (scored) scored(frame, image, score, int64_t(i + 1), int64_t(indices.size()));
     }
   }
+  pixels.finish(report);
   add_means(report);
-  report.flicker = flicker.scores();
   report.moving = moving.score();
   return report;
 }

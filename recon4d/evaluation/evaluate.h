@@ -8,9 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "recon4d/evaluation/colour_fit.h"
 #include "recon4d/evaluation/dynamic_share.h"
+#include "recon4d/evaluation/object_scores.h"
 #include "recon4d/evaluation/structure_scores.h"
 #include "recon4d/evaluation/temporal_scores.h"
+#include "recon4d/evaluation/timestep_scores.h"
 
 namespace tessera {
 
@@ -25,6 +28,9 @@ struct ViewScore {
   /// Over the pixels that move and the others (DynamicRegions); nothing where the camera moves or
   /// there is no such pixel.
   std::optional<double> psnr_dynamic, psnr_static;
+  /// PSNR of the same pixels after the colour fit of the camera, one fit over all pixels of all its
+  /// scored views. Nothing before the last view is scored.
+  std::optional<double> psnr_fit, psnr_fit_dynamic, psnr_fit_static;
   /// Of a frame outside training: its timestep was trained on, from other cameras / its camera was,
   /// at other timesteps. A frame can be both (one image was withheld) or neither (D-NeRF).
   bool held_out_view = false, held_out_time = false;
@@ -38,6 +44,7 @@ struct MeanScore {
   std::optional<double> psnr_of_mean_mse;  // not the mean of PSNR
   StructureScores structure;
   std::optional<double> lpips, psnr_dynamic, psnr_static;
+  std::optional<double> psnr_fit, psnr_fit_dynamic, psnr_fit_static;
   int64_t dynamic_views = 0;  // that have a psnr_dynamic
 };
 
@@ -50,6 +57,9 @@ struct EvaluationReport {
   /// Frames outside training apart: the camera is new, the timestep is, both are, neither is (one
   /// image of a rig was withheld).
   MeanScore novel_view, novel_time, novel_view_and_time, withheld;
+  std::vector<CameraColourFit> colour_fit;  // by name of camera
+  std::vector<TimestepScore> timesteps;     // ascending
+  std::vector<ObjectScore> objects;         // by name, where boxes were given
   std::vector<FlickerScore> flicker;        // of the cameras that have one
   std::optional<MovingRegionScore> moving;  // where masks of what moves were given
   std::optional<int64_t> bytes;             // of the model's file; set by the caller
@@ -67,6 +77,8 @@ struct EvaluateOptions {
   /// What moves in a frame, one channel, of its size: values as MovingRegionScore has them; empty:
   /// not known.
   std::function<Image8(const Frame&)> moving_mask;
+  /// Boxes of the objects that a frame shows; empty: objects are not scored.
+  std::function<NamedBoxes(const Frame&)> object_boxes;
 };
 
 /// Each scored view with its image, in order; throwing stops the evaluation.
@@ -80,18 +92,21 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
                           Split split, const EvaluateOptions& options,
                           const ScoredCallback& scored = {});
 
-/// Score of one image against a frame; the held-out flags are left false.
+/// Score of one image against a frame. The held-out flags are left false, and what needs other
+/// views is left empty.
 ViewScore score_view(const Frame& frame, const RenderedImage& image,
                      const EvaluateOptions& options);
 
 const char* split_name(Split split);  // "train", "val", "test"
 
 /// psnr, psnr_float, psnr_of_mean_mse, ssim (reflect), ssim_zero, ssim_inside, ssim_inside_range2,
-/// ms_ssim, dssim, lpips, psnr_dynamic, psnr_static, dynamic_weight_inside, moving_pixels_covered,
-/// definitions, num_gaussians, num_static,
+/// ms_ssim, dssim, lpips, psnr_dynamic, psnr_static, psnr_fit, psnr_fit_dynamic, psnr_fit_static,
+/// dynamic_weight_inside, moving_pixels_covered, definitions, num_gaussians, num_static,
 /// num_dynamic, bytes, split, background, width, height (null when views differ), views,
-/// held_out_views, held_out_times, novel_view, novel_time, novel_view_and_time, withheld, flicker,
-/// per_view (with `masked`). What is undefined is null.
+/// held_out_views, held_out_times, novel_view, novel_time, novel_view_and_time, withheld,
+/// colour_fit (by camera: gain, offset), timesteps and worst_timestep (time, frame_number, views,
+/// psnr, psnr_dynamic), objects (name, psnr, worst, timesteps), flicker, per_view (with `masked`).
+/// What is undefined is null.
 nlohmann::json to_json(const EvaluationReport& report, const GaussianModel& model);
 
 }  // namespace tessera

@@ -31,6 +31,9 @@ void put_means(const MeanScore& mean, json& object) {
   object["lpips"] = or_null(mean.lpips);
   object["psnr_dynamic"] = or_null(mean.psnr_dynamic);
   object["psnr_static"] = or_null(mean.psnr_static);
+  object["psnr_fit"] = or_null(mean.psnr_fit);
+  object["psnr_fit_dynamic"] = or_null(mean.psnr_fit_dynamic);
+  object["psnr_fit_static"] = or_null(mean.psnr_fit_static);
   object["dynamic_views"] = mean.dynamic_views;
   object["views"] = mean.views;
 }
@@ -52,6 +55,11 @@ json definitions() {
           {"psnr_dynamic",
            "as psnr, pixels that differ from the camera's median over time by more "
            "than 10/255 in a channel; psnr_static: the others"},
+          {"psnr_fit",
+           "as psnr after the gain and offset of each camera and channel that leave the least "
+           "squared error over all scored views of the camera; psnr_fit_dynamic, psnr_fit_static: "
+           "the same fit, pixels as of psnr_dynamic and psnr_static"},
+          {"timesteps", "PSNR of the mean squared error over all views of a timestep"},
           {"dynamic_weight_inside",
            "of the blending weight of dynamic Gaussians over all pixels, the share in pixels where "
            "the mask says that something ever moves in that view (values from 128)"},
@@ -85,6 +93,42 @@ json flicker_json(const std::vector<FlickerScore>& cameras) {
   return object;
 }
 
+json colour_fit_json(const std::vector<CameraColourFit>& cameras) {
+  json object = json::object();
+  for (const CameraColourFit& camera : cameras)
+    object[camera.camera] = {{"gain", camera.fit.gain}, {"offset", camera.fit.offset}};
+  return object;
+}
+
+json timestep_json(const TimestepScore& score) {
+  return {{"time", score.time},
+          {"frame_number", score.frame_number},
+          {"views", score.views},
+          {"psnr", score.psnr},
+          {"psnr_dynamic", or_null(score.psnr_dynamic)}};
+}
+
+void put_timesteps(const std::vector<TimestepScore>& timesteps, json& object) {
+  object["timesteps"] = json::array();
+  for (const TimestepScore& score : timesteps) object["timesteps"].push_back(timestep_json(score));
+  const std::optional<TimestepScore> worst = worst_timestep(timesteps);
+  object["worst_timestep"] = worst ? timestep_json(*worst) : json(nullptr);
+}
+
+json object_json(const ObjectScore& object) {
+  json timesteps = json::array();
+  const auto without_regions = [](const TimestepScore& score) {
+    json row = timestep_json(score);
+    row.erase("psnr_dynamic");
+    return row;
+  };
+  for (const TimestepScore& score : object.timesteps) timesteps.push_back(without_regions(score));
+  return {{"name", object.name},
+          {"psnr", object.psnr},
+          {"worst", without_regions(*worst_timestep(object.timesteps))},
+          {"timesteps", timesteps}};
+}
+
 json view_json(const ViewScore& view) {
   json object = {{"name", view.name},
                  {"camera", view.camera},
@@ -96,6 +140,9 @@ json view_json(const ViewScore& view) {
                  {"lpips", or_null(view.lpips)},
                  {"psnr_dynamic", or_null(view.psnr_dynamic)},
                  {"psnr_static", or_null(view.psnr_static)},
+                 {"psnr_fit", or_null(view.psnr_fit)},
+                 {"psnr_fit_dynamic", or_null(view.psnr_fit_dynamic)},
+                 {"psnr_fit_static", or_null(view.psnr_fit_static)},
                  {"held_out_view", view.held_out_view},
                  {"held_out_time", view.held_out_time},
                  {"masked", view.masked}};
@@ -132,6 +179,9 @@ json to_json(const EvaluationReport& report, const GaussianModel& model) {
   put_means(report.novel_time, object["novel_time"]);
   put_means(report.novel_view_and_time, object["novel_view_and_time"]);
   put_means(report.withheld, object["withheld"]);
+  object["colour_fit"] = colour_fit_json(report.colour_fit);
+  put_timesteps(report.timesteps, object);
+  for (const ObjectScore& score : report.objects) object["objects"].push_back(object_json(score));
   object["flicker"] = flicker_json(report.flicker);
   if (report.moving) {
     object["dynamic_weight_inside"] = or_null(report.moving->dynamic_weight_inside());

@@ -23,6 +23,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/model_size.h"
+#include "tools/commands/object_boxes.h"
 #include "tools/export/output_folder.h"
 #include "tools/lpips/lpips.h"
 #include "tools/session/held_out_scores.h"
@@ -40,7 +41,7 @@ using nlohmann::json;
 
 struct EvaluateRequest {
   std::vector<std::string> models;
-  std::string scene, split, background, images, lpips, moving_masks, backend = "auto";
+  std::string scene, split, background, images, lpips, moving_masks, boxes, backend = "auto";
   std::vector<double> scales{1};  // of the size that was trained on
   int threads = 0;
   bool overwrite = false, lpips_resize = false, fps = false, as_json = false;
@@ -89,6 +90,7 @@ struct Scoring {
   const std::vector<Split>& splits;
   Lpips* lpips;
   Backend& backend;
+  std::optional<ObjectBoxes> boxes;
   std::optional<OutputFolder> images;
 };
 
@@ -113,6 +115,8 @@ json score_at(Scoring& scoring, double scale, const Scene& scene) {
     options.moving_mask = [&](const Frame& frame) {
       return moving_mask(scoring.request.moving_masks, frame);
     };
+  if (scoring.boxes)
+    options.object_boxes = [&](const Frame& frame) { return scoring.boxes->of(frame); };
   std::optional<int64_t> bytes;
   if (!scoring.input.with_optimizer) bytes = scoring.input.bytes;
   ProgressBar bar("evaluate");
@@ -133,7 +137,11 @@ json score_at(Scoring& scoring, double scale, const Scene& scene) {
 /// The scores at scale 1, or at the first where it is not asked for; those of each under `scales`.
 json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
            const std::vector<Split>& splits, Lpips* lpips, Backend& backend) {
-  Scoring scoring{request, input, splits, lpips, backend, {}};
+  Scoring scoring{request, input, splits, lpips, backend, {}, {}};
+  if (!request.boxes.empty()) {
+    scoring.boxes.emplace(request.boxes);
+    scoring.boxes->check_fits(scene, splits);
+  }
   if (!request.images.empty())
     scoring.images.emplace(request.images, "evaluate", image_names(request, scene, splits),
                            request.overwrite);
@@ -283,6 +291,9 @@ void add_evaluate_command(CLI::App& app, Work& work) {
       "folder of grey masks named as the frames, 0: never moves there, 128: at some "
       "timestep, 255: now: how much of the dynamic Gaussians' light lies there; "
       "`tessera synth patch` makes them in ground_truth/moving");
+  command->add_option("--boxes", request->boxes,
+                      "ground_truth.json of a rig of `tessera synth`: scores of the pixels in the "
+                      "box of each object that moves, by timestep");
   command->add_option("--save-images", request->images, "folder for the rendered images");
   command->add_flag("--overwrite", request->overwrite, "save among files that are not ours");
   add_backend_options(*command, request->backend);

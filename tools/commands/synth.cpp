@@ -141,6 +141,12 @@ void add_synth_command(CLI::App& app, Work& work) {
   command->add_option("--noise", options.noise_sigma, "sigma of each channel, levels of 255");
   command->add_option("--exposure-wobble", options.exposure_wobble,
                       "largest relative change of a training frame's gain: 0.01 is 1 %");
+  command->add_option("--light-step", options.light_step,
+                      "n3dv, videos: factor of the light from the middle of the clip on, 0.25 to "
+                      "4; 1: no change");
+  command->add_flag("--camera-gains", options.camera_gains,
+                    "n3dv, videos: gains of red, green and blue from 0.8 to 1.2 for every camera "
+                    "but cam00");
   command->add_option("--moving-share", options.moving_share,
                       "patch: share of the image in which something moves, 0.005 to 0.3; 0: 0.05");
   command->add_option("--points", options.points, "static surface points of truth");

@@ -72,6 +72,36 @@ void add_novelty(const json& score, Lines& lines) {
   }
 }
 
+/// What each camera's best gain and offset make of the scores.
+void add_colour_fit(const json& score, Lines& lines) {
+  if (!score.contains("psnr_fit") || !score["psnr_fit"].is_number()) return;
+  std::string line = fmt::format("PSNR {} dB after the best gain and offset of each camera",
+                                 number_text(score["psnr_fit"], 2));
+  if (score["psnr_fit_dynamic"].is_number())
+    line += fmt::format(", moving pixels {} dB, static pixels {} dB",
+                        number_text(score["psnr_fit_dynamic"], 1),
+                        number_text(score["psnr_fit_static"], 1));
+  lines.push_back(line);
+}
+
+/// The timestep of lowest PSNR, where there are several.
+void add_worst_timestep(const json& score, Lines& lines) {
+  if (!score.contains("timesteps") || score["timesteps"].size() < 2) return;
+  const json& worst = score["worst_timestep"];
+  lines.push_back(fmt::format("lowest timestep: frame {}, PSNR {} dB",
+                              worst["frame_number"].get<int64_t>(), number_text(worst["psnr"], 2)));
+}
+
+/// Of the boxes of each object, where they were given.
+void add_objects(const json& score, Lines& lines) {
+  if (!score.contains("objects")) return;
+  for (const json& object : score["objects"])
+    lines.push_back(fmt::format("{}: PSNR {} dB, lowest at frame {}, {} dB",
+                                object["name"].get<std::string>(), number_text(object["psnr"], 2),
+                                object["worst"]["frame_number"].get<int64_t>(),
+                                number_text(object["worst"]["psnr"], 2)));
+}
+
 void add_motion(const json& score, Lines& lines) {
   if (score["psnr_dynamic"].is_number())
     lines.push_back(fmt::format("moving pixels {} dB, static pixels {} dB",
@@ -102,6 +132,9 @@ std::string scores_text(const json& scores, ScoreDetail detail) {
     add_structure(score, detail, lines);
     add_novelty(score, lines);
     add_motion(score, lines);
+    add_colour_fit(score, lines);
+    add_worst_timestep(score, lines);
+    add_objects(score, lines);
     for (const std::string& line : lines) text += "\n  " + line;
   }
   return text;

@@ -9,6 +9,7 @@
 #include "tools/synth/hash.h"
 #include "tools/synth/render.h"
 #include "tools/synth/rigs.h"
+#include "tools/synth/sensor.h"
 
 namespace tessera::synth {
 namespace {
@@ -30,6 +31,8 @@ ordered_json options_json(const SynthOptions& options) {
                       {"video_quality", options.video_quality},
                       {"noise_sigma", options.noise_sigma},
                       {"exposure_wobble", options.exposure_wobble},
+                      {"light_step", options.light_step},
+                      {"camera_gains", options.camera_gains},
                       {"moving_share", options.moving_share},
                       {"points", options.points}};
   if (!options.shifts.empty()) object["shifts"] = options.shifts;
@@ -55,6 +58,19 @@ ordered_json appearing_json(const SynthOptions& options, const World& world) {
   return list;
 }
 
+/// [x0, y0, x1, y1] a frame, the latter two exclusive, or null.
+ordered_json boxes_json(const TrueView& view) {
+  ordered_json object = ordered_json::object();
+  for (const auto& [name, boxes] : view.boxes) {
+    ordered_json list = ordered_json::array();
+    for (const PixelBox& box : boxes)
+      list.push_back(box.empty() ? ordered_json(nullptr)
+                                 : ordered_json{box.x0, box.y0, box.x1, box.y1});
+    object[name] = std::move(list);
+  }
+  return object;
+}
+
 ordered_json views_json(const SynthOptions& options, const std::vector<TrueView>& views) {
   ordered_json list = ordered_json::array();
   for (int number = 0; const TrueView& view : views) {
@@ -65,10 +81,12 @@ ordered_json views_json(const SynthOptions& options, const std::vector<TrueView>
       row["time"] = view.time;
       row["seconds"] = seconds(options, view.time);
     }
+    if (options.camera_gains) row["gain"] = camera_gain(options, number);
     if (const double shift = shift_of(options, number++); shift != 0) {
       row["shift_frames"] = shift;  // frame k shows instant k + shift
       row["shift_seconds"] = shift * options.fps.denominator / options.fps.numerator;
     }
+    if (view.split.empty()) row["boxes"] = boxes_json(view);
     list.push_back(std::move(row));
   }
   return list;

@@ -2,10 +2,12 @@
 // points. Not: read by ingest or training; only tests and measurements open it.
 #pragma once
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "ingest/scene.h"
+#include "tools/synth/render.h"
 #include "tools/synth/world.h"
 
 namespace tessera::synth {
@@ -23,6 +25,9 @@ struct TrueView {
   std::string split;  // empty for video
   int index = 0;      // within the split
   double time = 0;    // normalised; dnerf only
+  /// By name of a solid that moves, one a frame, empty where the camera does not see it. Video
+  /// only.
+  std::map<std::string, std::vector<PixelBox>> boxes = {};
 };
 
 /// Instant `frame` of a clip, normalised to [0, 1] (0 for a clip of one frame).

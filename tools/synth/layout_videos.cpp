@@ -53,12 +53,14 @@ std::vector<uint8_t> moving_region(const CaptureJob& job, int number, const Came
   return ever_covered(job.world, camera, times, layer);
 }
 
-/// Renders, encodes and masks every instant of one camera.
-void film(const CaptureJob& job, int number, const TrueView& view, const StaticLayer& layer) {
+/// Renders, encodes and masks every instant of one camera, and fills in its boxes.
+void film(const CaptureJob& job, int number, TrueView& view, const StaticLayer& layer) {
   const SynthOptions& options = job.options;
   VideoEncoder encoder(job.folder / (view.name + ".mp4"),
                        {options.width, options.height, options.fps, options.video_quality});
   const std::vector<uint8_t> region = moving_region(job, number, view.camera, layer);
+  for (const Solid& solid : job.world.solids)
+    if (solid.moves) view.boxes[solid.name].resize(size_t(options.frames));
   if (!region.empty()) make_folder(job.folder / kMovingFolder / view.name);
   for (int first = 0; first < options.frames; first += kFramesAtOnce) {
     if (job.progress)
@@ -71,6 +73,7 @@ void film(const CaptureJob& job, int number, const TrueView& view, const StaticL
           render(job.world, view.camera, normalised_time(options, instant), layer);
       encoder.add(expose(image, options, 3, number, frame));
       masks.push_back(mask_image(image));
+      for (const auto& [name, box] : image.boxes) view.boxes[name][size_t(frame)] = box;
       if (!region.empty()) moving.push_back(moving_image(image, region));
     }
     parallel_for(int64_t(masks.size()), 1, [&](int64_t begin, int64_t end) {
@@ -95,7 +98,7 @@ std::vector<TrueView> write_videos(const CaptureJob& job) {
   std::vector<TrueView> views;
   for (int number = 0; number < job.options.cameras; ++number) {
     views.push_back({fmt::format("cam{:02}", number), cameras[size_t(number)], "", 0, 0});
-    const TrueView& view = views.back();
+    TrueView& view = views.back();
     const StaticLayer layer = render_static(job.world, view.camera, job.options.supersampling);
     poses.push_back(bounded_pose(job, number, view.camera, layer));
     film(job, number, view, layer);

@@ -2,6 +2,7 @@
 // Not: derivatives; ground truth needs positions only.
 #include "tools/synth/motion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -21,15 +22,17 @@ glm::dmat3 turn_x(double degrees) {
 
 Pose pose_at(const Motion& motion, double time) {
   const double circle = 2 * std::numbers::pi;
-  const double theta = circle * motion.sway_cycles * time;
-  const double s = motion.stretch * std::sin(circle * motion.stretch_cycles * time);
+  const double moved = std::clamp(time, motion.begin, motion.end), thrown = moved - motion.begin;
+  const double theta = circle * motion.sway_cycles * moved;
+  const double s = motion.stretch * std::sin(circle * motion.stretch_cycles * moved);
   const double tall = std::exp(s), wide = std::exp(-0.5 * s);
   const glm::dmat3 scale(wide, 0, 0, 0, wide, 0, 0, 0, tall);
-  const glm::dmat3 spin = turn(circle * motion.spin_turns * time, motion.spin_axis);
+  const glm::dmat3 spin = turn(circle * motion.spin_turns * moved, motion.spin_axis);
   Pose pose;
   pose.linear = spin * motion.rest_rotation * scale;
   pose.origin = motion.rest + motion.sway_sine * std::sin(theta) +
-                motion.sway_cosine * std::cos(theta) +
+                motion.sway_cosine * std::cos(theta) + motion.launch * thrown +
+                0.5 * motion.gravity * thrown * thrown +
                 glm::dvec3(0, 0, motion.stretch_base * (tall - 1));
   return pose;
 }

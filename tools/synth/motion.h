@@ -1,5 +1,5 @@
-// What: where an object stands at a timestep: a path, a spin and a stretch about its rest pose.
-// Not: shapes that bend (the cloth of shape.h), and no physics.
+// The pose of an object at a timestep: a path or a throw, a spin and a stretch about its rest pose.
+// Shapes that bend are elsewhere (the cloth of shape.h); no physics but that of a throw.
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -21,9 +21,12 @@ struct Motion {
   double sway_cycles = 1;
   glm::dvec3 spin_axis{0, 0, 1};  // in the world
   double spin_turns = 0;
-  double stretch = 0;         // z grows by e^{s}, x and y by e^{-s/2}: the volume is kept;
-  double stretch_cycles = 1;  // s = stretch · sin(2π·stretch_cycles·t)
-  double stretch_base = 0;    // height below the object's origin that stays where it is
+  double stretch = 0;          // z grows by e^{s}, x and y by e^{-s/2}: the volume is kept;
+  double stretch_cycles = 1;   // s = stretch · sin(2π·stretch_cycles·t)
+  double stretch_base = 0;     // height below the object's origin that stays where it is
+  glm::dvec3 launch{0.0};      // a throw: launch·τ + gravity·τ²/2, τ: time since `begin`
+  glm::dvec3 gravity{0.0};     // metres per clip²
+  double begin = -1, end = 2;  // normalised times before and after which it stands still
 };
 
 Pose pose_at(const Motion& motion, double time);

@@ -1,5 +1,6 @@
 // What: the tables of scenes and layouts, and the checks of every option with its remedy.
-// Not: how a scene is built (room.cpp, object.cpp, figure.cpp) or a layout written (layout_*.cpp).
+// Not: how a scene is built (room.cpp, object.cpp, figure.cpp, fast.cpp) or a layout written
+// (layout_*.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +15,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::array<SynthSceneRow, 5> kScenes{{
+constexpr std::array<SynthSceneRow, 6> kScenes{{
     {SynthScene::kRoom, "room",
      "furnished room: rigid, stretching and waving movers, an object that comes and goes"},
     {SynthScene::kRoomStatic, "room-static",
@@ -25,6 +26,8 @@ constexpr std::array<SynthSceneRow, 5> kScenes{{
      "the furnished room where nothing moves but a ball in a given share of the image"},
     {SynthScene::kFigure, "figure",
      "a marching figure with skirt and scarf on nothing (transparent), seen from all around"},
+    {SynthScene::kFast, "fast",
+     "the furnished room with fast movers: two thrown balls, a swinging arm, a waving flag"},
 }};
 
 constexpr std::array<SynthLayoutRow, 3> kLayouts{{
@@ -87,6 +90,19 @@ void check_shifts(const SynthOptions& options) {
                                    shift, options.frames - 1));
 }
 
+/// The light and the gains of cameras are those of a rig.
+void check_light_and_gains(const SynthOptions& options) {
+  check_range("light_step", options.light_step, kLeastLightStep, kMostLightStep);
+  if (options.layout != SynthLayout::kDnerf) return;
+  for (const auto& [given, name] : {std::pair{options.light_step != 1, "--light-step"},
+                                    {options.camera_gains, "--camera-gains"}})
+    if (given)
+      throw InputError(
+          fmt::format("synth: the layout dnerf has no rig of cameras; leave out {} or use the "
+                      "layout n3dv or videos",
+                      name));
+}
+
 /// Fills in the share of a scene that has a moving region, refuses one for the others.
 void resolve_moving_share(SynthOptions& options) {
   constexpr double kUsual = 0.05;
@@ -123,6 +139,7 @@ SynthOptions resolve_synth_options(const SynthOptions& options) {
   check_range("exposure_wobble", full.exposure_wobble, 0, 0.5);
   check_range("points", full.points, 0, 1e7);
   check_shifts(full);
+  check_light_and_gains(full);
   resolve_moving_share(full);
   if (full.held_out_frames == 0) full.held_out_frames = std::max(4, full.frames / 5);
   if (!dnerf && (full.width % 2 != 0 || full.height % 2 != 0))

@@ -12,15 +12,9 @@ namespace {
 
 constexpr int64_t kRows = 4;  // rows a parallel piece
 
-/// Pixels [x0, x1) × [y0, y1) outside which a mover cannot be seen.
-struct Bounds {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-  bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
-};
-
-/// Projects the ball about the mover: for |offset| <= r and depth in [z−r, z+r] the extremes of
-/// (offset)/(depth) lie at the corners.
-Bounds screen_bounds(const Camera& camera, const PlacedSolid& placed) {
+/// The pixels outside which a mover cannot be seen, by projecting the ball about it: for |offset|
+/// <= r and depth in [z−r, z+r] the extremes of (offset)/(depth) lie at the corners.
+PixelBox screen_bounds(const Camera& camera, const PlacedSolid& placed) {
   const glm::dvec3 c = camera.cam_from_world * placed.origin + camera.translation;
   const double r = placed.radius, near = c.z - r, far = c.z + r;
   if (far <= 0) return {};
@@ -37,15 +31,16 @@ Bounds screen_bounds(const Camera& camera, const PlacedSolid& placed) {
 /// The placed movers of a timestep and where each may be seen.
 struct Movers {
   std::vector<PlacedSolid> placed;
-  std::vector<Bounds> bounds;
+  std::vector<PixelBox> bounds;
 };
 
-/// Samples of one pixel summed up; how many of them met a mover.
+/// Samples of one pixel summed up; how many of them met a mover. The pixel joins the boxes of the
+/// movers that it shows; `boxes`: one a mover.
 int add_samples(const World& world, const Camera& camera, const StaticLayer& layer,
-                const Movers& movers, int x, int y, glm::vec4& sum) {
+                const Movers& movers, int x, int y, glm::vec4& sum, PixelBox* boxes) {
   int changed = 0;
   bool near_mover = false;
-  for (const Bounds& bounds : movers.bounds) near_mover |= bounds.contains(x, y);
+  for (const PixelBox& bounds : movers.bounds) near_mover |= bounds.contains(x, y);
   const int count = layer.grid * layer.grid;
   const size_t first = (size_t(y) * size_t(camera.width) + size_t(x)) * size_t(count);
   for (int s = 0; s < count; ++s) {
@@ -60,6 +55,7 @@ int add_samples(const World& world, const Camera& camera, const StaticLayer& lay
         if (movers.bounds[i].contains(x, y)) cast(ray, movers.placed[i], meeting);
       if (meeting.placed != nullptr) {
         value = glm::vec4(shade(world.light, ray, meeting, {}), 1);
+        boxes[meeting.placed - movers.placed.data()].include({x, y, x + 1, y + 1});
         ++changed;
       }
     }
@@ -69,6 +65,13 @@ int add_samples(const World& world, const Camera& camera, const StaticLayer& lay
 }
 
 }  // namespace
+
+void PixelBox::include(const PixelBox& other) {
+  if (other.empty()) return;
+  *this = empty() ? other
+                  : PixelBox{std::min(x0, other.x0), std::min(y0, other.y0), std::max(x1, other.x1),
+                             std::max(y1, other.y1)};
+}
 
 Ray pixel_ray(const Camera& camera, double x, double y) {
   const glm::dvec3 in_camera((x - camera.cx) / camera.fl_x, (y - camera.cy) / camera.fl_y, 1);
@@ -105,12 +108,15 @@ RenderedImage render(const World& world, const Camera& camera, double time,
   RenderedImage image{camera.width, camera.height, std::vector<float>(4 * pixels),
                       std::vector<uint8_t>(pixels), std::vector<float>(pixels)};
   const float share = 1.f / float(layer.grid * layer.grid);
+  const size_t count = movers.placed.size();
+  std::vector<PixelBox> boxes(size_t(camera.height) * count);  // of each image row and mover
   parallel_for(camera.height, kRows, [&](int64_t begin, int64_t end) {
     for (int64_t y = begin; y < end; ++y)
       for (int x = 0; x < camera.width; ++x) {
         const size_t pixel = size_t(y) * size_t(camera.width) + size_t(x);
         glm::vec4 sum(0);
-        const int changed = add_samples(world, camera, layer, movers, x, int(y), sum);
+        const int changed = add_samples(world, camera, layer, movers, x, int(y), sum,
+                                        boxes.data() + size_t(y) * count);
         if (changed > 0) image.mask[pixel] = 255;
         image.moving_share[pixel] = float(changed) * share;
         if (sum.a > 0) {
@@ -120,6 +126,8 @@ RenderedImage render(const World& world, const Camera& camera, double time,
         image.rgba[4 * pixel + 3] = sum.a * share;
       }
   });
+  for (size_t i = 0; i < boxes.size(); ++i)
+    if (!boxes[i].empty()) image.boxes[movers.placed[i % count].solid->name].include(boxes[i]);
   return image;
 }
 

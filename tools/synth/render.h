@@ -3,6 +3,8 @@
 // Not: sensor effects or 8-bit images (sensor.h).
 #pragma once
 #include <cstdint>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "kernels/base/camera.h"
@@ -10,11 +12,21 @@
 
 namespace tessera::synth {
 
+/// Pixels [x0, x1) × [y0, y1); empty as it begins.
+struct PixelBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  bool empty() const { return x0 >= x1 || y0 >= y1; }
+  bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
+  /// Grows to hold `other`.
+  void include(const PixelBox& other);
+};
+
 struct RenderedImage {
   int width = 0, height = 0;
   std::vector<float> rgba;  // [height, width, 4] sRGB in [0, 1], alpha straight (not premultiplied)
   std::vector<uint8_t> mask;  // [height, width] 255 where a sample met something that changes, or 0
   std::vector<float> moving_share = {};  // [height, width] of the samples, that met such a thing
+  std::map<std::string, PixelBox> boxes = {};  // of the pixels that show each solid that changes
 };
 
 /// What a camera sees of the unchanging part; valid for the world and camera it was made with.

@@ -1,6 +1,8 @@
-// What: a rendered image to the 8-bit image a camera would store: exposure, noise, rounding.
+// What: a rendered image to the 8-bit image a camera would store: exposure, light, gains,
+//       noise, rounding.
 // Not: motion blur or rolling shutter; an exposure lasts no time.
 #pragma once
+#include <array>
 #include <cstdint>
 
 #include "ingest/scene.h"
@@ -13,6 +15,13 @@ namespace tessera::synth {
 /// for what is held out by default, cam00 of a rig and dnerf's val and test, as no training learns
 /// it.
 double exposure_gain(const SynthOptions& options, int view, int frame);
+
+/// Gains of red, green and blue of a camera: all 1 without SynthOptions::camera_gains, and for
+/// cam00.
+std::array<double, 3> camera_gain(const SynthOptions& options, int view);
+
+/// The light at a frame of a camera, 1 or SynthOptions::light_step.
+double light_factor(const SynthOptions& options, int view, int frame);
 
 /// RGBA with straight alpha, or RGB over black. Noise touches colour only, and only where there is
 /// something (alpha > 0).

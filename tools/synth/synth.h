@@ -15,7 +15,7 @@
 
 namespace tessera {
 
-enum class SynthScene { kRoom, kRoomStatic, kObject, kPatch, kFigure };
+enum class SynthScene { kRoom, kRoomStatic, kObject, kPatch, kFigure, kFast };
 enum class SynthLayout { kDnerf, kN3dv, kVideos };
 
 /// One row of what can be asked for: its name on the command line and one line of explanation.
@@ -53,6 +53,10 @@ struct SynthOptions {
   double noise_sigma = 0;      // of each channel, in levels of 255
   double exposure_wobble = 0;  // largest relative change of a frame's gain, [0, 0.5]: 0.01 is 1 %;
                                // the reference (cam00 of a rig, dnerf's val and test) has none
+  double light_step = 1;       // n3dv, videos: factor of the light from the middle of the clip on,
+                               // kLeastLightStep .. kMostLightStep
+  bool camera_gains = false;   // n3dv, videos: every camera but cam00 has gains of red, green and
+                               // blue in [0.8, 1.2), by the seed
   double moving_share = 0;     // `patch`: share of cam00's image in which something ever moves,
                                // kLeastMovingShare .. kMostMovingShare; 0: 0.05
   int points = 20000;          // size of ground_truth/points.ply
@@ -61,6 +65,7 @@ struct SynthOptions {
 };
 
 inline constexpr double kLeastMovingShare = 0.005, kMostMovingShare = 0.3;
+inline constexpr double kLeastLightStep = 0.25, kMostLightStep = 4;
 
 struct SynthReport {
   int64_t cameras = 0;  // physical cameras: 1 for dnerf

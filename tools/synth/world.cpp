@@ -1,5 +1,5 @@
 // What: a scene's name to its world; the static room is the room with its movers held.
-// Not: what is in the worlds (room.cpp, object.cpp, figure.cpp, patch.cpp).
+// Not: what is in the worlds (room.cpp, object.cpp, figure.cpp, patch.cpp, fast.cpp).
 #include "tools/synth/world.h"
 
 #include <vector>
@@ -13,6 +13,7 @@ World build_world(SynthScene scene, uint64_t seed, double specular, double ball)
   World world = scene == SynthScene::kObject   ? build_object(folded)
                 : scene == SynthScene::kFigure ? build_figure(folded)
                 : scene == SynthScene::kPatch  ? build_patch(folded, ball)
+                : scene == SynthScene::kFast   ? build_fast(folded)
                                                : build_room(folded);
   world.light.specular = specular;
   if (scene == SynthScene::kRoomStatic) {

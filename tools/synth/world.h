@@ -56,6 +56,8 @@ World build_object(uint32_t seed);
 World build_figure(uint32_t seed);
 /// `patch`: the room, and a ball of that radius as its only mover (patch.cpp).
 World build_patch(uint32_t seed, double radius);
+/// `fast`: the room with fast movers in the place of its own (fast.cpp).
+World build_fast(uint32_t seed);
 /// The radius at which the path of the ball covers options.moving_share of cam00's image.
 double patch_radius(const SynthOptions& options);
 

@@ -1,5 +1,5 @@
 // What: adds solids to a world; every texture seed, colour and small offset follows from one seed.
-// Not: a scene (room.cpp, object.cpp, figure.cpp, patch.cpp).
+// Not: a scene (room.cpp, object.cpp, figure.cpp, patch.cpp, fast.cpp).
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>

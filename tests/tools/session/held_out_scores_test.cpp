@@ -26,6 +26,15 @@ json moving_scores() {
                {"lpips", nullptr},
                {"psnr_dynamic", 21.49},
                {"psnr_static", 30.05},
+               {"psnr_fit", 28.125},
+               {"psnr_fit_dynamic", 21.9},
+               {"psnr_fit_static", 31.25},
+               {"timesteps", {1, 2}},
+               {"worst_timestep", {{"frame_number", 17}, {"psnr", 26.5}}},
+               {"objects",
+                {{{"name", "thrown ball"},
+                  {"psnr", 19.25},
+                  {"worst", {{"frame_number", 12}, {"psnr", 15.5}}}}}},
                {"novel_view", group(1, 26)},
                {"novel_time", group(0, 0)},
                {"novel_view_and_time", group(0, 0)},
@@ -40,7 +49,11 @@ TEST(HeldOutScores, AreDescribedInTheWordsOfTheField) {
             "test views (2): PSNR 27.59 dB, SSIM 0.9061\n"
             "  novel views at known timesteps (1): PSNR 26.00 dB\n"
             "  moving pixels 21.5 dB, static pixels 30.1 dB\n"
-            "  temporal error 3.23/255, flicker of static pixels 0.55/255");
+            "  temporal error 3.23/255, flicker of static pixels 0.55/255\n"
+            "  PSNR 28.12 dB after the best gain and offset of each camera, moving pixels 21.9 dB, "
+            "static pixels 31.2 dB\n"
+            "  lowest timestep: frame 17, PSNR 26.50 dB\n"
+            "  thrown ball: PSNR 19.25 dB, lowest at frame 12, 15.50 dB");
   EXPECT_EQ(scores_text(json::object()), "");
 }
 

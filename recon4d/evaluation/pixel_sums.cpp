@@ -1,0 +1,58 @@
+// The loop over the pixels of a view, and the squared error that its sums expand to.
+#include "recon4d/evaluation/pixel_sums.h"
+
+#include "kernels/base/errors.h"
+#include "recon4d/evaluation/metrics.h"
+
+namespace tessera {
+
+void PixelSums::add(const uint8_t* drawn, const uint8_t* truth) {
+  ++pixels;
+  for (size_t c = 0; c < 3; ++c) {
+    const int64_t x = drawn[c], y = truth[c];
+    ChannelSums& sums = channels[c];
+    sums.x += x;
+    sums.y += y;
+    sums.xx += x * x;
+    sums.xy += x * y;
+    sums.yy += y * y;
+  }
+}
+
+PixelSums& PixelSums::operator+=(const PixelSums& other) {
+  pixels += other.pixels;
+  for (size_t c = 0; c < 3; ++c) {
+    ChannelSums& sums = channels[c];
+    const ChannelSums& more = other.channels[c];
+    sums.x += more.x;
+    sums.y += more.y;
+    sums.xx += more.xx;
+    sums.xy += more.xy;
+    sums.yy += more.yy;
+  }
+  return *this;
+}
+
+double PixelSums::mean_squared_error() const {
+  check(pixels > 0, "pixel sums: at least one pixel");
+  int64_t sum = 0;
+  for (const ChannelSums& c : channels) sum += c.xx - 2 * c.xy + c.yy;
+  return double(sum) / (255.0 * 255.0 * double(3 * pixels));
+}
+
+ViewPixelSums view_sums(const Image8& drawn, const Frame& frame,
+                        const std::vector<uint8_t>& moves) {
+  check_pair(drawn, frame.image);
+  const size_t pixels = drawn.data.size() / 3;
+  check(moves.empty() || moves.size() == pixels, "pixel sums: moving pixels of the image's size");
+  ViewPixelSums sums;
+  sums.knows_motion = !moves.empty();
+  for (size_t p = 0; p < pixels; ++p) {
+    if (!frame.mask.data.empty() && frame.mask.data[p] == 0) continue;
+    PixelSums& region = !moves.empty() && moves[p] != 0 ? sums.moving : sums.still;
+    region.add(&drawn.data[3 * p], &frame.image.data[3 * p]);
+  }
+  return sums;
+}
+
+}  // namespace tessera

@@ -1,0 +1,40 @@
+// Sums over the pixels of a drawn 8-bit image and its truth, exact integers, with the moving pixels
+// apart. Squared errors, and those after any gain and offset, follow from them without the images.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+/// Of one channel, x: drawn, y: truth, both in 8-bit units.
+struct ChannelSums {
+  int64_t x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+};
+
+struct PixelSums {
+  int64_t pixels = 0;
+  std::array<ChannelSums, 3> channels;
+
+  /// Counts one pixel: its three drawn and three true values.
+  void add(const uint8_t* drawn, const uint8_t* truth);
+  PixelSums& operator+=(const PixelSums& other);
+  /// Mean of (x − y)² over pixels and channels at range 1; there must be a pixel.
+  double mean_squared_error() const;
+};
+
+/// Of one view, over the pixels that the mask of the frame uses.
+struct ViewPixelSums {
+  PixelSums moving, still;  // `still` has all pixels where moving ones are not known
+  bool knows_motion = false;
+
+  PixelSums all() const { return PixelSums(moving) += still; }
+};
+
+/// `drawn`: RGB, of the size of the frame. `moves`: [height, width] 0 where nothing moves, as of
+/// DynamicRegions; empty: not known.
+ViewPixelSums view_sums(const Image8& drawn, const Frame& frame, const std::vector<uint8_t>& moves);
+
+}  // namespace tessera
