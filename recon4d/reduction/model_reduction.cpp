@@ -141,8 +141,9 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
     if (request.bytes > 0 && request.known_goal == 0 && !order.empty())
       request.file_bytes = bytes_(trainer.host_model());
     const PruningChoice choice = choose_pruning(order, *contributions, request);
-    report_pruning(choice, int64_t(order.size()), report);
-    for (int64_t now = int64_t(order.size()); now > choice.after;) {
+    const int64_t seen = seen_count(order);
+    report_pruning(choice, seen, report);
+    for (int64_t now = seen; now > choice.after;) {
       now = next_cut(now, choice.after);
       trainer.apply(cut_to(order, now));
       contributions = measure([&](const Contributions&) {

@@ -20,14 +20,13 @@ double ByteRates::bytes_of(bool dynamic, int sh_degree) const {
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
                                    const ByteRates& rates) {
   struct Ranked {
-    bool unseen;
     double error_per_byte;
     bool is_lit;
     int64_t place;  // static set first
 
     bool operator<(const Ranked& b) const {
-      return std::tie(unseen, error_per_byte, is_lit, place) <
-             std::tie(b.unseen, b.error_per_byte, b.is_lit, b.place);
+      return std::tie(error_per_byte, is_lit, place) <
+             std::tie(b.error_per_byte, b.is_lit, b.place);
     }
   };
   std::vector<Ranked> ranked;
@@ -36,11 +35,9 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
   for (int k = 0; k < 2; ++k) {
     const SetContributions& set = contributions.sets[k];
     bytes[k] = rates.bytes_of(k == 1, model.drawing.sh_degree);
-    for (size_t n = 0; n < set.weight.size(); ++n) {
-      const bool is_lit = set.weight[n] > 0;
-      ranked.push_back({!is_lit && contributions.share < 1, double(set.removal2[n]) / bytes[k],
-                        is_lit, int64_t(ranked.size())});
-    }
+    for (size_t n = 0; n < set.weight.size(); ++n)
+      ranked.push_back(
+          {double(set.removal2[n]) / bytes[k], set.weight[n] > 0, int64_t(ranked.size())});
   }
   std::sort(ranked.begin(), ranked.end());
   std::vector<Removal> order;
@@ -49,8 +46,8 @@ std::vector<Removal> removal_order(const GaussianModel& model, const Contributio
   for (const Ranked& r : ranked) {
     const int k = r.place < statics ? 0 : 1;
     const int64_t element = r.place - k * statics;
-    order.push_back(
-        {k, element, double(contributions.sets[k].removal2[size_t(element)]), bytes[k], !r.unseen});
+    order.push_back({k, element, double(contributions.sets[k].removal2[size_t(element)]), bytes[k],
+                     r.is_lit || contributions.share >= 1});
   }
   return order;
 }
@@ -63,7 +60,7 @@ int64_t knee_count(const std::vector<Removal>& order, const Contributions& contr
   for (const Removal& removal : order) all += removal.bytes;
   std::vector<double> size{std::log(all)}, psnr{contributions.psnr_after(0)};
   double bytes = all, error = 0;
-  for (int64_t i = 0; i + 1 < count && order[size_t(i)].seen; ++i) {
+  for (int64_t i = 0; i + 1 < count; ++i) {
     bytes -= order[size_t(i)].bytes;
     error += order[size_t(i)].error;
     if (bytes < least_share * all) break;
@@ -118,11 +115,18 @@ KeptElements kept_elements(const GaussianModel& model, const std::vector<Removal
   return elements;
 }
 
+int64_t seen_count(const std::vector<Removal>& order) {
+  return std::count_if(order.begin(), order.end(), [](const Removal& r) { return r.seen; });
+}
+
 StateEdit cut_to(const std::vector<Removal>& order, int64_t count) {
   StateEdit edit;
-  const size_t left = size_t(std::clamp<int64_t>(count, 0, int64_t(order.size())));
-  for (size_t i = 0; i < order.size() - left; ++i)
+  int64_t gone = seen_count(order) - std::max<int64_t>(0, count);
+  for (size_t i = 0; i < order.size() && gone > 0; ++i) {
+    if (!order[i].seen) continue;
     edit.dropped[order[i].set].push_back(order[i].element);
+    --gone;
+  }
   for (std::vector<int64_t>& elements : edit.dropped) std::sort(elements.begin(), elements.end());
   return edit;
 }

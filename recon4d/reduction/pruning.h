@@ -36,13 +36,14 @@ struct Removal {
 };
 
 /// All Gaussians of a model, the cheapest first; of equals those without light, then in the order
-/// of their elements. Those that were not seen come last.
+/// of their elements.
 std::vector<Removal> removal_order(const GaussianModel& model, const Contributions& contributions,
                                    const ByteRates& rates = {});
 
 /// Gaussians that are left where the curve of ln(bytes) and dB, as removals in this order add to
 /// it, is farthest above the line from its end of `least_share` of the bytes to its beginning, each
-/// axis scaled to [0, 1]. No fewer than one, if there are any; those that were not seen are left.
+/// axis scaled to [0, 1]. No fewer than one, if there are any. Those that were not seen are counted
+/// as gone: most of them show nothing in the other frames, either.
 int64_t knee_count(const std::vector<Removal>& order, const Contributions& contributions,
                    double least_share = 1.0 / 32);
 
@@ -63,7 +64,9 @@ struct KeptElements {
 };
 KeptElements kept_elements(const GaussianModel& model, const std::vector<Removal>& order,
                            int64_t count);
-/// The edit that leaves those elements, of the model that `order` is of.
+int64_t seen_count(const std::vector<Removal>& order);
+/// The edit that leaves `count` of those that were seen, and all others, of the model that `order`
+/// is of.
 StateEdit cut_to(const std::vector<Removal>& order, int64_t count);
 
 /// The model of only these elements, in the host's memory.

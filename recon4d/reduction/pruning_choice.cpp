@@ -16,7 +16,7 @@ int64_t count_within(const std::vector<Removal>& order, const Contributions& con
                      double room) {
   double error = 0;
   int64_t gone = 0;
-  for (; gone + 1 < int64_t(order.size()) && order[size_t(gone)].seen; ++gone) {
+  for (; gone + 1 < int64_t(order.size()); ++gone) {
     error += order[size_t(gone)].error;
     if (contributions.psnr_after(0) - contributions.psnr_after(error) > room) break;
   }
@@ -48,7 +48,7 @@ int64_t goal_of(const std::vector<Removal>& order, const Contributions& contribu
 
 PruningChoice choose_pruning(const std::vector<Removal>& order, const Contributions& contributions,
                              const SizeRequest& request) {
-  const int64_t now = int64_t(order.size());
+  const int64_t now = seen_count(order);
   PruningChoice choice;
   choice.knee = knee_count(order, contributions);
   choice.error_per_byte = error_per_byte_at(order, choice.knee);

@@ -21,10 +21,11 @@ struct SizeRequest {
   int64_t rounds_left = 1;     // with this one
 };
 
-/// Numbers of Gaussians.
+/// Numbers of Gaussians that the pass has seen: what it has not is known to a later one only, and
+/// stays.
 struct PruningChoice {
   int64_t knee = 0;           // that the knee of the curve leaves
-  int64_t goal = 0;           // that the last round is to leave; 0: the model has no Gaussians
+  int64_t goal = 0;           // that the last round is to leave; 0: none was seen
   int64_t after = 0;          // that this round leaves
   double error_per_byte = 0;  // squared error per byte at the knee
 };
