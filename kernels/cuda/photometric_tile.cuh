@@ -4,6 +4,7 @@
 // Source: method A.15.
 #pragma once
 #include "kernels/cuda/photometric_kernels.h"
+#include "kernels/math/photometric.h"
 #include "kernels/math/ssim.h"
 
 namespace tessera::photometric {
@@ -54,6 +55,7 @@ struct Block {
   int64_t plane, map;        // first element in colour and d_colour, in a map
   float scale;               // 1 / (3·H·W·B)
   float gain;                // of the plane; 1 where there is none
+  float moving;              // factor of |x − y| where something moves
 
   __device__ explicit Block(const KernelArgs& args) {
     const int channel = int(blockIdx.x % 3), b = int(blockIdx.z);
@@ -69,6 +71,7 @@ struct Block {
     colour = args.call.colour + plane;
     truth = args.call.truth[b] + channel;
     mask = args.call.mask == nullptr ? nullptr : args.call.mask[b];
+    moving = args.call.moving_weight;
     scale = 1.0f / (3.0f * float(pixels) * float(args.call.view_count));
     gain = args.call.gain == nullptr ? 1.0f : __ldg(args.call.gain + 3 * b + channel);
   }
@@ -90,6 +93,14 @@ struct Block {
       return mask == nullptr || __ldg(mask + p) != 0;
     else
       return true;
+  }
+  /// Factor of the L1 term of pixel p.
+  template <bool Masked>
+  __device__ float l1_factor(int p) const {
+    if constexpr (Masked)
+      return mask != nullptr && __ldg(mask + p) == kMovingPixel ? moving : 1.0f;
+    else
+      return 1.0f;
   }
   /// The nearest pixel: loads need no branch, what lies outside is set to zero afterwards.
   __device__ int nearest_row(int row) const { return min(max(row, 0), height - 1); }

@@ -2,6 +2,8 @@
 // Not: SSIM itself (ssim.h), nor the convolution of its partials (the photometric stage).
 // Source: [3DGS]; method A.15.
 #pragma once
+#include <cstdint>
+
 #include "kernels/math/scalar.h"
 
 namespace tessera {
@@ -9,7 +11,11 @@ namespace tessera {
 struct LossWeights {
   double l1 = 0.8;     // weight of mean |I − G|
   double dssim = 0.2;  // weight of 1 − SSIM
+  double moving = 1;   // of |I − G| where the mask is kMovingPixel
 };
+
+/// Value of a mask where something moves: these pixels may weigh more than others.
+constexpr uint8_t kMovingPixel = 2;
 
 /// Loss of one view, un-divided by B.
 struct ViewLoss {

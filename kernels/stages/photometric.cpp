@@ -63,6 +63,9 @@ PlaneLoss plane_loss(const Plane<Real>& plane, const LossWeights& weights, Real 
   const size_t pixels = size_t(width) * size_t(height);
   const Real* const x = compared(plane, pixels, s);
   const auto ignored = [mask](size_t p) { return mask != nullptr && mask[p] == 0; };
+  const auto l1_factor = [&](size_t p) {
+    return mask != nullptr && mask[p] == kMovingPixel ? weights.moving : 1.0;
+  };
   for (std::vector<Real>* map : {&s.truth, &s.by_x, &s.by_xx, &s.by_xy}) map->resize(pixels);
   for (size_t p = 0; p < pixels; ++p)
     s.truth[p] = ignored(p) ? x[p] : Real(plane.truth[3 * p]) / Real(255);
@@ -77,7 +80,7 @@ PlaneLoss plane_loss(const Plane<Real>& plane, const LossWeights& weights, Real 
       continue;
     }
     const SsimPoint<Real> point = s.moments.point(p);
-    loss.l1 += double(std::abs(x[p] - y[p]));
+    loss.l1 += l1_factor(p) * double(std::abs(x[p] - y[p]));
     loss.ssim += double(point.value);
     s.by_x[p] = lambda * point.d_x;
     s.by_xx[p] = lambda * point.d_xx;
@@ -88,7 +91,8 @@ PlaneLoss plane_loss(const Plane<Real>& plane, const LossWeights& weights, Real 
     convolve(map->data(), width, height, Padding::kZero, s.moments.scratch.data(), map->data());
   const Real l1 = Real(weights.l1) * scale;
   for (size_t p = 0; p < pixels; ++p) {
-    const Real d = photometric_gradient(l1, x[p], y[p], s.by_x[p], s.by_xx[p], s.by_xy[p]);
+    const Real d = photometric_gradient(l1 * Real(l1_factor(p)), x[p], y[p], s.by_x[p], s.by_xx[p],
+                                        s.by_xy[p]);
     d_x[p] = ignored(p) ? Real(0) : d;
   }
   if (plane.gain != nullptr) loss.d_gain = through_gain(plane, pixels, d_x);

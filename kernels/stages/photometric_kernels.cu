@@ -68,7 +68,8 @@ __global__ void __launch_bounds__(kThreads, 7) photometric_forward(KernelArgs ar
       value[1] = b;
       value[2] = a * a + b * b;
       value[3] = a * b;
-      if (r >= kSsimRadius && r < kSsimRadius + kForwardRows) l1 += of_tile ? fabsf(a - b) : 0.0f;
+      if (r >= kSsimRadius && r < kSsimRadius + kForwardRows)
+        l1 += of_tile ? block.l1_factor<Masked>(p) * fabsf(a - b) : 0.0f;
     });
     __syncthreads();
     const int x = block.x0 + 4 * group;
@@ -153,7 +154,8 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs a
       for (int j = 0; j < 4; ++j) {
         const float b = j < count ? truth_value(__ldg(block.truth + 3 * (p + j))) : 0.0f;
         const float x = block.compared<Gained>(a[j]);
-        d[j] = photometric_gradient(l1, x, b, m[0][j], m[1][j], m[2][j]);
+        const float weight = j < count ? l1 * block.l1_factor<Masked>(p + j) : l1;
+        d[j] = photometric_gradient(weight, x, b, m[0][j], m[1][j], m[2][j]);
         if (j < count && !block.counts<Masked>(p + j)) d[j] = 0.0f;
         if constexpr (Gained) {
           const GainGradient<float> through = gain_backward(block.gain, a[j], d[j]);

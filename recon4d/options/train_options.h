@@ -43,7 +43,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   // aliasing
   Filter3d filter_3d = Filter3d::kNone;
   // loss
-  double lambda_dssim = 0.2, opacity_weight = 0, scale_weight = 0;
+  double lambda_dssim = 0.2, moving_weight = 0, opacity_weight = 0, scale_weight = 0;
   // light from beyond the scene
   bool environment = false;
   int64_t environment_size = 256;

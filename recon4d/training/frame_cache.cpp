@@ -31,19 +31,8 @@ void require_frames(const Scene& scene, const std::vector<int>& frames) {
                     scene.path, scene.frames.size()));
 }
 
-/// What a frame takes: its mask lies behind its image.
-int64_t bytes_of(const Frame& frame) {
-  return aligned(frame.image.data.size()) + aligned(frame.mask.data.size());
-}
-
-Span<const uint8_t> span_of(const uint8_t* begin, const Image8& image) {
-  return {image.data.empty() ? nullptr : begin, int64_t(image.data.size())};
-}
-
-/// A frame that copy_frame copied to `bytes`.
-void append_copied(const Frame& frame, const uint8_t* bytes, TargetImages& fed) {
-  fed.images.push_back(span_of(bytes, frame.image));
-  fed.masks.push_back(span_of(bytes + aligned(frame.image.data.size()), frame.mask));
+Span<const uint8_t> span_of(const uint8_t* begin, const std::vector<uint8_t>& data) {
+  return {data.empty() ? nullptr : begin, int64_t(data.size())};
 }
 
 }  // namespace
@@ -55,13 +44,18 @@ std::vector<int> training_frames(const Scene& scene) {
 }
 
 FrameCache::FrameCache(Memory& memory, const Scene& scene, std::vector<int> frames, int64_t budget,
-                       int64_t batch)
-    : memory_(memory), scene_(scene), frames_(std::move(frames)), resident_(memory) {
+                       int64_t batch, FrameMasks masks)
+    : memory_(memory),
+      scene_(scene),
+      frames_(std::move(frames)),
+      masks_(std::move(masks)),
+      resident_(memory) {
   require_frames(scene_, frames_);
+  check(masks_.empty() || masks_.size() == frames_.size(), "FrameCache: one mask a frame");
   if (&memory_ == &host_memory()) return;
   int64_t all = 0, largest = 0;
   for (int64_t i = 0; i < int64_t(frames_.size()); ++i) {
-    const int64_t bytes = bytes_of(frame(i));
+    const int64_t bytes = bytes_of(i);
     offset_.push_back(all);
     all += bytes;
     largest = std::max(largest, bytes);
@@ -72,10 +66,10 @@ FrameCache::FrameCache(Memory& memory, const Scene& scene, std::vector<int> fram
     return;
   }
   place_ = Place::kRing;
-  for (const int place : frames_) {  // so that a copy does not hold the host up
-    const Frame& frame = scene_.frames[size_t(place)];
-    memory_.pin(frame.image.data.data(), frame.image.data.size());
-    if (!frame.mask.data.empty()) memory_.pin(frame.mask.data.data(), frame.mask.data.size());
+  for (int64_t i = 0; i < int64_t(frames_.size());
+       ++i) {  // so that a copy does not hold the host up
+    memory_.pin(frame(i).image.data.data(), frame(i).image.data.size());
+    if (!mask(i).empty()) memory_.pin(mask(i).data(), mask(i).size());
   }
   for (int64_t i = 0; i < kSlots; ++i) {
     slots_.emplace_back(memory_);
@@ -85,15 +79,24 @@ FrameCache::FrameCache(Memory& memory, const Scene& scene, std::vector<int> fram
 
 FrameCache::~FrameCache() {
   if (place_ != Place::kRing) return;
-  for (const int place : frames_) {
-    const Frame& frame = scene_.frames[size_t(place)];
-    memory_.unpin(frame.image.data.data());
-    if (!frame.mask.data.empty()) memory_.unpin(frame.mask.data.data());
+  for (int64_t i = 0; i < int64_t(frames_.size()); ++i) {
+    memory_.unpin(frame(i).image.data.data());
+    if (!mask(i).empty()) memory_.unpin(mask(i).data());
   }
 }
 
+int64_t FrameCache::bytes_of(int64_t index) const {
+  return aligned(frame(index).image.data.size()) + aligned(mask(index).size());
+}
+
+void FrameCache::append_copied(int64_t index, const uint8_t* bytes, TargetImages& fed) const {
+  const std::vector<uint8_t>& image = frame(index).image.data;
+  fed.images.push_back(span_of(bytes, image));
+  fed.masks.push_back(span_of(bytes + aligned(image.size()), mask(index)));
+}
+
 void FrameCache::copy_frame(int64_t index, uint8_t* to) {
-  const std::vector<uint8_t>&image = frame(index).image.data, &mask = frame(index).mask.data;
+  const std::vector<uint8_t>&image = frame(index).image.data, &mask = this->mask(index);
   memory_.copy_async_in(to, image.data(), image.size());
   if (!mask.empty()) memory_.copy_async_in(to + aligned(image.size()), mask.data(), mask.size());
 }
@@ -101,7 +104,7 @@ void FrameCache::copy_frame(int64_t index, uint8_t* to) {
 void FrameCache::upload_all() {
   place_ = Place::kResident;
   const auto count = int64_t(frames_.size());
-  resident_.resize(offset_.back() + bytes_of(frame(count - 1)));
+  resident_.resize(offset_.back() + bytes_of(count - 1));
   for (int64_t i = 0; i < count; ++i) copy_frame(i, resident_.data() + offset_[size_t(i)]);
   memory_.wait_copies();
 }
@@ -114,19 +117,19 @@ TargetImages FrameCache::truth(const std::vector<int64_t>& indices) {
     memory_.wait_copies();
     const uint8_t* bytes = std::as_const(find(indices)->bytes).data();
     for (const int64_t index : indices) {
-      append_copied(frame(index), bytes, fed);
-      bytes += bytes_of(frame(index));
+      append_copied(index, bytes, fed);
+      bytes += bytes_of(index);
     }
     return fed;
   }
   for (const int64_t index : indices) {
-    const Frame& of_host = frame(index);
     if (place_ == Place::kResident) {
-      append_copied(of_host, std::as_const(resident_).data() + offset_[size_t(index)], fed);
+      append_copied(index, std::as_const(resident_).data() + offset_[size_t(index)], fed);
       continue;
     }
-    fed.images.push_back(span_of(of_host.image.data.data(), of_host.image));
-    fed.masks.push_back(span_of(of_host.mask.data.data(), of_host.mask));
+    const std::vector<uint8_t>& image = frame(index).image.data;
+    fed.images.push_back(span_of(image.data(), image));
+    fed.masks.push_back(span_of(mask(index).data(), mask(index)));
   }
   return fed;
 }
@@ -156,7 +159,7 @@ void FrameCache::fill(Slot& slot, const std::vector<int64_t>& indices) {
   slot.indices = indices;
   for (const int64_t index : indices) {
     copy_frame(index, cursor);
-    cursor += bytes_of(frame(index));
+    cursor += bytes_of(index);
   }
 }
 

@@ -16,16 +16,20 @@ struct TargetImages {
   std::vector<Span<const uint8_t>> masks;   // [B] each [height, width], or empty: no mask
 };
 
+/// [frames] masks of frames, each [height, width] or empty.
+using FrameMasks = std::vector<std::vector<uint8_t>>;
+
 /// Places of the training frames in a scene. Errors: InputError: there are none.
 std::vector<int> training_frames(const Scene& scene);
 
 class FrameCache {
  public:
-  /// `frames`: places of the training frames in the scene, which must outlive the feed. `budget`:
-  /// bytes for frames; 0: what is free but for a reserve. `batch`: frames of a step. Errors:
-  /// InputError: no frames.
+  /// `frames`: places of the training frames in the scene, which must outlive the cache. `budget`:
+  /// bytes for frames; 0: what is free but for a reserve. `batch`: frames of a step. `masks`: one
+  /// for each of these frames, in place of its own; empty: their own. Errors: InputError: no
+  /// frames.
   FrameCache(Memory& memory, const Scene& scene, std::vector<int> frames, int64_t budget,
-             int64_t batch);
+             int64_t batch, FrameMasks masks = {});
   FrameCache(const FrameCache&) = delete;
   ~FrameCache();
 
@@ -51,6 +55,13 @@ class FrameCache {
   };
 
   const Frame& frame(int64_t index) const { return scene_.frames[size_t(frames_[size_t(index)])]; }
+  const std::vector<uint8_t>& mask(int64_t index) const {
+    return masks_.empty() ? frame(index).mask.data : masks_[size_t(index)];
+  }
+  /// What a frame takes: its mask lies behind its image.
+  int64_t bytes_of(int64_t index) const;
+  /// A frame that copy_frame copied to `bytes`.
+  void append_copied(int64_t index, const uint8_t* bytes, TargetImages& fed) const;
   void upload_all();
   /// Begins to bring a frame over to `to`: its image, then its mask.
   void copy_frame(int64_t index, uint8_t* to);
@@ -60,6 +71,7 @@ class FrameCache {
   Memory& memory_;
   const Scene& scene_;
   std::vector<int> frames_;
+  FrameMasks masks_;
   Place place_ = Place::kHost;
   Buffer<uint8_t> resident_;
   std::vector<int64_t> offset_;  // [frames] of each in `resident_`

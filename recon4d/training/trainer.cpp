@@ -20,6 +20,7 @@
 #include "recon4d/options/kernel_options.h"
 #include "recon4d/training/environment.h"
 #include "recon4d/training/initialise.h"
+#include "recon4d/training/moving_pixels.h"
 
 namespace tessera {
 namespace {
@@ -91,7 +92,8 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       rig_(make_camera_rig(scene.training_cameras())),
       schedule_(options, rig_.extent),
       sampler_(int64_t(train_frames_.size()), uint64_t(options.seed)),
-      cache_(backend.memory(), scene, train_frames_, options.feed_bytes, options.batch),
+      cache_(backend.memory(), scene, train_frames_, options.feed_bytes, options.batch,
+             options.moving_weight > 0 ? moving_masks(scene, train_frames_) : FrameMasks()),
       pipeline_(backend),
       gradients_{state_.model.static_set.like(backend.memory()),
                  state_.model.dynamic_set.like(backend.memory())},
@@ -317,9 +319,11 @@ void Trainer::step() {
   report.invalid_gaussians = counts.invalid_gaussians;
   report.peak_bytes = backend_.memory().peak_bytes();
   const TargetImages fed = cache_.truth(batch);
-  pipeline_.loss(
-      {fed.images, {1 - options_.lambda_dssim, options_.lambda_dssim}, fed.masks, gains(batch)},
-      true);
+  pipeline_.loss({fed.images,
+                  {1 - options_.lambda_dssim, options_.lambda_dssim, 1 + options_.moving_weight},
+                  fed.masks,
+                  gains(batch)},
+                 true);
   backward();
   prefetch();
   ++state_.iteration;

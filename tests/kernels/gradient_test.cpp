@@ -180,6 +180,18 @@ TEST(Gradient, WithMasksEqualsDifferences) {
   expect_differences(scene, {kMean, kOpacityLogit, kMeanTime});
 }
 
+// Bug put back: the weight left out of the gradient; seen to fail.
+TEST(Gradient, WithMoreWeightWhereThingsMoveEqualsDifferences) {
+  TestScene<double> scene = gradient_scene(1, 3);
+  scene.mask = chequered(scene.views);
+  for (std::vector<uint8_t>& mask : scene.mask)
+    for (uint8_t& pixel : mask) pixel = pixel == 0 ? uint8_t{1} : kMovingPixel;
+  const double plain = backward(scene).losses[0].l1;
+  scene.weights.moving = 4;
+  EXPECT_GT(backward(scene).losses[0].l1, 1.5 * plain);
+  expect_differences(scene, {kMean, kOpacityLogit, kMeanTime});
+}
+
 TEST(Gradient, InactiveBandsHaveNone) {
   const Backward<double> analytic = backward(gradient_scene(4, 1));
   for (int64_t n = 0; n < analytic.fixed.count; ++n)

@@ -70,6 +70,7 @@ const std::vector<Alternative>& alternatives() {
       {"truncation_by_falloff", true},
       {"time_filter", 0.05},
       {"lambda_dssim", 0.5},
+      {"moving_weight", 4},
       {"opacity_weight", 0.01},
       {"scale_weight", 0.01},
       {"environment", true, json::object(), true},

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "kernels/base/errors.h"
+#include "kernels/math/photometric.h"
 #include "recon4d/training/batch_sampler.h"
 #include "recon4d/training/frame_cache.h"
+#include "recon4d/training/moving_pixels.h"
 #include "recon4d/training/stage_bench.h"
 #include "tests/support/separate_backend.h"
 
@@ -85,6 +87,49 @@ TEST(FrameCache, WhatFitsIsBroughtOverOnce) {
   for (const std::vector<int64_t>& batch : {std::vector<int64_t>{0, 1, 2}, {7, 7, 3}, {5, 6, 4}})
     expect_frames(memory, scene, feed.truth(batch), batch);
   EXPECT_EQ(memory.async_copies, kTrained + kMasked);
+}
+
+// Bug put back: masks of the frames; seen to fail.
+TEST(FrameCache, GivenMasksTakeThePlaceOfTheFrames) {
+  Scene scene = patterned();
+  FrameMasks masks;
+  for (int64_t i = 0; i < kTrained; ++i)
+    masks.emplace_back(frame_of(scene, i).image.data.size() / 3, uint8_t(1 + i));
+  for (const int64_t budget : {int64_t{0}, int64_t{1}}) {  // all at once, a ring
+    SeparateMemory memory;
+    FrameCache feed(memory, scene, trained(), budget, 3, masks);
+    EXPECT_EQ(feed.is_resident(), budget == 0);
+    const TargetImages fed = feed.truth({5, 0, 3});
+    memory.inside([&] {
+      EXPECT_EQ(std::vector<uint8_t>(fed.masks[0].begin(), fed.masks[0].end()), masks[5]);
+      EXPECT_EQ(std::vector<uint8_t>(fed.masks[2].begin(), fed.masks[2].end()), masks[3]);
+      EXPECT_EQ(std::vector<uint8_t>(fed.images[2].begin(), fed.images[2].end()),
+                frame_of(scene, 3).image.data);
+    });
+  }
+}
+
+// Bugs put back, each seen to fail: what the frame's mask ignores marked, too; all pixels marked.
+TEST(FrameCache, MovingPixelsAreMarked) {
+  Scene scene;
+  for (int t = 0; t < 5; ++t) {
+    Frame frame;
+    frame.camera_name = "still";
+    frame.time = t / 4.0f;
+    frame.image = {4, 2, 3, std::vector<uint8_t>(24, 100)};
+    if (t == 3) frame.image.data[3 * 5 + 1] = 111;  // in one channel, by more than 10
+    if (t == 3) frame.image.data[3 * 6 + 1] = 110;
+    if (t == 4) frame.image.data[0] = 50;
+    if (t == 4) frame.mask = {4, 2, 1, {0, 0, 255, 255, 7, 255, 255, 255}};
+    scene.frames.push_back(std::move(frame));
+  }
+  const FrameMasks masks = moving_masks(scene, {0, 3, 4});
+  ASSERT_EQ(masks.size(), 3u);
+  EXPECT_EQ(masks[0], std::vector<uint8_t>(8, 1));
+  EXPECT_EQ(masks[1], (std::vector<uint8_t>{1, 1, 1, 1, 1, kMovingPixel, 1, 1}));
+  EXPECT_EQ(masks[2], (std::vector<uint8_t>{0, 0, 1, 1, 1, 1, 1, 1}));
+  scene.frames[1].camera.translation.x = 1;
+  EXPECT_TRUE(moving_masks(scene, {3})[0].empty()) << "the camera moves";
 }
 
 TEST(FrameCache, TheBudgetDecides) {
