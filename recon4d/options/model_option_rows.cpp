@@ -61,9 +61,10 @@ std::vector<TrainOption> model_option_rows() {
        .example = "255,255,255"},
       {.key = "near_plane",
        .member = &TrainOptions::near_plane,
-       .low = 1e-6,
+       .low = 0,
        .high = 1e9,
-       .doc = "Nearest depth at which Gaussians are drawn",
+       .doc = "Nearest depth at which Gaussians are drawn; 0: half of the depth at which the "
+              "training cameras see the first points of the initial cloud",
        .source = "[3DGS]",
        .group = group::kScene,
        .unit = Unit::kWorld},

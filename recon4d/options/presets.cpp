@@ -23,20 +23,25 @@ constexpr int64_t kPixelsPerGaussian = 16;
 const OptionOverrides kStill = {{"far_plane", 1e4}};
 const OptionOverrides kBalancedStill = joined(kStill, {{"filter_2d", false}});
 /// Several cameras that film at the same time: every timestep is seen from several sides, so
-/// dynamic Gaussians start a few frames long, and cameras may differ in colour.
+/// dynamic Gaussians start a few frames long, and cameras may differ in colour. Gaussians between
+/// the cameras and the scene cover the views of others.
+const OptionOverrides kAnyRig = {{"exposure", "auto"}, {"near_plane", 0}, {"moving_weight", 4}};
 /// What no training view shows would be grown at the cost of what moves.
-const OptionOverrides kRig = {{"exposure", "auto"}, {"min_blending_weight", 0.05}};
+const OptionOverrides kRig = joined(kAnyRig, {{"min_blending_weight", 0.05}});
 constexpr FrameRates kRigRates = {.extent_frames = 3, .mean_time_rate = 0.02};
 /// With few steps the velocities that the initial cloud has count for more than form.
-const OptionOverrides kFastRig = {{"exposure", "auto"}, {"motion", "velocity"}};
+const OptionOverrides kFastRig = joined(kAnyRig, {{"motion", "velocity"}});
 constexpr FrameRates kFastRigRates = {
     .extent_frames = 3, .velocity_rate = 5.6e-5, .mean_time_rate = 0.05};
-/// MCMC densification blurs what moves on rigs; twice the steps and weights against haze do not.
+/// MCMC densification blurs what moves on rigs; twice the steps and small weights against haze do
+/// not.
 const OptionOverrides kBestRig = joined(kRig, {{"iterations", 15000},
                                                {"densification", "adc"},
                                                {"densify_until", 14900},
                                                {"thin_until", 25000},
                                                {"init_opacity", 0.1},
+                                               {"opacity_weight", 0.003},
+                                               {"scale_weight", 0.003},
                                                {"peak_gaussians", 400000}});
 /// With one view a timestep, frames that a short trial holds out say whether nodes carry the scene
 /// (recon4d/training/motion_trial.h).

@@ -205,7 +205,7 @@ void validate(const TrainOptions& options) {
   if (options.near_plane >= options.far_plane)
     throw InputError(fmt::format("near_plane {} must be smaller than far_plane {}",
                                  options.near_plane, options.far_plane));
-  if (options.far_plane > options.near_plane * kDepthRange)
+  if (options.near_plane > 0 && options.far_plane > options.near_plane * kDepthRange)
     throw InputError(
         fmt::format("far_plane {} is more than 2^32 times near_plane {}, beyond which depths are "
                     "not told apart; pass a larger --near-plane or a smaller --far-plane",

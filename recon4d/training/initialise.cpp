@@ -177,6 +177,7 @@ std::vector<uint8_t> static_choice(const std::vector<InitialPoint>& points, cons
 
 Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
                                 const TrainOptions& options) {
+  check(options.near_plane > 0, "initialise_model: the near plane is not resolved");
   Initialisation result;
   std::vector<InitialPoint> points = scene.points.position.empty()
                                          ? random_points(scene, rig, options, result.source)

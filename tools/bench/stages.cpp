@@ -105,6 +105,7 @@ int bench_stages_command(StageBenchRequest request) {
   } else {
     complete_cloud(scene, options);
   }
+  resolve_near_plane(scene, options);
   resolve_exposure(scene, options);
   if (request.ablations) {
     const json rows = bench_ablations(request, scene, options);

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "ingest/checks/colour_gains.h"
+#include "ingest/checks/nearest_depth.h"
 #include "ingest/cloud/rig_cloud.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/layouts/scene_reader.h"
@@ -138,6 +139,19 @@ std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& op
       known, 100 * largest);
 }
 
+std::optional<std::string> resolve_near_plane(const Scene& scene, TrainOptions& options) {
+  if (options.near_plane > 0) return std::nullopt;
+  const std::optional<double> nearest = nearest_depth(scene);
+  options.near_plane = nearest ? *nearest / 2 : TrainOptions().near_plane;
+  if (!nearest)
+    return fmt::format("near plane: no camera sees enough points to measure it, so it is {:g}",
+                       options.near_plane);
+  return fmt::format(
+      "near plane: the cameras see the first points at a depth of {:.3g}, so nothing is drawn "
+      "nearer than {:.3g}; --near-plane {:g} does as other trainers",
+      *nearest, options.near_plane, TrainOptions().near_plane);
+}
+
 bool resolve_motion(Backend& backend, const Scene& scene,
                     const std::optional<TrainOptions>& with_nodes, TrainOptions& options,
                     const std::function<bool()>& stop,
@@ -151,6 +165,7 @@ bool resolve_motion(Backend& backend, const Scene& scene,
   TrainOptions nodes = with_nodes.value_or(options);
   nodes.motion = Motion::kNodes;
   nodes.exposure = options.exposure;
+  nodes.near_plane = options.near_plane;
   nodes.validation_share = options.validation_share;
   say("motion: two short trainings say whether motion nodes or dynamic Gaussians show more");
   const std::optional<MotionTrial> trial = try_motion(backend, scene, nodes, stop);

@@ -33,6 +33,10 @@ std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& opti
 /// options.exposure is not `auto`.
 std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& options);
 
+/// Replaces a near plane of 0 by half of nearest_depth(scene), or by the usual one where the cloud
+/// of `scene` has too few points. A line on what was found; none where options.near_plane is not 0.
+std::optional<std::string> resolve_near_plane(const Scene& scene, TrainOptions& options);
+
 /// Replaces motion `auto`: the options become `with_nodes` where a trial on `scene`, which has its
 /// cloud, prefers nodes, else their motion is `pair`. False where `stop`, asked before each step of
 /// the trial, said so: options stay as they are. `say` is given a line before a trial and one on

@@ -93,6 +93,8 @@ TEST(RigPresets, ExtentsAndRatesFollowTheFrameRate) {
     EXPECT_NEAR(on_rig(preset, 31, 4).lr_mean_time, shorter.lr_mean_time / 2, 1e-12)
         << preset << ": the rate is per scene extent";
     EXPECT_EQ(shorter.exposure, ExposureGains::kAuto) << preset;
+    EXPECT_EQ(shorter.near_plane, 0) << preset << ": from the cloud";
+    EXPECT_GT(shorter.moving_weight, 0) << preset;
   }
 }
 
@@ -120,6 +122,8 @@ TEST(RigPresets, OtherScenesAndProtocolsAreUnchanged) {
   apply_preset(plain, "balanced");
   EXPECT_EQ(plain.exposure, ExposureGains::kNone);
   EXPECT_EQ(plain.init_time_scale, TrainOptions().init_time_scale);
+  EXPECT_EQ(plain.near_plane, TrainOptions().near_plane);
+  EXPECT_EQ(plain.moving_weight, 0);
 }
 
 }  // namespace
