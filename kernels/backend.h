@@ -7,6 +7,7 @@
 
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
+#include "kernels/math/colour_map.h"
 #include "kernels/math/contribution.h"
 #include "kernels/math/filter_3d.h"
 #include "kernels/motion_nodes.h"
@@ -42,14 +43,20 @@ struct BlendArgs {
 template <class Real>
 struct PhotometricArgs {
   const ViewBatch<Real>* batch = nullptr;
-  const Images<Real>* images = nullptr;
+  Span<const Real> colour;                 // [3·pixels], laid out as Images::colour
   std::vector<Span<const uint8_t>> truth;  // [B] each [height, width, 3], in the backend's memory
   LossWeights weights;
   /// [B] each [height, width], 0: the pixel is ignored; an empty span: all pixels of that view
   /// count. Empty: of every view.
   std::vector<Span<const uint8_t>> mask;
-  /// [B] RGB: the image times this is what is compared with the truth. Empty: as rendered.
-  std::vector<Vec3<double>> gain = {};
+};
+
+/// Images as their cameras would have taken them.
+template <class Real>
+struct ColourMapArgs {
+  const ViewBatch<Real>* batch = nullptr;
+  std::vector<ColourMap<double>> maps;  // [B]
+  Span<const Real> colour;              // [3·pixels] as rendered, laid out as Images::colour
 };
 
 template <class Real>
@@ -63,7 +70,7 @@ template <class Real>
 struct SensitivityArgs {
   BlendBackwardArgs<Real> pass;           // d_colour: the image x
   std::vector<Span<const uint8_t>> mask;  // of what x is the residual: as PhotometricArgs::mask
-  std::vector<Vec3<double>> gain;         // as PhotometricArgs::gain
+  std::vector<Vec3<double>> response;     // [B] RGB of each view (channel_response); empty: 1
 };
 
 /// Splats of a forward pass and their sums, to be added to those of their Gaussians.
@@ -119,10 +126,11 @@ struct FilterArgs {
 
 /// What the stages of a step found out.
 struct StepOutcome {
-  std::vector<ViewLoss> losses;      // of the last photometric
-  unsigned bad_groups = 0;           // a bit (1 << Group) per group with a non-finite gradient
-  bool bad_values = false;           // adam_values met a non-finite gradient
-  std::vector<Vec3<double>> d_gain;  // [B] of the mean loss by each gain; empty: there were none
+  std::vector<ViewLoss> losses;  // of the last photometric
+  unsigned bad_groups = 0;       // a bit (1 << Group) per group with a non-finite gradient
+  bool bad_values = false;       // adam_values met a non-finite gradient
+  /// [B] of the mean loss by each map, of map_colours_backward after that photometric; empty: none.
+  std::vector<ColourMap<double>> d_maps;
 };
 
 /// A device runs behind the host: only `project`, `outcome`, `select_elements`,
@@ -152,20 +160,24 @@ class BackendOf {
   /// falls on are not finite.
   virtual void environment_backward(const EnvironmentArgs<Real>& args, const Images<Real>& images,
                                     Span<const Real> d_colour, Span<Real> d_map) = 0;
-  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted), by the image
-  /// before its gain; `outcome` then has the gradient by the gains. An ignored
+  /// mapped [3·pixels], laid out as the images: A·c + o of every pixel.
+  virtual void map_colours(const ColourMapArgs<Real>& args, Span<Real> mapped) = 0;
+  /// After photometric of mapped images: d_colour becomes the gradient by the images as rendered,
+  /// and `outcome` has the gradient by the maps. Equal inputs give equal bits.
+  virtual void map_colours_backward(const ColourMapArgs<Real>& args, Span<Real> d_colour) = 0;
+  /// Loss of each view, and d_colour of its mean over the batch (empty: not wanted). An ignored
   /// pixel adds nothing: |I − G| = 0, SSIM = 1, d_colour = 0; in the windows of others its truth is
   /// what was rendered, taken as constant. Means are over all pixels of the view, so that a pixel
   /// weighs the same with a mask and without.
   virtual void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) = 0;
-  /// image · gain − truth/255 of every pixel and channel, laid out as Images::colour, of the
-  /// image as rendered; 0 where the mask ignores the pixel. The weights are not used.
+  /// colour − truth/255 of every pixel and channel, not clamped; 0 where the mask ignores the
+  /// pixel. The weights are not used.
   virtual void residual(const PhotometricArgs<Real>& args, Span<Real> residual) = 0;
   /// Gradient of each splat, summed over its pixels.
   virtual void blend_backward(const BlendBackwardArgs<Real>& args,
                               Span<SplatMoments<Real>> d_splats) = 0;
   /// What each splat is to the images; written, zeros for a splat that draws no pixel. After a
-  /// forward pass with for_backward. Masks and gains are in removal1 and removal2 alone.
+  /// forward pass with for_backward. Masks and responses are in removal1 and removal2 alone.
   virtual void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) = 0;
   /// Raises the value of each Gaussian, [N] static set first, to its largest blending weight T·α
   /// over the pixels of the batch; masks are not looked at. After a forward pass with for_backward.

@@ -18,6 +18,8 @@ class CpuBackend final : public BackendOf<Real> {
   void environment(const EnvironmentArgs<Real>& args, Images<Real>& images) override;
   void environment_backward(const EnvironmentArgs<Real>& args, const Images<Real>& images,
                             Span<const Real> d_colour, Span<Real> d_map) override;
+  void map_colours(const ColourMapArgs<Real>& args, Span<Real> mapped) override;
+  void map_colours_backward(const ColourMapArgs<Real>& args, Span<Real> d_colour) override;
   void photometric(const PhotometricArgs<Real>& args, Span<Real> d_colour) override;
   void residual(const PhotometricArgs<Real>& args, Span<Real> residual) override;
   void blend_backward(const BlendBackwardArgs<Real>& args,

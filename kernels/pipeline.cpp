@@ -37,11 +37,24 @@ const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
 }
 
 template <class Real>
+PhotometricArgs<Real> Pipeline<Real>::compared(const Target& target) {
+  Span<const Real> colour = std::as_const(images_).colour.span();
+  if (!target.maps.empty()) {
+    mapped_.resize(colour.size);
+    backend_.map_colours({&batch_, target.maps, colour}, mapped_.span());
+    colour = std::as_const(mapped_).span();
+  }
+  return {&batch_, colour, target.truth, target.weights, target.mask};
+}
+
+template <class Real>
 void Pipeline<Real>::loss(const Target& target, bool for_backward) {
   d_colour_.resize(for_backward ? 3 * batch_.pixels : 0);
   const StageTimer timer(backend_.clock(), kPhotometric);
-  backend_.photometric({&batch_, &images_, target.truth, target.weights, target.mask, target.gain},
-                       d_colour_.span());
+  backend_.photometric(compared(target), d_colour_.span());
+  if (for_backward && !target.maps.empty())
+    backend_.map_colours_backward({&batch_, target.maps, std::as_const(images_).colour.span()},
+                                  d_colour_.span());
 }
 
 template <class Real>
@@ -83,8 +96,7 @@ template <class Real>
 void Pipeline<Real>::residual(const Target& target) {
   d_colour_.resize(3 * batch_.pixels);
   const StageTimer timer(backend_.clock(), kPhotometric);
-  backend_.residual({&batch_, &images_, target.truth, target.weights, target.mask, target.gain},
-                    d_colour_.span());
+  backend_.residual(compared(target), d_colour_.span());
   compared_ = target;
 }
 
@@ -93,8 +105,10 @@ Span<const SplatSensitivity<Real>> Pipeline<Real>::sensitivity() {
   check(d_colour_.size() == 3 * batch_.pixels, "sensitivity without an image");
   check(project_.for_backward, "sensitivity after a forward pass that was not for it");
   sensitivity_.resize(splats_.count);
+  std::vector<Vec3<double>> response;
+  for (const ColourMap<double>& map : compared_.maps) response.push_back(channel_response(map));
   const StageTimer timer(backend_.clock(), kBlendBackward);
-  backend_.sensitivity({{blend_args(), &images_, d_colour_.span()}, compared_.mask, compared_.gain},
+  backend_.sensitivity({{blend_args(), &images_, d_colour_.span()}, compared_.mask, response},
                        sensitivity_.span());
   return sensitivity_.span();
 }
@@ -120,6 +134,7 @@ void Pipeline<Real>::release() {
   splats_ = Splats<Real>(memory);
   instances_ = TileInstances<Real>(memory);
   images_ = Images<Real>(memory);
+  mapped_.release();
   d_colour_.release();
   d_splats_.release();
   carried_ = Carried<Real>(memory);

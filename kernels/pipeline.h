@@ -12,8 +12,8 @@ namespace tessera {
 struct Target {
   std::vector<Span<const uint8_t>> truth;  // [B] each [height, width, 3]
   LossWeights weights;
-  std::vector<Span<const uint8_t>> mask;  // as PhotometricArgs::mask
-  std::vector<Vec3<double>> gain = {};    // as PhotometricArgs::gain
+  std::vector<Span<const uint8_t>> mask;     // as PhotometricArgs::mask
+  std::vector<ColourMap<double>> maps = {};  // [B] of the images before they are compared
 };
 
 template <class Real>
@@ -50,6 +50,7 @@ class Pipeline {
         splats_(backend.memory()),
         instances_(backend.memory()),
         images_(backend.memory()),
+        mapped_(backend.memory()),
         d_colour_(backend.memory()),
         d_splats_(backend.memory()),
         carried_(backend.memory()),
@@ -75,7 +76,7 @@ class Pipeline {
   /// used.
   void residual(const Target& target);
   /// What each splat of the last forward, which was for_backward, is to the images, with
-  /// d_colour() for the image x: that of `residual`, whose masks and gains it also takes, or any
+  /// d_colour() for the image x: that of `residual`, whose masks and maps it also takes, or any
   /// that was written there. [S] in the backend's memory, valid until the next call.
   Span<const SplatSensitivity<Real>> sensitivity();
   /// Adds the splats of the last forward, with the sums that the last sensitivity found, to their
@@ -100,6 +101,8 @@ class Pipeline {
   PipelineReport report() const { return {splats_.count, instances_.count, splats_.invalid}; }
 
  private:
+  /// The images of the last forward with their colours mapped, where the target has maps.
+  PhotometricArgs<Real> compared(const Target& target);
   BlendArgs<Real> blend_args() const {
     return {&batch_, &splats_, &instances_, project_.options, project_.for_backward};
   }
@@ -111,6 +114,7 @@ class Pipeline {
   Splats<Real> splats_;
   TileInstances<Real> instances_;
   Images<Real> images_;
+  Buffer<Real> mapped_;  // images_ as their cameras would have taken them
   Buffer<Real> d_colour_;
   Buffer<SplatMoments<Real>> d_splats_;
   NodeSpans<const Real> nodes_;  // of the last forward with a canonical set

@@ -25,6 +25,8 @@ template class PinnedArray<const uint8_t*>;
 template class PinnedArray<StepCounters>;
 template class PinnedArray<float>;
 template class PinnedArray<double>;
+template class PinnedArray<ColourMap<float>>;
+template class PinnedArray<ColourMap<double>>;
 
 CudaBackend::Stream::Stream(int device) {
   int devices = 0;
@@ -42,7 +44,7 @@ CudaBackend::CudaBackend(int device) : own_stream_(device) {
   check_device(cudaGetDeviceProperties(&properties, device), "cudaGetDeviceProperties");
   processors_ = properties.multiProcessorCount;
   name_ = std::string("cuda, ") + properties.name;
-  for (cudaEvent_t* event : {&reported_, &views_copied_, &target_copied_})
+  for (cudaEvent_t* event : {&reported_, &views_copied_, &target_copied_, &maps_copied_})
     check_device(cudaEventCreateWithFlags(event, cudaEventDisableTiming), "cudaEventCreate");
   counters_.resize(1);
   check_device(cudaMemsetAsync(counters_.data(), 0, sizeof(StepCounters), stream_), "memset");
@@ -51,7 +53,8 @@ CudaBackend::CudaBackend(int device) : own_stream_(device) {
 
 CudaBackend::~CudaBackend() {
   cudaStreamSynchronize(stream_);
-  for (cudaEvent_t event : {reported_, views_copied_, target_copied_}) cudaEventDestroy(event);
+  for (cudaEvent_t event : {reported_, views_copied_, target_copied_, maps_copied_})
+    cudaEventDestroy(event);
 }
 
 const ViewArgs<float>* CudaBackend::views_of(const ViewBatch<float>& batch) {
@@ -70,12 +73,15 @@ const ViewArgs<float>* CudaBackend::views_of(const ViewBatch<float>& batch) {
 }
 
 void CudaBackend::report() {
-  const size_t losses = size_t(loss_sums_.size());
-  loss_sums_host_.reserve(int64_t(losses));
-  if (losses > 0)
-    check_device(cudaMemcpyAsync(loss_sums_host_.data(), loss_sums_.data(), sizeof(double) * losses,
-                                 cudaMemcpyDeviceToHost, stream_),
-                 "copy of losses");
+  const auto fetch = [this](const auto& from, auto& to, const char* what) {
+    if (from.size() == 0) return;
+    check_device(cudaMemcpyAsync(to.reserve(from.size()), from.data(),
+                                 sizeof(*from.data()) * size_t(from.size()), cudaMemcpyDeviceToHost,
+                                 stream_),
+                 what);
+  };
+  fetch(loss_sums_, loss_sums_host_, "copy of losses");
+  fetch(map_sums_, map_sums_host_, "copy of gradients by maps of colours");
   check_device(cudaMemcpyAsync(counters_host_.data() + 1, counters_.data(), sizeof(StepCounters),
                                cudaMemcpyDeviceToHost, stream_),
                "copy of counters");
@@ -92,9 +98,7 @@ StepOutcome CudaBackend::outcome() {
     outcome.losses.push_back(view_loss(loss_weights_, loss_sums_host_.data()[2 * b],
                                        loss_sums_host_.data()[2 * b + 1], samples));
   }
-  const double* const d_gain = loss_sums_host_.data() + 2 * loss_views_.size();
-  for (int64_t i = 0; i < loss_sums_.size() - 2 * int64_t(loss_views_.size()); i += 3)
-    outcome.d_gain.emplace_back(d_gain[i], d_gain[i + 1], d_gain[i + 2]);
+  outcome.d_maps.assign(map_sums_host_.data(), map_sums_host_.data() + map_sums_.size());
   return outcome;
 }
 

@@ -35,14 +35,14 @@ class PinnedArray {
 struct DeviceTarget {
   const uint8_t* const* truth = nullptr;  // [B] each [height, width, 3]
   const uint8_t* const* mask = nullptr;   // [B] each [height, width] or null
-  const float* gain = nullptr;            // [B, 3]
+  const float* response = nullptr;        // [B, 3]
 
   /// Whether a view's pixel adds to the error.
   TESSERA_HD bool counts(int64_t view, int64_t pixel) const {
     return mask == nullptr || mask[view] == nullptr || mask[view][pixel] != 0;
   }
-  TESSERA_HD float gain_of(int64_t view, int channel) const {
-    return gain == nullptr ? 1.0f : gain[3 * view + channel];
+  TESSERA_HD float response_of(int64_t view, int channel) const {
+    return response == nullptr ? 1.0f : response[3 * view + channel];
   }
 };
 
@@ -65,6 +65,8 @@ class CudaBackend final : public Backend {
   void environment(const EnvironmentArgs<float>& args, Images<float>& images) override;
   void environment_backward(const EnvironmentArgs<float>& args, const Images<float>& images,
                             Span<const float> d_colour, Span<float> d_map) override;
+  void map_colours(const ColourMapArgs<float>& args, Span<float> mapped) override;
+  void map_colours_backward(const ColourMapArgs<float>& args, Span<float> d_colour) override;
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override;
   void residual(const PhotometricArgs<float>& args, Span<float> residual) override;
   void blend_backward(const BlendBackwardArgs<float>& args,
@@ -114,10 +116,12 @@ class CudaBackend final : public Backend {
   bool is_small(const ViewBatch<float>& batch) const;
   /// What a walk over the splats of a pass reads; `sums` is added to.
   BlendBackward pass_of(const BlendBackwardArgs<float>& args, float* sums);
-  /// Pointers and gains on their way to the device, valid until the next call.
+  /// Pointers and responses on their way to the device, valid until the next call.
   DeviceTarget target_of(const std::vector<Span<const uint8_t>>& truth,
                          const std::vector<Span<const uint8_t>>& mask,
-                         const std::vector<Vec3<double>>& gain);
+                         const std::vector<Vec3<double>>& response = {});
+  /// The maps on the device; copied there when they are not the last ones.
+  const ColourMap<float>* maps_of(const ColourMapArgs<float>& args);
   /// Enqueues the copy of losses and of what was not finite to the host.
   void report();
 
@@ -127,7 +131,8 @@ class CudaBackend final : public Backend {
   DeviceStageClock clock_{stream_};
   std::string name_;
   int processors_ = 1;  // of the device
-  cudaEvent_t reported_ = nullptr, views_copied_ = nullptr, target_copied_ = nullptr;
+  cudaEvent_t reported_ = nullptr, views_copied_ = nullptr, target_copied_ = nullptr,
+              maps_copied_ = nullptr;
 
   Buffer<ViewArgs<float>> views_{memory_};  // [B] of the batch last projected
   PinnedArray<ViewArgs<float>> views_host_;
@@ -135,9 +140,13 @@ class CudaBackend final : public Backend {
   PinnedArray<const uint8_t*> truth_host_;
   Buffer<StepCounters> counters_{memory_};
   PinnedArray<StepCounters> counters_host_;  // [2] after project, after the step
-  Buffer<float> gain_{memory_};              // [B, 3]
-  PinnedArray<float> gain_host_;
-  Buffer<double> loss_sums_{memory_};  // [B, 2] Σ|I−G|, Σ SSIM, then, with gains, [B, 3] dL/d gain
+  Buffer<float> response_{memory_};          // [B, 3]
+  PinnedArray<float> response_host_;
+  Buffer<ColourMap<float>> maps_{memory_};  // [B]
+  PinnedArray<ColourMap<float>> maps_host_;
+  Buffer<ColourMap<double>> map_sums_{memory_};  // [B] dL/d map; empty: not asked since photometric
+  PinnedArray<ColourMap<double>> map_sums_host_;
+  Buffer<double> loss_sums_{memory_};  // [B, 2] Σ|I−G|, Σ SSIM
   PinnedArray<double> loss_sums_host_;
   std::vector<ViewArgs<float>> loss_views_;  // whose loss is in loss_sums_
   LossWeights loss_weights_;

@@ -24,8 +24,6 @@ struct PhotometricLaunch {
   double* sums;         // [B, 2] device: Σ|I−G|, Σ SSIM over 3·H·W; written, not added to
   float l1_weight, dssim_weight;
   float moving_weight;  // factor of |I−G| where the mask is kMovingPixel
-  const float* gain;    // [B, 3] device: what is compared is the image times this; null: as it is
-  double* d_gain;       // [B, 3] device: dL/d gain, written with d_colour where there is a gain
 };
 
 size_t photometric_scratch_bytes(int64_t pixels, int view_count, int max_width, int max_height,

@@ -40,7 +40,7 @@ __host__ __device__ constexpr int64_t round_up_to_4(int64_t i) {
 /// What a kernel gets: the call, and scratch by its parts.
 struct KernelArgs {
   PhotometricLaunch call;
-  double2* block_sums;  // [view, tile_y, tile_x, channel]; of pass 2 what blocks add to d_gain
+  double2* block_sums;  // [view, tile_y, tile_x, channel]
   float* maps;          // [kMaps][map_floats]
   int64_t map_floats, view_gap;
 };
@@ -54,7 +54,6 @@ struct Block {
   const uint8_t* mask;       // [height, width], 0: ignored; null: all pixels count
   int64_t plane, map;        // first element in colour and d_colour, in a map
   float scale;               // 1 / (3·H·W·B)
-  float gain;                // of the plane; 1 where there is none
   float moving;              // factor of |x − y| where something moves
 
   __device__ explicit Block(const KernelArgs& args) {
@@ -73,12 +72,6 @@ struct Block {
     mask = args.call.mask == nullptr ? nullptr : args.call.mask[b];
     moving = args.call.moving_weight;
     scale = 1.0f / (3.0f * float(pixels) * float(args.call.view_count));
-    gain = args.call.gain == nullptr ? 1.0f : __ldg(args.call.gain + 3 * b + channel);
-  }
-  /// What is compared with the truth; kernels without gains do not ask.
-  template <bool Gained>
-  __device__ float compared(float colour) const {
-    return Gained ? gain * colour : colour;
   }
   __device__ bool outside() const { return x0 >= width || y0 >= height; }
   /// The column of this thread, halo included.

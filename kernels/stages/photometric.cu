@@ -1,18 +1,40 @@
 // What: the loss stage of the device: pointers in, two passes enqueued, sums on their way back;
-// what a batch is compared with, for this stage and others. Not: the kernels
-// (photometric_kernels.cu).
+// what a batch is compared with, for this stage and others; the residual, a thread a pixel. Not:
+// the kernels of the loss (photometric_kernels.cu).
 #include <algorithm>
 
+#include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
-#include "kernels/cuda/photometric_kernels.h"
+#include "kernels/cuda/launch.cuh"
+#include "kernels/cuda/photometric_tile.cuh"
 #include "kernels/stages/target_check.h"
 
 namespace tessera {
+namespace {
+
+constexpr int kThreads = 256;
+
+__global__ void __launch_bounds__(kThreads)
+    write_residual(const ViewArgs<float>* views, DeviceTarget target, const float* colour,
+                   float* residual) {
+  const ViewArgs<float>& view = views[blockIdx.y];
+  const int64_t pixels = int64_t(view.width) * view.height;
+  const int64_t p = linear_index();
+  if (p >= pixels) return;
+  const bool counts = target.counts(blockIdx.y, p);
+  for (int c = 0; c < 3; ++c) {
+    const int64_t i = 3 * view.first_pixel + c * pixels + p;
+    const float truth = photometric::truth_value(target.truth[blockIdx.y][3 * p + c]);
+    residual[i] = counts ? colour[i] - truth : 0.0f;
+  }
+}
+
+}  // namespace
 
 DeviceTarget CudaBackend::target_of(const std::vector<Span<const uint8_t>>& truth,
                                     const std::vector<Span<const uint8_t>>& mask,
-                                    const std::vector<Vec3<double>>& gain) {
+                                    const std::vector<Vec3<double>>& response) {
   check_device(cudaEventSynchronize(target_copied_), "waiting for the last copy of pointers");
   const auto copy = [this](auto& to, const auto* from, int64_t count, const char* what) {
     to.resize(count);
@@ -32,12 +54,12 @@ DeviceTarget CudaBackend::target_of(const std::vector<Span<const uint8_t>>& trut
     target.truth = truth_.data();
     target.mask = masked ? truth_.data() + truths : nullptr;
   }
-  if (!gain.empty()) {
-    const int64_t count = 3 * int64_t(gain.size());
-    float* const staged = gain_host_.reserve(count);
-    for (int64_t i = 0; i < count; ++i) staged[i] = float(gain[size_t(i / 3)][int(i % 3)]);
-    copy(gain_, staged, count, "copy of gains");
-    target.gain = gain_.data();
+  if (!response.empty()) {
+    const int64_t count = 3 * int64_t(response.size());
+    float* const staged = response_host_.reserve(count);
+    for (int64_t i = 0; i < count; ++i) staged[i] = float(response[size_t(i / 3)][int(i % 3)]);
+    copy(response_, staged, count, "copy of responses");
+    target.response = response_.data();
   }
   check_device(cudaEventRecord(target_copied_, stream_), "cudaEventRecord");
   return target;
@@ -52,24 +74,34 @@ void CudaBackend::photometric(const PhotometricArgs<float>& args, Span<float> d_
     width = max_of(width, view.width);
     height = max_of(height, view.height);
   }
-  const DeviceTarget target = target_of(args.truth, args.mask, args.gain);
-  const bool d_gain = !args.gain.empty() && !d_colour.empty();
-  loss_sums_.resize(d_gain ? 5 * count : 2 * count);
+  const DeviceTarget target = target_of(args.truth, args.mask);
+  loss_sums_.resize(2 * count);
+  map_sums_.resize(0);
   loss_views_ = views;
   loss_weights_ = args.weights;
   scratch_.resize(int64_t(
       photometric_scratch_bytes(args.batch->pixels, int(count), width, height, !d_colour.empty())));
   launch_photometric(
       {views_of(*args.batch), target.truth, target.mask, int(count), width, height,
-       args.batch->pixels, args.images->colour.data(), d_colour.data, scratch_.data(),
-       loss_sums_.data(), float(args.weights.l1), float(args.weights.dssim),
-       float(args.weights.moving), target.gain, loss_sums_.data() + 2 * count},
+       args.batch->pixels, args.colour.data, d_colour.data, scratch_.data(), loss_sums_.data(),
+       float(args.weights.l1), float(args.weights.dssim), float(args.weights.moving)},
       stream_);
   check_launch("photometric");
   report();
   const double samples = 3.0 * double(args.batch->pixels);
   clock_.add_bytes(kPhotometric, samples * (d_colour.empty() ? 5 : 5 + 12 + 12 + 5 + 4));
   if (target.mask != nullptr) clock_.add_bytes(kPhotometric, samples * (d_colour.empty() ? 1 : 2));
+}
+
+void CudaBackend::residual(const PhotometricArgs<float>& args, Span<float> residual) {
+  check_target(args);
+  check(residual.size == 3 * args.batch->pixels, "residual: size of the images");
+  if (args.batch->pixels == 0) return;
+  const DeviceTarget target = target_of(args.truth, args.mask);
+  write_residual<<<grid_of_views(*args.batch, kThreads), kThreads, 0, stream_>>>(
+      views_of(*args.batch), target, args.colour.data, residual.data);
+  check_launch("residual");
+  clock_.add_bytes(kPhotometric, 3.0 * double(args.batch->pixels) * (4 + 1 + 4));
 }
 
 }  // namespace tessera

@@ -5,7 +5,6 @@
 // Not: atomics: each block writes its sums, and a small kernel adds them in a fixed order.
 // Source: method A.15.
 #include "kernels/cuda/photometric_tile.cuh"
-#include "kernels/math/gain.h"
 #include "kernels/math/photometric.h"
 
 namespace tessera {
@@ -43,7 +42,7 @@ __device__ inline int64_t index_of_block() {
 
 /// Pass 1: sums of |x − y| and SSIM, and with `Backward` the three maps. Of an ignored pixel the
 /// truth is what was rendered, SSIM 1 and the maps 0.
-template <bool Backward, bool Masked, bool Gained>
+template <bool Backward, bool Masked>
 __global__ void __launch_bounds__(kThreads, 7) photometric_forward(KernelArgs args) {
   __shared__ __align__(16) Lines<kMoments, kForwardRows> lines;
   const Block block(args);
@@ -60,7 +59,7 @@ __global__ void __launch_bounds__(kThreads, 7) photometric_forward(KernelArgs ar
   for (int y = block.y0; y < min(block.y0 + kTileHeight, block.height); y += kForwardRows) {
     convolve_column<kMoments, kForwardRows>(lines, [&](int r, float(&value)[kMoments]) {
       const int row = y - kSsimRadius + r, p = block.nearest_row(row) * block.width + nearest;
-      const float x = block.compared<Gained>(__ldg(block.colour + p));
+      const float x = __ldg(block.colour + p);
       const float t = block.counts<Masked>(p) ? truth_value(__ldg(block.truth + 3 * p)) : x;
       const bool inside = block.contains(row, column);
       const float a = inside ? x : 0.0f, b = inside ? t : 0.0f;
@@ -103,17 +102,12 @@ __global__ void __launch_bounds__(kThreads, 7) photometric_forward(KernelArgs ar
 }
 
 /// Pass 2: dL/dx = l1·sign(x − y) + g∗P + 2x·g∗Q + y·g∗U, for the maps P, Q, U with λ in them;
-/// of an ignored pixel 0. `Gained`: by the image before its gain, and the block's share of dL/d
-/// gain.
-template <bool Masked, bool Gained>
+/// of an ignored pixel 0.
+template <bool Masked>
 __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs args) {
   __shared__ __align__(16) Lines<kMaps, kBackwardRows> lines;
   const Block block(args);
-  if (block.outside()) {
-    if (Gained && threadIdx.x == 0) args.block_sums[index_of_block()] = double2{0, 0};
-    return;
-  }
-  float d_gain = 0;
+  if (block.outside()) return;
   const int column = block.column(), group = int(threadIdx.x % 32);
   const int nearest = block.nearest_column(column);
   const float* const maps = args.maps + block.map;
@@ -153,15 +147,9 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs a
 #pragma unroll
       for (int j = 0; j < 4; ++j) {
         const float b = j < count ? truth_value(__ldg(block.truth + 3 * (p + j))) : 0.0f;
-        const float x = block.compared<Gained>(a[j]);
         const float weight = j < count ? l1 * block.l1_factor<Masked>(p + j) : l1;
-        d[j] = photometric_gradient(weight, x, b, m[0][j], m[1][j], m[2][j]);
+        d[j] = photometric_gradient(weight, a[j], b, m[0][j], m[1][j], m[2][j]);
         if (j < count && !block.counts<Masked>(p + j)) d[j] = 0.0f;
-        if constexpr (Gained) {
-          const GainGradient<float> through = gain_backward(block.gain, a[j], d[j]);
-          d[j] = through.colour;
-          d_gain += j < count ? through.gain : 0.0f;
-        }
       }
       if (aligned) {
         __stcg(reinterpret_cast<float4*>(d_colour + p), make_float4(d[0], d[1], d[2], d[3]));
@@ -172,10 +160,6 @@ __global__ void __launch_bounds__(kThreads, 8) photometric_backward(KernelArgs a
       }
     }
     __syncthreads();
-  }
-  if constexpr (Gained) {
-    const double2 sum = sum_of_block(double2{double(d_gain), 0});
-    if (threadIdx.x == 0) args.block_sums[index_of_block()] = sum;
   }
 }
 
@@ -193,32 +177,18 @@ __global__ void __launch_bounds__(kThreads) photometric_sums(KernelArgs args, in
   args.call.sums[2 * blockIdx.x + 1] = sum.y;
 }
 
-/// d_gain[b, c] from the block sums of pass 2; one block a plane.
-__global__ void __launch_bounds__(kThreads)
-    photometric_gain_sums(KernelArgs args, int blocks_per_view) {
-  const int channel = int(blockIdx.x % 3);
-  const double2* const from = args.block_sums + int64_t(blockIdx.x / 3) * blocks_per_view;
-  double2 sum{0, 0};
-  for (int i = channel + 3 * int(threadIdx.x); i < blocks_per_view; i += 3 * kThreads)
-    sum.x += from[i].x;
-  sum = sum_of_block(sum);
-  if (threadIdx.x == 0) args.call.d_gain[blockIdx.x] = sum.x;
-}
-
-template <bool Masked, bool Gained>
+template <bool Masked>
 void launch_passes(const KernelArgs& args, dim3 grid, cudaStream_t stream) {
   const unsigned views = unsigned(args.call.view_count);
   const int blocks_per_view = int(grid.x * grid.y);
   const bool backward = args.call.d_colour != nullptr;
   if (backward)
-    photometric_forward<true, Masked, Gained><<<grid, kThreads, 0, stream>>>(args);
+    photometric_forward<true, Masked><<<grid, kThreads, 0, stream>>>(args);
   else
-    photometric_forward<false, Masked, Gained><<<grid, kThreads, 0, stream>>>(args);
+    photometric_forward<false, Masked><<<grid, kThreads, 0, stream>>>(args);
   photometric_sums<<<views, kThreads, 0, stream>>>(args, blocks_per_view);
   if (!backward) return;
-  photometric_backward<Masked, Gained><<<grid, kThreads, 0, stream>>>(args);
-  if constexpr (Gained)
-    photometric_gain_sums<<<3 * views, kThreads, 0, stream>>>(args, blocks_per_view);
+  photometric_backward<Masked><<<grid, kThreads, 0, stream>>>(args);
 }
 
 }  // namespace
@@ -236,12 +206,8 @@ void launch_photometric(const PhotometricLaunch& call, cudaStream_t stream) {
   args.maps = reinterpret_cast<float*>(args.block_sums + layout.blocks);
   const dim3 grid(unsigned(3 * layout.tiles_x), unsigned(layout.tiles_y),
                   unsigned(call.view_count));
-  if (call.mask == nullptr)
-    call.gain == nullptr ? launch_passes<false, false>(args, grid, stream)
-                         : launch_passes<false, true>(args, grid, stream);
-  else
-    call.gain == nullptr ? launch_passes<true, false>(args, grid, stream)
-                         : launch_passes<true, true>(args, grid, stream);
+  call.mask == nullptr ? launch_passes<false>(args, grid, stream)
+                       : launch_passes<true>(args, grid, stream);
 }
 
 }  // namespace tessera

@@ -19,13 +19,13 @@ struct SensitivityWalk : WalkState<Real> {
     const BlendBackwardArgs<Real>& pass = args.pass;
     const size_t b = size_t(tile.view - pass.forward.batch->views.data());
     const uint8_t* const mask = args.mask.empty() ? nullptr : args.mask[b].data;
-    const Vec3<Real> gain = args.gain.empty() ? Vec3<Real>(1) : Vec3<Real>(args.gain[b]);
+    const Vec3<Real> follows = args.response.empty() ? Vec3<Real>(1) : Vec3<Real>(args.response[b]);
     const int64_t first = 3 * tile.view->first_pixel, pixels = tile.view_pixels();
     load_pixels(pass, tile, *this, [&](int x, int y, int64_t i) {
       const bool ignored = mask != nullptr && mask[i - first] == 0;
       for (int c = 0; c < 3; ++c) {
         image[c][y][x] = pass.d_colour[i + c * pixels];
-        response[c][y][x] = ignored ? Real(0) : gain[c];
+        response[c][y][x] = ignored ? Real(0) : follows[c];
         to_come[c][y][x] = pass.images->colour[i + c * pixels];
       }
     });

@@ -36,8 +36,8 @@ struct PixelSensitivity : AddedTerms<kSensitivityTerms> {
         Vec3<float>(a.colour[c0] - before.x, a.colour[c1] - before.y, a.colour[c2] - before.z);
     const int64_t view = tile_pixel.image - a.views;
     if (a.target.counts(view, tile_pixel.index - tile_pixel.image->first_pixel))
-      response = Vec3<float>(a.target.gain_of(view, 0), a.target.gain_of(view, 1),
-                             a.target.gain_of(view, 2));
+      response = Vec3<float>(a.target.response_of(view, 0), a.target.response_of(view, 1),
+                             a.target.response_of(view, 2));
     used = a.used[tile_pixel.index];
   }
 
@@ -69,7 +69,7 @@ void CudaBackend::sensitivity(const SensitivityArgs<float>& args,
   const Span<float> sums(reinterpret_cast<float*>(out.data), kSensitivityTerms * out.size);
   SensitivityPass a;
   static_cast<BlendBackward&>(a) = pass_of(args.pass, sums.data);
-  a.target = target_of({}, args.mask, args.gain);
+  a.target = target_of({}, args.mask, args.response);
   clear_sums(sums, stream_);
   if (forward.options.kernels.deterministic)
     launch_sums_in_order<PixelSensitivity, true>(a, forward, instance_sums_, stream_);

@@ -7,6 +7,7 @@
 #include "ingest/scene.h"
 #include "kernels/base/span.h"
 #include "kernels/batch.h"
+#include "kernels/math/colour_map.h"
 
 namespace tessera {
 
@@ -22,8 +23,8 @@ struct FrameSample {
   std::vector<int> frames;
   /// [sweeps][series] of `frames`; a series is the same cameras at several timesteps.
   std::vector<std::vector<FrameRange>> sweeps;
-  std::vector<Vec3<double>> gain;  // [frames] RGB; empty: the images are compared as rendered
-  KernelSwitches kernels;          // how they are drawn and looked at
+  std::vector<ColourMap<double>> maps;  // [frames]; empty: the images are compared as rendered
+  KernelSwitches kernels;               // how they are drawn and looked at
   /// [frames] images and masks where the backend reads them; empty: those of the scene are copied.
   std::vector<Span<const uint8_t>> images, masks;
 
@@ -35,7 +36,7 @@ struct FrameSample {
 /// (τ + c′) mod S and there in series c mod S, where c′ is c mod S with its bits reversed: a sweep
 /// has every timestep and every camera, where both are at least S. S is a power of two: as many
 /// sweeps as leave each `least_frames`, and a series of several cameras three timesteps. Sweeps
-/// come in an order in which the first 2^k of them are evenly spread, too. `gain` and `images` are
+/// come in an order in which the first 2^k of them are evenly spread, too. `maps` and `images` are
 /// left empty.
 FrameSample sample_training_frames(const Scene& scene, int64_t least_frames = 32);
 

@@ -65,7 +65,7 @@ void ScoringPass::draw(const FrameSample& sample, int64_t begin, int64_t end) {
       target_.truth.push_back(sample.images[size_t(i)]);
       target_.mask.push_back(sample.masks[size_t(i)]);
     }
-    if (!sample.gain.empty()) target_.gain.push_back(sample.gain[size_t(i)]);
+    if (!sample.maps.empty()) target_.maps.push_back(sample.maps[size_t(i)]);
   }
   draw_batch();
 }

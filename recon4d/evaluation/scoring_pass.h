@@ -28,7 +28,7 @@ class ScoringPass {
   ScoringPass(Backend& backend, const GaussianModel& model, bool sums_elements);
 
   /// Draws frames [begin, end) of `sample` as one batch; all calls below are of this batch. The
-  /// residual is image · gain − truth, 0 where a mask ignores the pixel.
+  /// residual is map(image) − truth, 0 where a mask ignores the pixel.
   void draw(const FrameSample& sample, int64_t begin, int64_t end);
   /// Draws the batch that `other` has drawn.
   void draw_frames_of(const ScoringPass& other);

@@ -36,9 +36,9 @@ void for_each_array(State& state, const CheckpointParts& parts, Visit&& visit) {
   visit(map.value, texels);
   visit(map.moment1, texels);
   visit(map.moment2, texels);
-  visit(state.exposure.log_gain, 3 * parts.exposures);
-  visit(state.exposure.moment1, 3 * parts.exposures);
-  visit(state.exposure.moment2, 3 * parts.exposures);
+  for (auto* const buffer :
+       {&state.exposure.value, &state.exposure.moment1, &state.exposure.moment2})
+    visit(*buffer, parts.exposure_width * parts.exposures);
   visit(state.exposure.steps, parts.exposures);
   auto& nodes = state.model.nodes;
   visit(nodes.position, 3 * nodes.count);

@@ -16,8 +16,7 @@ namespace tessera {
 namespace {
 
 using nlohmann::json;
-constexpr int64_t kScalar = 4;            // bytes, of float32 and int32
-constexpr int64_t kExposureScalars = 10;  // of an element
+constexpr int64_t kScalar = 4;  // bytes, of float32 and int32
 
 /// Elements by SH degree of a set in the header; absent where they are alike.
 ShBlocks blocks_in(const json& header, const char* set) {
@@ -141,10 +140,11 @@ void check_header(const CheckpointReader& file, const json& header) {
       !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
       !within(sampler.at("position"), 0, kMost))
     refuse_checkpoint(file.path(), "damaged checkpoint: impossible numbers in its header");
-  const auto promised = uint64_t(kScalar * (scalars(nodes.static_form(), statics, of_static) +
-                                            scalars(dynamic_form(header), dynamics, of_dynamic) +
-                                            nodes.scalars() + kExposureScalars * parts.exposures +
-                                            3 * environment_scalars(environment)));
+  const auto promised =
+      uint64_t(kScalar * (scalars(nodes.static_form(), statics, of_static) +
+                          scalars(dynamic_form(header), dynamics, of_dynamic) + nodes.scalars() +
+                          (3 * parts.exposure_width + 1) * parts.exposures +
+                          3 * environment_scalars(environment)));
   if (file.array_bytes() != promised)
     refuse_checkpoint(file.path(),
                       fmt::format("truncated checkpoint: {} bytes, its header promises {}",
@@ -191,11 +191,13 @@ json checkpoint_header(const TrainState& state, const TrainOptions& options,
 }
 
 CheckpointParts parts_of(const TrainState& state) {
-  return {state.has_filter_sizes(), state.exposure.rows()};
+  return {state.has_filter_sizes(), state.exposure.rows(), state.exposure.width()};
 }
 
 CheckpointParts parts_of(const json& header) {
-  return {header.at("filter_sizes"), header.at("exposures")};
+  const bool affine = header.at("options").value("exposure", "") == name_of(ExposureGains::kAffine);
+  return {header.at("filter_sizes"), header.at("exposures"),
+          exposure_width(affine ? ExposureGains::kAffine : ExposureGains::kCamera)};
 }
 
 json parse_checkpoint_header(const CheckpointReader& file) {

@@ -15,7 +15,8 @@ nlohmann::json checkpoint_header(const TrainState& state, const TrainOptions& op
 /// Of the arrays that not every state has.
 struct CheckpointParts {
   bool filter_sizes;
-  int64_t exposures;  // elements
+  int64_t exposures;       // rows
+  int64_t exposure_width;  // numbers of a row
 };
 CheckpointParts parts_of(const TrainState& state);
 CheckpointParts parts_of(const nlohmann::json& header);

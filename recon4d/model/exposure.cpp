@@ -1,10 +1,11 @@
-// What: rows of gains, their gauge and their steps.
-// Not: when they step, nor how large the steps are (trainer.cpp, schedule.cpp).
+// Rows of gains or affine maps, their gauge and their steps. When they step, and how large the
+// steps are: trainer.cpp, schedule.cpp.
 #include "recon4d/model/exposure.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -15,26 +16,99 @@
 namespace tessera {
 namespace {
 
-constexpr double kGrid = 262144;  // steps of a gain in 1
-constexpr float kMostStops = 3;   // |log2 gain|: gains and their ratio to the mean fit a float
+constexpr double kGrid = 262144;     // steps of a gain in 1
+constexpr float kMostStops = 3;      // |log2 gain|: gains and their ratio to the mean fit a float
+constexpr float kMostAffine = 0.5f;  // of each number, before the gauge
+constexpr double kAffineRate = 0.1;  // of the rate of log gains
+constexpr double kAffineWeight = 1e-3;  // of the squares of an affine map in the loss
+constexpr int kAffineWidth = exposure_width(ExposureGains::kAffine);
 
 /// Mean gain of a channel before the gauge is fixed.
 double mean_gain(const ExposureState& state, int channel) {
   double sum = 0;
-  for (int64_t r = 0; r < state.rows(); ++r)
-    sum += std::exp(double(state.log_gain[3 * r + channel]));
+  for (int64_t r = 0; r < state.rows(); ++r) sum += std::exp(double(state.value[3 * r + channel]));
   return sum / double(state.rows());
 }
 
-void fix_gauge(ExposureState& state) {
+void fix_gain_gauge(ExposureState& state) {
   const float most = kMostStops * std::log(2.0f);
   for (int c = 0; c < 3; ++c) {
     const double shift = std::log(mean_gain(state, c));
     for (int64_t r = 0; r < state.rows(); ++r) {
-      float& log_gain = state.log_gain[3 * r + c];
+      float& log_gain = state.value[3 * r + c];
       log_gain = std::clamp(float(double(log_gain) - shift), -most, most);
     }
   }
+}
+
+void fix_affine_gauge(ExposureState& state) {
+  for (int i = 0; i < kAffineWidth; ++i) {
+    double mean = 0;
+    for (int64_t r = 0; r < state.rows(); ++r) {
+      float& value = state.value[kAffineWidth * r + i];
+      value = std::clamp(value, -kMostAffine, kMostAffine);
+      mean += double(value) / double(state.rows());
+    }
+    for (int64_t r = 0; r < state.rows(); ++r) {
+      float& value = state.value[kAffineWidth * r + i];
+      value = float(double(value) - mean);
+    }
+  }
+}
+
+/// [R] RGB, as colour_maps_of has them.
+std::vector<Vec3<double>> gains_of(const ExposureState& state) {
+  const int64_t rows = state.rows();
+  std::vector<Vec3<double>> gains(static_cast<size_t>(rows));
+  for (int c = 0; c < 3 && rows > 0; ++c) {
+    const double mean = mean_gain(state, c);
+    int64_t missing = rows * int64_t(kGrid);
+    for (int64_t r = 0; r < rows; ++r) {
+      const double gain = std::exp(double(state.value[3 * r + c])) / mean;
+      gains[size_t(r)][c] = double(std::llround(kGrid * gain));
+      missing -= int64_t(gains[size_t(r)][c]);
+    }
+    // rounding left at most half a step a row
+    for (int64_t r = 0; r < rows; ++r) {
+      const int64_t part = r < std::abs(missing) ? (missing > 0 ? 1 : -1) : 0;
+      gains[size_t(r)][c] = (gains[size_t(r)][c] + double(part)) / kGrid;
+    }
+  }
+  return gains;
+}
+
+/// The numbers of an affine row as they lie in a state.
+using AffineRow = std::array<double, kAffineWidth>;
+
+AffineRow row_of(const ColourMap<double>& map) {
+  AffineRow row;
+  for (int i = 0; i < 9; ++i) row[size_t(i)] = map.matrix[i / 3][i % 3];
+  for (int c = 0; c < 3; ++c) row[size_t(9 + c)] = map.offset[c];
+  return row;
+}
+
+ColourMap<double> affine_map(const float* row) {
+  ColourMap<double> map;
+  for (int i = 0; i < 9; ++i) map.matrix[i / 3][i % 3] += double(row[i]);
+  for (int c = 0; c < 3; ++c) map.offset[c] = double(row[9 + c]);
+  return map;
+}
+
+/// By the numbers of a row, for the sum of the gradients of its views. `share`: of the rows that a
+/// batch draws.
+std::vector<double> row_gradient(const ExposureState& state, int64_t row,
+                                 const std::vector<Vec3<double>>& gains,
+                                 const ColourMap<double>& d_map, double share) {
+  std::vector<double> gradient;
+  if (state.width() == 3) {
+    for (int c = 0; c < 3; ++c) gradient.push_back(gains[size_t(row)][c] * d_map.matrix[c][c]);
+    return gradient;
+  }
+  const AffineRow d_row = row_of(d_map);
+  for (int i = 0; i < kAffineWidth; ++i)
+    gradient.push_back(d_row[size_t(i)] +
+                       2 * kAffineWeight / share * double(state.value[kAffineWidth * row + i]));
+  return gradient;
 }
 
 }  // namespace
@@ -53,7 +127,7 @@ ExposureRows exposure_rows(const Scene& scene, const std::vector<int>& frames,
   for (const int f : frames) {
     const Frame& frame = scene.frames[size_t(f)];
     const std::string& name =
-        options.exposure == ExposureGains::kCamera ? frame.camera_name : frame.name;
+        options.exposure == ExposureGains::kFrame ? frame.name : frame.camera_name;
     const auto [row, is_new] = known.emplace(name, int32_t(rows.names.size()));
     if (is_new) rows.names.push_back(name);
     rows.of_frame.push_back(row->second);
@@ -61,13 +135,13 @@ ExposureRows exposure_rows(const Scene& scene, const std::vector<int>& frames,
   if (rows.names.size() > 1) return rows;
   throw InputError(fmt::format(
       "{}: all {} training frames are of one {}, '{}', whose gain would be 1; pass --exposure {}",
-      scene.path, frames.size(), name_of(options.exposure), rows.names.front(),
-      frames.size() > 1 ? "frame" : "none"));
+      scene.path, frames.size(), options.exposure == ExposureGains::kFrame ? "frame" : "camera",
+      rows.names.front(), frames.size() > 1 ? "frame" : "none"));
 }
 
-void ExposureState::reset(int64_t rows) {
-  for (Buffer<float>* values : {&log_gain, &moment1, &moment2}) {
-    values->resize(3 * rows);
+void ExposureState::reset(int64_t rows, int width) {
+  for (Buffer<float>* values : {&value, &moment1, &moment2}) {
+    values->resize(width * rows);
     std::fill(values->begin(), values->end(), 0.0f);
   }
   steps.resize(rows);
@@ -76,58 +150,64 @@ void ExposureState::reset(int64_t rows) {
 
 ExposureState ExposureState::clone() const {
   ExposureState copy;
-  copy.log_gain.copy_from(log_gain);
+  copy.value.copy_from(value);
   copy.moment1.copy_from(moment1);
   copy.moment2.copy_from(moment2);
   copy.steps.copy_from(steps);
   return copy;
 }
 
-std::vector<Vec3<double>> gains_of(const ExposureState& state) {
-  const int64_t rows = state.rows();
-  std::vector<Vec3<double>> gains(static_cast<size_t>(rows));
-  for (int c = 0; c < 3 && rows > 0; ++c) {
-    const double mean = mean_gain(state, c);
-    int64_t missing = rows * int64_t(kGrid);
-    for (int64_t r = 0; r < rows; ++r) {
-      const double gain = std::exp(double(state.log_gain[3 * r + c])) / mean;
-      gains[size_t(r)][c] = double(std::llround(kGrid * gain));
-      missing -= int64_t(gains[size_t(r)][c]);
-    }
-    // rounding left at most half a step a row
-    for (int64_t r = 0; r < rows; ++r) {
-      const int64_t part = r < std::abs(missing) ? (missing > 0 ? 1 : -1) : 0;
-      gains[size_t(r)][c] = (gains[size_t(r)][c] + double(part)) / kGrid;
-    }
-  }
-  return gains;
+std::vector<ColourMap<double>> colour_maps_of(const ExposureState& state) {
+  std::vector<ColourMap<double>> maps;
+  if (state.width() == 3)
+    for (const Vec3<double>& gain : gains_of(state)) maps.push_back(colour_gain(gain));
+  else
+    for (int64_t r = 0; r < state.rows(); ++r)
+      maps.push_back(affine_map(state.value.data() + kAffineWidth * r));
+  return maps;
 }
 
-void step_exposure(const std::vector<int32_t>& rows, const std::vector<Vec3<double>>& d_gain,
+void step_exposure(const std::vector<int32_t>& rows, const std::vector<ColourMap<double>>& d_maps,
                    double rate, ExposureState& state) {
-  check(rows.size() == d_gain.size(), "exposure: one gradient a view");
-  const std::vector<Vec3<double>> gains = gains_of(state);
-  std::map<int32_t, Vec3<double>> d_log_gain;  // by row, so that views of one camera step together
+  check(rows.size() == d_maps.size(), "exposure: one gradient a view");
+  const int width = state.width();
+  const bool affine = width == kAffineWidth;
+  std::map<int32_t, ColourMap<double>> by_row;  // so that views of one camera step together
   for (size_t b = 0; b < rows.size(); ++b)
-    d_log_gain.emplace(rows[b], Vec3<double>(0)).first->second +=
-        gains[size_t(rows[b])] * d_gain[b];
-  for (const auto& [row, gradient] : d_log_gain) {
-    const AdamScalars<float> adam = adam_scalars<float>(rate, ++state.steps[row]);
-    for (int c = 0; c < 3; ++c) {
-      const int64_t i = 3 * int64_t(row) + c;
-      adam_step(adam, float(gradient[c]), state.log_gain[i], state.moment1[i], state.moment2[i]);
+    by_row.emplace(rows[b], ColourMap<double>{Mat3<double>(0), Vec3<double>(0)}).first->second +=
+        d_maps[b];
+  const std::vector<Vec3<double>> gains = affine ? std::vector<Vec3<double>>() : gains_of(state);
+  const double share = double(by_row.size()) / double(state.rows());
+  for (const auto& [row, d_map] : by_row) {
+    const AdamScalars<float> adam =
+        adam_scalars<float>(affine ? kAffineRate * rate : rate, ++state.steps[row]);
+    const std::vector<double> gradient = row_gradient(state, row, gains, d_map, share);
+    for (int k = 0; k < width; ++k) {
+      const int64_t i = width * int64_t(row) + k;
+      adam_step(adam, float(gradient[size_t(k)]), state.value[i], state.moment1[i],
+                state.moment2[i]);
     }
   }
-  fix_gauge(state);
+  affine ? fix_affine_gauge(state) : fix_gain_gauge(state);
 }
 
 nlohmann::json exposure_json(const ExposureRows& rows, const ExposureState& state,
                              const TrainOptions& options) {
-  nlohmann::json gains = nlohmann::json::object();
-  const std::vector<Vec3<double>> values = gains_of(state);
-  for (size_t r = 0; r < rows.names.size(); ++r)
-    gains[rows.names[r]] = {values[r][0], values[r][1], values[r][2]};
-  return {{"by", name_of(options.exposure)}, {"gains", gains}};
+  const bool affine = options.exposure == ExposureGains::kAffine;
+  nlohmann::json by_name = nlohmann::json::object();
+  const std::vector<ColourMap<double>> maps = colour_maps_of(state);
+  for (size_t r = 0; r < rows.names.size(); ++r) {
+    const Mat3<double>& a = maps[r].matrix;
+    const Vec3<double>& o = maps[r].offset;
+    if (affine)
+      by_name[rows.names[r]] = {
+          {"matrix",
+           {{a[0][0], a[1][0], a[2][0]}, {a[0][1], a[1][1], a[2][1]}, {a[0][2], a[1][2], a[2][2]}}},
+          {"offset", {o[0], o[1], o[2]}}};
+    else
+      by_name[rows.names[r]] = {a[0][0], a[1][1], a[2][2]};
+  }
+  return {{"by", name_of(options.exposure)}, {affine ? "maps" : "gains", by_name}};
 }
 
 }  // namespace tessera

@@ -1,9 +1,10 @@
-// What: the exposure of training images: an RGB gain per camera or per image, learnt beside the
-//       Gaussians so that these need not explain it.
-// Not: part of a model: it is drawn with gain 1 everywhere else, in every score too. The product
-//       and its gradient are the loss's (kernels/math/gain.h).
-// Gauge: a common gain and the Gaussians' colours could trade; per channel the mean gain of all
-//        rows is exactly 1, so colours are those of the mean exposure. Source: failure mode B10.
+// The colour of training images, learnt beside the Gaussians so that these need not explain it: an
+// RGB gain per camera or per image, or an affine map per camera. It is no part of a model, which is
+// drawn without it everywhere else, in every score too. The product and its gradient are the loss's
+// (kernels/math/colour_map.h).
+// Gauge: a common map and the Gaussians' colours could trade. Per channel the mean gain of all rows
+// is exactly 1; the mean of affine maps is the identity. So colours are those of the mean camera.
+// Source: failure mode B10.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
@@ -12,44 +13,54 @@
 
 #include "ingest/scene.h"
 #include "kernels/base/buffer.h"
-#include "kernels/math/symmetric.h"
+#include "kernels/math/colour_map.h"
 #include "recon4d/options/train_options.h"
 
 namespace tessera {
 
 /// Which row each training frame has, and what the rows are: cameras or frames, by their names.
 struct ExposureRows {
-  std::vector<int32_t> of_frame;   // [training frames]; none: no gains
+  std::vector<int32_t> of_frame;   // [training frames]; none: nothing is learnt
   std::vector<std::string> names;  // [R]
 };
 
 /// `frames`: places of the training frames in the scene. Errors: InputError: a single row, whose
-/// gain is 1 whatever it looks like; frames that were composited on a background of light, which
-/// has no exposure.
+/// map is the identity whatever it looks like; frames that were composited on a background of
+/// light, which has no exposure.
 ExposureRows exposure_rows(const Scene& scene, const std::vector<int>& frames,
                            const TrainOptions& options);
 
+/// Numbers of a row: 3 log gains RGB, or M = A − I, column by column, then o of x = A·c + o.
+constexpr int exposure_width(ExposureGains gains) {
+  return gains == ExposureGains::kAffine ? 12 : 3;
+}
+
 /// What is learnt, always in the host's memory.
 struct ExposureState {
-  Buffer<float> log_gain, moment1, moment2;  // [R, 3] RGB
-  Buffer<int32_t> steps;                     // [R] of Adam so far; a row steps when it is drawn
+  Buffer<float> value, moment1, moment2;  // [R, width]
+  Buffer<int32_t> steps;                  // [R] of Adam so far; a row steps when it is drawn
 
   int64_t rows() const { return steps.size(); }
-  /// Gains of 1, nothing learnt.
-  void reset(int64_t rows);
+  int width() const { return rows() > 0 ? int(value.size() / rows()) : 0; }
+  /// Identities, nothing learnt.
+  void reset(int64_t rows, int width);
   ExposureState clone() const;
 };
 
-/// [R] RGB, exp(log_gain) over its mean, as multiples of 2⁻¹⁸ that a float holds exactly and whose
-/// sum is R to the last bit, in whatever order it is taken.
-std::vector<Vec3<double>> gains_of(const ExposureState& state);
+/// [R] as the loss applies them. Gains are exp(log gain) over their mean, as multiples of 2⁻¹⁸ that
+/// a float holds exactly and whose sum is R to the last bit, in whatever order it is taken.
+std::vector<ColourMap<double>> colour_maps_of(const ExposureState& state);
 
-/// A step of Adam for the rows of a batch, which may repeat: log_gain by g·dL/dg. Then all rows are
-/// shifted so that their mean gain is 1, and held within three stops.
-void step_exposure(const std::vector<int32_t>& rows, const std::vector<Vec3<double>>& d_gain,
+/// A step of Adam for the rows of a batch, which may repeat: of log gains by g·dL/dg; of affine
+/// maps, at a tenth of the rate, by their gradient and that of 10⁻³·Σ(‖M‖² + ‖o‖²) over all rows.
+/// Then all rows are shifted to the gauge: gains, which are held within three stops thereafter, and
+/// affine terms, each held within a half before.
+void step_exposure(const std::vector<int32_t>& rows, const std::vector<ColourMap<double>>& d_maps,
                    double rate, ExposureState& state);
 
-/// {"by": "camera" | "frame", "gains": {name: [r, g, b]}}.
+/// {"by": "camera" | "frame", "gains": {name: [r, g, b]}}, or {"by": "affine", "maps": {name:
+/// {"matrix": [[…] three rows], "offset": [r, g, b]}}}: the rendered image times these is the
+/// training image.
 nlohmann::json exposure_json(const ExposureRows& rows, const ExposureState& state,
                              const TrainOptions& options);
 

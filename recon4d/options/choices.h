@@ -18,7 +18,7 @@ enum class Motion { kAuto, kNone, kPair, kVelocity, kNodes };
 inline constexpr int64_t kTrialIterations = 2000, kTrialBatch = 4, kTrialPixels = 400 * 400;
 enum class Filter3d { kNone, kMip, kClamp };
 /// kAuto is decided before a training starts: kCamera where the cameras differ, else kNone.
-enum class ExposureGains { kNone, kCamera, kFrame, kAuto };
+enum class ExposureGains { kNone, kCamera, kAffine, kFrame, kAuto };
 enum class Densification { kAdc, kMcmc };
 enum class ModelSize { kGrown, kKnee };
 
@@ -30,7 +30,8 @@ inline constexpr const char* kChoiceNames<Motion>[] = {"auto", "none", "pair", "
 template <>
 inline constexpr const char* kChoiceNames<Filter3d>[] = {"none", "mip", "clamp"};
 template <>
-inline constexpr const char* kChoiceNames<ExposureGains>[] = {"none", "camera", "frame", "auto"};
+inline constexpr const char* kChoiceNames<ExposureGains>[] = {"none", "camera", "affine", "frame",
+                                                              "auto"};
 template <>
 inline constexpr const char* kChoiceNames<IdleUpdate>[] = {"dense", "skip"};
 template <>

@@ -35,9 +35,10 @@ std::vector<TrainOption> optimisation_option_rows() {
        .group = group::kLoss},
       {.key = "exposure",
        .member = choice<&TrainOptions::exposure>(),
-       .doc = "Learn RGB gains of the training images: none; camera (one per camera); frame (one "
-              "per image); auto (camera where the gains of the cameras differ by more than 3 %, "
-              "else none). Scores and exports use the mean gain",
+       .doc = "Learn colours of the training images: none; camera (an RGB gain per camera); affine "
+              "(a 3x3 matrix and an offset per camera); frame (an RGB gain per image); auto "
+              "(camera where the gains of the cameras differ by more than 3 %, else none). Scores "
+              "and exports use the mean camera",
        .source = "ours",
        .group = group::kLoss,
        .common = true},
@@ -45,7 +46,9 @@ std::vector<TrainOption> optimisation_option_rows() {
        .member = &TrainOptions::lr_exposure,
        .low = 0,
        .high = 1e3,
-       .doc = "Learning rate of log exposure gains at the start; falls to a hundredth",
+       .doc =
+           "Learning rate of log exposure gains at the start, ten times that of affine maps; falls "
+           "to a hundredth",
        .source = "ours",
        .group = group::kRates},
       {.key = "lr_environment",

@@ -17,10 +17,13 @@ int64_t counted_samples(const Frame& frame) {
 }
 
 /// Mean square of gain − 1 over images and channels.
-double gain_variance(const std::vector<Vec3<double>>& gains) {
+double gain_variance(const std::vector<ColourMap<double>>& maps) {
   double sum = 0;
-  for (const Vec3<double>& gain : gains) sum += dot(gain - 1.0, gain - 1.0) / 3;
-  return gains.empty() ? 0 : sum / double(gains.size());
+  for (const ColourMap<double>& map : maps) {
+    const Vec3<double> off = channel_response(map) - 1.0;
+    sum += dot(off, off) / 3;
+  }
+  return maps.empty() ? 0 : sum / double(maps.size());
 }
 
 /// The sums of a set, [N] from `first` on, scaled to all frames.
@@ -71,7 +74,7 @@ double Contributions::psnr_after(double added) const {
 Contributions measure_contributions(Backend& backend, const GaussianModel& model,
                                     const FrameSample& sample, const ElementPrices& prices) {
   Contributions contributions;
-  contributions.gain_variance = gain_variance(sample.gain);
+  contributions.gain_variance = gain_variance(sample.maps);
   ElementBuffers elements(backend, model, true);
   ScoringPass pass(backend, model, true);
   Buffer<ElementSums<float>> sums;

@@ -68,7 +68,7 @@ int64_t count_timesteps(const Scene& scene, const std::vector<int>& frames) {
 TrainState initial_state(const Scene& scene, const TrainOptions& options, std::string& source) {
   const ExposureRows exposed = exposure_rows(scene, training_frames(scene), options);
   TrainState state;
-  state.exposure.reset(int64_t(exposed.names.size()));
+  state.exposure.reset(int64_t(exposed.names.size()), exposure_width(options.exposure));
   Initialisation first =
       initialise_model(scene, make_camera_rig(scene.training_cameras()), options);
   source = first.source;
@@ -103,9 +103,12 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
       exposed_(exposure_rows(scene, train_frames_, options_)) {
   validate(options_);
   const auto exposures = int64_t(exposed_.names.size());
-  if (state_.exposure.rows() == 0) state_.exposure.reset(exposures);
-  check(state_.exposure.rows() == exposures, "Trainer: gains of other frames");
-  gains_ = gains_of(state_.exposure);
+  if (state_.exposure.rows() == 0)
+    state_.exposure.reset(exposures, exposure_width(options_.exposure));
+  check(state_.exposure.rows() == exposures, "Trainer: colours of other frames");
+  check(exposures == 0 || state_.exposure.width() == exposure_width(options_.exposure),
+        "Trainer: colours of another kind");
+  maps_ = colour_maps_of(state_.exposure);
   sampler_.restore(state_.sampler_epoch, state_.sampler_position);
   for (int k = 0; k < 2; ++k) state_.set(k).ensure_moments();
   if (options_.filter_3d != Filter3d::kNone)
@@ -176,7 +179,7 @@ FrameSample Trainer::sample_frames() {
     sample.masks = std::move(resident.masks);
   }
   for (const int64_t i : indices)
-    if (!gains_.empty()) sample.gain.push_back(gains_[size_t(exposed_.of_frame[size_t(i)])]);
+    if (!maps_.empty()) sample.maps.push_back(maps_[size_t(exposed_.of_frame[size_t(i)])]);
   return sample;
 }
 
@@ -322,7 +325,7 @@ void Trainer::step() {
   pipeline_.loss({fed.images,
                   {1 - options_.lambda_dssim, options_.lambda_dssim, 1 + options_.moving_weight},
                   fed.masks,
-                  gains(batch)},
+                  maps(batch)},
                  true);
   backward();
   prefetch();
@@ -332,15 +335,15 @@ void Trainer::step() {
   pending_ = report;
 }
 
-std::vector<Vec3<double>> Trainer::gains(const std::vector<int64_t>& batch) {
-  std::vector<Vec3<double>> gains;
-  if (gains_.empty()) return gains;
-  pending_elements_.clear();
+std::vector<ColourMap<double>> Trainer::maps(const std::vector<int64_t>& batch) {
+  std::vector<ColourMap<double>> maps;
+  if (maps_.empty()) return maps;
+  pending_rows_.clear();
   for (const int64_t index : batch) {
-    pending_elements_.push_back(exposed_.of_frame[size_t(index)]);
-    gains.push_back(gains_[size_t(pending_elements_.back())]);
+    pending_rows_.push_back(exposed_.of_frame[size_t(index)]);
+    maps.push_back(maps_[size_t(pending_rows_.back())]);
   }
-  return gains;
+  return maps;
 }
 
 void Trainer::backward() {
@@ -413,10 +416,10 @@ void Trainer::complete_pending() {
         report.iteration,
         what_is_bad(outcome, state_.set(report.num_dynamic > 0 ? 1 : 0).form()) + " is"));
   }
-  if (!gains_.empty()) {
-    step_exposure(pending_elements_, outcome.d_gain, schedule_.exposure_rate(report.iteration - 1),
+  if (!maps_.empty()) {
+    step_exposure(pending_rows_, outcome.d_maps, schedule_.exposure_rate(report.iteration - 1),
                   state_.exposure);
-    gains_ = gains_of(state_.exposure);
+    maps_ = colour_maps_of(state_.exposure);
   }
   const auto now = std::chrono::steady_clock::now();
   report.seconds = std::chrono::duration<double>(now - std::exchange(reported_, now)).count();

@@ -48,10 +48,11 @@ class Trainer {
   /// Records that a decision was made after the steps that are done: the Gaussians that pruning is
   /// to leave (0: not known yet), and the seconds that it took.
   void record(int64_t goal, double seconds);
-  /// Training frames with the gains they have now, and their images where all are on the device.
+  /// Training frames with the maps of colours they have now, and their images where all are on the
+  /// device.
   FrameSample sample_frames();
   const TrainOptions& options() const { return options_; }
-  /// What state().exposure has a gain for.
+  /// What state().exposure has a row for.
   const ExposureRows& exposed() const { return exposed_; }
 
  private:
@@ -68,8 +69,8 @@ class Trainer {
   /// Gaussians that set k may grow by; −1: no limit.
   int64_t room_of(int k) const;
   void backward();
-  /// Gains of the views of a batch, which are noted for the step of the gains; empty: none.
-  std::vector<Vec3<double>> gains(const std::vector<int64_t>& batch);
+  /// Maps of colours of the views of a batch, whose rows are noted for their step; empty: none.
+  std::vector<ColourMap<double>> maps(const std::vector<int64_t>& batch);
   void prefetch();
   /// Reports the last step once the backend knows how it went.
   void complete_pending();
@@ -98,8 +99,8 @@ class Trainer {
   MotionNodes d_nodes_;             // gradients
   Buffer<float> d_environment_;
   ExposureRows exposed_;
-  std::vector<Vec3<double>> gains_;        // [R] of the next step
-  std::vector<int32_t> pending_elements_;  // [B] of gains, of the last step
+  std::vector<ColourMap<double>> maps_;  // [R] of the next step
+  std::vector<int32_t> pending_rows_;    // [B] of maps, of the last step
   std::optional<StepReport> pending_;
   std::chrono::steady_clock::time_point reported_;  // until when time is accounted for
   std::optional<TrainState> host_state_;

@@ -59,7 +59,7 @@ struct LossCase {
   }
 
   std::vector<ViewLoss> loss(Span<double> d_colour) {
-    PhotometricArgs<double> args{&batch, &images, {}, weights, {}};
+    PhotometricArgs<double> args{&batch, images.colour.span(), {}, weights, {}};
     for (const auto& bytes : truth) args.truth.emplace_back(bytes.data(), int64_t(bytes.size()));
     for (const auto& bytes : mask) args.mask.emplace_back(bytes.data(), int64_t(bytes.size()));
     CpuBackend<double> backend;

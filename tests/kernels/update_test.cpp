@@ -83,7 +83,7 @@ std::vector<double> norms_alone(const TestScene<double>& scene, size_t v) {
   backend.blend(blend, images);
   std::vector<double> d_colour(size_t(3 * batch.pixels));
   const Span<double> span{d_colour.data(), 3 * batch.pixels};
-  backend.photometric({&batch, &images, target_of(single).truth, {}, {}}, span);
+  backend.photometric({&batch, images.colour.span(), target_of(single).truth, {}, {}}, span);
   std::vector<SplatMoments<double>> moments(size_t(splats.count));
   backend.blend_backward({blend, &images, span}, {moments.data(), splats.count});
   std::vector<double> norms(size_t(scene.fixed.count + scene.moving.count), -1);

@@ -23,7 +23,7 @@ class LossProbe {
     const StoredScene<double> in(scene, backend_.memory());
     const Images<double>& images = pipeline_.forward(in.forward(false));
     ProbedLoss out;
-    target_.gain = scene.gain;
+    target_.maps = scene.maps;
     pipeline_.loss(target_);
     for (const ViewLoss& loss : pipeline_.outcome().losses)
       out.loss += loss.total / double(scene.views.size());
@@ -58,10 +58,12 @@ class LossProbe {
     for (size_t b = 0; b < target_.truth.size(); ++b) {
       const ViewArgs<double>& view = pipeline_.batch().views[b];
       const int64_t pixels = int64_t(view.width) * view.height;
-      for (int64_t i = 0; i < 3 * pixels; ++i)
-        add(images.colour[3 * view.first_pixel + i] *
-                (target_.gain.empty() ? 1.0 : target_.gain[b][int(i / pixels)]) >
-            target_.truth[b][i % pixels * 3 + i / pixels] / 255.0);
+      const ColourMap<double> map = target_.maps.empty() ? ColourMap<double>() : target_.maps[b];
+      const double* const colour = images.colour.data() + 3 * view.first_pixel;
+      for (int64_t p = 0; p < pixels; ++p) {
+        const Vec3<double> x = map({colour[p], colour[pixels + p], colour[2 * pixels + p]});
+        for (int c = 0; c < 3; ++c) add(x[c] > target_.truth[b][3 * p + c] / 255.0);
+      }
     }
   }
 

@@ -42,6 +42,12 @@ class FaultyBackend final : public Backend {
     cpu_->environment_backward(args, images, d_colour, d_map);
     if (strikes(Fault::kTexel)) d_map[0] = kNan;
   }
+  void map_colours(const ColourMapArgs<float>& args, Span<float> mapped) override {
+    cpu_->map_colours(args, mapped);
+  }
+  void map_colours_backward(const ColourMapArgs<float>& args, Span<float> d_colour) override {
+    cpu_->map_colours_backward(args, d_colour);
+  }
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
     cpu_->photometric(args, d_colour);
     loss_is_spoilt_ = strikes(Fault::kLoss);

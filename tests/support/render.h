@@ -38,16 +38,20 @@ Rendered<Real> render(const TestScene<Real>& scene) {
   return render(scene, backend);
 }
 
-/// A ground truth that keeps 8 to 60 steps away from the image, so that no |I − G| sits on its
-/// kink.
+/// A ground truth that keeps 8 to 60 steps away from the image, its colours mapped where the scene
+/// has maps, so that no |I − G| sits on its kink.
 inline void keep_truth_away(TestScene<double>& scene, uint64_t seed) {
   const Rendered<double> image = render(scene);
   Random random(seed);
   const double* colour = image.colour.data();
-  for (std::vector<uint8_t>& bytes : scene.truth) {
+  for (size_t b = 0; b < scene.truth.size(); ++b) {
+    std::vector<uint8_t>& bytes = scene.truth[b];
+    const ColourMap<double> map = scene.maps.empty() ? ColourMap<double>() : scene.maps[b];
     const size_t pixels = bytes.size() / 3;
     for (size_t i = 0; i < bytes.size(); ++i) {
-      const double x = 255 * colour[i % 3 * pixels + i / 3], away = random.uniform(8, 60);
+      const double* const red = colour + i / 3;
+      const double x = 255 * map({red[0], red[pixels], red[2 * pixels]})[int(i % 3)];
+      const double away = random.uniform(8, 60);
       const bool up = x + away <= 255 && (random.below(2) == 1 || x - away < 0);
       bytes[i] = uint8_t(std::clamp(up ? x + away : x - away, 0.0, 255.0));
     }
@@ -64,7 +68,7 @@ Target target_of(const TestScene<Real>& scene) {
   for (const auto& bytes : scene.mask)
     target.mask.emplace_back(bytes.data(), int64_t(bytes.size()));
   target.weights = scene.weights;
-  target.gain = scene.gain;
+  target.maps = scene.maps;
   return target;
 }
 
@@ -75,7 +79,7 @@ struct Backward {
   std::vector<ViewLoss> losses;
   Rendered<Real> rendered;
   unsigned bad = 0;
-  std::vector<Vec3<double>> d_gain;
+  std::vector<ColourMap<double>> d_maps;
   std::vector<Real> d_environment;
   TestNodes<Real> d_nodes;
 
@@ -135,7 +139,7 @@ Backward<Real> backward(const TestScene<Real>& scene, BackendOf<Real>& backend,
   const StepOutcome outcome = pipeline.outcome();
   out.losses = outcome.losses;
   out.bad = outcome.bad_groups;
-  out.d_gain = outcome.d_gain;
+  out.d_maps = outcome.d_maps;
   out.fixed = gradients[0].fetch();
   out.moving = gradients[1].fetch();
   for (size_t set = 0; set < 2; ++set) {

@@ -125,7 +125,18 @@ class SeparateBackend final : public Backend {
     check_lies_here(d_map);
     separate_memory.inside([&] { cpu_->environment_backward(args, images, d_colour, d_map); });
   }
+  void map_colours(const ColourMapArgs<float>& args, Span<float> mapped) override {
+    check_lies_here(args.colour);
+    check_lies_here(mapped);
+    separate_memory.inside([&] { cpu_->map_colours(args, mapped); });
+  }
+  void map_colours_backward(const ColourMapArgs<float>& args, Span<float> d_colour) override {
+    check_lies_here(args.colour);
+    check_lies_here(d_colour);
+    separate_memory.inside([&] { cpu_->map_colours_backward(args, d_colour); });
+  }
   void photometric(const PhotometricArgs<float>& args, Span<float> d_colour) override {
+    check_lies_here(args.colour);
     for (const Span<const uint8_t>& truth : args.truth) check_lies_here(truth);
     for (const Span<const uint8_t>& mask : args.mask) check_lies_here(mask);
     separate_memory.inside([&] { cpu_->photometric(args, d_colour); });

@@ -3,6 +3,7 @@
 // Not: the pipeline (render.h), whose order this repeats.
 #pragma once
 #include <map>
+#include <utility>
 
 #include "tests/support/render.h"
 
@@ -22,7 +23,7 @@ struct StageRun {
   std::vector<Real> colour, transmittance, d_colour;
   std::vector<int32_t> used;
   std::vector<ViewLoss> losses;
-  std::vector<Vec3<double>> d_gain;
+  std::vector<ColourMap<double>> d_maps;
   std::vector<SplatGradient<Real>> d_splats;
 
   /// Gaussian · views + view of each splat.
@@ -65,6 +66,19 @@ template <class T>
 void poison(Buffer<T>& buffer, Memory& memory) {
   const std::vector<unsigned char> ones(sizeof(T) * size_t(buffer.size()), 0xff);
   if (!ones.empty()) memory.copy(buffer.data(), ones.data(), ones.size());
+}
+
+/// What the loss compares: `colour` [3·pixels], or its colours mapped, where the target has maps,
+/// in `mapped`.
+template <class Real>
+Span<const Real> compared_images(BackendOf<Real>& backend, const ViewBatch<Real>& batch,
+                                 const Target& target, Span<const Real> colour,
+                                 Buffer<Real>& mapped) {
+  if (target.maps.empty()) return colour;
+  mapped.resize(colour.size);
+  poison(mapped, backend.memory());
+  backend.map_colours({&batch, target.maps, colour}, mapped.span());
+  return std::as_const(mapped).span();
 }
 
 template <class Real>
@@ -139,11 +153,16 @@ StageRun<Real> run_stages(const TestScene<Real>& scene, BackendOf<Real>& backend
   poison(d_colour, memory);
   backend.blend(blend, images);
   const Target target = in.target();
-  backend.photometric({&batch, &images, target.truth, target.weights, target.mask, target.gain},
+  const Span<const Real> colour = std::as_const(images.colour).span();
+  Buffer<Real> mapped(memory);
+  backend.photometric({&batch, compared_images(backend, batch, target, colour, mapped),
+                       target.truth, target.weights, target.mask},
                       d_colour.span());
+  if (!target.maps.empty())
+    backend.map_colours_backward({&batch, target.maps, colour}, d_colour.span());
   const StepOutcome outcome = backend.outcome();
   out.losses = outcome.losses;
-  out.d_gain = outcome.d_gain;
+  out.d_maps = outcome.d_maps;
   out.d_colour = fetched(d_colour, memory);
   if (edit) {
     edit(out.d_colour);

@@ -122,7 +122,7 @@ struct StoredScene {
   std::vector<View> views;
   RenderOptions options;
   LossWeights weights;
-  std::vector<Vec3<double>> gain;
+  std::vector<ColourMap<double>> maps;
   Buffer<Real> environment;
   int environment_height;
   StoredNodes<Real> nodes;
@@ -132,7 +132,7 @@ struct StoredScene {
         views(scene.views),
         options(scene.options),
         weights(scene.weights),
-        gain(scene.gain),
+        maps(scene.maps),
         environment(stored(scene.environment, memory)),
         environment_height(scene.environment_height),
         nodes(scene.nodes, memory) {
@@ -156,7 +156,7 @@ struct StoredScene {
   Target target() const {
     Target out;
     out.weights = weights;
-    out.gain = gain;
+    out.maps = maps;
     for (const Buffer<uint8_t>& bytes : truth) out.truth.push_back(bytes.span());
     for (const Buffer<uint8_t>& bytes : mask) out.mask.push_back(bytes.span());
     return out;

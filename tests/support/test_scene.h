@@ -6,6 +6,7 @@
 
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
+#include "kernels/math/colour_map.h"
 #include "tests/support/forms.h"
 #include "tests/support/random.h"
 
@@ -87,7 +88,7 @@ struct TestScene {
   LossWeights weights;
   std::vector<std::vector<uint8_t>> mask;  // [B] each [height, width] or empty; none: no masks
   RegulariserWeights regulariser;          // of `backward` alone
-  std::vector<Vec3<double>> gain;          // [B] RGB, of the loss; none: the images as rendered
+  std::vector<ColourMap<double>> maps;     // [B] of the loss; none: the images as rendered
   int environment_height = 0;              // H; 0: there is none
   std::vector<Real> environment = {};      // [H, 2H, 3]
   TestNodes<Real> nodes = {};              // of a canonical `fixed`
@@ -103,7 +104,7 @@ struct TestScene {
             weights,
             mask,
             regulariser,
-            gain,
+            maps,
             environment_height,
             std::vector<To>(environment.begin(), environment.end()),
             nodes.template as<To>(),

@@ -218,7 +218,7 @@ std::vector<uint32_t> state_bits(const TrainState& state) {
     append_bits(bits, statistics.filter_size);
   }
   for (const Buffer<float>* values :
-       {&state.exposure.log_gain, &state.exposure.moment1, &state.exposure.moment2})
+       {&state.exposure.value, &state.exposure.moment1, &state.exposure.moment2})
     append_bits(bits, *values);
   for (const int32_t steps : state.exposure.steps) bits.push_back(uint32_t(steps));
   for (int64_t value : {state.iteration, state.sampler_epoch, state.sampler_position, state.decided,

@@ -407,15 +407,16 @@ class Session {
 
   /// Null without gains.
   json exposure_result() const {
-    const std::vector<Vec3<double>> gains = gains_of(trainer_->state().exposure);
-    if (gains.empty()) return nullptr;
-    Vec3<double> least = gains.front(), most = least;
-    for (const Vec3<double>& gain : gains) {
+    const std::vector<ColourMap<double>> maps = colour_maps_of(trainer_->state().exposure);
+    if (maps.empty()) return nullptr;
+    Vec3<double> least = channel_response(maps.front()), most = least;
+    for (const ColourMap<double>& map : maps) {
+      const Vec3<double> gain = channel_response(map);
       least = glm::min(least, gain);
       most = glm::max(most, gain);
     }
     return {{"by", name_of(options_.exposure)},
-            {"count", gains.size()},
+            {"count", maps.size()},
             {"smallest", {least[0], least[1], least[2]}},
             {"largest", {most[0], most[1], most[2]}},
             {"file", run_.exposure().string()}};

@@ -175,7 +175,7 @@ std::vector<Real> image_gradient(BackendOf<Real>& backend, const TestScene<doubl
   images.colour = stored(std::vector<Real>(colour.begin(), colour.end()), memory);
   Buffer<Real> d_colour(3 * batch.pixels, memory);
   poison(d_colour, memory);
-  backend.photometric({&batch, &images, in.target().truth, weights, in.target().mask},
+  backend.photometric({&batch, images.colour.span(), in.target().truth, weights, in.target().mask},
                       d_colour.span());
   losses = backend.outcome().losses;
   return fetched(d_colour, memory);

@@ -42,7 +42,10 @@ Sensed<Real> sense(const TestScene<Real>& scene, BackendOf<Real>& backend,
   const Target target = in.target();
   Buffer<Real> image(3 * batch.pixels, memory);
   poison(image, memory);
-  backend.residual({&batch, &images, target.truth, target.weights, target.mask, target.gain},
+  Buffer<Real> mapped(memory);
+  const Span<const Real> colour = std::as_const(images.colour).span();
+  backend.residual({&batch, compared_images(backend, batch, target, colour, mapped), target.truth,
+                    target.weights, target.mask},
                    image.span());
   out.image = fetched(image, memory);
   if (edit) {
@@ -52,7 +55,9 @@ Sensed<Real> sense(const TestScene<Real>& scene, BackendOf<Real>& backend,
   const BlendBackwardArgs<Real> pass{blend, &images, image.span()};
   Buffer<SplatSensitivity<Real>> sums(splats.count, memory);
   poison(sums, memory);
-  backend.sensitivity({pass, target.mask, target.gain}, sums.span());
+  std::vector<Vec3<double>> response;
+  for (const ColourMap<double>& map : target.maps) response.push_back(channel_response(map));
+  backend.sensitivity({pass, target.mask, response}, sums.span());
   Buffer<SplatMoments<Real>> gradient(splats.count, memory);
   backend.blend_backward(pass, gradient.span());
   fetch_lists(splats, instances, memory, out.run);
@@ -101,8 +106,8 @@ TestScene<double> translucent_scene(uint64_t seed) {
 void add_masks_and_gains(TestScene<double>& scene, uint64_t seed) {
   Random random(seed);
   for (size_t b = 0; b < scene.views.size(); ++b) {
-    scene.gain.emplace_back(random.uniform(0.7, 1.3), random.uniform(0.7, 1.3),
-                            random.uniform(0.7, 1.3));
+    scene.maps.push_back(colour_gain<double>(
+        {random.uniform(0.7, 1.3), random.uniform(0.7, 1.3), random.uniform(0.7, 1.3)}));
     scene.mask.emplace_back();
     const size_t width = size_t(scene.views[b].camera.width);
     for (size_t p = 0; p < scene.truth[b].size() / 3 && b != 1; ++p)
@@ -275,7 +280,7 @@ TEST_P(BackendSensitivity, ResidualIsTheImageLessItsTruth) {
       for (size_t i = 0; i < 3 * pixels; ++i) {
         const size_t p = i % pixels, c = i / pixels;
         const bool counts = plain || scene.mask[b].empty() || scene.mask[b][p] != 0;
-        const double gain = plain ? 1 : scene.gain[b][int(c)];
+        const double gain = plain ? 1 : channel_response(scene.maps[b])[int(c)];
         const double miss =
             gain * double(sensed.run.colour[first + i]) - scene.truth[b][3 * p + c] / 255.0;
         if (counts)

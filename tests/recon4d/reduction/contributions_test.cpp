@@ -107,7 +107,8 @@ void add_masks_and_gains(Scene& scene, FrameSample& sample) {
       frame.mask.data.push_back(random.uniform(0, 1) < 0.6 ? 255 : 0);
   }
   for (size_t i = 0; i < sample.frames.size(); ++i)
-    sample.gain.push_back({random.uniform(0.7, 1.3), random.uniform(0.7, 1.3), 1});
+    sample.maps.push_back(
+        colour_gain<double>({random.uniform(0.7, 1.3), random.uniform(0.7, 1.3), 1}));
 }
 
 // Bug put back: the mask of the first frame of a batch for all; seen to fail.
@@ -131,8 +132,8 @@ TEST(Contributions, RemovalIsTheRealChangeWithMasksAndGains) {
     for (size_t j = 0; j < 3 * pixels; ++j) {
       const size_t p = j % pixels, c = j / pixels;
       if (frame.mask.data[p] == 0) continue;
-      const double r =
-          sample.gain[i][int(c)] * double(images[i].rgb[j]) - frame.image.data[3 * p + c] / 255.0;
+      const double r = channel_response(sample.maps[i])[int(c)] * double(images[i].rgb[j]) -
+                       frame.image.data[3 * p + c] / 255.0;
       error += r * r;
     }
   }

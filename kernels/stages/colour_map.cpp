@@ -1,0 +1,69 @@
+// Images as their cameras would have taken them, and the way back: gradients by the images as
+// rendered and by the maps.
+// Source: kernels/math/colour_map.h.
+#include "kernels/base/parallel.h"
+#include "kernels/cpu_backend.h"
+#include "kernels/stages/target_check.h"
+
+namespace tessera {
+namespace {
+
+constexpr int64_t kChunk = 1 << 13;  // pixels of a task
+
+/// The colour of pixel p of a view whose channels lie `pixels` apart.
+template <class Real>
+Vec3<Real> colour_at(const Real* view, int64_t pixels, int64_t p) {
+  return {view[p], view[pixels + p], view[2 * pixels + p]};
+}
+
+template <class Real>
+void set_colour(Real* view, int64_t pixels, int64_t p, const Vec3<Real>& colour) {
+  for (int c = 0; c < 3; ++c) view[c * pixels + p] = colour[c];
+}
+
+}  // namespace
+
+template <class Real>
+void CpuBackend<Real>::map_colours(const ColourMapArgs<Real>& args, Span<Real> mapped) {
+  check_target(args);
+  for (size_t b = 0; b < args.maps.size(); ++b) {
+    const ViewArgs<Real>& view = args.batch->views[b];
+    const int64_t pixels = int64_t(view.width) * view.height, first = 3 * view.first_pixel;
+    const ColourMap<Real> map = args.maps[b].template as<Real>();
+    parallel_for(pixels, kChunk, [&](int64_t begin, int64_t end) {
+      for (int64_t p = begin; p < end; ++p)
+        set_colour(mapped.data + first, pixels, p,
+                   map(colour_at(args.colour.data + first, pixels, p)));
+    });
+  }
+}
+
+template <class Real>
+void CpuBackend<Real>::map_colours_backward(const ColourMapArgs<Real>& args, Span<Real> d_colour) {
+  check_target(args);
+  outcome_.d_maps.assign(args.maps.size(), {Mat3<double>(0), Vec3<double>(0)});
+  for (size_t b = 0; b < args.maps.size(); ++b) {
+    const ViewArgs<Real>& view = args.batch->views[b];
+    const int64_t pixels = int64_t(view.width) * view.height, first = 3 * view.first_pixel;
+    const ColourMap<Real> map = args.maps[b].template as<Real>();
+    std::vector<ColourMap<double>> sums(size_t((pixels + kChunk - 1) / kChunk),
+                                        {Mat3<double>(0), Vec3<double>(0)});
+    parallel_for(pixels, kChunk, [&](int64_t begin, int64_t end) {
+      for (int64_t p = begin; p < end; ++p) {
+        const Vec3<Real> d_x = colour_at<Real>(d_colour.data + first, pixels, p);
+        sums[size_t(begin / kChunk)] +=
+            colour_map_gradient(colour_at(args.colour.data + first, pixels, p), d_x)
+                .template as<double>();
+        set_colour(d_colour.data + first, pixels, p, through_colour_map(map, d_x));
+      }
+    });
+    for (const ColourMap<double>& sum : sums) outcome_.d_maps[b] += sum;
+  }
+}
+
+template void CpuBackend<float>::map_colours(const ColourMapArgs<float>&, Span<float>);
+template void CpuBackend<double>::map_colours(const ColourMapArgs<double>&, Span<double>);
+template void CpuBackend<float>::map_colours_backward(const ColourMapArgs<float>&, Span<float>);
+template void CpuBackend<double>::map_colours_backward(const ColourMapArgs<double>&, Span<double>);
+
+}  // namespace tessera
