@@ -9,9 +9,9 @@
 namespace tessera {
 
 /// Smallest depth, world units along the viewing axis, at which a training camera sees points of
-/// `scene.points`. Of each camera, in its first frame, the nearest five hundredth of the points that
-/// it sees are left out: matches between images are wrong now and then, and then are often near.
-/// None where no camera sees 500 points.
+/// `scene.points`. Of each camera, in its first frame, the nearest five hundredth of the points
+/// that it sees are left out: matches between images are wrong now and then, and then are often
+/// near. None where no camera sees 500 points.
 std::optional<double> nearest_depth(const Scene& scene);
 
 }  // namespace tessera
