@@ -35,10 +35,10 @@ std::vector<TrainOption> optimisation_option_rows() {
        .group = group::kLoss},
       {.key = "exposure",
        .member = choice<&TrainOptions::exposure>(),
-       .doc = "Learn colours of the training images: none; camera (an RGB gain per camera); affine "
-              "(a 3x3 matrix and an offset per camera); frame (an RGB gain per image); auto "
-              "(camera where the gains of the cameras differ by more than 3 %, else none). Scores "
-              "and exports use the mean camera",
+       .doc =
+           "Learn colours of the training images: none; camera (an RGB gain each); affine (a 3x3 "
+           "matrix and an offset each); frame (a gain per image); auto (camera where gains "
+           "differ by more than 3 %, else none). Scores and exports use the mean camera",
        .source = "ours",
        .group = group::kLoss,
        .common = true},

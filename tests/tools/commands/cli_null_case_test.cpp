@@ -53,7 +53,9 @@ class NullCase : public ::testing::Test {
                                        "--decide-colour",
                                        "true",
                                        "--decide-interval",
-                                       "5000"};
+                                       "5000",
+                                       "--near-plane",  // that of rigs is another
+                                       "0.2"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const ChildResult result = work.run(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.err;
