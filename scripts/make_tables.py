@@ -20,6 +20,9 @@ FIELDS = ("id", "version", "commit", "date", "device", "command", "rows")
 COLUMNS = {  # key in a row: (heading, digits after the point, divisor)
     "psnr": ("PSNR, dB", 2, 1),
     "psnr_val": ("PSNR of `val`, dB", 2, 1),
+    "psnr_fit": ("PSNR after a fit of colour, dB", 2, 1),
+    "psnr_lowest": ("PSNR at the lowest timestep, dB", 2, 1),
+    "psnr_object": ("PSNR of the worst object, dB", 2, 1),
     "psnr_moving": ("PSNR of moving pixels, dB", 2, 1),
     "psnr_static": ("PSNR of static pixels, dB", 2, 1),
     "ssim": ("SSIM", 4, 1),

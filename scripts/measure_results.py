@@ -7,7 +7,8 @@
 A line of RECORDS.jsonl is a JSON object per training: name, scene, preset, seed, options, seconds,
 device, n (Gaussians), psnr, ssim, moving, static (PSNR in dB), bytes (of the exported Tessera 4D
 file), version, command. psnr, ssim, moving, static and bytes may be null; psnr_val (of the split
-val) may be absent. scripts/measure_training.py writes such lines. Trainings are grouped by
+val), fit (PSNR after the best gain and offset of each camera), lowest (PSNR at the lowest timestep)
+and object (of the worst object at its lowest timestep) may be absent. scripts/measure_training.py writes such lines. Trainings are grouped by
 scene and preset; docs/development/results.md describes the result.
 """
 
@@ -21,7 +22,9 @@ import sys
 FIELDS = ("name", "scene", "preset", "seed", "options", "seconds", "device", "n", "psnr", "ssim",
           "moving", "static", "bytes", "version", "command")
 KEYS = {"psnr": "psnr", "psnr_val": "psnr_val", "psnr_moving": "moving", "psnr_static": "static", "ssim": "ssim",
-        "seconds": "seconds", "num_gaussians": "n", "shipped_bytes": "bytes"}
+        "seconds": "seconds", "num_gaussians": "n", "shipped_bytes": "bytes",
+        "psnr_fit": "fit", "psnr_lowest": "lowest", "psnr_object": "object"}
+MAY_BE_ABSENT = {"psnr_val", "psnr_fit", "psnr_lowest", "psnr_object"}
 
 
 def read_records(path):
@@ -80,7 +83,7 @@ def row_of(scene, preset, records):
         values = [run.get(field) for run in runs]
         if None in values and any(value is not None for value in values):
             raise ValueError(f"{scene} {preset}: {field} is null for some seeds only")
-        if key == "psnr_val" and None in values:
+        if key in MAY_BE_ABSENT and None in values:
             continue
         row[key] = None if None in values else values
     return row

@@ -2,13 +2,16 @@
 """Trains scenes with presets and seeds and states where the seconds went.
 
     measure_training.py [--tessera build/release/tessera] [--seeds 3] [--jobs 1] [--split val]
-                        [--out FILE.jsonl] SCENE:PRESET[,PRESET...] ... [-- OPTION...]
+                        [--boxes ground_truth.json] [--out FILE.jsonl]
+                        SCENE:PRESET[,PRESET...] ... [-- OPTION...]
 
 Options after -- are passed to every training. A line of JSON per training is added to FILE.jsonl
 as it ends; scripts/measure_results.py makes a results file of such lines. The table at the end has
 medians over the seeds: seconds of training, sum of the device seconds of the stages, their ratio,
 seconds of decisions and the frames that their first passes drew, loading, Gaussians, peak memory,
-PSNR of all pixels of the test views, of moving and of static pixels.
+PSNR of all pixels of the test views, of moving and of static pixels, after the best gain and offset
+of each camera, and at the lowest timestep. With --boxes, which holds for all scenes given, also that
+of the worst object at its lowest timestep.
 
 With --jobs above 1 trainings run side by side: scores are the same, seconds are not comparable.
 --split scores the views of another split too, which the record has as psnr_SPLIT.
@@ -35,6 +38,9 @@ COLUMNS = {  # key in a record: (heading, format)
     "psnr": ("PSNR", "{:.2f}"),
     "moving": ("moving", "{:.2f}"),
     "static": ("static", "{:.2f}"),
+    "fit": ("after fit", "{:.2f}"),
+    "lowest": ("lowest timestep", "{:.2f}"),
+    "object": ("worst object", "{:.2f}"),
 }
 
 
@@ -54,18 +60,21 @@ def decisions_of(log):
     return [event for event in events if event.get("event") == "decision"]
 
 
-def measure(tessera, scene, preset, seed, options, split):
+def measure(tessera, scene, preset, seed, options, split, boxes):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "run"
         command = [tessera, "train", scene, "-o", str(out), "--preset", preset, "--seed", str(seed),
                    *options, "--json"]
         trained = run_json(command)
-        scores = run_json([tessera, "evaluate", str(out), "--scene", scene, "--json"])
+        boxed = ["--boxes", boxes] if boxes else []
+        scores = run_json([tessera, "evaluate", str(out), "--scene", scene, "--json", *boxed])
         decisions = decisions_of(out / "log.jsonl")
         other = {f"psnr_{split}": run_json([tessera, "evaluate", str(out), "--scene", scene,
                                             "--split", split, "--json"])["psnr"]} if split else {}
     stages = sum(trained["stage_ms"].values()) / 1000
     views = scores["held_out_views"] or {}
+    lowest = scores["worst_timestep"] or {}
+    objects = [thing["worst"]["psnr"] for thing in scores.get("objects") or []]
     return {
         "name": preset, "scene": pathlib.Path(scene).name, "preset": preset, "seed": seed,
         "options": options,
@@ -80,7 +89,9 @@ def measure(tessera, scene, preset, seed, options, split):
         "n": trained["num_gaussians"], "dynamic": trained["num_dynamic"],
         "peak_gib": trained["peak_device_bytes"] / 2**30,
         "psnr": scores["psnr"], "ssim": scores["ssim"], "bytes": scores["bytes"],
-        "moving": views.get("psnr_dynamic"), "static": views.get("psnr_static"), **other,
+        "moving": views.get("psnr_dynamic"), "static": views.get("psnr_static"),
+        "fit": scores["psnr_fit"], "lowest": lowest.get("psnr"),
+        "object": min(objects, default=None), **other,
     }
 
 
@@ -113,6 +124,7 @@ def main():
     parser.add_argument("loads", nargs="+", metavar="SCENE:PRESET[,PRESET]")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--split")
+    parser.add_argument("--boxes", help="ground_truth.json of a scene with movers")
     asked = parser.parse_args(arguments)
     version = asked.commit or output_of(["git", "rev-parse", "--short", "HEAD"])
     work = []
@@ -124,7 +136,8 @@ def main():
                  for seed in range(1, asked.seeds + 1)]
     records = []
     with concurrent.futures.ThreadPoolExecutor(asked.jobs) as pool:
-        runs = [pool.submit(measure, asked.tessera, *one, options, asked.split) for one in work]
+        runs = [pool.submit(measure, asked.tessera, *one, options, asked.split, asked.boxes)
+                for one in work]
         for run in concurrent.futures.as_completed(runs):
             record = run.result()
             record["version"] = version
