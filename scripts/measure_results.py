@@ -8,8 +8,9 @@ A line of RECORDS.jsonl is a JSON object per training: name, scene, preset, seed
 device, n (Gaussians), psnr, ssim, moving, static (PSNR in dB), bytes (of the exported Tessera 4D
 file), version, command. psnr, ssim, moving, static and bytes may be null; psnr_val (of the split
 val), fit (PSNR after the best gain and offset of each camera), lowest (PSNR at the lowest timestep)
-and object (of the worst object at its lowest timestep) may be absent. scripts/measure_training.py writes such lines. Trainings are grouped by
-scene and preset; docs/development/results.md describes the result.
+and object (of the worst object at its lowest timestep) may be absent. scripts/measure_training.py
+writes such lines. Trainings are grouped by scene and preset; docs/development/results.md describes
+the result.
 """
 
 import argparse

@@ -2,6 +2,8 @@
 // Whose map it is, and what the maps of all cameras must satisfy: recon4d/model/exposure.h.
 // Source: x = A·c + o; failure mode B10.
 #pragma once
+#include <cstdint>
+
 #include "kernels/math/symmetric.h"
 
 namespace tessera {
@@ -34,6 +36,17 @@ TESSERA_HD inline ColourMap<Real> colour_gain(const Vec3<Real>& gain) {
   ColourMap<Real> map;
   for (int c = 0; c < 3; ++c) map.matrix[c][c] = gain[c];
   return map;
+}
+
+/// The colour of pixel p of a view whose channels lie `pixels` apart.
+template <class Real>
+TESSERA_HD inline Vec3<Real> planar_colour(const Real* view, int64_t pixels, int64_t p) {
+  return Vec3<Real>(view[p], view[pixels + p], view[2 * pixels + p]);
+}
+template <class Real>
+TESSERA_HD inline void set_planar_colour(Real* view, int64_t pixels, int64_t p,
+                                         const Vec3<Real>& colour) {
+  for (int c = 0; c < 3; ++c) view[c * pixels + p] = colour[c];
 }
 
 /// dL/dc = Aᵀ·dL/dx.

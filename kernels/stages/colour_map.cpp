@@ -10,17 +10,6 @@ namespace {
 
 constexpr int64_t kChunk = 1 << 13;  // pixels of a task
 
-/// The colour of pixel p of a view whose channels lie `pixels` apart.
-template <class Real>
-Vec3<Real> colour_at(const Real* view, int64_t pixels, int64_t p) {
-  return {view[p], view[pixels + p], view[2 * pixels + p]};
-}
-
-template <class Real>
-void set_colour(Real* view, int64_t pixels, int64_t p, const Vec3<Real>& colour) {
-  for (int c = 0; c < 3; ++c) view[c * pixels + p] = colour[c];
-}
-
 }  // namespace
 
 template <class Real>
@@ -32,8 +21,8 @@ void CpuBackend<Real>::map_colours(const ColourMapArgs<Real>& args, Span<Real> m
     const ColourMap<Real> map = args.maps[b].template as<Real>();
     parallel_for(pixels, kChunk, [&](int64_t begin, int64_t end) {
       for (int64_t p = begin; p < end; ++p)
-        set_colour(mapped.data + first, pixels, p,
-                   map(colour_at(args.colour.data + first, pixels, p)));
+        set_planar_colour(mapped.data + first, pixels, p,
+                          map(planar_colour(args.colour.data + first, pixels, p)));
     });
   }
 }
@@ -50,11 +39,11 @@ void CpuBackend<Real>::map_colours_backward(const ColourMapArgs<Real>& args, Spa
                                         {Mat3<double>(0), Vec3<double>(0)});
     parallel_for(pixels, kChunk, [&](int64_t begin, int64_t end) {
       for (int64_t p = begin; p < end; ++p) {
-        const Vec3<Real> d_x = colour_at<Real>(d_colour.data + first, pixels, p);
+        const Vec3<Real> d_x = planar_colour<Real>(d_colour.data + first, pixels, p);
         sums[size_t(begin / kChunk)] +=
-            colour_map_gradient(colour_at(args.colour.data + first, pixels, p), d_x)
+            colour_map_gradient(planar_colour(args.colour.data + first, pixels, p), d_x)
                 .template as<double>();
-        set_colour(d_colour.data + first, pixels, p, through_colour_map(map, d_x));
+        set_planar_colour(d_colour.data + first, pixels, p, through_colour_map(map, d_x));
       }
     });
     for (const ColourMap<double>& sum : sums) outcome_.d_maps[b] += sum;

@@ -16,17 +16,6 @@ constexpr int kParts = 64;  // blocks of a view whose sums are added at the end
 constexpr int kTerms = 12;  // doubles of a ColourMap<double>
 static_assert(sizeof(ColourMap<double>) == kTerms * sizeof(double));
 
-__device__ inline Vec3<float> colour_at(const float* view, int64_t pixels, int64_t p) {
-  return Vec3<float>(view[p], view[pixels + p], view[2 * pixels + p]);
-}
-
-__device__ inline void set_colour(float* view, int64_t pixels, int64_t p,
-                                  const Vec3<float>& colour) {
-  view[p] = colour.x;
-  view[pixels + p] = colour.y;
-  view[2 * pixels + p] = colour.z;
-}
-
 __global__ void __launch_bounds__(kThreads)
     write_mapped(const ViewArgs<float>* views, const ColourMap<float>* maps, const float* colour,
                  float* mapped) {
@@ -34,7 +23,8 @@ __global__ void __launch_bounds__(kThreads)
   const int64_t pixels = int64_t(view.width) * view.height, first = 3 * view.first_pixel;
   const int64_t p = linear_index();
   if (p >= pixels) return;
-  set_colour(mapped + first, pixels, p, maps[blockIdx.y](colour_at(colour + first, pixels, p)));
+  set_planar_colour(mapped + first, pixels, p,
+                    maps[blockIdx.y](planar_colour(colour + first, pixels, p)));
 }
 
 /// Part blockIdx.x of view blockIdx.y takes every kParts-th run of pixels and writes its sums.
@@ -47,9 +37,9 @@ __global__ void __launch_bounds__(kThreads)
   const int64_t pixels = int64_t(view.width) * view.height, first = 3 * view.first_pixel;
   ColourMap<float> sum{Mat3<float>(0.0f), Vec3<float>(0.0f)};
   for (int64_t p = linear_index(); p < pixels; p += int64_t(kParts) * kThreads) {
-    const Vec3<float> d_x = colour_at(d_colour + first, pixels, p);
-    sum += colour_map_gradient(colour_at(colour + first, pixels, p), d_x);
-    set_colour(d_colour + first, pixels, p, through_colour_map(map, d_x));
+    const Vec3<float> d_x = planar_colour(d_colour + first, pixels, p);
+    sum += colour_map_gradient(planar_colour(colour + first, pixels, p), d_x);
+    set_planar_colour(d_colour + first, pixels, p, through_colour_map(map, d_x));
   }
 #pragma unroll
   for (int k = 0; k < kTerms; ++k) {

@@ -137,7 +137,7 @@ ViewScore score_view(const Frame& frame, const RenderedImage& image,
   score.width = image.width;
   score.height = image.height;
   const Image8 drawn = quantise(image.planar(), image.width, image.height);
-  const Span<const uint8_t> mask{frame.mask.data.data(), int64_t(frame.mask.data.size())};
+  const Span<const uint8_t> mask = used_mask(frame);
   score.masked = !mask.empty();
   score.mse = mean_squared_error(drawn, frame.image, mask);
   score.psnr = psnr_of_mse(score.mse);

@@ -71,7 +71,8 @@ enum class StructureDetail { kNone, kSsim, kAll };  // kSsim: the reflected mean
 struct EvaluateOptions {
   int batch = 4;  // views rendered at once
   StructureDetail structure = StructureDetail::kAll;
-  bool temporal = true;  // flicker, moving and still pixels apart
+  bool temporal = true;    // flicker, moving and still pixels apart
+  bool pixel_sums = true;  // what PixelScores adds, all of `temporal` among it; false: PSNR alone
   /// LPIPS of two RGB images of one size; empty: none. Where a mask ignores, both are alike.
   std::function<double(const Image8& drawn, const Image8& truth)> lpips;
   /// What moves in a frame, one channel, of its size: values as MovingRegionScore has them; empty:

@@ -10,11 +10,12 @@ namespace {
 
 ViewPixelSums box_sums(const Frame& frame, const Image8& drawn, const ObjectBox& box) {
   ViewPixelSums sums;
+  const Span<const uint8_t> mask = used_mask(frame);
   const int right = std::min(box.x1, drawn.width), bottom = std::min(box.y1, drawn.height);
   for (int y = std::max(box.y0, 0); y < bottom; ++y)
     for (int x = std::max(box.x0, 0); x < right; ++x) {
       const size_t p = size_t(y) * size_t(drawn.width) + size_t(x);
-      if (!frame.mask.data.empty() && frame.mask.data[p] == 0) continue;
+      if (!is_used(mask, p)) continue;
       sums.still.add(&drawn.data[3 * p], &frame.image.data[3 * p]);
     }
   return sums;

@@ -41,6 +41,7 @@ void add_colour_fit(const std::vector<ViewPixelSums>& sums, EvaluationReport& re
 }  // namespace
 
 void PixelScores::add(const Frame& frame, const RenderedImage& image, ViewScore& score) {
+  if (!options_.pixel_sums) return;
   const Image8 drawn = quantise(image.planar(), image.width, image.height);
   const ViewPixelSums sums =
       view_sums(drawn, frame, options_.temporal ? regions_.mask_of(frame) : std::vector<uint8_t>());

@@ -47,8 +47,9 @@ ViewPixelSums view_sums(const Image8& drawn, const Frame& frame,
   check(moves.empty() || moves.size() == pixels, "pixel sums: moving pixels of the image's size");
   ViewPixelSums sums;
   sums.knows_motion = !moves.empty();
+  const Span<const uint8_t> mask = used_mask(frame);
   for (size_t p = 0; p < pixels; ++p) {
-    if (!frame.mask.data.empty() && frame.mask.data[p] == 0) continue;
+    if (!is_used(mask, p)) continue;
     PixelSums& region = !moves.empty() && moves[p] != 0 ? sums.moving : sums.still;
     region.add(&drawn.data[3 * p], &frame.image.data[3 * p]);
   }

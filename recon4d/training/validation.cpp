@@ -100,7 +100,7 @@ double Validation::psnr(const GaussianModel& model) const {
   EvaluateOptions options;
   options.batch = int(batch_);
   options.structure = StructureDetail::kNone;
-  options.temporal = false;
+  options.pixel_sums = false;
   return evaluate(backend_, model, scene_, Split::kValidation, options).all.psnr.value();
 }
 

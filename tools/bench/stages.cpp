@@ -105,8 +105,7 @@ int bench_stages_command(StageBenchRequest request) {
   } else {
     complete_cloud(scene, options);
   }
-  resolve_near_plane(scene, options);
-  resolve_exposure(scene, options);
+  resolve_by_cloud(scene, options);
   if (request.ablations) {
     const json rows = bench_ablations(request, scene, options);
     print_result(request.json, {{"ablations", rows}}, "");

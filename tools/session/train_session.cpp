@@ -105,8 +105,7 @@ class Session {
   /// What follows from the images alone.
   void complete_scene() {
     if (const auto found = complete_cloud(scene_, options_)) observer_.on_message(*found);
-    if (const auto found = resolve_near_plane(scene_, options_)) observer_.on_message(*found);
-    if (const auto found = resolve_exposure(scene_, options_)) observer_.on_message(*found);
+    for (const std::string& found : resolve_by_cloud(scene_, options_)) observer_.on_message(found);
     // refuses what cannot be learned before motion is tried
     exposure_rows(scene_, scene_.split_indices(Split::kTrain), options_);
     complete_motion();

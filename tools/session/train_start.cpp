@@ -115,6 +115,8 @@ std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& opti
   return found;
 }
 
+namespace {
+
 std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& options) {
   constexpr double kVisible = 0.03;
   if (options.exposure != ExposureGains::kAuto) return std::nullopt;
@@ -150,6 +152,15 @@ std::optional<std::string> resolve_near_plane(const Scene& scene, TrainOptions& 
       "near plane: the cameras see the first points at a depth of {:.3g}, so nothing is drawn "
       "nearer than {:.3g}; --near-plane {:g} does as other trainers",
       *nearest, options.near_plane, TrainOptions().near_plane);
+}
+
+}  // namespace
+
+std::vector<std::string> resolve_by_cloud(const Scene& scene, TrainOptions& options) {
+  std::vector<std::string> lines;
+  for (const auto& line : {resolve_near_plane(scene, options), resolve_exposure(scene, options)})
+    if (line) lines.push_back(*line);
+  return lines;
 }
 
 bool resolve_motion(Backend& backend, const Scene& scene,

@@ -28,14 +28,11 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
 /// validation frames. A line on what was found; none where nothing was.
 std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options);
 
-/// Replaces exposure `auto`: by `camera` where the measured gains of the training cameras differ by
-/// more than 3 %, else by `none`. `scene` has its cloud. A line on what was measured; none where
-/// options.exposure is not `auto`.
-std::optional<std::string> resolve_exposure(const Scene& scene, TrainOptions& options);
-
-/// Replaces a near plane of 0 by half of nearest_depth(scene), or by the usual one where the cloud
-/// of `scene` has too few points. A line on what was found; none where options.near_plane is not 0.
-std::optional<std::string> resolve_near_plane(const Scene& scene, TrainOptions& options);
+/// Replaces what options leave to a measurement on `scene`, which has its cloud; a line on each.
+/// A near plane of 0: by half of nearest_depth(scene), or by the usual one where the cloud has too
+/// few points. Exposure `auto`: by `camera` where the measured gains of the training cameras differ
+/// by more than 3 %, else by `none`.
+std::vector<std::string> resolve_by_cloud(const Scene& scene, TrainOptions& options);
 
 /// Replaces motion `auto`: the options become `with_nodes` where a trial on `scene`, which has its
 /// cloud, prefers nodes, else their motion is `pair`. False where `stop`, asked before each step of
