@@ -24,9 +24,7 @@ constexpr float kMostUnlike = 0.7f;    // of agreeing patches, by their texture
 constexpr float kMostGain = 48;        // difference of their brightness, levels
 constexpr float kDistinct = 1.15f;     // second valley ÷ best
 constexpr float kNoAgreement = 1e9f;
-constexpr double kSamePoint = 1.5;   // pixels between a point and where the other camera has it
-constexpr float kStill = 4;          // change over time of a still pixel, levels
-constexpr size_t kStillMoments = 8;  // timesteps at which a pixel is looked at
+constexpr double kSamePoint = 1.5;  // pixels between a point and where the other camera has it
 
 bool is_ignored(const Image8& mask, int x, int y) {
   return !mask.data.empty() && mask.data[size_t(y) * size_t(mask.width) + size_t(x)] == 0;
@@ -141,9 +139,12 @@ struct PlaneSweep::Search {
 };
 
 PlaneSweep::PlaneSweep(const Scene& scene)
-    : scene_(scene), rig_(make_camera_rig(scene.training_cameras())) {
-  for (int i : scene.split_indices(Split::kTrain))
-    cameras_[scene.frames[size_t(i)].camera_name].push_back(i);
+    : PlaneSweep(scene, std::make_shared<const Stillness>(scene)) {}
+
+PlaneSweep::PlaneSweep(const Scene& scene, std::shared_ptr<const Stillness> stillness)
+    : scene_(scene),
+      rig_(make_camera_rig(scene.training_cameras())),
+      stillness_(std::move(stillness)) {
   for (const Timestep& timestep : training_timesteps(scene))
     if (timestep.frames.size() >= 3) choose_neighbours(timestep.frames);
 }
@@ -162,6 +163,7 @@ void PlaneSweep::choose_neighbours(const std::vector<int>& frames) {
     for (const auto& [distance, other] : others) neighbours_[frame].push_back(other);
     usable_.push_back(frame);
     grey_.emplace(frame, grey_image(scene_.frames[size_t(frame)].image));
+    light_.emplace(frame, stillness_->light_of(scene_.frames[size_t(frame)]));
   }
 }
 
@@ -217,21 +219,12 @@ bool PlaneSweep::confirmed(int frame, const glm::dvec3& point, int by) const {
 }
 
 bool PlaneSweep::still(int index, int x, int y) const {
+  return stillness_->still(scene_.frames[size_t(index)], light_.at(index), x, y);
+}
+
+bool PlaneSweep::moves(int index, int x, int y) const {
   const Frame& frame = scene_.frames[size_t(index)];
-  const Patch patch = patch_at(frame.image, x, y);
-  const std::vector<int>& frames = cameras_.at(frame.camera_name);
-  const size_t count = std::min(frames.size(), kStillMoments), last = frames.size() - 1;
-  for (size_t i = 0; i < count; ++i) {  // the first and the last are among them
-    const size_t timestep = count > 1 ? i * last / (count - 1) : 0;
-    const Frame& other = scene_.frames[size_t(frames[timestep])];
-    if (other.camera.cam_from_world != frame.camera.cam_from_world ||
-        other.camera.translation != frame.camera.translation)
-      return true;  // the camera moves: the pixel tells nothing
-    const Patch then = patch_at(other.image, x, y);
-    if (difference(patch, then) > kStill || brightness_difference(patch, then) > kStill)
-      return false;
-  }
-  return true;
+  return has_patch(frame.image, x, y) && !still(index, x, y);
 }
 
 std::optional<SweptPoint> PlaneSweep::find(int index, int x, int y) const {

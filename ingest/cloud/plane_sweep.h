@@ -4,9 +4,11 @@
 // Source: plane sweep after [Collins96]; the cross-camera check is stereo's left-right check.
 #pragma once
 #include <map>
+#include <memory>
 #include <optional>
 
 #include "ingest/cloud/patch.h"
+#include "ingest/cloud/stillness.h"
 #include "ingest/scene.h"
 #include "kernels/base/camera_rig.h"
 
@@ -29,12 +31,17 @@ class PlaneSweep {
  public:
   /// Looks at the training frames only, of which there is one at least. `scene` must outlive this.
   explicit PlaneSweep(const Scene& scene);
+  /// What moves is told by other frames of the same cameras.
+  PlaneSweep(const Scene& scene, std::shared_ptr<const Stillness> stillness);
   const Scene& scene() const { return scene_; }
   /// Frames with at least two others of their timestep, indices into Scene::frames.
   const std::vector<int>& frames() const { return usable_; }
   /// None where a mask ignores the pixel, or without texture, agreement, a distinct best depth, or
   /// the other camera's consent.
   std::optional<SweptPoint> find(int frame, int x, int y) const;
+  /// Whether the pixel of one of frames() looks otherwise at another time of the clip; false at the
+  /// image's edge, where no patch fits.
+  bool moves(int frame, int x, int y) const;
   /// The frame that the point was found in, and those that it was compared with and which agree on
   /// what the point looks like.
   std::vector<int> agreeing_frames(const SweptPoint& point) const;
@@ -51,9 +58,10 @@ class PlaneSweep {
   const Scene& scene_;
   CameraRig rig_;
   std::vector<int> usable_;
-  std::map<int, std::vector<int>> neighbours_;       // frame → the nearest of its timestep
-  std::map<std::string, std::vector<int>> cameras_;  // camera → its training frames
-  std::map<int, GreyImage> grey_;                    // of usable_
+  std::map<int, std::vector<int>> neighbours_;  // frame → the nearest of its timestep
+  std::shared_ptr<const Stillness> stillness_;
+  std::map<int, LightRatio> light_;  // of usable_
+  std::map<int, GreyImage> grey_;    // of usable_
 };
 
 }  // namespace tessera

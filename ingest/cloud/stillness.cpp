@@ -1,0 +1,83 @@
+// Pixels that look the same at all times.
+#include "ingest/cloud/stillness.h"
+
+#include <algorithm>
+
+#include "ingest/cloud/patch.h"
+#include "kernels/base/median.h"
+
+namespace tessera {
+namespace {
+
+constexpr float kStill = 4;         // change over time of a still pixel, levels
+constexpr size_t kMostMoments = 8;  // at which a pixel is looked at
+constexpr size_t kEveryPixel = 17;  // of the image, for its light
+constexpr float kMostRatio = 2;
+
+bool same_place(const Camera& a, const Camera& b) {
+  return a.cam_from_world == b.cam_from_world && a.translation == b.translation;
+}
+
+/// As it would look in the light of another image.
+Patch relit(Patch patch, const LightRatio& ratio) {
+  for (size_t i = 0; i < patch.level.size(); ++i) patch.level[i] *= ratio[i % 3];
+  for (size_t c = 0; c < 3; ++c) patch.mean[c] *= ratio[c];
+  return patch;
+}
+
+}  // namespace
+
+LightRatio light_ratio(const Image8& a, const Image8& b) {
+  LightRatio ratio{1, 1, 1};
+  const size_t pixels = a.data.size() / 3;
+  if (pixels == 0 || a.data.size() != b.data.size()) return ratio;
+  for (size_t c = 0; c < 3; ++c) {
+    std::vector<float> ratios;
+    for (size_t p = 0; p < pixels; p += kEveryPixel)
+      ratios.push_back((float(a.data[3 * p + c]) + 1) / (float(b.data[3 * p + c]) + 1));
+    ratio[c] = std::clamp(median_in_place(ratios), 1 / kMostRatio, kMostRatio);
+  }
+  return ratio;
+}
+
+Stillness::Stillness(const Scene& over_time) {
+  std::map<std::string, std::vector<const Frame*>> frames;
+  for (int i : over_time.split_indices(Split::kTrain)) {
+    const Frame& frame = over_time.frames[size_t(i)];
+    frames[frame.camera_name].push_back(&frame);
+  }
+  for (const auto& [camera, all] : frames) {
+    const size_t count = std::min(all.size(), kMostMoments), last = all.size() - 1;
+    std::vector<Moment>& moments = cameras_[camera];
+    for (size_t i = 0; i < count; ++i) {
+      const Frame* frame = all[count > 1 ? i * last / (count - 1) : 0];
+      moments.push_back({frame, {1, 1, 1}});
+      moments.back().light = light_of(*frame);
+    }
+  }
+}
+
+LightRatio Stillness::light_of(const Frame& frame) const {
+  const auto camera = cameras_.find(frame.camera_name);
+  if (camera == cameras_.end()) return {1, 1, 1};
+  const Frame& first = *camera->second.front().frame;
+  if (&first == &frame || !same_place(first.camera, frame.camera)) return {1, 1, 1};
+  return light_ratio(frame.image, first.image);
+}
+
+bool Stillness::still(const Frame& frame, const LightRatio& light, int x, int y) const {
+  const auto camera = cameras_.find(frame.camera_name);
+  if (camera == cameras_.end()) return true;
+  const Patch patch = patch_at(frame.image, x, y);
+  for (const Moment& moment : camera->second) {
+    if (!same_place(moment.frame->camera, frame.camera)) return true;
+    const LightRatio ratio{light[0] / moment.light[0], light[1] / moment.light[1],
+                           light[2] / moment.light[2]};
+    const Patch then = relit(patch_at(moment.frame->image, x, y), ratio);
+    if (difference(patch, then) > kStill || brightness_difference(patch, then) > kStill)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace tessera

@@ -1,0 +1,40 @@
+// Which pixels of a camera that stands still look the same at all times, whatever the light is.
+// Source: the ratio to the temporal median by the median over pixels, as for moving masks.
+#pragma once
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ingest/scene.h"
+
+namespace tessera {
+
+/// Brightness of an image's channels by that of another image of its camera.
+using LightRatio = std::array<float, 3>;
+
+/// Median over pixels of (a + 1) / (b + 1), channel by channel, between a half and two. Images of
+/// equal size, RGB.
+LightRatio light_ratio(const Image8& a, const Image8& b);
+
+/// Takes no memory of its own but a few numbers an image.
+class Stillness {
+ public:
+  /// By the training frames of `over_time`, which have images. It must outlive this.
+  explicit Stillness(const Scene& over_time);
+  /// By the camera's first frame of those; 1 where it has none, or stood elsewhere then.
+  LightRatio light_of(const Frame& frame) const;
+  /// Whether the patch around pixel (x, y) is the same, after its light, in up to eight frames of
+  /// the camera, the first and the last among them. True where the camera moves: then the pixel
+  /// tells nothing. has_patch must hold. `light`: light_of(frame).
+  bool still(const Frame& frame, const LightRatio& light, int x, int y) const;
+
+ private:
+  struct Moment {
+    const Frame* frame;
+    LightRatio light;  // by the first of the camera
+  };
+  std::map<std::string, std::vector<Moment>> cameras_;
+};
+
+}  // namespace tessera
