@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string_view>
 
 #include "recon4d/reduction/precision.h"
 
@@ -16,14 +18,26 @@ int64_t counted_samples(const Frame& frame) {
   return 3 * int64_t(std::count_if(mask.begin(), mask.end(), [](uint8_t m) { return m != 0; }));
 }
 
-/// Mean square of gain − 1 over images and channels.
-double gain_variance(const std::vector<ColourMap<double>>& maps) {
-  double sum = 0;
-  for (const ColourMap<double>& map : maps) {
-    const Vec3<double> off = channel_response(map) - 1.0;
-    sum += dot(off, off) / 3;
+/// Mean square over images and channels of an image's gain less the mean of its camera's. A
+/// camera's own gain is no change: what is compared over time are the same cameras.
+double gain_variance(const FrameSample& sample) {
+  struct Sum {
+    Vec3<double> gain{}, square{};
+    int64_t images = 0;
+  };
+  std::map<std::string_view, Sum> cameras;
+  for (size_t i = 0; i < sample.maps.size(); ++i) {
+    const Vec3<double> gain = channel_response(sample.maps[i]);
+    Sum& sum = cameras[sample.frame(int64_t(i)).camera_name];
+    sum.gain += gain;
+    sum.square += gain * gain;
+    ++sum.images;
   }
-  return maps.empty() ? 0 : sum / double(maps.size());
+  double variance = 0;
+  for (const auto& [name, sum] : cameras)
+    variance +=
+        (dot(sum.square, Vec3<double>(1)) - dot(sum.gain, sum.gain) / double(sum.images)) / 3;
+  return sample.maps.empty() ? 0 : std::max(0.0, variance / double(sample.maps.size()));
 }
 
 /// The sums of a set, [N] from `first` on, scaled to all frames.
@@ -74,7 +88,7 @@ double Contributions::psnr_after(double added) const {
 Contributions measure_contributions(Backend& backend, const GaussianModel& model,
                                     const FrameSample& sample, const ElementPrices& prices) {
   Contributions contributions;
-  contributions.gain_variance = gain_variance(sample.maps);
+  contributions.gain_variance = gain_variance(sample);
   ElementBuffers elements(backend, model, true);
   ScoringPass pass(backend, model, true);
   Buffer<ElementSums<float>> sums;

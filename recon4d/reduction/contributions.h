@@ -43,7 +43,7 @@ struct Contributions {
   double squared_error = 0;               // over all training images
   double samples = 0;                     // 3 · pixels that count in them
   double share = 1;                       // of the training frames, that were drawn
-  double gain_variance = 0;               // of the images' gains around 1
+  double gain_variance = 0;               // of the images' gains around their camera's mean
   double psnr_after(double added) const;  // dB, of the mean squared error with so much more
 };
 

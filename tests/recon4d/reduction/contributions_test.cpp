@@ -111,6 +111,27 @@ void add_masks_and_gains(Scene& scene, FrameSample& sample) {
         colour_gain<double>({random.uniform(0.7, 1.3), random.uniform(0.7, 1.3), 1}));
 }
 
+// Bug put back: the mean over all cameras in place of the camera's; seen to fail.
+TEST(Contributions, GainsVaryOverTimeNotBetweenCameras) {
+  const GaussianModel model = random_model(3, 0, 7);
+  const Scene scene = noisy_ring(4, 3, 8);
+  FrameSample sample = sample_training_frames(scene);
+  const auto variance = [&](double wobble) {
+    sample.maps.clear();
+    for (int64_t i = 0; i < sample.count(); ++i) {
+      const Frame& frame = sample.frame(i);
+      const double own = frame.camera_name == scene.frames[0].camera_name ? 0.8 : 1.1;
+      const double off = double(frame.frame_number - 1) * wobble;  // −1, 0, 1 timestep
+      sample.maps.push_back(colour_gain<double>({own + off, own, own}));
+    }
+    return measure_contributions(*make_cpu_backend(), model, sample).gain_variance;
+  };
+  EXPECT_NEAR(variance(0), 0, 1e-12);
+  EXPECT_NEAR(variance(0.1), 0.01 * (2.0 / 3) / 3, 1e-12) << "of one channel of three";
+  sample.maps.clear();
+  EXPECT_EQ(measure_contributions(*make_cpu_backend(), model, sample).gain_variance, 0);
+}
+
 // Bug put back: the mask of the first frame of a batch for all; seen to fail.
 TEST(Contributions, RemovalIsTheRealChangeWithMasksAndGains) {
   const GaussianModel model = random_model(12, 8, 7, 4);
