@@ -60,4 +60,14 @@ std::vector<int64_t> key_timesteps(int64_t timesteps, int64_t most) {
   return chosen;
 }
 
+std::vector<int64_t> motion_timesteps(int64_t timesteps) {
+  constexpr int64_t kApart = 2, kMost = 48;
+  const int64_t last = timesteps - 1;
+  const int64_t apart = std::max(kApart, (last + kMost - 2) / (kMost - 1));
+  std::vector<int64_t> chosen;
+  for (int64_t number = 0; number < last; number += apart) chosen.push_back(number);
+  if (timesteps > 0) chosen.push_back(last);
+  return chosen;
+}
+
 }  // namespace tessera

@@ -29,4 +29,8 @@ std::vector<Timestep> group_timesteps(const std::vector<FrameTime>& frames);
 /// more than there are.
 std::vector<int64_t> key_timesteps(int64_t timesteps, int64_t most);
 
+/// Numbers of the timesteps at which what moves is looked for, ascending: every second of a clip,
+/// the last among them; of long clips every third, fourth … so that there are at most 48.
+std::vector<int64_t> motion_timesteps(int64_t timesteps);
+
 }  // namespace tessera

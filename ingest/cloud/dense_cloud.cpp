@@ -1,6 +1,5 @@
-// What: random pixels in rounds until there are enough points; one still point a voxel, one moving
-//       point a voxel and timestep.
-// Not: the depth of a pixel (plane_sweep.h).
+// Random pixels in rounds until there are enough points; one still point a voxel, one moving point
+// a voxel and timestep.
 #include "ingest/cloud/dense_cloud.h"
 
 #include <algorithm>
@@ -33,12 +32,23 @@ class Voxels {
   std::set<std::tuple<int, int64_t, int64_t, int64_t, float>> taken_;
 };
 
-std::optional<SweptPoint> attempt(const PlaneSweep& sweep, uint64_t seed, int64_t number) {
-  const RandomBlock random = philox(seed, RandomStream::kInitialise, uint64_t(number), 2);
-  const int frame = sweep.frames()[random.word[0] % uint32_t(sweep.frames().size())];
-  const Image8& image = sweep.scene().frames[size_t(frame)].image;
-  return sweep.find(frame, int(uniform(random.word[1]) * float(image.width)),
-                    int(uniform(random.word[2]) * float(image.height)));
+/// The first of a few random pixels that belongs to the part.
+std::optional<SweptPoint> attempt(const PlaneSweep& sweep, const CloudOptions& options,
+                                  int64_t number) {
+  constexpr int64_t kPixels = 32;
+  const int64_t most = options.part == CloudPart::kAll ? 1 : kPixels;
+  for (int64_t i = 0; i < most; ++i) {
+    const RandomBlock random =
+        philox(options.seed, RandomStream::kInitialise, uint64_t(number * most + i), 2);
+    const int frame = sweep.frames()[random.word[0] % uint32_t(sweep.frames().size())];
+    const Image8& image = sweep.scene().frames[size_t(frame)].image;
+    const int x = int(uniform(random.word[1]) * float(image.width));
+    const int y = int(uniform(random.word[2]) * float(image.height));
+    const bool sought = options.part == CloudPart::kAll ||
+                        sweep.moves(frame, x, y) == (options.part == CloudPart::kMoving);
+    if (sought) return sweep.find(frame, x, y);
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -54,8 +64,7 @@ std::vector<SweptPoint> dense_points(const PlaneSweep& sweep, const CloudOptions
     found.resize(size_t(std::min(kRound, tries - begin)));
     if (options.progress) options.progress(int64_t(points.size()));
     parallel_for(int64_t(found.size()), kGrain, [&](int64_t from, int64_t to) {
-      for (int64_t i = from; i < to; ++i)
-        found[size_t(i)] = attempt(sweep, options.seed, begin + i);
+      for (int64_t i = from; i < to; ++i) found[size_t(i)] = attempt(sweep, options, begin + i);
     });
     for (const std::optional<SweptPoint>& point : found) {
       if (int64_t(points.size()) == options.points) return points;

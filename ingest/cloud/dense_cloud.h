@@ -1,6 +1,5 @@
-// What: an initial cloud by plane sweep: pixels of all training cameras at all timesteps of a
-//       scene, still points once, moving ones with their timesteps.
-// Not: dense stereo, and no points of monocular captures; the search is plane_sweep.h.
+// An initial cloud by plane sweep (plane_sweep.h): pixels of all training cameras at all timesteps
+// of a scene, still points once, moving ones with their timesteps.
 #pragma once
 #include <functional>
 #include <vector>
@@ -10,15 +9,19 @@
 
 namespace tessera {
 
+enum class CloudPart { kAll, kStill, kMoving };
+
 struct CloudOptions {
   int64_t points = kCloudPoints;  // at most
   uint64_t seed = 1;
   std::function<void(int64_t points)> progress;  // may throw to stop
+  CloudPart part = CloudPart::kAll;              // of the pixels, that are tried
 };
 
 /// Points found in the scene of `sweep`, in random order; the scene's own points are not looked at.
 /// Empty when no three training cameras share a timestep. The same for any number of threads. Tries
-/// at most kTriesAPoint · options.points pixels.
+/// at most kTriesAPoint · options.points pixels; those of the other part do not count, up to 31 in
+/// a row.
 inline constexpr int64_t kTriesAPoint = 6;
 std::vector<SweptPoint> dense_points(const PlaneSweep& sweep, const CloudOptions& options);
 

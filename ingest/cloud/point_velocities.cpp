@@ -32,6 +32,8 @@ constexpr double kAlike = 0.75;         // and pixels on top
 constexpr double kFar = 3;  // spacings: displacements that neighbours must not contradict
 constexpr size_t kSpacingNeighbour = 3;  // whose distance is a point's spacing
 constexpr double kFewestAlike = 0.25;    // of the neighbours, by which they do not
+constexpr size_t kFewestLenders = 3;     // neighbours with a reliable displacement,
+constexpr double kLendersAlike = 0.5;    // and those of them that agree, for a point without
 constexpr int64_t kGrain = 16;           // points
 
 struct Estimate {
@@ -185,12 +187,14 @@ class Motions {
 
   void search_from_rest();
   void search_from_neighbours();
-  /// Displacement of point i as its neighbours leave it; none where it is not reliable.
+  /// Displacement of point i as its neighbours leave it. Where its own is not reliable, that which
+  /// they agree on, if the images agree with it better than with rest.
   std::optional<glm::dvec3> agreed(size_t i) const;
 
  private:
   /// Reliable displacements of neighbours, nearest first.
   std::vector<glm::dvec3> reliable_around(size_t i) const;
+  std::optional<glm::dvec3> lent(size_t i, const std::vector<glm::dvec3>& around) const;
   double spacing(size_t i) const;  // world units
   void for_all(const std::function<Estimate(size_t)>& estimate);
 
@@ -247,10 +251,22 @@ double Motions::spacing(size_t i) const {
   return near.empty() ? 0 : near[std::min(near.size(), kSpacingNeighbour) - 1].distance;
 }
 
+std::optional<glm::dvec3> Motions::lent(size_t i, const std::vector<glm::dvec3>& around) const {
+  if (around.size() < kFewestLenders) return std::nullopt;
+  const glm::dvec3 displacement = median_of(around);
+  const auto same = std::count_if(around.begin(), around.end(), [&](const glm::dvec3& other) {
+    return alike(displacement, other, points_[i]->pixel);
+  });
+  if (double(same) < kLendersAlike * double(around.size())) return std::nullopt;
+  const Search search(views_, *points_[i]);
+  if (search.difference(displacement) >= search.at_rest().difference) return std::nullopt;
+  return displacement;
+}
+
 std::optional<glm::dvec3> Motions::agreed(size_t i) const {
   const Estimate& estimate = estimates_[i];
-  if (!estimate.reliable) return std::nullopt;
   const std::vector<glm::dvec3> around = reliable_around(i);
+  if (!estimate.reliable) return lent(i, around);
   std::vector<glm::dvec3> same{estimate.displacement};
   for (const glm::dvec3& other : around)
     if (alike(estimate.displacement, other, points_[i]->pixel)) same.push_back(other);

@@ -23,7 +23,9 @@ struct VelocityCount {
 /// windows hold enough structure to tell it to half a pixel whatever its direction, and the images
 /// differ clearly less than without motion, or it is less than half a pixel. A displacement above
 /// three point spacings that the neighbours contradict is not. A reliable displacement becomes the
-/// median of those of the neighbours that agree with it. The same for any number of threads.
+/// median of those of the neighbours that agree with it. A point without a reliable one takes what
+/// its neighbours agree on, where that explains the images better than rest. The same for any
+/// number of threads.
 VelocityCount find_velocities(const PlaneSweep& sweep, const Scene& around,
                               const std::vector<SweptPoint*>& points);
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <set>
 
 #include "ingest/clocks/training_timesteps.h"
 #include "ingest/layouts/scene_reader.h"
@@ -68,22 +67,49 @@ class Clip {
     return key_timesteps(int64_t(timesteps_.size()), timesteps_in_memory(listed_, timesteps_));
   }
   Scene loaded(const std::vector<int64_t>& numbers) const { return load(folder_, numbers); }
-  /// Velocities of those of `points` whose frames belong to the timestep of that number.
-  VelocityCount find_velocities_at(int64_t number, const PlaneSweep& sweep,
-                                   std::vector<SweptPoint>& points) const {
-    std::set<std::string> names;
-    for (int i : timesteps_[size_t(number)].frames) names.insert(listed_.frames[size_t(i)].name);
-    std::vector<SweptPoint*> found;
-    for (SweptPoint& point : points)
-      if (names.contains(sweep.scene().frames[size_t(point.frame)].name)) found.push_back(&point);
-    const std::vector<int64_t> around = beside(number, int64_t(timesteps_.size()));
-    return around.empty() ? VelocityCount{} : find_velocities(sweep, loaded(around), found);
-  }
+  int64_t count() const { return int64_t(timesteps_.size()); }
 
  private:
   std::filesystem::path folder_;
   Scene listed_;  // without pixels
   std::vector<Timestep> timesteps_;
+};
+
+/// What moves at a timestep, with velocities.
+class MovingPoints {
+ public:
+  MovingPoints(const Clip& clip, const CloudOptions& options,
+               std::shared_ptr<const Stillness> stillness, RigCloud& cloud)
+      : clip_(clip), options_(options), stillness_(std::move(stillness)), cloud_(cloud) {
+    options_.part = CloudPart::kMoving;
+    options_.progress = nullptr;
+  }
+  std::vector<SweptPoint> at(int64_t number, int64_t most) {
+    options_.points = most;
+    options_.seed += 1;
+    Clock::time_point start = Clock::now();
+    const Scene scene = clip_.loaded({number});
+    const PlaneSweep sweep(scene, stillness_);
+    std::vector<SweptPoint> points = dense_points(sweep, options_);
+    cloud_.sweep_seconds += seconds_since(start);
+    start = Clock::now();
+    const std::vector<int64_t> around = beside(number, clip_.count());
+    if (!points.empty() && !around.empty()) {
+      std::vector<SweptPoint*> all;
+      for (SweptPoint& point : points) all.push_back(&point);
+      const VelocityCount count = find_velocities(sweep, clip_.loaded(around), all);
+      cloud_.velocities.moving += count.moving;
+      cloud_.velocities.reliable += count.reliable;
+    }
+    cloud_.velocity_seconds += seconds_since(start);
+    return points;
+  }
+
+ private:
+  const Clip& clip_;
+  CloudOptions options_;
+  std::shared_ptr<const Stillness> stillness_;
+  RigCloud& cloud_;
 };
 
 }  // namespace
@@ -92,31 +118,43 @@ RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& opti
   RigCloud cloud;
   const Clip clip(folder);
   if (!clip.has_rig()) return cloud;
-  const std::vector<int64_t> keys = clip.keys();
+  const std::vector<int64_t> keys = clip.keys(), moments = motion_timesteps(clip.count());
   cloud.key_timesteps = int64_t(keys.size());
+  cloud.motion_timesteps = int64_t(moments.size());
   Clock::time_point start = Clock::now();
   const Scene scene = clip.loaded(keys);
-  const PlaneSweep sweep(scene);
-  std::vector<SweptPoint> points = dense_points(sweep, options);
+  const auto stillness = std::make_shared<const Stillness>(scene);
   cloud.sweep_seconds = seconds_since(start);
-  start = Clock::now();
-  for (int64_t key : keys) {
+  MovingPoints moving(clip, options, stillness, cloud);
+  const auto count = int64_t(moments.size());
+  const int64_t most = options.points / 2;
+  std::vector<SweptPoint> points;
+  for (int64_t i = 0; i < count; ++i) {
     if (options.progress) options.progress(int64_t(points.size()));
-    const VelocityCount count = clip.find_velocities_at(key, sweep, points);
-    cloud.velocities.moving += count.moving;
-    cloud.velocities.reliable += count.reliable;
+    const std::vector<SweptPoint> found =
+        moving.at(moments[size_t(i)], most * (i + 1) / count - most * i / count);
+    points.insert(points.end(), found.begin(), found.end());
   }
-  cloud.velocity_seconds = seconds_since(start);
+  start = Clock::now();
+  CloudOptions still = options;
+  still.part = CloudPart::kStill;
+  still.points = options.points - int64_t(points.size());
+  if (options.progress)
+    still.progress = [&](int64_t done) { options.progress(int64_t(points.size()) + done); };
+  const std::vector<SweptPoint> found = dense_points(PlaneSweep(scene, stillness), still);
+  points.insert(points.end(), found.begin(), found.end());
+  cloud.sweep_seconds += seconds_since(start);
   cloud.points = cloud_of(points);
   return cloud;
 }
 
 std::string summary(const RigCloud& cloud) {
   return fmt::format(
-      "plane sweep: {} points at {} key timesteps in {:.1f} s; {} of them move, and {} of these "
-      "have a velocity, found in {:.1f} s",
-      cloud.points.position.size(), cloud.key_timesteps, cloud.sweep_seconds,
-      cloud.velocities.moving, cloud.velocities.reliable, cloud.velocity_seconds);
+      "plane sweep: {} points in {:.1f} s, still ones at {} timesteps and moving ones at {}; {} "
+      "move, and {} of these have a velocity, found in {:.1f} s",
+      cloud.points.position.size(), cloud.sweep_seconds, cloud.key_timesteps,
+      cloud.motion_timesteps, cloud.velocities.moving, cloud.velocities.reliable,
+      cloud.velocity_seconds);
 }
 
 }  // namespace tessera

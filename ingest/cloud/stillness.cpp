@@ -11,6 +11,7 @@ namespace {
 
 constexpr float kStill = 4;         // change over time of a still pixel, levels
 constexpr size_t kMostMoments = 8;  // at which a pixel is looked at
+constexpr size_t kOfMoments = 4;    // one of so many may show something that passes
 constexpr size_t kEveryPixel = 17;  // of the image, for its light
 constexpr float kMostRatio = 2;
 
@@ -69,13 +70,15 @@ bool Stillness::still(const Frame& frame, const LightRatio& light, int x, int y)
   const auto camera = cameras_.find(frame.camera_name);
   if (camera == cameras_.end()) return true;
   const Patch patch = patch_at(frame.image, x, y);
+  const size_t most = camera->second.size() / kOfMoments;
+  size_t differing = 0;
   for (const Moment& moment : camera->second) {
     if (!same_place(moment.frame->camera, frame.camera)) return true;
     const LightRatio ratio{light[0] / moment.light[0], light[1] / moment.light[1],
                            light[2] / moment.light[2]};
     const Patch then = relit(patch_at(moment.frame->image, x, y), ratio);
-    if (difference(patch, then) > kStill || brightness_difference(patch, then) > kStill)
-      return false;
+    differing += difference(patch, then) > kStill || brightness_difference(patch, then) > kStill;
+    if (differing > most) return false;
   }
   return true;
 }

@@ -1,5 +1,5 @@
-// Which pixels of a camera that stands still look the same at all times, whatever the light is.
-// Source: the ratio to the temporal median by the median over pixels, as for moving masks.
+// Which pixels of a camera that stands still look the same at nearly all times, whatever the light
+// is. Source: the ratio to the temporal median by the median over pixels, as for moving masks.
 #pragma once
 #include <array>
 #include <map>
@@ -24,9 +24,10 @@ class Stillness {
   explicit Stillness(const Scene& over_time);
   /// By the camera's first frame of those; 1 where it has none, or stood elsewhere then.
   LightRatio light_of(const Frame& frame) const;
-  /// Whether the patch around pixel (x, y) is the same, after its light, in up to eight frames of
-  /// the camera, the first and the last among them. True where the camera moves: then the pixel
-  /// tells nothing. has_patch must hold. `light`: light_of(frame).
+  /// Whether the patch around pixel (x, y) is the same, after its light, in three quarters of up to
+  /// eight frames of the camera, the first and the last among them: something may pass before what
+  /// stands still. True where the camera moves: then the pixel tells nothing. has_patch must hold.
+  /// `light`: light_of(frame).
   bool still(const Frame& frame, const LightRatio& light, int x, int y) const;
 
  private:

@@ -71,6 +71,29 @@ TEST(PlaneSweep, WhatIsStillStaysSoWhereTheLightChanges) {
   EXPECT_GT(moving, 100);
 }
 
+/// The wall stands still; what passes before a quarter of it is red.
+std::array<uint8_t, 3> passing(int, double x, double y, double time) {
+  if (x < -0.3 && time > 0.4 && time < 0.6) return {200, 10, 10};
+  return testing::wall_colour(std::min(x, testing::kWallMoves), y, 0);
+}
+
+// Bug put back: a single moment that differs is enough; seen to fail.
+TEST(PlaneSweep, SomethingMayPassBeforeWhatIsStill) {
+  const Scene scene = wall_scene({.timesteps = 9, .colour = passing});
+  const PlaneSweep sweep(scene);
+  int64_t behind = 0;
+  for (int frame : sweep.frames())
+    for (int y = 6; y < 90; y += 12)
+      for (int x = 6; x < 90; x += 12) {
+        const double time = scene.frames[size_t(frame)].time;
+        const bool in_passing = time > 0.4 && time < 0.6;
+        if (in_passing) continue;
+        EXPECT_FALSE(sweep.moves(frame, x, y)) << frame << ": " << x << ", " << y;
+        ++behind;
+      }
+  EXPECT_GT(behind, 500);
+}
+
 // Bug put back: patches keep their mean; seen to fail.
 TEST(PlaneSweep, CamerasMayDifferInBrightness) {
   Scene scene = wall_scene();
@@ -175,6 +198,21 @@ TEST(Timesteps, KeysAreAboutTenApart) {
   EXPECT_EQ(key_timesteps(1000, 3), (Numbers{0, 499, 999})) << "what memory allows";
   EXPECT_EQ(key_timesteps(2, 100), (Numbers{0, 1}));
   EXPECT_EQ(key_timesteps(1, 100), Numbers{0});
+}
+
+TEST(Timesteps, OfMotionAreEverySecondAndFewerOfLongClips) {
+  using Numbers = std::vector<int64_t>;
+  EXPECT_EQ(motion_timesteps(0), Numbers{});
+  EXPECT_EQ(motion_timesteps(1), Numbers{0});
+  EXPECT_EQ(motion_timesteps(2), (Numbers{0, 1}));
+  EXPECT_EQ(motion_timesteps(7), (Numbers{0, 2, 4, 6}));
+  EXPECT_EQ(motion_timesteps(8), (Numbers{0, 2, 4, 6, 7}));
+  EXPECT_EQ(motion_timesteps(95).size(), 48u);
+  for (const int64_t many : {96, 97, 300, 10000}) {
+    EXPECT_LE(motion_timesteps(many).size(), 48u) << many;
+    EXPECT_GT(motion_timesteps(many).size(), 31u) << many;
+    EXPECT_EQ(motion_timesteps(many).back(), many - 1);
+  }
 }
 
 }  // namespace

@@ -64,8 +64,9 @@ double median_error(const Found& made, const glm::vec3& truth) {
 TEST(PointVelocities, OfAPatternThatSlides) {
   const Found made = found({.timesteps = 15, .size = 160}, 7, {6, 8});
   EXPECT_GT(made.count.moving, 30);
-  // the others lie near the border of the image or of the pattern, or waves lead them astray
-  EXPECT_GT(double(made.count.reliable), 0.5 * double(made.count.moving));
+  // half by themselves, and more by their neighbours; the others lie near the border of the image
+  // or of the pattern, or waves lead them astray. Bug put back: nothing is lent; seen to fail.
+  EXPECT_GT(double(made.count.reliable), 0.85 * double(made.count.moving));
   EXPECT_LT(median_error(made, {-1, 0, 0}), 0.05);
   for (const SweptPoint& point : made.points)
     EXPECT_TRUE(!point.still || point.velocity == glm::vec3(0));
