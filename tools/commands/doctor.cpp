@@ -1,11 +1,8 @@
 // What: `tessera doctor`: what is wrong with a capture or scene, before hours are spent on it.
 // Not: the checks (doctor_checks.h), and no change to what it looks at.
-#include <stdlib.h>
-
-#include <cerrno>
 #include <chrono>
 
-#include "ingest/files/write_failure.h"
+#include "ingest/files/temporary_folder.h"
 #include "ingest/layouts/scene_reader.h"
 #include "ingest/layouts/transforms_json.h"
 #include "ingest/media/checks/thinned_scene.h"
@@ -31,29 +28,6 @@ struct DoctorRequest {
   bool json = false;
 };
 
-/// An empty folder of this process among the temporary files, removed with all in it.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "tessera_doctor_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      if (!path_is_at_fault(errno)) fail_to_write(fs::temp_directory_path(), errno);
-      throw InputError(name + ": cannot be made; set TMPDIR to a folder that can be written");
-    }
-    path_ = name;
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 /// Whether the folder is looked at as it is; a COLMAP model beside images knows more than a
 /// transforms file.
 bool is_scene(const fs::path& folder) {
@@ -61,7 +35,7 @@ bool is_scene(const fs::path& folder) {
 }
 
 void examine_capture(const fs::path& capture, const IngestOptions& options, DoctorReport& report) {
-  const TemporaryFolder temporary;
+  const TemporaryFolder temporary("doctor");
   const fs::path folder = temporary.path() / "scene";
   ProgressBar bar("doctor");
   const IngestReport ingested = ingest_sample(
