@@ -1,0 +1,44 @@
+// A socket of a test to a server of this machine.
+#pragma once
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+
+#include <cstdint>
+#include <string>
+
+#include "tools/view/open_file.h"
+
+namespace tessera::testing {
+
+/// A connection of which all is read until the server closes it, or nothing comes for `seconds`.
+class HttpClient {
+ public:
+  explicit HttpClient(uint16_t port, long seconds = 10)
+      : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const timeval limit{seconds, 0};
+    ::setsockopt(socket_.descriptor(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+    EXPECT_EQ(::connect(socket_.descriptor(), reinterpret_cast<const sockaddr*>(&address),
+                        sizeof address),
+              0);
+  }
+  void send(const std::string& text) const {
+    ::send(socket_.descriptor(), text.data(), text.size(), MSG_NOSIGNAL);
+  }
+  std::string read_all() const {
+    std::string text;
+    char part[4096];
+    for (ssize_t read = 0; (read = ::recv(socket_.descriptor(), part, sizeof part, 0)) > 0;)
+      text.append(part, size_t(read));
+    return text;
+  }
+
+ private:
+  OpenFile socket_;
+};
+
+}  // namespace tessera::testing

@@ -1,0 +1,30 @@
+// What `tessera view` answers to a request. There are no sockets here: tests and the fuzzer call
+// the same function as the transport (view_server.h).
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/view/view_request.h"
+
+namespace tessera {
+
+/// What the server knows; constant while it runs.
+struct ViewState {
+  OpenFile folder;                         // whose files are served
+  std::string token;                       // make_view_token()
+  uint16_t port = 0;                       // of the server, in the name of its cookie
+  std::vector<std::string> allowed_hosts;  // beside localhost, 127.0.0.1 and [::1]
+  std::string start = "/";                 // path of the page that `/` leads to
+  std::string run = "{}";                  // JSON for /api/run
+};
+
+constexpr uint64_t kMostBodyBytes = 4096;  // of a request
+
+/// Checks, in this order: Host (421), method (405), Origin (403), size of the body (413), token
+/// (403). Then GET and HEAD get `/api/run`, or a file of the folder (200, 206, 416), or 404; no
+/// address takes a POST (405). `/?token=T` with the right token sets a cookie, which stands for the
+/// token from then on, and leads to the same address without it (303).
+ViewResponse answer(const ViewRequest& request, const ViewState& state);
+
+}  // namespace tessera

@@ -1,0 +1,34 @@
+// Which files of the folder the view serves, and how a path of a request leads to one of them.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/view/open_file.h"
+
+namespace tessera {
+
+/// The names of folders and file in the path of a request, as it was received: it begins with a
+/// slash, and `%XX` is decoded once. An empty last name, of a path that ends with a slash, becomes
+/// index.html. Nothing for paths that could mean something else to a browser, a proxy or the file
+/// system: empty and hidden names, `.` and `..`, and names with a slash, a backslash, a percent
+/// sign or a control character in them, encoded or not.
+std::optional<std::vector<std::string>> path_components(std::string_view path);
+
+/// The media type of files that the view serves: pages, images, and what the player plays. Nothing
+/// for other files, which are not served. Upper and lower case of the extension are the same.
+std::optional<std::string_view> media_type(std::string_view file_name);
+
+struct ServedFile {
+  OpenFile file;
+  uint64_t size = 0;  // bytes
+};
+
+/// Opens a regular file below the open folder `root`, name by name and without following symbolic
+/// links, so that no exchange of a folder for a link leads out of it. Nothing where there is none.
+std::optional<ServedFile> open_served_file(const OpenFile& root,
+                                           const std::vector<std::string>& components);
+
+}  // namespace tessera

@@ -1,0 +1,38 @@
+// A request to `tessera view` and the answer to it, as values: what the transport takes from a
+// socket and sends to it.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "tools/view/open_file.h"
+
+namespace tessera {
+
+using HttpHeaders = std::vector<std::pair<std::string, std::string>>;
+
+struct ViewRequest {
+  std::string method;
+  std::string path;   // as it was received: not decoded, before the first question mark
+  std::string query;  // as it was received, behind the first question mark
+  HttpHeaders headers;
+  uint64_t body_bytes = 0;
+};
+
+struct ViewResponse {
+  int status = 200;
+  HttpHeaders headers;
+  std::string body;  // where no file is open
+  OpenFile file;     // of which `bytes` bytes from `offset` on are the body
+  uint64_t offset = 0, bytes = 0;
+};
+
+/// ASCII letters in lower case.
+std::string lower_case(std::string_view text);
+
+/// The values of all headers of that name, which is compared without regard to case.
+std::vector<std::string_view> header_values(const HttpHeaders& headers, std::string_view name);
+
+}  // namespace tessera
