@@ -71,6 +71,7 @@ int tessera_main(int argc, char** argv) {
   add_synth_command(app, work);
   add_batch_command(app, work);
   add_report_command(app, work);
+  add_view_command(app, work);
   add_env_command(app, work);
   add_reference_command(app, work);
   add_help_commands(app, work);

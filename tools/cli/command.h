@@ -24,6 +24,7 @@ void add_bench_command(CLI::App& app, Work& work);
 void add_synth_command(CLI::App& app, Work& work);
 void add_batch_command(CLI::App& app, Work& work);
 void add_report_command(CLI::App& app, Work& work);
+void add_view_command(CLI::App& app, Work& work);
 void add_env_command(CLI::App& app, Work& work);
 void add_reference_command(CLI::App& app, Work& work);
 void add_help_commands(CLI::App& app, Work& work);

@@ -88,6 +88,10 @@ ChildResult ChildProcess::wait() {
   return result;
 }
 
+std::string ChildProcess::out_so_far() const {
+  return std::filesystem::exists(out_) ? read_text_file(out_) : "";
+}
+
 std::string ChildProcess::err_so_far() const {
   return std::filesystem::exists(err_) ? read_text_file(err_) : "";
 }

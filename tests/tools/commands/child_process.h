@@ -36,7 +36,8 @@ class ChildProcess {
   /// Polls until `condition` holds. False when the program ends or 20 s pass before.
   bool wait_until(const std::function<bool()>& condition);
   ChildResult wait();
-  /// What it has written to stderr.
+  /// What it has written to stdout and to stderr.
+  std::string out_so_far() const;
   std::string err_so_far() const;
 
  private:

@@ -95,7 +95,7 @@ TEST_F(ViewFiles, LinksAndPipesAreNoFiles) {
     EXPECT_EQ(status(path), 404) << path;
 }
 
-// Bug put back: files are opened by their whole path; seen to fail.
+// Bug put back: folders opened with links followed; seen to fail.
 TEST_F(ViewFiles, AFolderThatBecomesALinkIsNotFollowed) {
   EXPECT_EQ(status("/player/index.html"), 200);
   write("elsewhere/index.html", "secret");

@@ -94,7 +94,6 @@ TEST_F(ViewSocket, ThirtyTwoConnections) {
   EXPECT_TRUE(begins(next.read_all(), "HTTP/1.1 200 "));
 }
 
-// Bug put back: the destructor waits for idle connections; seen to fail.
 TEST_F(ViewSocket, EndsAtOnce) {
   const HttpClient idle(port), half(port);
   half.send("GET / HTTP/1.1\r\n");

@@ -1,0 +1,154 @@
+// `tessera view` as a program: what it prints, what it serves, how it ends, what it refuses.
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <regex>
+
+#include "tests/tools/commands/cli_workspace.h"
+#include "tests/tools/view/http_client.h"
+
+namespace tessera::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class CliView : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ::unsetenv("SSH_CONNECTION");
+    ::unsetenv("DISPLAY");
+    ::unsetenv("WAYLAND_DISPLAY");
+    ::setenv("TMPDIR", work.at("temporary").c_str(), 1);
+    fs::create_directory(work / "temporary");
+    work.write("site/index.html", "<p>page</p>");
+#if !TESSERA_HAS_VIEW
+    work.expect_refused({"view", work.at("site")}, {"without libmicrohttpd", "--format html"});
+    GTEST_SKIP() << "built without libmicrohttpd";
+#endif
+  }
+  void TearDown() override {
+    ::unsetenv("TMPDIR");
+  }
+
+  CliWorkspace work;
+};
+
+/// The program while it serves.
+class Viewing {
+ public:
+  explicit Viewing(std::vector<std::string> arguments)
+      : child_((arguments.insert(arguments.begin(), "view"), arguments), scratch_.path()) {
+    EXPECT_TRUE(child_.wait_until([&] { return child_.out_so_far().ends_with("\n"); }))
+        << child_.err_so_far();
+    std::smatch match;
+    const std::string out = child_.out_so_far();
+    static const std::regex kAddress(R"re(http://([^/]*):(\d+)/\?token=([0-9a-f]{32}))re");
+    EXPECT_TRUE(std::regex_search(out, match, kAddress)) << out;
+    if (match.empty()) return;
+    host = match[1];
+    port = uint16_t(std::stoi(match[2]));
+    cookie_ = "Cookie: tessera_view_" + std::to_string(port) + "=" + match[3].str() + "\r\n";
+  }
+
+  std::string get(const std::string& path, const std::string& name = "localhost") const {
+    const HttpClient client(port);
+    client.send("GET " + path + " HTTP/1.1\r\nHost: " + name + "\r\nConnection: close\r\n" +
+                cookie_ + "\r\n");
+    return client.read_all();
+  }
+  /// The program ends well within two seconds.
+  ChildResult end(int signal) {
+    const auto begin = std::chrono::steady_clock::now();
+    child_.send(signal);
+    ChildResult result = child_.wait();
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+    return result;
+  }
+
+  std::string host;
+  uint16_t port = 0;
+
+ private:
+  ScratchFolder scratch_;  // several programs at once need a folder each
+  ChildProcess child_;
+  std::string cookie_;
+};
+
+TEST_F(CliView, ServesAFolderUntilASignal) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Viewing viewing({work.at("site")});
+    EXPECT_EQ(viewing.host, "127.0.0.1");
+    EXPECT_TRUE(viewing.get("/").ends_with("\r\n\r\n<p>page</p>"));
+    EXPECT_TRUE(viewing.get("/", "evil.example").starts_with("HTTP/1.1 421 "));
+    const ChildResult result = viewing.end(signal);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "view: Ctrl-C ends it\n");
+  }
+}
+
+TEST_F(CliView, LeadsToThePlayerOfARun) {
+  work.write("out/player/index.html", "<p>player</p>");
+  work.write("out/run/log.jsonl", "{}");
+  const Viewing viewing({work.at("out")});
+  EXPECT_NE(viewing.get("/").find("Location: /player/\r\n"), std::string::npos);
+  EXPECT_TRUE(viewing.get("/player/").ends_with("<p>player</p>"));
+  EXPECT_TRUE(viewing.get("/run/log.jsonl").starts_with("HTTP/1.1 404 "));
+}
+
+TEST_F(CliView, MakesThePageOfAModel) {
+#if !TESSERA_HAS_PLAYER
+  GTEST_SKIP() << "built without the player";
+#endif
+  ASSERT_EQ(work.train("run", {"--iterations", "2"}).exit_code, 0);
+  ASSERT_EQ(
+      work.run({"export", work.at("run"), "-o", work.at("one"), "--format", "tessera", "--single"})
+          .exit_code,
+      0);
+  for (const char* path : {"run", "run/model.ply", "one/scene.t4d"}) {
+    Viewing viewing({work.at(path), "--json"});
+    EXPECT_NE(viewing.get("/").find("<!doctype html>"), std::string::npos) << path;
+    EXPECT_NE(viewing.get("/manifest.json").find("\"blocks\""), std::string::npos) << path;
+    const std::string run = viewing.get("/api/run");
+    EXPECT_EQ(json::parse(run.substr(run.find("\r\n\r\n")))["kind"], "model");
+    const ChildResult result = viewing.end(SIGTERM);
+    EXPECT_EQ(json::parse(result.out)["port"], viewing.port);
+    for (const auto& entry : fs::directory_iterator(work / "temporary"))
+      EXPECT_FALSE(entry.path().filename().string().starts_with("tessera_view_")) << entry.path();
+  }
+}
+
+TEST_F(CliView, OtherMachines) {
+  ::setenv("SSH_CONNECTION", "192.0.2.1 50000 192.0.2.7 22", 1);
+  Viewing local({work.at("site"), "--allow-host", "proxy.example"});
+  EXPECT_TRUE(local.get("/", "proxy.example").starts_with("HTTP/1.1 200 "));
+  const std::string port = std::to_string(local.port), tunnel = local.end(SIGINT).err;
+  EXPECT_NE(tunnel.find("ssh -L " + port + ":127.0.0.1:" + port + " "), std::string::npos)
+      << tunnel;
+  EXPECT_NE(tunnel.find("192.0.2.7`"), std::string::npos) << tunnel;
+  Viewing open({work.at("site"), "--host", "0.0.0.0"});
+  EXPECT_NE(open.end(SIGINT).err.find("plain HTTP"), std::string::npos);
+}
+
+TEST_F(CliView, WhatCannotBeIsRefused) {
+  const Viewing viewing({work.at("site")});
+  work.write("text.ply", "no splats");
+  const std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> rows = {
+      {{work.at("nowhere")}, {"nowhere", "no such file", "expected"}},
+      {{work.at("capture")}, {"capture", "expected a run folder"}},
+      {{work.at("text.ply")}, {"text.ply"}},
+      {{work.at("site"), "--port", "65536"}, {"--port", "65536"}},
+      {{work.at("site"), "--port", std::to_string(viewing.port)}, {"--port", "--port 0"}},
+      {{work.at("site"), "--host", "no host"}, {"--host", "127.0.0.1"}},
+  };
+  for (std::vector<std::string> arguments; const auto& [more, parts] : rows) {
+    arguments = {"view"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    work.expect_refused(arguments, parts);
+  }
+}
+
+}  // namespace
+}  // namespace tessera::testing

@@ -1,0 +1,155 @@
+// `tessera view`: serves the player of a finished run, an export or a model to a browser until it
+// is ended. The server is in tools/view.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <system_error>
+#include <thread>
+
+#include "ingest/files/host_name.h"
+#include "tools/cli/command.h"
+#include "tools/cli/interrupt.h"
+#include "tools/cli/terminal.h"
+#include "tools/commands/view_source.h"
+#include "tools/session/version.h"
+#include "tools/view/view_server.h"
+#include "tools/view/view_token.h"
+
+namespace tessera {
+namespace {
+
+struct ViewArguments {
+  std::string path, host = "127.0.0.1";
+  int port = 0;
+  std::vector<std::string> allowed_hosts;
+  bool no_browser = false, json = false;
+};
+
+bool is_set(const char* variable) {
+  const char* const value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+OpenFile opened_folder(const std::filesystem::path& folder) {
+  OpenFile opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!opened.is_open())
+    throw std::filesystem::filesystem_error("open", folder,
+                                            std::error_code(errno, std::system_category()));
+  return opened;
+}
+
+/// What stands for this server in addresses and in Host headers; IPv6 addresses in brackets.
+std::string address_host(const ViewArguments& arguments, const ListeningSocket& socket) {
+  if (socket.is_any) return host_name();
+  return socket.is_ipv6 && arguments.host.find(':') != std::string::npos
+             ? "[" + arguments.host + "]"
+             : arguments.host;
+}
+
+/// The command for the machine of the user, who has logged in here. SSH_CONNECTION has the address
+/// by which that machine reaches this one as its third word.
+std::string tunnel_command(const ListeningSocket& socket) {
+  std::istringstream words(std::getenv("SSH_CONNECTION"));
+  std::string client, client_port, server;
+  words >> client >> client_port >> server;
+  const char* const user = std::getenv("USER");
+  return fmt::format(
+      "ssh -L {0}:{1}:{0} {2}{3}", socket.port, socket.is_ipv6 ? "[::1]" : "127.0.0.1",
+      user != nullptr ? fmt::format("{}@", user) : "", server.empty() ? host_name() : server);
+}
+
+/// A browser of its own session, which Ctrl-C does not reach. Only on the desktop of this machine:
+/// elsewhere the address would be seen in the list of processes, and the browser be slow.
+void open_browser(const std::string& address) {
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_init(&attributes);
+  for (int descriptor : {0, 1, 2})
+    posix_spawn_file_actions_addopen(&files, descriptor, "/dev/null", O_RDWR, 0);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
+  std::string program = "xdg-open", argument = address;
+  char* const words[] = {program.data(), argument.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, program.c_str(), &files, &attributes, words, environ) != 0)
+    warn("view: xdg-open, which opens a browser, was not found; open the address by hand");
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+}
+
+void print_address(const ViewArguments& arguments, const ListeningSocket& socket,
+                   const std::string& address) {
+  print_result(arguments.json, {{"url", address}, {"port", socket.port}, {"path", arguments.path}},
+               address);
+  std::fflush(stdout);  // a program that reads the address waits for it
+  if (!socket.is_loopback)
+    warn(
+        fmt::format("view: --host {} sends the token and all files as plain HTTP, which others in "
+                    "the network can read; 127.0.0.1 with `ssh -L` is encrypted",
+                    arguments.host));
+  if (is_set("SSH_CONNECTION") && socket.is_loopback)
+    say(fmt::format("view: on your own machine run `{}`, then open the address there",
+                    tunnel_command(socket)));
+  say("view: Ctrl-C ends it");
+}
+
+int view(const ViewArguments& arguments) {
+  require_view_server();
+  ListeningSocket socket = listen_on(arguments.host, uint16_t(arguments.port));
+  const ViewSource source = view_source(arguments.path);
+  ViewState state;
+  state.folder = opened_folder(source.folder);
+  state.token = make_view_token();
+  state.allowed_hosts = arguments.allowed_hosts;
+  const std::string host = address_host(arguments, socket);
+  state.allowed_hosts.push_back(host);
+  state.start = source.start;
+  state.run = nlohmann::json{
+      {"kind", source.kind},
+      {"path", arguments.path},
+      {"version", kVersionText},
+      {"can_stop", false},
+      {"can_resume",
+       false}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string address = fmt::format("http://{}:{}/?token={}", host, socket.port, state.token);
+  print_address(arguments, socket, address);
+  const bool has_desktop =
+      (is_set("DISPLAY") || is_set("WAYLAND_DISPLAY")) && !is_set("SSH_CONNECTION");
+  const ViewServer server(std::move(state), std::move(socket));
+  if (has_desktop && !arguments.no_browser) open_browser(address);
+  while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app, Work& work) {
+  const auto arguments = std::make_shared<ViewArguments>();
+  CLI::App& command = *app.add_subcommand(
+      "view", "serve the player of a run, an export or a model, and open it in a browser");
+  command.option_defaults()->always_capture_default();
+  command
+      .add_option("path", arguments->path,
+                  "output of `tessera run`, exported player, or what `tessera export` reads: run "
+                  "folder, checkpoint, .ply, 4D file")
+      ->required();
+  command.add_option("--port", arguments->port, "port to listen on; 0: a free one")
+      ->check(CLI::Range(0, 65535));
+  command.add_option("--host", arguments->host,
+                     "address to listen on; other machines reach 127.0.0.1 through `ssh -L` only");
+  command.add_option("--allow-host", arguments->allowed_hosts,
+                     "a further name by which browsers may call this machine, such as that of a "
+                     "proxy");
+  command.add_flag("--no-browser", arguments->no_browser, "print the address only");
+  command.add_flag("--json", arguments->json, "print the address as a JSON object");
+  command.callback([arguments, &work] { work = [arguments] { return view(*arguments); }; });
+}
+
+}  // namespace tessera
