@@ -148,6 +148,17 @@ void write_transforms(const fs::path& folder) {
           pose + "}]}");
 }
 
+void write_requests(const fs::path& folder) {
+  const std::string host = "Host: localhost\n",
+                    cookie = host + "Cookie: tessera_view_80=0123456789abcdef0123456789abcdef\n";
+  write_text_file(folder / "page", "GET /a/\n" + cookie);
+  write_text_file(folder / "part", "GET /a/index.html t=1\n" + cookie + "Range: bytes=2-4\n");
+  write_text_file(folder / "first", "GET / token=0123456789abcdef0123456789abcdef&t=1\n" + host);
+  write_text_file(folder / "link", "GET /d/secret.html\n" + cookie);
+  write_text_file(folder / "up", "GET /a/%2e%2e/%2e%2e/secret.html\n" + cookie);
+  write_text_file(folder / "post", "POST /api/run\n" + cookie + "Origin: http://localhost\n");
+}
+
 }  // namespace
 }  // namespace tessera::testing
 
@@ -159,5 +170,6 @@ int main(int argc, char** argv) {
   write_spz_versions(folder / "spz");
   write_models(folder);
   write_transforms(folder);
+  write_requests(folder / "view");
   return 0;
 }
