@@ -139,12 +139,12 @@ struct PlaneSweep::Search {
 };
 
 PlaneSweep::PlaneSweep(const Scene& scene)
-    : PlaneSweep(scene, std::make_shared<const Stillness>(scene)) {}
+    : PlaneSweep(scene, std::make_shared<const StillPixels>(scene)) {}
 
-PlaneSweep::PlaneSweep(const Scene& scene, std::shared_ptr<const Stillness> stillness)
+PlaneSweep::PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> still_pixels)
     : scene_(scene),
       rig_(make_camera_rig(scene.training_cameras())),
-      stillness_(std::move(stillness)) {
+      still_pixels_(std::move(still_pixels)) {
   for (const Timestep& timestep : training_timesteps(scene))
     if (timestep.frames.size() >= 3) choose_neighbours(timestep.frames);
 }
@@ -163,7 +163,7 @@ void PlaneSweep::choose_neighbours(const std::vector<int>& frames) {
     for (const auto& [distance, other] : others) neighbours_[frame].push_back(other);
     usable_.push_back(frame);
     grey_.emplace(frame, grey_image(scene_.frames[size_t(frame)].image));
-    light_.emplace(frame, stillness_->light_of(scene_.frames[size_t(frame)]));
+    light_.emplace(frame, still_pixels_->light_of(scene_.frames[size_t(frame)]));
   }
 }
 
@@ -219,7 +219,7 @@ bool PlaneSweep::confirmed(int frame, const glm::dvec3& point, int by) const {
 }
 
 bool PlaneSweep::still(int index, int x, int y) const {
-  return stillness_->still(scene_.frames[size_t(index)], light_.at(index), x, y);
+  return still_pixels_->still(scene_.frames[size_t(index)], light_.at(index), x, y);
 }
 
 bool PlaneSweep::moves(int index, int x, int y) const {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "ingest/cloud/patch.h"
-#include "ingest/cloud/stillness.h"
+#include "ingest/cloud/still_pixels.h"
 #include "ingest/scene.h"
 #include "kernels/base/camera_rig.h"
 
@@ -32,7 +32,7 @@ class PlaneSweep {
   /// Looks at the training frames only, of which there is one at least. `scene` must outlive this.
   explicit PlaneSweep(const Scene& scene);
   /// What moves is told by other frames of the same cameras.
-  PlaneSweep(const Scene& scene, std::shared_ptr<const Stillness> stillness);
+  PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> still_pixels);
   const Scene& scene() const { return scene_; }
   /// Frames with at least two others of their timestep, indices into Scene::frames.
   const std::vector<int>& frames() const { return usable_; }
@@ -59,7 +59,7 @@ class PlaneSweep {
   CameraRig rig_;
   std::vector<int> usable_;
   std::map<int, std::vector<int>> neighbours_;  // frame → the nearest of its timestep
-  std::shared_ptr<const Stillness> stillness_;
+  std::shared_ptr<const StillPixels> still_pixels_;
   std::map<int, LightRatio> light_;  // of usable_
   std::map<int, GreyImage> grey_;    // of usable_
 };

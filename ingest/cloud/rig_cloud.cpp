@@ -79,8 +79,8 @@ class Clip {
 class MovingPoints {
  public:
   MovingPoints(const Clip& clip, const CloudOptions& options,
-               std::shared_ptr<const Stillness> stillness, RigCloud& cloud)
-      : clip_(clip), options_(options), stillness_(std::move(stillness)), cloud_(cloud) {
+               std::shared_ptr<const StillPixels> still_pixels, RigCloud& cloud)
+      : clip_(clip), options_(options), still_pixels_(std::move(still_pixels)), cloud_(cloud) {
     options_.part = CloudPart::kMoving;
     options_.progress = nullptr;
   }
@@ -89,7 +89,7 @@ class MovingPoints {
     options_.seed += 1;
     Clock::time_point start = Clock::now();
     const Scene scene = clip_.loaded({number});
-    const PlaneSweep sweep(scene, stillness_);
+    const PlaneSweep sweep(scene, still_pixels_);
     std::vector<SweptPoint> points = dense_points(sweep, options_);
     cloud_.sweep_seconds += seconds_since(start);
     start = Clock::now();
@@ -108,7 +108,7 @@ class MovingPoints {
  private:
   const Clip& clip_;
   CloudOptions options_;
-  std::shared_ptr<const Stillness> stillness_;
+  std::shared_ptr<const StillPixels> still_pixels_;
   RigCloud& cloud_;
 };
 
@@ -118,21 +118,21 @@ RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& opti
   RigCloud cloud;
   const Clip clip(folder);
   if (!clip.has_rig()) return cloud;
-  const std::vector<int64_t> keys = clip.keys(), moments = motion_timesteps(clip.count());
+  const std::vector<int64_t> keys = clip.keys(), motion_keys = motion_timesteps(clip.count());
   cloud.key_timesteps = int64_t(keys.size());
-  cloud.motion_timesteps = int64_t(moments.size());
+  cloud.motion_timesteps = int64_t(motion_keys.size());
   Clock::time_point start = Clock::now();
   const Scene scene = clip.loaded(keys);
-  const auto stillness = std::make_shared<const Stillness>(scene);
+  const auto still_pixels = std::make_shared<const StillPixels>(scene);
   cloud.sweep_seconds = seconds_since(start);
-  MovingPoints moving(clip, options, stillness, cloud);
-  const auto count = int64_t(moments.size());
+  MovingPoints moving(clip, options, still_pixels, cloud);
+  const auto count = int64_t(motion_keys.size());
   const int64_t most = options.points / 2;
   std::vector<SweptPoint> points;
   for (int64_t i = 0; i < count; ++i) {
     if (options.progress) options.progress(int64_t(points.size()));
     const std::vector<SweptPoint> found =
-        moving.at(moments[size_t(i)], most * (i + 1) / count - most * i / count);
+        moving.at(motion_keys[size_t(i)], most * (i + 1) / count - most * i / count);
     points.insert(points.end(), found.begin(), found.end());
   }
   start = Clock::now();
@@ -141,7 +141,7 @@ RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& opti
   still.points = options.points - int64_t(points.size());
   if (options.progress)
     still.progress = [&](int64_t done) { options.progress(int64_t(points.size()) + done); };
-  const std::vector<SweptPoint> found = dense_points(PlaneSweep(scene, stillness), still);
+  const std::vector<SweptPoint> found = dense_points(PlaneSweep(scene, still_pixels), still);
   points.insert(points.end(), found.begin(), found.end());
   cloud.sweep_seconds += seconds_since(start);
   cloud.points = cloud_of(points);

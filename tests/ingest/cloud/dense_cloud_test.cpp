@@ -159,20 +159,21 @@ TEST(InitialCloud, FromTrainingImagesOfTimestepsSpreadOverTheClip) {
   EXPECT_LE(cloud.position.size(), 1500u);
   EXPECT_EQ(marked(cloud), 0);
   std::map<float, int64_t> moving;
-  std::set<float> still, keys, moments;
+  std::set<float> still, keys, motion_keys;
   for (size_t i = 0; i < cloud.position.size(); ++i)
     if (cloud.still[i] == 1)
       still.insert(cloud.time[i]);
     else
       ++moving[cloud.time[i]];
   for (const int64_t key : key_timesteps(20, 100)) keys.insert(float(double(key) / 19));
-  for (const int64_t moment : motion_timesteps(20)) moments.insert(float(double(moment) / 19));
+  for (const int64_t motion_key : motion_timesteps(20))
+    motion_keys.insert(float(double(motion_key) / 19));
   EXPECT_EQ(still, keys);
   for (const auto& [time, count] : moving) {
-    EXPECT_TRUE(moments.contains(time)) << time;
+    EXPECT_TRUE(motion_keys.contains(time)) << time;
     EXPECT_LE(count, (750 + 10) / 11) << "an equal share of half of the points";
   }
-  EXPECT_EQ(moving.size(), moments.size());
+  EXPECT_EQ(moving.size(), motion_keys.size());
 }
 
 // Bug put back: a stated density is not looked at; seen to fail.

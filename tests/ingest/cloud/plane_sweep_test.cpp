@@ -77,7 +77,7 @@ std::array<uint8_t, 3> passing(int, double x, double y, double time) {
   return testing::wall_colour(std::min(x, testing::kWallMoves), y, 0);
 }
 
-// Bug put back: a single moment that differs is enough; seen to fail.
+// Bug put back: a single timestep that differs is enough; seen to fail.
 TEST(PlaneSweep, SomethingMayPassBeforeWhatIsStill) {
   const Scene scene = wall_scene({.timesteps = 9, .colour = passing});
   const PlaneSweep sweep(scene);

@@ -12,7 +12,8 @@
 namespace tessera::testing {
 namespace {
 
-/// An image on a wall in light that grows evenly over the clip; `wide` 2.5 fills the view.
+/// An image on a wall in light that grows evenly over the clip; `wide` 0.6 fills a fifth of the
+/// view.
 Film lamp_film(double from, double to, double wide = 1) {
   Film film;
   film.timesteps = 21;
@@ -35,16 +36,18 @@ double level(const RenderedImage& image, int channel) {
   return 255 * sum / ((kEnd - kFirst) * (kEnd - kFirst));
 }
 
-// Light that grows by three quarters, and by a seventh, which hardly changes the contrast.
-// Bug put back: brightness not looked at; seen to fail.
+// Light that grows by three quarters, and by a seventh, which hardly changes the contrast, on a
+// part of the view. Bug put back: brightness not looked at; seen to fail.
 TEST(ColourChange, IsNotStill) {
   for (const double from : {0.25, 0.85}) {
-    const Scene scene = shoot(lamp_film(from, 1, 2.5));
+    const Scene scene = shoot(lamp_film(from, 1, 0.6));
     CloudOptions options;
     options.points = 400;
     const PointCloud cloud = cloud_of(dense_points(PlaneSweep(scene), options));
     ASSERT_GT(cloud.still.size(), 100u);
-    const int64_t still = std::count(cloud.still.begin(), cloud.still.end(), 1);
+    int64_t still = 0;
+    for (size_t i = 0; i < cloud.still.size(); ++i)
+      still += cloud.still[i] == 1 && cloud.colour[i][0] > 60;  // not of the dark around it
     EXPECT_LT(still, int64_t(cloud.still.size()) / 50) << from;
   }
 }

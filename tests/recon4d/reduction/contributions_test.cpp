@@ -120,9 +120,9 @@ TEST(Contributions, GainsVaryOverTimeNotBetweenCameras) {
     sample.maps.clear();
     for (int64_t i = 0; i < sample.count(); ++i) {
       const Frame& frame = sample.frame(i);
-      const double own = frame.camera_name == scene.frames[0].camera_name ? 0.8 : 1.1;
+      const double gain = frame.camera_name == scene.frames[0].camera_name ? 0.8 : 1.1;
       const double off = double(frame.frame_number - 1) * wobble;  // −1, 0, 1 timestep
-      sample.maps.push_back(colour_gain<double>({own + off, own, own}));
+      sample.maps.push_back(colour_gain<double>({gain + off, gain, gain}));
     }
     return measure_contributions(*make_cpu_backend(), model, sample).gain_variance;
   };

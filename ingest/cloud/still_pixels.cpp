@@ -1,5 +1,5 @@
 // Pixels that look the same at all times.
-#include "ingest/cloud/stillness.h"
+#include "ingest/cloud/still_pixels.h"
 
 #include <algorithm>
 
@@ -10,8 +10,9 @@ namespace tessera {
 namespace {
 
 constexpr float kStill = 4;         // change over time of a still pixel, levels
-constexpr size_t kMostMoments = 8;  // at which a pixel is looked at
-constexpr size_t kOfMoments = 4;    // one of so many may show something that passes
+constexpr float kPassing = 12;      // likewise, of one before which something passes
+constexpr size_t kMostSights = 8;   // at which a pixel is looked at
+constexpr size_t kOfSights = 4;     // one of so many may show something that passes
 constexpr size_t kEveryPixel = 17;  // of the image, for its light
 constexpr float kMostRatio = 2;
 
@@ -41,24 +42,24 @@ LightRatio light_ratio(const Image8& a, const Image8& b) {
   return ratio;
 }
 
-Stillness::Stillness(const Scene& over_time) {
+StillPixels::StillPixels(const Scene& over_time) {
   std::map<std::string, std::vector<const Frame*>> frames;
   for (int i : over_time.split_indices(Split::kTrain)) {
     const Frame& frame = over_time.frames[size_t(i)];
     frames[frame.camera_name].push_back(&frame);
   }
   for (const auto& [camera, all] : frames) {
-    const size_t count = std::min(all.size(), kMostMoments), last = all.size() - 1;
-    std::vector<Moment>& moments = cameras_[camera];
+    const size_t count = std::min(all.size(), kMostSights), last = all.size() - 1;
+    std::vector<Sight>& sights = cameras_[camera];
     for (size_t i = 0; i < count; ++i) {
       const Frame* frame = all[count > 1 ? i * last / (count - 1) : 0];
-      moments.push_back({frame, {1, 1, 1}});
-      moments.back().light = light_of(*frame);
+      sights.push_back({frame, {1, 1, 1}});
+      sights.back().light = light_of(*frame);
     }
   }
 }
 
-LightRatio Stillness::light_of(const Frame& frame) const {
+LightRatio StillPixels::light_of(const Frame& frame) const {
   const auto camera = cameras_.find(frame.camera_name);
   if (camera == cameras_.end()) return {1, 1, 1};
   const Frame& first = *camera->second.front().frame;
@@ -66,19 +67,21 @@ LightRatio Stillness::light_of(const Frame& frame) const {
   return light_ratio(frame.image, first.image);
 }
 
-bool Stillness::still(const Frame& frame, const LightRatio& light, int x, int y) const {
+bool StillPixels::still(const Frame& frame, const LightRatio& light, int x, int y) const {
   const auto camera = cameras_.find(frame.camera_name);
   if (camera == cameras_.end()) return true;
   const Patch patch = patch_at(frame.image, x, y);
-  const size_t most = camera->second.size() / kOfMoments;
-  size_t differing = 0;
-  for (const Moment& moment : camera->second) {
-    if (!same_place(moment.frame->camera, frame.camera)) return true;
-    const LightRatio ratio{light[0] / moment.light[0], light[1] / moment.light[1],
-                           light[2] / moment.light[2]};
-    const Patch then = relit(patch_at(moment.frame->image, x, y), ratio);
-    differing += difference(patch, then) > kStill || brightness_difference(patch, then) > kStill;
-    if (differing > most) return false;
+  const size_t most = camera->second.size() / kOfSights;
+  size_t passing = 0;
+  for (const Sight& sight : camera->second) {
+    if (!same_place(sight.frame->camera, frame.camera)) return true;
+    const LightRatio ratio{light[0] / sight.light[0], light[1] / sight.light[1],
+                           light[2] / sight.light[2]};
+    const Patch then = relit(patch_at(sight.frame->image, x, y), ratio);
+    const float change = std::max(difference(patch, then), brightness_difference(patch, then));
+    if (change > kStill && change <= kPassing) return false;
+    passing += change > kPassing;
+    if (passing > most) return false;
   }
   return true;
 }

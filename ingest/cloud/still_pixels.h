@@ -18,24 +18,24 @@ using LightRatio = std::array<float, 3>;
 LightRatio light_ratio(const Image8& a, const Image8& b);
 
 /// Takes no memory of its own but a few numbers an image.
-class Stillness {
+class StillPixels {
  public:
   /// By the training frames of `over_time`, which have images. It must outlive this.
-  explicit Stillness(const Scene& over_time);
+  explicit StillPixels(const Scene& over_time);
   /// By the camera's first frame of those; 1 where it has none, or stood elsewhere then.
   LightRatio light_of(const Frame& frame) const;
-  /// Whether the patch around pixel (x, y) is the same, after its light, in three quarters of up to
-  /// eight frames of the camera, the first and the last among them: something may pass before what
-  /// stands still. True where the camera moves: then the pixel tells nothing. has_patch must hold.
-  /// `light`: light_of(frame).
+  /// Whether the patch around pixel (x, y) is the same, after its light, in up to eight frames of
+  /// the camera, the first and the last among them, but for a quarter of them, in which it is quite
+  /// another: something may pass before what stands still. True where the camera moves: then the
+  /// pixel tells nothing. has_patch must hold. `light`: light_of(frame).
   bool still(const Frame& frame, const LightRatio& light, int x, int y) const;
 
  private:
-  struct Moment {
+  struct Sight {
     const Frame* frame;
     LightRatio light;  // by the first of the camera
   };
-  std::map<std::string, std::vector<Moment>> cameras_;
+  std::map<std::string, std::vector<Sight>> cameras_;
 };
 
 }  // namespace tessera
