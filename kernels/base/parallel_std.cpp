@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kernels/base/parallel.h"
+#include "kernels/base/serial_section.h"
 
 namespace tessera {
 namespace {
@@ -21,7 +22,7 @@ void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t
   if (count <= 0) return;
   const int64_t chunks = (count + grain - 1) / grain;
   const int workers = int(std::min<int64_t>(thread_count(), chunks));
-  if (workers == 1) {
+  if (workers == 1 || SerialSection::is_here()) {
     for (int64_t c = 0; c < chunks; ++c) body(c * grain, std::min(count, (c + 1) * grain));
     return;
   }

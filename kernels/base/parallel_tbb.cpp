@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "kernels/base/parallel.h"
+#include "kernels/base/serial_section.h"
 
 namespace tessera {
 namespace {
@@ -23,6 +24,10 @@ void parallel_for(int64_t count, int64_t grain, const std::function<void(int64_t
   if (count <= 0) return;
   const int64_t chunks = (count + grain - 1) / grain;
   if (chunks == 1) return body(0, count);
+  if (SerialSection::is_here()) {
+    for (int64_t c = 0; c < chunks; ++c) body(c * grain, std::min(count, (c + 1) * grain));
+    return;
+  }
   tbb::parallel_for(int64_t{0}, chunks, [&](int64_t chunk) {
     body(chunk * grain, std::min(count, (chunk + 1) * grain));
   });

@@ -102,7 +102,7 @@ class Encoder {
   void pack() {
     std::vector<std::string> packed(streams_.size());
     parallel_for(int64_t(streams_.size()), 1, [&](int64_t i, int64_t) {
-      packed[size_t(i)] = packed_stream(streams_[size_t(i)]);
+      packed[size_t(i)] = packed_stream(streams_[size_t(i)], rules_.gzip_level);
     });
     for (size_t i = 0; i < packed.size(); ++i) {
       StreamInfo info = streams_[i].info;

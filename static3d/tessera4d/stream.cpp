@@ -107,8 +107,8 @@ float value_at(const StreamWords& stream, int component, int64_t n) {
   return float(stream.info.bias[c] + stream.info.scale[c] * double(word));
 }
 
-std::string packed_stream(const StreamWords& stream) {
-  return gzip(planes_of(stream));
+std::string packed_stream(const StreamWords& stream, int gzip_level) {
+  return gzip(planes_of(stream), gzip_level);
 }
 
 StreamWords read_stream(std::string_view block, const StreamInfo& info,

@@ -4,14 +4,19 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstring>
+#include <mutex>
 #include <new>
 #include <numeric>
+#include <set>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "kernels/base/camera.h"
 #include "kernels/base/parallel.h"
+#include "kernels/base/serial_section.h"
 
 namespace tessera::testing {
 namespace {
@@ -98,6 +103,27 @@ TEST(ParallelFor, ExceptionsReachTheCaller) {
                               if (begin == 57) throw std::runtime_error("57");
                             }),
                std::runtime_error);
+}
+
+// Bug put back: the section is not looked at; seen to fail.
+TEST(ParallelFor, OfASerialSectionStaysOnItsThread) {
+  const auto threads = [] {
+    std::mutex lock;
+    std::set<std::thread::id> ids;
+    parallel_for(64, 1, [&](int64_t, int64_t) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      const std::lock_guard held(lock);
+      ids.insert(std::this_thread::get_id());
+    });
+    return ids;
+  };
+  {
+    const SerialSection outer;
+    { const SerialSection inner; }
+    EXPECT_EQ(threads(), std::set{std::this_thread::get_id()});
+    std::thread([&] { EXPECT_FALSE(SerialSection::is_here()) << "of one thread"; }).join();
+  }
+  EXPECT_FALSE(SerialSection::is_here());
 }
 
 TEST(ParallelFor, ThreadCountCanBeSetAndSetBack) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "kernels/base/errors.h"
-#include "tools/camera_paths/camera_views.h"
 #include "tools/camera_paths/export_times.h"
 #include "tools/session/run_folder.h"
 
@@ -41,6 +40,15 @@ std::vector<PlayerCamera> places_of(const std::vector<NamedView>& views) {
 
 }  // namespace
 
+Rig rig_of_views(const std::vector<NamedView>& views, const TimeAxis& axis) {
+  Rig rig;
+  rig.cameras = places_of(views);
+  CameraTimesteps timesteps;
+  for (const NamedView& named : views) timesteps[station_name(named.name)].insert(named.view.time);
+  rig.fps = capture_rate(timesteps) / axis.duration;
+  return rig;
+}
+
 Rig rig_of(const std::string& cameras, const std::string& model_path, const GaussianModel& model) {
   CameraChoice choice;
   choice.cameras = cameras.empty() ? scene_of_model(model_path) : cameras;
@@ -52,12 +60,7 @@ Rig rig_of(const std::string& cameras, const std::string& model_path, const Gaus
     if (!cameras.empty()) throw;
     return {};  // nobody asked for a scene that has changed since
   }
-  Rig rig;
-  rig.cameras = places_of(views);
-  CameraTimesteps timesteps;
-  for (const NamedView& named : views) timesteps[station_name(named.name)].insert(named.view.time);
-  rig.fps = capture_rate(timesteps) / model.time_axis.duration;
-  return rig;
+  return rig_of_views(views, model.time_axis);
 }
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "static3d/tessera4d/manifest.h"
+#include "tools/camera_paths/camera_views.h"
 
 namespace tessera {
 
@@ -12,6 +13,8 @@ struct Rig {
   double fps = 0;                     // 0: not known
 };
 
+/// Of the frames of a scene with that time axis, in whose world the model is.
+Rig rig_of_views(const std::vector<NamedView>& views, const TimeAxis& axis);
 /// Of `cameras` (a scene folder or transforms file), else of the scene that the run folder
 /// `model` was trained on, where that is still there, else none. Errors: InputError: `cameras` that
 /// cannot be read.

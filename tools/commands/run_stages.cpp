@@ -24,6 +24,7 @@
 #include "tools/commands/run_outputs.h"
 #include "tools/export/in_time.h"
 #include "tools/export/player_files.h"
+#include "tools/live/live_training.h"
 #include "tools/player/player_page.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/held_out_scores.h"
@@ -147,8 +148,11 @@ class Runner {
     train_key_ = key_of({scene_key_, to_json(planned_.options), backend});
     return do_stage(kTrain, train_key_, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
-      json result = train_or_restart(train_request(), terminal);
-      if (interrupted()) return {};
+      LiveTraining live(terminal, run_.root);
+      TrainRequest asked = train_request();
+      asked.snapshots = &live;
+      json result = train_or_restart(std::move(asked), live);
+      if (interrupted() || live.stopped()) return {};
       result.erase("scores");  // the evaluate stage has them
       return result;
     });

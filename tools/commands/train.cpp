@@ -15,6 +15,7 @@
 #include "tools/cli/training_terminal.h"
 #include "tools/export/in_time.h"
 #include "tools/export/player_files.h"
+#include "tools/live/live_training.h"
 #include "tools/session/output_place.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/time_limit.h"
@@ -32,10 +33,12 @@ std::string stopped_text(const TrainRequest& request, const nlohmann::json& resu
 }
 
 /// The exit code.
-int train_and_report(const TrainRequest& request, bool as_json) {
+int train_and_report(TrainRequest request, bool as_json) {
   try {
     TrainingTerminal terminal;
-    const nlohmann::json result = train_session(request, terminal);
+    LiveTraining live(terminal, request.run);
+    request.snapshots = &live;
+    const nlohmann::json result = train_session(request, live);
     print_result(as_json, result, training_text(result) + stopped_text(request, result));
     if (interrupted()) return stop_code();
     return result["left"].get<bool>() ? kExitNotFinished : kExitDone;

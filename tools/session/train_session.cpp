@@ -172,6 +172,7 @@ class Session {
     trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
     reduction_.emplace(*backend_, options_, request_.shipped_bytes);
     stages_.emplace(*backend_);
+    if (request_.snapshots != nullptr) request_.snapshots->begin(scene_, options_);
   }
 
   /// A run that was here goes when there is something to put in its place, not before: a scene that
@@ -216,14 +217,17 @@ class Session {
     if (left_ && !observer_.must_stop()) report_limit(first);
   }
 
+  bool snapshot_due() const { return request_.snapshots != nullptr && request_.snapshots->due(); }
+
   void take_steps() {
     limit_.begin_steps();
     wall_.time(WallSplit::kTrain, [&] {
       stages_->count([&] {
         trainer_->run(next_pause(), [&] {
           return left_ || observer_.must_stop() || checkpoints_.due(trainer_->state().iteration) ||
-                 limit_.due_after_step(trainer_->state().model.count());
+                 snapshot_due() || limit_.due_after_step(trainer_->state().model.count());
         });
+        if (snapshot_due()) request_.snapshots->take(trainer_->state());
       });
     });
   }

@@ -13,6 +13,7 @@
 #include "recon4d/options/train_options.h"
 #include "recon4d/reduction/size_limit.h"
 #include "tools/session/session_observer.h"
+#include "tools/session/snapshot_sink.h"
 #include "tools/session/time_limit.h"
 
 namespace tessera {
@@ -32,6 +33,7 @@ struct TrainRequest {
   std::optional<int64_t> stop_after;        // steps of this call
   double time_limit = 0;                    // seconds by the stopwatch; 0: none
   ShippedBytes shipped_bytes;               // of a model of this run, as it is exported
+  SnapshotSink* snapshots = nullptr;        // outlives the call; null: nobody wants any
   Stopwatch stopwatch = running_stopwatch();
 };
 

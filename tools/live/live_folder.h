@@ -1,0 +1,56 @@
+// RUN/live: what a training and those who watch it write for each other. The training opens no
+// socket; `tessera view` asks by request.json and reads state.json and the snapshots.
+// Source: docs/reference/run-folder.md.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace tessera {
+
+/// Of a training.
+struct LiveState {
+  std::string training;  // a new random id for each call of the program
+  int64_t counter = 0;   // grows with each writing: by it others see that the training runs
+  int64_t step = 0, total = 0;
+  double seconds = 0, loss = 0, steps_per_second = 0;
+  int64_t num_static = 0, num_dynamic = 0, device_bytes = 0;
+  int64_t snapshot = 0, snapshot_step = 0;  // number of the newest; 0: none yet
+  std::string model_failure;                // why there is no snapshot; "": none failed
+};
+
+/// Of those who watch.
+struct LiveRequest {
+  int64_t counter = 0;        // grows while somebody looks
+  int64_t seen = 0;           // newest snapshot that was shown
+  std::string stop_training;  // id of the training that is to stop; "": none
+};
+
+/// Files of one folder, each replaced as a whole.
+class LiveFolder {
+ public:
+  /// Of a run folder.
+  explicit LiveFolder(const std::filesystem::path& run) : root_(run / "live") {}
+  const std::filesystem::path& root() const { return root_; }
+  std::filesystem::path snapshot(int64_t number) const;
+
+  /// For its owner alone. Errors: std::filesystem::filesystem_error.
+  void make() const;
+  /// With all that is in it; what cannot be removed stays.
+  void remove() const;
+  /// False where it cannot be written.
+  bool write(const LiveState& state) const;
+  bool write(const LiveRequest& request) const;
+  bool write_snapshot(int64_t number, const std::string& bytes) const;
+  /// None where there is none, or it is damaged.
+  std::optional<LiveState> state() const;
+  std::optional<LiveRequest> request() const;
+
+ private:
+  bool replace(const std::filesystem::path& file, const std::string& bytes) const;
+
+  std::filesystem::path root_;
+};
+
+}  // namespace tessera
