@@ -1,5 +1,5 @@
-// `tessera view`: serves the player of a finished run, an export or a model to a browser until it
-// is ended. The server is in tools/view.
+// `tessera view`: serves a training while it runs, the player of a finished run, an export or a
+// model to a browser until it is ended. The server is in tools/view.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
@@ -18,7 +18,10 @@
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/commands/view_source.h"
+#include "tools/export/player_files.h"
+#include "tools/live/live_watch.h"
 #include "tools/session/version.h"
+#include "tools/view/live_page.h"
 #include "tools/view/view_server.h"
 #include "tools/view/view_token.h"
 
@@ -100,6 +103,16 @@ void print_address(const ViewArguments& arguments, const ListeningSocket& socket
   say("view: Ctrl-C ends it");
 }
 
+/// The pages and answers of a training that is watched.
+void watch_training(LiveWatch& watch, ViewState& state) {
+  state.live_page = live_page();
+  state.player_page = page_of_folder();
+  state.live = LiveHooks{[&watch](int64_t seen) { return watch.state(seen); },
+                         [&watch](uint64_t from) { return watch.log(from); },
+                         [&watch](int64_t view) { return watch.truth(view); },
+                         [&watch] { return watch.stop(); }};
+}
+
 int view(const ViewArguments& arguments) {
   require_view_server();
   ListeningSocket socket = listen_on(arguments.host, uint16_t(arguments.port));
@@ -111,11 +124,16 @@ int view(const ViewArguments& arguments) {
   const std::string host = address_host(arguments, socket);
   state.allowed_hosts.push_back(host);
   state.start = source.start;
+  std::unique_ptr<LiveWatch> watch;  // outlives the server, which calls it
+  if (source.kind == "training") {
+    watch = std::make_unique<LiveWatch>(source.run, source.folder);
+    watch_training(*watch, state);
+  }
   state.run = nlohmann::json{
       {"kind", source.kind},
       {"path", arguments.path},
       {"version", kVersionText},
-      {"can_stop", false},
+      {"can_stop", source.kind == "training"},
       {"can_resume",
        false}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   const std::string address = fmt::format("http://{}:{}/?token={}", host, socket.port, state.token);
@@ -133,11 +151,12 @@ int view(const ViewArguments& arguments) {
 void add_view_command(CLI::App& app, Work& work) {
   const auto arguments = std::make_shared<ViewArguments>();
   CLI::App& command = *app.add_subcommand(
-      "view", "serve the player of a run, an export or a model, and open it in a browser");
+      "view", "show a training while it runs, or serve the player of a run, an export or a model");
   command.option_defaults()->always_capture_default();
   command
       .add_option("path", arguments->path,
-                  "output of `tessera run`, exported player, or what `tessera export` reads: run "
+                  "output of `tessera run` or run folder, also of a training that runs now; "
+                  "exported player, or what `tessera export` reads: run "
                   "folder, checkpoint, .ply, 4D file")
       ->required();
   command.add_option("--port", arguments->port, "port to listen on; 0: a free one")

@@ -7,7 +7,9 @@
 #include "tools/cli/terminal.h"
 #include "tools/export/in_time.h"
 #include "tools/export/player_files.h"
+#include "tools/live/live_watch.h"
 #include "tools/session/model_input.h"
+#include "tools/session/run_folder.h"
 
 namespace tessera {
 namespace {
@@ -36,6 +38,14 @@ ViewSource made_page(const std::string& path) {
 }  // namespace
 
 ViewSource view_source(const std::string& path) {
+  if (const fs::path run = run_folder_of(path); is_training(run)) {
+    ViewSource source;
+    source.folder = path;
+    source.start = "/live";
+    source.kind = "training";
+    source.run = run;
+    return source;
+  }
   for (const fs::path place : kPagePlaces) {
     if (!fs::is_regular_file(path / place / kPageFile)) continue;
     ViewSource source;

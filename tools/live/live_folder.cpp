@@ -24,7 +24,7 @@ using nlohmann::json;
 
 /// A loss that is no number becomes null.
 template <class T>
-std::string text_of(const T& value) {
+std::string json_text(const T& value) {
   return json(value).dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
@@ -41,6 +41,10 @@ std::optional<T> read(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+std::string text_of(const LiveState& state) {
+  return json_text(state);
+}
 
 std::filesystem::path LiveFolder::snapshot(int64_t number) const {
   return root_ / fmt::format("scene_{}.t4d", number);
@@ -74,7 +78,7 @@ bool LiveFolder::write(const LiveState& state) const {
   return replace(root_ / "state.json", text_of(state));
 }
 bool LiveFolder::write(const LiveRequest& request) const {
-  return replace(root_ / "request.json", text_of(request));
+  return replace(root_ / "request.json", json_text(request));
 }
 bool LiveFolder::write_snapshot(int64_t number, const std::string& bytes) const {
   return replace(snapshot(number), bytes);

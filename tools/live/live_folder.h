@@ -20,6 +20,9 @@ struct LiveState {
   std::string model_failure;                // why there is no snapshot; "": none failed
 };
 
+/// As state.json has it.
+std::string text_of(const LiveState& state);
+
 /// Of those who watch.
 struct LiveRequest {
   int64_t counter = 0;        // grows while somebody looks

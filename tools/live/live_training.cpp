@@ -15,7 +15,7 @@ namespace {
 constexpr auto kLookEvery = std::chrono::seconds(1);
 constexpr auto kWatchedFor = std::chrono::seconds(10);  // after the last sign of somebody
 constexpr double kLeastPause = 3;                       // seconds
-constexpr double kShare = 0.01;                         // of the time, that copies may take
+constexpr double kShareOfCopies = 0.01;                 // of the time, that copies may take
 constexpr double kShareBesideDevice = 0.1;              // of the cores
 constexpr int kFastGzip = 1;
 
@@ -94,8 +94,9 @@ void LiveTraining::look() {
 
 double LiveTraining::pause_between_snapshots() const {
   const double cores = std::max(1u, std::thread::hardware_concurrency());
-  const double share = on_device_ ? kShareBesideDevice : kShare;
-  return std::max({kLeastPause, copy_seconds_ / kShare, writer_->seconds() / cores / share});
+  const double share = on_device_ ? kShareBesideDevice : kShareOfCopies;
+  return std::max(
+      {kLeastPause, copy_seconds_ / kShareOfCopies, writer_->seconds() / cores / share});
 }
 
 bool LiveTraining::due() {

@@ -1,26 +1,16 @@
 // The thread that encodes a snapshot.
 #include "tools/live/snapshot_writer.h"
 
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-
-#include <ctime>
 #include <exception>
 #include <utility>
 
 #include "kernels/base/serial_section.h"
+#include "tools/live/low_priority.h"
 
 namespace tessera {
 namespace {
 
-constexpr int kNice = 10;
-
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-}
+constexpr int kNiceOfSnapshots = 10;
 
 }  // namespace
 
@@ -35,8 +25,7 @@ void SnapshotWriter::start(TrainState state, int64_t number) {
   if (thread_.joinable()) thread_.join();
   busy_ = true;
   thread_ = std::thread([this, number, held = std::move(state)]() mutable {
-    // of this thread alone: Linux has a priority for each
-    setpriority(PRIO_PROCESS, id_t(::syscall(SYS_gettid)), kNice);
+    lower_priority(kNiceOfSnapshots);
     const double begin = thread_seconds();
     try {
       write(held, number);

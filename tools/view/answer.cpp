@@ -21,7 +21,8 @@ constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob:; "
     "worker-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data: blob:; media-src 'self' data: blob:; "
-    "connect-src 'self' data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+    "connect-src 'self' data: blob:; frame-src 'self'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'self'";
 
 ViewResponse with_headers(int status) {
   ViewResponse response;
@@ -126,9 +127,45 @@ ViewResponse file_answer(const ViewRequest& request, std::string_view type, Serv
   return response;
 }
 
+/// The number after `name=` in the query; none where it is no number of at most 15 digits.
+std::optional<int64_t> number_in(std::string_view query, std::string_view name) {
+  constexpr size_t kMostDigits = 15;
+  while (!query.empty()) {
+    std::string_view part = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(query.size(), part.size() + 1));
+    if (!part.starts_with(name) || part.size() == name.size() || part[name.size()] != '=') continue;
+    part.remove_prefix(name.size() + 1);
+    const bool digits =
+        std::all_of(part.begin(), part.end(), [](char c) { return c >= '0' && c <= '9'; });
+    if (part.empty() || part.size() > kMostDigits || !digits) return std::nullopt;
+    return std::stoll(std::string(part));
+  }
+  return std::nullopt;
+}
+
+/// None: the address is none of these.
+std::optional<ViewResponse> live_answer(const ViewRequest& request, const ViewState& state) {
+  if (!state.live) return std::nullopt;
+  if (request.path == "/live") return with_text(200, "text/html; charset=utf-8", state.live_page);
+  if (request.path == "/api/player")
+    return with_text(200, "text/html; charset=utf-8", state.player_page);
+  const std::string_view query = request.query;
+  if (request.path == "/api/state")
+    return with_text(200, "application/json",
+                     state.live->state(number_in(query, "seen").value_or(0)));
+  if (request.path == "/api/log")
+    return with_text(200, "text/plain; charset=utf-8",
+                     state.live->log(uint64_t(number_in(query, "from").value_or(0))));
+  if (request.path == "/api/truth")
+    if (std::string png = state.live->truth(number_in(query, "view").value_or(-1)); !png.empty())
+      return with_text(200, "image/png", std::move(png));
+  return std::nullopt;
+}
+
 ViewResponse resource(const ViewRequest& request, const ViewState& state) {
   if (request.path == "/" && state.start != "/") return redirection(state.start, request.query);
   if (request.path == "/api/run") return with_text(200, "application/json", state.run);
+  if (std::optional<ViewResponse> live = live_answer(request, state)) return *std::move(live);
   const std::optional<std::vector<std::string>> components = path_components(request.path);
   if (components)
     if (const std::optional<std::string_view> type = media_type(components->back()))
@@ -151,7 +188,10 @@ ViewResponse answer(const ViewRequest& request, const ViewState& state) {
       query.token ? equal_in_constant_time(*query.token, state.token) : has_cookie(request, state);
   if (!is_authorised)
     return refusal(403, "no valid token; open the address that tessera view has printed");
-  if (!is_read) return not_allowed();
+  if (!is_read && !(state.live && request.path == "/api/stop")) return not_allowed();
+  if (!is_read)
+    return state.live->stop() ? with_text(202, "text/plain; charset=utf-8", "it will stop\n")
+                              : refusal(409, "no training is running");
   if (!is_printable(request.path) || !is_printable(request.query))
     return refusal(404, "no such file");
   if (query.token && request.path == "/") return with_cookie(state, query.rest);

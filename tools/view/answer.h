@@ -2,9 +2,11 @@
 // the same function as the transport (view_server.h).
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "tools/view/live_hooks.h"
 #include "tools/view/view_request.h"
 
 namespace tessera {
@@ -17,14 +19,17 @@ struct ViewState {
   std::vector<std::string> allowed_hosts;  // beside localhost, 127.0.0.1 and [::1]
   std::string start = "/";                 // path of the page that `/` leads to
   std::string run = "{}";                  // JSON for /api/run
+  std::optional<LiveHooks> live;           // of a training that is watched
+  std::string live_page, player_page;      // HTML for /live and /api/player
 };
 
 constexpr uint64_t kMostBodyBytes = 4096;  // of a request
 
 /// Checks, in this order: Host (421), method (405), Origin (403), size of the body (413), token
-/// (403). Then GET and HEAD get `/api/run`, or a file of the folder (200, 206, 416), or 404; no
-/// address takes a POST (405). `/?token=T` with the right token sets a cookie, which stands for the
-/// token from then on, and leads to the same address without it (303).
+/// (403). Then GET and HEAD get `/api/run`, of a training that is watched what LiveHooks says, or a
+/// file of the folder (200, 206, 416), or 404. Only `/api/stop` takes a POST (202, 409; else 405).
+/// `/?token=T` with the right token sets a cookie, which stands for the token from then on, and
+/// leads to the same address without it (303).
 ViewResponse answer(const ViewRequest& request, const ViewState& state);
 
 }  // namespace tessera

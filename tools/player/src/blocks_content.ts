@@ -60,6 +60,11 @@ export class BlocksContent implements Content {
     return new BlockSplats(await this.decoder.decode(block, bytes), this.slice);
   }
 
+  prepare(t: number, play: Play): boolean {
+    this.cache.update({ t, ...play });
+    return !this.cache.waiting(t);
+  }
+
   show(t: number, play: Play, seen: boolean): boolean {
     const moved = t !== this.t;
     this.t = t;

@@ -9,6 +9,8 @@ export interface Content {
    * True where the frame has to be drawn anew.
    */
   show(t: number, play: Play, seen: boolean): boolean;
+  /** Fetches what time t needs and shows nothing of it; true when all of it is here. */
+  prepare(t: number, play: Play): boolean;
   /** Whether data of t is on its way. */
   waiting(t: number): boolean;
   /** Why data of t is missing and stays so; null when nothing is missing. */

@@ -99,6 +99,11 @@ export class FramesContent implements Content {
     return { splats, memory: memoryOf(splats) };
   }
 
+  prepare(t: number, { ahead, loop }: Play): boolean {
+    this.cache.update({ t, ahead, loop });
+    return !this.cache.waiting(t);
+  }
+
   show(t: number, play: Play, seen: boolean): boolean {
     this.t = t;
     this.cache.update({ t, ...play });

@@ -12,6 +12,7 @@ import { SparkView } from "./spark_view";
 import "./style.css";
 import { Panels, RATES } from "./ui";
 import { readUrl, rememberInUrl } from "./url_state";
+import type { Camera } from "./manifest";
 import { homePose, rigPose } from "./view_camera";
 import * as THREE from "three";
 
@@ -69,6 +70,12 @@ class Page {
     if (!url.paused) this.clock.play();
     this.clock.hold(true);
     this.frame();
+  }
+
+  /** Another scene of the same time and cameras in the place of this one. */
+  private async replace(address: string): Promise<void> {
+    const source = await openSource({}, address, location.href);
+    this.info = await this.view.load(source, (progress) => (this.loaded = progress));
   }
 
   private about(): string {
@@ -197,6 +204,8 @@ class Page {
       pause: () => this.clock.pause(),
       seek: (seconds: number) => this.seek(seconds),
       camera: (name: string) => this.takeCamera(this.cameraOf(name)),
+      look: (camera: Camera) => this.orbit.setPose(rigPose(camera, this.info)),
+      replace: (address: string) => this.replace(address),
       settle: () => this.view.settle(),
       time: () => this.clock.now(),
       duration: () => this.info.time.duration,

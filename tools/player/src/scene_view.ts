@@ -50,7 +50,10 @@ export interface Drawn {
 export type OnProgress = (progress: Progress) => void;
 
 export interface SceneView {
-  /** Reads what the scene is. Throws PlayerError. */
+  /**
+   * Reads what the scene is. A scene that is shown stays until the next one can be drawn. Throws
+   * PlayerError.
+   */
   load(source: OpenedSource, onProgress: OnProgress): Promise<SceneInfo>;
   /**
    * Draws time t (0 to 1) from the camera, if that or anything else has changed since; called

@@ -40,6 +40,7 @@ function nextFrame(): Promise<void> {
 export class SparkView implements SceneView {
   private readonly stage: Stage;
   private content: Content | null = null;
+  private incoming: Content | null = null; // takes the place of `content` once it is here
   private dirty = true;
   private seen = -1; // version of the camera that was drawn
   private t = 0;
@@ -60,17 +61,29 @@ export class SparkView implements SceneView {
     this.stage.setBackground(drawn.background);
     this.stage.setRules(drawn.splat);
     const changed = () => (this.dirty = true);
-    this.content =
+    const content =
       source.kind === "4d"
         ? new BlocksContent(source.blocks, this.stage, this.camera, onProgress, changed)
         : new FramesContent(source.sequence, this.stage, onProgress, changed);
-    this.stage.near = nearOf(this.content.info.bounds, drawn.splat);
-    return this.content.info;
+    this.stage.near = nearOf(content.info.bounds, drawn.splat);
+    if (this.content === null) {
+      this.content = content;
+    } else {
+      this.incoming?.dispose();
+      this.incoming = content;
+    }
+    return content.info;
   }
 
   setTime(t: number, play: Play): Drawn {
     this.t = t;
     this.play = play;
+    if (this.incoming?.prepare(t, play)) {
+      this.content?.dispose();
+      this.content = this.incoming;
+      this.incoming = null;
+      this.dirty = true;
+    }
     const { content } = this;
     if (content === null) return { waiting: false, complete: false, trouble: null };
     const seen = this.camera.version !== this.seen;
@@ -105,6 +118,7 @@ export class SparkView implements SceneView {
 
   dispose(): void {
     this.disposed = true;
+    this.incoming?.dispose();
     this.content?.dispose();
     this.stage.dispose();
   }

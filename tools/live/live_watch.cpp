@@ -1,0 +1,205 @@
+// Reading what a training shows, and the thread that scores it.
+#include "tools/live/live_watch.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/png.h"
+#include "ingest/layouts/scene_reader.h"
+#include "kernels/base/serial_section.h"
+#include "recon4d/evaluation/metrics.h"
+#include "recon4d/evaluation/render.h"
+#include "recon4d/options/train_options_json.h"
+#include "static3d/tessera4d/player_hints.h"
+#include "static3d/tessera4d/tessera4d.h"
+#include "tools/live/low_priority.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr auto kAskEvery = std::chrono::milliseconds(500);
+constexpr auto kAliveFor = std::chrono::seconds(5);  // after the last change of its counter
+constexpr int64_t kViews = 4;
+constexpr size_t kMostLog = size_t{256} << 10;  // bytes of an answer
+constexpr double kShareOfScores = 0.01;         // of the cores
+constexpr int kNiceOfScores = 19;
+
+std::string json_text(const json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+/// An address of the server; "" where the path is not in what it serves.
+std::string address_of(const fs::path& path, const fs::path& served) {
+  const fs::path inside =
+      fs::weakly_canonical(path).lexically_relative(fs::weakly_canonical(served));
+  if (inside.empty() || *inside.begin() == "..") return "";
+  return "/" + inside.generic_string();
+}
+
+}  // namespace
+
+bool is_training(const fs::path& run) {
+  const int descriptor = ::open((run / "lock").c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool is_free = ::flock(descriptor, LOCK_SH | LOCK_NB) == 0;
+  ::close(descriptor);
+  return !is_free;
+}
+
+LiveWatch::LiveWatch(const fs::path& run, const fs::path& served)
+    : run_{run}, folder_(run), served_(served), truths_("live") {
+  thread_ = std::thread([this] {
+    lower_priority(kNiceOfScores);
+    const SerialSection serial;
+    try {
+      load_views();
+      score_snapshots();
+    } catch (const std::exception&) {  // the model is shown without scores
+    }
+  });
+}
+
+LiveWatch::~LiveWatch() {
+  {
+    const std::lock_guard held(mutex_);
+    leaves_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+  if (!is_training(run_.root)) folder_.remove();
+}
+
+void LiveWatch::ask(int64_t seen) {
+  if (Clock::now() - asked_ < kAskEvery) return;
+  asked_ = Clock::now();
+  ++request_.counter;
+  request_.seen = seen;
+  std::error_code absent;
+  try {
+    if (!fs::exists(folder_.root(), absent) && is_training(run_.root)) folder_.make();
+    if (fs::exists(folder_.root(), absent)) folder_.write(request_);
+  } catch (const fs::filesystem_error&) {  // a folder of somebody else: nothing can be asked
+  }
+}
+
+std::string LiveWatch::state(int64_t seen) {
+  const std::lock_guard held(mutex_);
+  ask(seen);
+  const std::optional<LiveState> now = folder_.state();
+  if (now && (!last_ || now->counter != last_->counter || now->training != last_->training)) {
+    last_ = now;
+    counted_ = Clock::now();
+  }
+  // what was written by one that was killed, or is removed in the end, is no sign of life
+  const bool alive = (now && Clock::now() - counted_ < kAliveFor) || is_training(run_.root);
+  const std::optional<LiveState>& state = last_;
+  json result = {{"alive", alive}, {"state", nullptr}, {"snapshot", ""}, {"page", ""}};
+  result["name"] = fs::weakly_canonical(served_).filename().string();
+  if (state) {
+    result["state"] = json::parse(text_of(*state));
+    if (now && state->snapshot > 0)
+      result["snapshot"] = address_of(folder_.snapshot(state->snapshot), served_);
+  }
+  const fs::path page = served_ / "player" / "index.html";
+  std::error_code absent;
+  if (!alive && fs::exists(page, absent)) result["page"] = "/player/";
+  result["resume"] =
+      fmt::format("tessera train {} -o {} --resume", run_.scene(), run_.root.string());
+  result["views"] = json::array();
+  for (size_t i = 0; i < views_.size(); ++i)
+    result["views"].push_back(
+        {{"name", scene_.frames[i].name},
+         {"camera", camera_json({scene_.frames[i].name, scene_.frames[i].camera})},
+         {"t", scene_.frames[i].time}});
+  result["scores"] = scores_;
+  return json_text(result);
+}
+
+std::string LiveWatch::log(uint64_t from) const {
+  std::ifstream file(run_.log(), std::ios::binary);
+  std::string text(kMostLog, '\0');
+  file.seekg(std::streamoff(from));
+  file.read(text.data(), std::streamsize(text.size()));
+  text.resize(size_t(std::max<std::streamsize>(0, file.gcount())));
+  text.resize(text.rfind('\n') + 1);  // npos + 1 is 0
+  return text;
+}
+
+std::string LiveWatch::truth(int64_t view) const {
+  const std::lock_guard held(mutex_);
+  return view >= 0 && size_t(view) < views_.size() ? views_[size_t(view)] : "";
+}
+
+bool LiveWatch::stop() {
+  const std::lock_guard held(mutex_);
+  const std::optional<LiveState> state = folder_.state();
+  if (!state || Clock::now() - counted_ >= kAliveFor) return false;
+  request_.stop_training = state->training;
+  ++request_.counter;
+  return folder_.write(request_);
+}
+
+void LiveWatch::load_views() {
+  const TrainOptions options = train_options_from_json(run_.read_config().at("options"));
+  SceneOptions wanted;
+  wanted.background = parse_background(options.background);
+  wanted.allow_static = true;
+  wanted.held_out = kViews;
+  Scene scene = load_scene(run_.scene(), wanted);
+  std::vector<std::string> views;
+  for (const Frame& frame : scene.frames) {
+    const fs::path file = truths_.path() / "truth.png";
+    write_png(file, frame.image);
+    views.push_back(read_text_file(file));
+  }
+  const std::lock_guard held(mutex_);
+  scene_ = std::move(scene);
+  views_ = std::move(views);
+}
+
+double LiveWatch::score(const fs::path& file) const {
+  const GaussianModel model = load_tessera4d(file).model;
+  const std::unique_ptr<Backend> backend = make_cpu_backend();
+  double sum = 0;
+  for (const Frame& frame : scene_.frames) {
+    const RenderedImage image = render_views(*backend, model, {{frame.camera, frame.time}}).at(0);
+    sum += psnr_float({image.rgb.data(), int64_t(image.rgb.size())}, frame.image, used_mask(frame));
+  }
+  return sum / double(scene_.frames.size());
+}
+
+void LiveWatch::score_snapshots() {
+  const double cores = std::max(1u, std::thread::hardware_concurrency());
+  double wait = 0.5;
+  int64_t scored = 0;
+  std::unique_lock held(mutex_);
+  while (!wake_.wait_for(held, std::chrono::duration<double>(wait), [&] { return leaves_; })) {
+    wait = 0.5;
+    const std::optional<LiveState> state = folder_.state();
+    if (!state || state->snapshot <= scored || scene_.frames.empty()) continue;
+    held.unlock();
+    const double begin = thread_seconds();
+    std::optional<double> psnr;
+    try {
+      psnr = score(folder_.snapshot(state->snapshot));
+    } catch (const std::exception&) {  // it was replaced meanwhile
+    }
+    wait = std::max(wait, (thread_seconds() - begin) / (kShareOfScores * cores));
+    held.lock();
+    scored = state->snapshot;
+    if (psnr && std::isfinite(*psnr)) scores_.emplace_back(state->snapshot_step, *psnr);
+  }
+}
+
+}  // namespace tessera

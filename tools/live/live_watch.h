@@ -1,0 +1,72 @@
+// What somebody who watches a training sees of it: its state, scores of its snapshots on held-out
+// views, its log; and the request to stop.
+#pragma once
+#include <chrono>
+#include <condition_variable>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ingest/files/temporary_folder.h"
+#include "ingest/scene.h"
+#include "tools/live/live_folder.h"
+#include "tools/session/run_folder.h"
+
+namespace tessera {
+
+/// Whether a training of a program of this machine, or of one with the same file system where that
+/// knows locks, writes this run folder now.
+bool is_training(const std::filesystem::path& run);
+
+/// Scores with the CPU, at the lowest priority and for 1 % of the cores at most: the training may
+/// need them. All members may be called from any thread; none throws.
+class LiveWatch {
+ public:
+  /// `served`: the folder that a server shows, in which the run folder lies or which it is.
+  LiveWatch(const std::filesystem::path& run, const std::filesystem::path& served);
+  LiveWatch(const LiveWatch&) = delete;
+  LiveWatch& operator=(const LiveWatch&) = delete;
+  ~LiveWatch();
+
+  /// Also tells the training that somebody looks, at most twice a second. JSON: name, alive, state
+  /// (as live_folder.h has it, or null), snapshot (address or ""), page (address of the finished
+  /// player or ""), views [{name, camera, t}] (cameras as a manifest has them), scores [[step, PSNR
+  /// in dB]], resume (a command).
+  std::string state(int64_t seen);
+  /// At most 256 KiB.
+  std::string log(uint64_t from) const;
+  /// PNG; "" where there is no such view.
+  std::string truth(int64_t view) const;
+  bool stop();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void ask(int64_t seen);
+  void load_views();
+  void score_snapshots();
+  double score(const std::filesystem::path& file) const;
+
+  const RunFolder run_;
+  const LiveFolder folder_;
+  const std::filesystem::path served_;
+  const TemporaryFolder truths_;
+
+  mutable std::mutex mutex_;
+  LiveRequest request_;
+  Clock::time_point asked_;
+  std::optional<LiveState> last_;  // that the training wrote
+  Clock::time_point counted_;
+  Scene scene_;  // its held-out frames; not changed once views_ has them
+  std::vector<std::string> views_;
+  std::vector<std::pair<int64_t, double>> scores_;  // step, dB
+  std::condition_variable wake_;
+  bool leaves_ = false;
+  std::thread thread_;
+};
+
+}  // namespace tessera

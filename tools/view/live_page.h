@@ -1,0 +1,11 @@
+// The page that shows a training while it runs.
+#pragma once
+#include <string>
+
+namespace tessera {
+
+/// One HTML file. It has the player, `/api/player`, in a frame, and asks `/api/state` and
+/// `/api/log` every second.
+std::string live_page();
+
+}  // namespace tessera
