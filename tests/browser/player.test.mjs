@@ -305,7 +305,8 @@ test('a phone has every control in view, and a finger turns the scene', async ()
   const phone = {width: 360, height: 640, hasTouch: true, isMobile: true};
   const {page, problems} = await open('page/index.html?paused&t=0.3', phone);
   const boxes = [];
-  for (const control of await page.locator('.panel button, .panel select, .panel input').all()) {
+  const controls = page.locator('.panel :is(button, select, input):visible');
+  for (const control of await controls.all()) {
     const name = await control.getAttribute('aria-label');
     const box = await control.boundingBox();
     assert.ok(name, 'a control without a name');

@@ -8,6 +8,7 @@ export interface Sound {
   readonly paused: boolean;
   readonly ended: boolean;
   readonly seeking: boolean;
+  muted: boolean;
   play(): Promise<void>;
   pause(): void;
 }
@@ -20,6 +21,7 @@ export class Clock {
   private speed = 1;
   private running = false;
   private held = false;
+  private refused = false; // the browser plays no sound before the page is touched
   private anchor = { seconds: 0, wall: 0 };
 
   /** `duration`: seconds; `wall`: seconds of any steady clock. */
@@ -37,6 +39,16 @@ export class Clock {
 
   get rate(): number {
     return this.speed;
+  }
+
+  /** null: there is no sound. */
+  get muted(): boolean | null {
+    return this.sound === null ? null : this.sound.muted;
+  }
+
+  /** Whether the browser has refused to play the sound until the page is tapped. */
+  get soundBlocked(): boolean {
+    return this.refused;
   }
 
   private get ticking(): boolean {
@@ -95,6 +107,16 @@ export class Clock {
     this.tellSound();
   }
 
+  mute(muted: boolean): void {
+    if (this.sound !== null) this.sound.muted = muted;
+  }
+
+  /** Tries again to play a sound that the browser refused; to be called from a tap. */
+  startSound(): void {
+    this.now();
+    this.tellSound();
+  }
+
   /** Time stands while data is awaited. */
   hold(held: boolean): void {
     if (held === this.held) return;
@@ -110,6 +132,17 @@ export class Clock {
     sound.currentTime = this.anchor.seconds;
     sound.playbackRate = Math.min(FASTEST, Math.max(SLOWEST, this.speed));
     if (!this.ticking) sound.pause();
-    else sound.play().catch(() => sound.pause()); // not allowed yet, or no file: the wall clock runs
+    else
+      sound.play().then(
+        () => (this.refused = false),
+        (error: unknown) => this.soundFailed(sound, error),
+      );
+  }
+
+  /** Not allowed yet, no file, or paused before it began: the wall clock runs. */
+  private soundFailed(sound: Sound, error: unknown): void {
+    if ((error as { name?: string }).name === "AbortError") return;
+    this.refused = (error as { name?: string }).name === "NotAllowedError";
+    sound.pause();
   }
 }

@@ -2,7 +2,7 @@
 // Not: doing it (main.ts).
 
 export type Action =
-  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" }
+  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" }
   | { do: "step"; frames: number }
   | { do: "rate"; steps: number }
   | { do: "camera"; index: number };
@@ -34,6 +34,8 @@ export function actionOf(key: string): Action | null {
       return { do: "fullscreen" };
     case "l":
       return { do: "loop" };
+    case "m":
+      return { do: "mute" };
     case "?":
       return { do: "help" };
     default:

@@ -10,6 +10,7 @@ import { lineOf } from "./player_error";
 import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
 import { SparkView } from "./spark_view";
 import "./style.css";
+import { frameAt } from "./time_words";
 import { Panels, RATES } from "./ui";
 import { readUrl, rememberInUrl } from "./url_state";
 import type { Camera } from "./manifest";
@@ -57,7 +58,8 @@ class Page {
     this.clock.loop = url.loop;
     this.orbit = new Orbit(canvas, this.camera, new THREE.Vector3(...up).normalize());
     this.orbit.onMove = () => this.showCamera(-1);
-    this.panels.open(time.duration, cameras.map(({ name }) => name), this.about(), LICENCES);
+    const clip = { ...time, frames: this.info.frames };
+    this.panels.open(clip, cameras.map(({ name }) => name), this.about(), LICENCES);
     this.panels.showLoop(this.clock.loop);
     this.setRate(url.rate ?? 1);
     this.reset();
@@ -117,6 +119,7 @@ class Page {
     this.panels.showTrouble(this.lost ?? trouble);
     this.panels.showTime(seconds);
     this.panels.showPlaying(playing);
+    this.panels.showSound(this.clock.muted, this.clock.soundBlocked);
     if (!playing && !this.remembered) rememberInUrl({ t: seconds.toFixed(3), paused: "1" });
     this.remembered = !playing;
   }
@@ -143,10 +146,7 @@ class Page {
     const { duration, fps } = this.info.time;
     if (this.info.frames === null) return this.seek(now + frames / (fps ?? FRAME_RATE));
     const times = this.info.frames.map((t) => t * duration);
-    const nearest = times.reduce(
-      (best, time, i) => (Math.abs(time - now) < Math.abs(times[best] - now) ? i : best),
-      0,
-    );
+    const nearest = frameAt({ duration, fps, frames: this.info.frames }, now)!;
     this.seek(times[Math.min(times.length - 1, Math.max(0, nearest + frames))]);
   }
 
@@ -186,6 +186,10 @@ class Page {
       case "loop":
         clock.loop = !clock.loop;
         return panels.showLoop(clock.loop);
+      case "mute":
+        return clock.mute(clock.muted !== true);
+      case "sound":
+        return clock.startSound();
       case "reset":
         return this.reset();
       case "camera":

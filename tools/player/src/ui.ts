@@ -1,6 +1,7 @@
 // What: the page's panels: what they show, and what a person asks of them.
 // Not: what is done about it (main.ts), keys (keys.ts), the view.
 import type { Action } from "./keys";
+import { frameWords, timeWords, type Clip } from "./time_words";
 
 export const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
 
@@ -14,7 +15,8 @@ function element<T extends HTMLElement>(id: string): T {
 
 export class Panels {
   private readonly timeline = element<HTMLInputElement>("timeline");
-  private readonly time = element<HTMLOutputElement>("time");
+  private readonly time = element("time");
+  private readonly frame = element("frame");
   private readonly rate = element<HTMLSelectElement>("rate");
   private readonly camera = element<HTMLSelectElement>("camera");
   private readonly loading = element("loading");
@@ -23,7 +25,7 @@ export class Panels {
   private dismissed: string | null = null;
   private idleTimer = 0;
   private playing = false;
-  private duration = 0;
+  private clip: Clip = { duration: 0, fps: null, frames: null };
 
   constructor(
     act: (action: Action) => void,
@@ -38,7 +40,11 @@ export class Panels {
     press("forward", { do: "step", frames: 1 });
     press("loop", { do: "loop" });
     press("reset", { do: "reset" });
+    press("sound", { do: "mute" });
+    press("sound-ask", { do: "sound" });
     press("fullscreen", { do: "fullscreen" });
+    // iPhones let a page have no full screen
+    element("fullscreen").hidden = !("requestFullscreen" in document.documentElement);
     press("help-open", { do: "help" });
     this.timeline.addEventListener("input", () => seek(this.timeline.valueAsNumber));
     this.rate.addEventListener("change", () => setRate(Number(this.rate.value)));
@@ -53,24 +59,25 @@ export class Panels {
       addEventListener(name, () => this.wake());
   }
 
-  /** Once the scene is known. `duration`: seconds; 0 leaves the time line away. */
-  open(duration: number, cameras: string[], about: string, licences: string): void {
-    this.duration = duration;
-    this.timeline.max = String(duration);
-    element("duration").textContent = duration.toFixed(2);
-    this.camera.replaceChildren(new Option("free", "-1"));
+  /** Once the scene is known. A clip without a duration has no time line. */
+  open(clip: Clip, cameras: string[], about: string, licences: string): void {
+    this.clip = clip;
+    this.timeline.max = String(clip.duration);
+    this.camera.replaceChildren(new Option("Free view", "-1"));
     cameras.forEach((name, i) => this.camera.add(new Option(name, String(i))));
     element("camera-choice").hidden = cameras.length === 0;
     element("about").textContent = about;
     element("licences").textContent = licences;
     element("top").hidden = !this.visible;
-    element("bar").hidden = !this.visible || duration === 0;
+    element("bar").hidden = !this.visible || clip.duration === 0;
   }
 
   showTime(seconds: number): void {
-    this.time.value = seconds.toFixed(2);
+    this.time.textContent = timeWords(this.clip, seconds);
+    this.frame.textContent = frameWords(this.clip, seconds);
     this.timeline.valueAsNumber = seconds;
-    this.timeline.style.setProperty("--done", `${(100 * seconds) / (this.duration || 1)}%`);
+    this.timeline.setAttribute("aria-valuetext", this.time.textContent);
+    this.timeline.style.setProperty("--done", `${(100 * seconds) / (this.clip.duration || 1)}%`);
   }
 
   showPlaying(playing: boolean): void {
@@ -89,6 +96,16 @@ export class Panels {
     const rates = RATES.includes(rate) ? RATES : [...RATES, rate].sort((a, b) => a - b);
     this.rate.replaceChildren(...rates.map((r) => new Option(`${r}×`, String(r))));
     this.rate.value = String(rate);
+  }
+
+  /** `muted`: null where the scene has no sound; `blocked`: the browser waits for a tap. */
+  showSound(muted: boolean | null, blocked: boolean): void {
+    const button = element("sound");
+    button.hidden = muted === null;
+    button.setAttribute("aria-pressed", String(muted === true));
+    element("sound-ask").hidden = muted !== false || !blocked;
+    for (const line of document.querySelectorAll<HTMLElement>(".of-sound"))
+      line.hidden = muted === null;
   }
 
   /** −1: none of the rig's. */
