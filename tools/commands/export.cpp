@@ -36,6 +36,7 @@ void check_format(const std::string& name) {
 void check_options(const ExportRequest& request, const TimeFormat* in_time) {
   const bool tessera4d = in_time != nullptr && in_time->is_tessera4d;
   const bool one_file = request.single || request.format == "html";
+  const bool has_page = request.page || request.format == "page" || request.format == "html";
   const ExportTimes& times = request.times;
   const struct {
     const char* option;
@@ -54,6 +55,10 @@ void check_options(const ExportRequest& request, const TimeFormat* in_time) {
       {"--cameras", !request.cameras.empty(),
        tessera4d || request.page || request.format == "splatv",
        "tessera, page, html, splatv and frames with --page"},
+      {"--title", !request.title.empty(), has_page, "pages: page, html and frames with --page"},
+      {"--description", !request.description.empty(), has_page,
+       "pages: page, html and frames with --page"},
+      {"--poster", !request.poster.empty(), has_page, "pages: page, html and frames with --page"},
       {"--audio", !request.audio.empty(), tessera4d && !one_file, "folders: tessera and page"},
   };
   for (const auto& rule : rules)
@@ -174,6 +179,13 @@ void add_export_command(CLI::App& app, Work& work) {
       "Tessera 4D, splatv, --page: scene folder or transforms file whose cameras players offer; "
       "default: of the scene that the run was trained on");
   command->add_option("--audio", request->audio, "Tessera 4D: sound, which becomes the clock");
+  command->add_option("--title", request->title, "pages: title");
+  command->add_option("--description", request->description,
+                      "pages: description, for search engines and for sites where the address is "
+                      "posted");
+  command->add_option("--poster", request->poster,
+                      "pages: image that is shown while the scene loads: a PNG, JPEG or WebP file, "
+                      "or auto: a held-out camera's view of the first timestep; default: none");
   command->add_flag("--keep-world", request->keep_world,
                     "stay in the world of the prepared scene; default: back in the capture's own");
   command->add_flag("--overwrite", request->overwrite,

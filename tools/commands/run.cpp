@@ -54,6 +54,9 @@ void add_run_command(CLI::App& app, Work& work) {
                   "number of PLY frames to write to OUT/frames, evenly from the first timestep to "
                   "the last; 0 or left out: none")
       ->check(CLI::NonNegativeNumber);
+  command.add_option("--title", request->title, "title of the player's page");
+  command.add_option("--description", request->description,
+                     "description of the player's page, for sites where its address is posted");
   command.add_flag("--json", request->json_output, "print one JSON object");
   add_train_options(command, request->training);
   command.callback([request, &work] {

@@ -46,7 +46,8 @@ json write_run_frames(const RunFolder& run, const fs::path& folder, int64_t coun
   return {{"folder", folder.string()}, {"frames", report.frames.size()}, {"bytes", report.bytes}};
 }
 
-json write_run_player(const RunFolder& run, const fs::path& folder) {
+json write_run_player(const RunFolder& run, const fs::path& folder, const std::string& title,
+                      const std::string& description) {
   constexpr int64_t kMostInside = int64_t{64} << 20;  // bytes
   GaussianModel model = model_in_source_world(load_model(run.model()));
   ExportRequest page;
@@ -54,6 +55,9 @@ json write_run_player(const RunFolder& run, const fs::path& folder) {
   page.out = folder.string();
   page.overwrite = true;
   page.format = "html";
+  page.title = title;
+  page.description = description;
+  if (!scene_of_model(page.model).empty()) page.poster = "auto";
   json written = find_time_format(page.format)->write(page, model);
   if (written["scene_bytes"] > kMostInside) {
     page.format = "page";

@@ -218,8 +218,11 @@ class Runner {
       return true;
     }
     const fs::path folder = request_.out / "player";
-    return do_stage(kPage, key_of({train_key_, "player"}), folder / kPageFile,
-                    [&] { return std::optional(write_run_player(run_, folder)); });
+    return do_stage(kPage, key_of({train_key_, "player", request_.title, request_.description}),
+                    folder / kPageFile, [&] {
+                      return std::optional(
+                          write_run_player(run_, folder, request_.title, request_.description));
+                    });
   }
 
   const RunRequest& request_;

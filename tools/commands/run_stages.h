@@ -17,6 +17,7 @@ struct RunRequest {
   IngestArguments ingest;
   TrainArguments training;
   int64_t export_frames = 0;  // PLY frames to write; 0: none
+  std::string title, description;  // of the player's page
   bool json_output = false;
 };
 

@@ -16,9 +16,10 @@ namespace tessera {
 namespace {
 
 std::vector<std::string> files_of(const ExportRequest& request, int64_t count,
-                                  const SplatFormat& format) {
+                                  const SplatFormat& format, const Poster& poster) {
   std::vector<std::string> files{"manifest.json"};
   if (request.page) files.emplace_back(kPageFile);
+  if (!poster.bytes.empty()) files.push_back(poster.file());
   for (int64_t i = 0; i < count; ++i) files.push_back(sequence_file_name(i, count, format));
   return files;
 }
@@ -33,7 +34,9 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
   ExportTimes wanted = request.times;
   if (rig.fps > 0) wanted.capture_fps = rig.fps;
   const std::vector<double> times = export_times(wanted, model.time_axis, model.moves());
-  OutputFolder folder(request.out, "export", files_of(request, int64_t(times.size()), format),
+  const PageHead head = request.page ? page_head(request, model) : PageHead{};
+  OutputFolder folder(request.out, "export",
+                      files_of(request, int64_t(times.size()), format, head.poster),
                       request.overwrite);
   SequenceHints hints;
   if (request.page) hints.cameras = std::move(rig.cameras);
@@ -46,7 +49,9 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
     };
     report = export_sequence(model, folder.staging(), times, format, progress, hints);
   }
-  if (request.page) write_text_file(folder.path(kPageFile), page_of_folder());
+  if (request.page) write_text_file(folder.path(kPageFile), page_of_folder(head));
+  if (!head.poster.bytes.empty())
+    write_text_file(folder.path(head.poster.file()), head.poster.bytes);
   folder.finish();
   return {{"frames", report.frames.size()},        {"bytes", report.bytes},
           {"max_gaussians", report.max_gaussians}, {"non_finite", report.non_finite},

@@ -53,7 +53,8 @@ json result_of(const Tessera4dFile& file, int64_t files, int64_t bytes) {
 
 /// Manifest, blocks and what goes beside them.
 json write_folder(const ExportRequest& request, GaussianModel& model, bool page) {
-  const std::string html = page ? page_of_folder() : "";
+  const PageHead head = page ? page_head(request, model) : PageHead{};
+  const std::string html = page ? page_of_folder(head) : "";
   const std::string sound = request.audio.empty() ? "" : read_text_file(request.audio);
   const Tessera4dFile file = encoded(request, model);
   std::vector<std::string> files{kTessera4dManifest};
@@ -61,13 +62,16 @@ json write_folder(const ExportRequest& request, GaussianModel& model, bool page)
   const std::string audio = fs::path(request.audio).filename().string();
   if (!audio.empty()) files.push_back(audio);
   if (page) files.emplace_back(kPageFile);
+  const std::string poster = head.poster.file();
+  if (!poster.empty()) files.push_back(poster);
   OutputFolder folder(request.out, "export", files, request.overwrite);
   if (!audio.empty()) write_text_file(folder.path(audio), sound);
   if (page) write_text_file(folder.path(kPageFile), html);
+  if (!poster.empty()) write_text_file(folder.path(poster), head.poster.bytes);
   write_tessera4d_folder(folder.staging(), file);
   folder.finish();
   return result_of(file, int64_t(files.size()),
-                   file.bytes() + int64_t(html.size()) + int64_t(sound.size()));
+                   file.bytes() + int64_t(html.size() + sound.size() + head.poster.bytes.size()));
 }
 
 json write_one(const ExportRequest& request, const Tessera4dFile& file, const char* name,
@@ -89,8 +93,9 @@ json write_page(const ExportRequest& request, GaussianModel& model) {
 }
 
 json write_html(const ExportRequest& request, GaussianModel& model) {
+  const PageHead head = page_head(request, model);
   const Tessera4dFile file = encoded(request, model);
-  return write_one(request, file, kPageFile, page_with(single_tessera4d(file)));
+  return write_one(request, file, kPageFile, page_with(single_tessera4d(file), head));
 }
 
 /// Leaves out what no program can draw; returns how many.

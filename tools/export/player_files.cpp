@@ -10,12 +10,12 @@
 
 namespace tessera {
 
-std::string page_of_folder() {
-  return std::string(player_page());
+std::string page_of_folder(const PageHead& head) {
+  return with_head(std::string(player_page()), head, true);
 }
 
-std::string page_with(std::string_view tessera4d) {
-  std::string page(player_page());
+std::string page_with(std::string_view tessera4d, const PageHead& head) {
+  std::string page = with_head(std::string(player_page()), head, false);
   const size_t position = page.find(kPlayerConfig);
   check(position != std::string::npos, "player page: its configuration is not where it should be");
   const std::string config =

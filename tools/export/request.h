@@ -15,6 +15,8 @@ struct ExportRequest {
   bool single = false, lossless = false;  // of the Tessera 4D file
   double segment_seconds = 1;
   std::string cameras, audio;
+  std::string title, description;  // of a page; empty: none
+  std::string poster;              // of a page: an image file, or "auto"; empty: none
   int threads = 0;
   bool keep_world = false, overwrite = false, json = false;
 };

@@ -11,6 +11,10 @@ namespace tessera {
 constexpr std::string_view kPlayerConfig =
     R"(<script id="tessera-config" type="application/json">{"scene":"manifest.json"}</script>)";
 
+/// The elements of its title and of the image that is shown while it loads, once each.
+constexpr std::string_view kPlayerTitle = "<title>Tessera</title>";
+constexpr std::string_view kPlayerPoster = R"(<img id="poster" alt="" hidden />)";
+
 /// Whether the program was built with it.
 bool carries_player_page();
 /// UTF-8. Errors: InputError where the program was built without it.

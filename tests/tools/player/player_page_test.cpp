@@ -48,6 +48,13 @@ TEST_F(PlayerPage, HasOnePlaceForAScene) {
   EXPECT_EQ(count("id=\"tessera-config\""), 1u);
 }
 
+// Bug put back: the title within index.html changed; seen to fail.
+TEST_F(PlayerPage, HasOnePlaceForItsTitleAndItsPoster) {
+  EXPECT_EQ(count(kPlayerTitle), 1u);
+  EXPECT_EQ(count("<title>"), 1u);
+  EXPECT_EQ(count(kPlayerPoster), 1u);
+}
+
 // Bug put back: the style left as a file of its own by vite.config.ts; seen to fail.
 TEST_F(PlayerPage, NeedsNoOtherFile) {
   const std::string markup(player_page().substr(0, player_page().find("<script type=\"module\">")));

@@ -112,7 +112,7 @@ class Page {
     const ahead = playing ? this.t(AHEAD_SECONDS * Math.max(1, this.clock.rate)) : 0;
     const play = { ahead, loop: this.clock.loop };
     const { waiting, complete, trouble } = this.view.setTime(this.t(seconds), play);
-    if (complete || this.lost !== null) this.pictured = true;
+    if (!this.pictured && (complete || this.lost !== null)) this.showScene();
     // frames of a sequence are left out when they are late; blocks are waited for
     this.clock.hold(!this.pictured || (waiting && this.info.frames === null));
     this.showLoading(waiting);
@@ -122,6 +122,11 @@ class Page {
     this.panels.showSound(this.clock.muted, this.clock.soundBlocked);
     if (!playing && !this.remembered) rememberInUrl({ t: seconds.toFixed(3), paused: "1" });
     this.remembered = !playing;
+  }
+
+  private showScene(): void {
+    this.pictured = true;
+    this.panels.showScene();
   }
 
   private showLoading(waiting: boolean): void {

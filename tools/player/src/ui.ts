@@ -1,6 +1,7 @@
 // What: the page's panels: what they show, and what a person asks of them.
 // Not: what is done about it (main.ts), keys (keys.ts), the view.
 import type { Action } from "./keys";
+import { Poster } from "./poster";
 import { frameWords, timeWords, type Clip } from "./time_words";
 
 export const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
@@ -22,6 +23,7 @@ export class Panels {
   private readonly loading = element("loading");
   private readonly trouble = element("trouble");
   private readonly help = element<HTMLDialogElement>("help");
+  private readonly poster = new Poster(element<HTMLImageElement>("poster"));
   private dismissed: string | null = null;
   private idleTimer = 0;
   private playing = false;
@@ -66,10 +68,26 @@ export class Panels {
     this.camera.replaceChildren(new Option("Free view", "-1"));
     cameras.forEach((name, i) => this.camera.add(new Option(name, String(i))));
     element("camera-choice").hidden = cameras.length === 0;
+    this.showTitle();
     element("about").textContent = about;
     element("licences").textContent = licences;
     element("top").hidden = !this.visible;
     element("bar").hidden = !this.visible || clip.duration === 0;
+  }
+
+  /** Of the export, in the page's head; without one there is only the player's own name. */
+  private showTitle(): void {
+    const title = document.title;
+    element("title").textContent = element("help-title").textContent = title;
+    element("title").hidden = !this.visible || title === "Tessera";
+    const meta = document.querySelector<HTMLMetaElement>('meta[name="description"]');
+    element("description").textContent = meta?.content ?? "";
+    element("description").hidden = meta === null;
+  }
+
+  /** The first image of the scene is on the screen, or will not come. */
+  showScene(): void {
+    this.poster.leave();
   }
 
   showTime(seconds: number): void {

@@ -1,0 +1,36 @@
+// The words and the poster of a page that holds the player: its title, its description, the tags
+// that other sites read where its address is posted, and the image that is shown while it loads.
+#pragma once
+#include <string>
+
+#include "recon4d/model/gaussian_set.h"
+#include "tools/export/request.h"
+
+namespace tessera {
+
+struct Poster {
+  std::string bytes;               // of an image file; empty: no poster
+  std::string type = "image/png";  // "image/jpeg" and "image/webp" are the others
+
+  /// "poster.png", "poster.jpg" or "poster.webp"; "" without a poster.
+  std::string file() const;
+};
+
+/// By the first bytes. Errors: InputError naming `path`: unreadable, empty, none of the three
+/// types.
+Poster poster_of_file(const std::string& path);
+
+struct PageHead {
+  std::string title, description;  // plain text; empty: the player's own title, no description
+  Poster poster;
+};
+
+/// As `request` has them; a poster that is "auto" is rendered (poster_view.h). `model`: as
+/// exported. Errors: InputError: a poster that cannot be read, or no camera to render one from.
+PageHead page_head(const ExportRequest& request, const GaussianModel& model);
+
+/// The player's page with title, description and poster in their places. `beside`: the poster lies
+/// as a file beside the page, too, and the tags for other sites name it.
+std::string with_head(std::string page, const PageHead& head, bool beside);
+
+}  // namespace tessera
