@@ -2,7 +2,7 @@
 // Not: doing it (main.ts).
 
 export type Action =
-  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" }
+  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" }
   | { do: "step"; frames: number }
   | { do: "rate"; steps: number }
   | { do: "camera"; index: number };
@@ -34,6 +34,8 @@ export function actionOf(key: string): Action | null {
       return { do: "fullscreen" };
     case "l":
       return { do: "loop" };
+    case "c":
+      return { do: "share" };
     case "m":
       return { do: "mute" };
     case "?":

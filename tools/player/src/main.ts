@@ -8,17 +8,20 @@ import { openSource, readConfig } from "./open_source";
 import { Orbit } from "./orbit";
 import { lineOf } from "./player_error";
 import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
+import { share } from "./share";
+import { poseOfWord, viewWord } from "./shared_view";
 import { SparkView } from "./spark_view";
 import "./style.css";
 import { frameAt } from "./time_words";
 import { Panels, RATES } from "./ui";
-import { readUrl, rememberInUrl } from "./url_state";
 import type { Camera } from "./manifest";
+import { readUrl, rememberInUrl, withValues } from "./url_state";
 import { homePose, rigPose } from "./view_camera";
 import * as THREE from "three";
 
 const AHEAD_SECONDS = 2.5; // of play, fetched in advance
 const FRAME_RATE = 30; // where the capture's is not known
+const STAYS_MS = 400; // after which a view is written into the address
 const LOST = "the graphics device was lost (memory?); close other pages and reload this one";
 const MOST_PIXELS_A_PIXEL = 2; // device pixels for a CSS pixel
 
@@ -45,6 +48,8 @@ class Page {
   private loaded: Progress = { bytes: 0, needed: 0 };
   private pictured = false; // whether a first image is on the screen
   private lost: string | null = null; // why nothing is drawn any more
+  private shownCamera = -1; // of the rig, whose view is shown
+  private viewTimer = 0;
   private remembered = true; // whether the address says which time is shown
 
   async open(): Promise<void> {
@@ -57,13 +62,18 @@ class Page {
     this.clock = new Clock(time.duration, wall, audio === null ? null : new Audio(audio));
     this.clock.loop = url.loop;
     this.orbit = new Orbit(canvas, this.camera, new THREE.Vector3(...up).normalize());
-    this.orbit.onMove = () => this.showCamera(-1);
+    this.orbit.onMove = () => this.leaveCamera();
     const clip = { ...time, frames: this.info.frames };
     this.panels.open(clip, cameras.map(({ name }) => name), this.about(), LICENCES);
     this.panels.showLoop(this.clock.loop);
     this.setRate(url.rate ?? 1);
     this.reset();
     if (url.camera !== null) this.takeCamera(this.cameraOf(url.camera));
+    const shared = url.view === null ? null : poseOfWord(url.view, this.info);
+    if (shared !== null) {
+      this.orbit.setPose(shared);
+      this.showCamera(-1);
+    }
     this.clock.seek(url.seconds ?? 0);
     canvas.addEventListener("webglcontextlost", () => (this.lost = LOST));
     addEventListener("resize", () => this.resize());
@@ -155,6 +165,30 @@ class Page {
     this.seek(times[Math.min(times.length - 1, Math.max(0, nearest + frames))]);
   }
 
+  /** The view is the person's own; the address has it once it stays. */
+  private leaveCamera(): void {
+    this.showCamera(-1);
+    clearTimeout(this.viewTimer);
+    this.viewTimer = window.setTimeout(
+      () => rememberInUrl({ view: viewWord(this.camera), cam: null }),
+      STAYS_MS,
+    );
+  }
+
+  /** What the address needs to show this view at this time. */
+  private shownValues(): Record<string, string | null> {
+    const camera = this.info.cameras[this.shownCamera];
+    const view = camera === undefined ? viewWord(this.camera) : null;
+    return { t: this.clock.now().toFixed(3), cam: camera?.name ?? null, view };
+  }
+
+  private async share(): Promise<void> {
+    const values = this.shownValues();
+    rememberInUrl(values);
+    const line = await share(withValues(location.href, values), document.title);
+    if (line !== null) this.panels.showNotice(line);
+  }
+
   private reset(): void {
     this.orbit.setPose(homePose(this.info));
     this.showCamera(this.info.cameras.length > 0 ? 0 : -1);
@@ -165,10 +199,12 @@ class Page {
     if (camera === undefined) return;
     this.orbit.setPose(rigPose(camera, this.info));
     this.showCamera(index);
-    rememberInUrl({ cam: camera.name });
+    rememberInUrl({ cam: camera.name, view: null });
   }
 
   private showCamera(index: number): void {
+    clearTimeout(this.viewTimer);
+    this.shownCamera = index;
     this.panels.showCamera(index);
   }
 
@@ -191,6 +227,8 @@ class Page {
       case "loop":
         clock.loop = !clock.loop;
         return panels.showLoop(clock.loop);
+      case "share":
+        return void this.share();
       case "mute":
         return clock.mute(clock.muted !== true);
       case "sound":
@@ -215,6 +253,7 @@ class Page {
       camera: (name: string) => this.takeCamera(this.cameraOf(name)),
       look: (camera: Camera) => this.orbit.setPose(rigPose(camera, this.info)),
       replace: (address: string) => this.replace(address),
+      view: () => viewWord(this.camera),
       settle: () => this.view.settle(),
       time: () => this.clock.now(),
       duration: () => this.info.time.duration,

@@ -7,6 +7,7 @@ import { frameWords, timeWords, type Clip } from "./time_words";
 export const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
 
 const IDLE_MS = 3000; // without a pointer or a key, panels of a playing scene fade
+const NOTICE_MS = 3000;
 
 function element<T extends HTMLElement>(id: string): T {
   const found = document.getElementById(id);
@@ -26,6 +27,7 @@ export class Panels {
   private readonly poster = new Poster(element<HTMLImageElement>("poster"));
   private dismissed: string | null = null;
   private idleTimer = 0;
+  private noticeTimer = 0;
   private playing = false;
   private clip: Clip = { duration: 0, fps: null, frames: null };
 
@@ -47,6 +49,7 @@ export class Panels {
     press("fullscreen", { do: "fullscreen" });
     // iPhones let a page have no full screen
     element("fullscreen").hidden = !("requestFullscreen" in document.documentElement);
+    press("share", { do: "share" });
     press("help-open", { do: "help" });
     this.timeline.addEventListener("input", () => seek(this.timeline.valueAsNumber));
     this.rate.addEventListener("change", () => setRate(Number(this.rate.value)));
@@ -145,6 +148,15 @@ export class Panels {
     this.trouble.hidden = line === null || line === this.dismissed;
     if (line !== null && element("trouble-line").textContent !== line)
       element("trouble-line").textContent = line;
+  }
+
+  /** A line that goes by itself. */
+  showNotice(line: string): void {
+    const notice = element("notice");
+    notice.textContent = line;
+    notice.hidden = false;
+    clearTimeout(this.noticeTimer);
+    this.noticeTimer = window.setTimeout(() => (notice.hidden = true), NOTICE_MS);
   }
 
   toggleHelp(): void {

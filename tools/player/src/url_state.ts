@@ -1,4 +1,4 @@
-// What: the page's address as state: ?scene=&t=&cam=&rate=&paused=&loop=&ui=; and back into it, so
+// What: the page's address as state: ?scene=&t=&cam=&view=&rate=&paused=&loop=&ui=; and back into it, so
 //       that a copied address shows the same time from the same camera.
 // Not: what the values do (main.ts).
 
@@ -6,6 +6,7 @@ export interface UrlState {
   scene: string | null;
   seconds: number | null; // from the start of the clip
   camera: string | null; // name, or number from 1
+  view: string | null; // as in shared_view.ts; goes before the camera
   rate: number | null;
   paused: boolean;
   loop: boolean;
@@ -30,6 +31,7 @@ export function readUrl(search: string): UrlState {
     scene: query.get("scene"),
     seconds: numberOf(query.get("t")),
     camera: query.get("cam"),
+    view: query.get("view"),
     rate: rate !== null && rate > 0 ? rate : null,
     paused: flagOf(query.get("paused"), false),
     loop: flagOf(query.get("loop"), true),

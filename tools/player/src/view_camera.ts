@@ -53,21 +53,29 @@ function focusOf(cameras: Camera[]): THREE.Vector3 | null {
   return right.applyMatrix3(matrix.invert());
 }
 
-/** A rig's camera; it turns about the point of its axis that is nearest to what all look at. */
-export function rigPose(camera: Camera, info: SceneInfo): Pose {
-  const rotation = rotationOf(camera);
-  const position = new THREE.Vector3(...camera.position);
+/** What all cameras of the rig look at; the middle of the scene where they have no such point. */
+export function focusOfRig(info: SceneInfo): THREE.Vector3 {
+  return focusOf(info.cameras) ?? centreOf(info.bounds);
+}
+
+/** It turns about the point of its axis that is nearest to what all cameras look at. */
+export function poseFrom(
+  position: THREE.Vector3,
+  rotation: THREE.Quaternion,
+  lens: Lens,
+  info: SceneInfo,
+): Pose {
   const forward = new THREE.Vector3(0, 0, 1).applyQuaternion(rotation);
-  const focus = focusOf(info.cameras) ?? centreOf(info.bounds);
-  const along = focus.clone().sub(position).dot(forward);
+  const along = focusOfRig(info).sub(position).dot(forward);
   const size = sizeOf(info.bounds);
+  return { position, rotation, distance: along > 0.05 * size ? along : size, lens };
+}
+
+/** The view of a rig's camera, exactly. */
+export function rigPose(camera: Camera, info: SceneInfo): Pose {
   const { fx, fy, cx, cy, width, height } = camera;
-  return {
-    position,
-    rotation,
-    distance: along > 0.05 * size ? along : size,
-    lens: { fx, fy, cx, cy, width, height },
-  };
+  const lens = { fx, fy, cx, cy, width, height };
+  return poseFrom(new THREE.Vector3(...camera.position), rotationOf(camera), lens, info);
 }
 
 /** Camera axes from a viewing direction; `up`: any vector not along it. */

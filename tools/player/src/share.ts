@@ -1,0 +1,20 @@
+// Gives the address of the view on the screen to others: through the sheet of the system where the
+// browser has one, else through the clipboard.
+
+/** The line to show, or null where nothing is to be said. */
+export async function share(href: string, title: string): Promise<string | null> {
+  if (navigator.share !== undefined && href.startsWith("http")) {
+    try {
+      await navigator.share({ title, url: href });
+      return null;
+    } catch (error) {
+      if ((error as DOMException).name === "AbortError") return null; // closed by the person
+    }
+  }
+  try {
+    await navigator.clipboard.writeText(href);
+    return "Link copied";
+  } catch {
+    return "Copy the address of this page: it has this view";
+  }
+}
