@@ -25,7 +25,7 @@ after(async () => {
 const kLens = {fx: 500, fy: 500, cx: 320, cy: 240, width: 640, height: 480};
 const kInfo = {cameras: [], bounds: {min: [-1, -1, -1], max: [1, 1, 1]}, up: [0, -1, 0]};
 
-// Bugs put back: qw last; the field of view in radians; words of seven numbers accepted; each seen
+// Bugs put back: qw last; the field of view in radians; words of nine numbers accepted; each seen
 // to fail.
 test('a view as a word, and back', () => {
   const camera = {position: [1.5, -2, 0.25], rotation: [0.5, 0.5, -0.5, 0.5], lens: kLens};
@@ -55,8 +55,7 @@ async function middle(page) {
   return readPng(await page.screenshot({clip: {x: 80, y: 70, width: 480, height: 200}}));
 }
 
-// Bugs put back: view= not read; the address left with cam=; the link without the time; each seen
-// to fail.
+// Bugs put back: view= not read; the address left with cam=; each seen to fail.
 test('a view that was dragged is in the address, and the copied link shows it', async () => {
   const {page, problems} = await open('?paused&t=1.2&cam=front', () => {
     Object.defineProperty(navigator, 'share', {value: undefined});

@@ -1,11 +1,13 @@
 // What: a Tessera 4D file on a stage: blocks of the current time are in the scene, the shader moves them.
 // Not: which blocks to have (blocks.ts), decoding (decoder.ts), the shader (splat4d_shader.ts).
+import { blockHits } from "./block_hits";
 import { BlockCache } from "./blocks";
 import type { BlockSource } from "./container";
 import type { Content } from "./content";
 import { Decoder } from "./decoder";
 import { Arrivals } from "./loading";
 import { memoryBudget } from "./memory_budget";
+import type { Hit, Ray } from "./pick";
 import type { OnProgress, Play, SceneInfo, ViewCamera } from "./scene_view";
 import { BlockSplats, SliceUniforms } from "./splat4d_shader";
 import type { Stage } from "./stage";
@@ -98,6 +100,14 @@ export class BlocksContent implements Content {
 
   trouble(t: number): string | null {
     return this.cache.trouble(t);
+  }
+
+  hits(ray: Ray, t: number): Hit[] {
+    const clip = this.source.manifest.anchor === "clip";
+    return this.cache.at(t).flatMap((i) => {
+      const packed = this.cache.get(i)?.packed;
+      return packed === undefined ? [] : blockHits(packed, ray, t, clip);
+    });
   }
 
   dispose(): void {

@@ -1,5 +1,6 @@
 // What: what a stage shows at one time; blocks in continuous time or frames of a sequence.
 // Not: the stage itself (stage.ts).
+import type { Hit, Ray } from "./pick";
 import type { Play, SceneInfo } from "./scene_view";
 
 export interface Content {
@@ -15,5 +16,7 @@ export interface Content {
   waiting(t: number): boolean;
   /** Why data of t is missing and stays so; null when nothing is missing. */
   trouble(t: number): string | null;
+  /** What a ray meets at t, in any order; nothing where the content does not know. */
+  hits(ray: Ray, t: number): Hit[];
   dispose(): void;
 }

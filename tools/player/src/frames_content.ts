@@ -8,6 +8,7 @@ import { fetchBytes } from "./fetching";
 import { Arrivals } from "./loading";
 import { memoryBudget } from "./memory_budget";
 import { lineOf, PlayerError } from "./player_error";
+import type { Hit } from "./pick";
 import type { OnProgress, Play, SceneInfo } from "./scene_view";
 import type { Sequence } from "./sequence_manifest";
 import type { Stage } from "./stage";
@@ -129,6 +130,11 @@ export class FramesContent implements Content {
 
   trouble(t: number): string | null {
     return this.cache.trouble(t);
+  }
+
+  /** Spark keeps the Gaussians of frames to itself. */
+  hits(): Hit[] {
+    return [];
   }
 
   dispose(): void {

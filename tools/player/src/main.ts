@@ -4,24 +4,20 @@ import { Clock } from "./clock";
 import { listenToKeys, type Action } from "./keys";
 import { LICENCES } from "./licences";
 import { loadedShare, loadingLine, type Progress } from "./loading";
+import type { Camera } from "./manifest";
 import { openSource, readConfig } from "./open_source";
-import { Orbit } from "./orbit";
 import { lineOf } from "./player_error";
 import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
 import { share } from "./share";
-import { poseOfWord, viewWord } from "./shared_view";
 import { SparkView } from "./spark_view";
 import "./style.css";
 import { frameAt } from "./time_words";
 import { Panels, RATES } from "./ui";
-import type { Camera } from "./manifest";
 import { readUrl, rememberInUrl, withValues } from "./url_state";
-import { homePose, rigPose } from "./view_camera";
-import * as THREE from "three";
+import { Viewpoint } from "./viewpoint";
 
 const AHEAD_SECONDS = 2.5; // of play, fetched in advance
 const FRAME_RATE = 30; // where the capture's is not known
-const STAYS_MS = 400; // after which a view is written into the address
 const LOST = "the graphics device was lost (memory?); close other pages and reload this one";
 const MOST_PIXELS_A_PIXEL = 2; // device pixels for a CSS pixel
 
@@ -44,12 +40,10 @@ class Page {
   private view!: SceneView;
   private info!: SceneInfo;
   private clock!: Clock;
-  private orbit!: Orbit;
+  private viewpoint!: Viewpoint;
   private loaded: Progress = { bytes: 0, needed: 0 };
   private pictured = false; // whether a first image is on the screen
   private lost: string | null = null; // why nothing is drawn any more
-  private shownCamera = -1; // of the rig, whose view is shown
-  private viewTimer = 0;
   private remembered = true; // whether the address says which time is shown
 
   async open(): Promise<void> {
@@ -57,23 +51,17 @@ class Page {
     const text = document.getElementById("tessera-config")?.textContent ?? "{}";
     const source = await openSource(readConfig(text), url.scene, location.href);
     this.info = await this.view.load(source, (progress) => (this.loaded = progress));
-    const { time, audio, up, cameras } = this.info;
+    const { time, audio, cameras } = this.info;
     const wall = () => performance.now() / 1000;
     this.clock = new Clock(time.duration, wall, audio === null ? null : new Audio(audio));
     this.clock.loop = url.loop;
-    this.orbit = new Orbit(canvas, this.camera, new THREE.Vector3(...up).normalize());
-    this.orbit.onMove = () => this.leaveCamera();
     const clip = { ...time, frames: this.info.frames };
     this.panels.open(clip, cameras.map(({ name }) => name), this.about(), LICENCES);
     this.panels.showLoop(this.clock.loop);
     this.setRate(url.rate ?? 1);
-    this.reset();
-    if (url.camera !== null) this.takeCamera(this.cameraOf(url.camera));
-    const shared = url.view === null ? null : poseOfWord(url.view, this.info);
-    if (shared !== null) {
-      this.orbit.setPose(shared);
-      this.showCamera(-1);
-    }
+    const showCamera = (index: number) => this.panels.showCamera(index);
+    this.viewpoint = new Viewpoint(canvas, this.camera, this.info, this.view, showCamera);
+    this.viewpoint.open(url.camera, url.view);
     this.clock.seek(url.seconds ?? 0);
     canvas.addEventListener("webglcontextlost", () => (this.lost = LOST));
     addEventListener("resize", () => this.resize());
@@ -97,12 +85,6 @@ class Page {
     return `${gaussians.toLocaleString("en")} Gaussians · ${length}`;
   }
 
-  /** By name, or by number from 1; −1: there is none such. */
-  private cameraOf(text: string): number {
-    const named = this.info.cameras.findIndex(({ name }) => name === text);
-    return named >= 0 || !/^\d+$/.test(text) ? named : Number(text) - 1;
-  }
-
   private resize(): void {
     const dpr = Math.min(devicePixelRatio || 1, MOST_PIXELS_A_PIXEL);
     this.view.resize(canvas.clientWidth, canvas.clientHeight, dpr);
@@ -117,6 +99,7 @@ class Page {
   /** Draws, and is called again when the display wants another frame. */
   private frame(): void {
     requestAnimationFrame(() => this.frame());
+    this.viewpoint.step();
     const seconds = this.clock.now();
     const playing = this.clock.playing;
     const ahead = playing ? this.t(AHEAD_SECONDS * Math.max(1, this.clock.rate)) : 0;
@@ -165,47 +148,11 @@ class Page {
     this.seek(times[Math.min(times.length - 1, Math.max(0, nearest + frames))]);
   }
 
-  /** The view is the person's own; the address has it once it stays. */
-  private leaveCamera(): void {
-    this.showCamera(-1);
-    clearTimeout(this.viewTimer);
-    this.viewTimer = window.setTimeout(
-      () => rememberInUrl({ view: viewWord(this.camera), cam: null }),
-      STAYS_MS,
-    );
-  }
-
-  /** What the address needs to show this view at this time. */
-  private shownValues(): Record<string, string | null> {
-    const camera = this.info.cameras[this.shownCamera];
-    const view = camera === undefined ? viewWord(this.camera) : null;
-    return { t: this.clock.now().toFixed(3), cam: camera?.name ?? null, view };
-  }
-
   private async share(): Promise<void> {
-    const values = this.shownValues();
+    const values = { t: this.clock.now().toFixed(3), ...this.viewpoint.values };
     rememberInUrl(values);
     const line = await share(withValues(location.href, values), document.title);
     if (line !== null) this.panels.showNotice(line);
-  }
-
-  private reset(): void {
-    this.orbit.setPose(homePose(this.info));
-    this.showCamera(this.info.cameras.length > 0 ? 0 : -1);
-  }
-
-  private takeCamera(index: number): void {
-    const camera = this.info.cameras[index];
-    if (camera === undefined) return;
-    this.orbit.setPose(rigPose(camera, this.info));
-    this.showCamera(index);
-    rememberInUrl({ cam: camera.name, view: null });
-  }
-
-  private showCamera(index: number): void {
-    clearTimeout(this.viewTimer);
-    this.shownCamera = index;
-    this.panels.showCamera(index);
   }
 
   private act(action: Action): void {
@@ -234,9 +181,9 @@ class Page {
       case "sound":
         return clock.startSound();
       case "reset":
-        return this.reset();
+        return this.viewpoint.reset();
       case "camera":
-        return this.takeCamera(action.index);
+        return this.viewpoint.take(action.index);
       case "fullscreen":
         return panels.toggleFullscreen();
       case "help":
@@ -250,11 +197,14 @@ class Page {
       play: () => this.clock.play(),
       pause: () => this.clock.pause(),
       seek: (seconds: number) => this.seek(seconds),
-      camera: (name: string) => this.takeCamera(this.cameraOf(name)),
-      look: (camera: Camera) => this.orbit.setPose(rigPose(camera, this.info)),
+      camera: (name: string) => this.viewpoint.take(this.viewpoint.indexOf(name)),
+      look: (camera: Camera) => this.viewpoint.look(camera),
       replace: (address: string) => this.replace(address),
-      view: () => viewWord(this.camera),
-      settle: () => this.view.settle(),
+      view: () => this.viewpoint.word,
+      settle: () => {
+        this.viewpoint.finish();
+        return this.view.settle();
+      },
       time: () => this.clock.now(),
       duration: () => this.info.time.duration,
     };

@@ -22,6 +22,8 @@ export class Orbit {
   private readonly fingers = new Map<number, { x: number; y: number }>();
   /** Told when the person moves the camera away from the pose it was given. */
   onMove: () => void = () => {};
+  /** Told of a double click or a double tap, CSS pixels of the surface. */
+  onFocus: (point: [number, number]) => void = () => {};
 
   constructor(
     private readonly surface: HTMLElement,
@@ -34,7 +36,13 @@ export class Orbit {
     for (const name of ["pointerup", "pointercancel"] as const)
       surface.addEventListener(name, (event) => this.fingers.delete(event.pointerId));
     surface.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
+    surface.addEventListener("dblclick", (event) => this.onFocus([event.offsetX, event.offsetY]));
     surface.addEventListener("contextmenu", (event) => event.preventDefault());
+  }
+
+  get pose(): Pose {
+    const [position, rotation] = [new THREE.Vector3(...this.camera.position), this.rotation.clone()];
+    return { position, rotation, distance: this.distance, lens: this.lens };
   }
 
   setPose(pose: Pose): void {

@@ -3,6 +3,7 @@
 // Not: the clock, controls and panels of the page (main.ts).
 import type { Bounds, Camera, Quaternion, Triple } from "./manifest";
 import type { Progress } from "./loading";
+import type { Ray } from "./pick";
 import type { OpenedSource } from "./open_source";
 
 /** A pinhole's view of width × height pixels; what lies beside it is shown too. */
@@ -61,6 +62,8 @@ export interface SceneView {
    * the screen is that of t (data, depth order, pixels), and what is missing.
    */
   setTime(t: number, play: Play): Drawn;
+  /** Depth of what a ray meets first at the time that is drawn; null: nothing, or not known. */
+  pick(ray: Ray): number | null;
   /** Size of the view in CSS pixels, and device pixels for each of them. */
   resize(width: number, height: number, dpr: number): void;
   /** Resolves when the frame of the last time is complete: data, depth order, pixels. */

@@ -5,6 +5,7 @@ import type { Content } from "./content";
 import { FramesContent } from "./frames_content";
 import type { Bounds, SplatRules, Triple } from "./manifest";
 import type { OpenedSource } from "./open_source";
+import { firstDepth, type Ray } from "./pick";
 import type {
   Drawn,
   OnProgress,
@@ -98,6 +99,10 @@ export class SparkView implements SceneView {
     // the draw before this call was the last one that was due
     const complete = !due && !waiting && this.stage.sorted;
     return { waiting, complete, trouble: content.trouble(t) };
+  }
+
+  pick(ray: Ray): number | null {
+    return this.content === null ? null : firstDepth(this.content.hits(ray, this.t));
   }
 
   resize(width: number, height: number, dpr: number): void {

@@ -129,7 +129,10 @@ export class BlockSplats extends SplatGenerator {
   private readonly poses: THREE.DataArrayTexture; // of the nodes, at the time of the last pose()
   private readonly poseFloats: Float32Array; // the same memory
 
-  constructor(packed: PackedBlock, slice: SliceUniforms) {
+  constructor(
+    readonly packed: PackedBlock,
+    slice: SliceUniforms,
+  ) {
     super({ numSplats: packed.count });
     this.memory = memoryOf(packed);
     this.nodes = packed.nodes;

@@ -3,7 +3,8 @@
 // Not: moving about (orbit.ts) nor the projection matrix (stage.ts).
 import * as THREE from "three";
 import type { Bounds, Camera, Triple } from "./manifest";
-import type { Lens, SceneInfo } from "./scene_view";
+import type { Ray } from "./pick";
+import type { Lens, SceneInfo, ViewCamera } from "./scene_view";
 
 export interface Pose {
   position: THREE.Vector3;
@@ -76,6 +77,30 @@ export function rigPose(camera: Camera, info: SceneInfo): Pose {
   const { fx, fy, cx, cy, width, height } = camera;
   const lens = { fx, fy, cx, cy, width, height };
   return poseFrom(new THREE.Vector3(...camera.position), rotationOf(camera), lens, info);
+}
+
+/** Through a point of a window, CSS pixels; the lens fits into it as stage.ts draws it. */
+export function rayOf(
+  { position, rotation, lens }: ViewCamera,
+  width: number,
+  height: number,
+  [x, y]: [number, number],
+): Ray {
+  const scale = Math.min(width / lens.width, height / lens.height);
+  const right = ((x - width / 2) / scale + lens.width / 2 - lens.cx) / lens.fx;
+  const down = ((y - height / 2) / scale + lens.height / 2 - lens.cy) / lens.fy;
+  const [qw, qx, qy, qz] = rotation;
+  const direction = new THREE.Vector3(right, down, 1)
+    .applyQuaternion(new THREE.Quaternion(qx, qy, qz, qw))
+    .normalize();
+  return { origin: new THREE.Vector3(...position), direction };
+}
+
+/** The same place and lens, turned to a point at a depth along a ray. */
+export function poseTowards(pose: Pose, ray: Ray, depth: number): Pose {
+  const forward = new THREE.Vector3(0, 0, 1).applyQuaternion(pose.rotation);
+  const turn = new THREE.Quaternion().setFromUnitVectors(forward, ray.direction);
+  return { ...pose, rotation: turn.multiply(pose.rotation), distance: depth };
 }
 
 /** Camera axes from a viewing direction; `up`: any vector not along it. */
