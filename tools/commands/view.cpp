@@ -106,7 +106,7 @@ void print_address(const ViewArguments& arguments, const ListeningSocket& socket
 /// The pages and answers of a training that is watched.
 void watch_training(LiveWatch& watch, ViewState& state) {
   state.live_page = live_page();
-  state.player_page = page_of_folder();
+  state.player_page = page_of_folder({});
   state.live = LiveHooks{[&watch](int64_t seen) { return watch.state(seen); },
                          [&watch](uint64_t from) { return watch.log(from); },
                          [&watch](int64_t view) { return watch.truth(view); },
