@@ -82,8 +82,10 @@ test('cameras are reached by a move, which settle() ends and a drag stops', asyn
   const [early, side] = await page.evaluate(async () => {
     window.tessera.camera('side');
     const early = window.tessera.view();
-    await window.tessera.settle();
-    return [early, window.tessera.view()].map((word) => word.split(',').map(Number));
+    const settled = window.tessera.settle();
+    const late = window.tessera.view();  // before an image that takes longer than the move
+    await settled;
+    return [early, late].map((word) => word.split(',').map(Number));
   });
   assert.ok(distance(front, side) > 0.5);
   assert.ok(distance(front, early) < 1e-6, 'it begins where it was');

@@ -12,6 +12,8 @@ import type { OnProgress, Play, SceneInfo, ViewCamera } from "./scene_view";
 import { BlockSplats, SliceUniforms } from "./splat4d_shader";
 import type { Stage } from "./stage";
 
+const MOST_SH_DEGREE = 3;
+
 export class BlocksContent implements Content {
   readonly info: SceneInfo;
   private readonly slice = new SliceUniforms();
@@ -30,7 +32,7 @@ export class BlocksContent implements Content {
   ) {
     const { manifest, address } = source;
     const clip = Number(manifest.anchor === "clip");
-    this.slice.when.value.set(0, clip, manifest.splat.cutoffAlpha, 0);
+    this.slice.when.value.set(0, clip, manifest.splat.cutoffAlpha, MOST_SH_DEGREE);
     this.info = {
       time: manifest.time,
       frames: null,
@@ -100,6 +102,11 @@ export class BlocksContent implements Content {
 
   trouble(t: number): string | null {
     return this.cache.trouble(t);
+  }
+
+  setShDegree(degree: number): void {
+    this.slice.when.value.w = degree;
+    this.t = NaN; // is drawn anew
   }
 
   hits(ray: Ray, t: number): Hit[] {

@@ -16,6 +16,8 @@ export interface Content {
   waiting(t: number): boolean;
   /** Why data of t is missing and stays so; null when nothing is missing. */
   trouble(t: number): string | null;
+  /** Of view-dependent colours, where the content can leave some out. */
+  setShDegree(degree: number): void;
   /** What a ray meets at t, in any order; nothing where the content does not know. */
   hits(ray: Ray, t: number): Hit[];
   dispose(): void;

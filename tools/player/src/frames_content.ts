@@ -132,6 +132,9 @@ export class FramesContent implements Content {
     return this.cache.trouble(t);
   }
 
+  /** Spark draws frames with all that they have. */
+  setShDegree(): void {}
+
   /** Spark keeps the Gaussians of frames to itself. */
   hits(): Hit[] {
     return [];

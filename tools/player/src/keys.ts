@@ -2,7 +2,7 @@
 // Not: doing it (main.ts).
 
 export type Action =
-  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" }
+  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" }
   | { do: "step"; frames: number }
   | { do: "rate"; steps: number }
   | { do: "camera"; index: number };
@@ -36,6 +36,8 @@ export function actionOf(key: string): Action | null {
       return { do: "loop" };
     case "c":
       return { do: "share" };
+    case "o":
+      return { do: "settings" };
     case "m":
       return { do: "mute" };
     case "?":

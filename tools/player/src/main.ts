@@ -8,6 +8,7 @@ import type { Camera } from "./manifest";
 import { openSource, readConfig } from "./open_source";
 import { lineOf } from "./player_error";
 import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
+import { SettingsPanel } from "./settings";
 import { share } from "./share";
 import { SparkView } from "./spark_view";
 import "./style.css";
@@ -18,6 +19,7 @@ import { Viewpoint } from "./viewpoint";
 
 const AHEAD_SECONDS = 2.5; // of play, fetched in advance
 const FRAME_RATE = 30; // where the capture's is not known
+const EARLY_MS = 4; // that an image of a limited rate may come before its time
 const LOST = "the graphics device was lost (memory?); close other pages and reload this one";
 const MOST_PIXELS_A_PIXEL = 2; // device pixels for a CSS pixel
 
@@ -41,8 +43,10 @@ class Page {
   private info!: SceneInfo;
   private clock!: Clock;
   private viewpoint!: Viewpoint;
+  private settings!: SettingsPanel;
   private loaded: Progress = { bytes: 0, needed: 0 };
   private pictured = false; // whether a first image is on the screen
+  private drawn = 0; // ms; when the last image was
   private lost: string | null = null; // why nothing is drawn any more
   private remembered = true; // whether the address says which time is shown
 
@@ -61,6 +65,9 @@ class Page {
     this.setRate(url.rate ?? 1);
     const showCamera = (index: number) => this.panels.showCamera(index);
     this.viewpoint = new Viewpoint(canvas, this.camera, this.info, this.view, showCamera);
+    const canStay = cameras.length > 0;
+    this.settings = new SettingsPanel(() => this.applySettings(), canStay);
+    this.applySettings();
     this.viewpoint.open(url.camera, url.view);
     this.clock.seek(url.seconds ?? 0);
     canvas.addEventListener("webglcontextlost", () => (this.lost = LOST));
@@ -85,8 +92,15 @@ class Page {
     return `${gaussians.toLocaleString("en")} Gaussians · ${length}`;
   }
 
+  private applySettings(): void {
+    this.viewpoint.stay(this.settings.settings.stay);
+    this.view.setShDegree(this.settings.settings.shDegree);
+    this.resize();
+  }
+
   private resize(): void {
-    const dpr = Math.min(devicePixelRatio || 1, MOST_PIXELS_A_PIXEL);
+    const most = Math.min(devicePixelRatio || 1, MOST_PIXELS_A_PIXEL);
+    const dpr = most * this.settings.settings.resolution;
     this.view.resize(canvas.clientWidth, canvas.clientHeight, dpr);
   }
 
@@ -96,9 +110,19 @@ class Page {
     return duration > 0 ? seconds / duration : 0;
   }
 
+  /** Whether the limit of images a second leaves this one out. */
+  private isEarly(): boolean {
+    const { frameRate } = this.settings.settings;
+    const now = performance.now();
+    if (frameRate > 0 && now - this.drawn < 1000 / frameRate - EARLY_MS) return true;
+    this.drawn = now;
+    return false;
+  }
+
   /** Draws, and is called again when the display wants another frame. */
   private frame(): void {
     requestAnimationFrame(() => this.frame());
+    if (this.isEarly()) return;
     this.viewpoint.step();
     const seconds = this.clock.now();
     const playing = this.clock.playing;
@@ -174,6 +198,8 @@ class Page {
       case "loop":
         clock.loop = !clock.loop;
         return panels.showLoop(clock.loop);
+      case "settings":
+        return this.settings.toggle();
       case "share":
         return void this.share();
       case "mute":

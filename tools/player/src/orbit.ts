@@ -22,6 +22,8 @@ export class Orbit {
   private readonly fingers = new Map<number, { x: number; y: number }>();
   /** Told when the person moves the camera away from the pose it was given. */
   onMove: () => void = () => {};
+  /** Where the person may move the camera: a pose → itself, or the nearest one that is allowed. */
+  limit: (pose: Pose) => Pose = (pose) => pose;
   /** Told of a double click or a double tap, CSS pixels of the surface. */
   onFocus: (point: [number, number]) => void = () => {};
 
@@ -66,6 +68,11 @@ export class Orbit {
   }
 
   private moved(): void {
+    this.apply();
+    const { position, rotation, distance } = this.limit(this.pose);
+    this.rotation.copy(rotation);
+    this.distance = distance;
+    this.focus.set(0, 0, distance).applyQuaternion(rotation).add(position);
     this.apply();
     this.onMove();
   }

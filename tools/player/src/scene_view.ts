@@ -62,6 +62,8 @@ export interface SceneView {
    * the screen is that of t (data, depth order, pixels), and what is missing.
    */
   setTime(t: number, play: Play): Drawn;
+  /** The highest degree of view-dependent colours that is drawn, 0 to 3; frames have all of theirs. */
+  setShDegree(degree: number): void;
   /** Depth of what a ray meets first at the time that is drawn; null: nothing, or not known. */
   pick(ray: Ray): number | null;
   /** Size of the view in CSS pixels, and device pixels for each of them. */

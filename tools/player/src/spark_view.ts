@@ -101,6 +101,11 @@ export class SparkView implements SceneView {
     return { waiting, complete, trouble: content.trouble(t) };
   }
 
+  setShDegree(degree: number): void {
+    this.content?.setShDegree(degree);
+    this.dirty = true;
+  }
+
   pick(ray: Ray): number | null {
     return this.content === null ? null : firstDepth(this.content.hits(ray, this.t));
   }

@@ -10,8 +10,8 @@ import { memoryOf, poseTexels, ROW, type PackedBlock, type Words } from "./packi
 
 /** What all blocks of a scene share: changing a value here changes every later frame. */
 export class SliceUniforms {
-  /** t; 1 where the anchor is clamped to the clip; least opacity that is drawn */
-  readonly when = new dyno.DynoVec4({ value: new THREE.Vector4(0, 1, 1 / 255, 0), key: "when" });
+  /** t; 1 where the anchor is clamped to the clip; least opacity that is drawn; highest SH degree */
+  readonly when = new dyno.DynoVec4({ value: new THREE.Vector4(0, 1, 1 / 255, 3), key: "when" });
   readonly eye = new dyno.DynoVec3({ value: new THREE.Vector3(), key: "eye" });
 }
 
@@ -43,12 +43,12 @@ vec4 t4Rotation(uint word) {
   return wxyz.yzwx;
 }
 
-vec3 t4Degrees12(usampler2DArray low, usampler2DArray mid, int index, ivec3 counts, vec3 d) {
+vec3 t4Degrees12(usampler2DArray low, usampler2DArray mid, int index, int count, vec3 d) {
   t4Read(low, 2 * index, 0);
   t4Read(low, 2 * index + 1, 8);
   vec3 sum = 0.4886025119 *
     (-d.y * t4Coefficient(0) + d.z * t4Coefficient(1) - d.x * t4Coefficient(2));
-  if (index >= counts.y) return sum;
+  if (index >= count) return sum;
   t4Read(mid, index, 16);
   vec3 q = d * d;
   sum += 1.0925484306 * (d.x * d.y * t4Coefficient(3) - d.y * d.z * t4Coefficient(4)
@@ -98,9 +98,10 @@ if (alpha > 0.0 && alpha >= ${i.when}.z) {
   if (${i.carried}) t4Carry(${i.bindings}, ${i.poses}, ${i.index}, mean, rotation);
   vec3 colour = 0.5 + 0.28209479177387814 * vec3(opacityRed.y, unpackHalf2x16(look.y));
   vec3 towards = normalize(mean - ${i.eye});
-  if (${i.index} < ${i.counts}.x)
-    colour += t4Degrees12(${i.low}, ${i.mid}, ${i.index}, ${i.counts}, towards);
-  if (${i.index} < ${i.counts}.z) colour += t4Degree3(${i.high}, ${i.index}, towards);
+  ivec3 counts = ${i.counts} * ivec3(greaterThanEqual(vec3(${i.when}.w), vec3(1.0, 2.0, 3.0)));
+  if (${i.index} < counts.x)
+    colour += t4Degrees12(${i.low}, ${i.mid}, ${i.index}, counts.y, towards);
+  if (${i.index} < counts.z) colour += t4Degree3(${i.high}, ${i.index}, towards);
   ${splat}.flags = GSPLAT_FLAG_ACTIVE;
   ${splat}.center = mean;
   ${splat}.scales = exp(vec3(unpackHalf2x16(look.z), scaleTime.x));

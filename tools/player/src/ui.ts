@@ -50,6 +50,7 @@ export class Panels {
     // iPhones let a page have no full screen
     element("fullscreen").hidden = !("requestFullscreen" in document.documentElement);
     press("share", { do: "share" });
+    press("settings-open", { do: "settings" });
     press("help-open", { do: "help" });
     this.timeline.addEventListener("input", () => seek(this.timeline.valueAsNumber));
     this.rate.addEventListener("change", () => setRate(Number(this.rate.value)));

@@ -5,6 +5,7 @@ import type { Camera } from "./manifest";
 import { Moves } from "./motion";
 import { Orbit } from "./orbit";
 import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
+import { SeenBounds } from "./seen_bounds";
 import { poseOfWord, viewWord } from "./shared_view";
 import { rememberInUrl } from "./url_state";
 import { homePose, poseTowards, rayOf, rigPose, type Pose } from "./view_camera";
@@ -43,6 +44,12 @@ export class Viewpoint {
     if (shared === null) return;
     this.orbit.setPose(shared);
     this.show(-1);
+  }
+
+  /** Whether drags stay within what the cameras have seen. */
+  stay(within: boolean): void {
+    const bounds = within && this.info.cameras.length > 0 ? new SeenBounds(this.info) : null;
+    this.orbit.limit = (pose) => bounds?.within(pose) ?? pose;
   }
 
   /** By name, or by number from 1; −1: there is none such. */

@@ -1,0 +1,132 @@
+// The settings of the player's page, and the limits that keep the view where the cameras have
+// filmed.
+import assert from 'node:assert/strict';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import {differing, expectClean, fixture, launchBrowser, openPage, readPng, scratchFolder, serve,
+        tessera} from './harness.mjs';
+import {playerModules} from './player_modules.mjs';
+
+const {SeenBounds, poseOfWord, rigPose, settingsOf} =
+    await playerModules('seen_bounds', 'settings', 'shared_view', 'view_camera');
+const folder = scratchFolder();
+let browser, server;
+
+before(async () => {
+  tessera('export', fixture.model, '--format', 'page', '--cameras', fixture.cameras,
+          '-o', join(folder, 'page'));
+  browser = await launchBrowser();
+  server = await serve({'/': folder});
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+/** Cameras on a level arc before the middle, from −30° to 30°, 4 units away; up is −y. */
+function rigOf(angles) {
+  const cameras = angles.map((degrees, i) => {
+    const a = degrees * Math.PI / 180;
+    const [half, position] = [-a / 2, [4 * Math.sin(a), 0, -4 * Math.cos(a)]];
+    return {name: `cam${i}`, position, rotation: [Math.cos(half), 0, Math.sin(half), 0],
+            width: 640, height: 480, fx: 500, fy: 500, cx: 320, cy: 240};
+  });
+  return {cameras, bounds: {min: [-2, -2, -2], max: [2, 2, 2]}, up: [0, -1, 0]};
+}
+/** A view of the middle from an angle, a height and a distance. */
+function poseAt(info, degrees, distance, height = 0) {
+  const a = degrees * Math.PI / 180, h = height * Math.PI / 180;
+  const y = -distance * Math.sin(h), flat = distance * Math.cos(h);
+  const q = [Math.cos(-a / 2), Math.sin(-a / 2)], p = [Math.cos(-h / 2), Math.sin(-h / 2)];
+  // about the vertical axis after the horizontal one
+  const rotation = [q[0] * p[0], q[0] * p[1], q[1] * p[0], -q[1] * p[1]];
+  return poseOfWord([flat * Math.sin(a), y, -flat * Math.cos(a), ...rotation, 50].join(), info);
+}
+const anglesOf = ({position: {x, y, z}}) => {
+  const distance = Math.hypot(x, y, z);
+  return [Math.atan2(x, -z), Math.asin(-y / distance)].map((a) => a * 180 / Math.PI)
+      .concat(distance).map((value) => Math.round(value * 1000) / 1000 + 0);  // no −0
+};
+
+// Bugs put back: limits without the margin; the far side of a range taken; a ring taken for an arc;
+// each seen to fail.
+test('views stay within the sides, heights and distances of the cameras', () => {
+  const info = rigOf([-30, -10, 10, 30]);
+  const bounds = new SeenBounds(info);
+  for (const camera of info.cameras) {
+    const pose = rigPose(camera, info);
+    const kept = bounds.within(pose);
+    assert.ok(kept.position.distanceTo(pose.position) < 1e-6, camera.name);
+    assert.ok(kept.rotation.angleTo(pose.rotation) < 1e-6, camera.name);
+  }
+  const within = (...place) => anglesOf(bounds.within(poseAt(info, ...place)));
+  assert.deepEqual(within(35, 3), [35, 0, 3]);
+  assert.deepEqual(within(60, 4), [40, 0, 4]);
+  assert.deepEqual(within(-170, 4), [-40, 0, 4]);
+  assert.deepEqual(within(0, 9), [0, 0, 4.6]);
+  assert.deepEqual(within(0, 0.5), [0, 0, 1.6]);
+  assert.deepEqual(within(0, 4, 45), [0, 10, 4]);
+  const kept = bounds.within(poseAt(info, 60, 4));
+  const ahead = kept.position.clone().set(0, 0, kept.distance).applyQuaternion(kept.rotation);
+  assert.ok(ahead.add(kept.position).length() < 1e-6, 'still turned to the middle');
+  const ring = new SeenBounds(rigOf([0, 60, 120, 180, 240, 300]));
+  assert.deepEqual(anglesOf(ring.within(poseAt(info, 150, 4))), [150, 0, 4]);
+});
+
+// Bug put back: any number accepted; seen to fail.
+test('kept settings of others are left out', () => {
+  const plain = {resolution: 1, shDegree: 3, frameRate: 0, stay: true};
+  for (const text of [null, 'null', '[', '{"resolution":40,"shDegree":"2","stay":1}'])
+    assert.deepEqual(settingsOf(text), plain);
+  assert.deepEqual(settingsOf('{"resolution":0.5,"shDegree":0,"frameRate":15,"stay":false}'),
+                   {resolution: 0.5, shDegree: 0, frameRate: 15, stay: false});
+});
+
+async function middle(page) {
+  await page.evaluate(() => window.tessera.settle());
+  return readPng(await page.screenshot({clip: {x: 80, y: 70, width: 480, height: 290}}));
+}
+const viewOf = async (page) => (await page.evaluate(() => window.tessera.view())).split(',').map(Number);
+
+// Bugs put back: a degree that the shader does not use; a resolution that is not applied; settings
+// that are not kept; limits that cannot be switched off; each seen to fail.
+test('the panel changes what is drawn, and is remembered', async () => {
+  const {page, problems} = await openPage(browser, {origin: server.origin, width: 640, height: 480});
+  const open = async () => {
+    await page.goto(`${server.origin}/page/index.html?paused&cam=front`);
+    await page.waitForFunction(() => window.tessera);
+    await page.evaluate(() => window.tessera.settle());
+  };
+  await open();
+  const full = await middle(page);
+  const set = async (name, value) => {
+    await page.keyboard.press('o');
+    if (name === 'stay') await page.locator('#set-stay').setChecked(value);
+    else await page.locator(`#set-${name}`).selectOption(value);
+    await page.keyboard.press('Escape');
+  };
+  await set('shDegree', '0');
+  const flat = await middle(page);
+  assert.ok(differing(full, flat, 4) > 300, `${differing(full, flat, 4)} pixels`);
+  await set('shDegree', '3');
+  assert.equal(differing(full, await middle(page)), 0);
+  await set('resolution', '0.5');
+  assert.equal(await page.evaluate(() => document.getElementById('picture').width), 320);
+  await open();
+  assert.equal(await page.evaluate(() => document.getElementById('picture').width), 320);
+  const zoomedOut = async () => {
+    await page.keyboard.press('1');
+    await page.evaluate(() => window.tessera.settle());
+    await page.mouse.move(300, 200);
+    for (let i = 0; i < 4; ++i) await page.mouse.wheel(0, 600);
+    await page.waitForTimeout(200);
+    return viewOf(page);
+  };
+  const held = await zoomedOut();
+  await set('stay', false);
+  const free = await zoomedOut();
+  assert.ok(Math.hypot(...free.slice(0, 3)) > 1.5 * Math.hypot(...held.slice(0, 3)),
+            `${free} and ${held}`);
+  await page.close();
+  expectClean(problems);
+});
