@@ -27,7 +27,7 @@ after(async () => {
   await server?.close();
 });
 
-// Bugs put back: the title without html_text(); the description without it; each seen to fail.
+// Bug put back: the title without html_text(); seen to fail.
 test('title and description are text, whatever they hold', async () => {
   for (const format of ['page', 'html', 'frames']) {
     const {page, problems} = await openPage(browser, {origin: server.origin});
