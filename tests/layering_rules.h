@@ -31,6 +31,10 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"tools/session/", {"kernels/", "ingest/", "recon4d/", "static3d/", "tools/session/"}},
     // what answers requests from outside sees files and nothing of the program
     {"tools/view/", {"kernels/base/", "tools/view/"}},
+    // reports are made of files and images, by the commands and by batches alike
+    {"tools/report/",
+     {"kernels/", "ingest/", "recon4d/", "tools/camera_paths/", "tools/player/", "tools/session/",
+      "tools/report/", "tools/video/"}},
     {"tools/", {"kernels/", "ingest/", "recon4d/", "static3d/", "tools/"}},
     {"tests/", {""}},
 };
