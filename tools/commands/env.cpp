@@ -80,7 +80,7 @@ json facts() {
           {"build", kBuildText},
           {"system", line_value("/etc/os-release", "PRETTY_NAME", '=')},
           {"kernel", fmt::format("{} {}", system.release, system.machine)},
-          {"cpu", line_value("/proc/cpuinfo", "model name", ':')},
+          {"cpu", cpu_name()},
           {"threads", std::thread::hardware_concurrency()},
           {"memory_gib", double(machine_memory()) / double(1 << 30)},
           {"cuda", cuda_facts()},

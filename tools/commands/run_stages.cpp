@@ -112,8 +112,8 @@ class Runner {
     ledger_.begin(stage.entry, key);
     const std::optional<json> result = make();
     if (!result) return false;
-    ledger_.finish(stage.entry, key, *result);
     seconds_[stage.name] = seconds_since(begin);
+    ledger_.finish(stage.entry, key, *result, seconds_[stage.name]);
     say(stage.message(fmt::format(": done in {}", duration_text(seconds_[stage.name]))));
     return !interrupted();
   }
@@ -139,6 +139,7 @@ class Runner {
       const IngestReport report = ingest_with_progress(request_.capture, scene_, options, "ingest");
       result["frames"] = report.frames;
       result["cameras"] = report.cameras;
+      result["warnings"] = report.warnings;
       return std::optional(result);
     });
   }

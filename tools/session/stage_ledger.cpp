@@ -41,8 +41,10 @@ void StageLedger::begin(const std::string& stage, const std::string& key) {
 }
 
 void StageLedger::finish(const std::string& stage, const std::string& key,
-                         const nlohmann::json& result) {
-  set(stage, {{"key", key}, {"done", true}, {"result", result}});
+                         const nlohmann::json& result, std::optional<double> seconds) {
+  nlohmann::json entry = {{"key", key}, {"done", true}, {"result", result}};
+  if (seconds) entry["seconds"] = *seconds;
+  set(stage, std::move(entry));
 }
 
 const nlohmann::json& StageLedger::result(const std::string& stage) const {

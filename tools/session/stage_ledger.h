@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 namespace tessera {
@@ -17,7 +18,9 @@ class StageLedger {
   /// Whether it was begun with whatever key.
   bool knows(const std::string& stage) const { return entries_.contains(stage); }
   void begin(const std::string& stage, const std::string& key);
-  void finish(const std::string& stage, const std::string& key, const nlohmann::json& result);
+  /// `seconds`: what the stage took, where that is to be kept.
+  void finish(const std::string& stage, const std::string& key, const nlohmann::json& result,
+              std::optional<double> seconds = {});
   /// What the finished stage returned.
   const nlohmann::json& result(const std::string& stage) const;
 

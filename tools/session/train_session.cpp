@@ -22,6 +22,7 @@
 #include "tools/session/backend_choice.h"
 #include "tools/session/checkpoint_plan.h"
 #include "tools/session/held_out_scores.h"
+#include "tools/session/machine.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/run_lock.h"
 #include "tools/session/scene_lock.h"
@@ -75,8 +76,7 @@ class Session {
   void prepare() {
     wall_.time(WallSplit::kLoad, [&] {
       scene_ = load_training_scene(request_.scene, options_);
-      for (const std::string& warning : training_warnings(scene_, options_))
-        observer_.on_warning(warning);
+      for (const std::string& warning : training_warnings(scene_, options_)) warn(warning);
     });
     // before anything looks at the training split
     const int64_t aside =
@@ -161,7 +161,7 @@ class Session {
       replace_previous_run();
     }
     log_.emplace(run_.log(), options_.iterations, state.iteration, observer_);
-    log_->event("start", {{"iteration", state.iteration}, {"initialisation", source}});
+    log_start(state.iteration, source);
     const std::string why = choice_.cuda ? "" : fmt::format(" ({})", choice_.reason);
     observer_.on_message(fmt::format("{} training frames, initialised from {}, on {}{}",
                                      config_["train_frames"].dump(), source, backend_->name(),
@@ -173,6 +173,28 @@ class Session {
     reduction_.emplace(*backend_, options_, request_.shipped_bytes);
     stages_.emplace(*backend_);
     if (request_.snapshots != nullptr) request_.snapshots->begin(scene_, options_);
+  }
+
+  /// Who continues a training may do so on another machine: each start is recorded.
+  void log_start(int64_t iteration, const std::string& source) {
+    log_->event("start", {{"iteration", iteration},
+                          {"initialisation", source},
+                          {"command", command_line()},
+                          {"time", utc_time()},
+                          {"host", host_name()},
+                          {"cpu", cpu_name()},
+                          {"device", backend_->name()}});
+    for (const std::string& warning : early_warnings_) log_->event("warning", {{"text", warning}});
+    early_warnings_.clear();
+  }
+
+  /// To the observer and into the log, which begins after the first warnings.
+  void warn(const std::string& warning) {
+    observer_.on_warning(warning);
+    if (log_)
+      log_->event("warning", {{"text", warning}});
+    else
+      early_warnings_.push_back(warning);
   }
 
   /// A run that was here goes when there is something to put in its place, not before: a scene that
@@ -252,7 +274,7 @@ class Session {
 
   void write_model() {
     if (model().count() == 0)
-      observer_.on_warning(
+      warn(
           "no Gaussians are left, density control has removed them all: images are the "
           "background; look at the poses (tessera doctor) and at --init-extent");
     wall_.time(WallSplit::kSave, [&] { save_model(run_.model(), model()); });
@@ -465,8 +487,9 @@ class Session {
   DeviceChoice choice_;
   std::unique_ptr<Backend> backend_;
   json config_, scores_ = json::object();
-  int64_t end_ = 0;            // of this call, steps
-  double choice_seconds_ = 0;  // of the trials of motion
+  std::vector<std::string> early_warnings_;  // before there is a log
+  int64_t end_ = 0;                          // of this call, steps
+  double choice_seconds_ = 0;                // of the trials of motion
   std::optional<TrainingLog> log_;
   std::optional<Trainer> trainer_;
   std::optional<StageLog> stages_;

@@ -32,7 +32,8 @@ TrainingLog::TrainingLog(const std::filesystem::path& path, int64_t total, int64
 
 void TrainingLog::event(const std::string& name, nlohmann::json fields) {
   fields["event"] = name;
-  const std::string line = fields.dump() + "\n";
+  constexpr auto kReplaceInvalid = nlohmann::json::error_handler_t::replace;  // of paths
+  const std::string line = fields.dump(-1, ' ', false, kReplaceInvalid) + "\n";
   if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() ||
       std::fflush(file_.get()) != 0)
     fail_to_write(path_, errno);
