@@ -1,0 +1,30 @@
+// The events of log.jsonl as they count in the end, and fields of JSON objects that may lack them.
+#pragma once
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/report/run_report.h"
+
+namespace tessera {
+
+/// The events of a log in their order. A resumed training begins at the step of its checkpoint:
+/// what the log has of later steps from before it is left out, but for warnings. Lines that are no
+/// JSON object with an `event` are left out, too.
+std::vector<nlohmann::json> log_events(const std::string& log);
+
+RunCurves run_curves(const std::vector<nlohmann::json>& events);
+/// Reductions one by one, density control in one sentence a set, and why training stopped.
+std::vector<RunDecision> run_decisions(const std::vector<nlohmann::json>& events);
+
+/// The field where `object` is an object that has it as a number that is finite.
+std::optional<double> number_at(const nlohmann::json& object, const char* key);
+/// The same for text; "" otherwise.
+std::string text_at(const nlohmann::json& object, const char* key);
+/// The same for a whole number; 0 otherwise.
+int64_t count_at(const nlohmann::json& object, const char* key);
+/// The field; null otherwise.
+const nlohmann::json& field_at(const nlohmann::json& object, const char* key);
+
+}  // namespace tessera
