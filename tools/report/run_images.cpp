@@ -1,0 +1,144 @@
+// Renders each chosen view once; error maps are made of the images before compression.
+#include "tools/report/run_images.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/png.h"
+#include "recon4d/evaluation/metrics.h"
+#include "recon4d/evaluation/render.h"
+#include "recon4d/training/scene_scale.h"
+#include "tools/report/error_map.h"
+#include "tools/report/view_choice.h"
+#include "tools/video/jpeg.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kStripWidth = 320, kFullWidth = 1600, kSmallestFullWidth = 480;  // pixels, at most
+constexpr size_t kStripFrames = 12, kAllStripFrames = 96;
+constexpr size_t kFullBytes = 2'000'000, kStripBytes = 1'300'000;
+constexpr int kQuantiser = 4;  // of JPEG
+
+struct Triple {
+  Image8 truth, result, error;
+};
+
+Image8 narrowed(const Image8& image, int width) {
+  if (image.width <= width) return image;
+  const double height = double(width) * image.height / image.width;
+  return averaged_image(image, width, std::max(1, int(std::lround(height))));
+}
+
+class ImageMaker {
+ public:
+  ImageMaker(Backend& backend, const GaussianModel& model, const Scene& scene,
+             const RunReport& report, const fs::path& scratch)
+      : renderer_(backend, model), report_(report), scratch_(scratch / ".view.png") {
+    for (const Frame& frame : scene.frames) frames_[frame.name] = &frame;
+  }
+
+  bool has(size_t view) const { return frames_.contains(report_.views[view].name); }
+
+  ShownView shown(size_t view, const std::string& title, int width) {
+    const Triple& images = triple(view);
+    ShownView shown{title, report_.views[view], {}, {}, {}, 0, 0};
+    shown.truth = encoded(images.truth, width, shown);
+    shown.result = encoded(images.result, width, shown);
+    shown.error = encoded(images.error, width, shown);
+    return shown;
+  }
+
+ private:
+  const Triple& triple(size_t view) {
+    const auto known = triples_.find(view);
+    if (known != triples_.end()) return known->second;
+    const Frame& frame = *frames_.at(report_.views[view].name);
+    const RenderedImage image = renderer_.render({{frame.camera, frame.time}}).front();
+    Triple made{frame.image, quantise(image.planar(), image.width, image.height), {}};
+    made.error = error_map(made.result, made.truth, frame.mask);
+    return triples_.emplace(view, std::move(made)).first->second;
+  }
+
+  EncodedImage encoded(const Image8& image, int width, ShownView& shown) {
+    Image8 small = narrowed(image, width);
+    shown.width = small.width;
+    shown.height = small.height;
+    if (auto bytes = jpeg_bytes(small, kQuantiser)) return {"image/jpeg", std::move(*bytes)};
+    small = narrowed(small, kStripWidth);
+    write_png(scratch_, small);
+    EncodedImage png{"image/png", read_text_file(scratch_)};
+    fs::remove(scratch_);
+    return png;
+  }
+
+  Renderer renderer_;
+  const RunReport& report_;
+  const fs::path scratch_;
+  std::map<std::string, const Frame*> frames_;
+  std::map<size_t, Triple> triples_;
+};
+
+size_t bytes_of(const std::vector<ShownView>& views) {
+  size_t bytes = 0;
+  for (const ShownView& view : views)
+    bytes += view.truth.bytes.size() + view.result.bytes.size() + view.error.bytes.size();
+  return bytes;
+}
+
+size_t bytes_of(const std::vector<CameraStrip>& strips) {
+  size_t bytes = 0;
+  for (const CameraStrip& strip : strips) bytes += bytes_of(strip.views);
+  return bytes;
+}
+
+std::vector<ShownView> telling(ImageMaker& maker, const std::vector<ScoredView>& all, int width) {
+  std::vector<ShownView> views;
+  for (const ChosenView& chosen : telling_views(all))
+    if (maker.has(chosen.view)) views.push_back(maker.shown(chosen.view, chosen.title, width));
+  return views;
+}
+
+/// `most` frames of each camera.
+std::vector<CameraStrip> strips(ImageMaker& maker, const std::vector<ScoredView>& all,
+                                size_t most) {
+  std::vector<CameraStrip> made;
+  for (const CameraViews& camera : strip_views(all, most)) {
+    CameraStrip strip{camera.camera, {}};
+    for (const size_t view : camera.views)
+      if (maker.has(view)) strip.views.push_back(maker.shown(view, "", kStripWidth));
+    if (!strip.views.empty()) made.push_back(std::move(strip));
+  }
+  return made;
+}
+
+}  // namespace
+
+size_t RunImages::bytes() const {
+  return bytes_of(telling) + bytes_of(strips);
+}
+
+RunImages run_images(Backend& backend, const GaussianModel& model, const Scene& scene,
+                     const RunReport& report, const fs::path& scratch) {
+  ImageMaker maker(backend, model, scene, report, scratch);
+  RunImages images;
+  int width = kFullWidth;
+  images.telling = telling(maker, report.views, width);
+  for (; bytes_of(images.telling) > kFullBytes && width > kSmallestFullWidth;
+       images.telling = telling(maker, report.views, width))
+    width = int(0.75 * std::min(width, images.telling.front().width));
+  const size_t cameras = std::max<size_t>(1, strip_views(report.views, 2).size());
+  size_t most = std::clamp<size_t>(kAllStripFrames / cameras, 2, kStripFrames);
+  images.strips = strips(maker, report.views, most);
+  for (; bytes_of(images.strips) > kStripBytes && most > 2;
+       images.strips = strips(maker, report.views, most))
+    most = std::max<size_t>(2, most * 2 / 3);
+  while (bytes_of(images.strips) > kStripBytes) images.strips.pop_back();
+  return images;
+}
+
+}  // namespace tessera

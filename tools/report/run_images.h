@@ -1,0 +1,43 @@
+// The images of a report: views of a model beside the truth and their errors, encoded for a page.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "kernels/backend.h"
+#include "recon4d/model/gaussian_set.h"
+#include "tools/report/run_report.h"
+
+namespace tessera {
+
+struct EncodedImage {
+  std::string type;  // "image/jpeg", or "image/png" in a build without JPEG
+  std::string bytes;
+};
+
+struct ShownView {
+  std::string title;  // "Worst view"; empty in a strip
+  ScoredView view;
+  EncodedImage truth, result, error;
+  int width = 0, height = 0;  // pixels, of each image
+};
+
+struct CameraStrip {
+  std::string camera;
+  std::vector<ShownView> views;
+};
+
+struct RunImages {
+  std::vector<ShownView> telling;   // worst, median and best view
+  std::vector<CameraStrip> strips;  // by camera
+  size_t bytes() const;             // of all images
+};
+
+/// Renders the views that view_choice.h chooses from report.views. `scene`: their frames with
+/// images, in the model's world and size; a view without a frame is left out. `scratch`: an
+/// existing folder for a temporary file. Stays within about 3.3 MB by smaller images and fewer
+/// frames. Errors: InputError or WriteError of the temporary file.
+RunImages run_images(Backend& backend, const GaussianModel& model, const Scene& scene,
+                     const RunReport& report, const std::filesystem::path& scratch);
+
+}  // namespace tessera

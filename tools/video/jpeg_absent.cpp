@@ -1,0 +1,10 @@
+// Stands in for the JPEG encoder in a build without FFmpeg: it has no bytes to give.
+#include "tools/video/jpeg.h"
+
+namespace tessera {
+
+std::optional<std::string> jpeg_bytes(const Image8&, int) {
+  return std::nullopt;
+}
+
+}  // namespace tessera
