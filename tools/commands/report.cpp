@@ -1,5 +1,4 @@
-// What: `tessera report`: the page of a batch, from what its folder holds.
-// Not: its making (batch/write_report.h).
+// `tessera report`: the page of a run or of a batch, from what its folder holds.
 #include <fmt/format.h>
 
 #include <memory>
@@ -11,37 +10,61 @@
 #include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"
+#include "tools/report/write_run_report.h"
 
 namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportArguments {
+  ReportRequest batch;
+  fs::path out;
+  int threads = 0;
+  bool json = false;
+};
+
+void report_of_run(const ReportArguments& arguments) {
+  const nlohmann::json report = write_run_report(
+      {arguments.batch.out, arguments.out, [&] { return make_backend(arguments.batch.backend); }});
+  print_result(arguments.json, report, report["page"].get<std::string>());
+}
+
+void report_of_batch(const ReportArguments& arguments) {
+  if (!arguments.out.empty())
+    throw InputError("-o is for the report of a run; that of a batch is written to report/ in it");
+  const nlohmann::json report = write_report(arguments.batch);
+  print_result(arguments.json, report,
+               fmt::format("{}: {}", (arguments.batch.out / "report" / "index.html").string(),
+                           report["summary"].get<std::string>()));
+}
+
+}  // namespace
 
 void add_report_command(CLI::App& app, Work& work) {
-  struct Parsed {
-    ReportRequest request;
-    int threads = 0;
-    bool json = false;
-  };
-  const auto parsed = std::make_shared<Parsed>();
-  CLI::App& command =
-      *app.add_subcommand("report", "write the report of a batch: HTML, CSV and JSON");
+  const auto parsed = std::make_shared<ReportArguments>();
+  CLI::App& command = *app.add_subcommand(
+      "report", "write the report of a run or of a batch: a page, its charts and its data");
   command.option_defaults()->always_capture_default();
-  command.add_option("out", parsed->request.out, "folder of the batch")->required();
+  command
+      .add_option("folder", parsed->batch.out,
+                  "output folder of `tessera run`, run folder, or folder of a batch")
+      ->required();
+  command.add_option("-o,--out", parsed->out,
+                     "folder for the report of a run; default: report/ in it");
   command.add_option(
-      "--pictures", parsed->request.images,
-      "held-out views of each scene beside the truth (of each of more than 100 one); "
+      "--pictures", parsed->batch.images,
+      "batch: held-out views of each scene beside the truth (of each of more than 100 one); "
       "they are drawn once. 0: none");
-  add_backend_options(command, parsed->request.backend);
+  add_backend_options(command, parsed->batch.backend);
   command.add_option("--threads", parsed->threads, "CPU threads; 0: all");
-  command.add_flag("--json", parsed->json, "print what report.json holds");
+  command.add_flag("--json", parsed->json, "print what run.json or report.json holds");
   command.callback([parsed, &work] {
     work = [parsed] {
       set_thread_count(parsed->threads);
-      if (parsed->request.images < 0)
-        throw InputError(
-            fmt::format("--pictures is {}, expected 0 or more", parsed->request.images));
-      const nlohmann::json report = write_report(parsed->request);
-      print_result(parsed->json, report,
-                   fmt::format("{}: {}", (parsed->request.out / "report" / "index.html").string(),
-                               report["summary"].get<std::string>()));
+      if (parsed->batch.images < 0)
+        throw InputError(fmt::format("--pictures is {}, expected 0 or more", parsed->batch.images));
+      is_run(parsed->batch.out) ? report_of_run(*parsed) : report_of_batch(*parsed);
       return int(kExitDone);
     };
   });

@@ -1,6 +1,7 @@
 // Events of a log as sentences: what a training changed by itself, how much, and why.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 
@@ -147,10 +148,11 @@ std::vector<RunDecision> run_decisions(const std::vector<json>& events) {
     if (name == "end" && field_at(event, "validation").is_object())
       decisions.push_back({count_at(event, "iterations"), end_text(field_at(event, "validation"))});
   }
-  for (const int k : {1, 0})
+  for (const int k : {0, 1})
     if (sums[k].last > 0)
-      decisions.insert(decisions.begin(),
-                       {sums[k].first, sums[k].text(k == 1 ? "dynamic" : "static")});
+      decisions.push_back({sums[k].first, sums[k].text(k == 1 ? "dynamic" : "static")});
+  std::stable_sort(decisions.begin(), decisions.end(),
+                   [](const RunDecision& a, const RunDecision& b) { return a.step < b.step; });
   return decisions;
 }
 

@@ -78,15 +78,16 @@ void read_scores(const json& metrics, RunReport& report) {
   add(metrics, "psnr", "PSNR", " dB", 2);
   add(metrics, "psnr_dynamic", "PSNR of moving pixels", " dB", 2);
   add(metrics, "psnr_static", "PSNR of static pixels", " dB", 2);
-  add(metrics, "psnr_fit", "PSNR after the best gain of each camera", " dB", 2);
+  add(metrics, "psnr_fit", "PSNR after camera gains", " dB", 2);
   add(metrics, "ssim", "SSIM", "", 4);
   add(metrics, "lpips", "LPIPS", "", 4);
   const json& timesteps = field_at(metrics, "timesteps");
   const json& worst = field_at(metrics, "worst_timestep");
   if (timesteps.is_array() && timesteps.size() > 1)
     if (const auto psnr = number_at(worst, "psnr"))
-      report.scores.push_back({"Lowest timestep", fmt::format("{:.2f} dB (frame {})", *psnr,
-                                                              count_at(worst, "frame_number"))});
+      report.scores.push_back(
+          {fmt::format("Lowest timestep (frame {})", count_at(worst, "frame_number")),
+           fmt::format("{:.2f} dB", *psnr)});
   const json& objects = field_at(metrics, "objects");
   if (!objects.is_array()) return;
   for (const json& object : objects)

@@ -14,7 +14,7 @@ namespace {
 
 // units of the view box; shown at about one pixel each
 constexpr double kWidth = 480, kPlotHeight = 210;
-constexpr double kLeft = 58, kRight = 14, kTop = 34, kAxisHeight = 44, kLegendLine = 22;
+constexpr double kLeft = 68, kRight = 14, kTop = 34, kAxisHeight = 44, kLegendLine = 22;
 constexpr size_t kMarkedPoints = 24;  // curves of more points are lines alone
 
 bool is_finite(const ChartPoint& point) {
@@ -67,8 +67,8 @@ std::string axes(const Chart& chart, const Axis& x, const Axis& y) {
   }
   svg += text((x.begin + x.end) / 2, y.begin + 36, "middle", chart.x_axis);
   const double middle = (y.begin + y.end) / 2;
-  return svg + text(14, middle, "middle", chart.y_axis,
-                    fmt::format(" transform=\"rotate(-90 14 {:.1f})\"", middle));
+  return svg + text(15, middle, "middle", chart.y_axis,
+                    fmt::format(" transform=\"rotate(-90 15 {:.1f})\"", middle));
 }
 
 /// The curve as lines, and its points where they are few.

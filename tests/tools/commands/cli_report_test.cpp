@@ -1,6 +1,6 @@
 // What: `tessera report` on runs that were trained: charts, held-out views beside the truth, drawn
-//       once; files beside the page.
-// Not: what the page says (batch_report_test.cpp).
+//       once; files beside the page; the report of one run.
+// Not: what the pages say (batch_report_test.cpp, report_page_test.cpp).
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -54,6 +54,40 @@ TEST(CliReport, ShowsRunsAndKeepsTheirViews) {
   work.write("out/runs/capture/fast/seed-1/metrics.json", "{\"psnr\": 10}");
   EXPECT_EQ(work.run({"report", work.at("out")}).exit_code, 0);
   EXPECT_GT(fs::last_write_time(kept), drawn) << "another model";
+}
+
+// Bugs put back: the folder of the report in the current folder in place of the run's; a page whose
+// addresses begin in the current folder; a run without metrics.json has no scores; seen to fail.
+TEST(CliReport, OfOneRunIsAPageWithChartsAndViews) {
+  const CliWorkspace work;
+  ASSERT_EQ(work.train("run", {"--evaluate-every", "2"}).exit_code, 0);
+  const json report = work.run_json({"report", work.at("run")});
+  EXPECT_EQ(report["page"], work.at("run/report/index.html"));
+  EXPECT_EQ(report["views"].size(), 1u);
+  EXPECT_GT(report["views"][0]["psnr"], 5);
+  EXPECT_EQ(report["preset"], json::parse(work.read("run/config.json"))["preset"]);
+  EXPECT_NE(report["command"].get<std::string>().find(" train "), std::string::npos);
+  EXPECT_GT(report["sizes"]["Model"], 0);
+  EXPECT_FALSE(report["curves"]["psnr_test"].empty());
+  for (const char* chart : {"psnr", "loss", "gaussians", "memory"})
+    EXPECT_TRUE(fs::exists(work / ("run/report/" + std::string(chart) + ".svg"))) << chart;
+  const std::string page = work.read("run/report/index.html");
+  EXPECT_EQ(count(page, "<img "), 6u) << "truth, result and error, large and in a strip";
+  EXPECT_EQ(count(page, "src=\"data:image/"), 6u);
+  EXPECT_NE(page.find("href=\"../model.ply\""), std::string::npos);
+  EXPECT_LT(page.size(), 5'000'000u);
+
+  fs::rename(work / "capture", work / "moved");
+  EXPECT_EQ(work.run({"report", work.at("run"), "-o", work.at("elsewhere")}).exit_code, 0);
+  const std::string without = work.read("elsewhere/index.html");
+  EXPECT_NE(without.find("The scene of this run is gone"), std::string::npos);
+  EXPECT_NE(without.find("href=\"../run/model.ply\""), std::string::npos);
+}
+
+TEST(CliReport, OptionsOfTheOtherKindAreRefused) {
+  const CliWorkspace work;
+  work.write("batch/batch.yaml", "");
+  work.expect_refused({"report", work.at("batch"), "-o", work.at("x")}, {"-o", "report of a run"});
 }
 
 TEST(CliReport, AFolderOfNoBatchIsRefused) {

@@ -162,7 +162,7 @@ TEST(RunReport, ScoresHaveMovingAndStaticPixelsApart) {
   EXPECT_EQ(scores["PSNR"], "28.31 dB");
   EXPECT_EQ(scores["PSNR of moving pixels"], "21.50 dB");
   EXPECT_EQ(scores["PSNR of static pixels"], "30.05 dB");
-  EXPECT_EQ(scores["Lowest timestep"], "25.10 dB (frame 4)");
+  EXPECT_EQ(scores["Lowest timestep (frame 4)"], "25.10 dB");
   EXPECT_EQ(scores["ball"], "19.50 dB");
   EXPECT_FALSE(scores.contains("SSIM"));
   EXPECT_EQ(report.num_static, 7) << "of the model that was scored";

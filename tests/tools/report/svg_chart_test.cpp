@@ -77,7 +77,7 @@ TEST(SvgChart, HasAxesWithUnitsCurvesAndLastValues) {
 TEST(SvgChart, TheLegendLiesOutsideOfThePlot) {
   const std::string svg = svg_chart(two_curves());
   const std::vector<double> curve = numbers(svg, "cy=\"([0-9.]+)\"");
-  const std::vector<double> legend = numbers(svg, "<rect x=\"58\" y=\"([0-9.]+)\"");
+  const std::vector<double> legend = numbers(svg, "<rect x=\"68\" y=\"([0-9.]+)\"");
   ASSERT_EQ(curve.size(), 5u);
   ASSERT_EQ(legend.size(), 2u);
   for (const double y : legend) EXPECT_GT(y, *std::max_element(curve.begin(), curve.end()));

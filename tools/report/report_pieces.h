@@ -1,0 +1,29 @@
+// Pieces of HTML that reports are made of. All text that they take is escaped.
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "tools/report/run_images.h"
+
+namespace tessera {
+
+/// "3.2 s", "4:05", "1:02:03": of seconds.
+std::string time_words(double seconds);
+/// "812 B", "1.2 MB": of bytes, in powers of 1,000.
+std::string size_words(int64_t bytes);
+
+/// A name and a value of a list of facts; nothing where the value is empty.
+std::string fact(const std::string& name, const std::string& value);
+/// The same with HTML as the value.
+std::string fact_html(const std::string& name, const std::string& html);
+
+std::string image_tag(const EncodedImage& image, const std::string& description, int width,
+                      int height, const std::string& more = "");
+/// A view with a slider between truth and result, its error map and its scores.
+std::string compared_view(const ShownView& view);
+/// The frames of one camera: truth, result and error of each below one another.
+std::string camera_strip(const CameraStrip& strip);
+/// The colours of the error maps with the numbers at their ends.
+std::string error_scale();
+
+}  // namespace tessera
