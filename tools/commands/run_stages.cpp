@@ -26,6 +26,7 @@
 #include "tools/export/player_files.h"
 #include "tools/live/live_training.h"
 #include "tools/player/player_page.h"
+#include "tools/report/write_run_report.h"
 #include "tools/session/device_choice.h"
 #include "tools/session/held_out_scores.h"
 #include "tools/session/run_folder.h"
@@ -55,12 +56,12 @@ struct Stage {
   const char *name, *entry;  // in messages; in stages.json
 
   std::string message(const std::string& text) const {
-    return fmt::format("[{}/5] {}{}", number, name, text);
+    return fmt::format("[{}/6] {}{}", number, name, text);
   }
 };
 constexpr Stage kIngest{1, "ingest", "ingest"}, kTrain{2, "train", "train"},
     kEvaluate{3, "evaluate", "evaluate"}, kExport{4, "export", "export"},
-    kPage{5, "page", "player"};
+    kPage{5, "page", "player"}, kReport{6, "report", "report"};
 
 class Runner {
  public:
@@ -78,7 +79,7 @@ class Runner {
     planned_ = resolve_options(request_.training, scene_);
     if (const std::string note = page_bytes_note(planned_.options.max_bytes); !note.empty())
       say(note);
-    return train() && evaluate_model() && export_frames() && write_player();
+    return train() && evaluate_model() && export_frames() && write_player() && write_report();
   }
 
   json result() const {
@@ -88,6 +89,7 @@ class Runner {
                            ? ledger_.result("export")
                            : json{{"folder", frames().string()}, {"frames", 0}, {"bytes", 0}};
     if (carries_player_page()) result["player"] = ledger_.result("player");
+    if (fs::exists(report_page())) result["report"] = report_page().string();
     result["model"] = run_.model().string();
     result["metrics"] = run_.metrics().string();
     result["scene"] = scene_.string();
@@ -224,6 +226,24 @@ class Runner {
                       return std::optional(
                           write_run_player(run_, folder, request_.title, request_.description));
                     });
+  }
+
+  fs::path report_page() const { return request_.out / "report" / "index.html"; }
+
+  /// A report that cannot be written is no reason to fail after hours of training.
+  bool write_report() {
+    const std::string key = key_of({train_key_, "report", request_.export_frames});
+    try {
+      return do_stage(kReport, key, report_page(), [&] {
+        return std::optional(json{{"page", write_run_report({request_.out, {}, [&] {
+                                                               return make_backend(
+                                                                   request_.training.backend);
+                                                             }})["page"]}});
+      });
+    } catch (const InputError& error) {
+      warn(kReport.message(fmt::format(": not written: {}", error.what())));
+      return true;
+    }
   }
 
   const RunRequest& request_;

@@ -1,6 +1,6 @@
-// What: The five stages of `tessera run`: ingest, train, evaluate, export, page. Each is done
-// once, and again only where its inputs or options changed. OUT holds scene/ (unless the capture
-// is a prepared scene already), run/, frames/ on request, player/ and stages.json.
+// What: The six stages of `tessera run`: ingest, train, evaluate, export, page, report. Each is
+// done once, and again only where its inputs or options changed. OUT holds scene/ (unless the
+// capture is a prepared scene already), run/, frames/ on request, player/, report/ and stages.json.
 // Not: anything that the single commands do not do.
 #pragma once
 #include <filesystem>

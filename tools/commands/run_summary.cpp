@@ -24,14 +24,19 @@ std::string row(const std::string& name, std::string text) {
   return fmt::format("{:<{}}{}\n", name, kWidth, text);
 }
 
+/// Whether the stage runs in every build and for all options.
+bool is_needed(const std::string& stage) {
+  return stage == "ingest" || stage == "train" || stage == "evaluate";
+}
+
 /// "4:32 (ingest 20.1 s, train 4:01, …)", of the stages that ran.
 std::string time_text(const json& result) {
   std::string stages;
   bool all = true;
-  for (const char* stage : {"ingest", "train", "evaluate", "export", "page"}) {
+  for (const char* stage : {"ingest", "train", "evaluate", "export", "page", "report"}) {
     const auto seconds = result["stage_seconds"].find(stage);
     if (seconds == result["stage_seconds"].end()) {
-      all = all && (std::string(stage) == "export" || std::string(stage) == "page");
+      all = all && !is_needed(stage);
       continue;
     }
     stages += fmt::format("{}{} {}", stages.empty() ? "" : ", ", stage,
@@ -65,6 +70,7 @@ std::string places_text(const json& result) {
   if (has_player(result))
     add("player page",
         fmt::format("{}/{}", result["player"]["folder"].get<std::string>(), kPageFile));
+  if (result.contains("report")) add("report", result["report"]);
   add("model", result["model"]);
   add("scores", result["metrics"]);
   add("prepared scene", result["scene"]);

@@ -56,7 +56,7 @@ TEST(CliRig, RunTakesWhatDecidesBetweenRigAndPhotos) {
     command.insert(command.end(), more.begin(), more.end());
     const ChildResult result = work.run(command);
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.err.find("[1/5] ingest\n"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("[1/6] ingest\n"), std::string::npos) << result.err;
     EXPECT_NE(result.err.find(reason), std::string::npos) << result.err;
   };
   expect_read({"--layout", "rig"}, "kitchen0x/0000.png: is not a PNG");

@@ -26,15 +26,16 @@ class CliRun : public ::testing::Test {
   static bool plays() { return carries_player_page(); }
   /// The stages of a run from one on.
   static std::string from(const std::string& stage) {
-    const std::string all = "ingest train evaluate export " + std::string(plays() ? "page " : "");
+    const std::string all =
+        "ingest train evaluate export " + std::string(plays() ? "page " : "") + "report ";
     return all.substr(all.find(stage));
   }
   /// The stages that ran, in order, from what the program says of each.
   static std::string begun(const ChildResult& result) {
     std::string stages;
     int number = 0;
-    for (const std::string stage : {"ingest", "train", "evaluate", "export", "page"}) {
-      const std::string title = fmt::format("[{}/5] {}", ++number, stage);
+    for (const std::string stage : {"ingest", "train", "evaluate", "export", "page", "report"}) {
+      const std::string title = fmt::format("[{}/6] {}", ++number, stage);
       if (stage == "page" && !plays()) continue;
       const size_t start = result.err.find(title + "\n");
       const size_t end = result.err.find(title + ": done in ");
