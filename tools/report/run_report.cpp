@@ -22,8 +22,8 @@ std::string command_text(const json& words) {
     if (text.empty()) quoted = quoted.substr(quoted.rfind('/') + 1);  // the program
     if (quoted.empty() ||
         quoted.find_first_of(" \t\n'\"\\$&|;<>()*?[]{}~`!#") != std::string::npos) {
-      for (size_t at = quoted.find('\''); at != std::string::npos; at = quoted.find('\'', at + 4))
-        quoted.replace(at, 1, "'\\''");
+      for (size_t i = quoted.find('\''); i != std::string::npos; i = quoted.find('\'', i + 4))
+        quoted.replace(i, 1, "'\\''");
       quoted = fmt::format("'{}'", quoted);
     }
     if (!text.empty()) text += ' ';

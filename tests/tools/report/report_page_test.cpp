@@ -41,7 +41,7 @@ RunPage page_of(const std::string& text) {
 
 size_t count(const std::string& text, const std::string& part) {
   size_t found = 0;
-  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  for (size_t i = text.find(part); i != std::string::npos; i = text.find(part, i + 1)) ++found;
   return found;
 }
 

@@ -47,6 +47,15 @@ std::string text_of(const RunReport& report) {
   return text;
 }
 
+// Bug put back: a quote in a word ends the quotes around it; seen to fail.
+TEST(RunReport, TheCommandCanBeTypedAgain) {
+  RunRecords records;
+  json event = start(0, "a");
+  event["command"] = {"tessera", "run", "it's", ""};
+  records.log = lines({event});
+  EXPECT_EQ(run_report(records).command, "tessera run 'it'\\''s' ''");
+}
+
 TEST(RunReport, HasMachineStagesAndCurves) {
   const RunReport report = run_report(usual_records());
   EXPECT_EQ(report.command, "tessera run 'my room'");
