@@ -13,9 +13,9 @@ namespace tessera {
 
 struct BlockRules {
   bool lossless = false;
-  int gzip_level = 9;     // 1 to 9
   int sh_degree = 3;      // degrees that are written
   Cutoff<double> cutoff;  // of the model
+  int gzip_level = 9;     // 1 to 9
 };
 
 struct Block {

@@ -64,8 +64,8 @@ class Writer {
     if (!(options.segment_seconds > 0))
       throw InputError(fmt::format("export: --segment is {} seconds, expected more than 0",
                                    options.segment_seconds));
-    rules_ = {options.lossless, options.gzip_level, model.drawing.sh_degree,
-              model.cutoff<double>()};
+    rules_ = {options.lossless, model.drawing.sh_degree, model.cutoff<double>(),
+              options.gzip_level};
     manifest_.generator = options.generator;
     manifest_.fps = options.fps;
     manifest_.cameras = options.cameras;

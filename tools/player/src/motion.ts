@@ -15,14 +15,14 @@ function between(a: number, b: number, share: number): number {
 }
 
 function lensBetween(a: Lens, b: Lens, share: number): Lens {
-  const of = (key: keyof Lens) => between(a[key], b[key], share);
+  const mixed = (key: keyof Lens) => between(a[key], b[key], share);
   return {
-    fx: of("fx"),
-    fy: of("fy"),
-    cx: of("cx"),
-    cy: of("cy"),
-    width: of("width"),
-    height: of("height"),
+    fx: mixed("fx"),
+    fy: mixed("fy"),
+    cx: mixed("cx"),
+    cy: mixed("cy"),
+    width: mixed("width"),
+    height: mixed("height"),
   };
 }
 

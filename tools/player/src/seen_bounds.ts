@@ -55,9 +55,9 @@ export class SeenBounds {
     const ahead = up.clone().cross(other).normalize();
     this.axes = { right: ahead.clone().cross(up), ahead, up };
     const places = info.cameras.map(({ position }) => this.placeOf(new THREE.Vector3(...position)));
-    const of = (values: number[]) => ({ low: Math.min(...values), high: Math.max(...values) });
-    const heights = of(places.map(({ height }) => height));
-    const distances = of(places.map(({ distance }) => distance));
+    const rangeOf = (values: number[]) => ({ low: Math.min(...values), high: Math.max(...values) });
+    const heights = rangeOf(places.map(({ height }) => height));
+    const distances = rangeOf(places.map(({ distance }) => distance));
     const side = arcOf(places.map(({ side }) => side));
     this.side = side && { low: side.low - MARGIN, high: side.high + MARGIN };
     this.height = {
