@@ -20,6 +20,7 @@
 #include "tools/commands/run_stages.h"
 #include "tools/commands/run_summary.h"
 #include "tools/session/output_place.h"
+#include "tools/view/view_server.h"
 
 namespace tessera {
 namespace {
@@ -57,18 +58,22 @@ void add_run_command(CLI::App& app, Work& work) {
   command.add_option("--title", request->title, "title of the player's page");
   command.add_option("--description", request->description,
                      "description of the player's page, for sites where its address is posted");
+  command.add_flag("--view", request->view, "show the training in a browser: tessera view OUT");
   command.add_flag("--json", request->json_output, "print one JSON object");
   add_train_options(command, request->training);
   command.callback([request, &work] {
     work = [request] {
       set_thread_count(request->training.threads);
+      if (request->view) require_view_server();
       check_request(*request);
-      const std::optional<nlohmann::json> result = run_stages(*request);
+      std::unique_ptr<ViewChild> view;
+      const std::optional<nlohmann::json> result = run_stages(*request, view);
       if (!result) {
         report_error("tessera: interrupted; run the same command again to resume");
         return stop_code();
       }
       print_result(request->json_output, *result, run_summary(*result, score_detail()));
+      if (view) view->serve();
       return int(kExitDone);
     };
   });

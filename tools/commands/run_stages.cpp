@@ -25,6 +25,7 @@
 #include "tools/export/in_time.h"
 #include "tools/export/player_files.h"
 #include "tools/live/live_training.h"
+#include "tools/live/view_child.h"
 #include "tools/player/player_page.h"
 #include "tools/report/write_run_report.h"
 #include "tools/session/device_choice.h"
@@ -65,8 +66,9 @@ constexpr Stage kIngest{1, "ingest", "ingest"}, kTrain{2, "train", "train"},
 
 class Runner {
  public:
-  explicit Runner(const RunRequest& request)
+  Runner(const RunRequest& request, std::unique_ptr<ViewChild>& view)
       : request_(request),
+        view_(view),
         planned_(resolve_options(request.training, SceneFacts{})),
         ingest_options_(resolve_ingest(request.ingest)),
         run_{request.out / "run"},
@@ -151,7 +153,9 @@ class Runner {
     train_key_ = key_of({scene_key_, to_json(planned_.options), backend});
     return do_stage(kTrain, train_key_, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
-      LiveTraining live(terminal, run_.root);
+      LiveTraining live(terminal, run_.root, [&] {
+        if (request_.view) view_ = std::make_unique<ViewChild>(request_.out);
+      });
       TrainRequest asked = train_request();
       asked.snapshots = &live;
       json result = train_or_restart(std::move(asked), live);
@@ -247,6 +251,7 @@ class Runner {
   }
 
   const RunRequest& request_;
+  std::unique_ptr<ViewChild>& view_;
   PlannedOptions planned_;
   IngestOptions ingest_options_;
   RunFolder run_;
@@ -259,9 +264,9 @@ class Runner {
 
 }  // namespace
 
-std::optional<json> run_stages(const RunRequest& request) {
+std::optional<json> run_stages(const RunRequest& request, std::unique_ptr<ViewChild>& view) {
   try {
-    Runner runner(request);
+    Runner runner(request, view);
     if (!runner.run()) return {};
     return runner.result();
   } catch (const Interrupted&) {

@@ -4,11 +4,13 @@
 // Not: anything that the single commands do not do.
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 #include "tools/cli/ingest_arguments.h"
 #include "tools/cli/train_arguments.h"
+#include "tools/live/view_child.h"
 
 namespace tessera {
 
@@ -16,14 +18,17 @@ struct RunRequest {
   std::filesystem::path capture, out;
   IngestArguments ingest;
   TrainArguments training;
-  int64_t export_frames = 0;  // PLY frames to write; 0: none
+  int64_t export_frames = 0;       // PLY frames to write; 0: none
   std::string title, description;  // of the player's page
   bool json_output = false;
+  bool view = false;  // in a browser, from the first step on
 };
 
 /// Runs what is to be done and returns the results of all stages: those of evaluate at the top
 /// level, the others under `training`, `export` and `player`; the seconds of the stages that ran
 /// under `stage_seconds`. Nothing when it was interrupted; what is done is kept.
-std::optional<nlohmann::json> run_stages(const RunRequest& request);
+/// `view`: filled where the request wants one and something was trained.
+std::optional<nlohmann::json> run_stages(const RunRequest& request,
+                                         std::unique_ptr<ViewChild>& view);
 
 }  // namespace tessera

@@ -16,10 +16,12 @@
 #include "tools/export/in_time.h"
 #include "tools/export/player_files.h"
 #include "tools/live/live_training.h"
+#include "tools/live/view_child.h"
 #include "tools/session/output_place.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/time_limit.h"
 #include "tools/session/train_session.h"
+#include "tools/view/view_server.h"
 
 namespace tessera {
 namespace {
@@ -33,13 +35,17 @@ std::string stopped_text(const TrainRequest& request, const nlohmann::json& resu
 }
 
 /// The exit code.
-int train_and_report(TrainRequest request, bool as_json) {
+int train_and_report(TrainRequest request, bool as_json, bool with_view) {
   try {
     TrainingTerminal terminal;
-    LiveTraining live(terminal, request.run);
+    std::unique_ptr<ViewChild> view;
+    LiveTraining live(terminal, request.run, [&] {
+      if (with_view) view = std::make_unique<ViewChild>(request.run);
+    });
     request.snapshots = &live;
     const nlohmann::json result = train_session(request, live);
     print_result(as_json, result, training_text(result) + stopped_text(request, result));
+    if (view) view->serve();
     if (interrupted()) return stop_code();
     return result["left"].get<bool>() ? kExitNotFinished : kExitDone;
   } catch (const CheckpointRefused& error) {
@@ -54,7 +60,7 @@ void add_train_command(CLI::App& app, Work& work) {
   struct Parsed {
     TrainRequest request;
     TrainArguments arguments;
-    bool json = false;
+    bool json = false, view = false;
     int64_t stop_after = 0;
     std::string time_limit;
   };
@@ -67,13 +73,15 @@ void add_train_command(CLI::App& app, Work& work) {
                    "resume from the checkpoint of the run folder, with its options");
   command.add_flag("--overwrite", parsed->request.overwrite, "replace the run that is there");
   command.add_option("--stop-after", parsed->stop_after,
-                     "steps of this call, after which training stops with a checkpoint; 0: all");
+                     "steps of this call; training then stops with a checkpoint; 0: all");
   command.add_option("--time-limit", parsed->time_limit,
                      "stop with a checkpoint and exit code 75 before this time: 90s, 2h, 1h30m");
+  command.add_flag("--view", parsed->view, "show the training in a browser: tessera view RUN");
   command.add_flag("--json", parsed->json, "print one JSON object");
   add_train_options(command, parsed->arguments);
   command.callback([parsed, &work] {
     work = [parsed] {
+      if (parsed->view) require_view_server();
       TrainRequest& request = parsed->request;
       request.stopwatch = running_stopwatch();
       if (!parsed->time_limit.empty()) request.time_limit = parse_duration(parsed->time_limit);
@@ -98,7 +106,7 @@ void add_train_command(CLI::App& app, Work& work) {
             "start a new run folder");
       if (const std::string note = page_bytes_note(request.options.max_bytes); !note.empty())
         say(note);
-      return train_and_report(request, parsed->json);
+      return train_and_report(request, parsed->json, parsed->view);
     };
   });
 }
