@@ -73,14 +73,18 @@ bool StillPixels::still(const Frame& frame, const LightRatio& light, int x, int 
   const Patch patch = patch_at(frame.image, x, y);
   const size_t most = camera->second.size() / kOfSights;
   size_t passing = 0;
-  for (const Sight& sight : camera->second) {
+  const std::vector<Sight>& sights = camera->second;
+  for (const Sight& sight : sights) {
     if (!same_place(sight.frame->camera, frame.camera)) return true;
     const LightRatio ratio{light[0] / sight.light[0], light[1] / sight.light[1],
                            light[2] / sight.light[2]};
     const Patch then = relit(patch_at(sight.frame->image, x, y), ratio);
     const float change = std::max(difference(patch, then), brightness_difference(patch, then));
-    if (change > kStill && change <= kPassing) return false;
-    passing += change > kPassing;
+    if (change <= kStill) continue;
+    // what passes has come and has gone
+    const bool between = &sight != &sights.front() && &sight != &sights.back();
+    if (change <= kPassing || !between) return false;
+    ++passing;
     if (passing > most) return false;
   }
   return true;

@@ -25,9 +25,9 @@ class StillPixels {
   /// By the camera's first frame of those; 1 where it has none, or stood elsewhere then.
   LightRatio light_of(const Frame& frame) const;
   /// Whether the patch around pixel (x, y) is the same, after its light, in up to eight frames of
-  /// the camera, the first and the last among them, but for a quarter of them, in which it is quite
-  /// another: something may pass before what stands still. True where the camera moves: then the
-  /// pixel tells nothing. has_patch must hold. `light`: light_of(frame).
+  /// the camera, the first and the last among them, but for a quarter of them in between, in
+  /// which it is quite another: something may pass before what stands still. True where the camera
+  /// moves: then the pixel tells nothing. has_patch must hold. `light`: light_of(frame).
   bool still(const Frame& frame, const LightRatio& light, int x, int y) const;
 
  private:

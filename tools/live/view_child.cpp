@@ -1,4 +1,4 @@
-// posix_spawn of this program with other arguments.
+// Starts this program with other arguments, and ends it.
 #include "tools/live/view_child.h"
 
 #include <fcntl.h>

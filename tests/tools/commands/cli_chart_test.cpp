@@ -146,8 +146,7 @@ TEST_F(CliTrainings, AHalfDoneCellGoesOnFromItsCheckpoint) {
   const Words rest = bench({"--chart", "--presets", "fast", "--budgets", "6"});
   ASSERT_EQ(work.run(rest).exit_code, 0);
   const std::string log = work.read("out/runs/capture/fast/6/1/log.jsonl");
-  EXPECT_NE(log.find("\"event\":\"start\",\"initialisation\":\"checkpoint\",\"iteration\":4"),
-            std::string::npos)
+  EXPECT_NE(log.find("\"initialisation\":\"checkpoint\",\"iteration\":4"), std::string::npos)
       << log;
   // one of other options starts anew, one with a damaged checkpoint too
   fs::remove(cell("fast/6/1") / "result.json");

@@ -76,7 +76,7 @@ TEST_F(CliRun, RepeatsOnlyWhatChanged) {
   };
   ASSERT_EQ(again("2"), from("ingest"));
   EXPECT_EQ(again("2"), "");
-  EXPECT_EQ(again("3"), "export ");
+  EXPECT_EQ(again("3"), "export report ") << "which links to the frames";
   EXPECT_EQ(again("3", "5"), from("train"));
   fs::remove(work / "out" / "run" / "metrics.json");
   EXPECT_EQ(again("3", "5"), "evaluate ");

@@ -77,7 +77,7 @@ TEST(CliLive, ATrainingThatIsWatchedShowsItselfAndStopsWhenAsked) {
 
 TEST(CliLive, WatchedOrNotItIsTheSameTraining) {
   const CliWorkspace work;
-  const std::vector<std::string> longer = {"--iterations", "1500"};
+  const std::vector<std::string> longer = {"--iterations", "3000"};
   const ScratchFolder scratch;
   ChildProcess child(work.train_arguments("watched", longer), scratch.path());
   Watcher watcher(work / "watched");

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <thread>
 
 #include "tests/tools/commands/cli_workspace.h"
 #include "tests/tools/view/http_client.h"
@@ -130,6 +131,43 @@ TEST_F(CliView, OtherMachines) {
   EXPECT_NE(tunnel.find("192.0.2.7`"), std::string::npos) << tunnel;
   Viewing open({work.at("site"), "--host", "0.0.0.0"});
   EXPECT_NE(open.end(SIGINT).err.find("plain HTTP"), std::string::npos);
+}
+
+/// The JSON of an address.
+json json_of(const Viewing& viewing, const std::string& path) {
+  const std::string answer = viewing.get(path);
+  return json::parse(answer.substr(answer.find("\r\n\r\n")));
+}
+
+// kill -9 of either side hurts neither. Bug put back: a lock that is free counts as a training;
+// seen to fail.
+TEST_F(CliView, ATrainingThatIsKilledAndAViewThatIsKilled) {
+#if !TESSERA_HAS_PLAYER
+  GTEST_SKIP() << "built without the player";
+#endif
+  const ScratchFolder scratch;
+  ChildProcess training(work.train_arguments("run", {"--iterations", "1000000"}), scratch.path());
+  ASSERT_TRUE(training.wait_until([&] { return fs::exists(work / "run/config.json"); }));
+  {
+    Viewing killed({work.at("run"), "--json"});
+    EXPECT_EQ(json_of(killed, "/api/run")["kind"], "training");
+    EXPECT_TRUE(json_of(killed, "/api/state")["alive"]);
+    killed.end(SIGKILL);
+  }
+  Viewing viewing({work.at("run"), "--json"});
+  ASSERT_TRUE(training.wait_until([&] {
+    const json state = json_of(viewing, "/api/state");
+    return state["alive"] && !state["state"].is_null() && state["state"]["snapshot"] > 0;
+  })) << "the training still runs, and shows itself";
+  training.send(SIGKILL);
+  training.wait();
+  const auto alive = [&] { return json_of(viewing, "/api/state")["alive"].get<bool>(); };
+  for (int i = 0; i < 100 && alive(); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_FALSE(alive());
+  EXPECT_TRUE(viewing.get("/live").starts_with("HTTP/1.1 200 "));
+  viewing.end(SIGTERM);
+  EXPECT_FALSE(fs::exists(work / "run/live")) << "what the killed training has left";
 }
 
 TEST_F(CliView, WhatCannotBeIsRefused) {
