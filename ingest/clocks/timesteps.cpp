@@ -7,6 +7,8 @@
 #include <map>
 #include <set>
 
+#include "kernels/base/even_spread.h"
+
 namespace tessera {
 namespace {
 
@@ -56,7 +58,7 @@ std::vector<int64_t> key_timesteps(int64_t timesteps, int64_t most) {
   const int64_t wished = std::clamp(1 + (last + kApart - 1) / kApart, kFewest, kMost);
   const int64_t count = std::min({wished, most, timesteps});
   std::vector<int64_t> chosen;
-  for (int64_t i = 0; i < count; ++i) chosen.push_back(count > 1 ? i * last / (count - 1) : 0);
+  for (int64_t i = 0; i < count; ++i) chosen.push_back(even_spread(i, count, timesteps));
   return chosen;
 }
 

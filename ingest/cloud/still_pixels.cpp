@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ingest/cloud/patch.h"
+#include "kernels/base/even_spread.h"
 #include "kernels/base/median.h"
 
 namespace tessera {
@@ -11,14 +12,10 @@ namespace {
 
 constexpr float kStill = 4;         // change over time of a still pixel, levels
 constexpr float kPassing = 12;      // likewise, of one before which something passes
-constexpr size_t kMostSights = 8;   // at which a pixel is looked at
+constexpr int64_t kMostSights = 8;  // at which a pixel is looked at
 constexpr size_t kOfSights = 4;     // one of so many may show something that passes
 constexpr size_t kEveryPixel = 17;  // of the image, for its light
 constexpr float kMostRatio = 2;
-
-bool same_place(const Camera& a, const Camera& b) {
-  return a.cam_from_world == b.cam_from_world && a.translation == b.translation;
-}
 
 /// As it would look in the light of another image.
 Patch relit(Patch patch, const LightRatio& ratio) {
@@ -49,10 +46,10 @@ StillPixels::StillPixels(const Scene& over_time) {
     frames[frame.camera_name].push_back(&frame);
   }
   for (const auto& [camera, all] : frames) {
-    const size_t count = std::min(all.size(), kMostSights), last = all.size() - 1;
+    const auto total = int64_t(all.size()), count = std::min(total, kMostSights);
     std::vector<Sight>& sights = cameras_[camera];
-    for (size_t i = 0; i < count; ++i) {
-      const Frame* frame = all[count > 1 ? i * last / (count - 1) : 0];
+    for (int64_t i = 0; i < count; ++i) {
+      const Frame* frame = all[size_t(even_spread(i, count, total))];
       sights.push_back({frame, {1, 1, 1}});
       sights.back().light = light_of(*frame);
     }
@@ -63,7 +60,7 @@ LightRatio StillPixels::light_of(const Frame& frame) const {
   const auto camera = cameras_.find(frame.camera_name);
   if (camera == cameras_.end()) return {1, 1, 1};
   const Frame& first = *camera->second.front().frame;
-  if (&first == &frame || !same_place(first.camera, frame.camera)) return {1, 1, 1};
+  if (&first == &frame || !equal_pose(first.camera, frame.camera)) return {1, 1, 1};
   return light_ratio(frame.image, first.image);
 }
 
@@ -75,7 +72,7 @@ bool StillPixels::still(const Frame& frame, const LightRatio& light, int x, int 
   size_t passing = 0;
   const std::vector<Sight>& sights = camera->second;
   for (const Sight& sight : sights) {
-    if (!same_place(sight.frame->camera, frame.camera)) return true;
+    if (!equal_pose(sight.frame->camera, frame.camera)) return true;
     const LightRatio ratio{light[0] / sight.light[0], light[1] / sight.light[1],
                            light[2] / sight.light[2]};
     const Patch then = relit(patch_at(sight.frame->image, x, y), ratio);

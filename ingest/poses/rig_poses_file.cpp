@@ -114,9 +114,7 @@ std::map<std::string, RigCamera> read_json_cameras(const path& path) {
   for (size_t i = 0; i < file[key].size(); ++i) {
     RigCamera camera = parse_camera(file[key][i], file, where, i);
     const auto [known, is_new] = cameras.emplace(camera.name, camera);
-    const Camera &one = known->second.camera, &other = camera.camera;
-    if (!is_new &&
-        (one.cam_from_world != other.cam_from_world || one.translation != other.translation))
+    if (!is_new && !equal_pose(known->second.camera, camera.camera))
       throw InputError(fmt::format(
           "{}: lists camera '{}' with different poses; a rig's camera has one: remove the others",
           where, camera.name));

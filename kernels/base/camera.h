@@ -17,6 +17,10 @@ struct Camera {
   glm::dvec3 translation{0.0};
 
   bool operator==(const Camera&) const = default;
+  /// Whether the two stand in one place and look the same way, to the bit.
+  friend bool equal_pose(const Camera& a, const Camera& b) {
+    return a.cam_from_world == b.cam_from_world && a.translation == b.translation;
+  }
 
   /// Camera centre in world units.
   glm::dvec3 position() const { return -(glm::transpose(cam_from_world) * translation); }

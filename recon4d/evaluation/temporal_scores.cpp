@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/base/even_spread.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {
@@ -111,7 +112,8 @@ const std::vector<uint8_t>& DynamicRegions::median_of(const Frame& frame) {
   const size_t count = std::min(frames.size(), kMoments);
   if (count < kLeastMoments) return median;
   for (size_t i = 0; i < count; ++i)
-    chosen.push_back(frames[i * (frames.size() - 1) / (count - 1)]);
+    chosen.push_back(
+        frames[size_t(even_spread(int64_t(i), int64_t(count), int64_t(frames.size())))]);
   median.resize(frame.image.data.size());
   parallel_for(int64_t(median.size()), kGrain, [&](int64_t begin, int64_t end) {
     std::vector<uint8_t> values(count);

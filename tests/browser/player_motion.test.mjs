@@ -1,27 +1,14 @@
 // How the camera of the player's page moves by itself: eased from view to view, to the point of a
 // double click, and at once where less motion is preferred.
 import assert from 'node:assert/strict';
-import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {expectClean, fixture, launchBrowser, openPage, scratchFolder, serve, tessera} from
-    './harness.mjs';
+import {test} from 'node:test';
+import {expectClean, openPage} from './harness.mjs';
 import {playerModules} from './player_modules.mjs';
+import {pageOfModel} from './player_page.mjs';
 
 const {Moves, firstDepth, hitOf, poseBetween, poseOfWord} =
     await playerModules('motion', 'pick', 'shared_view');
-const folder = scratchFolder();
-let browser, server;
-
-before(async () => {
-  tessera('export', fixture.model, '--format', 'page', '--cameras', fixture.cameras,
-          '-o', join(folder, 'page'));
-  browser = await launchBrowser();
-  server = await serve({'/': folder});
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+const site = pageOfModel();
 
 const kInfo = {cameras: [], bounds: {min: [-1, -1, -1], max: [1, 1, 1]}, up: [0, -1, 0]};
 /** Two units before the middle of the scene, and on its right side. */
@@ -65,8 +52,8 @@ test('a ray meets what covers what is behind it', () => {
 
 /** Opens a page; its image is complete. */
 async function open(query, more = {}) {
-  const opened = await openPage(browser, {origin: server.origin, width: 640, height: 480, ...more});
-  await opened.page.goto(`${server.origin}/page/index.html?paused&${query}`);
+  const opened = await openPage(site.browser, {origin: site.origin, width: 640, height: 480, ...more});
+  await opened.page.goto(`${site.address}?paused&${query}`);
   await opened.page.waitForFunction(() => window.tessera);
   await opened.page.evaluate(() => window.tessera.settle());
   return opened;

@@ -1,27 +1,14 @@
 // The settings of the player's page, and the limits that keep the view where the cameras have
 // filmed.
 import assert from 'node:assert/strict';
-import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {differing, expectClean, fixture, launchBrowser, openPage, readPng, scratchFolder, serve,
-        tessera} from './harness.mjs';
+import {test} from 'node:test';
+import {differing, expectClean, openPage, readPng} from './harness.mjs';
 import {playerModules} from './player_modules.mjs';
+import {pageOfModel} from './player_page.mjs';
 
 const {SeenBounds, poseOfWord, rigPose, settingsOf} =
     await playerModules('seen_bounds', 'settings', 'shared_view', 'view_camera');
-const folder = scratchFolder();
-let browser, server;
-
-before(async () => {
-  tessera('export', fixture.model, '--format', 'page', '--cameras', fixture.cameras,
-          '-o', join(folder, 'page'));
-  browser = await launchBrowser();
-  server = await serve({'/': folder});
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+const site = pageOfModel();
 
 /** Cameras on a level arc before the middle, from −30° to 30°, 4 units away; up is −y. */
 function rigOf(angles) {
@@ -92,9 +79,9 @@ const viewOf = async (page) => (await page.evaluate(() => window.tessera.view())
 // Bugs put back: a degree that the shader does not use; a resolution that is not applied; settings
 // that are not kept; limits that cannot be switched off; each seen to fail.
 test('the panel changes what is drawn, and is remembered', async () => {
-  const {page, problems} = await openPage(browser, {origin: server.origin, width: 640, height: 480});
+  const {page, problems} = await openPage(site.browser, {origin: site.origin, width: 640, height: 480});
   const open = async () => {
-    await page.goto(`${server.origin}/page/index.html?paused&cam=front`);
+    await page.goto(`${site.address}?paused&cam=front`);
     await page.waitForFunction(() => window.tessera);
     await page.evaluate(() => window.tessera.settle());
   };

@@ -1,26 +1,13 @@
 // A free view in the address of the player's page: as a word and back, in a page that is opened
 // with it, and through the Share button.
 import assert from 'node:assert/strict';
-import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {differing, expectClean, fixture, launchBrowser, openPage, psnr, readPng, scratchFolder,
-        serve, tessera} from './harness.mjs';
+import {test} from 'node:test';
+import {differing, expectClean, openPage, psnr, readPng} from './harness.mjs';
 import {playerModules} from './player_modules.mjs';
+import {pageOfModel} from './player_page.mjs';
 
 const {poseOfWord, viewWord} = await playerModules('shared_view');
-const folder = scratchFolder();
-let browser, server;
-
-before(async () => {
-  tessera('export', fixture.model, '--format', 'page', '--cameras', fixture.cameras,
-          '-o', join(folder, 'page'));
-  browser = await launchBrowser();
-  server = await serve({'/': folder});
-});
-after(async () => {
-  await browser?.close();
-  await server?.close();
-});
+const site = pageOfModel();
 
 const kLens = {fx: 500, fy: 500, cx: 320, cy: 240, width: 640, height: 480};
 const kInfo = {cameras: [], bounds: {min: [-1, -1, -1], max: [1, 1, 1]}, up: [0, -1, 0]};
@@ -42,10 +29,10 @@ test('a view as a word, and back', () => {
 
 /** Opens a page of the export; its image is complete. */
 async function open(query, script) {
-  const opened = await openPage(browser, {origin: server.origin, width: 640, height: 480});
+  const opened = await openPage(site.browser, {origin: site.origin, width: 640, height: 480});
   if (script) await opened.page.addInitScript(script);
   await opened.page.goto(query.startsWith('http') ? query
-                                                  : `${server.origin}/page/index.html${query}`);
+                                                  : `${site.address}${query}`);
   await opened.page.waitForFunction(() => window.tessera);
   await opened.page.evaluate(() => window.tessera.settle());
   return opened;

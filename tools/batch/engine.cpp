@@ -1,10 +1,8 @@
-// What: posix_spawn, a process group, and a loop around waitpid.
+// What: Snakemake in a process group of its own, and a loop around waitpid.
 // Not: a scheduler.
 #include "tools/batch/engine.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -17,8 +15,7 @@
 
 #include "ingest/files/child_process.h"
 #include "kernels/base/errors.h"
-
-extern char** environ;
+#include "tools/cli/background_program.h"
 
 namespace tessera {
 namespace {
@@ -49,24 +46,10 @@ std::string profile_folder(const EngineRequest& request) {
 
 pid_t start(const std::vector<std::string>& arguments) {
   const fs::path program = find_program(arguments.front());
-  std::vector<char*> argv;
-  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-  argv.push_back(nullptr);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawn_file_actions_t files;
-  posix_spawn_file_actions_init(&files);
-  // not of the terminal's foreground group: it may not read from there
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  pid_t child = -1;
-  const int error = posix_spawn(&child, program.c_str(), &files, &attributes, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  posix_spawnattr_destroy(&attributes);
-  if (error != 0)
+  const pid_t child = start_in_background(program, arguments);
+  if (child < 0)
     throw InputError(
-        fmt::format("{}: cannot be started ({})", program.string(), std::strerror(error)));
+        fmt::format("{}: cannot be started ({})", program.string(), std::strerror(errno)));
   return child;
 }
 

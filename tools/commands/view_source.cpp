@@ -7,9 +7,9 @@
 #include "tools/cli/terminal.h"
 #include "tools/export/in_time.h"
 #include "tools/export/player_files.h"
-#include "tools/live/live_watch.h"
 #include "tools/session/model_input.h"
 #include "tools/session/run_folder.h"
+#include "tools/session/run_lock.h"
 
 namespace tessera {
 namespace {
@@ -38,7 +38,7 @@ ViewSource made_page(const std::string& path) {
 }  // namespace
 
 ViewSource view_source(const std::string& path) {
-  if (const fs::path run = run_folder_of(path); is_training(run)) {
+  if (const fs::path run = run_folder_of(path); is_run_locked(run)) {
     ViewSource source;
     source.folder = path;
     source.start = "/live";

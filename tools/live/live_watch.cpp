@@ -1,10 +1,7 @@
 // Reading what a training shows, and the thread that scores it.
 #include "tools/live/live_watch.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -49,21 +46,16 @@ std::string address_of(const fs::path& path, const fs::path& served) {
 
 }  // namespace
 
-bool is_training(const fs::path& run) {
-  const int descriptor = ::open((run / "lock").c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) return false;
-  const bool is_free = ::flock(descriptor, LOCK_SH | LOCK_NB) == 0;
-  ::close(descriptor);
-  return !is_free;
-}
-
 LiveWatch::LiveWatch(const fs::path& run, const fs::path& served)
-    : run_{run}, folder_(run), served_(served), truths_("live") {
+    : run_{run},
+      folder_(run),
+      served_(served),
+      name_(fs::weakly_canonical(served).filename().string()),
+      truths_("live") {
   thread_ = std::thread([this] {
     lower_priority(kNiceOfScores);
     const SerialSection serial;
     try {
-      load_views();
       score_snapshots();
     } catch (const std::exception&) {  // the model is shown without scores
     }
@@ -77,7 +69,7 @@ LiveWatch::~LiveWatch() {
   }
   wake_.notify_all();
   thread_.join();
-  if (!is_training(run_.root)) folder_.remove();
+  if (!is_run_locked(run_.root)) folder_.remove();
 }
 
 void LiveWatch::ask(int64_t seen) {
@@ -87,7 +79,7 @@ void LiveWatch::ask(int64_t seen) {
   request_.seen = seen;
   std::error_code absent;
   try {
-    if (!fs::exists(folder_.root(), absent) && is_training(run_.root)) folder_.make();
+    if (!fs::exists(folder_.root(), absent) && is_run_locked(run_.root)) folder_.make();
     if (fs::exists(folder_.root(), absent)) folder_.write(request_);
   } catch (const fs::filesystem_error&) {  // a folder of somebody else: nothing can be asked
   }
@@ -102,10 +94,10 @@ std::string LiveWatch::state(int64_t seen) {
     counted_ = Clock::now();
   }
   // what was written by one that was killed, or is removed in the end, is no sign of life
-  const bool alive = (now && Clock::now() - counted_ < kAliveFor) || is_training(run_.root);
+  const bool alive = (now && Clock::now() - counted_ < kAliveFor) || is_run_locked(run_.root);
   const std::optional<LiveState>& state = last_;
   json result = {{"alive", alive}, {"state", nullptr}, {"snapshot", ""}, {"page", ""}};
-  result["name"] = fs::weakly_canonical(served_).filename().string();
+  result["name"] = name_;
   if (state) {
     result["state"] = json::parse(text_of(*state));
     if (now && state->snapshot > 0)
@@ -114,8 +106,9 @@ std::string LiveWatch::state(int64_t seen) {
   const fs::path page = served_ / "player" / "index.html";
   std::error_code absent;
   if (!alive && fs::exists(page, absent)) result["page"] = "/player/";
-  result["resume"] =
-      fmt::format("tessera train {} -o {} --resume", run_.scene(), run_.root.string());
+  if (resume_.empty() && run_.exists())  // its scene stays what it is
+    resume_ = fmt::format("tessera train {} -o {} --resume", run_.scene(), run_.root.string());
+  result["resume"] = resume_;
   result["views"] = json::array();
   for (size_t i = 0; i < views_.size(); ++i)
     result["views"].push_back(
@@ -150,6 +143,7 @@ bool LiveWatch::stop() {
   return folder_.write(request_);
 }
 
+/// Once the training shows something: its config.json is there then.
 void LiveWatch::load_views() {
   const TrainOptions options = train_options_from_json(run_.read_config().at("options"));
   SceneOptions wanted;
@@ -187,8 +181,9 @@ void LiveWatch::score_snapshots() {
   while (!wake_.wait_for(held, std::chrono::duration<double>(wait), [&] { return leaves_; })) {
     wait = 0.5;
     const std::optional<LiveState> state = folder_.state();
-    if (!state || state->snapshot <= scored || scene_.frames.empty()) continue;
+    if (!state || state->snapshot <= scored) continue;
     held.unlock();
+    if (scored == 0) load_views();
     const double begin = thread_seconds();
     std::optional<double> psnr;
     try {

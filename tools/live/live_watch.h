@@ -15,12 +15,9 @@
 #include "ingest/scene.h"
 #include "tools/live/live_folder.h"
 #include "tools/session/run_folder.h"
+#include "tools/session/run_lock.h"
 
 namespace tessera {
-
-/// Whether a training of a program of this machine, or of one with the same file system where that
-/// knows locks, writes this run folder now.
-bool is_training(const std::filesystem::path& run);
 
 /// Scores with the CPU, at the lowest priority and for 1 % of the cores at most: the training may
 /// need them. All members may be called from any thread; none throws.
@@ -54,10 +51,12 @@ class LiveWatch {
   const RunFolder run_;
   const LiveFolder folder_;
   const std::filesystem::path served_;
+  const std::string name_;  // of that folder
   const TemporaryFolder truths_;
 
   mutable std::mutex mutex_;
   LiveRequest request_;
+  std::string resume_;  // "": not known yet
   Clock::time_point asked_;
   std::optional<LiveState> last_;  // that the training wrote
   Clock::time_point counted_;

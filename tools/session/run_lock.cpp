@@ -20,6 +20,8 @@
 namespace tessera {
 namespace {
 
+constexpr const char* kLockFile = "lock";
+
 /// What the holder wrote of itself.
 std::string holder(int descriptor) {
   std::array<char, 256> text{};
@@ -30,7 +32,9 @@ std::string holder(int descriptor) {
 }  // namespace
 
 RunLock::RunLock(const std::filesystem::path& folder, SessionObserver& observer)
-    : observer_(observer), file_(folder / "lock"), made_folder_(!std::filesystem::exists(folder)) {
+    : observer_(observer),
+      file_(folder / kLockFile),
+      made_folder_(!std::filesystem::exists(folder)) {
   make_folder(folder);
   while (!take()) {
   }
@@ -62,6 +66,14 @@ bool RunLock::take() {
   if (is_file_of_name(descriptor_, file_)) return true;
   ::close(descriptor_);
   return false;
+}
+
+bool is_run_locked(const std::filesystem::path& folder) {
+  const int descriptor = ::open((folder / kLockFile).c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) return false;
+  const bool is_locked = ::flock(descriptor, LOCK_SH | LOCK_NB) != 0;
+  ::close(descriptor);
+  return is_locked;
 }
 
 RunLock::~RunLock() {

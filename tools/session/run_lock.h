@@ -28,4 +28,8 @@ class RunLock {
   int descriptor_ = -1;
 };
 
+/// Whether a program has the lock of this folder, so that a training writes it now; where the file
+/// system knows no locks, whether the lock's file is there.
+bool is_run_locked(const std::filesystem::path& folder);
+
 }  // namespace tessera

@@ -1,26 +1,11 @@
 // The JPEG encoder of libavcodec; colours are converted by the matrix and range that JFIF states.
 #include "tools/video/jpeg.h"
 
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libswscale/swscale.h>
-}
-
-#include <memory>
-
 #include "kernels/base/errors.h"
+#include "tools/video/av_handles.h"
 
 namespace tessera {
 namespace {
-
-struct Release {
-  void operator()(AVCodecContext* c) const { avcodec_free_context(&c); }
-  void operator()(AVFrame* f) const { av_frame_free(&f); }
-  void operator()(AVPacket* p) const { av_packet_free(&p); }
-  void operator()(SwsContext* c) const { sws_freeContext(c); }
-};
-template <class T>
-using Owned = std::unique_ptr<T, Release>;
 
 constexpr AVPixelFormat kFormat = AV_PIX_FMT_YUVJ444P;  // full range
 

@@ -3,10 +3,7 @@
 #include "tools/video/video_encoder.h"
 
 extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
 #include <libavutil/opt.h>
-#include <libswscale/swscale.h>
 }
 
 #include <string>
@@ -14,6 +11,7 @@ extern "C" {
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
+#include "tools/video/av_handles.h"
 
 namespace tessera {
 namespace {
@@ -21,19 +19,6 @@ namespace {
 constexpr int kHighDefinitionLines = 720;  // from here on players assume BT.709
 constexpr int kEncoderThreads = 4;         // fixed: x264's bytes depend on it
 constexpr int kMostErrno = 4096;           // FFmpeg's own codes are beyond
-
-struct Release {
-  void operator()(AVFormatContext* c) const {
-    if (c->pb != nullptr) avio_closep(&c->pb);
-    avformat_free_context(c);
-  }
-  void operator()(AVCodecContext* c) const { avcodec_free_context(&c); }
-  void operator()(AVFrame* f) const { av_frame_free(&f); }
-  void operator()(AVPacket* p) const { av_packet_free(&p); }
-  void operator()(SwsContext* c) const { sws_freeContext(c); }
-};
-template <class T>
-using Owned = std::unique_ptr<T, Release>;
 
 std::string reason(int error) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};

@@ -22,9 +22,7 @@ std::vector<Camera> training_poses(const PreparedScene& scene) {
     const Frame& frame = prepared.frame;
     if (frame.split != Split::kTrain) continue;
     const auto [at, is_new] = last.try_emplace(frame.camera_name, frame.camera);
-    if (!is_new && at->second.cam_from_world == frame.camera.cam_from_world &&
-        at->second.translation == frame.camera.translation)
-      continue;
+    if (!is_new && equal_pose(at->second, frame.camera)) continue;
     at->second = frame.camera;
     poses.push_back(frame.camera);
   }

@@ -8,6 +8,7 @@
 #include "ingest/images/alpha_composite.h"
 #include "ingest/media/video/clip_frames.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/even_spread.h"
 #include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 
@@ -73,7 +74,7 @@ std::vector<size_t> spread_frames(size_t frames, size_t count) {
   count = std::min(count, frames);
   std::vector<size_t> chosen;
   for (size_t i = 0; i < count; ++i)
-    chosen.push_back(count == 1 ? 0 : i * (frames - 1) / (count - 1));
+    chosen.push_back(size_t(even_spread(int64_t(i), int64_t(count), int64_t(frames))));
   return chosen;
 }
 
