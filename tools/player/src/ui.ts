@@ -15,6 +15,11 @@ function element<T extends HTMLElement>(id: string): T {
   return found as T;
 }
 
+/** Leaves a node alone that has the text already: every change has the page painted anew. */
+function setText(node: HTMLElement, text: string): void {
+  if (node.textContent !== text) node.textContent = text;
+}
+
 export class Panels {
   private readonly timeline = element<HTMLInputElement>("timeline");
   private readonly time = element("time");
@@ -29,6 +34,9 @@ export class Panels {
   private idleTimer = 0;
   private noticeTimer = 0;
   private playing = false;
+  private seconds = NaN; // that the time line shows
+  private loaded = ""; // width of the bar of loading
+  private sound = ""; // what showSound() was told
   private clip: Clip = { duration: 0, fps: null, frames: null };
 
   constructor(
@@ -95,15 +103,19 @@ export class Panels {
   }
 
   showTime(seconds: number): void {
-    this.time.textContent = timeWords(this.clip, seconds);
-    this.frame.textContent = frameWords(this.clip, seconds);
+    if (seconds === this.seconds) return;
+    this.seconds = seconds;
+    const words = timeWords(this.clip, seconds);
+    setText(this.time, words);
+    setText(this.frame, frameWords(this.clip, seconds) ?? "");
     this.timeline.valueAsNumber = seconds;
-    this.timeline.setAttribute("aria-valuetext", this.time.textContent);
+    this.timeline.setAttribute("aria-valuetext", words);
     this.timeline.style.setProperty("--done", `${(100 * seconds) / (this.clip.duration || 1)}%`);
   }
 
   showPlaying(playing: boolean): void {
-    if (playing !== this.playing) this.wake();
+    if (playing === this.playing) return;
+    this.wake();
     this.playing = playing;
     const button = element("play");
     button.classList.toggle("playing", playing);
@@ -122,6 +134,9 @@ export class Panels {
 
   /** `muted`: null where the scene has no sound; `blocked`: the browser waits for a tap. */
   showSound(muted: boolean | null, blocked: boolean): void {
+    const state = `${muted} ${blocked}`;
+    if (state === this.sound) return;
+    this.sound = state;
     const button = element("sound");
     button.hidden = muted === null;
     button.setAttribute("aria-pressed", String(muted === true));
@@ -139,16 +154,17 @@ export class Panels {
   showLoading(line: string, share: number | null, quiet: boolean): void {
     this.loading.hidden = share === null;
     this.loading.classList.toggle("quiet", quiet);
-    element("loading-line").textContent = line;
-    element("loading-bar").style.width = `${100 * Math.min(1, share ?? 0)}%`;
+    setText(element("loading-line"), line);
+    const width = `${100 * Math.min(1, share ?? 0)}%`;
+    if (width === this.loaded) return;
+    element("loading-bar").style.width = this.loaded = width;
   }
 
   /** One line, until it is closed or nothing is wrong any more. */
   showTrouble(line: string | null): void {
     if (line === null) this.dismissed = null;
     this.trouble.hidden = line === null || line === this.dismissed;
-    if (line !== null && element("trouble-line").textContent !== line)
-      element("trouble-line").textContent = line;
+    if (line !== null) setText(element("trouble-line"), line);
   }
 
   /** A line that goes by itself. */
