@@ -156,7 +156,13 @@ void write_requests(const fs::path& folder) {
   write_text_file(folder / "first", "GET / token=0123456789abcdef0123456789abcdef&t=1\n" + host);
   write_text_file(folder / "link", "GET /d/secret.html\n" + cookie);
   write_text_file(folder / "up", "GET /a/%2e%2e/%2e%2e/secret.html\n" + cookie);
-  write_text_file(folder / "post", "POST /api/run\n" + cookie + "Origin: http://localhost\n");
+  const std::string own_page = cookie + "Origin: http://localhost\n";
+  write_text_file(folder / "post", "POST /api/run\n" + own_page);
+  write_text_file(folder / "stop", "POST /api/stop\n" + own_page);
+  write_text_file(folder / "resume", "POST /api/resume\n" + own_page);
+  write_text_file(folder / "state", "GET /api/state a=1&seen=7\n" + cookie);
+  write_text_file(folder / "truth", "GET /api/truth view=3\n" + cookie);
+  write_text_file(folder / "charts", "GET /api/charts\n" + cookie);
 }
 
 }  // namespace

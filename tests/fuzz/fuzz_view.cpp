@@ -20,9 +20,10 @@ namespace fs = std::filesystem;
 
 constexpr const char* kToken = "0123456789abcdef0123456789abcdef";
 
-/// A folder with one file that is served, and links and files that are not.
+/// A folder with one file that is served, and links and files that are not; a training.
 struct Served {
   ViewState state;
+  int changes = 0;  // requests to the training that were obeyed
   struct stat page {};
 
   Served() {
@@ -39,24 +40,36 @@ struct Served {
     state.token = kToken;
     state.port = 80;
     state.start = "/a/";
+    const auto change = [this] {
+      ++changes;
+      return true;
+    };
+    state.live = LiveHooks{
+        [](int64_t seen) { return std::to_string(seen); }, [] { return std::string("<svg>"); },
+        [](int64_t view) { return std::string(view == 3 ? "image" : ""); }, change, change};
     if (::stat((root / "site/a/index.html").c_str(), &page) != 0) std::abort();
   }
 };
 
-/// Whatever is asked, the only file that is sent is the page, to those who have the token.
+/// Whatever is asked, the only file that is sent is the page, to those who have the token; who has
+/// it and comes from the server's page may change the training.
 void check_answer(const ViewRequest& request, const Served& served) {
+  const int changes = served.changes;
   const ViewResponse response = answer(request, served.state);
   for (const auto& [name, value] : response.headers)
     if ((name + value).find_first_of(std::string("\r\n\0", 3)) != std::string::npos) std::abort();
   if (header_values(response.headers, "X-Content-Type-Options").size() != 1) std::abort();
+  bool has_token = request.query.find(kToken) != std::string::npos;
+  for (const auto& [name, value] : request.headers)
+    has_token |= value.find(kToken) != std::string::npos;
+  if (served.changes != changes &&
+      (!has_token || request.method != "POST" || header_values(request.headers, "Origin").empty()))
+    std::abort();
   if (!response.file.is_open()) return;
   struct stat sent {};
   if (::fstat(response.file.descriptor(), &sent) != 0 || sent.st_ino != served.page.st_ino ||
       response.offset + response.bytes > uint64_t(sent.st_size))
     std::abort();
-  bool has_token = request.query.find(kToken) != std::string::npos;
-  for (const auto& [name, value] : request.headers)
-    has_token |= value.find(kToken) != std::string::npos;
   if (!has_token) std::abort();
 }
 

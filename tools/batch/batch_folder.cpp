@@ -39,16 +39,24 @@ std::vector<fs::path> sorted_entries(const fs::path& folder) {
   return entries;
 }
 
+/// "" for what is not there, or leads out of the folder.
+std::string log_below(const fs::path& root, const std::string& log) {
+  const fs::path path = fs::path(log).lexically_normal();
+  const bool leaves = path.is_absolute() || path.empty() || *path.begin() == "..";
+  return !leaves && fs::is_regular_file(root / path) ? path.string() : "";
+}
+
 std::vector<BatchFailure> read_failures(const fs::path& folder, std::vector<std::string>& notes) {
   std::vector<BatchFailure> failures;
   for (const fs::path& file : sorted_entries(folder)) {
     if (file.extension() != ".json") continue;
     const json entry = read_object(file, notes);
     if (entry.is_null()) continue;
-    BatchFailure failure{word_of(entry, "scene"),  word_of(entry, "rule"),
-                         word_of(entry, "preset"), word_of(entry, "seed"),
-                         word_of(entry, "format"), {},
-                         word_of(entry, "message")};
+    BatchFailure failure{
+        word_of(entry, "scene"),   word_of(entry, "rule"),
+        word_of(entry, "preset"),  word_of(entry, "seed"),
+        word_of(entry, "format"),  {},
+        word_of(entry, "message"), log_below(folder.parent_path(), word_of(entry, "log"))};
     const json exit = entry.value("exit_code", json());
     if (exit.is_number_integer()) failure.exit = exit.get<int64_t>();
     if (!failure.exit && failure.rule == "report") continue;  // it is who asks

@@ -3,7 +3,7 @@
 // OUT: batch.yaml, asked.json (what it comes to: {scenes, variants, seeds, …}, settings.py),
 //      workflow/, scenes/SCENE, runs/SCENE/PRESET/seed-S (run folders with metrics.json
 //      and train.json), exports/SCENE/PRESET/seed-S/FORMAT, failures/*.json {scene, rule, preset,
-//      seed, format, exit_code, message}, report/.
+//      seed, format, exit_code, message, log}, report/.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -17,6 +17,7 @@ struct BatchFailure {
   std::string scene, rule, preset, seed, format;  // "" where it is of none
   std::optional<int64_t> exit;                    // nothing: it has not ended, or nobody saw it end
   std::string message;                            // one line
+  std::string log;                                // below OUT; "": there is none
   /// "room: train, fast, seed 2 (exit 1): loss is not finite".
   std::string line() const;
   /// It runs, was interrupted, or left for another to go on: no failure by itself.

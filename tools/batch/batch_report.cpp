@@ -115,6 +115,7 @@ json failures_json(const BatchFolder& batch) {
                         {"format", failure.format},
                         {"exit", failure.exit ? json(*failure.exit) : json()},
                         {"message", failure.message},
+                        {"log", failure.log},
                         {"line", failure.line()}});
   return failures;
 }

@@ -1,6 +1,6 @@
 // What: the folder of a batch → one object of everything its report says: runs with their scores,
 //       medians and spreads by scene and preset, failures, versions, devices, options.
-// Not: a page (report_page.h) or images.
+// Not: a page (batch_page.h) or images.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

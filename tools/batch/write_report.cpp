@@ -1,5 +1,4 @@
-// What: gathers, draws, writes.
-// Not: any HTML.
+// Gathers, draws and writes.
 #include "tools/batch/write_report.h"
 
 #include <fmt/format.h>
@@ -10,9 +9,9 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
+#include "tools/batch/batch_page.h"
 #include "tools/batch/batch_report.h"
 #include "tools/batch/held_out_views.h"
-#include "tools/batch/report_page.h"
 #include "tools/bench/chart.h"
 #include "tools/bench/report.h"
 #include "tools/cli/backend_options.h"
@@ -28,7 +27,7 @@ using nlohmann::json;
 constexpr size_t kManyScenes = 100;             // above, one view of each
 constexpr size_t kMostPictureBytes = 64 << 20;  // within the page
 
-void draw_charts(const json& report, const fs::path& folder, ReportImages& images) {
+void draw_charts(const json& report, const fs::path& folder, BatchImages& images) {
   for (const json& scene : report["scenes"]) {
     if (!can_be_drawn(scene)) continue;
     ImageRequest image;
@@ -43,7 +42,6 @@ void draw_charts(const json& report, const fs::path& folder, ReportImages& image
 /// Returns the bytes of what was added.
 size_t add_views(std::vector<ComparedView>& views, const json& run,
                  const std::vector<HeldOutView>& drawn) {
-  const bool training = run.value("split", "") == "train";
   size_t bytes = 0;
   for (const HeldOutView& one : drawn) {
     bytes += one.drawn.size();
@@ -51,7 +49,7 @@ size_t add_views(std::vector<ComparedView>& views, const json& run,
     for (ComparedView& view : views)
       if (view.frame == one.frame) compared = &view;
     if (compared == nullptr) {
-      compared = &views.emplace_back(ComparedView{one.frame, one.truth, {}, training});
+      compared = &views.emplace_back(ComparedView{one.frame, one.truth, {}});
       bytes += one.truth.size();
     }
     compared->renders.push_back({run["preset"], one.drawn, one.psnr});
@@ -59,14 +57,14 @@ size_t add_views(std::vector<ComparedView>& views, const json& run,
   return bytes;
 }
 
-std::vector<ComparedView>& views_of(ReportImages& images, const std::string& scene) {
+std::vector<ComparedView>& views_of(BatchImages& images, const std::string& scene) {
   for (auto& [name, views] : images.views)
     if (name == scene) return views;
   return images.views.emplace_back(scene, std::vector<ComparedView>{}).second;
 }
 
 /// Of each preset of a scene the first seed that has a score.
-void draw_views(const ReportRequest& request, const json& report, ReportImages& images) {
+void draw_views(const ReportRequest& request, const json& report, BatchImages& images) {
   const std::unique_ptr<Backend> backend = make_backend(request.backend);
   ProgressBar bar("report");
   const int64_t most = report["scenes"].size() > kManyScenes ? 1 : request.images;
@@ -103,13 +101,13 @@ json write_report(const ReportRequest& request) {
   const json report = batch_report(read_batch(request.out));
   const fs::path folder = request.out / "report";
   make_folder(folder);
-  ReportImages images;
+  BatchImages images;
   draw_charts(report, folder, images);
   if (request.images > 0) draw_views(request, report, images);
   constexpr auto kReplaceInvalid = json::error_handler_t::replace;
   write_together({{folder / "report.csv", csv_of(report["scenes"])},
                   {folder / "report.json", report.dump(1, ' ', false, kReplaceInvalid) + "\n"},
-                  {folder / "index.html", report_page(report, images)}});
+                  {folder / "index.html", batch_page(report, images)}});
   return report;
 }
 

@@ -1,5 +1,5 @@
 // What: the report of a batch as files: OUT/report/index.html, report.csv, report.json, charts.
-// Not: what it says (batch_report.h) or how (report_page.h).
+// Not: what it says (batch_report.h) or how (batch_page.h).
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

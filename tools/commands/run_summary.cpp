@@ -81,18 +81,19 @@ std::string places_text(const json& result) {
   return text;
 }
 
-/// One page opens by itself; a folder that was too large for that needs a web server.
-std::string player_advice(const json& player) {
-  const std::string folder = player["folder"];
-  if (player["format"] == "html")
-    return fmt::format("  Open {}/{} in a web browser.\n", folder, kPageFile);
-  return fmt::format("  Serve the player page, then open http://localhost:8000:\n    {}\n",
-                     shell_line({"python3", "-m", "http.server", "-d", folder}));
+/// One page opens by itself; a folder that was too large for that needs a server.
+std::string player_advice(const json& result) {
+  const json& player = result["player"];
+  const std::string view = shell_line({"tessera", "view", result["out"].get<std::string>()});
+  if (player["format"] != "html")
+    return fmt::format("  Show the player in a web browser:\n    {}\n", view);
+  return fmt::format("  Open {}/{} in a web browser; from another machine, by a server:\n    {}\n",
+                     player["folder"].get<std::string>(), kPageFile, view);
 }
 
 std::string next_text(const json& result) {
   const std::string out = result["out"], path = result["camera_path"];
-  return (has_player(result) ? player_advice(result["player"]) : "") +
+  return (has_player(result) ? player_advice(result) : "") +
          fmt::format("  Render a video along a camera path (orbit or spiral):\n    {}\n",
                      shell_line({"tessera", "render", out, "--path", path, "--mp4", "-o",
                                  out + "/" + path + ".mp4"})) +

@@ -108,9 +108,9 @@ void watch_training(LiveWatch& watch, ViewState& state) {
   state.live_page = live_page();
   state.player_page = page_of_folder({});
   state.live = LiveHooks{[&watch](int64_t seen) { return watch.state(seen); },
-                         [&watch](uint64_t from) { return watch.log(from); },
+                         [&watch] { return watch.charts(); },
                          [&watch](int64_t view) { return watch.truth(view); },
-                         [&watch] { return watch.stop(); }};
+                         [&watch] { return watch.stop(); }, [&watch] { return watch.resume(); }};
 }
 
 int view(const ViewArguments& arguments) {
@@ -129,13 +129,9 @@ int view(const ViewArguments& arguments) {
     watch = std::make_unique<LiveWatch>(source.run, source.folder);
     watch_training(*watch, state);
   }
-  state.run = nlohmann::json{
-      {"kind", source.kind},
-      {"path", arguments.path},
-      {"version", kVersionText},
-      {"can_stop", source.kind == "training"},
-      {"can_resume",
-       false}}.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  state.run =
+      nlohmann::json{{"kind", source.kind}, {"path", arguments.path}, {"version", kVersionText}}
+          .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   const std::string address = fmt::format("http://{}:{}/?token={}", host, socket.port, state.token);
   print_address(arguments, socket, address);
   const bool has_desktop =

@@ -57,9 +57,12 @@ void LiveFolder::make() const {
                                             std::error_code(errno, std::system_category()));
 }
 
+/// Under another name first: those who watch may write into it meanwhile, which would keep it.
 void LiveFolder::remove() const {
   std::error_code ignored;
-  std::filesystem::remove_all(root_, ignored);
+  const std::filesystem::path removed = root_.string() + ".removed";
+  std::filesystem::rename(root_, removed, ignored);
+  std::filesystem::remove_all(removed, ignored);
 }
 
 bool LiveFolder::replace(const std::filesystem::path& file, const std::string& bytes) const {

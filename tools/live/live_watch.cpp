@@ -1,11 +1,10 @@
 // Reading what a training shows, and the thread that scores it.
 #include "tools/live/live_watch.h"
 
-#include <fmt/format.h>
+#include <sys/wait.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
@@ -17,7 +16,11 @@
 #include "recon4d/options/train_options_json.h"
 #include "static3d/tessera4d/player_hints.h"
 #include "static3d/tessera4d/tessera4d.h"
+#include "tools/batch/engine.h"
+#include "tools/cli/background_program.h"
 #include "tools/live/low_priority.h"
+#include "tools/report/log_events.h"
+#include "tools/report/report_page.h"
 
 namespace tessera {
 namespace {
@@ -28,8 +31,7 @@ using nlohmann::json;
 constexpr auto kAskEvery = std::chrono::milliseconds(500);
 constexpr auto kAliveFor = std::chrono::seconds(5);  // after the last change of its counter
 constexpr int64_t kViews = 4;
-constexpr size_t kMostLog = size_t{256} << 10;  // bytes of an answer
-constexpr double kShareOfScores = 0.01;         // of the cores
+constexpr double kShareOfScores = 0.01;  // of the cores
 constexpr int kNiceOfScores = 19;
 
 std::string json_text(const json& value) {
@@ -93,8 +95,7 @@ std::string LiveWatch::state(int64_t seen) {
     last_ = now;
     counted_ = Clock::now();
   }
-  // what was written by one that was killed, or is removed in the end, is no sign of life
-  const bool alive = (now && Clock::now() - counted_ < kAliveFor) || is_run_locked(run_.root);
+  const bool alive = this->alive();
   const std::optional<LiveState>& state = last_;
   json result = {{"alive", alive}, {"state", nullptr}, {"snapshot", ""}, {"page", ""}};
   result["name"] = name_;
@@ -107,8 +108,8 @@ std::string LiveWatch::state(int64_t seen) {
   std::error_code absent;
   if (!alive && fs::exists(page, absent)) result["page"] = "/player/";
   if (resume_.empty() && run_.exists())  // its scene stays what it is
-    resume_ = fmt::format("tessera train {} -o {} --resume", run_.scene(), run_.root.string());
-  result["resume"] = resume_;
+    resume_ = {"tessera", "train", run_.scene(), "-o", run_.root.string(), "--resume"};
+  result["resume"] = !alive && can_resume() ? shell_line(resume_) : "";
   result["views"] = json::array();
   for (size_t i = 0; i < views_.size(); ++i)
     result["views"].push_back(
@@ -119,14 +120,20 @@ std::string LiveWatch::state(int64_t seen) {
   return json_text(result);
 }
 
-std::string LiveWatch::log(uint64_t from) const {
-  std::ifstream file(run_.log(), std::ios::binary);
-  std::string text(kMostLog, '\0');
-  file.seekg(std::streamoff(from));
-  file.read(text.data(), std::streamsize(text.size()));
-  text.resize(size_t(std::max<std::streamsize>(0, file.gcount())));
-  text.resize(text.rfind('\n') + 1);  // npos + 1 is 0
-  return text;
+std::string LiveWatch::charts() {
+  const std::lock_guard held(mutex_);
+  std::error_code absent;
+  const std::pair shown{fs::file_size(run_.log(), absent), scores_.size()};
+  if (absent || shown == charted_) return charts_;
+  RunReport report;
+  report.preset = text_at(run_.read_config(), "preset");
+  report.curves = run_curves(log_events(read_text_file(run_.log())));
+  report.curves.psnr_test.clear();
+  for (const auto& [step, psnr] : scores_) report.curves.psnr_test.push_back({double(step), psnr});
+  charts_.clear();
+  for (const auto& [name, svg] : run_charts(report)) charts_ += "<figure>" + svg + "</figure>\n";
+  charted_ = shown;
+  return charts_;
 }
 
 std::string LiveWatch::truth(int64_t view) const {
@@ -141,6 +148,25 @@ bool LiveWatch::stop() {
   request_.stop_training = state->training;
   ++request_.counter;
   return folder_.write(request_);
+}
+
+/// What was written by one that was killed, or is removed in the end, is no sign of life.
+bool LiveWatch::alive() const {
+  return (last_ && folder_.state() && Clock::now() - counted_ < kAliveFor) ||
+         is_run_locked(run_.root);
+}
+
+bool LiveWatch::can_resume() const {
+  std::error_code absent;
+  return !resume_.empty() && fs::exists(run_.checkpoint(), absent);
+}
+
+bool LiveWatch::resume() {
+  const std::lock_guard held(mutex_);
+  if (resumed_ > 0 && ::waitpid(resumed_, nullptr, WNOHANG) == 0) return false;
+  if (alive() || !can_resume()) return false;
+  resumed_ = start_in_background("/proc/self/exe", resume_, ProgramOutput::kToStderr);
+  return resumed_ > 0;
 }
 
 /// Once the training shows something: its config.json is there then.
@@ -177,13 +203,18 @@ void LiveWatch::score_snapshots() {
   const double cores = std::max(1u, std::thread::hardware_concurrency());
   double wait = 0.5;
   int64_t scored = 0;
+  std::string training;
   std::unique_lock held(mutex_);
   while (!wake_.wait_for(held, std::chrono::duration<double>(wait), [&] { return leaves_; })) {
     wait = 0.5;
     const std::optional<LiveState> state = folder_.state();
+    if (state && state->training != training) {
+      training = state->training;
+      scored = 0;
+    }
     if (!state || state->snapshot <= scored) continue;
     held.unlock();
-    if (scored == 0) load_views();
+    if (views_.empty()) load_views();
     const double begin = thread_seconds();
     std::optional<double> psnr;
     try {

@@ -1,6 +1,8 @@
 // What somebody who watches a training sees of it: its state, scores of its snapshots on held-out
 // views, its log; and the request to stop.
 #pragma once
+#include <sys/types.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <filesystem>
@@ -32,18 +34,23 @@ class LiveWatch {
   /// Also tells the training that somebody looks, at most twice a second. JSON: name, alive, state
   /// (as live_folder.h has it, or null), snapshot (address or ""), page (address of the finished
   /// player or ""), views [{name, camera, t}] (cameras as a manifest has them), scores [[step, PSNR
-  /// in dB]], resume (a command).
+  /// in dB]], resume (a command; "" where it runs or has no checkpoint).
   std::string state(int64_t seen);
-  /// At most 256 KiB.
-  std::string log(uint64_t from) const;
+  /// HTML: the curves of its report so far, with the scores of its snapshots.
+  std::string charts();
   /// PNG; "" where there is no such view.
   std::string truth(int64_t view) const;
   bool stop();
+  /// Starts a process that continues from the checkpoint and does not end with this one; false: it
+  /// runs, has no checkpoint or cannot be started.
+  bool resume();
 
  private:
   using Clock = std::chrono::steady_clock;
 
   void ask(int64_t seen);
+  bool alive() const;
+  bool can_resume() const;
   void load_views();
   void score_snapshots();
   double score(const std::filesystem::path& file) const;
@@ -56,13 +63,16 @@ class LiveWatch {
 
   mutable std::mutex mutex_;
   LiveRequest request_;
-  std::string resume_;  // "": not known yet
+  std::vector<std::string> resume_;  // words of its command; none: not known yet
+  pid_t resumed_ = -1;
   Clock::time_point asked_;
   std::optional<LiveState> last_;  // that the training wrote
   Clock::time_point counted_;
   Scene scene_;  // its held-out frames; not changed once views_ has them
   std::vector<std::string> views_;
   std::vector<std::pair<int64_t, double>> scores_;  // step, dB
+  std::string charts_;
+  std::pair<uintmax_t, size_t> charted_;  // bytes of the log and scores that they show
   std::condition_variable wake_;
   bool leaves_ = false;
   std::thread thread_;

@@ -153,12 +153,24 @@ std::optional<ViewResponse> live_answer(const ViewRequest& request, const ViewSt
   if (request.path == "/api/state")
     return with_text(200, "application/json",
                      state.live->state(number_in(query, "seen").value_or(0)));
-  if (request.path == "/api/log")
-    return with_text(200, "text/plain; charset=utf-8",
-                     state.live->log(uint64_t(number_in(query, "from").value_or(0))));
+  if (request.path == "/api/charts")
+    return with_text(200, "text/html; charset=utf-8", state.live->charts());
   if (request.path == "/api/truth")
     if (std::string png = state.live->truth(number_in(query, "view").value_or(-1)); !png.empty())
       return with_text(200, "image/png", std::move(png));
+  return std::nullopt;
+}
+
+/// Of a request that changes something; none: the address is none of these.
+std::optional<ViewResponse> posted(const ViewRequest& request, const ViewState& state) {
+  const char* const kText = "text/plain; charset=utf-8";
+  if (!state.live) return std::nullopt;
+  if (request.path == "/api/stop")
+    return state.live->stop() ? with_text(202, kText, "it will stop\n")
+                              : refusal(409, "no training is running");
+  if (request.path == "/api/resume")
+    return state.live->resume() ? with_text(202, kText, "it starts\n")
+                                : refusal(409, "no training has stopped with a checkpoint");
   return std::nullopt;
 }
 
@@ -188,10 +200,7 @@ ViewResponse answer(const ViewRequest& request, const ViewState& state) {
       query.token ? equal_in_constant_time(*query.token, state.token) : has_cookie(request, state);
   if (!is_authorised)
     return refusal(403, "no valid token; open the address that tessera view has printed");
-  if (!is_read && !(state.live && request.path == "/api/stop")) return not_allowed();
-  if (!is_read)
-    return state.live->stop() ? with_text(202, "text/plain; charset=utf-8", "it will stop\n")
-                              : refusal(409, "no training is running");
+  if (!is_read) return posted(request, state).value_or(not_allowed());
   if (!is_printable(request.path) || !is_printable(request.query))
     return refusal(404, "no such file");
   if (query.token && request.path == "/") return with_cookie(state, query.rest);

@@ -1,11 +1,13 @@
 "use strict";
 const $ = (id) => document.getElementById(id);
 const player = $("player");
-let shown = 0; // number of the snapshot in the player
+const truth = $("truth");
+const CHARTS_EVERY = 3; // polls
+let shown = 0; // number of the snapshot in the player,
+let training = ""; // and the training that made it
 let loading = false;
-let logged = 0; // bytes of the log that were read
+let polls = 0;
 let views = [];
-const curves = { loss: [], stat: [], dyn: [] }; // [step, value]
 
 const count = (n) => Math.round(n).toLocaleString("en");
 function duration(seconds) {
@@ -15,42 +17,13 @@ function duration(seconds) {
   return s < 3600 ? `${Math.floor(s / 60)} min ${s % 60} s` : `${Math.floor(s / 3600)} h ${Math.floor((s % 3600) / 60)} min`;
 }
 
-/** Curves over steps; labels at both ends of the axes. */
-function draw(svg, lines, end, digits) {
-  const width = svg.clientWidth || 280, height = 96, left = 44, bottom = 16, top = 6;
-  const points = lines.flat();
-  svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  if (points.length === 0) return svg.replaceChildren();
-  let low = Math.min(...points.map((p) => p[1])), high = Math.max(...points.map((p) => p[1]));
-  if (high - low < 1e-9) { low -= 0.5; high += 0.5; }
-  const x = (step) => left + ((width - left - 4) * step) / Math.max(1, end);
-  const y = (value) => top + ((height - bottom - top) * (high - value)) / (high - low);
-  const make = (name, attributes, text) => {
-    const element = document.createElementNS("http://www.w3.org/2000/svg", name);
-    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-    if (text !== undefined) element.textContent = text;
-    return element;
-  };
-  const label = (value) => (digits === 0 ? count(value) : value.toFixed(digits));
-  svg.replaceChildren(
-    make("line", { class: "axis", x1: left, x2: width - 4, y1: height - bottom, y2: height - bottom }),
-    make("line", { class: "axis", x1: left, x2: left, y1: top, y2: height - bottom }),
-    make("text", { x: left - 4, y: top + 8, "text-anchor": "end" }, label(high)),
-    make("text", { x: left - 4, y: height - bottom, "text-anchor": "end" }, label(low)),
-    make("text", { x: left, y: height - 3 }, "0"),
-    make("text", { x: width - 4, y: height - 3, "text-anchor": "end" }, `${count(end)} steps`),
-    ...lines.map((line, i) =>
-      make("polyline", { class: i === 1 ? "second" : "", points: line.map((p) => `${x(p[0]).toFixed(1)},${y(p[1]).toFixed(1)}`).join(" ") })),
-  );
-}
-
 /** The player with its first snapshot, or the next one in its place. */
 async function show(number, address) {
   if (loading || number <= shown) return;
   loading = true;
   try {
     const inside = player.contentWindow && player.contentWindow.tessera;
-    if (shown > 0 && inside) {
+    if (inside) {
       await inside.replace(address);
     } else {
       player.src = `/api/player?scene=${encodeURIComponent(address)}&paused=1`;
@@ -69,17 +42,18 @@ async function show(number, address) {
 
 function choose() {
   const view = views[$("view").value];
-  $("slide").hidden = $("truth").hidden = view === undefined;
+  $("slide").hidden = truth.hidden = view === undefined;
   if (view === undefined) return;
-  $("truth").src = `/api/truth?view=${$("view").value}`;
+  truth.src = `/api/truth?view=${$("view").value}`;
   const inside = player.contentWindow && player.contentWindow.tessera;
   if (!inside) return;
+  player.contentDocument.body.append(truth); // below the panels of the player
   inside.pause();
   inside.look(view.camera);
   inside.seek(view.t * inside.duration());
 }
 function slide() {
-  $("truth").style.clipPath = `inset(0 0 0 ${100 - Number($("share").value)}%)`;
+  truth.style.clipPath = `inset(0 0 0 ${100 - Number($("share").value)}%)`;
 }
 
 function numbers(state, scores) {
@@ -102,17 +76,9 @@ function numbers(state, scores) {
   }));
 }
 
-async function readLog() {
-  const text = await (await fetch(`/api/log?from=${logged}`)).text();
-  if (text === "") return;
-  logged += new TextEncoder().encode(text).length;
-  for (const line of text.split("\n")) {
-    if (!line.includes('"event":"steps"')) continue;
-    const event = JSON.parse(line);
-    if (event.loss !== null) curves.loss.push([event.iteration, event.loss]);
-    curves.stat.push([event.iteration, event.num_static]);
-    curves.dyn.push([event.iteration, event.num_dynamic]);
-  }
+async function showCharts() {
+  const html = await (await fetch("/api/charts")).text();
+  if (html !== "") $("charts").innerHTML = html;
 }
 
 function tell(answer) {
@@ -125,8 +91,10 @@ function tell(answer) {
   $("stop").hidden = !alive;
   $("finished").hidden = !page;
   if (page) $("finished").href = page;
-  $("resume").hidden = alive || Boolean(page) || !state;
+  $("resume").hidden = resume === "" || Boolean(page);
   $("resume").querySelector("code").textContent = resume;
+  if (alive) $("go").disabled = false;
+  else $("stop").disabled = false;
   const share = state ? (100 * state.step) / Math.max(1, state.total) : 0;
   $("bar").firstElementChild.style.width = `${share}%`;
   $("bar").setAttribute("aria-valuenow", share.toFixed(0));
@@ -145,13 +113,14 @@ async function poll() {
     $("name").textContent = answer.name;
     tell(answer);
     offer(answer.views);
-    await readLog();
+    if (polls++ % CHARTS_EVERY === 0) await showCharts();
     const { state } = answer;
+    if (state && state.training !== training) {
+      training = state.training;
+      shown = 0;
+    }
     if (state) {
       numbers(state, answer.scores);
-      draw($("psnr"), [answer.scores], state.step, 1);
-      draw($("loss"), [curves.loss], state.step, 3);
-      draw($("count"), [curves.stat, curves.dyn], state.step, 0);
       if (answer.snapshot && state.snapshot > shown) show(state.snapshot, answer.snapshot);
     }
   } catch (error) {
@@ -165,6 +134,10 @@ $("share").addEventListener("input", slide);
 $("stop").addEventListener("click", async () => {
   $("stop").disabled = true;
   await fetch("/api/stop", { method: "POST" });
+});
+$("go").addEventListener("click", async () => {
+  $("go").disabled = true;
+  await fetch("/api/resume", { method: "POST" });
 });
 slide();
 poll();

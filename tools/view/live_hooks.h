@@ -10,12 +10,14 @@ namespace tessera {
 struct LiveHooks {
   /// JSON for `GET /api/state?seen=N`; N: number of the newest snapshot that the page shows.
   std::function<std::string(int64_t seen)> state;
-  /// Whole lines of log.jsonl from that byte on, for `GET /api/log?from=BYTE`; "": no more yet.
-  std::function<std::string(uint64_t from)> log;
+  /// HTML of its curves, for `GET /api/charts`; "": there are none yet.
+  std::function<std::string()> charts;
   /// PNG of the truth of a held-out view, for `GET /api/truth?view=I`; "": there is none such.
   std::function<std::string(int64_t view)> truth;
   /// Asks the training to save and leave, for `POST /api/stop`; false: none is running.
   std::function<bool()> stop;
+  /// Starts it from its checkpoint, for `POST /api/resume`; false: it runs, or has none.
+  std::function<bool()> resume;
 };
 
 }  // namespace tessera

@@ -4,8 +4,8 @@
 
 namespace tessera {
 
-/// One HTML file. It has the player, `/api/player`, in a frame, and asks `/api/state` and
-/// `/api/log` every second.
+/// One HTML file. It has the player, `/api/player`, in a frame, and asks `/api/state`
+/// every second and `/api/charts` every third one.
 std::string live_page();
 
 }  // namespace tessera

@@ -40,7 +40,8 @@ Results
   PLY frames      a b/frames (24 files, 206.0 MB)
 
 Next
-  Open a b/player/index.html in a web browser.
+  Open a b/player/index.html in a web browser; from another machine, by a server:
+    tessera view 'a b'
   Render a video along a camera path (orbit or spiral):
     tessera render 'a b' --path orbit --mp4 -o 'a b/orbit.mp4'
   Export the model for another program (formats: tessera export --help):
@@ -51,7 +52,7 @@ TEST(RunSummary, AFolderThatIsTooLargeForOnePageIsServed) {
   json result = result_of_run();
   result["player"]["format"] = "page";
   const std::string text = run_summary(result, ScoreDetail::kUsual);
-  EXPECT_NE(text.find("python3 -m http.server -d 'a b/player'"), std::string::npos) << text;
+  EXPECT_NE(text.find("Show the player in a web browser:\n    tessera view 'a b'\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("Open a b"), std::string::npos) << text;
 }
 

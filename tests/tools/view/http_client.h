@@ -11,16 +11,17 @@
 
 namespace tessera::testing {
 
-/// A connection of which all is read until the server closes it, or nothing comes for `seconds`.
+/// A connection of which all is read until the server closes it, or nothing comes for
+/// `milliseconds`.
 class HttpClient {
  public:
-  explicit HttpClient(uint16_t port, long seconds = 10)
+  explicit HttpClient(uint16_t port, long milliseconds = 10'000)
       : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(port);
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const timeval limit{seconds, 0};
+    const timeval limit{milliseconds / 1000, milliseconds % 1000 * 1000};
     ::setsockopt(socket_.descriptor(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
     EXPECT_EQ(::connect(socket_.descriptor(), reinterpret_cast<const sockaddr*>(&address),
                         sizeof address),

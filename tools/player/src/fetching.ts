@@ -20,7 +20,7 @@ function unreachable(url: string): PlayerError {
   if (url.startsWith("file:"))
     return new PlayerError(
       `${nameOf(url)}: browsers do not let a page read files from a disk; serve its folder ` +
-        `(python3 -m http.server) or export with --format html, which is one file`,
+        `(tessera view) or export with --format html, which is one file`,
       "network",
     );
   return new PlayerError(

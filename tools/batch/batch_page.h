@@ -1,5 +1,4 @@
-// What: what is known of a batch → one HTML page that needs no other file and no script.
-// Not: reading anything (batch_report.h) or drawing (held_out_views.h).
+// The page of a batch: failures first, then its presets side by side, by scene.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -17,17 +16,17 @@ struct ComparedView {
     double psnr = 0;  // dB, of the whole image
   };
   std::vector<Render> renders;
-  bool training = false;  // of the training split: the scene holds nothing out
 };
 
-struct ReportImages {
+struct BatchImages {
   std::vector<std::pair<std::string, std::string>> charts;  // scene, SVG
   std::string chart_note;                                   // why there are none; or empty
   std::vector<std::pair<std::string, std::vector<ComparedView>>> views;  // by scene
   std::vector<std::string> notes;  // views that could not be drawn
 };
 
-/// `report`: batch_report. The page lies in OUT/report: addresses of runs begin with "../".
-std::string report_page(const nlohmann::json& report, const ReportImages& images);
+/// One HTML file that needs no other. `report`: batch_report. The page lies in OUT/report:
+/// addresses of runs begin with "../". All text is escaped.
+std::string batch_page(const nlohmann::json& report, const BatchImages& images);
 
 }  // namespace tessera

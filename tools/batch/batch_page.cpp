@@ -1,0 +1,159 @@
+// The sections of the page of a batch.
+#include "tools/batch/batch_page.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tools/batch/batch_tables.h"
+#include "tools/player/page_words.h"
+#include "tools/report/page_frame.h"
+#include "tools/report/report_pieces.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr size_t kManyScenes = 12;  // above, each is folded
+
+/// Of a file that people may have edited. Not operator[], which reads beyond the end of a constant
+/// object where a key is missing.
+std::string text_of(const json& object, const char* key, const char* otherwise) {
+  const auto found = object.find(key);
+  if (found == object.end()) return otherwise;
+  return found->is_string() ? found->get<std::string>() : found->dump();
+}
+
+std::string soft_line(const std::string& text) {
+  return fmt::format("<p class=\"soft\">{}</p>\n", html_text(text));
+}
+
+/// The last word of its folder.
+std::string name_of(const json& report) {
+  const fs::path folder = report["title"].get<std::string>();
+  return (folder.has_filename() ? folder : folder.parent_path()).filename().string();
+}
+
+std::string head(const json& report) {
+  return fmt::format("<h1>{}</h1>\n", html_text(name_of(report))) + soft_line(report["summary"]);
+}
+
+std::string failures(const json& report) {
+  std::string items;
+  for (const json& failure : report["failures"]) {
+    const std::string log = text_of(failure, "log", "");
+    items += fmt::format("<li>{}", html_text(text_of(failure, "line", "")));
+    if (!log.empty())
+      items += fmt::format(" (<a href=\"{}\">log</a>)", html_address(fs::path("..") / log));
+    items += "</li>\n";
+  }
+  if (items.empty()) return "";
+  return "<h2 class=\"bad\">Failures</h2>\n<div class=\"card warnings\"><ul>\n" + items +
+         "</ul></div>\n";
+}
+
+std::string overview(const json& report) {
+  if (report["scenes"].size() < 2) return "";
+  return "<h2>All scenes</h2>\n" +
+         soft_line(
+             "Medians over the seeds, on the held-out views; the best of a scene is bold. "
+             "Below: time of training and size of the model.") +
+         scenes_table(report);
+}
+
+std::string view_image(const std::string& png, const std::string& words) {
+  return fmt::format("<figure><img alt=\"{0}\" src=\"{1}\"><figcaption>{0}</figcaption></figure>\n",
+                     html_text(words), data_address("image/png", png));
+}
+
+std::string views(const std::string& scene, const BatchImages& images) {
+  std::string html;
+  for (const auto& [name, frames] : images.views)
+    for (const ComparedView& view : frames) {
+      if (name != scene) continue;
+      html +=
+          "<div class=\"strip\" tabindex=\"0\">\n" + view_image(view.truth, "truth: " + view.frame);
+      for (const ComparedView::Render& render : view.renders)
+        html += view_image(render.png, fmt::format("{}: {:.2f} dB", render.preset, render.psnr));
+      html += "</div>\n";
+    }
+  return html;
+}
+
+std::string chart(const std::string& scene, const BatchImages& images) {
+  for (const auto& [name, svg] : images.charts)
+    if (name == scene)
+      return fmt::format("<img class=\"chart\" alt=\"chart of {}\" src=\"{}\">\n", html_text(scene),
+                         data_address("image/svg+xml", svg));
+  return "";
+}
+
+std::string scene_section(const json& report, const json& scene, const BatchImages& images) {
+  const std::string name = scene["scene"];
+  std::string html = scene_table(report, scene);
+  html += scene.value("split", "") == "train"
+              ? soft_line("Scored on training views, as nothing is held out.")
+              : "";
+  html = "<div class=\"card\">\n" + html + chart(name, images) + views(name, images) + "</div>\n";
+  const std::string heading = html_text(name);
+  if (report["scenes"].size() > kManyScenes)
+    return fmt::format("<details><summary>{}</summary>\n{}</details>\n", heading, html);
+  return fmt::format("<h2>{}</h2>\n{}", heading, html);
+}
+
+std::string scenes(const json& report, const BatchImages& images) {
+  std::string html;
+  for (const json& scene : report["scenes"]) html += scene_section(report, scene, images);
+  if (report["scenes"].size() > kManyScenes) html = "<h2>Scene by scene</h2>\n" + html;
+  if (!images.chart_note.empty()) html += soft_line(images.chart_note);
+  for (const std::string& note : images.notes) html += soft_line(note);
+  return html;
+}
+
+std::string list_of(const json& words) {
+  std::string text;
+  for (const json& word : words)
+    text += (text.empty() ? "" : "<br>") +
+            html_text(word.is_string() ? word.get<std::string>() : word.dump());
+  return text;
+}
+
+std::string code(const std::string& text) {
+  return fmt::format("<code>{}</code>", html_text(text));
+}
+
+/// What was asked for, so that it can be asked for again.
+std::string settings(const json& report) {
+  std::string rows = fact_html("folder", code(report["title"])) +
+                     fact_html("versions", list_of(report["versions"])) +
+                     fact_html("devices", list_of(report["devices"]));
+  for (const json& variant : report["variants"])
+    rows +=
+        fact_html("preset " + text_of(variant, "name", ""),
+                  code(text_of(variant, "preset", "") + " " + text_of(variant, "options", "{}")));
+  for (const json& capture : report["captures"])
+    rows += fact_html("capture " + text_of(capture, "name", ""), code(capture.dump()));
+  std::string notes;
+  for (const json& note : report["notes"]) notes += soft_line(note);
+  return "<h2>Versions, devices, options</h2>\n<div class=\"card\"><dl class=\"facts\">\n" + rows +
+         "</dl></div>\n<p class=\"soft\">The numbers: <a href=\"report.csv\">report.csv</a>, "
+         "<a href=\"report.json\">report.json</a>.</p>\n" +
+         notes;
+}
+
+}  // namespace
+
+std::string batch_page(const json& report, const BatchImages& images) {
+  const bool nothing = report["counts"]["done"] == 0 && report["counts"]["failed"] == 0;
+  const std::string start =
+      nothing ? "<p><strong>Nothing is done yet.</strong> Run the batch, then make this report "
+                "again.</p>\n"
+              : failures(report);
+  return report_frame("Tessera: " + name_of(report), head(report) + start + overview(report) +
+                                                         scenes(report, images) + settings(report));
+}
+
+}  // namespace tessera
