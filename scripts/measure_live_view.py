@@ -88,6 +88,26 @@ def train(tessera, scene, options, watched):
                 "model": (run / "model.ply").read_bytes()}
 
 
+def result_of(asked, options, runs, equal):
+    """A results file, see docs/development/results.md."""
+    def row(watched):
+        these = [run for run in runs if run["watched"] == watched]
+        return {"training": "watched" if watched else "alone",
+                "seconds": [run["seconds"] for run in these],
+                "snapshots": [run["snapshots"] for run in these]}
+    scene = pathlib.Path(asked.scene).name
+    return {
+        "id": asked.out.stem, "version": output_of([asked.tessera, "--version"]).split()[-1],
+        "commit": asked.commit or output_of(["git", "rev-parse", "--short", "HEAD"]),
+        "date": time.strftime("%Y-%m-%d"), "device": runs[0]["device"],
+        "command": " ".join(["measure_live_view.py", scene, *(["--", *options] if options else [])]),
+        "note": f"The models are {'equal' if equal else 'not equal'} to the bit.",
+        "labels": ["training"],
+        "columns": ["seconds", {"key": "snapshots", "heading": "snapshots", "digits": 0}],
+        "rows": [row(False), row(True)],
+    }
+
+
 def main():
     arguments, options = sys.argv[1:], []
     if "--" in arguments:
@@ -112,18 +132,11 @@ def main():
             print(json.dumps(run), flush=True)
     median = {watched: statistics.median(r["seconds"] for r in runs if r["watched"] == watched)
               for watched in (False, True)}
-    record = {
-        "version": asked.commit or output_of(["git", "rev-parse", "--short", "HEAD"]),
-        "command": " ".join(["measure_live_view.py", pathlib.Path(asked.scene).name,
-                             *(["--", *options] if options else [])]),
-        "device": runs[0]["device"], "alone_seconds": median[False],
-        "watched_seconds": median[True], "cost": median[True] / median[False] - 1,
-        "equal_models": equal, "runs": runs,
-    }
-    print(f"alone {median[False]:.2f} s, watched {median[True]:.2f} s: {record['cost']:+.1%};",
-          "equal models" if equal else "the models differ")
+    cost = median[True] / median[False] - 1
     if asked.out:
-        asked.out.write_text(json.dumps(record, indent=1) + "\n")
+        asked.out.write_text(json.dumps(result_of(asked, options, runs, equal), indent=1) + "\n")
+    print(f"alone {median[False]:.2f} s, watched {median[True]:.2f} s: {cost:+.1%};",
+          "equal models" if equal else "the models differ")
 
 
 if __name__ == "__main__":

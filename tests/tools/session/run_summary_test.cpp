@@ -52,7 +52,9 @@ TEST(RunSummary, AFolderThatIsTooLargeForOnePageIsServed) {
   json result = result_of_run();
   result["player"]["format"] = "page";
   const std::string text = run_summary(result, ScoreDetail::kUsual);
-  EXPECT_NE(text.find("Show the player in a web browser:\n    tessera view 'a b'\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("Show the player in a web browser:\n    tessera view 'a b'\n"),
+            std::string::npos)
+      << text;
   EXPECT_EQ(text.find("Open a b"), std::string::npos) << text;
 }
 
