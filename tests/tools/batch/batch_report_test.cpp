@@ -135,7 +135,7 @@ TEST_F(BatchReport, PresetsAreColumnsAndTheBestIsBold) {
 TEST_F(BatchReport, SaysWhatHasFailed) {
   fail("one", "room", "big", 2, 1, "loss is not finite");
   fail("scene", "lego", nullptr, nullptr, 2, "no poses");
-  fail("far", "room", "fast", 9, 3, "x", "../secret.log");
+  fail("far", "room", "fast", 9, 3, "x", (folder / "asked.json").string());
   write("logs/train/room.big.2.log", "");
   const json all = report();
   EXPECT_EQ(all["counts"]["failed"], 5) << "one of room, four of lego";
