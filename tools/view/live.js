@@ -4,6 +4,7 @@ const player = $("player");
 const truth = $("truth");
 const CHARTS_EVERY = 3; // polls
 let shown = 0; // number of the snapshot in the player,
+let shownStep = 0; // its step,
 let training = ""; // and the training that made it
 let loading = false;
 let polls = 0;
@@ -18,7 +19,7 @@ function duration(seconds) {
 }
 
 /** The player with its first snapshot, or the next one in its place. */
-async function show(number, address) {
+async function show(number, address, step) {
   if (loading || number <= shown) return;
   loading = true;
   try {
@@ -33,6 +34,7 @@ async function show(number, address) {
       $("empty").hidden = true;
     }
     shown = number;
+    shownStep = step;
   } catch (error) {
     $("status").textContent = `the snapshot could not be shown: ${error.message || error}`;
   } finally {
@@ -66,7 +68,7 @@ function numbers(state, scores) {
     ["dynamic Gaussians", count(state.num_dynamic)],
     ["speed", `${state.steps_per_second.toFixed(1)} steps/s`],
     ["memory", `${(state.device_bytes / 2 ** 20).toFixed(0)} MiB`],
-    ["model shown", shown > 0 ? `step ${count(state.snapshot_step)}` : "–"],
+    ["model shown", shownStep > 0 ? `step ${count(shownStep)}` : "–"],
   ];
   $("numbers").replaceChildren(...rows.flatMap(([name, value]) => {
     const term = document.createElement("dt"), detail = document.createElement("dd");
@@ -121,7 +123,7 @@ async function poll() {
     }
     if (state) {
       numbers(state, answer.scores);
-      if (answer.snapshot && state.snapshot > shown) show(state.snapshot, answer.snapshot);
+      if (answer.snapshot && state.snapshot > shown) show(state.snapshot, answer.snapshot, state.snapshot_step);
     }
   } catch (error) {
     $("status").textContent = "tessera view does not answer any more";
