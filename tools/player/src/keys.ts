@@ -2,7 +2,7 @@
 // Not: doing it (main.ts).
 
 export type Action =
-  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" }
+  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" }
   | { do: "step"; frames: number }
   | { do: "rate"; steps: number }
   | { do: "camera"; index: number };
@@ -38,6 +38,8 @@ export function actionOf(key: string): Action | null {
       return { do: "share" };
     case "o":
       return { do: "settings" };
+    case "v":
+      return { do: "fly" };
     case "m":
       return { do: "mute" };
     case "?":
@@ -48,7 +50,7 @@ export function actionOf(key: string): Action | null {
 }
 
 /** Keys that a focused control needs itself. */
-function isTheirs(target: EventTarget | null, key: string): boolean {
+export function isTheirs(target: EventTarget | null, key: string): boolean {
   if (target instanceof HTMLSelectElement) return key !== "f" && key !== "?";
   if (target instanceof HTMLButtonElement || target instanceof HTMLAnchorElement)
     return key === " " || key === "Enter";

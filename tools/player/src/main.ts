@@ -21,6 +21,7 @@ const AHEAD_SECONDS = 2.5; // of play, fetched in advance
 const FRAME_RATE = 30; // where the capture's is not known
 const EARLY_MS = 4; // that an image of a limited rate may come before its time
 const LOST = "the graphics device was lost (memory?); close other pages and reload this one";
+const FLY_KEYS = "Fly with W A S D, Q down, E up, Shift faster; V ends it";
 const MOST_PIXELS_A_PIXEL = 2; // device pixels for a CSS pixel
 
 const canvas = document.getElementById("picture") as HTMLCanvasElement;
@@ -67,6 +68,7 @@ class Page {
     this.viewpoint = new Viewpoint(canvas, this.camera, this.info, this.view, showCamera);
     const canStay = cameras.length > 0;
     this.settings = new SettingsPanel(() => this.applySettings(), canStay);
+    this.settings.onFly = (on) => this.fly(on);
     this.applySettings();
     this.viewpoint.open(url.camera, url.view);
     this.clock.seek(url.seconds ?? 0);
@@ -172,6 +174,12 @@ class Page {
     this.seek(times[Math.min(times.length - 1, Math.max(0, nearest + frames))]);
   }
 
+  private fly(on: boolean): void {
+    this.viewpoint.fly(on);
+    this.settings.showFly(on);
+    this.panels.showNotice(on ? FLY_KEYS : "Drags turn about the scene");
+  }
+
   private async share(): Promise<void> {
     const values = { t: this.clock.now().toFixed(3), ...this.viewpoint.values };
     rememberInUrl(values);
@@ -200,6 +208,8 @@ class Page {
         return panels.showLoop(clock.loop);
       case "settings":
         return this.settings.toggle();
+      case "fly":
+        return this.fly(!this.viewpoint.flies);
       case "share":
         return void this.share();
       case "mute":

@@ -20,6 +20,8 @@ export class Orbit {
   private reach = 1;
   private lens: Lens;
   private readonly fingers = new Map<number, { x: number; y: number }>();
+  /** Whether drags look around from where the camera is, instead of turning about the focus. */
+  flies = false;
   /** Told when the person moves the camera away from the pose it was given. */
   onMove: () => void = () => {};
   /** Where the person may move the camera: a pose → itself, or the nearest one that is allowed. */
@@ -65,6 +67,12 @@ export class Orbit {
     this.camera.rotation = [w, x, y, z] as Quaternion;
     this.camera.lens = this.lens;
     ++this.camera.version;
+  }
+
+  /** Moves the camera and what it turns about, world units. */
+  shift(by: THREE.Vector3): void {
+    this.focus.add(by);
+    this.moved();
   }
 
   private moved(): void {
@@ -117,20 +125,31 @@ export class Orbit {
   }
 
   private zoom(factor: number): void {
+    if (this.flies) {
+      const ahead = new THREE.Vector3(0, 0, this.distance).applyQuaternion(this.rotation);
+      this.focus.addScaledVector(ahead, 1 - factor);
+      return;
+    }
     const distance = this.distance * factor;
     this.distance = Math.min(FARTHEST * this.reach, Math.max(NEAREST * this.reach, distance));
   }
 
-  private pan(dx: number, dy: number): void {
+  /** Focal length on the surface, CSS pixels. */
+  private get focal(): number {
     const { clientWidth, clientHeight } = this.surface;
-    const scale = Math.min(clientWidth / this.lens.width, clientHeight / this.lens.height);
-    const units = this.distance / (this.lens.fx * scale); // world units a pixel, at the focus
+    return this.lens.fx * Math.min(clientWidth / this.lens.width, clientHeight / this.lens.height);
+  }
+
+  private pan(dx: number, dy: number): void {
+    const units = this.distance / this.focal; // world units a pixel, at the focus
     const shift = new THREE.Vector3(-dx * units, -dy * units, 0).applyQuaternion(this.rotation);
     this.focus.add(shift);
   }
 
   private turn(dx: number, dy: number): void {
-    const rate = TURN / Math.min(this.surface.clientWidth, this.surface.clientHeight);
+    const { clientWidth, clientHeight } = this.surface;
+    // radians a pixel; in flight what is seen follows the pointer
+    const rate = this.flies ? -1 / this.focal : TURN / Math.min(clientWidth, clientHeight);
     const right = new THREE.Vector3(1, 0, 0).applyQuaternion(this.rotation);
     const forward = new THREE.Vector3(0, 0, 1).applyQuaternion(this.rotation);
     const tilt = forward.angleTo(this.up); // 0: straight up
@@ -142,5 +161,8 @@ export class Orbit {
     this.rotation.premultiply(new THREE.Quaternion().setFromAxisAngle(right, held));
     this.rotation.premultiply(new THREE.Quaternion().setFromAxisAngle(this.up, -dx * rate));
     this.rotation.normalize();
+    if (!this.flies) return;
+    this.focus.set(0, 0, this.distance).applyQuaternion(this.rotation);
+    this.focus.add(new THREE.Vector3(...this.camera.position));
   }
 }

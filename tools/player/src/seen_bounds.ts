@@ -86,6 +86,25 @@ export class SeenBounds {
     return inside - high < low + 2 * Math.PI - inside ? high : low;
   }
 
+  /** The place itself where it lies within; else the nearest one. */
+  private placeWithin(position: THREE.Vector3): THREE.Vector3 {
+    const place = this.placeOf(position);
+    const side = this.sideWithin(place.side);
+    const height = clamped(place.height, this.height);
+    const distance = clamped(place.distance, this.distance);
+    const { right, ahead, up } = this.axes;
+    return this.focus
+      .clone()
+      .addScaledVector(right, distance * Math.cos(height) * Math.cos(side))
+      .addScaledVector(ahead, distance * Math.cos(height) * Math.sin(side))
+      .addScaledVector(up, distance * Math.sin(height));
+  }
+
+  /** The same view from a place that lies within; it may look anywhere. */
+  standing(pose: Pose): Pose {
+    return { ...pose, position: this.placeWithin(pose.position) };
+  }
+
   /** The same view where it lies within; else the nearest one, turned to what it looked at. */
   within(pose: Pose): Pose {
     const forward = new THREE.Vector3(0, 0, 1).applyQuaternion(pose.rotation);
@@ -93,16 +112,7 @@ export class SeenBounds {
     const shift = target.clone().sub(this.focus).clampLength(0, this.pan);
     const pivot = shift.add(this.focus);
     const moved = pose.position.clone().add(pivot).sub(target);
-    const place = this.placeOf(moved);
-    const side = this.sideWithin(place.side);
-    const height = clamped(place.height, this.height);
-    const distance = clamped(place.distance, this.distance);
-    const { right, ahead, up } = this.axes;
-    const position = this.focus
-      .clone()
-      .addScaledVector(right, distance * Math.cos(height) * Math.cos(side))
-      .addScaledVector(ahead, distance * Math.cos(height) * Math.sin(side))
-      .addScaledVector(up, distance * Math.sin(height));
+    const position = this.placeWithin(moved);
     const wanted = pivot.clone().sub(position);
     const turn = new THREE.Quaternion().setFromUnitVectors(forward, wanted.clone().normalize());
     return {

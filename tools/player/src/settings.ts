@@ -35,6 +35,8 @@ function control(id: string): HTMLInputElement & HTMLSelectElement {
 
 export class SettingsPanel {
   readonly settings = settingsOf(SettingsPanel.kept());
+  /** Told when flight is switched on or off; a page always opens without it. */
+  onFly: (on: boolean) => void = () => {};
 
   /** `onChange`: told of every change; `canStay`: whether the scene has cameras to stay with. */
   constructor(onChange: () => void, canStay: boolean) {
@@ -54,6 +56,12 @@ export class SettingsPanel {
       this.keep();
       onChange();
     });
+    this.showFly(false);
+    control("fly").addEventListener("change", () => this.onFly(control("fly").checked));
+  }
+
+  showFly(on: boolean): void {
+    control("fly").checked = on;
   }
 
   toggle(): void {

@@ -1,6 +1,7 @@
 // Where the scene is seen from: a camera of the rig or a free view, the moves between them, and how
 // the address names it.
 import * as THREE from "three";
+import { Flight } from "./fly";
 import type { Camera } from "./manifest";
 import { Moves } from "./motion";
 import { Orbit } from "./orbit";
@@ -8,13 +9,14 @@ import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
 import { SeenBounds } from "./seen_bounds";
 import { poseOfWord, viewWord } from "./shared_view";
 import { rememberInUrl } from "./url_state";
-import { homePose, poseTowards, rayOf, rigPose, type Pose } from "./view_camera";
+import { homePose, poseFrom, poseTowards, rayOf, rigPose, type Pose } from "./view_camera";
 
 const STAYS_MS = 900; // after which a free view is written into the address
 
 export class Viewpoint {
   private readonly orbit: Orbit;
   private readonly moves: Moves;
+  private readonly flight: Flight;
   private shown = -1; // camera of the rig
   private timer = 0;
 
@@ -32,6 +34,7 @@ export class Viewpoint {
     const still = matchMedia("(prefers-reduced-motion: reduce)");
     const wall = () => performance.now() / 1000;
     this.moves = new Moves((pose) => this.orbit.setPose(pose), wall, () => still.matches);
+    this.flight = new Flight(this.orbit, info, wall);
   }
 
   /** As the address has it; words that mean nothing leave the first view. */
@@ -46,10 +49,26 @@ export class Viewpoint {
     this.show(-1);
   }
 
-  /** Whether drags stay within what the cameras have seen. */
+  /** Whether drags and flight stay within what the cameras have seen. */
   stay(within: boolean): void {
     const bounds = within && this.info.cameras.length > 0 ? new SeenBounds(this.info) : null;
-    this.orbit.limit = (pose) => bounds?.within(pose) ?? pose;
+    this.orbit.limit = (pose) => {
+      if (bounds === null) return pose;
+      return this.flight.on ? bounds.standing(pose) : bounds.within(pose);
+    };
+  }
+
+  get flies(): boolean {
+    return this.flight.on;
+  }
+
+  /** Flight by keys, or turning about the scene again. */
+  fly(on: boolean): void {
+    this.flight.switch(on);
+    if (on || this.shown >= 0) return;
+    this.leave();
+    const { position, rotation, lens } = this.orbit.pose;
+    this.moveTo(this.orbit.limit(poseFrom(position, rotation, lens, this.info)));
   }
 
   /** By name, or by number from 1; −1: there is none such. */
@@ -60,11 +79,13 @@ export class Viewpoint {
 
   /** To be called before each image. */
   step(): void {
+    this.flight.step();
     this.moves.step();
   }
 
   /** Ends a move at once. */
   finish(): void {
+    this.flight.halt();
     this.moves.finish();
   }
 
@@ -84,7 +105,7 @@ export class Viewpoint {
 
   /** At once to a camera that the rig need not have. */
   look(camera: Camera): void {
-    this.moves.finish();
+    this.finish();
     this.orbit.setPose(rigPose(camera, this.info));
     this.show(-1);
   }
@@ -102,6 +123,7 @@ export class Viewpoint {
   }
 
   private moveTo(pose: Pose): void {
+    this.flight.halt();
     this.moves.start(this.orbit.pose, pose);
   }
 
