@@ -186,10 +186,10 @@ test('keys', () => {
 test('the address', () => {
   assert.deepEqual(readUrl('?t=1.5&cam=cam%2001&rate=0.5&paused&ui=0'),
                    {scene: null, seconds: 1.5, camera: 'cam 01', view: null, rate: 0.5, paused: true,
-                    loop: true, panels: false});
+                    loop: true, path: false, panels: false});
   assert.deepEqual(readUrl('?t=soon&rate=-1&loop=0&scene=a/b.t4d'),
                    {scene: 'a/b.t4d', seconds: null, camera: null, view: null, rate: null,
-                    paused: false, loop: false, panels: true});
+                    paused: false, loop: false, path: false, panels: true});
   assert.equal(withValues('http://a/b?t=1&x=2', {t: '3', x: null}), 'http://a/b?t=3');
 });
 

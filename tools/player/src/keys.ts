@@ -2,7 +2,7 @@
 // Not: doing it (main.ts).
 
 export type Action =
-  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" }
+  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" }
   | { do: "step"; frames: number }
   | { do: "rate"; steps: number }
   | { do: "camera"; index: number };
@@ -40,6 +40,8 @@ export function actionOf(key: string): Action | null {
       return { do: "settings" };
     case "v":
       return { do: "fly" };
+    case "p":
+      return { do: "path" };
     case "m":
       return { do: "mute" };
     case "?":

@@ -66,11 +66,12 @@ class Page {
     this.setRate(url.rate ?? 1);
     const showCamera = (index: number) => this.panels.showCamera(index);
     this.viewpoint = new Viewpoint(canvas, this.camera, this.info, this.view, showCamera);
+    this.viewpoint.onPath = (on) => this.panels.showPath(on);
     const canStay = cameras.length > 0;
     this.settings = new SettingsPanel(() => this.applySettings(), canStay);
     this.settings.onFly = (on) => this.fly(on);
     this.applySettings();
-    this.viewpoint.open(url.camera, url.view);
+    this.viewpoint.open(url.camera, url.view, url.path);
     this.clock.seek(url.seconds ?? 0);
     canvas.addEventListener("webglcontextlost", () => (this.lost = LOST));
     addEventListener("resize", () => this.resize());
@@ -125,7 +126,7 @@ class Page {
   private frame(): void {
     requestAnimationFrame(() => this.frame());
     if (this.isEarly()) return;
-    this.viewpoint.step();
+    if (this.pictured) this.viewpoint.step();
     const seconds = this.clock.now();
     const playing = this.clock.playing;
     const ahead = playing ? this.t(AHEAD_SECONDS * Math.max(1, this.clock.rate)) : 0;
@@ -210,6 +211,8 @@ class Page {
         return this.settings.toggle();
       case "fly":
         return this.fly(!this.viewpoint.flies);
+      case "path":
+        return this.viewpoint.playPath(!this.viewpoint.playsPath);
       case "share":
         return void this.share();
       case "mute":

@@ -6,7 +6,7 @@ import type { Pose } from "./view_camera";
 
 const SECONDS = 0.7; // of a move
 
-function focusOf({ position, rotation, distance }: Pose): THREE.Vector3 {
+export function focusOf({ position, rotation, distance }: Pose): THREE.Vector3 {
   return new THREE.Vector3(0, 0, distance).applyQuaternion(rotation).add(position);
 }
 
@@ -14,7 +14,7 @@ function between(a: number, b: number, share: number): number {
   return a + (b - a) * share;
 }
 
-function lensBetween(a: Lens, b: Lens, share: number): Lens {
+export function lensBetween(a: Lens, b: Lens, share: number): Lens {
   const mixed = (key: keyof Lens) => between(a[key], b[key], share);
   return {
     fx: mixed("fx"),
@@ -37,7 +37,7 @@ export function poseBetween(from: Pose, to: Pose, share: number): Pose {
 }
 
 /** Slow at both ends; 0 to 1 → 0 to 1. */
-function eased(share: number): number {
+export function eased(share: number): number {
   return share * share * (3 - 2 * share);
 }
 

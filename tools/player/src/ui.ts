@@ -57,6 +57,7 @@ export class Panels {
     press("fullscreen", { do: "fullscreen" });
     // iPhones let a page have no full screen
     element("fullscreen").hidden = !("requestFullscreen" in document.documentElement);
+    press("path", { do: "path" });
     press("share", { do: "share" });
     press("settings-open", { do: "settings" });
     press("help-open", { do: "help" });
@@ -124,6 +125,10 @@ export class Panels {
 
   showLoop(loop: boolean): void {
     element("loop").setAttribute("aria-pressed", String(loop));
+  }
+
+  showPath(on: boolean): void {
+    element("path").setAttribute("aria-pressed", String(on));
   }
 
   showRate(rate: number): void {

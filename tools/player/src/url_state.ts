@@ -1,4 +1,4 @@
-// What: the page's address as state: ?scene=&t=&cam=&view=&rate=&paused=&loop=&ui=; and back into it, so
+// What: the page's address as state: ?scene=&t=&cam=&view=&rate=&paused=&loop=&path=&ui=; and back into it, so
 //       that a copied address shows the same time from the same camera.
 // Not: what the values do (main.ts).
 
@@ -10,6 +10,7 @@ export interface UrlState {
   rate: number | null;
   paused: boolean;
   loop: boolean;
+  path: boolean; // whether the camera moves by itself
   panels: boolean;
 }
 
@@ -35,6 +36,7 @@ export function readUrl(search: string): UrlState {
     rate: rate !== null && rate > 0 ? rate : null,
     paused: flagOf(query.get("paused"), false),
     loop: flagOf(query.get("loop"), true),
+    path: flagOf(query.get("path"), false),
     panels: flagOf(query.get("ui"), true),
   };
 }

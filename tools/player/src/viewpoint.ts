@@ -5,6 +5,7 @@ import { Flight } from "./fly";
 import type { Camera } from "./manifest";
 import { Moves } from "./motion";
 import { Orbit } from "./orbit";
+import { Playback } from "./path";
 import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
 import { SeenBounds } from "./seen_bounds";
 import { poseOfWord, viewWord } from "./shared_view";
@@ -17,6 +18,10 @@ export class Viewpoint {
   private readonly orbit: Orbit;
   private readonly moves: Moves;
   private readonly flight: Flight;
+  private readonly playback: Playback;
+  private readonly still = matchMedia("(prefers-reduced-motion: reduce)");
+  /** Told when the camera begins to move along its path, and when it has ended. */
+  onPath: (on: boolean) => void = () => {};
   private shown = -1; // camera of the rig
   private timer = 0;
 
@@ -31,14 +36,20 @@ export class Viewpoint {
     this.orbit = new Orbit(canvas, camera, new THREE.Vector3(...info.up).normalize());
     this.orbit.onMove = () => this.leave();
     this.orbit.onFocus = (point) => this.focusOn(point);
-    const still = matchMedia("(prefers-reduced-motion: reduce)");
+    const setPose = (pose: Pose) => this.orbit.setPose(pose);
     const wall = () => performance.now() / 1000;
-    this.moves = new Moves((pose) => this.orbit.setPose(pose), wall, () => still.matches);
+    this.moves = new Moves(setPose, wall, () => this.still.matches);
+    this.playback = new Playback(info, setPose, wall);
     this.flight = new Flight(this.orbit, info, wall);
   }
 
   /** As the address has it; words that mean nothing leave the first view. */
-  open(camera: string | null, word: string | null): void {
+  open(camera: string | null, word: string | null, path: boolean): void {
+    this.openView(camera, word);
+    if (path && !this.still.matches) this.playPath(true);
+  }
+
+  private openView(camera: string | null, word: string | null): void {
     this.orbit.setPose(homePose(this.info));
     this.show(this.info.cameras.length > 0 ? 0 : -1);
     if (camera !== null) this.take(this.indexOf(camera));
@@ -56,6 +67,28 @@ export class Viewpoint {
       if (bounds === null) return pose;
       return this.flight.on ? bounds.standing(pose) : bounds.within(pose);
     };
+  }
+
+  get playsPath(): boolean {
+    return this.playback.on;
+  }
+
+  /** Along the path from the view that is shown; where it ends, the view stays. */
+  playPath(on: boolean): void {
+    if (!on) return this.leave();
+    this.flight.halt();
+    this.moves.stop();
+    this.show(-1);
+    this.playback.start(this.orbit.pose);
+    this.onPath(true);
+    rememberInUrl({ cam: null, view: null, path: "1" });
+  }
+
+  private endPath(): void {
+    if (!this.playback.on) return;
+    this.playback.stop();
+    this.onPath(false);
+    rememberInUrl({ path: null });
   }
 
   get flies(): boolean {
@@ -81,10 +114,12 @@ export class Viewpoint {
   step(): void {
     this.flight.step();
     this.moves.step();
+    this.playback.step();
   }
 
-  /** Ends a move at once. */
+  /** Ends a move at once, and a path or a flight where it is. */
   finish(): void {
+    if (this.playback.on) this.leave();
     this.flight.halt();
     this.moves.finish();
   }
@@ -123,6 +158,7 @@ export class Viewpoint {
   }
 
   private moveTo(pose: Pose): void {
+    this.endPath();
     this.flight.halt();
     this.moves.start(this.orbit.pose, pose);
   }
@@ -138,6 +174,7 @@ export class Viewpoint {
 
   /** The view is the person's own; the address has it once it stays. */
   private leave(): void {
+    this.endPath();
     this.moves.stop();
     this.show(-1);
     this.timer = window.setTimeout(() => rememberInUrl(this.values), STAYS_MS);
