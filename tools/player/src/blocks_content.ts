@@ -6,9 +6,10 @@ import type { BlockSource } from "./container";
 import type { Content } from "./content";
 import { Decoder } from "./decoder";
 import { Arrivals } from "./loading";
+import type { Triple } from "./manifest";
 import { memoryBudget } from "./memory_budget";
 import type { Hit, Ray } from "./pick";
-import type { OnProgress, Play, SceneInfo, ViewCamera } from "./scene_view";
+import type { OnProgress, Play, SceneInfo } from "./scene_view";
 import { BlockSplats, SliceUniforms } from "./splat4d_shader";
 import type { Stage } from "./stage";
 
@@ -26,7 +27,7 @@ export class BlocksContent implements Content {
   constructor(
     private readonly source: BlockSource,
     private readonly stage: Stage,
-    private readonly view: ViewCamera,
+    private readonly eye: () => Triple,
     onProgress: OnProgress,
     onChange: () => void,
   ) {
@@ -81,7 +82,7 @@ export class BlocksContent implements Content {
     this.shown = names;
     if (!moved && !seen && !changed) return false;
     this.slice.when.value.x = t;
-    this.slice.eye.value.set(...this.view.position);
+    this.slice.eye.value.set(...this.eye());
     for (const block of present) {
       block.pose(t);
       block.updateVersion();

@@ -5,7 +5,7 @@ import { isTheirs } from "./keys";
 import type { Triple } from "./manifest";
 import type { Orbit } from "./orbit";
 import type { SceneInfo } from "./scene_view";
-import { focusOfRig, sizeOf } from "./view_camera";
+import { scaleOf } from "./view_camera";
 
 const EASE_SECONDS = 0.12; // after which about two thirds of a change of velocity are reached
 const SPEED = 0.5; // of the scene's scale, per second
@@ -36,14 +36,9 @@ export function eased(velocity: THREE.Vector3, wanted: THREE.Vector3, seconds: n
   };
 }
 
-/** World units a second: the mean distance of the rig's cameras, or the scene's size, sets it. */
+/** World units a second. */
 export function speedOf(info: SceneInfo): number {
-  const focus = focusOfRig(info);
-  const distances = info.cameras.map((camera) =>
-    focus.distanceTo(new THREE.Vector3(...camera.position)),
-  );
-  const mean = distances.reduce((sum, distance) => sum + distance, 0) / distances.length;
-  return SPEED * (mean > 0 ? mean : sizeOf(info.bounds));
+  return SPEED * scaleOf(info);
 }
 
 export class Flight {

@@ -2,7 +2,7 @@
 // Not: doing it (main.ts).
 
 export type Action =
-  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" }
+  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" | "vr" }
   | { do: "step"; frames: number }
   | { do: "rate"; steps: number }
   | { do: "camera"; index: number };

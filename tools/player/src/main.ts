@@ -16,6 +16,7 @@ import { frameAt } from "./time_words";
 import { Panels, RATES } from "./ui";
 import { readUrl, rememberInUrl, withValues } from "./url_state";
 import { Viewpoint } from "./viewpoint";
+import { isVrSupported } from "./xr";
 
 const AHEAD_SECONDS = 2.5; // of play, fetched in advance
 const FRAME_RATE = 30; // where the capture's is not known
@@ -79,7 +80,8 @@ class Page {
     listenToKeys((action) => this.act(action));
     if (!url.paused) this.clock.play();
     this.clock.hold(true);
-    this.frame();
+    void isVrSupported().then((offered) => this.panels.offerVr(offered));
+    this.loop();
   }
 
   /** Another scene of the same time and cameras in the place of this one. */
@@ -122,10 +124,13 @@ class Page {
     return false;
   }
 
-  /** Draws, and is called again when the display wants another frame. */
+  /** For every frame of the display. A headset asks for its frames itself. */
+  private loop(): void {
+    requestAnimationFrame(() => this.loop());
+    if (!this.view.inVr && !this.isEarly()) this.frame();
+  }
+
   private frame(): void {
-    requestAnimationFrame(() => this.frame());
-    if (this.isEarly()) return;
     if (this.pictured) this.viewpoint.step();
     const seconds = this.clock.now();
     const playing = this.clock.playing;
@@ -181,6 +186,22 @@ class Page {
     this.panels.showNotice(on ? FLY_KEYS : "Drags turn about the scene");
   }
 
+  /** Into the headset, or back to the page. */
+  private async toggleVr(): Promise<void> {
+    if (this.view.inVr) return this.view.leaveVr();
+    this.viewpoint.finish();
+    const ended = () => {
+      this.panels.showVr(false);
+      this.resize(); // the window may have another size than before
+    };
+    try {
+      await this.view.enterVr(() => this.frame(), ended);
+      this.panels.showVr(this.view.inVr);
+    } catch (error) {
+      this.panels.showNotice(`VR cannot start: ${lineOf(error)}`);
+    }
+  }
+
   private async share(): Promise<void> {
     const values = { t: this.clock.now().toFixed(3), ...this.viewpoint.values };
     rememberInUrl(values);
@@ -213,6 +234,8 @@ class Page {
         return this.fly(!this.viewpoint.flies);
       case "path":
         return this.viewpoint.playPath(!this.viewpoint.playsPath);
+      case "vr":
+        return void this.toggleVr();
       case "share":
         return void this.share();
       case "mute":

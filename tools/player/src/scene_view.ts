@@ -1,4 +1,4 @@
-// What: what the page asks of a renderer: five calls and a camera. spark_view.ts is one; another
+// What: what the page asks of a renderer: a few calls and a camera. spark_view.ts is one; another
 //       engine would be a second file that implements SceneView, and nothing else would change.
 // Not: the clock, controls and panels of the page (main.ts).
 import type { Bounds, Camera, Quaternion, Triple } from "./manifest";
@@ -66,6 +66,11 @@ export interface SceneView {
   setShDegree(degree: number): void;
   /** Depth of what a ray meets first at the time that is drawn; null: nothing, or not known. */
   pick(ray: Ray): number | null;
+  /** Whether the scene is in a headset, and not on the page. */
+  readonly inVr: boolean;
+  /** Into the headset, at a press of the person, with `onFrame` called for each of its images. */
+  enterVr(onFrame: () => void, onEnd: () => void): Promise<void>;
+  leaveVr(): void;
   /** Size of the view in CSS pixels, and device pixels for each of them. */
   resize(width: number, height: number, dpr: number): void;
   /** Resolves when the frame of the last time is complete: data, depth order, pixels. */

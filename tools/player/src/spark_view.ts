@@ -47,6 +47,7 @@ export class SparkView implements SceneView {
   private t = 0;
   private play: Play = { ahead: 0, loop: false };
   private disposed = false;
+  private head: Triple | null = null; // in a headset: where an eye is, world units
 
   /** Throws PlayerError where there is no WebGL2. */
   constructor(
@@ -62,9 +63,10 @@ export class SparkView implements SceneView {
     this.stage.setBackground(drawn.background);
     this.stage.setRules(drawn.splat);
     const changed = () => (this.dirty = true);
+    const eye = () => this.head ?? this.camera.position;
     const content =
       source.kind === "4d"
-        ? new BlocksContent(source.blocks, this.stage, this.camera, onProgress, changed)
+        ? new BlocksContent(source.blocks, this.stage, eye, onProgress, changed)
         : new FramesContent(source.sequence, this.stage, onProgress, changed);
     this.stage.near = nearOf(content.info.bounds, drawn.splat);
     if (this.content === null) {
@@ -87,9 +89,11 @@ export class SparkView implements SceneView {
     }
     const { content } = this;
     if (content === null) return { waiting: false, complete: false, trouble: null };
-    const seen = this.camera.version !== this.seen;
+    const { headset } = this.stage;
+    this.head = headset.on ? ((headset.placeEyes()?.toArray() as Triple) ?? null) : null;
+    const seen = this.camera.version !== this.seen || this.head !== null;
     const changed = content.show(t, play, seen);
-    const due = changed || seen || this.dirty;
+    const due = headset.on ? this.head !== null : changed || seen || this.dirty;
     if (due) {
       this.dirty = false;
       this.seen = this.camera.version;
@@ -97,7 +101,7 @@ export class SparkView implements SceneView {
     }
     const waiting = content.waiting(t);
     // the draw before this call was the last one that was due
-    const complete = !due && !waiting && this.stage.sorted;
+    const complete = !waiting && (headset.on || (!due && this.stage.sorted));
     return { waiting, complete, trouble: content.trouble(t) };
   }
 
@@ -108,6 +112,22 @@ export class SparkView implements SceneView {
 
   pick(ray: Ray): number | null {
     return this.content === null ? null : firstDepth(this.content.hits(ray, this.t));
+  }
+
+  get inVr(): boolean {
+    return this.stage.headset.on;
+  }
+
+  enterVr(onFrame: () => void, onEnd: () => void): Promise<void> {
+    if (this.content === null) return Promise.resolve();
+    return this.stage.enterVr(this.content.info, onFrame, () => {
+      this.seen = -1; // the page's view is drawn anew
+      onEnd();
+    });
+  }
+
+  leaveVr(): void {
+    this.stage.headset.end();
   }
 
   resize(width: number, height: number, dpr: number): void {

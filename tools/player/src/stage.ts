@@ -5,7 +5,8 @@ import { SparkRenderer, type SplatGenerator } from "@sparkjsdev/spark";
 import * as THREE from "three";
 import type { SplatRules, Triple } from "./manifest";
 import { PlayerError } from "./player_error";
-import type { ViewCamera } from "./scene_view";
+import type { SceneInfo, ViewCamera } from "./scene_view";
+import { Headset } from "./xr";
 
 const MAX_PIXEL_RADIUS = 8192; // of a splat: no limit in practice, as in the program's renderer
 const FAR_TO_NEAR = 1e5;
@@ -19,6 +20,7 @@ export class Stage {
   near = 0.2;
   private readonly camera = new THREE.PerspectiveCamera();
   private readonly renderer: THREE.WebGLRenderer;
+  readonly headset: Headset;
   private readonly spark: SparkRenderer;
   private size = { width: 1, height: 1 }; // CSS pixels
 
@@ -40,6 +42,7 @@ export class Stage {
         "device",
       );
     this.renderer = new THREE.WebGLRenderer({ canvas, context, antialias: false });
+    this.headset = new Headset(this.renderer);
     this.spark = new SparkRenderer({
       renderer: this.renderer,
       onDirty,
@@ -66,6 +69,7 @@ export class Stage {
   }
 
   resize(width: number, height: number, dpr: number): void {
+    if (this.headset.on) return; // the headset has a size of its kind
     this.size = { width: Math.max(1, width), height: Math.max(1, height) };
     this.renderer.setPixelRatio(dpr);
     this.renderer.setSize(this.size.width, this.size.height, false);
@@ -98,7 +102,13 @@ export class Stage {
     this.camera.updateMatrixWorld(true);
   }
 
+  /** From the person's eyes instead of the page's camera, until `onEnd`. */
+  enterVr(info: SceneInfo, onFrame: () => void, onEnd: () => void): Promise<void> {
+    return this.headset.start(info, [this.near, this.near * FAR_TO_NEAR], onFrame, onEnd);
+  }
+
   draw(): void {
+    if (this.headset.on) return this.renderer.render(this.scene, this.headset.camera);
     this.applyCamera();
     this.renderer.render(this.scene, this.camera);
   }

@@ -58,6 +58,7 @@ export class Panels {
     // iPhones let a page have no full screen
     element("fullscreen").hidden = !("requestFullscreen" in document.documentElement);
     press("path", { do: "path" });
+    press("vr", { do: "vr" });
     press("share", { do: "share" });
     press("settings-open", { do: "settings" });
     press("help-open", { do: "help" });
@@ -129,6 +130,15 @@ export class Panels {
 
   showPath(on: boolean): void {
     element("path").setAttribute("aria-pressed", String(on));
+  }
+
+  /** Where the browser has a headset. */
+  offerVr(offered: boolean): void {
+    element("vr").hidden = !offered;
+  }
+
+  showVr(on: boolean): void {
+    element("vr").setAttribute("aria-pressed", String(on));
   }
 
   showRate(rate: number): void {

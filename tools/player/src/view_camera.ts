@@ -59,6 +59,16 @@ export function focusOfRig(info: SceneInfo): THREE.Vector3 {
   return focusOf(info.cameras) ?? centreOf(info.bounds);
 }
 
+/** The mean distance of the rig's cameras from what they look at, or the scene's size. */
+export function scaleOf(info: SceneInfo): number {
+  const focus = focusOfRig(info);
+  const distances = info.cameras.map(({ position }) =>
+    focus.distanceTo(new THREE.Vector3(...position)),
+  );
+  const mean = distances.reduce((sum, distance) => sum + distance, 0) / distances.length;
+  return mean > 0 ? mean : sizeOf(info.bounds);
+}
+
 /** It turns about the point of its axis that is nearest to what all cameras look at. */
 export function poseFrom(
   position: THREE.Vector3,
