@@ -80,7 +80,7 @@ async function standing(page) {
     const word = await wordOf(page);
     if (word === last) return viewOf(page);
     last = word;
-    await page.waitForTimeout(300);
+    await page.waitForTimeout(700);  // longer than an image of a busy machine takes
   }
   assert.fail('the camera does not come to rest');
 }
