@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tools/player/page_words.h"
+#include "tools/report/axis.h"
 #include "tools/report/report_pieces.h"
 #include "tools/report/svg_chart.h"
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "tools/player/page_words.h"
+#include "tools/report/axis.h"
 #include "tools/report/page_frame.h"
 #include "tools/report/report_pieces.h"
 
