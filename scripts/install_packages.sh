@@ -11,7 +11,7 @@ packages=(
   g++ cmake ninja-build pkg-config git ca-certificates
   libglm-dev libpng-dev zlib1g-dev libzstd-dev libfmt-dev nlohmann-json3-dev libcli11-dev libtbb-dev
   libavformat-dev libavcodec-dev libavutil-dev libswscale-dev libswresample-dev
-  libopenimageio-dev libopencv-dev colmap gnuplot-nox libmicrohttpd-dev
+  libopenimageio-dev libopencv-dev colmap libmicrohttpd-dev
 )
 case "$ID ${VERSION_ID:-}" in
   "debian 12") clang=14 browser=chromium ;;

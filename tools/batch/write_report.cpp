@@ -12,8 +12,8 @@
 #include "tools/batch/batch_page.h"
 #include "tools/batch/batch_report.h"
 #include "tools/batch/held_out_views.h"
-#include "tools/bench/chart.h"
 #include "tools/bench/report.h"
+#include "tools/bench/scene_chart.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
@@ -30,11 +30,10 @@ constexpr size_t kMostPictureBytes = 64 << 20;  // within the page
 void draw_charts(const json& report, const fs::path& folder, BatchImages& images) {
   for (const json& scene : report["scenes"]) {
     if (!can_be_drawn(scene)) continue;
-    ImageRequest image;
-    image.stem = "chart_" + scene["scene"].get<std::string>();
-    images.chart_note = draw_image(folder, image.stem, gnuplot_script(scene, image));
-    if (!images.chart_note.empty()) return;
-    images.charts.emplace_back(scene["scene"], read_text_file(folder / (image.stem + ".svg")));
+    const std::string name = scene["scene"];
+    const std::string svg = scene_svg(scene, {});
+    write_text_file(folder / fmt::format("chart_{}.svg", name), svg);
+    images.charts.emplace_back(name, svg);
   }
 }
 

@@ -1,6 +1,6 @@
 // What: results of runs → points: medians and spreads over seeds, by scene, label and step; as
 //       JSON and CSV.
-// Not: running runs (bench/runner.h), images (bench/chart.h) or tables for people
+// Not: running runs (bench/runner.h), images (bench/scene_chart.h) or tables for people
 //      (bench/table_text.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,4 @@
-// What: points of all scenes → a gnuplot script: PSNR against the bytes of the shipped file.
-// Not: points (bench/report.h), nor running gnuplot (bench/chart.h).
+// Charts of quality against the size of the shipped file: a panel for each scene.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -9,8 +8,8 @@ namespace tessera {
 /// Whether any point of bench_points has a size and a score.
 bool has_sizes(const nlohmann::json& scenes);
 
-/// A colour and a line for each scene, through its points with a `share`, which are named by it;
-/// the others, presets, have a mark each. Runs in the folder that stem.svg and stem.png go to.
-std::string size_script(const nlohmann::json& scenes, const std::string& stem);
+/// One SVG image. A panel has a line through the points of the scene with a `share`, which are
+/// named by it, and a dot for each of the others, presets. "" where no point has a size.
+std::string sizes_svg(const nlohmann::json& scenes);
 
 }  // namespace tessera

@@ -1,6 +1,6 @@
 // What: numbers of a benchmark: median and spread over seeds, the frontier of time and quality, its
 //       knee.
-// Not: what was measured (bench/report.h) or drawn (bench/chart.h).
+// Not: what was measured (bench/report.h) or drawn (bench/scene_chart.h).
 #pragma once
 #include <cstdint>
 #include <optional>

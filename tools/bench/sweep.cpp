@@ -1,5 +1,5 @@
 // What: plan, run, gather, write; the plan is written first, so that --plot works at any time.
-// Not: the arithmetic of points (bench/report.h) or the drawing (bench/chart.h).
+// Not: the arithmetic of points (bench/report.h) or the drawing (bench/scene_chart.h).
 #include "tools/bench/sweep.h"
 
 #include <fmt/format.h>
@@ -12,9 +12,10 @@
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "tools/bench/chart.h"
+#include "tools/bench/published.h"
 #include "tools/bench/report.h"
 #include "tools/bench/runner.h"
+#include "tools/bench/scene_chart.h"
 #include "tools/bench/size_chart.h"
 #include "tools/bench/table_text.h"
 #include "tools/cli/terminal.h"
@@ -134,9 +135,7 @@ std::string text_of(const SweepRequest& request, const json& report) {
 /// One image of all scenes.
 void draw_sizes(const SweepRequest& request, const json& report) {
   if (!has_sizes(report["scenes"])) return warn("no size to draw yet");
-  const std::string stem = stem_of(request);
-  const std::string problem = draw_image(request.out, stem, size_script(report["scenes"], stem));
-  if (!problem.empty()) warn(problem);
+  write_text_file(request.out / (stem_of(request) + ".svg"), sizes_svg(report["scenes"]));
 }
 
 void draw(const SweepRequest& request, const json& report) {
@@ -149,13 +148,10 @@ void draw(const SweepRequest& request, const json& report) {
     }
     ImageRequest image;
     image.kind = request.mode == BenchMode::kCurve ? BenchImage::kCurve : BenchImage::kChart;
-    image.stem = fmt::format("{}_{}", stem_of(request), name);
     image.emphasised = TrainArguments{}.preset;
     image.published = report["published"];
-    const std::string problem = draw_image(request.out, image.stem, gnuplot_script(scene, image));
-    if (problem.empty()) continue;
-    warn(problem);
-    return;  // the next would say the same
+    write_text_file(request.out / fmt::format("{}_{}.svg", stem_of(request), name),
+                    scene_svg(scene, image));
   }
 }
 

@@ -2,8 +2,8 @@
 // and what is
 //       made of their results: JSON, CSV, Markdown, images.
 // Not: one training (bench/runner.h).
-// DIR: runs/ (a folder a run), chart.json, chart.csv, chart_SCENE.svg|png|gp; curve.* alike;
-//      table_NAME.json|csv|md; sizes.json|csv|md|svg|png|gp.
+// DIR: runs/ (a folder a run), chart.json, chart.csv, chart_SCENE.svg; curve.* alike;
+//      table_NAME.json|csv|md; sizes.json|csv|md|svg.
 #pragma once
 #include "tools/bench/plans.h"
 

@@ -72,8 +72,7 @@ json facts() {
   uname(&system);
   json libraries = json::object(), programs = json::object();
   for (const auto& [name, version] : media_versions()) libraries[name] = version;
-  for (const char* name : {"colmap", "gnuplot", "snakemake", "ffmpeg"})
-    programs[name] = program_path(name);
+  for (const char* name : {"colmap", "snakemake", "ffmpeg"}) programs[name] = program_path(name);
   return {{"version", kVersionText},
           {"commit", kCommitText},
           {"compiler", kCompilerText},

@@ -40,7 +40,7 @@ class CliTrainings : public ::testing::Test {
   CliWorkspace work;
 };
 
-// Bug put back: the seed of a cell is not set; seen to fail.
+// Bugs put back: the seed of a cell is not set; no chart is written; each seen to fail.
 TEST_F(CliTrainings, AChartHasEveryCell) {
   const ChildResult run = work.run(chart());
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -67,9 +67,7 @@ TEST_F(CliTrainings, AChartHasEveryCell) {
   const std::string csv = work.read("out/chart.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
   EXPECT_NE(run.out.find("| balanced | 6 | 2 |"), std::string::npos) << run.out;
-  if (find_program("gnuplot").empty()) GTEST_SKIP() << "no gnuplot; Debian: gnuplot-nox";
-  EXPECT_TRUE(fs::exists(work / "out/chart_capture.svg")) << run.err;
-  EXPECT_TRUE(fs::exists(work / "out/chart_capture.png")) << run.err;
+  EXPECT_NE(work.read("out/chart_capture.svg").find(">capture (test): "), std::string::npos);
 }
 
 // Bug put back: the scores of the wrong split; seen to fail.

@@ -41,7 +41,8 @@ TEST(CliReport, ShowsRunsAndKeepsTheirViews) {
   const std::string page = work.read("out/report/index.html");
   EXPECT_EQ(count(page, "data:image/png;base64,"), 2u) << "one held-out view and its truth";
   EXPECT_EQ(count(page, "truth: test/"), 2u) << "alt and caption";
-  EXPECT_TRUE(count(page, "data:image/svg+xml") == 1 || count(page, "no gnuplot found") == 1);
+  EXPECT_NE(page.find("chart of capture"), std::string::npos);
+  EXPECT_NE(work.read("out/report/chart_capture.svg").find(">capture (test): "), std::string::npos);
 
   const fs::path kept = work / "out/runs/capture/fast/seed-1/held_out/0_drawn.png";
   const auto drawn = fs::last_write_time(kept);
