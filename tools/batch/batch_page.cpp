@@ -108,7 +108,6 @@ std::string scenes(const json& report, const BatchImages& images) {
   std::string html;
   for (const json& scene : report["scenes"]) html += scene_section(report, scene, images);
   if (report["scenes"].size() > kManyScenes) html = "<h2>Scene by scene</h2>\n" + html;
-  if (!images.chart_note.empty()) html += soft_line(images.chart_note);
   for (const std::string& note : images.notes) html += soft_line(note);
   return html;
 }

@@ -19,8 +19,7 @@ struct ComparedView {
 };
 
 struct BatchImages {
-  std::vector<std::pair<std::string, std::string>> charts;  // scene, SVG
-  std::string chart_note;                                   // why there are none; or empty
+  std::vector<std::pair<std::string, std::string>> charts;               // scene, SVG
   std::vector<std::pair<std::string, std::vector<ComparedView>>> views;  // by scene
   std::vector<std::string> notes;  // views that could not be drawn
 };
