@@ -202,8 +202,7 @@ json sized_scenes() {
   return scenes;
 }
 
-// Bugs put back, each seen to fail: shares in the order of the points; presets on the line; a point
-// without a score drawn.
+// Bugs put back, each seen to fail: shares in the order of the points; presets on the line.
 TEST(BenchImages, SizesAreAPanelForEachScene) {
   const std::string svg = sizes_svg(sized_scenes());
   const std::vector<std::string> both = panels(svg);

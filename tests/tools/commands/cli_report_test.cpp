@@ -22,7 +22,8 @@ size_t count(const std::string& text, const std::string& part) {
 }
 
 // Bugs put back: the key of the kept views without the model's bytes; the views of every seed
-// shown, not of one a preset; views of the training split; seen to fail.
+// shown, not of one a preset; views of the training split; no chart is written;
+// seen to fail.
 TEST(CliReport, ShowsRunsAndKeepsTheirViews) {
   const CliWorkspace work;
   for (const char* seed : {"1", "2"}) {

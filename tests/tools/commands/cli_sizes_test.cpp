@@ -37,7 +37,7 @@ class CliSizes : public ::testing::Test {
 };
 
 // Bugs put back, each seen to fail: max_gaussians not set; the last preset as the reference; the
-// model's bytes as the shipped ones.
+// model's bytes as the shipped ones; no chart is written.
 TEST_F(CliSizes, BudgetsAreSharesOfTheReference) {
   const ChildResult run = work.run(sizes());
   ASSERT_EQ(run.exit_code, 0) << run.err;
