@@ -90,6 +90,24 @@ async function hold(page, ms, ...keys) {
   for (const key of keys) await page.keyboard.up(key);
   await standing(page);
 }
+/** Holds keys for eight images and at least 0.4 s; world units a second of the last four. */
+async function flown(page, ...keys) {
+  for (const key of keys) await page.keyboard.down(key);
+  const speed = await page.evaluate(() => new Promise((resolve) => {
+    const seen = [];
+    const next = () => {
+      const place = window.tessera.view().split(',').slice(0, 3).map(Number);
+      seen.push({place, at: performance.now() / 1000});
+      if (seen.length < 8 || seen.at(-1).at - seen[0].at < 0.4) return requestAnimationFrame(next);
+      const [a, b] = [seen.at(-5), seen.at(-1)];
+      return resolve(Math.hypot(...a.place.map((v, k) => v - b.place[k])) / (b.at - a.at));
+    };
+    requestAnimationFrame(next);
+  }));
+  for (const key of keys) await page.keyboard.up(key);
+  await standing(page);
+  return speed;
+}
 /** How far a point lies ahead of a view, to its right and below it. */
 function seenFrom([px, py, pz, w, x, y, z], [ax, ay, az]) {
   const d = [ax - px, ay - py, az - pz];
@@ -113,10 +131,10 @@ test('keys move the camera in flight alone, and the address has the view', async
   const seen = {};
   for (const key of ['w', 'd', 'q']) {
     const before = await viewOf(page);
-    await hold(page, 300, key);
+    const speed = await flown(page, key);
     const after = await viewOf(page);
     assert.ok(turn(before, after) < 1e-3);
-    seen[key] = {...seenFrom(before, after), way: distance(before, after),
+    seen[key] = {...seenFrom(before, after), speed, way: distance(before, after),
                  up: up.reduce((sum, u, k) => sum + u * (after[k] - before[k]), 0)};
   }
   assert.ok(seen.w.ahead > 0.2 && seen.w.ahead > 0.999 * seen.w.way, JSON.stringify(seen.w));
@@ -124,9 +142,8 @@ test('keys move the camera in flight alone, and the address has the view', async
   assert.ok(seen.q.up < -0.2 && -seen.q.up > 0.999 * seen.q.way, JSON.stringify(seen.q));
   assert.equal(await page.locator('#camera').inputValue(), '-1');
   await page.waitForURL(/view=/);
-  const free = await viewOf(page);
-  await hold(page, 300, 'Shift', 'S');
-  assert.ok(distance(free, await viewOf(page)) > 2 * seen.w.way, 'Shift is faster');
+  const fast = await flown(page, 'Shift', 'S');
+  assert.ok(fast > 2 * seen.w.speed, `Shift is faster: ${fast} and ${seen.w.speed}`);
   await page.keyboard.press('1');
   await page.evaluate(() => window.tessera.settle());
   assert.ok(distance(start, await viewOf(page)) < 1e-6, 'numbers are cameras still');
@@ -140,8 +157,9 @@ test('no key stays down when the window loses focus, and those of dialogs are le
      async () => {
   const {page, problems} = await open('cam=front', false);
   await page.keyboard.press('v');
+  const still = await wordOf(page);
   await page.keyboard.down('w');
-  await page.waitForTimeout(200);
+  await page.waitForFunction((word) => window.tessera.view() !== word, still);
   await page.evaluate(() => dispatchEvent(new Event('blur')));
   const stands = await standing(page);
   await page.keyboard.up('w');
@@ -155,7 +173,7 @@ test('no key stays down when the window loses focus, and those of dialogs are le
   await page.locator('canvas').focus();
   await hold(page, 200, 'Control', 's');
   assert.deepEqual(await viewOf(page), stands, 'with Ctrl');
-  await hold(page, 200, 's');
+  await flown(page, 's');
   assert.ok(distance(stands, await viewOf(page)) > 0.1);
   await page.close();
   expectClean(problems);

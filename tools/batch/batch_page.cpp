@@ -85,8 +85,7 @@ std::string views(const std::string& scene, const BatchImages& images) {
 
 std::string chart(const std::string& scene, const BatchImages& images) {
   for (const auto& [name, svg] : images.charts)
-    if (name == scene)
-      return "<div class=\"chart\">" + svg + "</div>\n";
+    if (name == scene) return "<div class=\"chart\">" + svg + "</div>\n";
   return "";
 }
 
