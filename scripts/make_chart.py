@@ -28,11 +28,11 @@ def points(results):
     quality, seconds = {}, {}
     for result in results.values():
         for row in result["rows"]:
-            place = row["scene"], row["preset"]
-            scores = row.get("psnr_val") or row["psnr"]
+            place = row.get("scene"), row.get("preset")
+            scores = row.get("psnr_val") or row.get("psnr")
             if scores:
                 quality[place] = statistics.median(scores)
-            if row["seconds"]:
+            if row.get("seconds"):
                 seconds[place] = statistics.median(row["seconds"])
     scenes = {}
     for scene, preset in sorted(quality.keys() & seconds.keys()):
