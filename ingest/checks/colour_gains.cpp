@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "ingest/clocks/training_timesteps.h"
+#include "ingest/clocks/timesteps.h"
 #include "ingest/cloud/patch.h"
 #include "kernels/base/cholesky.h"
 #include "kernels/base/median.h"

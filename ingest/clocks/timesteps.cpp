@@ -72,4 +72,13 @@ std::vector<int64_t> motion_timesteps(int64_t timesteps) {
   return chosen;
 }
 
+std::vector<Timestep> training_timesteps(const Scene& scene) {
+  std::vector<FrameTime> times;
+  for (int i : scene.split_indices(Split::kTrain)) {
+    const Frame& frame = scene.frames[size_t(i)];
+    times.push_back({frame.camera_name, frame.time, i});
+  }
+  return group_timesteps(times);
+}
+
 }  // namespace tessera

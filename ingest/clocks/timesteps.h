@@ -1,9 +1,11 @@
-// What: which frames of several cameras show the same timestep, and an even choice of timesteps.
-// Not: clocks: times are taken as they are; cameras may be apart by parts of a frame.
+// Which frames of several cameras show the same timestep, and even choices of timesteps. Times are
+// taken as they are; cameras may be apart by parts of a frame.
 #pragma once
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "ingest/scene.h"
 
 namespace tessera {
 
@@ -32,5 +34,8 @@ std::vector<int64_t> key_timesteps(int64_t timesteps, int64_t most);
 /// Numbers of the timesteps at which what moves is looked for, ascending: every second of a clip,
 /// the last among them; of long clips every third, fourth … so that there are at most 48.
 std::vector<int64_t> motion_timesteps(int64_t timesteps);
+
+/// Timestep::frames are numbers of scene.frames; images need not be loaded.
+std::vector<Timestep> training_timesteps(const Scene& scene);
 
 }  // namespace tessera

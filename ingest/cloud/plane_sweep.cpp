@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "ingest/clocks/training_timesteps.h"
+#include "ingest/clocks/timesteps.h"
 
 namespace tessera {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "ingest/clocks/training_timesteps.h"
+#include "ingest/clocks/timesteps.h"
 #include "ingest/layouts/scene_reader.h"
 
 namespace tessera {

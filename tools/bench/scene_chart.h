@@ -1,5 +1,7 @@
-// The charts of one scene: quality against training time and model size, as one SVG image.
+// The charts of one scene: quality against training time and model size, as one SVG image, and the
+// published figures of other programs in them.
 #pragma once
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -22,5 +24,9 @@ bool can_be_drawn(const nlohmann::json& scene);
 /// Two panels side by side. Published entries of other scenes are left out. "" where the scene has
 /// no point that can be drawn.
 std::string scene_svg(const nlohmann::json& scene, const ImageRequest& request);
+
+/// An array of {name, scene, psnr (dB), seconds, device, and bytes where known}, or an object that
+/// has it as `entries`. Errors: InputError naming the file and what an entry lacks.
+nlohmann::json read_published(const std::filesystem::path& file);
 
 }  // namespace tessera

@@ -12,7 +12,6 @@
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "tools/bench/published.h"
 #include "tools/bench/report.h"
 #include "tools/bench/runner.h"
 #include "tools/bench/scene_chart.h"

@@ -1,6 +1,5 @@
-// What: one line that says what is wrong with a command line, with the names that may have been
-//       meant.
-// Not: --help, which CLI11 writes.
+// One line that says what is wrong with a command line, with the names that may have been meant,
+// also those of other programs.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <string>

@@ -9,12 +9,12 @@
 #include "ingest/files/atomic_file.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/model/validity.h"
+#include "static3d/formats/splatv.h"
 #include "static3d/tessera4d/tessera4d.h"
 #include "static3d/transform/world_change.h"
 #include "tools/camera_paths/rig_cameras.h"
 #include "tools/export/output_folder.h"
 #include "tools/export/player_files.h"
-#include "tools/export/splatv.h"
 #include "tools/session/version.h"
 
 namespace tessera {
@@ -114,6 +114,22 @@ json write_model(const ExportRequest& request, GaussianModel& model) {
   folder.finish();
   return {
       {"frames", 1}, {"bytes", bytes}, {"max_gaussians", model.count()}, {"non_finite", dropped}};
+}
+
+/// model.splatv with the cameras of the rig, or one in front of the scene. A row's `write` of
+/// time_formats().
+nlohmann::json write_splatv(const ExportRequest& request, GaussianModel& model) {
+  constexpr const char* kFile = "model.splatv";
+  std::vector<PlayerCamera> cameras = rig_of(request.cameras, request.model, model).cameras;
+  if (cameras.empty()) cameras.push_back(splatv_camera(model));
+  OutputFolder folder(request.out, "export", {kFile}, request.overwrite);
+  const SplatvReport report = save_splatv(folder.path(kFile), model, cameras);
+  folder.finish();
+  return {{"frames", 1},
+          {"bytes", report.bytes},
+          {"max_gaussians", report.gaussians},
+          {"non_finite", report.non_finite},
+          {"never_drawn", report.never_drawn}};
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include "recon4d/model/gaussian_set.h"
 #include "recon4d/reduction/size_limit.h"
-#include "static3d/tessera4d/shipped_size.h"
+#include "static3d/tessera4d/size_breakdown.h"
 #include "tools/export/request.h"
 
 namespace tessera {

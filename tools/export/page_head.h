@@ -25,7 +25,7 @@ struct PageHead {
   Poster poster;
 };
 
-/// As `request` has them; a poster that is "auto" is rendered (poster_view.h). `model`: as
+/// As `request` has them; a poster that is "auto" is rendered. `model`: as
 /// exported. Errors: InputError: a poster that cannot be read, or no camera to render one from.
 PageHead page_head(const ExportRequest& request, const GaussianModel& model);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
@@ -11,7 +12,6 @@
 #include "recon4d/evaluation/render.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/report/error_map.h"
-#include "tools/report/view_choice.h"
 #include "tools/video/jpeg.h"
 
 namespace tessera {
@@ -139,6 +139,38 @@ RunImages run_images(Backend& backend, const GaussianModel& model, const Scene& 
     most = std::max<size_t>(2, most * 2 / 3);
   while (bytes_of(images.strips) > kStripBytes) images.strips.pop_back();
   return images;
+}
+
+std::vector<CameraViews> strip_views(const std::vector<ScoredView>& views, size_t most) {
+  std::vector<CameraViews> cameras;
+  for (size_t i = 0; i < views.size(); ++i) {
+    const auto same = [&](const CameraViews& known) { return known.camera == views[i].camera; };
+    auto found = std::find_if(cameras.begin(), cameras.end(), same);
+    if (found == cameras.end()) found = cameras.insert(cameras.end(), {views[i].camera, {}});
+    found->views.push_back(i);
+  }
+  for (CameraViews& camera : cameras) {
+    const size_t count = camera.views.size();
+    if (count <= most) continue;
+    std::vector<size_t> kept;
+    for (size_t k = 0; k < most; ++k)
+      kept.push_back(camera.views[(k * (count - 1) + (most - 1) / 2) / (most - 1)]);
+    camera.views = std::move(kept);
+  }
+  return cameras;
+}
+
+std::vector<ChosenView> telling_views(const std::vector<ScoredView>& views) {
+  std::vector<size_t> order(views.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return views[a].psnr < views[b].psnr; });
+  if (order.empty()) return {};
+  if (order.size() == 1) return {{"The only view", order.front()}};
+  std::vector<ChosenView> chosen = {{"Worst view", order.front()}};
+  if (order.size() > 2) chosen.push_back({"Median view", order[order.size() / 2]});
+  chosen.push_back({"Best view", order.back()});
+  return chosen;
 }
 
 }  // namespace tessera

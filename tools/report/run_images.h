@@ -33,11 +33,28 @@ struct RunImages {
   size_t bytes() const;             // of all images
 };
 
-/// Renders the views that view_choice.h chooses from report.views. `scene`: their frames with
+/// Renders the strip views and the telling views of report.views. `scene`: their frames with
 /// images, in the model's world and size; a view without a frame is left out. `scratch`: an
 /// existing folder for a temporary file. Stays within about 3.3 MB by smaller images and fewer
 /// frames. Errors: InputError or WriteError of the temporary file.
 RunImages run_images(Backend& backend, const GaussianModel& model, const Scene& scene,
                      const RunReport& report, const std::filesystem::path& scratch);
+
+/// Indices of `views` of one camera, ascending, at equal distances and with the first and last.
+struct CameraViews {
+  std::string camera;
+  std::vector<size_t> views;
+};
+
+/// By camera in the order of the scene, at most `most` (2 or more) of each.
+std::vector<CameraViews> strip_views(const std::vector<ScoredView>& views, size_t most);
+
+struct ChosenView {
+  std::string title;  // "Worst view"
+  size_t view = 0;    // index
+};
+
+/// The views of lowest, median and highest PSNR, each once.
+std::vector<ChosenView> telling_views(const std::vector<ScoredView>& views);
 
 }  // namespace tessera

@@ -10,9 +10,6 @@ namespace tessera {
 /// Bytes of memory that programs can have in all.
 int64_t machine_memory();
 
-/// The name of this host; "unknown" where the system has none.
-std::string host_name();
-
 /// The name of the processor, as /proc/cpuinfo has it; "unknown" where it has none.
 std::string cpu_name();
 

@@ -1,8 +1,9 @@
-// The pose of an object at a timestep: a path or a throw, a spin and a stretch about its rest pose.
-// Shapes that bend are elsewhere (the cloth of shape.h); no physics but that of a throw.
+// The pose of an object at a timestep: a path or a throw, a spin and a stretch about its rest pose,
+// and where the joints that carry it take it. There is no physics but that of a throw.
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <vector>
 
 namespace tessera::synth {
 
@@ -36,5 +37,29 @@ glm::dmat3 turn(double radians, const glm::dvec3& axis);
 /// Rotations by an angle in degrees about the world's z and x.
 glm::dmat3 turn_z(double degrees);
 glm::dmat3 turn_x(double degrees);
+
+/// mean + amplitude · sin(2π (cycles·t + phase)), t in [0, 1] over the clip.
+struct Wave {
+  double mean = 0, amplitude = 0;
+  double cycles = 1, phase = 0;
+};
+double value_at(const Wave& wave, double time);
+
+struct Turn {
+  glm::dvec3 axis{0, 0, 1};
+  Wave degrees;
+};
+
+/// Pivot, axes and direction are those of the rest pose, in which no joint turns or shifts.
+struct Joint {
+  glm::dvec3 pivot{0.0};
+  std::vector<Turn> turns;    // about the pivot, the first one first
+  glm::dvec3 direction{0.0};  // after the turns everything moves by direction · shift
+  Wave shift;
+};
+
+/// Where a solid that stands at `pose` in the rest pose is at `time`. The first of `joints` is the
+/// root; each carries those after it, so the last one is nearest to the solid.
+Pose carried(const std::vector<Joint>& joints, const Pose& pose, double time);
 
 }  // namespace tessera::synth

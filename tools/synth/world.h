@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "tools/synth/joint.h"
 #include "tools/synth/motion.h"
 #include "tools/synth/shape.h"
 #include "tools/synth/synth.h"

@@ -7,9 +7,8 @@
 #include <optional>
 #include <utility>
 
-#include "tools/view/byte_range.h"
-#include "tools/view/request_origin.h"
 #include "tools/view/served_file.h"
+#include "tools/view/view_request.h"
 #include "tools/view/view_token.h"
 
 namespace tessera {

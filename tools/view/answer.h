@@ -2,14 +2,29 @@
 // the same function as the transport (view_server.h).
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "tools/view/live_hooks.h"
 #include "tools/view/view_request.h"
 
 namespace tessera {
+
+/// What a training that is watched adds to the addresses. Called from the server's thread, and none
+/// of them throws or waits for the training.
+struct LiveHooks {
+  /// JSON for `GET /api/state?seen=N`; N: number of the newest snapshot that the page shows.
+  std::function<std::string(int64_t seen)> state;
+  /// HTML of its curves, for `GET /api/charts`; "": there are none yet.
+  std::function<std::string()> charts;
+  /// PNG of the truth of a held-out view, for `GET /api/truth?view=I`; "": there is none such.
+  std::function<std::string(int64_t view)> truth;
+  /// Asks the training to save and leave, for `POST /api/stop`; false: none is running.
+  std::function<bool()> stop;
+  /// Starts it from its checkpoint, for `POST /api/resume`; false: it runs, or has none.
+  std::function<bool()> resume;
+};
 
 /// What the server knows; constant while it runs.
 struct ViewState {
@@ -27,7 +42,8 @@ constexpr uint64_t kMostBodyBytes = 4096;  // of a request
 
 /// Checks, in this order: Host (421), method (405), Origin (403), size of the body (413), token
 /// (403). Then GET and HEAD get `/api/run`, of a training that is watched what LiveHooks says, or a
-/// file of the folder (200, 206, 416), or 404. Only `/api/stop` takes a POST (202, 409; else 405).
+/// file of the folder (200, 206, 416), or 404. Only
+/// `/api/stop` and `/api/resume` take a POST (202, 409; else 405).
 /// `/?token=T` with the right token sets a cookie, which stands for the token from then on, and
 /// leads to the same address without it (303).
 ViewResponse answer(const ViewRequest& request, const ViewState& state);

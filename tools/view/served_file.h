@@ -1,4 +1,5 @@
-// Which files of the folder the view serves, and how a path of a request leads to one of them.
+// Which files of the folder the view serves, how a path of a request leads to one of them, and
+// which part of it a Range header asks for. Source: RFC 9110 §14.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -30,5 +31,17 @@ struct ServedFile {
 /// links, so that no exchange of a folder for a link leads out of it. Nothing where there is none.
 std::optional<ServedFile> open_served_file(const OpenFile& root,
                                            const std::vector<std::string>& components);
+
+struct ByteRange {
+  uint64_t offset = 0, bytes = 0;
+};
+
+/// Whether the header counts in bytes. Other units are ignored, as RFC 9110 requires.
+bool is_byte_range(std::string_view header);
+
+/// The part of a file of `size` bytes that `header` names. A last byte behind the end is moved to
+/// the end. Nothing, which is answered with 416: several ranges, a reversed range, one behind the
+/// end, numbers of more than 18 digits, and all that is no range; RFC 9110 allows to reject these.
+std::optional<ByteRange> parse_byte_range(std::string_view header, uint64_t size);
 
 }  // namespace tessera

@@ -1,7 +1,22 @@
 // Finds headers by their names.
 #include "tools/view/view_request.h"
 
+#include <algorithm>
+
 namespace tessera {
+namespace {
+
+/// The host of host, host:port, [address] or [address]:port; "" for all that is none of these.
+std::string_view host_of(std::string_view authority) {
+  const size_t end = authority.starts_with('[') ? authority.find(']') + 1 : authority.find(':');
+  const std::string_view host = authority.substr(0, std::min(end, authority.size()));
+  const std::string_view rest = authority.substr(host.size());
+  const bool is_port = rest.starts_with(':') && rest.size() <= 6 &&
+                       rest.find_first_not_of("0123456789", 1) == std::string_view::npos;
+  return rest.empty() || is_port ? host : std::string_view();
+}
+
+}  // namespace
 
 std::string lower_case(std::string_view text) {
   std::string lower(text);
@@ -15,6 +30,26 @@ std::vector<std::string_view> header_values(const HttpHeaders& headers, std::str
   for (const auto& [header, value] : headers)
     if (lower_case(header) == lower_case(name)) values.push_back(value);
   return values;
+}
+
+bool is_host_allowed(const ViewRequest& request, const std::vector<std::string>& allowed) {
+  const std::vector<std::string_view> hosts = header_values(request.headers, "Host");
+  if (hosts.size() != 1) return false;
+  const std::string host = lower_case(host_of(hosts[0]));
+  if (host == "localhost" || host == "127.0.0.1" || host == "[::1]") return true;
+  return !host.empty() && std::any_of(allowed.begin(), allowed.end(),
+                                      [&](const auto& name) { return lower_case(name) == host; });
+}
+
+bool is_origin_allowed(const ViewRequest& request) {
+  const std::vector<std::string_view> origins = header_values(request.headers, "Origin");
+  if (origins.empty()) return request.method != "POST";
+  const std::vector<std::string_view> hosts = header_values(request.headers, "Host");
+  const std::string host = hosts.empty() ? "" : lower_case(hosts[0]);
+  return std::all_of(origins.begin(), origins.end(), [&](std::string_view origin) {
+    const std::string lower = lower_case(origin);
+    return lower == "http://" + host || lower == "https://" + host;  // https: behind a proxy
+  });
 }
 
 }  // namespace tessera

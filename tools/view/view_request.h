@@ -1,5 +1,7 @@
 // A request to `tessera view` and the answer to it, as values: what the transport takes from a
-// socket and sends to it.
+// socket and sends to it. From where a request comes, by its Host and Origin headers: the first
+// keeps out pages that had the name of their own server resolved to this machine (DNS rebinding),
+// the second pages of other servers.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -34,5 +36,13 @@ std::string lower_case(std::string_view text);
 
 /// The values of all headers of that name, which is compared without regard to case.
 std::vector<std::string_view> header_values(const HttpHeaders& headers, std::string_view name);
+
+/// Whether the request has one Host header, which names localhost, 127.0.0.1, [::1] or one of
+/// `allowed`, with any port: a tunnel may have another one.
+bool is_host_allowed(const ViewRequest& request, const std::vector<std::string>& allowed);
+
+/// Whether each Origin header names the server that the Host header does. A request without one
+/// passes unless it changes something: browsers send Origin with each POST.
+bool is_origin_allowed(const ViewRequest& request);
 
 }  // namespace tessera

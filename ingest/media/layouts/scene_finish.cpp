@@ -1,15 +1,20 @@
-// What: the steps in their order: world, exposure, cloud; each sees what the one before made.
-// Not: the steps themselves.
+// The last steps of a conversion in their order, and the evening of exposures.
 #include "ingest/media/layouts/scene_finish.h"
+
+#include <fmt/format.h>
 
 #include <map>
 
 #include "ingest/cloud/initial_cloud.h"
+#include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
+#include "ingest/media/checks/exposure.h"
+#include "ingest/media/checks/thinned_scene.h"
 #include "ingest/media/images/mask_source.h"
-#include "ingest/media/layouts/exposure_conversion.h"
+#include "ingest/media/layouts/conversion.h"
 #include "ingest/poses/world_normalisation.h"
 #include "ingest/test_views.h"
+#include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
@@ -47,6 +52,46 @@ void normalise_world(Converted& converted) {
 /// estimated, or given in whatever world their program chose, do not.
 bool has_arbitrary_world(CaptureLayout layout) {
   return layout != CaptureLayout::kTransforms;
+}
+
+using Gains = std::map<std::string, std::array<double, 3>>;  // by camera
+
+Gains gains_of(const Scene& sample) {
+  const std::vector<Station> stations = training_stations(sample);
+  if (stations.size() < 2)
+    throw InputError("--fit-exposure compares cameras, and there is one; leave it out");
+  for (const Station& station : stations)
+    if (station.name != sample.frames[size_t(station.frames.front())].camera_name)
+      throw InputError(
+          fmt::format("--fit-exposure compares cameras that stand still, and '{}' moves; leave it "
+                      "out",
+                      sample.frames[size_t(station.frames.front())].camera_name));
+  Gains gains;
+  for (const CameraGain& camera : fit_exposure(match_stations(sample)))
+    gains[camera.camera] = camera.gain;
+  return gains;
+}
+
+/// `folder` holds the scene as written. Rewrites the images of training cameras and records the
+/// gains in `scene` (1 for held-out cameras). Errors: InputError: fewer than two training cameras,
+/// or one with several poses.
+void even_exposure(const std::filesystem::path& folder, PreparedScene& scene,
+                   const IngestProgress& progress) {
+  Thinning thinning;
+  thinning.stations = int(scene.frames.size());  // all
+  const Gains gains = gains_of(thinned_scene(folder, thinning).sample);
+  for (PreparedCamera& camera : scene.cameras) {
+    const auto found = gains.find(camera.name);
+    camera.exposure_gain = found == gains.end() ? std::array<double, 3>{1, 1, 1} : found->second;
+  }
+  convert_images(scene.frames.size(), progress, [&](size_t i) {
+    const PreparedFrame& prepared = scene.frames[i];
+    const auto found = gains.find(prepared.frame.camera_name);
+    if (prepared.frame.split != Split::kTrain || found == gains.end()) return;
+    Image8 image = read_png(folder / prepared.file_path);
+    apply_exposure(image, found->second);
+    write_png(folder / prepared.file_path, image);
+  });
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 
 #include "ingest/clocks/frame_timing.h"
-#include "ingest/media/video/container_clock.h"
 #include "ingest/media/video/video_decoder.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/video/test_video.h"

@@ -7,7 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "static3d/tessera4d/shipped_size.h"
 #include "tests/recon4d/model/small_models.h"
 
 namespace tessera::testing {

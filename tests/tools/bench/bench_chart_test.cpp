@@ -10,7 +10,6 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "tests/support/scratch_folder.h"
-#include "tools/bench/published.h"
 #include "tools/bench/scene_chart.h"
 #include "tools/bench/size_chart.h"
 #include "tools/report/svg_chart.h"

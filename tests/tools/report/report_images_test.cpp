@@ -4,7 +4,7 @@
 #include <set>
 
 #include "tools/report/error_map.h"
-#include "tools/report/view_choice.h"
+#include "tools/report/run_images.h"
 #include "tools/video/jpeg.h"
 
 namespace tessera {

@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <numbers>
 
-#include "tools/synth/joint.h"
+#include "tools/synth/motion.h"
 #include "tools/synth/ray_cast.h"
 
 namespace tessera::synth {

@@ -2,7 +2,6 @@
 #include <sys/stat.h>
 
 #include "tests/tools/view/view_fixture.h"
-#include "tools/view/byte_range.h"
 #include "tools/view/served_file.h"
 
 namespace tessera::testing {
