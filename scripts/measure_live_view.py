@@ -21,12 +21,7 @@ import time
 import urllib.parse
 import urllib.request
 
-
-def output_of(command):
-    result = subprocess.run(command, capture_output=True, text=True)
-    if result.returncode != 0:
-        sys.exit(f"{' '.join(command)}: exit code {result.returncode}\n{result.stderr[-2000:]}")
-    return result.stdout.strip()
+from measure_training import arguments_and_options, output_of
 
 
 class Visitor:
@@ -109,10 +104,7 @@ def result_of(asked, options, runs, equal):
 
 
 def main():
-    arguments, options = sys.argv[1:], []
-    if "--" in arguments:
-        split = arguments.index("--")
-        arguments, options = arguments[:split], arguments[split + 1:]
+    arguments, options = arguments_and_options()
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene")

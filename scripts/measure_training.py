@@ -110,11 +110,15 @@ def table(records):
     return "\n".join(lines)
 
 
+def arguments_and_options():
+    """The words of the command line before -- and after it."""
+    words = sys.argv[1:]
+    split = words.index("--") if "--" in words else len(words)
+    return words[:split], words[split + 1:]
+
+
 def main():
-    arguments, options = sys.argv[1:], []
-    if "--" in arguments:
-        split = arguments.index("--")
-        arguments, options = arguments[:split], arguments[split + 1:]
+    arguments, options = arguments_and_options()
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tessera", default="build/release/tessera")

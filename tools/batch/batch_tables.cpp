@@ -41,11 +41,13 @@ std::string bytes_words(double value) {
 }
 
 constexpr Metric kPsnr{"psnr", "PSNR [dB]", Best::kMost, psnr_words};
+constexpr Metric kSeconds{"seconds", "training", Best::kLeast, time_words};
+constexpr Metric kModelBytes{"bytes", "model", Best::kLeast, bytes_words};
 constexpr Metric kMetrics[] = {kPsnr,
                                {"ssim", "SSIM", Best::kMost, ssim_words},
-                               {"seconds", "training", Best::kLeast, time_words},
+                               kSeconds,
                                {"num_gaussians", "Gaussians", Best::kNone, count_words},
-                               {"bytes", "model", Best::kLeast, bytes_words},
+                               kModelBytes,
                                {"shipped_bytes", "4D file", Best::kLeast, bytes_words},
                                {"peak_device_bytes", "peak memory", Best::kLeast, bytes_words}};
 
@@ -70,6 +72,13 @@ json metrics_of(const json& scene, const std::string& preset) {
 std::optional<double> median_of(const json& metrics, const char* key) {
   if (!metrics.is_object() || !metrics.contains(key)) return std::nullopt;
   return metrics[key]["median"].get<double>();
+}
+
+Medians medians_of(const json& scene, const std::vector<std::string>& presets, const char* key) {
+  Medians medians;
+  for (const std::string& preset : presets)
+    medians.push_back(median_of(metrics_of(scene, preset), key));
+  return medians;
 }
 
 /// Whether it is the best of at least two that differ.
@@ -111,10 +120,9 @@ std::string table(const std::string& head, const std::string& rows, const std::s
 /// "23.1 s, 3.1 MB"
 std::string details(const json& metrics) {
   std::string text;
-  for (const char* key : {"seconds", "bytes"})
-    for (const Metric& metric : kMetrics)
-      if (const auto value = median_of(metrics, key); value && metric.key == std::string(key))
-        text += (text.empty() ? "" : ", ") + metric.words(*value);
+  for (const Metric& metric : {kSeconds, kModelBytes})
+    if (const auto value = median_of(metrics, metric.key))
+      text += (text.empty() ? "" : ", ") + metric.words(*value);
   return text;
 }
 
@@ -122,9 +130,7 @@ std::string means_row(const json& report, const std::vector<std::string>& preset
   Medians sums(presets.size(), 0.0);
   int64_t count = 0;
   for (const json& scene : report["scenes"]) {
-    Medians medians;
-    for (const std::string& preset : presets)
-      medians.push_back(median_of(metrics_of(scene, preset), kPsnr.key));
+    const Medians medians = medians_of(scene, presets, kPsnr.key);
     if (!std::all_of(medians.begin(), medians.end(), [](const auto& m) { return m.has_value(); }))
       continue;
     ++count;
@@ -159,9 +165,7 @@ std::string runs_cell(const json& report, const json& scene, const std::string& 
 
 std::string metric_row(const json& scene, const std::vector<std::string>& presets,
                        const Metric& metric) {
-  Medians medians;
-  for (const std::string& preset : presets)
-    medians.push_back(median_of(metrics_of(scene, preset), metric.key));
+  const Medians medians = medians_of(scene, presets, metric.key);
   if (std::none_of(medians.begin(), medians.end(), [](const auto& m) { return m.has_value(); }))
     return "";
   std::string cells;
@@ -185,9 +189,7 @@ std::string scenes_table(const json& report) {
   const std::vector<std::string> presets = presets_of(report);
   std::string rows;
   for (const json& scene : report["scenes"]) {
-    Medians medians;
-    for (const std::string& preset : presets)
-      medians.push_back(median_of(metrics_of(scene, preset), kPsnr.key));
+    const Medians medians = medians_of(scene, presets, kPsnr.key);
     const bool training = scene.value("split", "") == "train";
     rows += fmt::format("<tr><td>{}{}</td>", html_text(scene["scene"].get<std::string>()),
                         training ? "<br><span class=\"soft\">training views</span>" : "");

@@ -29,9 +29,9 @@ constexpr size_t kMostPictureBytes = 64 << 20;  // within the page
 
 void draw_charts(const json& report, const fs::path& folder, BatchImages& images) {
   for (const json& scene : report["scenes"]) {
-    if (!can_be_drawn(scene)) continue;
     const std::string name = scene["scene"];
     const std::string svg = scene_svg(scene, {});
+    if (svg.empty()) continue;
     write_text_file(folder / fmt::format("chart_{}.svg", name), svg);
     images.charts.emplace_back(name, svg);
   }

@@ -95,7 +95,7 @@ std::string LiveWatch::state(int64_t seen) {
     last_ = now;
     counted_ = Clock::now();
   }
-  const bool alive = this->alive();
+  const bool alive = is_alive(now.has_value());
   const std::optional<LiveState>& state = last_;
   json result = {{"alive", alive}, {"state", nullptr}, {"snapshot", ""}, {"page", ""}};
   result["name"] = name_;
@@ -126,8 +126,12 @@ std::string LiveWatch::charts() {
   const std::pair shown{fs::file_size(run_.log(), absent), scores_.size()};
   if (absent || shown == charted_) return charts_;
   RunReport report;
-  report.preset = text_at(run_.read_config(), "preset");
-  report.curves = run_curves(log_events(read_text_file(run_.log())));
+  try {
+    report.preset = text_at(run_.read_config(), "preset");
+    report.curves = run_curves(log_events(read_text_file(run_.log())));
+  } catch (const std::exception&) {  // the run is removed or replaced meanwhile
+    return charts_;
+  }
   report.curves.psnr_test.clear();
   for (const auto& [step, psnr] : scores_) report.curves.psnr_test.push_back({double(step), psnr});
   charts_.clear();
@@ -151,9 +155,8 @@ bool LiveWatch::stop() {
 }
 
 /// What was written by one that was killed, or is removed in the end, is no sign of life.
-bool LiveWatch::alive() const {
-  return (last_ && folder_.state() && Clock::now() - counted_ < kAliveFor) ||
-         is_run_locked(run_.root);
+bool LiveWatch::is_alive(bool has_state) const {
+  return (last_ && has_state && Clock::now() - counted_ < kAliveFor) || is_run_locked(run_.root);
 }
 
 bool LiveWatch::can_resume() const {
@@ -164,7 +167,7 @@ bool LiveWatch::can_resume() const {
 bool LiveWatch::resume() {
   const std::lock_guard held(mutex_);
   if (resumed_ > 0 && ::waitpid(resumed_, nullptr, WNOHANG) == 0) return false;
-  if (alive() || !can_resume()) return false;
+  if (is_alive(folder_.state().has_value()) || !can_resume()) return false;
   resumed_ = start_in_background("/proc/self/exe", resume_, ProgramOutput::kToStderr);
   return resumed_ > 0;
 }

@@ -1,5 +1,5 @@
 // What somebody who watches a training sees of it: its state, scores of its snapshots on held-out
-// views, its log; and the request to stop.
+// views, its curves; and the requests to stop and to resume.
 #pragma once
 #include <sys/types.h>
 
@@ -49,7 +49,7 @@ class LiveWatch {
   using Clock = std::chrono::steady_clock;
 
   void ask(int64_t seen);
-  bool alive() const;
+  bool is_alive(bool has_state) const;
   bool can_resume() const;
   void load_views();
   void score_snapshots();
