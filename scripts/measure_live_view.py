@@ -33,6 +33,8 @@ class Visitor:
         lines = []
         while not lines or not lines[-1].startswith("}"):  # its JSON; it runs on
             lines.append(self.server.stdout.readline())
+            if lines[-1] == "":
+                sys.exit(f"tessera view {run} ended with exit code {self.server.wait()}")
         self.address = json.loads("".join(lines))["url"]
         self.opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor())
         self.opener.open(self.address).read()  # takes the token
