@@ -81,7 +81,8 @@ test('the model of a running training is renewed, and PSNR rises', async () => {
   await until(async () => (await shownStep(page)) > step, 'the next model');
   await until(async () => (await psnrOf(page)) > early, 'a better score');
   assert.ok(differing(first, await pictureOf(page, 'later_1280.png')) > 0, 'another picture');
-  await page.selectOption('#view', '0');
+  const inside = page.frameLocator('#player');
+  await inside.locator('#compare').click();
   await page.waitForFunction(() => document.getElementById('player').contentDocument
       .getElementById('truth')?.naturalWidth === 96);
   await pictureOf(page, 'truth_1280.png');

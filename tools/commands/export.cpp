@@ -59,6 +59,7 @@ void check_options(const ExportRequest& request, const TimeFormat* in_time) {
       {"--description", !request.description.empty(), has_page,
        "pages: page, html and frames with --page"},
       {"--poster", !request.poster.empty(), has_page, "pages: page, html and frames with --page"},
+      {"--truth", request.truth, has_page, "pages: page, html and frames with --page"},
       {"--audio", !request.audio.empty(), tessera4d && !one_file, "folders: tessera and page"},
   };
   for (const auto& rule : rules)
@@ -186,6 +187,8 @@ void add_export_command(CLI::App& app, Work& work) {
   command->add_option("--poster", request->poster,
                       "pages: image that is shown while the scene loads: a PNG, JPEG or WebP file, "
                       "or auto: a held-out camera's view of the first timestep; default: none");
+  command->add_flag("--truth", request->truth,
+                    "pages: put six test images of the scene into the page, to compare with");
   command->add_flag("--keep-world", request->keep_world,
                     "stay in the world of the prepared scene; default: back in the capture's own");
   command->add_flag("--overwrite", request->overwrite,

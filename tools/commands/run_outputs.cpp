@@ -57,7 +57,10 @@ json write_run_player(const RunFolder& run, const fs::path& folder, const std::s
   page.format = "html";
   page.title = title;
   page.description = description;
-  if (!scene_of_model(page.model).empty()) page.poster = "auto";
+  if (!scene_of_model(page.model).empty()) {
+    page.poster = "auto";
+    page.truth = true;
+  }
   json written = find_time_format(page.format)->write(page, model);
   if (written["scene_bytes"] > kMostInside) {
     page.format = "page";

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "ingest/files/atomic_file.h"
@@ -14,6 +15,7 @@
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/image_files.h"
+#include "tools/export/truth_views.h"
 #include "tools/player/page_words.h"
 #include "tools/player/player_page.h"
 #include "tools/session/run_folder.h"
@@ -119,7 +121,8 @@ Poster poster_of_file(const std::string& path) {
 }
 
 PageHead page_head(const ExportRequest& request, const GaussianModel& model) {
-  PageHead head{request.title, request.description, {}};
+  PageHead head{request.title, request.description, {}, {}};
+  if (request.truth) head.truth = truth_views(request, model).dump();
   if (request.poster == kAuto)
     head.poster.bytes = poster_view(request, model);
   else if (!request.poster.empty())

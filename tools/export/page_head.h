@@ -1,5 +1,6 @@
-// The words and the poster of a page that holds the player: its title, its description, the tags
-// that other sites read where its address is posted, and the image that is shown while it loads.
+// What a page that holds the player has besides the scene: its title, its description, the tags
+// that other sites read where its address is posted, the image that is shown while it loads, and
+// test images to compare with.
 #pragma once
 #include <string>
 
@@ -23,10 +24,12 @@ Poster poster_of_file(const std::string& path);
 struct PageHead {
   std::string title, description;  // plain text; empty: the player's own title, no description
   Poster poster;
+  std::string truth;  // JSON array, as of truth_views.h; empty: nothing to compare with
 };
 
-/// As `request` has them; a poster that is "auto" is rendered. `model`: as
-/// exported. Errors: InputError: a poster that cannot be read, or no camera to render one from.
+/// As `request` has them; a poster that is "auto" is rendered. `model`: as exported.
+/// Errors: InputError: a poster that cannot be read, no camera to render one from, or no scene with
+/// test images where they are asked for.
 PageHead page_head(const ExportRequest& request, const GaussianModel& model);
 
 /// The player's page with title, description and poster in their places. `beside`: the poster lies

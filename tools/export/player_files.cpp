@@ -10,19 +10,31 @@
 
 namespace tessera {
 
+namespace {
+
+/// `plays`: members of the configuration that name the scene, or hold it.
+std::string page_that(const std::string& plays, const PageHead& head, bool beside) {
+  std::string page = with_head(std::string(player_page()), head, beside);
+  const size_t position = page.find(kPlayerConfig);
+  check(position != std::string::npos, "player page: its configuration is not where it should be");
+  std::string truth = head.truth.empty() ? "" : ",\"truth\":" + head.truth;
+  for (size_t i = 0; (i = truth.find('<', i)) != std::string::npos; i += 6)
+    truth.replace(i, 1, "\\u003c");  // no text in it ends the element
+  return page.replace(
+      position, kPlayerConfig.size(),
+      fmt::format(R"(<script id="tessera-config" type="application/json">{{{}{}}}</script>)", plays,
+                  truth));
+}
+
+}  // namespace
+
 std::string page_of_folder(const PageHead& head) {
-  return with_head(std::string(player_page()), head, true);
+  return page_that(R"("scene":"manifest.json")", head, true);
 }
 
 std::string page_with(std::string_view tessera4d, const PageHead& head) {
-  std::string page = with_head(std::string(player_page()), head, false);
-  const size_t position = page.find(kPlayerConfig);
-  check(position != std::string::npos, "player page: its configuration is not where it should be");
-  const std::string config =
-      fmt::format(R"(<script id="tessera-config" type="application/json">{{"data":"{}",)"
-                  R"("encoding":"base64"}}</script>)",
-                  base64(tessera4d));
-  return page.replace(position, kPlayerConfig.size(), config);
+  return page_that(fmt::format(R"("data":"{}","encoding":"base64")", base64(tessera4d)), head,
+                   false);
 }
 
 void check_page_plays(const SplatFormat& format) {

@@ -17,6 +17,7 @@ struct ExportRequest {
   std::string cameras, audio;
   std::string title, description;  // of a page; empty: none
   std::string poster;              // of a page: an image file, or "auto"; empty: none
+  bool truth = false;              // test images of the scene in the page
   int threads = 0;
   bool keep_world = false, overwrite = false, json = false;
 };

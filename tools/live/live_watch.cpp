@@ -1,6 +1,7 @@
 // Reading what a training shows, and the thread that scores it.
 #include "tools/live/live_watch.h"
 
+#include <fmt/format.h>
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -115,7 +116,8 @@ std::string LiveWatch::state(int64_t seen) {
     result["views"].push_back(
         {{"name", scene_.frames[i].name},
          {"camera", camera_json({scene_.frames[i].name, scene_.frames[i].camera})},
-         {"t", scene_.frames[i].time}});
+         {"t", scene_.frames[i].time},
+         {"image", fmt::format("/api/truth?view={}", i)}});
   result["scores"] = scores_;
   return json_text(result);
 }

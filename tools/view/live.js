@@ -1,14 +1,13 @@
 "use strict";
 const $ = (id) => document.getElementById(id);
 const player = $("player");
-const truth = $("truth");
 const CHARTS_EVERY = 3; // polls
 let shown = 0; // number of the snapshot in the player,
 let shownStep = 0; // its step,
 let training = ""; // and the training that made it
 let loading = false;
 let polls = 0;
-let views = [];
+let offered = false; // whether the player has the held-out views
 
 const count = (n) => Math.round(n).toLocaleString("en");
 function duration(seconds) {
@@ -40,22 +39,6 @@ async function show(number, address, step) {
   } finally {
     loading = false;
   }
-}
-
-function choose() {
-  const view = views[$("view").value];
-  $("slide").hidden = truth.hidden = view === undefined;
-  if (view === undefined) return;
-  truth.src = `/api/truth?view=${$("view").value}`;
-  const inside = player.contentWindow && player.contentWindow.tessera;
-  if (!inside) return;
-  player.contentDocument.body.append(truth); // below the panels of the player
-  inside.pause();
-  inside.look(view.camera);
-  inside.seek(view.t * inside.duration());
-}
-function slide() {
-  truth.style.clipPath = `inset(0 0 0 ${100 - Number($("share").value)}%)`;
 }
 
 function numbers(state, scores) {
@@ -102,10 +85,12 @@ function tell(answer) {
   $("bar").setAttribute("aria-valuenow", share.toFixed(0));
 }
 
-function offer(list) {
-  if (views.length > 0 || list.length === 0) return;
-  views = list;
-  list.forEach((view, i) => $("view").add(new Option(view.name, String(i))));
+/** The held-out views, to be compared with in the player, once both are there. */
+function offer(views) {
+  const inside = player.contentWindow && player.contentWindow.tessera;
+  if (offered || !inside || views.length === 0) return;
+  inside.truth(views);
+  offered = true;
 }
 
 async function poll() {
@@ -131,8 +116,6 @@ async function poll() {
   setTimeout(poll, 1000);
 }
 
-$("view").addEventListener("change", choose);
-$("share").addEventListener("input", slide);
 $("stop").addEventListener("click", async () => {
   $("stop").disabled = true;
   await fetch("/api/stop", { method: "POST" });
@@ -141,5 +124,4 @@ $("go").addEventListener("click", async () => {
   $("go").disabled = true;
   await fetch("/api/resume", { method: "POST" });
 });
-slide();
 poll();

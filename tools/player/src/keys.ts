@@ -2,7 +2,7 @@
 // Not: doing it (main.ts).
 
 export type Action =
-  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" | "vr" }
+  | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" | "compare" | "vr" }
   | { do: "step"; frames: number }
   | { do: "rate"; steps: number }
   | { do: "camera"; index: number };
@@ -42,6 +42,8 @@ export function actionOf(key: string): Action | null {
       return { do: "fly" };
     case "p":
       return { do: "path" };
+    case "t":
+      return { do: "compare" };
     case "m":
       return { do: "mute" };
     case "?":

@@ -1,10 +1,10 @@
 // What: the page: scene, clock, camera and panels put together, drawn when the display asks.
 // Not: any of them.
 import { Clock } from "./clock";
+import { Comparison, readTruth, type TruthView } from "./comparison";
 import { listenToKeys, type Action } from "./keys";
 import { LICENCES } from "./licences";
 import { loadedShare, loadingLine, type Progress } from "./loading";
-import type { Camera } from "./manifest";
 import { openSource, readConfig } from "./open_source";
 import { lineOf } from "./player_error";
 import type { SceneInfo, SceneView, ViewCamera } from "./scene_view";
@@ -46,6 +46,7 @@ class Page {
   private clock!: Clock;
   private viewpoint!: Viewpoint;
   private settings!: SettingsPanel;
+  private readonly comparison = new Comparison((view) => this.showTruth(view));
   private loaded: Progress = { bytes: 0, needed: 0 };
   private pictured = false; // whether a first image is on the screen
   private drawn = 0; // ms; when the last image was
@@ -55,7 +56,8 @@ class Page {
   async open(): Promise<void> {
     this.view = new SparkView(canvas, this.camera);
     const text = document.getElementById("tessera-config")?.textContent ?? "{}";
-    const source = await openSource(readConfig(text), url.scene, location.href);
+    const config = readConfig(text);
+    const source = await openSource(config, url.scene, location.href);
     this.info = await this.view.load(source, (progress) => (this.loaded = progress));
     const { time, audio, cameras } = this.info;
     const wall = () => performance.now() / 1000;
@@ -65,7 +67,10 @@ class Page {
     this.panels.open(clip, cameras.map(({ name }) => name), this.about(), LICENCES);
     this.panels.showLoop(this.clock.loop);
     this.setRate(url.rate ?? 1);
-    const showCamera = (index: number) => this.panels.showCamera(index);
+    const showCamera = (index: number) => {
+      this.panels.showCamera(index);
+      this.comparison.end();
+    };
     this.viewpoint = new Viewpoint(canvas, this.camera, this.info, this.view, showCamera);
     this.viewpoint.onPath = (on) => this.panels.showPath(on);
     const canStay = cameras.length > 0;
@@ -74,6 +79,7 @@ class Page {
     this.applySettings();
     this.viewpoint.open(url.camera, url.view, url.path);
     this.clock.seek(url.seconds ?? 0);
+    if (url.scene === null) this.comparison.offer(readTruth(config.truth));
     canvas.addEventListener("webglcontextlost", () => (this.lost = LOST));
     addEventListener("resize", () => this.resize());
     this.resize();
@@ -142,6 +148,7 @@ class Page {
     this.clock.hold(!this.pictured || (waiting && this.info.frames === null));
     this.showLoading(waiting);
     this.panels.showTrouble(this.lost ?? trouble);
+    this.comparison.keep(this.t(seconds), playing);
     this.panels.showTime(seconds);
     this.panels.showPlaying(playing);
     this.panels.showSound(this.clock.muted, this.clock.soundBlocked);
@@ -162,6 +169,12 @@ class Page {
   seek(seconds: number): void {
     this.clock.seek(seconds);
     this.remembered = false;
+  }
+
+  private showTruth(view: TruthView): void {
+    this.clock.pause();
+    this.viewpoint.look(view.camera);
+    this.seek(view.t * this.info.time.duration);
   }
 
   private setRate(rate: number): void {
@@ -234,6 +247,8 @@ class Page {
         return this.fly(!this.viewpoint.flies);
       case "path":
         return this.viewpoint.playPath(!this.viewpoint.playsPath);
+      case "compare":
+        return this.comparison.toggle();
       case "vr":
         return void this.toggleVr();
       case "share":
@@ -260,7 +275,7 @@ class Page {
       pause: () => this.clock.pause(),
       seek: (seconds: number) => this.seek(seconds),
       camera: (name: string) => this.viewpoint.take(this.viewpoint.indexOf(name)),
-      look: (camera: Camera) => this.viewpoint.look(camera),
+      truth: (views: TruthView[]) => this.comparison.offer(views),
       replace: (address: string) => this.replace(address),
       view: () => this.viewpoint.word,
       settle: () => {

@@ -85,7 +85,7 @@ const MAX_NODES = 1024; // the words of bindings hold no larger number (packing.
 const MAX_KNOTS = 256;
 const MIN_KNOTS = 4; // control points that act on a node at a time
 
-function readCamera(f: Fields): Camera {
+export function readCamera(f: Fields): Camera {
   const rotation = f.numbers("rotation", 4) as Quaternion;
   const camera = {
     name: f.text("name"),

@@ -13,6 +13,7 @@ export interface PageConfig {
   scene?: string; // a manifest.json or a .t4d, relative to the page
   data?: string; // a .t4d
   encoding?: "base64";
+  truth?: unknown; // as readTruth() of comparison.ts takes it
 }
 
 export type OpenedSource =

@@ -58,6 +58,7 @@ export class Panels {
     // iPhones let a page have no full screen
     element("fullscreen").hidden = !("requestFullscreen" in document.documentElement);
     press("path", { do: "path" });
+    press("compare", { do: "compare" });
     press("vr", { do: "vr" });
     press("share", { do: "share" });
     press("settings-open", { do: "settings" });

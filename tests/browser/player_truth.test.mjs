@@ -1,0 +1,133 @@
+// Test images within a page of the player: they lie on what the model shows of them, at their camera
+// and their time, until either is left. The scene's images are renderings of the model itself.
+import assert from 'node:assert/strict';
+import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import {expectClean, fixture, launchBrowser, openPage, psnr, readPng, scratchFolder, serve,
+        tessera} from './harness.mjs';
+
+const folder = scratchFolder();
+const scene = join(folder, 'scene');
+const kTimes = {front: 10, side: 11.5, above: 13};
+let browser, server;
+
+before(async () => {
+  mkdirSync(scene);
+  const transforms = JSON.parse(readFileSync(fixture.cameras, 'utf8'));
+  for (const frame of transforms.frames) {
+    frame.time = kTimes[frame.file_path];
+    frame.split = frame.file_path === 'above' ? 'train' : 'test';
+  }
+  writeFileSync(join(folder, 'views.json'), JSON.stringify(transforms));
+  tessera('render', fixture.model, '--cameras', join(folder, 'views.json'), '-o', scene);
+  for (const frame of transforms.frames) frame.file_path += '.png';
+  writeFileSync(join(scene, 'transforms.json'), JSON.stringify(transforms));
+  tessera('export', fixture.model, '--format', 'html', '--cameras', scene, '--truth',
+          '-o', join(folder, 'page'));
+  browser = await launchBrowser();
+  server = await serve({'/': folder});
+});
+after(async () => {
+  await browser?.close();
+  await server?.close();
+});
+
+async function opened(size = {}) {
+  const page = await openPage(browser, {origin: server.origin, ...size});
+  await page.page.goto(`${server.origin}/page/index.html?paused`);
+  await page.page.waitForFunction(() => window.tessera);
+  await page.page.evaluate(() => window.tessera.settle());
+  return page;
+}
+
+/** The window with `share` per cent of the test image, without panels. */
+async function shown(page, share) {
+  await page.evaluate((value) => {
+    const range = document.getElementById('truth-share');
+    range.value = value;
+    range.dispatchEvent(new Event('input'));
+    return window.tessera.settle();
+  }, share);
+  return readPng(await page.screenshot({style: '.panel { visibility: hidden; }'}));
+}
+
+// Bugs put back: the time of the view not taken; the camera not taken; the image over the whole
+// window (object-fit: fill); each seen to fail.
+test('each test image lies on what the model shows of it', async () => {
+  const {page, problems} = await opened({width: 900, height: 560});
+  await page.keyboard.press('t');
+  const options = await page.locator('#truth-view option').allInnerTexts();
+  assert.deepEqual(options.map((name) => /front|side/.exec(name)?.[0]).sort(), ['front', 'side']);
+  for (const i of [0, 1]) {
+    await page.selectOption('#truth-view', String(i));
+    await page.waitForFunction(() => document.getElementById('truth').complete);
+    const value = psnr(await shown(page, 0), await shown(page, 100));
+    assert.ok(value >= 30, `${options[i]}: ${value} dB`);
+    const time = await page.evaluate(() => window.tessera.time());
+    assert.ok(Math.abs(time - (kTimes[/front|side/.exec(options[i])[0]] - 10)) < 1e-3, `${time} s`);
+  }
+  writeFileSync(join(folder, 'half.png'), await page.screenshot());
+  expectClean(problems);
+  await page.close();
+});
+
+// Bugs put back: no call of end() where the camera moves; none of keep(); each seen to fail.
+test('another camera and another time end the comparison', async () => {
+  const {page, problems} = await opened({width: 640, height: 480});
+  const isOn = () => page.evaluate(() => !document.getElementById('truth').hidden);
+  const begin = async () => {
+    await page.click('#compare');
+    await page.evaluate(() => window.tessera.settle());
+    assert.ok(await isOn());
+  };
+  const leaves = [
+    () => page.evaluate(() => window.tessera.seek(0.7)), () => page.keyboard.press('2'),
+    () => page.evaluate(() => window.tessera.play()), () => page.keyboard.press('t'),
+    () => page.mouse.move(320, 200).then(() => page.mouse.wheel(0, 100)),
+  ];
+  for (const leave of leaves) {
+    await begin();
+    await leave();
+    await page.waitForFunction(() => document.getElementById('truth').hidden);
+    await page.evaluate(() => window.tessera.pause());
+  }
+  expectClean(problems);
+  await page.close();
+});
+
+test('a phone has room for the panel; a page without test images has no button', async () => {
+  const {page, problems} = await opened({width: 390, height: 844});
+  await page.click('#compare');
+  const box = await page.locator('#comparison').boundingBox();
+  assert.ok(box.x >= 0 && box.x + box.width <= 390, JSON.stringify(box));
+  const bar = await page.locator('#bar').boundingBox();
+  assert.ok(box.y + box.height <= bar.y, 'above the time line');
+  await page.evaluate(() => window.tessera.settle());
+  writeFileSync(join(folder, 'phone.png'), await page.screenshot());
+  expectClean(problems);
+  await page.close();
+  tessera('export', fixture.model, '--format', 'html', '--cameras', scene, '-o', join(folder, 'none'));
+  const plain = await openPage(browser, {origin: server.origin});
+  await plain.page.goto(`${server.origin}/none/index.html?paused`);
+  await plain.page.waitForFunction(() => window.tessera);
+  assert.equal(await plain.page.locator('#compare').isVisible(), false);
+  await plain.page.keyboard.press('t');
+  assert.equal(await plain.page.locator('#comparison').isVisible(), false);
+  expectClean(plain.problems);
+  await plain.page.close();
+});
+
+// Bug put back: --truth taken for frames without a page; seen to fail.
+test('test images need a scene and a page', () => {
+  const refusal = (...words) => {
+    try {
+      tessera('export', fixture.model, '-o', join(folder, 'refused'), '--truth', ...words);
+    } catch (error) {
+      return error.stderr;
+    }
+    return 'accepted';
+  };
+  assert.match(refusal('--format', 'html'), /--truth needs the scene's images.*--cameras/);
+  assert.match(refusal('--format', 'ply'), /--truth is for pages/);
+});
