@@ -22,20 +22,23 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"kernels/math/", {"kernels/base/", "kernels/math/"}},
     {"kernels/", {"kernels/"}},
     {"ingest/files/", {"kernels/base/", "ingest/files/", "ingest/scene.h"}},
-    {"ingest/media/", {"kernels/base/", "ingest/"}},
+    // the target tessera_ingest_media, whose files stand beside those of tessera_ingest:
+    // ruled_path()
+    {"ingest_media/", {"kernels/base/", "ingest/", "ingest_media/"}},
     {"ingest/", {"kernels/", "ingest/"}},
     {"recon4d/options/", {"kernels/", "ingest/scene.h", "recon4d/options/"}},
     {"recon4d/", {"kernels/", "ingest/scene.h", "ingest/files/", "recon4d/"}},
     {"static3d/", {"kernels/", "ingest/scene.h", "ingest/files/", "recon4d/", "static3d/"}},
     // a library: whoever runs a session prints
-    {"tools/session/", {"kernels/", "ingest/", "recon4d/", "static3d/", "tools/session/"}},
+    {"tools/session/",
+     {"kernels/", "ingest/", "ingest_media/", "recon4d/", "static3d/", "tools/session/"}},
     // what answers requests from outside sees files and nothing of the program
     {"tools/view/", {"kernels/base/", "tools/view/"}},
     // reports are made of files and images, by the commands and by batches alike
     {"tools/report/",
      {"kernels/", "ingest/", "recon4d/", "tools/camera_paths/", "tools/player/", "tools/session/",
       "tools/report/", "tools/video/"}},
-    {"tools/", {"kernels/", "ingest/", "recon4d/", "static3d/", "tools/"}},
+    {"tools/", {"kernels/", "ingest/", "ingest_media/", "recon4d/", "static3d/", "tools/"}},
     {"tests/", {""}},
 };
 
@@ -47,10 +50,10 @@ inline const std::vector<std::string> kDeviceAndItsTests = {
 
 /// Headers that have one place: by the beginning of their name.
 inline const std::vector<std::pair<std::string, std::vector<std::string>>> kOnlyIn = {
-    {"opencv2/", {"ingest/media/", "tools/lpips/", "tests/"}},
-    {"libav", {"ingest/media/", "tools/", "tests/"}},
-    {"libsw", {"ingest/media/", "tools/", "tests/"}},
-    {"OpenImageIO/", {"ingest/media/", "tests/"}},
+    {"opencv2/", {"ingest_media/", "tools/lpips/", "tests/"}},
+    {"libav", {"ingest_media/", "tools/", "tests/"}},
+    {"libsw", {"ingest_media/", "tools/", "tests/"}},
+    {"OpenImageIO/", {"ingest_media/", "tests/"}},
     {"png.h", {"ingest/files/", "tests/"}},
     {"CLI/", {"tools/"}},
     {"microhttpd.h", {"tools/view/view_server.cpp"}},
@@ -66,7 +69,7 @@ inline const std::vector<std::pair<std::string, std::vector<std::string>>> kOnly
     {"nvtx", kDevice},
     {"nvToolsExt", kDevice},
     {"kernels/cuda/", kDeviceAndItsTests},
-    {"nlohmann/", {"ingest/", "recon4d/", "static3d/", "tools/", "tests/"}},
+    {"nlohmann/", {"ingest/", "ingest_media/", "recon4d/", "static3d/", "tools/", "tests/"}},
     {"gtest/", {"tests/"}},
 };
 
@@ -87,12 +90,36 @@ inline bool lies_in(const std::string& file, const std::vector<std::string>& pla
   return false;
 }
 
-/// Why the file may not have this line; "" when it may or when it is no include.
-inline std::string include_complaint(const std::string& file, const std::string& line) {
+/// The files of the target tessera_ingest_media by ingest/CMakeLists.txt: what its lists of sources
+/// name, and the header of each source.
+inline std::set<std::string> media_files(const Lines& cmake_lists) {
+  static const std::regex kTarget(R"(NAME (\w+))"), kFile(R"(([\w/]+)\.(cpp|h)\b)");
+  std::set<std::string> files;
+  bool is_media = false;
+  std::smatch match;
+  for (const std::string& line : cmake_lists) {
+    if (std::regex_search(line, match, kTarget)) is_media = match[1] == "ingest_media";
+    if (line.find("PUBLIC") != std::string::npos) is_media = false;  // the sources end there
+    if (!is_media || !std::regex_search(line, match, kFile)) continue;
+    files.insert("ingest/" + match[1].str() + "." + match[2].str());
+    files.insert("ingest/" + match[1].str() + ".h");
+  }
+  return files;
+}
+
+/// The path by which the tables above name a file: "ingest_media/…" for one of `media`.
+inline std::string ruled_path(const std::string& path, const std::set<std::string>& media) {
+  return media.contains(path) ? "ingest_media/" + path.substr(path.find('/') + 1) : path;
+}
+
+/// Why the file may not have this line; "" when it may or when it is no include. `media`: see
+/// media_files.
+inline std::string include_complaint(const std::string& path, const std::string& line,
+                                     const std::set<std::string>& media = {}) {
   static const std::regex kInclude(R"re(^\s*#\s*include\s*(["<])([^">]+)[">])re");
   std::smatch match;
   if (!std::regex_search(line, match, kInclude)) return "";
-  const std::string header = match[2];
+  const std::string file = ruled_path(path, media), header = ruled_path(match[2], media);
   for (const auto& [prefix, places] : kOnlyIn) {
     if (!header.starts_with(prefix)) continue;
     if (!lies_in(file, places))

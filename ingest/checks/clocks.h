@@ -1,5 +1,5 @@
 // What: how well the clocks of a prepared scene's cameras are known.
-// Not: their measurement (ingest/media/clocks/clock_sync.h).
+// Not: their measurement (ingest/clocks/clock_sync.h).
 #pragma once
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 // What: the timesteps of a scene: one or several, gaps in a camera, cameras of another range; and
 //       how much of the images moves.
-// Not: clocks (ingest/media/clocks/clock_sync.h); offsets that were found are in the frames' times.
+// Not: clocks (ingest/clocks/clock_sync.h); offsets that were found are in the frames' times.
 #pragma once
 #include "ingest/checks/finding.h"
 #include "ingest/scene.h"

@@ -96,9 +96,9 @@ Table solve_weighted(const std::vector<PairOffset>& pairs, const std::vector<dou
   return covariance;
 }
 
-constexpr double kPixels = 1;         // within which a miss agrees while the shift is sought
-constexpr size_t kFewestMisses = 24;  // that agree: 12 a parameter of a line, doubled
-constexpr double kCorrelation = 3;    // a texture's error lasts about nine frames: √9
+constexpr double kAgreeingPixels = 1;  // within which a miss agrees while the shift is sought
+constexpr size_t kFewestMisses = 24;   // that agree: 12 a parameter of a line, doubled
+constexpr double kCorrelation = 3;     // a texture's error lasts about nine frames: √9
 
 double error_of(const EpipolarMiss& m, const PairShift& shift) {
   return m.miss - m.slope * (shift.shift + shift.rate * m.seconds);
@@ -118,7 +118,8 @@ PairShift most_votes(const std::vector<EpipolarMiss>& moving, double reach, doub
     for (int i = -shifts; i <= shifts; ++i) {
       const PairShift shift{i * step, 0, 0, k * rate_step, 0};
       double votes = 0;
-      for (const EpipolarMiss& m : moving) votes += cauchy_weight(error_of(m, shift), kPixels);
+      for (const EpipolarMiss& m : moving)
+        votes += cauchy_weight(error_of(m, shift), kAgreeingPixels);
       const double size = std::abs(shift.shift) + longest * std::abs(shift.rate);
       const double least = std::abs(found.shift) + longest * std::abs(found.rate);
       if (votes > best || (votes == best && size < least)) {
@@ -157,7 +158,7 @@ struct ShiftEquations {
 /// Iterated least squares from `shift`, for the shift alone or with its rate. False where too few
 /// misses are near.
 bool refine(const std::vector<EpipolarMiss>& moving, bool with_rate, PairShift& shift) {
-  double sigma = kPixels;
+  double sigma = kAgreeingPixels;
   ShiftEquations equations;
   for (int round = 0; round < 20; ++round) {
     equations = {};
@@ -166,12 +167,12 @@ bool refine(const std::vector<EpipolarMiss>& moving, bool with_rate, PairShift& 
     for (const EpipolarMiss& m : moving) {
       const double error = error_of(m, shift);
       equations.add(m, error, cauchy_weight(error, sigma));
-      if (std::abs(error) < 3 * kPixels) near.push_back(std::abs(error));
-      shift.support += std::abs(error) < kPixels ? 1 : 0;
+      if (std::abs(error) < 3 * kAgreeingPixels) near.push_back(std::abs(error));
+      shift.support += std::abs(error) < kAgreeingPixels ? 1 : 0;
     }
     if (near.size() < kFewestMisses) return false;
     equations.solve(with_rate, shift);
-    sigma = std::clamp(1.4826 * median(near), 0.05, kPixels);
+    sigma = std::clamp(1.4826 * median(near), 0.05, kAgreeingPixels);
   }
   shift.sigma = kCorrelation * sigma / std::sqrt(equations.ss);
   shift.rate_sigma = equations.tells_rate()

@@ -2,7 +2,7 @@
 // Not: the sweep (rig_cloud.h), sparse points (colmap_model.h, point_cloud.h).
 #pragma once
 #include "ingest/ingest.h"
-#include "ingest/layouts/prepared_scene.h"
+#include "ingest/prepared/prepared_scene.h"
 
 namespace tessera {
 

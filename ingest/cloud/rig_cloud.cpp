@@ -8,7 +8,7 @@
 #include <chrono>
 
 #include "ingest/clocks/timesteps.h"
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 
 namespace tessera {
 namespace {

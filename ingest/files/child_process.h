@@ -1,6 +1,6 @@
 // What: runs another program to its end: argv without a shell, its words to a log file and to a
 //       callback line by line, and it never outlives the call.
-// Not: what any program's words mean (ingest/media/poses/colmap_program.h).
+// Not: what any program's words mean (ingest/colmap/colmap_program.h).
 #pragma once
 #include <filesystem>
 #include <functional>

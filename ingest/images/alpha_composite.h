@@ -1,5 +1,5 @@
 // What: an image with alpha over a background colour, once, as the D-NeRF protocol does it.
-// Not: resizing of images with alpha (ingest/media/images/image_scale.h).
+// Not: resizing of images with alpha (ingest/images/image_scale.h).
 #pragma once
 #include <array>
 #include <cstdint>

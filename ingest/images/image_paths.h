@@ -1,11 +1,17 @@
 // What: a stated file_path → the file it means, and the name the frame goes by.
 // Not: decoding.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 namespace tessera {
+
+struct NumberedImage {
+  int64_t number = 0;  // of the frame
+  std::filesystem::path file;
+};
 
 /// True for the extensions of images, in either case.
 bool is_image_name(const std::filesystem::path& path);

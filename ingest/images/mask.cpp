@@ -1,5 +1,5 @@
 // What: the threshold, the choice of the channel, the refusals.
-// Not: resampling (ingest/media/images/mask_source.cpp).
+// Not: resampling (ingest/layouts/mask_source.cpp).
 #include "ingest/images/mask.h"
 
 #include <fmt/format.h>

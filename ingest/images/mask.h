@@ -1,6 +1,6 @@
 // What: an image of a mask → which pixels are used. The one place of the polarity: values of 127
 //       and less are ignored, as black is by Nerfstudio and COLMAP; larger ones are used.
-// Not: files (scene_reader.h, ingest/media/images/mask_source.h), and no soft weights between the
+// Not: files (scene_reader.h, ingest/layouts/mask_source.h), and no soft weights between the
 // two.
 #pragma once
 #include <filesystem>

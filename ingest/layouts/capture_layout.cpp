@@ -8,11 +8,11 @@
 #include <array>
 #include <cctype>
 
+#include "ingest/colmap/colmap_model.h"
 #include "ingest/files/input_folder.h"
 #include "ingest/images/image_paths.h"
-#include "ingest/layouts/transforms_json.h"
-#include "ingest/poses/colmap_model.h"
 #include "ingest/poses/llff_poses.h"
+#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

@@ -13,7 +13,7 @@
 #include "ingest/held_out_cameras.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/transforms_json.h"
+#include "ingest/prepared/transforms_json.h"
 
 namespace tessera {
 namespace {

@@ -6,12 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace tessera {
+#include "ingest/images/image_paths.h"
 
-struct NumberedImage {
-  int64_t number = 0;  // of the frame
-  std::filesystem::path file;
-};
+namespace tessera {
 
 struct ImageSequence {
   std::string camera;  // "cam02": the name of its folder, or what its files' names begin with

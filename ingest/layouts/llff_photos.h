@@ -1,9 +1,9 @@
 // What: photos beside poses_bounds.npy (LLFF), one row a photo in the order of their names.
-// Not: videos (ingest/media/layouts/video_capture.cpp), and no point cloud: LLFF's file has none.
+// Not: videos (ingest/layouts/video_capture.cpp), and no point cloud: LLFF's file has none.
 #pragma once
 #include <filesystem>
 
-#include "ingest/poses/colmap_model.h"
+#include "ingest/colmap/colmap_model.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
 // What: a lens: where the ray of an ideal pinhole meets the image, and the pinhole camera whose
 //       image can be resampled from it without blank pixels.
-// Not: pixels (ingest/media/images/undistortion.h) or a lens's name in any file format
+// Not: pixels (ingest/images/undistortion.h) or a lens's name in any file format
 // (colmap_camera.h).
 #pragma once
 #include <glm/vec2.hpp>

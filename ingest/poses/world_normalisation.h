@@ -1,6 +1,6 @@
 // What: the similarity that brings a capture's arbitrary world to up = +z, its centre to the origin
 //       and its cameras to distance 4.
-// Not: applying it to a scene's files (ingest/media/layouts/capture_conversion.cpp) or undoing it
+// Not: applying it to a scene's files (ingest/layouts/capture_conversion.cpp) or undoing it
 // (static3d/). Source: method E.3 (centre of optical axes, mean up, distance 4), by robust means.
 #pragma once
 #include <vector>

@@ -1,6 +1,6 @@
 // What: transforms.json as a path of cameras, out of any bytes.
 // Not: a unit test; see scripts/fuzz.sh.
-#include "ingest/layouts/transforms_json.h"
+#include "ingest/prepared/transforms_json.h"
 #include "tests/fuzz/hostile_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

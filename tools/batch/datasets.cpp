@@ -11,7 +11,7 @@
 #include "ingest/files/input_folder.h"
 #include "ingest/ingest.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/transforms_json.h"
+#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "tools/batch/ingest_batch.h"
 #include "tools/session/output_place.h"

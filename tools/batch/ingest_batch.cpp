@@ -12,7 +12,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/transforms_json.h"
+#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/ingest_arguments.h"
 #include "tools/cli/interrupt.h"

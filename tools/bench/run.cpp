@@ -10,7 +10,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/evaluate.h"
 #include "recon4d/options/scene_facts.h"

@@ -8,8 +8,8 @@
 
 #include "ingest/files/png.h"
 #include "ingest/images/image_paths.h"
-#include "ingest/layouts/scene_reader.h"
-#include "ingest/layouts/transforms_json.h"
+#include "ingest/prepared/scene_reader.h"
+#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/json_file.h"
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/options/ablations.h"
 #include "recon4d/options/scene_facts.h"

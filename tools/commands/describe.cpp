@@ -11,7 +11,7 @@
 #include "ingest/files/json_file.h"
 #include "ingest/files/ply_header.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/transforms_json.h"
+#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_info.h"

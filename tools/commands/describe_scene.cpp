@@ -8,9 +8,9 @@
 #include "ingest/files/json_file.h"
 #include "ingest/files/png.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/capture_times.h"
-#include "ingest/layouts/transforms_json.h"
 #include "ingest/poses/llff_poses.h"
+#include "ingest/prepared/capture_times.h"
+#include "ingest/prepared/transforms_json.h"
 #include "recon4d/evaluation/evaluate.h"
 #include "tools/commands/describe.h"
 

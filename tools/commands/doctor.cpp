@@ -2,11 +2,11 @@
 // Not: the checks (doctor_checks.h), and no change to what it looks at.
 #include <chrono>
 
+#include "ingest/colmap/colmap_model.h"
 #include "ingest/files/temporary_folder.h"
-#include "ingest/layouts/scene_reader.h"
-#include "ingest/layouts/transforms_json.h"
-#include "ingest/media/checks/thinned_scene.h"
-#include "ingest/poses/colmap_model.h"
+#include "ingest/layouts/thinned_scene.h"
+#include "ingest/prepared/scene_reader.h"
+#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "tools/cli/command.h"

@@ -1,7 +1,7 @@
 // What: runs every check on a scene and gathers findings and tables.
 // Not: the way from a capture to a scene (commands/doctor.cpp).
 #pragma once
-#include "ingest/media/checks/thinned_scene.h"
+#include "ingest/layouts/thinned_scene.h"
 #include "tools/commands/doctor_report.h"
 
 namespace tessera {

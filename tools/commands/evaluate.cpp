@@ -9,7 +9,7 @@
 #include "ingest/files/input_folder.h"
 #include "ingest/files/png.h"
 #include "ingest/images/mask.h"
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/evaluation/render_rate.h"

@@ -6,7 +6,7 @@
 
 #include "ingest/ingest.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/transforms_json.h"
+#include "ingest/prepared/transforms_json.h"
 #include "kernels/base/parallel.h"
 #include "tools/batch/ingest_batch.h"
 #include "tools/cli/command.h"

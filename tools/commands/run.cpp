@@ -8,7 +8,7 @@
 
 #include "ingest/files/input_folder.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "tools/batch/ingest_batch.h"

@@ -14,7 +14,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/ingest.h"
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/scene_scale.h"

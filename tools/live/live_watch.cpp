@@ -10,7 +10,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/serial_section.h"
 #include "recon4d/evaluation/metrics.h"
 #include "recon4d/evaluation/render.h"

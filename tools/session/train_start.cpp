@@ -12,7 +12,7 @@
 #include "ingest/checks/nearest_depth.h"
 #include "ingest/cloud/rig_cloud.h"
 #include "ingest/files/fnv1a.h"
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/motion_trial.h"

@@ -7,10 +7,10 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "ingest/media/checks/exposure.h"
-#include "ingest/media/checks/pose_residual.h"
-#include "ingest/media/checks/sharpness.h"
-#include "ingest/media/checks/thinned_scene.h"
+#include "ingest/checks/exposure.h"
+#include "ingest/checks/pose_residual.h"
+#include "ingest/checks/sharpness.h"
+#include "ingest/layouts/thinned_scene.h"
 #include "tests/ingest/layouts/textured_rig.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/scratch_folder.h"

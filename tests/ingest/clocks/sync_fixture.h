@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/media/clocks/clock_sync.h"
+#include "ingest/clocks/clock_sync.h"
 #include "tools/synth/synth.h"
 
 namespace tessera::testing {

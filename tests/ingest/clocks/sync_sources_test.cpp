@@ -6,9 +6,9 @@
 #include <fstream>
 #include <numbers>
 
-#include "ingest/media/clocks/sound_reader.h"
-#include "ingest/media/clocks/stated_offsets.h"
-#include "ingest/media/clocks/sync_audio.h"
+#include "ingest/clocks/sound_reader.h"
+#include "ingest/clocks/stated_offsets.h"
+#include "ingest/clocks/sync_audio.h"
 #include "kernels/base/errors.h"
 #include "tests/ingest/clocks/sync_fixture.h"
 #include "tests/support/random.h"

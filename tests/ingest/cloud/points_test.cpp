@@ -5,7 +5,7 @@
 
 #include "ingest/files/ply.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

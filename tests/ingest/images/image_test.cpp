@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "ingest/files/png.h"
-#include "ingest/media/images/image_orientation.h"
-#include "ingest/media/images/image_source.h"
+#include "ingest/images/image_orientation.h"
+#include "ingest/images/image_source.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/child_process.h"
-#include "ingest/media/poses/pose_estimation.h"
 #include "ingest/poses/pose_matrix.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/layouts/rendered_rig.h"

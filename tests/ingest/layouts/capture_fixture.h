@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "ingest/layouts/scene_reader.h"
+#include "ingest/prepared/scene_reader.h"
 #include "ingest/scene.h"
 #include "kernels/base/errors.h"
 

@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
+#include "ingest/images/image_source.h"
+#include "ingest/images/undistortion.h"
 #include "ingest/ingest.h"
-#include "ingest/media/images/image_source.h"
-#include "ingest/media/images/undistortion.h"
-#include "tests/ingest/poses/colmap_fixture.h"
+#include "tests/ingest/colmap/colmap_fixture.h"
 
 namespace tessera {
 namespace {

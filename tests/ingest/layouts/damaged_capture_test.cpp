@@ -9,7 +9,7 @@
 #include "ingest/files/png.h"
 #include "ingest/ingest.h"
 #include "ingest/poses/llff_poses.h"
-#include "tests/ingest/poses/colmap_fixture.h"
+#include "tests/ingest/colmap/colmap_fixture.h"
 
 namespace tessera {
 namespace {

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
+#include "ingest/images/image_source.h"
 #include "ingest/ingest.h"
-#include "ingest/media/checks/thinned_scene.h"
-#include "ingest/media/images/image_source.h"
+#include "ingest/layouts/thinned_scene.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/poses/pose_matrix.h"
 #include "tests/ingest/layouts/capture_fixture.h"

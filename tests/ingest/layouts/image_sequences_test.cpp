@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "ingest/colmap/colmap_records.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/poses/colmap_records.h"
 #include "ingest/poses/llff_poses.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 

@@ -10,9 +10,9 @@
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/ingest.h"
-#include "ingest/layouts/scene_reader.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/poses/pose_matrix.h"
+#include "ingest/prepared/scene_reader.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/video/test_video.h"
 

@@ -10,13 +10,13 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "ingest/colmap/colmap_records.h"
 #include "ingest/files/npy.h"
 #include "ingest/files/png.h"
 #include "ingest/ingest.h"
-#include "ingest/media/checks/thinned_scene.h"
-#include "ingest/poses/colmap_records.h"
+#include "ingest/layouts/thinned_scene.h"
 #include "kernels/base/median.h"
-#include "tests/ingest/poses/colmap_fixture.h"
+#include "tests/ingest/colmap/colmap_fixture.h"
 
 namespace tessera {
 namespace {

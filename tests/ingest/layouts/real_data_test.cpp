@@ -10,9 +10,9 @@
 #include <set>
 
 #include "ingest/ingest.h"
-#include "ingest/layouts/scene_reader.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/poses/pose_matrix.h"
+#include "ingest/prepared/scene_reader.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

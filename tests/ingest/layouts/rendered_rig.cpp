@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "ingest/media/video/video_decoder.h"
+#include "ingest/video/video_decoder.h"
 #include "kernels/base/parallel.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/video/test_video.h"

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <vector>
 
-#include "ingest/media/video/rig_clip.h"
 #include "ingest/scene.h"
+#include "ingest/video/rig_clip.h"
 #include "kernels/base/camera.h"
 
 namespace tessera::testing {

@@ -8,10 +8,10 @@
 #include "ingest/files/ply.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
+#include "ingest/images/image_scale.h"
+#include "ingest/images/image_source.h"
 #include "ingest/ingest.h"
-#include "ingest/layouts/scene_reader.h"
-#include "ingest/media/images/image_scale.h"
-#include "ingest/media/images/image_source.h"
+#include "ingest/prepared/scene_reader.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

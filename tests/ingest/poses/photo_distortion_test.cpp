@@ -5,12 +5,12 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "ingest/colmap/colmap_camera.h"
 #include "ingest/files/png.h"
+#include "ingest/images/undistortion.h"
 #include "ingest/ingest.h"
-#include "ingest/layouts/transforms_json.h"
-#include "ingest/media/images/undistortion.h"
-#include "ingest/poses/colmap_camera.h"
 #include "ingest/poses/stated_lens.h"
+#include "ingest/prepared/transforms_json.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

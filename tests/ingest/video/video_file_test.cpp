@@ -2,8 +2,8 @@
 // Not: synthetic clips of known content (video_format_test.cpp).
 #include <unistd.h>
 
-#include "ingest/media/video/video_decoder.h"
-#include "ingest/media/video/video_timeline.h"
+#include "ingest/video/video_decoder.h"
+#include "ingest/video/video_timeline.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

@@ -2,8 +2,8 @@
 //       frame, upright, in the right colours. Not: times and order alone (video_test.cpp).
 #include <fmt/format.h>
 
-#include "ingest/media/video/video_decoder.h"
-#include "ingest/media/video/video_timeline.h"
+#include "ingest/video/video_decoder.h"
+#include "ingest/video/video_timeline.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/video/test_video.h"
 

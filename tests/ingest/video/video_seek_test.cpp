@@ -2,9 +2,9 @@
 // Not: speed; and not which frames are wanted (frame_window_test.cpp).
 #include <fmt/format.h>
 
-#include "ingest/media/video/frame_decoder.h"
-#include "ingest/media/video/video_decoder.h"
-#include "ingest/media/video/video_timeline.h"
+#include "ingest/video/frame_decoder.h"
+#include "ingest/video/video_decoder.h"
+#include "ingest/video/video_timeline.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/video/test_video.h"
 

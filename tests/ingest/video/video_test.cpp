@@ -1,6 +1,6 @@
 // What: the decoder: order, times, colours, and what it says of files that are damaged.
 // Not: captures of several videos (n3dv_test.cpp).
-#include "ingest/media/video/video_decoder.h"
+#include "ingest/video/video_decoder.h"
 
 #include <cstdlib>
 

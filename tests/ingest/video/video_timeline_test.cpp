@@ -1,11 +1,11 @@
 // What: timelines from packets alone: times, gaps, duplicates, truncation, container clocks.
 // Not: images (video_test.cpp).
-#include "ingest/media/video/video_timeline.h"
+#include "ingest/video/video_timeline.h"
 
 #include <gmock/gmock.h>
 
-#include "ingest/clocks/frame_timing.h"
-#include "ingest/media/video/video_decoder.h"
+#include "ingest/video/frame_timing.h"
+#include "ingest/video/video_decoder.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/ingest/video/test_video.h"
 

@@ -15,7 +15,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
 #include "ingest/files/gzip.h"
-#include "ingest/layouts/transforms_json.h"
+#include "ingest/prepared/transforms_json.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/splat_file.h"
 #include "static3d/tessera4d/tessera4d.h"

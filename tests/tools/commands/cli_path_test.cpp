@@ -14,7 +14,7 @@
 #include "tests/tools/commands/cli_workspace.h"
 
 #if TESSERA_HAS_INGEST
-#include "ingest/media/video/video_decoder.h"
+#include "ingest/video/video_decoder.h"
 #endif
 
 namespace tessera::testing {

@@ -6,7 +6,7 @@
 #include <regex>
 
 #include "ingest/files/png.h"
-#include "ingest/layouts/prepared_scene.h"
+#include "ingest/prepared/prepared_scene.h"
 #include "tests/ingest/cloud/wall_scene.h"
 #include "tests/tools/commands/cli_workspace.h"
 

@@ -1,0 +1,117 @@
+// What: cv::SIFT and a brute-force matcher with the ratio test, by pairs in parallel.
+// Not: any verdict.
+// Source: x_bᵀ F x_a = 0, F = K_b⁻ᵀ [t]ₓ R K_a⁻¹ [Hartley and Zisserman, 2004, 9.2 and 11.4.3].
+#include "ingest/checks/feature_matches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <set>
+
+#include "ingest/checks/coverage.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kNeighbours = 5;
+constexpr float kLoweRatio = 0.75f;  // of the best to the second best distance
+constexpr double kGate = 30;         // pixels, and not below 3 % of the image's width
+
+struct Features {
+  std::vector<cv::KeyPoint> places;
+  cv::Mat descriptors;
+};
+
+Features features_of(const Image8& image) {
+  const cv::Mat colour(image.height, image.width, CV_8UC3, const_cast<uint8_t*>(image.data.data()));
+  cv::Mat grey;
+  cv::cvtColor(colour, grey, cv::COLOR_RGB2GRAY);
+  Features features;
+  cv::SIFT::create(kMostFeatures)
+      ->detectAndCompute(grey, cv::noArray(), features.places, features.descriptors);
+  return features;
+}
+
+/// For each row of `a` its match in `b` by the ratio test, −1 where there is none.
+std::vector<int> best_of(const cv::Mat& a, const cv::Mat& b) {
+  std::vector<int> best(size_t(a.rows), -1);
+  std::vector<std::vector<cv::DMatch>> found;
+  cv::BFMatcher(cv::NORM_L2).knnMatch(a, b, found, 2);
+  for (const auto& two : found)
+    if (two.size() == 2 && two[0].distance < kLoweRatio * two[1].distance)
+      best[size_t(two[0].queryIdx)] = two[0].trainIdx;
+  return best;
+}
+
+void match(const MatchedStations& matched, const std::vector<Features>& features,
+           StationPair& pair) {
+  const Features &a = features[size_t(pair.a)], &b = features[size_t(pair.b)];
+  if (a.descriptors.rows < 2 || b.descriptors.rows < 2) return;
+  const Camera& camera_a = matched.stations[size_t(pair.a)].camera;
+  const Camera& camera_b = matched.stations[size_t(pair.b)].camera;
+  const std::vector<int> forth = best_of(a.descriptors, b.descriptors);
+  const std::vector<int> back = best_of(b.descriptors, a.descriptors);
+  const double gate = std::max(kGate, 0.03 * camera_a.width);
+  for (size_t i = 0; i < forth.size(); ++i) {
+    if (forth[i] < 0 || back[size_t(forth[i])] != int(i)) continue;
+    // OpenCV has pixel centres at whole numbers
+    const cv::Point2f p = a.places[i].pt, q = b.places[size_t(forth[i])].pt;
+    FeatureMatch found{p.x + 0.5, p.y + 0.5, q.x + 0.5, q.y + 0.5, 0};
+    found.residual = sampson_distance(camera_a, camera_b, found);
+    if (found.residual < gate) pair.matches.push_back(found);
+  }
+}
+
+glm::dmat3 inverse_intrinsics(const Camera& c) {
+  return {1 / c.fl_x, 0, 0, 0, 1 / c.fl_y, 0, -c.cx / c.fl_x, -c.cy / c.fl_y, 1};
+}
+
+}  // namespace
+
+double sampson_distance(const Camera& a, const Camera& b, const FeatureMatch& match) {
+  const glm::dmat3 rotation = b.cam_from_world * glm::transpose(a.cam_from_world);
+  const glm::dvec3 t = b.translation - rotation * a.translation;
+  const glm::dmat3 cross{0, t.z, -t.y, -t.z, 0, t.x, t.y, -t.x, 0};
+  const glm::dmat3 fundamental =
+      glm::transpose(inverse_intrinsics(b)) * cross * rotation * inverse_intrinsics(a);
+  const glm::dvec3 p{match.ax, match.ay, 1}, q{match.bx, match.by, 1};
+  const glm::dvec3 line_b = fundamental * p, line_a = glm::transpose(fundamental) * q;
+  const double slope =
+      line_b.x * line_b.x + line_b.y * line_b.y + line_a.x * line_a.x + line_a.y * line_a.y;
+  return slope > 0 ? std::abs(glm::dot(q, line_b)) / std::sqrt(slope) : 0;
+}
+
+MatchedStations match_stations(const Scene& scene) {
+  MatchedStations matched;
+  matched.stations = stations_of(scene);
+  const size_t count = matched.stations.size();
+  for (const Station& station : matched.stations)
+    if (station.name != scene.frames[size_t(station.frames.front())].camera_name)
+      matched.moving_camera = !scene.is_static;
+  matched.images.resize(count);
+  matched.features.resize(count);
+  std::vector<Features> features(count);
+  parallel_for(int64_t(count), 1, [&](int64_t begin, int64_t end) {
+    for (auto s = size_t(begin); s < size_t(end); ++s) {
+      matched.images[s] = median_image(scene, matched.stations[s]);
+      features[s] = features_of(matched.images[s]);
+      matched.features[s] = int64_t(features[s].places.size());
+    }
+  });
+  constexpr size_t kSamples = 1500;
+  const auto samples = view_samples(scene, matched.stations, kSamples);
+  const auto neighbours = overlapping_stations(matched.stations, samples, kNeighbours);
+  std::set<std::pair<int, int>> pairs;
+  for (int a = 0; a < int(count); ++a)
+    for (const int b : neighbours[size_t(a)]) pairs.insert({std::min(a, b), std::max(a, b)});
+  for (const auto& [a, b] : pairs) matched.pairs.push_back({a, b, {}});
+  parallel_for(int64_t(matched.pairs.size()), 1, [&](int64_t begin, int64_t end) {
+    for (auto i = size_t(begin); i < size_t(end); ++i) match(matched, features, matched.pairs[i]);
+  });
+  return matched;
+}
+
+}  // namespace tessera

@@ -1,0 +1,152 @@
+// What: differences of frames, SIFT where they are large, and optical flow to the next frames.
+// Not: a background model: neighbours in time are enough to say what moves now.
+// Source: Lowe 2004 (SIFT); Lucas, Kanade 1981, Bouguet 2000 (optical flow).
+#include "ingest/clocks/clip_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace tessera {
+namespace {
+
+constexpr int kEnergySide = 240;  // pixels of the longer side in which change is looked for
+
+/// Levels by which two frames differ beyond what noise does, CV_32F.
+cv::Mat change(const cv::Mat& a, const cv::Mat& b) {
+  constexpr double kFlicker = 3;  // levels, of compression
+  cv::Mat difference, smooth_a, smooth_b;
+  cv::GaussianBlur(a, smooth_a, {5, 5}, 1.2);
+  cv::GaussianBlur(b, smooth_b, {5, 5}, 1.2);
+  cv::absdiff(smooth_a, smooth_b, difference);
+  difference.convertTo(difference, CV_32F);
+  const double noise = cv::mean(cv::min(difference, 8))[0];  // movers, large, hardly raise it
+  return cv::max(difference - (kFlicker + 2 * noise), 0);
+}
+
+/// Where something changes between the frame and its neighbours, CV_8U.
+cv::Mat moving_mask(const cv::Mat& before, const cv::Mat& now, const cv::Mat& after) {
+  cv::Mat mask = (change(before, now) > 0) | (change(now, after) > 0);
+  cv::dilate(mask, mask, cv::getStructuringElement(cv::MORPH_ELLIPSE, {9, 9}));
+  return mask;
+}
+
+/// The mask's bounds, and around them as much as SIFT looks at there.
+cv::Rect neighbourhood(const cv::Mat& mask) {
+  constexpr int kMargin = 32;  // pixels
+  const cv::Rect moving = cv::boundingRect(mask);
+  if (moving.empty()) return {};
+  const cv::Rect wide(moving.x - kMargin, moving.y - kMargin, moving.width + 2 * kMargin,
+                      moving.height + 2 * kMargin);
+  return wide & cv::Rect(0, 0, mask.cols, mask.rows);
+}
+
+const cv::Size kWindow(15, 15);  // pixels that optical flow compares
+constexpr int kLevels = 3;       // above the image itself in its pyramid
+
+struct TimedImage {
+  double seconds = 0;
+  cv::Mat image;
+  std::vector<cv::Mat> pyramid;
+};
+
+/// Where the points are in the other frame; false in `found` where the way back does not return.
+std::vector<cv::Point2f> follow(const TimedImage& from, const TimedImage& to,
+                                const std::vector<cv::Point2f>& points, std::vector<bool>& found) {
+  constexpr double kReturn = 0.3;  // pixels
+  std::vector<cv::Point2f> moved, back;
+  std::vector<uint8_t> good, good_back;
+  const cv::TermCriteria end(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 0.003);
+  cv::calcOpticalFlowPyrLK(from.pyramid, to.pyramid, points, moved, good, cv::noArray(), kWindow,
+                           kLevels, end);
+  cv::calcOpticalFlowPyrLK(to.pyramid, from.pyramid, moved, back, good_back, cv::noArray(), kWindow,
+                           kLevels, end);
+  for (size_t i = 0; i < points.size(); ++i)
+    found[i] = found[i] && good[i] && good_back[i] && cv::norm(back[i] - points[i]) < kReturn;
+  return moved;
+}
+
+MovingFeatures features_of(const TimedImage& before, const TimedImage& now, const TimedImage& after,
+                           double enlarge) {
+  MovingFeatures features{now.seconds, before.seconds, after.seconds, {}, {}, {}, {}};
+  const cv::Mat mask = moving_mask(before.image, now.image, after.image);
+  const cv::Rect part = neighbourhood(mask);
+  if (part.empty()) return features;
+  const auto sift = cv::SIFT::create(kFeatures, 3, 0.03);
+  std::vector<cv::KeyPoint> keys;
+  cv::Mat descriptor;
+  sift->detectAndCompute(now.image(part), mask(part), keys, descriptor);
+  if (keys.empty()) return features;
+  std::vector<cv::Point2f> points;
+  for (const cv::KeyPoint& key : keys) points.push_back(key.pt + cv::Point2f(part.tl()));
+  std::vector<bool> found(points.size(), true);
+  const auto past = follow(now, before, points, found);
+  const auto future = follow(now, after, points, found);
+  const auto in_video = [&](const cv::Point2f& p) {  // OpenCV's (0, 0) is a pixel's centre
+    return cv::Point2d((p.x + 0.5) * enlarge, (p.y + 0.5) * enlarge);
+  };
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (!found[i]) continue;
+    features.point.push_back(in_video(points[i]));
+    features.before.push_back(in_video(past[i]));
+    features.after.push_back(in_video(future[i]));
+    cv::Mat row = descriptor.row(int(i)).clone();
+    features.descriptor.push_back(cv::Mat(row / std::max(1e-6, cv::norm(row))));
+  }
+  return features;
+}
+
+}  // namespace
+
+MotionEnergy motion_energy(GreyClip& clip) {
+  MotionEnergy energy;
+  const VideoTimeline& timeline = clip.timeline();
+  energy.width = timeline.width;
+  energy.height = timeline.height;
+  const double longest = std::max(timeline.width, timeline.height), cell = longest / kMotionCells;
+  const cv::Size grid(std::max(1, int(std::lround(timeline.width / cell))),
+                      std::max(1, int(std::lround(timeline.height / cell))));
+  cv::Mat last, now;
+  clip.read(
+      0, std::min(timeline.ticks.size(), size_t(kMotionFrames)),
+      [&](size_t frame, const cv::Mat& image) {
+        const double scale = double(kEnergySide) / std::max(image.cols, image.rows);
+        if (scale < 1)
+          cv::resize(image, now, {}, scale, scale, cv::INTER_AREA);
+        else
+          now = image.clone();
+        if (frame > 0) {
+          cv::Mat cells;
+          cv::resize(change(last, now), cells, grid, 0, 0, cv::INTER_AREA);
+          energy.seconds.push_back(0.5 * (timeline.seconds(frame - 1) + timeline.seconds(frame)));
+          energy.cells.push_back(cells);
+        }
+        cv::swap(last, now);
+      });
+  return energy;
+}
+
+std::vector<MovingFeatures> moving_features(GreyClip& clip, double begin, double end) {
+  std::vector<MovingFeatures> all;
+  const VideoTimeline& timeline = clip.timeline();
+  const double enlarge =
+      std::max(1.0, double(std::max(timeline.width, timeline.height)) / kGreySide);
+  size_t first = 0, last = timeline.ticks.size();  // with one neighbour on either side
+  while (first + 1 < last && timeline.seconds(first + 1) < begin) ++first;
+  while (last > first + 1 && timeline.seconds(last - 2) > end) --last;
+  std::deque<TimedImage> window;
+  clip.read(first, last, [&](size_t frame, const cv::Mat& image) {
+    TimedImage& timed = window.emplace_back();
+    timed.seconds = timeline.seconds(frame);
+    timed.image = image;
+    cv::buildOpticalFlowPyramid(image, timed.pyramid, kWindow, kLevels);
+    if (window.size() > 3) window.pop_front();
+    if (window.size() == 3) all.push_back(features_of(window[0], window[1], window[2], enlarge));
+  });
+  return all;
+}
+
+}  // namespace tessera

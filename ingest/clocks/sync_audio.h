@@ -1,0 +1,29 @@
+// What: clock offsets from what the microphones of the cameras hear.
+// Not: the choice between methods (clock_sync.h), or decoding (sound_reader.h).
+// Source: GCC-PHAT: Knapp, Carter 1976.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "ingest/clocks/clock_sync.h"
+#include "ingest/clocks/sound_reader.h"
+
+namespace tessera {
+
+struct SoundDelay {
+  double seconds = 0;     // how much later than b's stamps a's stamps show the same sound
+  double confidence = 0;  // the peak by the highest one more than 10 ms beside it; noise has 1
+};
+
+/// Delay of each pair (a < b, in the order 01, 02, …, 12, …) of sounds of one rate.
+/// Memory: 8 MB a minute of each sound at 8 kHz.
+std::vector<SoundDelay> sound_delays(const std::vector<Sound>& sounds);
+
+/// One clock a clip, their median 0; one within its error of that stays at 0. Nothing, with one
+/// line about the first camera at fault in `reason`, unless all clips have sound and clear peaks
+/// connect them all.
+std::optional<std::vector<ClipClock>> synchronise_by_audio(const std::vector<RigClip>& clips,
+                                                           const IngestProgress& progress,
+                                                           std::string& reason);
+
+}  // namespace tessera

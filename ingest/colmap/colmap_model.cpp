@@ -1,0 +1,148 @@
+// What: which files of a model are read, and what must hold between them.
+// Not: their formats (colmap_binary.cpp, colmap_text.cpp).
+#include "ingest/colmap/colmap_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+#include <numeric>
+
+#include "ingest/colmap/colmap_records.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+/// x_cam = R(q)·x_world + t, +x right, +y down, +z forward: Camera's own convention.
+void put_pose(Camera& camera, const ColmapImage& image, const std::string& where) {
+  const auto& [w, x, y, z] = image.quaternion;
+  const glm::dquat rotation(w, x, y, z);
+  const double length = std::sqrt(w * w + x * x + y * y + z * z);
+  const glm::dvec3& t = image.translation;
+  if (!std::isfinite(length) || length < 1e-9 || !std::isfinite(t.x + t.y + t.z))
+    throw InputError(
+        fmt::format("{}: the pose of {} has a quaternion of length {} and a translation of ({}, "
+                    "{}, {}), expected a rotation and finite numbers; write the model again, or "
+                    "remove this image",
+                    where, image.name, length, t.x, t.y, t.z));
+  camera.cam_from_world = glm::mat3_cast(rotation / length);
+  camera.translation = t;
+}
+
+std::vector<ColmapPhoto> photos_of(const ColmapCameras& cameras,
+                                   const std::vector<ColmapImage>& images,
+                                   const std::string& where) {
+  std::vector<ColmapPhoto> photos;
+  for (const ColmapImage& image : images) {
+    const auto found = cameras.find(image.camera);
+    if (found == cameras.end())
+      throw InputError(fmt::format(
+          "{}: {} is of camera {}, which the cameras file lacks; copy the model's files again, all "
+          "from one folder",
+          where, image.name, image.camera));
+    const ColmapCamera& camera = found->second;
+    photos.push_back({image.name, camera.camera, camera.lens, camera.model});
+    put_pose(photos.back().camera, image, where);
+  }
+  std::sort(photos.begin(), photos.end(),
+            [](const ColmapPhoto& a, const ColmapPhoto& b) { return a.name < b.name; });
+  const auto twice = std::adjacent_find(
+      photos.begin(), photos.end(),
+      [](const ColmapPhoto& a, const ColmapPhoto& b) { return a.name == b.name; });
+  if (twice != photos.end())
+    throw InputError(
+        fmt::format("{}: lists the image '{}' twice; write the model again", where, twice->name));
+  return photos;
+}
+
+void drop_infinite_points(PointCloud& points, const std::string& where,
+                          std::vector<std::string>& warnings) {
+  size_t kept = 0;
+  for (size_t i = 0; i < points.position.size(); ++i) {
+    const glm::vec3& p = points.position[i];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) continue;
+    points.position[kept] = p;
+    points.colour[kept++] = points.colour[i];
+  }
+  if (kept < points.position.size())
+    warnings.push_back(fmt::format("{}: {} of {} points are not finite and were left out", where,
+                                   points.position.size() - kept, points.position.size()));
+  points.position.resize(kept);
+  points.colour.resize(kept);
+}
+
+}  // namespace
+
+std::filesystem::path find_colmap_model(const std::filesystem::path& capture) {
+  for (const auto& folder : {capture / "sparse" / "0", capture / "sparse"})
+    for (const char* name : {"cameras.bin", "cameras.txt"})
+      if (std::filesystem::is_regular_file(folder / name)) return folder;
+  return {};
+}
+
+ColmapModel read_colmap_model(const std::filesystem::path& folder) {
+  const bool binary = std::filesystem::exists(folder / "cameras.bin");
+  const std::string extension = binary ? ".bin" : ".txt";
+  const auto cameras_file = folder / ("cameras" + extension);
+  const auto images_file = folder / ("images" + extension);
+  const auto points_file = folder / ("points3D" + extension);
+  ColmapModel model;
+  model.files = {cameras_file, images_file};
+  for (const auto& file : model.files)
+    if (!std::filesystem::is_regular_file(file))
+      throw InputError(fmt::format(
+          "{}: no such file, expected a COLMAP model (cameras, images and points3D, .bin or .txt); "
+          "copy the model again",
+          file.string()));
+  const auto cameras = binary ? read_colmap_cameras_bin(cameras_file)
+                              : read_colmap_cameras_txt(cameras_file, model.warnings);
+  const auto images = binary ? read_colmap_images_bin(images_file)
+                             : read_colmap_images_txt(images_file, model.warnings);
+  if (images.empty())
+    throw InputError(
+        fmt::format("{}: holds no images; run COLMAP again, on photos that overlap more",
+                    images_file.string()));
+  model.photos = photos_of(cameras, images, images_file.string());
+  if (!std::filesystem::exists(points_file)) {
+    model.warnings.push_back(
+        fmt::format("{}: no such file; there is no initial cloud", points_file.string()));
+    return model;
+  }
+  model.points = binary ? read_colmap_points_bin(points_file)
+                        : read_colmap_points_txt(points_file, model.warnings);
+  model.files.push_back(points_file);
+  drop_infinite_points(model.points, points_file.string(), model.warnings);
+  return model;
+}
+
+ColmapModel read_capture_model(const std::filesystem::path& capture) {
+  const auto folder = find_colmap_model(capture);
+  if (folder.empty())
+    throw InputError(fmt::format(
+        "{}: no COLMAP model in it; put cameras, images and points3D (.bin or .txt) into sparse/0",
+        capture.string()));
+  try {
+    return read_colmap_model(folder);
+  } catch (const InputError& error) {
+    if (!std::filesystem::exists(capture / "poses_bounds.npy")) throw;
+    throw InputError(fmt::format("{}; or pass --poses llff to use the poses_bounds.npy beside it",
+                                 error.what()));
+  }
+}
+
+void sort_by_id(PointCloud& points, const std::vector<uint64_t>& ids) {
+  check(ids.size() == points.position.size(), "an id for each point");
+  std::vector<size_t> order(ids.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return ids[a] < ids[b]; });
+  PointCloud sorted;
+  for (const size_t i : order) {
+    sorted.position.push_back(points.position[i]);
+    sorted.colour.push_back(points.colour[i]);
+  }
+  points = std::move(sorted);
+}
+
+}  // namespace tessera

@@ -1,0 +1,39 @@
+// What: a COLMAP model (sparse/0 or sparse, .bin or .txt) → posed photos and an initial cloud.
+// Not: pixels (ingest/layouts/colmap_capture.cpp); sizes are those the model was made at.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ingest/poses/lens.h"
+#include "ingest/scene.h"
+
+namespace tessera {
+
+struct ColmapPhoto {
+  std::string name;        // path below the folder of the images, with extension; unique
+  Camera camera;           // in the size of the model's camera
+  Lens lens;               // what the image has beyond the pinhole
+  std::string lens_model;  // COLMAP's name of it: "OPENCV"
+};
+
+struct ColmapModel {
+  std::vector<std::filesystem::path> files;  // that were read
+  std::vector<ColmapPhoto> photos;           // sorted by name; never empty
+  PointCloud points;                         // finite; empty where there is no points3D file
+  std::vector<std::string> warnings;         // one line each
+};
+
+/// `capture`/sparse/0 or `capture`/sparse, the first that has cameras.bin or cameras.txt; an empty
+/// path where neither has.
+std::filesystem::path find_colmap_model(const std::filesystem::path& capture);
+
+/// Reads the .bin files of `folder`, the .txt files where those are absent. Errors: InputError
+/// naming file and remedy: as of the files, no images, an image listed twice or of a camera that is
+/// not there, a pose that is no pose.
+ColmapModel read_colmap_model(const std::filesystem::path& folder);
+/// The model of a capture. Errors: as above, and where there is none; they name --poses llff where
+/// the capture has a poses_bounds.npy, too.
+ColmapModel read_capture_model(const std::filesystem::path& capture);
+
+}  // namespace tessera

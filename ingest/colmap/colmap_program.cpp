@@ -1,0 +1,117 @@
+// What: command lines of `colmap`, 3.6 and later.
+// Not: the process itself (child_process.h).
+#include "ingest/colmap/colmap_program.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <regex>
+
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/child_process.h"
+#include "ingest/files/write_failure.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+constexpr const char* kRemedy =
+    "install colmap 3.6 or later (Debian: apt install colmap), or pass --poses FILE";
+
+/// Where the library that COLMAP logs by keeps its files.
+std::filesystem::path glog_folder(const std::filesystem::path& log) {
+  return std::filesystem::absolute(log).parent_path() / "glog";
+}
+
+ChildCommand command_of(const std::filesystem::path& program, const std::filesystem::path& log) {
+  ChildCommand command{{program.string()}, {{"QT_QPA_PLATFORM", "offscreen"}}, log};  // no screen
+  // glog writes a file of each command and level, into the folder for temporary files by default
+  if (!log.empty()) command.environment.emplace_back("GLOG_log_dir", glog_folder(log).string());
+  return command;
+}
+
+/// How many lines like this one there will be, by its own counts: n of "Matching image [1/n]", n·m
+/// of "Matching block [1/n, 1/m]"; 0 where it states none.
+int64_t stated_steps(std::string_view line) {
+  static const std::regex kCounts(R"(\[\d{1,9}/(\d{1,9})(?:, \d{1,9}/(\d{1,9}))?\])");
+  std::match_results<std::string_view::const_iterator> match;
+  if (!std::regex_search(line.begin(), line.end(), match, kCounts)) return 0;
+  return std::stoll(match[1]) * (match[2].matched ? std::stoll(match[2]) : 1);
+}
+
+}  // namespace
+
+ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& progress)
+    : log_(std::move(log)), progress_(progress) {
+  const char* stated = std::getenv("TESSERA_COLMAP");
+  const std::string name = stated != nullptr && *stated != '\0' ? stated : "colmap";
+  program_ = find_program(name);
+  if (program_.empty())
+    throw InputError(fmt::format("{}: no such program{}; {}", name,
+                                 stated != nullptr && *stated != '\0'
+                                     ? " (from the environment variable TESSERA_COLMAP)"
+                                     : " in PATH, camera poses need it",
+                                 kRemedy));
+  make_folder(glog_folder(log_));
+  ChildCommand command = command_of(program_, {});
+  command.arguments.emplace_back("help");
+  static const std::regex kVersion(R"(COLMAP (\d{1,4})\.(\d{1,4}))");
+  run_child(command, [&](std::string_view line) {
+    std::match_results<std::string_view::const_iterator> match;
+    if (version_.empty() && std::regex_search(line.begin(), line.end(), match, kVersion)) {
+      major_ = std::stoi(match[1]);
+      minor_ = std::stoi(match[2]);
+      version_ = fmt::format("{}.{}", major_, minor_);
+    }
+    if (line.empty()) progress_("starting colmap", 0, 0);
+  });
+  if (version_.empty())
+    throw InputError(fmt::format("{}: does not say which version it is, expected COLMAP; {}",
+                                 program_.string(), kRemedy));
+  if (major_ < 3 || (major_ == 3 && minor_ < 6))
+    throw InputError(fmt::format("{}: is COLMAP {}, expected 3.6 or later; {}", program_.string(),
+                                 version_, kRemedy));
+}
+
+void ColmapProgram::run(const std::string& command, const ColmapOptions& options,
+                        const std::string& doing, const std::string& step, int64_t total,
+                        const std::string& remedy) const {
+  ChildCommand child = command_of(program_, log_);
+  child.arguments.push_back(command);
+  for (const auto& [name, value] : options) child.arguments.push_back(name + "=" + value);
+  int64_t done = 0;
+  bool disk_is_full = false;
+  progress_(doing, done, total);
+  const ChildResult result = run_child(child, [&](std::string_view line) {
+    disk_is_full |= line.find("disk is full") != std::string_view::npos ||
+                    line.find(std::strerror(ENOSPC)) != std::string_view::npos;
+    if (!step.empty() && line.find(step) != std::string_view::npos) {
+      if (done == 0 && total == 0) total = stated_steps(line);
+      ++done;
+    }
+    progress_(doing, total > 0 ? std::min(done, total) : done, total);
+  });
+  // COLMAP looks at no write of a model: what it says of a full disk may be nothing
+  disk_is_full |= std::filesystem::space(log_.parent_path()).available == 0;
+  if (disk_is_full) fail_to_write(log_.parent_path(), ENOSPC);
+  if (result.exit_code != 0)
+    throw InputError(fmt::format("colmap {} failed (exit code {}): {} (log: {}); {}", command,
+                                 result.exit_code, result.last_line, log_.string(), remedy));
+}
+
+void ColmapProgram::extract_features(ColmapOptions options, int64_t images) const {
+  options.emplace_back(
+      has_feature_groups() ? "--FeatureExtraction.use_gpu" : "--SiftExtraction.use_gpu", "0");
+  run("feature_extractor", options, "colmap: finding features", "Processed file", images);
+}
+
+void ColmapProgram::match_features(const std::string& matcher, ColmapOptions options) const {
+  const std::string group = has_feature_groups() ? "--FeatureMatching" : "--SiftMatching";
+  options.emplace_back(group + ".use_gpu", "0");
+  options.emplace_back(group + ".guided_matching", "1");
+  run(matcher, options, "colmap: matching features", "Matching ");
+}
+
+}  // namespace tessera

@@ -1,0 +1,90 @@
+// What: photos or frames of one camera that moves → a COLMAP model, a pose an image.
+// Not: the scene that is made of it (colmap_capture.cpp), or a rig (rig_poses.cpp).
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ingest/colmap/colmap_model.h"
+#include "ingest/colmap/colmap_workspace.h"
+#include "ingest/colmap/pose_estimation.h"
+#include "ingest/files/atomic_file.h"
+#include "ingest/files/source_hash.h"
+#include "ingest/images/image_paths.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kExhaustive = 500;        // images; beyond, all pairs take hours
+constexpr const char* kNeighbours = "20";  // of an image in order, that it is matched with
+
+std::vector<std::filesystem::path> images_below(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file() && is_image_name(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  if (files.size() < 2)
+    throw InputError(fmt::format("{}: holds {} images, expected at least 2 for camera poses",
+                                 folder.string(), files.size()));
+  return files;
+}
+
+}  // namespace
+
+MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bool in_order,
+                                         const std::filesystem::path& folder,
+                                         const PoseOptions& options,
+                                         const IngestProgress& progress) {
+  const auto files = images_below(images);
+  const ColmapWorkspace work(folder);
+  const ColmapProgram colmap(work.folder / "colmap.log", progress);
+  const std::string lens = options.lens_model.empty() ? "SIMPLE_RADIAL" : options.lens_model;
+  Fnv1a key;
+  key.add(fmt::format("moving 1, colmap {}, {} {} {}", colmap.version(), lens,
+                      options.intrinsics_per_camera, in_order));
+  for (const auto& file : files) key.add(file.string() + " " + source_hash(file) + "\n");
+  const bool is_known = work.holds(key.hex());
+  if (!is_known) {
+    work.clear();
+    const std::string source = std::filesystem::absolute(images).string();
+    const std::string database = work.database.string();
+    ColmapOptions reading{{"--database_path", database},
+                          {"--image_path", source},
+                          {"--ImageReader.camera_model", lens}};
+    if (!options.intrinsics_per_camera)
+      reading.emplace_back(
+          in_order ? "--ImageReader.single_camera" : "--ImageReader.single_camera_per_folder", "1");
+    colmap.extract_features(reading, int64_t(files.size()));
+    if (in_order || files.size() > kExhaustive)
+      colmap.match_features("sequential_matcher", {{"--database_path", database},
+                                                   {"--SequentialMatching.overlap", kNeighbours}});
+    else
+      colmap.match_features("exhaustive_matcher", {{"--database_path", database}});
+    make_folder(work.sparse);
+    colmap.run("mapper",
+               {{"--database_path", database},
+                {"--image_path", source},
+                {"--output_path", work.sparse.string()}},
+               "colmap: registering images", "Registering image", int64_t(files.size()),
+               "take more images, each seeing much of what the one before saw");
+  }
+  MovingCameraModel result;
+  result.folder = largest_colmap_model(work.sparse, result.warnings);
+  if (result.folder.empty())
+    throw InputError(
+        fmt::format("{}: COLMAP made no model of it (log: {}); take more images, "
+                    "each seeing much of what the one before saw",
+                    images.string(), colmap.log().string()));
+  const size_t registered = read_colmap_model(result.folder).photos.size();
+  // not before the model was read: its files may be incomplete
+  if (!is_known) work.store_key(key.hex());
+  const std::string seen = fmt::format("{}: COLMAP registered {} of {} images", images.string(),
+                                       registered, files.size());
+  if (registered < files.size() && options.strict)
+    throw InputError(fmt::format("{} (log: {}); leave --strict out to go on without the others",
+                                 seen, colmap.log().string()));
+  if (registered < files.size()) result.warnings.push_back(seen);
+  return result;
+}
+
+}  // namespace tessera

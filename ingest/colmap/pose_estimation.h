@@ -1,0 +1,59 @@
+// What: camera poses and a sparse cloud by the program `colmap`, for rigs that stand still, for
+//       one camera that moves, and points alone where poses are known.
+// Not: feature matching of our own, and no reading of its results (colmap_model.h).
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/ingest.h"
+#include "ingest/poses/rig_camera.h"
+#include "ingest/scene.h"
+#include "ingest/video/rig_clip.h"
+
+namespace tessera {
+
+struct PoseEstimate {
+  std::vector<std::optional<RigCamera>> cameras;  // one a clip; empty where it was not registered
+  PointCloud points;                              // of the training cameras alone
+  std::vector<std::string> warnings;              // one line each
+};
+
+/// Frames of one timestep: `frame[i]` is an index into clips[i].timeline.ticks.
+struct RigInstant {
+  double time = 0;  // normalised to [0, 1]
+  std::vector<std::optional<size_t>> frame;
+};
+
+/// One pose a camera from still parts of the images. `work`: a folder that is kept and reused as
+/// long as the inputs are the same. `held_out[i]`: the camera's pose is solved, but it gives no
+/// points and no colours. Errors: InputError: no `colmap`, its failure with the log's path, too few
+/// cameras registered.
+PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<char>& held_out,
+                          const std::filesystem::path& work, const PoseOptions& options,
+                          const IngestProgress& progress);
+
+/// Points of each instant, with its time, triangulated from the clips' known poses.
+PointCloud triangulate_instants(const std::vector<RigClip>& clips,
+                                const std::vector<char>& held_out,
+                                const std::vector<RigInstant>& instants,
+                                const std::filesystem::path& work, const PoseOptions& options,
+                                const IngestProgress& progress);
+
+struct MovingCameraModel {
+  std::filesystem::path folder;  // of the COLMAP model; its images are named below `images`
+  std::vector<std::string> warnings;
+};
+
+/// Poses of the photos in a folder, or of frames of one video written there under names in the
+/// order of their times (`in_order`: each is matched with its neighbours only). Images of a
+/// folder share their lens unless `options` says otherwise. `work` as in estimate_rig. Errors:
+/// InputError: fewer than 2 images, no `colmap`, its failure, no model, or with `strict` images
+/// that were not registered.
+MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bool in_order,
+                                         const std::filesystem::path& work,
+                                         const PoseOptions& options,
+                                         const IngestProgress& progress);
+
+}  // namespace tessera

@@ -1,0 +1,224 @@
+// What: one pose a camera of a rig that stands still: COLMAP on images without what moves.
+// Not: poses that are known (known_pose_points.cpp) or change (moving_camera.cpp).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/colmap/colmap_model.h"
+#include "ingest/colmap/colmap_workspace.h"
+#include "ingest/colmap/pose_estimation.h"
+#include "ingest/files/atomic_file.h"
+#include "ingest/images/image_paths.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+constexpr size_t kSamples = 9;  // frames of a clip behind its median
+constexpr int kRounds = 2;  // of triangulation and adjustment: the third changes < 0.001 degrees
+constexpr const char* kOverlapRemedy =
+    "let neighbouring cameras see more of the same textured things, or pass --poses FILE";
+
+struct RigSolver {
+  const ColmapWorkspace& work;
+  const ColmapProgram& colmap;
+  const PoseOptions& options;
+  std::vector<std::string> names;  // of the images, one a clip
+  double max_error = 1;            // pixels, of the last rounds
+
+  /// The poses are in `chosen` afterwards; returns the mapper's model they came of, an empty path
+  /// where there is none. Nothing is run where `key` is that of what is there.
+  std::filesystem::path solve(const std::vector<StillImage>& stills, const std::string& key,
+                              std::vector<std::string>& warnings) const;
+  /// Points and colours of the training cameras alone, into work.folder/points/model.
+  void triangulate_training(const std::vector<char>& held_out, const std::string& key) const;
+  std::filesystem::path chosen() const { return work.folder / "refined" / "chosen"; }
+  size_t clip_of(const std::string& name) const;
+
+ private:
+  void map() const;
+  std::filesystem::path refine(const ColmapModel& start, const std::string& lens) const;
+  void choose_refined(const ColmapModel& mapped) const;
+};
+
+size_t RigSolver::clip_of(const std::string& name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  check(found != names.end(), "COLMAP names an image that it was not given");
+  return size_t(found - names.begin());
+}
+
+/// Registers cameras one after the other; models into work.sparse.
+void RigSolver::map() const {
+  make_folder(work.sparse);
+  colmap.run("mapper",
+             {{"--database_path", work.database.string()},
+              {"--image_path", work.images.string()},
+              {"--output_path", work.sparse.string()},
+              {"--Mapper.min_model_size", "3"},
+              {"--Mapper.ba_refine_principal_point", "0"}},
+             "colmap: registering cameras", "Registering image", int64_t(names.size()),
+             kOverlapRemedy);
+}
+
+std::vector<PosedImage> posed_images(const ColmapModel& model) {
+  std::vector<PosedImage> images;
+  for (const ColmapPhoto& photo : model.photos)
+    images.push_back({photo.name, {photo.name, photo.camera, photo.lens, photo.lens_model}});
+  return images;
+}
+
+/// Tracks are made anew from exact matches and everything is adjusted, twice: the mapper's own
+/// tracks hold features that are off by up to 4 pixels. Returns the model's folder.
+std::filesystem::path RigSolver::refine(const ColmapModel& start, const std::string& lens) const {
+  auto images = posed_images(start);
+  if (!lens.empty())
+    for (PosedImage& image : images) {
+      image.camera.lens_model = lens;
+      image.camera.lens = {};
+    }
+  const auto folder = work.folder / "refined" / (lens.empty() ? "as mapped" : lens);
+  auto model = folder / "start";
+  write_posed_model(model, images);
+  for (int round = 0; round < kRounds; ++round) {
+    const auto points = folder / fmt::format("points{}", round);
+    const auto adjusted = folder / fmt::format("adjusted{}", round);
+    make_folder(adjusted);
+    work.triangulate(colmap, model, points, max_error);
+    colmap.run("bundle_adjuster",
+               {{"--input_path", points.string()},
+                {"--output_path", adjusted.string()},
+                {"--BundleAdjustment.refine_principal_point", "0"},
+                {"--BundleAdjustment.max_num_iterations", "200"}},
+               "colmap: adjusting cameras");
+    model = adjusted;
+  }
+  return model;
+}
+
+/// Whether distortion explains more than chance would let it: √n is what counts of n points scatter
+/// by. Distortion that is not there costs accuracy.
+bool needs_lens(const ColmapModel& with, const ColmapModel& without) {
+  const auto points = double(without.points.position.size());
+  return double(with.points.position.size()) > points + std::sqrt(points);
+}
+
+/// The result, as a text model in work.folder/refined/chosen. Where no lens was asked for, there is
+/// one only if the images need it. Where a lens fits so badly that half of the points go, the
+/// mapper's result stays.
+void RigSolver::choose_refined(const ColmapModel& mapped) const {
+  ColmapModel best = read_colmap_model(refine(mapped, ""));
+  if (options.lens_model.empty()) {
+    ColmapModel plain = read_colmap_model(refine(mapped, "SIMPLE_PINHOLE"));
+    if (!needs_lens(best, plain)) best = std::move(plain);
+  }
+  const bool fits = 2 * best.points.position.size() >= mapped.points.position.size() &&
+                    best.photos.size() == mapped.photos.size();
+  write_posed_model(chosen(), posed_images(fits ? best : mapped));
+}
+
+std::filesystem::path RigSolver::solve(const std::vector<StillImage>& stills,
+                                       const std::string& key,
+                                       std::vector<std::string>& warnings) const {
+  const bool is_known = work.holds(key);
+  if (!is_known) {
+    work.clear();
+    for (size_t i = 0; i < stills.size(); ++i) work.add(i, stills[i]);
+    const std::string lens = options.lens_model.empty() ? "SIMPLE_RADIAL" : options.lens_model;
+    work.find_matches(colmap, {lens, options.intrinsics_per_camera}, stills.size());
+    map();
+  }
+  const auto largest = largest_colmap_model(work.sparse, warnings);
+  if (is_known || largest.empty()) return largest;
+  choose_refined(read_colmap_model(largest));
+  work.store_key(key);
+  return largest;
+}
+
+/// Writes the still images and adds them to the key.
+std::vector<StillImage> still_images(const std::vector<RigClip>& clips, Fnv1a& key,
+                                     const IngestProgress& progress) {
+  std::vector<StillImage> stills;
+  for (const RigClip& clip : clips) {
+    progress("reading frames for the camera poses", int64_t(stills.size()), int64_t(clips.size()));
+    stills.push_back(
+        still_image(sample_images(clip, spread_frames(clip.timeline.ticks.size(), kSamples))));
+    const Image8& image = stills.back().image;
+    key.add(fmt::format("{} {}x{}", clip.name, image.width, image.height));
+    key.add(image.data.data(), image.data.size());
+    key.add(stills.back().mask.data.data(), stills.back().mask.data.size());
+  }
+  return stills;
+}
+
+void name_unregistered(const std::vector<RigClip>& clips, const PoseOptions& options,
+                       const std::filesystem::path& log, PoseEstimate& estimate) {
+  std::vector<std::string> missing;
+  for (size_t i = 0; i < clips.size(); ++i)
+    if (!estimate.cameras[i]) missing.push_back(clips[i].name);
+  if (clips.size() - missing.size() < 2)
+    throw InputError(
+        fmt::format("COLMAP registered {} of {} cameras, expected at least 2 (log: "
+                    "{}); {}",
+                    clips.size() - missing.size(), clips.size(), log.string(), kOverlapRemedy));
+  if (missing.empty()) return;
+  const std::string seen =
+      fmt::format("COLMAP registered {} of {} cameras, not {}", clips.size() - missing.size(),
+                  clips.size(), fmt::join(missing, ", "));
+  if (options.strict)
+    throw InputError(fmt::format("{} (log: {}); {}, or leave --strict out to go on without", seen,
+                                 log.string(), kOverlapRemedy));
+  estimate.warnings.push_back(seen + "; the scene is made without");
+}
+
+void RigSolver::triangulate_training(const std::vector<char>& held_out,
+                                     const std::string& key) const {
+  const ColmapWorkspace points(work.folder / "points");
+  if (points.holds(key)) return;
+  std::filesystem::remove_all(points.folder);
+  std::vector<PosedImage> training;
+  for (PosedImage& image : posed_images(read_colmap_model(chosen())))
+    if (!held_out[clip_of(image.name)]) training.push_back(std::move(image));
+  write_posed_model(points.folder / "posed", training);
+  if (training.size() > 1) {
+    work.triangulate(colmap, points.folder / "posed", points.folder / "model", 2 * max_error);
+    read_colmap_model(points.folder / "model");  // its files may be incomplete
+  }
+  points.store_key(key);
+}
+
+}  // namespace
+
+PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<char>& held_out,
+                          const std::filesystem::path& folder, const PoseOptions& options,
+                          const IngestProgress& progress) {
+  check(held_out.size() == clips.size(), "estimate_rig: one flag a clip");
+  const ColmapWorkspace work(folder);
+  const ColmapProgram colmap(work.folder / "colmap.log", progress);
+  Fnv1a key;
+  key.add(fmt::format("rig 1, colmap {}, {} {}", colmap.version(), options.lens_model,
+                      options.intrinsics_per_camera));
+  const auto stills = still_images(clips, key, progress);
+  RigSolver solver{work, colmap, options, {}, 1};
+  for (size_t i = 0; i < stills.size(); ++i) {
+    solver.names.push_back(ColmapWorkspace::image_name(i, stills[i].image));
+    solver.max_error = std::max(solver.max_error, tight_error(stills[i].image.width));
+  }
+  PoseEstimate estimate;
+  const auto largest = solver.solve(stills, key.hex(), estimate.warnings);
+  estimate.cameras.resize(clips.size());
+  if (!largest.empty()) {
+    key.add(held_out.data(), held_out.size());
+    solver.triangulate_training(held_out, key.hex());
+    for (const ColmapPhoto& photo : read_colmap_model(solver.chosen()).photos) {
+      const size_t i = solver.clip_of(photo.name);
+      estimate.cameras[i] = {clips[i].name, photo.camera, photo.lens, photo.lens_model};
+    }
+    if (const auto points = work.folder / "points" / "model"; std::filesystem::exists(points))
+      estimate.points = read_colmap_model(points).points;
+  }
+  name_unregistered(clips, options, colmap.log(), estimate);
+  return estimate;
+}
+
+}  // namespace tessera

@@ -1,0 +1,42 @@
+// What: the images of a photo set as they are read: which cannot be, and what was done to others.
+// Not: decoding (image_source.h).
+#pragma once
+#include <atomic>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ingest/images/image_source.h"
+#include "ingest/ingest.h"
+#include "ingest/prepared/prepared_scene.h"
+
+namespace tessera {
+
+/// Images that cannot be read are left out of the scene and named, or, under `strict`, refused.
+/// Member functions of different `index` may be called at once.
+class ImageIntake {
+ public:
+  explicit ImageIntake(size_t count) : unreadable_(count), doubtful_(count) {}
+
+  /// The image in the order of pixels that a camera of width × height describes (0 × 0: as
+  /// stored); nothing where it cannot be read.
+  std::optional<Image8> read(size_t index, const std::filesystem::path& file, int width,
+                             int height);
+
+  /// Takes what was not read out of `scene`, whose frames and first sources are in the order of
+  /// `index`, notes tone mapping and alpha in it, and adds a warning for each image left out.
+  /// Errors: InputError: an image was left out and `strict`; none is left, or none to train on.
+  void finish(PreparedScene& scene, bool strict, std::vector<std::string>& warnings) const;
+
+ private:
+  std::vector<std::string> unreadable_;  // why; empty where it was read
+  std::vector<char> doubtful_;           // its EXIF orientation may belong to the pose or not
+  std::atomic<bool> tone_mapped_{false}, had_alpha_{false};
+};
+
+/// One warning that lists `missing`, which `owner` ("the COLMAP model") names. Errors: InputError
+/// with the same text under `strict`.
+void note_missing(const std::filesystem::path& folder, const std::vector<std::string>& missing,
+                  const std::string& owner, bool strict, std::vector<std::string>& warnings);
+
+}  // namespace tessera

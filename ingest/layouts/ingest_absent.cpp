@@ -1,0 +1,20 @@
+// What: ingest_capture of the trainer-only build: says which build can do it.
+// Not: an error of the user's data; still an InputError, because the remedy is another command.
+#include "ingest/ingest.h"
+#include "ingest/video/media_versions.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+
+IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path&,
+                            const IngestOptions&, const IngestProgress&) {
+  throw InputError(capture.string() +
+                   ": this is the trainer-only build, which cannot prepare captures; prepare it "
+                   "with a build configured with -DTESSERA_INGEST=ON and copy the result here");
+}
+
+std::vector<std::pair<std::string, std::string>> media_versions() {
+  return {};
+}
+
+}  // namespace tessera

@@ -1,0 +1,107 @@
+// What: names, resampling, refusals.
+// Not: a resampler of its own: a mask is a grey image that is cut at one half afterwards.
+#include "ingest/layouts/mask_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ingest/files/png.h"
+#include "ingest/images/image_scale.h"
+#include "ingest/images/image_source.h"
+#include "ingest/images/mask.h"
+#include "ingest/images/undistortion.h"
+#include "ingest/poses/intrinsics.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+Image8 cut_at_half(Image8 mask) {
+  for (uint8_t& value : mask.data) value = value > 127 ? 255 : 0;
+  return mask;
+}
+
+/// With a border of one ignored pixel, which is what resampling repeats beyond it.
+Image8 with_border(const Image8& mask) {
+  Image8 wider{mask.width + 2, mask.height + 2, 1, {}};
+  wider.data.resize(size_t(wider.width) * size_t(wider.height));
+  for (int y = 0; y < mask.height; ++y)
+    std::copy_n(mask.data.data() + size_t(y) * size_t(mask.width), mask.width,
+                wider.data.data() + size_t(y + 1) * size_t(wider.width) + 1);
+  return wider;
+}
+
+}  // namespace
+
+std::filesystem::path find_mask(const IngestOptions& options, const std::filesystem::path& image) {
+  if (options.masks.empty()) return {};
+  const std::filesystem::path whole = options.masks / image;
+  std::filesystem::path stem = whole;
+  stem.replace_extension();
+  for (const char* extension : {".png", ".PNG", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp"})
+    for (std::filesystem::path path : {whole, stem})
+      if (path += extension; std::filesystem::is_regular_file(path)) return path;
+  return {};
+}
+
+Image8 read_mask(const std::filesystem::path& file, int width, int height,
+                 const IngestOptions& options) {
+  if (file.empty()) return {};
+  Image8 mask = mask_of_image(read_image(file), file);
+  if (mask.width > width && same_shape(mask.width, mask.height, width, height))
+    mask = cut_at_half(scale_image(mask, width, height));
+  check_mask_size(mask, width, height, file);
+  if (options.invert_masks) invert_mask(mask);
+  return mask;
+}
+
+Image8 undistorted_mask(const Image8& mask, const Camera& camera, const Lens& lens,
+                        const Camera& pinhole) {
+  if (mask.data.empty() || lens.is_pinhole()) return mask;
+  Camera wider = camera;
+  wider.width += 2;
+  wider.height += 2;
+  wider.cx += 1;
+  wider.cy += 1;
+  return cut_at_half(Undistortion(wider, lens, pinhole).apply(with_border(mask)));
+}
+
+std::string write_prepared_mask(const std::filesystem::path& folder, const std::string& name,
+                                const Image8& mask, double scale) {
+  if (mask.data.empty()) return {};
+  const std::string path = "masks/" + name + ".png";
+  write_png(folder / path, cut_at_half(scale_image(mask, scaled_side(mask.width, scale),
+                                                   scaled_side(mask.height, scale))));
+  return path;
+}
+
+std::string prepare_camera_mask(const std::filesystem::path& folder, const std::string& camera_name,
+                                const Camera& camera, const Lens& lens, const Camera& pinhole,
+                                const IngestOptions& options) {
+  const Image8 mask =
+      read_mask(find_mask(options, camera_name), camera.width, camera.height, options);
+  return write_prepared_mask(folder, camera_name, undistorted_mask(mask, camera, lens, pinhole),
+                             options.scale);
+}
+
+void check_masks(const PreparedScene& scene, const IngestOptions& options, IngestReport& report) {
+  const auto without =
+      std::count_if(scene.frames.begin(), scene.frames.end(),
+                    [](const PreparedFrame& frame) { return frame.mask_path.empty(); });
+  const bool none = size_t(without) == scene.frames.size();
+  if (!options.masks.empty() && none)
+    throw InputError(fmt::format(
+        "{}: has no mask for any of the {} frames; name masks as the images (a.png or a.jpg.png "
+        "for a.jpg) or, for videos, as the cameras",
+        options.masks.string(), scene.frames.size()));
+  if (options.invert_masks && none)
+    throw InputError(
+        "--invert-masks is given, but there are no masks; pass --masks or leave it out");
+  if (!options.masks.empty() && without > 0)
+    report.warnings.push_back(
+        fmt::format("{}: {} of {} frames have no mask, all their pixels count",
+                    options.masks.string(), without, scene.frames.size()));
+}
+
+}  // namespace tessera

@@ -1,0 +1,36 @@
+// What: the videos of a capture as the clips of a rig: names, clocks, stated poses, what is held
+//       out.
+// Not: the estimation of poses (pose_estimation.h) or of clocks (clock_sync.h).
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ingest/ingest.h"
+#include "ingest/video/rig_clip.h"
+
+namespace tessera {
+
+struct RigClips {
+  std::vector<RigClip> clips;                     // by name; `camera` is set where poses are stated
+  std::vector<char> held_out;                     // one a clip
+  bool posed = false;                             // all clips have their camera
+  std::vector<std::filesystem::path> pose_files;  // that were read
+
+  /// Leaves clips out, all entries alike; `keep` has one entry a clip.
+  void keep_only(const std::vector<char>& keep);
+};
+
+/// The videos directly in `capture`, those of options.cameras where some are named. Poses are those
+/// of options.poses.source: "n3dv", a file, "colmap" (none stated), or empty: poses_bounds.npy
+/// where it is there. Errors: InputError: no video, two of one name, an unknown camera, rows
+/// that do not fit, another shape than the poses'. Videos without a camera in a file of cameras,
+/// and those whose lens cannot be removed, are left out and named in `warnings`; they are errors
+/// under options.strict and where fewer than two are left.
+RigClips open_rig_clips(const std::filesystem::path& capture, const IngestOptions& options,
+                        std::vector<std::string>& warnings);
+
+/// Leaves out the clips, all posed, whose lens has no undistorted image (lens.h), as above.
+void leave_out_bad_lenses(bool strict, RigClips& rig, std::vector<std::string>& warnings);
+
+}  // namespace tessera

@@ -1,0 +1,295 @@
+// What: one video a camera → prepared scene: poses, clocks, the choice of frames by their
+// timesteps,
+//       images.
+// Not: each of these steps; this is their order.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ingest/checks/orientation.h"
+#include "ingest/clocks/clock_sync.h"
+#include "ingest/clocks/frame_window.h"
+#include "ingest/clocks/time_normalisation.h"
+#include "ingest/colmap/pose_estimation.h"
+#include "ingest/files/point_cloud.h"
+#include "ingest/files/source_hash.h"
+#include "ingest/held_out_cameras.h"
+#include "ingest/layouts/clip_pictures.h"
+#include "ingest/layouts/conversion.h"
+#include "ingest/layouts/moving_video.h"
+#include "ingest/layouts/rig_clips.h"
+#include "ingest/video/clip_frames.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Work {
+  const fs::path& capture;
+  const fs::path& folder;
+  const IngestOptions& options;
+  const IngestProgress& progress;
+};
+
+/// How numbered images are read, for people.
+std::string reading_of(const Work& work, const RigClips& rig) {
+  return fmt::format("{}: {}", work.capture.string(),
+                     reading_text(rig.clips.size(), *work.options.image_rate));
+}
+
+/// What explains why no poses were found: numbered images may be none of a rig's.
+std::string reading_hint(const Work& work, const RigClips& rig) {
+  return rig.clips.front().images.empty() ? "" : "; " + reading_of(work, rig);
+}
+
+/// What the shapes of the images say where no poses could be found; empty where they are alike.
+std::string turned_hint(const RigClips& rig) {
+  std::vector<std::string> names;
+  std::vector<std::pair<int, int>> sizes;
+  for (const RigClip& clip : rig.clips) {
+    names.push_back(clip.name);
+    sizes.emplace_back(clip.timeline.width, clip.timeline.height);
+  }
+  const std::string mixed = mixed_orientation(names, sizes);
+  return mixed.empty() ? "" : "; " + mixed + ": check whether their videos lack a rotation flag";
+}
+
+/// Poses by COLMAP; cameras that it could not place are left out. Returns its points.
+PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::string>& warnings) {
+  PoseEstimate estimate = [&] {
+    try {
+      return estimate_rig(rig.clips, rig.held_out, work.options.work / "colmap", work.options.poses,
+                          work.progress);
+    } catch (const InputError& error) {
+      throw InputError(error.what() + turned_hint(rig) + reading_hint(work, rig));
+    }
+  }();
+  warnings.insert(warnings.end(), estimate.warnings.begin(), estimate.warnings.end());
+  std::vector<char> placed;
+  for (size_t i = 0; i < rig.clips.size(); ++i) {
+    rig.clips[i].camera = std::move(estimate.cameras[i]);
+    placed.push_back(rig.clips[i].camera.has_value());
+  }
+  rig.keep_only(placed);
+  leave_out_bad_lenses(work.options.strict, rig, warnings);
+  if (std::all_of(rig.held_out.begin(), rig.held_out.end(), [](char held) { return held; }))
+    throw InputError(fmt::format(
+        "{}: only held-out cameras could be placed, none is left to train on; name others with "
+        "--held-out",
+        work.capture.string()));
+  return std::move(estimate.points);
+}
+
+/// Images of one number are of one timestep unless a method is asked for.
+SyncOptions sync_of(bool of_images, SyncOptions sync) {
+  if (of_images && sync.method == SyncMethod::kAuto) sync.method = SyncMethod::kNone;
+  return sync;
+}
+
+/// The timesteps of each clip's frames on the rig's clock, seconds.
+std::vector<std::vector<double>> rig_timesteps(const RigClips& rig, const ClipClocks& clocks) {
+  std::vector<std::vector<double>> timesteps;
+  for (size_t i = 0; i < rig.clips.size(); ++i) {
+    std::vector<double>& of_clip = timesteps.emplace_back();
+    for (const int64_t ticks : rig.clips[i].timeline.ticks)
+      of_clip.push_back(rig.clips[i].timeline.time_base.at(ticks) + clocks.clocks[i].offset);
+  }
+  return timesteps;
+}
+
+/// Adds the frames of clip `i` to the scene and their timesteps to `seconds`.
+void describe_frames(const RigClips& rig, size_t i, const std::vector<size_t>& chosen,
+                     const std::vector<double>& timesteps, PreparedScene& scene, ClipFrames& frames,
+                     std::vector<double>& seconds) {
+  const RigClip& clip = rig.clips[i];
+  for (size_t k = 0; k < chosen.size(); ++k) {
+    PreparedFrame prepared;
+    prepared.frame.name = fmt::format("{}/{:05}", clip.name, k);
+    prepared.file_path = prepared.frame.name + ".png";
+    prepared.frame.camera_name = clip.name;
+    prepared.frame.frame_number = int64_t(k);
+    prepared.frame.split = rig.held_out[i] ? Split::kTest : Split::kTrain;
+    prepared.ticks = clip.timeline.ticks[chosen[k]];
+    frames.ticks.push_back(*prepared.ticks);
+    frames.files.push_back(prepared.file_path);
+    seconds.push_back(timesteps[chosen[k]]);
+    scene.frames.push_back(std::move(prepared));
+  }
+}
+
+/// Every Nth frame of a single camera that stands still, whose pose is stated.
+void hold_out_frames(int64_t every, PreparedScene& scene) {
+  std::vector<std::string> names;
+  for (const PreparedFrame& prepared : scene.frames) names.push_back(prepared.frame.name);
+  const std::vector<Split> splits = every_nth_split(names, every);
+  for (size_t i = 0; i < names.size(); ++i) scene.frames[i].frame.split = splits[i];
+}
+
+/// Says what is lost where the cameras do not begin or end together.
+void warn_of_cuts(const RigClips& rig, const std::vector<std::vector<double>>& timesteps,
+                  const TimeInterval& common, std::vector<std::string>& warnings) {
+  size_t begins_last = 0, ends_first = 0;
+  TimeInterval whole{timesteps[0].front(), timesteps[0].back()};
+  for (size_t i = 0; i < timesteps.size(); ++i) {
+    whole.first = std::min(whole.first, timesteps[i].front());
+    whole.last = std::max(whole.last, timesteps[i].back());
+    if (timesteps[i].front() > timesteps[begins_last].front()) begins_last = i;
+    if (timesteps[i].back() < timesteps[ends_first].back()) ends_first = i;
+  }
+  const double enough = 1.5 * rig.clips.front().timeline.frame_seconds;
+  if (common.first - whole.first > enough)
+    warnings.push_back(
+        fmt::format("{} begins {:.3f} s after the first camera; frames before that are not used",
+                    rig.clips[begins_last].video.filename().string(), common.first - whole.first));
+  if (whole.last - common.last > enough)
+    warnings.push_back(fmt::format(
+        "{} ends {:.3f} s before the last camera, at {:.3f} s; frames after that are not used",
+        rig.clips[ends_first].video.filename().string(), whole.last - common.last, common.last));
+}
+
+/// Which frames of each clip are kept: those that lie in the common part of all clips and in what
+/// was asked for.
+std::vector<std::vector<size_t>> frames_of_clips(const Work& work, const RigClips& rig,
+                                                 const std::vector<std::vector<double>>& timesteps,
+                                                 std::vector<std::string>& warnings) {
+  const IngestOptions& o = work.options;
+  const FrameWindow window{o.start, o.duration, o.fps, o.frames};
+  const TimeInterval common = common_interval(timesteps);
+  if (common.empty())
+    throw InputError(fmt::format(
+        "{}: the cameras have no timestep in common; state their clocks with --offsets, or leave "
+        "some out with --cameras",
+        work.capture.string()));
+  check_start(window, common, work.capture.string());
+  warn_of_cuts(rig, timesteps, common, warnings);
+  std::vector<std::vector<size_t>> chosen;
+  for (size_t i = 0; i < rig.clips.size(); ++i) {
+    chosen.push_back(choose_frames(timesteps[i], window, common));
+    if (chosen.back().empty())
+      throw InputError(fmt::format(
+          "{}: has no frame between {:.3f} s and {:.3f} s, where all cameras have some; change "
+          "--start, --duration or --fps, state the clocks with --offsets, or leave the camera out "
+          "with --cameras",
+          rig.clips[i].video.string(), common.first, common.last));
+  }
+  return chosen;
+}
+
+void record_camera(const RigClip& clip, const ClipClock& clock, const PreparedClip& prepared,
+                   PreparedScene& scene) {
+  PreparedCamera camera;
+  camera.name = clip.name;
+  camera.time_base = clip.timeline.time_base;
+  camera.time_offset = clock.offset;
+  camera.time_uncertainty = clock.uncertainty;
+  camera.time_measured = clock.measured;
+  camera.time_source = clock.source;
+  if (!clip.camera->lens.is_pinhole())
+    camera.removed_lenses.push_back({clip.camera->lens_model, clip.camera->lens});
+  for (PreparedFrame& frame : scene.frames)
+    if (frame.frame.camera_name == clip.name) {
+      frame.frame.camera = prepared.camera;
+      frame.mask_path = prepared.mask_path;
+    }
+  scene.cameras.push_back(std::move(camera));
+  scene.sources.push_back({clip.video.filename().string(), clip_hash(clip)});
+}
+
+/// A few timesteps spread over the kept frames of the first clip, with each clip's nearest frame.
+std::vector<RigInstant> spread_instants(const std::vector<std::vector<size_t>>& chosen,
+                                        const std::vector<std::vector<double>>& timesteps,
+                                        const TimeAxis& axis) {
+  constexpr size_t kInstants = 4;
+  std::vector<RigInstant> instants;
+  const std::vector<size_t>& first = chosen.front();
+  for (size_t k = 0; k < std::min(kInstants, first.size()); ++k) {
+    const size_t index = first.size() <= kInstants ? k : k * (first.size() - 1) / (kInstants - 1);
+    const double timestep = timesteps[0][first[index]];
+    RigInstant instant{(timestep - axis.origin) / axis.duration, {}};
+    for (const std::vector<double>& of_clip : timesteps) {
+      const auto nearest = std::min_element(
+          of_clip.begin(), of_clip.end(),
+          [&](double a, double b) { return std::abs(a - timestep) < std::abs(b - timestep); });
+      instant.frame.emplace_back(size_t(nearest - of_clip.begin()));
+    }
+    instants.push_back(std::move(instant));
+  }
+  return instants;
+}
+
+/// One camera whose poses are to be found.
+Converted convert_moving(const Work& work, const RigClips& rig, IngestReport report) {
+  Converted moving = [&] {
+    try {
+      return convert_moving_video(work.capture, rig.clips.front(), work.folder, work.options,
+                                  work.progress);
+    } catch (const InputError& error) {
+      throw InputError(error.what() + reading_hint(work, rig));
+    }
+  }();
+  moving.report.notes = std::move(report.notes);
+  moving.report.warnings.insert(moving.report.warnings.begin(), report.warnings.begin(),
+                                report.warnings.end());
+  return moving;
+}
+
+}  // namespace
+
+Converted convert_videos(const fs::path& capture, const fs::path& folder,
+                         const IngestOptions& options, const IngestProgress& progress) {
+  const Work work{capture, folder, options, progress};
+  IngestReport report;
+  RigClips rig = open_rig_clips(capture, options, report.warnings);
+  if (options.layout == CaptureLayout::kSequences) report.notes.push_back(reading_of(work, rig));
+  if (!rig.posed && rig.clips.size() == 1) return convert_moving(work, rig, std::move(report));
+  if (options.test_every && rig.clips.size() > 1)
+    throw InputError(
+        "--test-every is given, but of several cameras whole ones are held out; pass --held-out "
+        "with their names");
+  PointCloud points = rig.posed ? find_points(capture, "", report.warnings)
+                                : place_cameras(work, rig, report.warnings);
+  const bool of_images = !rig.clips.front().images.empty();
+  const ClipClocks clocks = synchronise(rig.clips, sync_of(of_images, options.sync), progress);
+  report.warnings.insert(report.warnings.end(), clocks.warnings.begin(), clocks.warnings.end());
+  const auto timesteps = rig_timesteps(rig, clocks);
+  const auto chosen = frames_of_clips(work, rig, timesteps, report.warnings);
+
+  PreparedScene scene;
+  scene.layout = of_images ? "sequences" : rig.posed ? "n3dv" : "videos";
+  scene.scale = options.scale;
+  scene.background = "opaque";
+  std::vector<double> seconds;
+  std::vector<ClipFrames> frames(rig.clips.size());
+  for (size_t i = 0; i < rig.clips.size(); ++i)
+    describe_frames(rig, i, chosen[i], timesteps[i], scene, frames[i], seconds);
+  if (options.test_every) hold_out_frames(*options.test_every, scene);
+  int64_t done = 0;
+  for (size_t i = 0; i < rig.clips.size(); ++i) {
+    const std::string doing = "decoding " + rig.clips[i].video.filename().string();
+    const PreparedClip prepared = write_clip_images(rig.clips[i], frames[i], folder, options, [&] {
+      progress(doing, ++done, int64_t(scene.frames.size()));
+    });
+    record_camera(rig.clips[i], clocks.clocks[i], prepared, scene);
+    if (prepared.has_alpha) scene.background = "alpha kept";
+  }
+  const bool one_instant = options.allow_static || options.frames == 1;
+  const NormalisedTimes times = normalise_times(seconds, one_instant, capture.string());
+  for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].frame.time = times.time[i];
+  scene.time_axis = times.axis;
+  scene.time_base = scene.cameras.front().time_base;
+  scene.is_static = times.is_static;
+  if (rig.posed && options.cloud == CloudDensity::kSparse && points.position.empty())
+    points = triangulate_instants(rig.clips, rig.held_out,
+                                  spread_instants(chosen, timesteps, times.axis),
+                                  options.work / "points", options.poses, progress);
+  for (const fs::path& file : rig.pose_files)
+    scene.sources.push_back({file.filename().string(), source_hash(file)});
+  report.frames = int64_t(scene.frames.size());
+  report.cameras = int64_t(rig.clips.size());
+  return {std::move(scene), std::move(points), std::move(report)};
+}
+
+}  // namespace tessera

@@ -1,0 +1,142 @@
+// What: PreparedScene → transforms.json in the Nerfstudio convention with a `tessera` object.
+// Not: a place for decisions: everything written here was decided by the converter.
+#include "ingest/prepared/prepared_scene.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "ingest/colmap/colmap_camera.h"
+#include "ingest/files/atomic_file.h"
+#include "ingest/poses/pose_matrix.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json rational_json(const Rational& value) {
+  return ordered_json::array({value.numerator, value.denominator});
+}
+
+ordered_json frame_json(const PreparedFrame& prepared) {
+  const Frame& frame = prepared.frame;
+  const Camera& camera = frame.camera;
+  ordered_json matrix = ordered_json::array();
+  for (const auto& row : gl_pose_of(camera)) matrix.push_back(row);
+  matrix.push_back({0.0, 0.0, 0.0, 1.0});
+  ordered_json tessera{{"camera", frame.camera_name}, {"frame", frame.frame_number}};
+  if (prepared.ticks) tessera["ticks"] = *prepared.ticks;
+  constexpr const char* kSplitNames[] = {"train", "val", "test"};
+  ordered_json file{{"file_path", prepared.file_path},
+                    {"split", kSplitNames[int(frame.split)]},
+                    {"time", frame.time},
+                    {"w", camera.width},
+                    {"h", camera.height},
+                    {"fl_x", camera.fl_x},
+                    {"fl_y", camera.fl_y},
+                    {"cx", camera.cx},
+                    {"cy", camera.cy},
+                    {"transform_matrix", std::move(matrix)},
+                    {"tessera", std::move(tessera)}};
+  if (!prepared.mask_path.empty()) file["mask_path"] = prepared.mask_path;
+  return file;
+}
+
+/// 4×4, prepared world from source's world: scale · rotation | translation.
+ordered_json world_transform_json(const Similarity& transform) {
+  const glm::dmat3 m = transform.scale * transform.rotation;
+  ordered_json matrix = ordered_json::array();
+  for (int r = 0; r < 3; ++r)
+    matrix.push_back({m[0][r], m[1][r], m[2][r], transform.translation[r]});
+  matrix.push_back({0.0, 0.0, 0.0, 1.0});
+  return matrix;
+}
+
+/// Of each camera whose images were resampled: what was removed. {} where nothing was.
+ordered_json removed_lenses_json(const PreparedCamera& camera) {
+  ordered_json list = ordered_json::array();
+  for (const RemovedLens& removed : camera.removed_lenses) {
+    ordered_json row{{"model", removed.model}};
+    for (const auto& [name, value] : lens_parameters(removed.lens)) row[name] = value;
+    list.push_back(std::move(row));
+  }
+  return list;
+}
+
+/// "OPENCV, RADIAL"; "none" where no lens was removed.
+std::string removed_models(const PreparedScene& scene) {
+  std::set<std::string> models;
+  for (const PreparedCamera& camera : scene.cameras)
+    for (const RemovedLens& removed : camera.removed_lenses) models.insert(removed.model);
+  std::string joined;
+  for (const std::string& model : models) joined += (joined.empty() ? "" : ", ") + model;
+  return joined.empty() ? "none" : joined;
+}
+
+/// Which pixels the source's masks ignored.
+const char* applied_masks(const PreparedScene& scene) {
+  if (std::all_of(scene.frames.begin(), scene.frames.end(),
+                  [](const PreparedFrame& frame) { return frame.mask_path.empty(); }))
+    return "none";
+  return scene.inverted_masks ? "white ignored (inverted)" : "black ignored";
+}
+
+ordered_json tessera_json(const PreparedScene& scene) {
+  ordered_json cameras = ordered_json::array(), sources = ordered_json::object();
+  for (const PreparedCamera& camera : scene.cameras) {
+    cameras.push_back({{"name", camera.name},
+                       {"time_base", rational_json(camera.time_base)},
+                       {"time_offset", camera.time_offset}});
+    if (!camera.time_source.empty()) {
+      cameras.back()["time_offset_source"] = camera.time_source;
+      cameras.back()["time_offset_uncertainty"] = camera.time_uncertainty;
+      cameras.back()["time_offset_measured"] = camera.time_measured;
+    }
+    if (!camera.removed_lenses.empty())
+      cameras.back()["removed_lenses"] = removed_lenses_json(camera);
+    if (camera.exposure_gain) cameras.back()["exposure_gain"] = *camera.exposure_gain;
+  }
+  const std::string removed = removed_models(scene);
+  for (const SourceFile& source : scene.sources) sources[source.name] = source.hash;
+  return {{"format_version", 1},
+          {"layout", scene.layout},
+          {"applied",
+           {{"scale", scene.scale},
+            {"undistortion", removed},
+            {"crop", removed == "none" ? "none" : "zoomed to valid pixels"},
+            {"tone_map", scene.tone_map},
+            {"world_transform", world_transform_json(scene.prepared_from_source)},
+            {"background", scene.background},
+            {"masks", applied_masks(scene)}}},
+          {"time",
+           {{"base", rational_json(scene.time_base)},
+            {"origin", scene.time_axis.origin},
+            {"duration", scene.time_axis.duration},
+            {"static", scene.is_static}}},
+          {"cameras", std::move(cameras)},
+          {"source_hashes_fnv1a64", std::move(sources)}};
+}
+
+}  // namespace
+
+void note_removed_lens(PreparedCamera& camera, const RemovedLens& removed) {
+  const auto known = [&](const RemovedLens& other) {
+    return other.model == removed.model && other.lens == removed.lens;
+  };
+  if (!removed.lens.is_pinhole() &&
+      std::none_of(camera.removed_lenses.begin(), camera.removed_lenses.end(), known))
+    camera.removed_lenses.push_back(removed);
+}
+
+void write_prepared_scene(const std::filesystem::path& folder, const PreparedScene& scene) {
+  ordered_json file{{"camera_model", "PINHOLE"}};
+  if (scene.has_points) file["ply_file_path"] = "points.ply";
+  file["tessera"] = tessera_json(scene);
+  ordered_json frames = ordered_json::array();
+  for (const PreparedFrame& frame : scene.frames) frames.push_back(frame_json(frame));
+  file["frames"] = std::move(frames);
+  write_text_file(folder / "transforms.json", file.dump(1) + "\n");
+}
+
+}  // namespace tessera

@@ -1,0 +1,164 @@
+// What: TransformsCapture + PNG files → Scene: parallel decoding, sizes, times, compositing.
+// Not: parsing (transforms_json.cpp), and no other image format than PNG.
+#include "ingest/prepared/scene_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "ingest/clocks/timesteps.h"
+#include "ingest/files/png.h"
+#include "ingest/files/point_cloud.h"
+#include "ingest/images/alpha_composite.h"
+#include "ingest/images/mask.h"
+#include "ingest/prepared/capture_times.h"
+#include "ingest/prepared/transforms_json.h"
+#include "kernels/base/errors.h"
+#include "kernels/base/parallel.h"
+
+namespace tessera {
+namespace {
+
+bool is_png(const std::filesystem::path& file) {
+  return file.extension() == ".png" || file.extension() == ".PNG";
+}
+
+void require_png(const std::filesystem::path& file, const std::string& where) {
+  if (is_png(file)) return;
+  throw InputError(fmt::format(
+      "{}: {} is not a PNG; convert the capture with `tessera ingest` and open its result", where,
+      file.filename().string()));
+}
+
+/// The frame's mask, or without pixels its size, for an image of width × height.
+Image8 load_mask(const TransformsFrame& listed, int width, int height, bool load_pixels) {
+  require_png(listed.mask, listed.where);
+  const Image8 image = load_pixels ? read_png(listed.mask) : read_png_size(listed.mask);
+  check_mask_size(image, width, height, listed.mask);
+  return load_pixels ? mask_of_image(image, listed.mask) : Image8{};
+}
+
+/// Decodes and composites one frame, or reads its size only. True when it had alpha.
+bool load_frame(const TransformsFrame& listed, const SceneOptions& options, Frame& frame) {
+  require_png(listed.image, listed.where);
+  frame.name = listed.name;
+  frame.camera_name = listed.camera_name;
+  frame.frame_number = listed.frame_number;
+  frame.split = listed.split;
+  frame.camera = listed.camera;
+  Image8 image = options.load_pixels ? read_png(listed.image) : read_png_size(listed.image);
+  set_intrinsics(frame.camera, listed.intrinsics, image.width, image.height, listed.where);
+  if (!listed.mask.empty())
+    frame.mask = load_mask(listed, image.width, image.height, options.load_pixels);
+  const bool had_alpha = image.channels == 4;
+  if (options.load_pixels)
+    frame.image = image.channels == 3 ? std::move(image) : composite_on(image, options.background);
+  return had_alpha;
+}
+
+/// Leaves these frames, with their times.
+void keep(TransformsCapture& capture, std::vector<double>& time, const std::vector<int>& kept) {
+  std::vector<TransformsFrame> frames;
+  std::vector<double> times;
+  for (int i : kept) {
+    frames.push_back(std::move(capture.frames[size_t(i)]));
+    times.push_back(time[size_t(i)]);
+  }
+  capture.frames = std::move(frames);
+  time = std::move(times);
+}
+
+std::vector<int> frames_of(const TransformsCapture& capture, Split split) {
+  std::vector<int> found;
+  for (size_t i = 0; i < capture.frames.size(); ++i)
+    if (capture.frames[i].split == split) found.push_back(int(i));
+  return found;
+}
+
+void keep_held_out(TransformsCapture& capture, std::vector<double>& time, int64_t count) {
+  std::vector<int> all;
+  for (Split split : {Split::kTest, Split::kVal, Split::kTrain})
+    if (all.empty()) all = frames_of(capture, split);
+  const int64_t number = std::min(count, int64_t(all.size()));
+  std::vector<int> kept;
+  for (int64_t i = 0; i < number; ++i)
+    kept.push_back(all[size_t((2 * i + 1) * int64_t(all.size()) / (2 * number))]);
+  keep(capture, time, kept);
+}
+
+/// Leaves the training frames of the timesteps of these numbers.
+void keep_timesteps(TransformsCapture& capture, std::vector<double>& time,
+                    const std::vector<int64_t>& numbers) {
+  std::vector<FrameTime> training;
+  for (int i : frames_of(capture, Split::kTrain))
+    training.push_back({capture.frames[size_t(i)].camera_name, time[size_t(i)], i});
+  const std::vector<Timestep> timesteps = group_timesteps(training);
+  std::vector<int> kept;
+  for (int64_t number : numbers) {
+    const std::vector<int>& frames = timesteps.at(size_t(number)).frames;
+    kept.insert(kept.end(), frames.begin(), frames.end());
+  }
+  keep(capture, time, kept);
+}
+
+/// All frames in parallel; the error that is reported is the first in file order.
+void load_frames(const TransformsCapture& capture, const SceneOptions& options, Scene& scene) {
+  const size_t count = capture.frames.size();
+  scene.frames.resize(count);
+  std::vector<std::string> errors(count);
+  std::atomic<bool> had_alpha{false};
+  parallel_for(int64_t(count), 1, [&](int64_t begin, int64_t end) {
+    for (size_t i = size_t(begin); i < size_t(end); ++i) try {
+        if (load_frame(capture.frames[i], options, scene.frames[i])) had_alpha = true;
+      } catch (const InputError& error) {
+        errors[i] = error.what();
+      }
+  });
+  for (const std::string& error : errors)
+    if (!error.empty()) throw InputError(error);
+  scene.had_alpha = had_alpha;
+}
+
+void check_splits(const Scene& scene) {
+  const bool trains = std::any_of(scene.frames.begin(), scene.frames.end(),
+                                  [](const Frame& frame) { return frame.split == Split::kTrain; });
+  if (!trains)
+    throw InputError(
+        fmt::format("{}: no frame is in the split 'train'; mark some as training", scene.path));
+}
+
+}  // namespace
+
+Scene load_scene(const std::filesystem::path& folder, const SceneOptions& options) {
+  TransformsCapture capture = read_transforms(folder);
+  Scene scene;
+  scene.path = folder.string();
+  scene.background = options.background;
+  scene.warnings = std::move(capture.warnings);
+  scene.points = find_points(folder, capture.points_file, scene.warnings);
+  NormalisedTimes times = times_of(capture, options.allow_static);
+  if (options.timesteps) keep_timesteps(capture, times.time, *options.timesteps);
+  if (options.held_out) keep_held_out(capture, times.time, *options.held_out);
+  load_frames(capture, options, scene);
+  scene.time_axis = times.axis;
+  scene.prepared_from_source = capture.prepared_from_source;
+  scene.is_static = times.is_static;
+  for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].time = times.time[i];
+  if (!options.held_out) check_splits(scene);
+  return scene;
+}
+
+bool opens_as_scene(const std::filesystem::path& folder) {
+  if (!has_transforms(folder)) return false;
+  if (is_prepared_scene(folder)) return true;
+  try {
+    const TransformsCapture capture = read_transforms(folder);
+    return std::all_of(capture.frames.begin(), capture.frames.end(),
+                       [](const TransformsFrame& frame) { return is_png(frame.image); });
+  } catch (const InputError&) {
+    return false;  // converting it says what is wrong, or mends it
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,262 @@
+// What: which files a folder has, what a frame entry says, what must hold over all frames.
+// Not: any number's meaning in pixels (intrinsics.cpp) or in space (pose_matrix.cpp).
+#include "ingest/prepared/transforms_json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "ingest/colmap/colmap_model.h"
+#include "ingest/files/input_folder.h"
+#include "ingest/images/image_paths.h"
+#include "ingest/poses/transforms_values.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+struct SplitFile {
+  const char* name;
+  Split split;
+};
+
+/// Whether the images that frames name must be there.
+enum class Images { kRequired, kListed, kUnused };
+
+constexpr std::array<SplitFile, 3> kSplitFiles{{{"transforms_train.json", Split::kTrain},
+                                                {"transforms_val.json", Split::kVal},
+                                                {"transforms_test.json", Split::kTest}}};
+
+std::string split_name(Split split) {
+  return split == Split::kTrain ? "train" : split == Split::kVal ? "val" : "test";
+}
+
+/// `split` of the frame, else Nerfstudio's lists of file names, else what the file stands for.
+Split split_of(const json& frame, const json& file, Split split_of_file, const std::string& where) {
+  const std::string stated = string_at(frame, "split", where);
+  for (const SplitFile& candidate : kSplitFiles) {
+    if (stated == split_name(candidate.split)) return candidate.split;
+    const auto list = file.find(split_name(candidate.split) + "_filenames");
+    if (stated.empty() && list != file.end() && list->is_array() &&
+        std::find(list->begin(), list->end(), frame["file_path"]) != list->end())
+      return candidate.split;
+  }
+  if (!stated.empty())
+    throw InputError(
+        fmt::format("{}: split is '{}', expected train, val or test; correct it", where, stated));
+  return split_of_file;
+}
+
+/// The file of `mask_path`, which is relative to the json; empty when none is stated.
+std::filesystem::path mask_of(const json& entry, const std::filesystem::path& folder,
+                              const std::string& where) {
+  const std::string stated = string_at(entry, "mask_path", where);
+  if (stated.empty()) return {};
+  const std::filesystem::path path = folder / stated;
+  if (!std::filesystem::is_regular_file(path))
+    throw InputError(fmt::format("{}: no such mask as {}; restore it or take mask_path out", where,
+                                 path.string()));
+  return path;
+}
+
+TransformsFrame parse_frame(const json& entry, const json& file, const StatedIntrinsics& globals,
+                            const std::filesystem::path& json_path, size_t index,
+                            Split split_of_file, Images images) {
+  TransformsFrame frame;
+  frame.where = fmt::format("{}, frame {}", json_path.string(), index);
+  std::string file_path =
+      entry.is_object() ? string_at(entry, "file_path", frame.where) : std::string();
+  if (file_path.empty() && images == Images::kUnused) file_path = fmt::format("{:04}", index);
+  if (file_path.empty())
+    throw InputError(fmt::format("{}: has no file_path; name its image", frame.where));
+  frame.where += fmt::format(" ({})", file_path);
+  frame.split = split_of(entry, file, split_of_file, frame.where);
+  if (images == Images::kRequired)
+    frame.image = require_image(json_path.parent_path(), file_path, frame.where);
+  else if (images == Images::kListed)
+    frame.image = find_image(json_path.parent_path(), file_path);
+  if (images != Images::kUnused) frame.mask = mask_of(entry, json_path.parent_path(), frame.where);
+  frame.name = name_of_image(file_path);
+  frame.time = finite_number(entry, "time", frame.where);
+  if (images == Images::kListed)
+    frame.lens = stated_lens(entry, file, frame.where);
+  else
+    refuse_distortion(entry, frame.where);
+  frame.intrinsics = intrinsics_of(entry, frame.where).or_else(globals);
+  set_pose(frame.camera, pose_rows(entry, frame.where), frame.where);
+  const size_t slash = frame.name.rfind('/');
+  frame.camera_name = slash == std::string::npos
+                          ? split_name(frame.split)
+                          : std::filesystem::path(frame.name.substr(0, slash)).filename().string();
+  frame.frame_number = -1;  // counted once all frames are known
+  if (const auto made_by_us = entry.find("tessera"); made_by_us != entry.end()) {
+    frame.camera_name = string_at(*made_by_us, "camera", frame.where);
+    frame.frame_number = int64_t(finite_number(*made_by_us, "frame", frame.where).value_or(-1));
+  }
+  return frame;
+}
+
+void read_prepared_object(const json& object, const std::string& where,
+                          TransformsCapture& capture) {
+  constexpr double kVersion = 1;
+  const double version = finite_number(object, "format_version", where).value_or(kVersion);
+  if (version > kVersion)
+    throw InputError(fmt::format(
+        "{}: prepared scene of format version {}, this program knows {}; prepare the capture "
+        "again or use the newer program",
+        where, version, kVersion));
+  const json time = object.contains("time") ? object["time"] : json::object();
+  TimeAxis axis;
+  axis.origin = finite_number(time, "origin", where).value_or(axis.origin);
+  axis.duration = finite_number(time, "duration", where).value_or(axis.duration);
+  capture.prepared_axis = axis;
+  capture.prepared_static = is_true(time, "static");
+  capture.prepared_from_source = world_transform_of(object, where);
+}
+
+void read_file(const std::filesystem::path& path, Split split_of_file, Images images,
+               TransformsCapture& capture) {
+  const json file = read_json(path);
+  const std::string where = path.string();
+  const auto frames = file.find("frames");
+  if (!file.is_object() || frames == file.end() || !frames->is_array())
+    throw InputError(
+        fmt::format("{}: has no list 'frames'; expected a NeRF transforms file", where));
+  capture.files.push_back(path);
+  if (images != Images::kListed) refuse_distortion(file, where);
+  const StatedIntrinsics globals = intrinsics_of(file, where);
+  if (capture.points_file.empty()) capture.points_file = string_at(file, "ply_file_path", where);
+  if (file.contains("tessera")) read_prepared_object(file["tessera"], where, capture);
+  for (size_t i = 0; i < frames->size(); ++i)
+    capture.frames.push_back(
+        parse_frame((*frames)[i], file, globals, path, i, split_of_file, images));
+}
+
+/// The same image may be in two splits (val copied from test); its second name says which.
+void make_names_unique(TransformsCapture& capture) {
+  std::set<std::string> taken;
+  for (TransformsFrame& frame : capture.frames) {
+    if (taken.insert(frame.name).second) continue;
+    frame.name += fmt::format("@{}", split_name(frame.split));
+    if (!taken.insert(frame.name).second)
+      throw InputError(fmt::format("{}: the image is listed twice; remove one entry", frame.where));
+  }
+}
+
+void number_frames(TransformsCapture& capture) {
+  std::map<std::string, int64_t> next;
+  for (TransformsFrame& frame : capture.frames)
+    if (frame.frame_number < 0) frame.frame_number = next[frame.camera_name]++;
+}
+
+void check_times(const TransformsCapture& capture) {
+  const auto has_time = [](const TransformsFrame& frame) { return frame.time.has_value(); };
+  const auto& frames = capture.frames;
+  if (std::none_of(frames.begin(), frames.end(), has_time)) return;
+  const auto without = std::find_if_not(frames.begin(), frames.end(), has_time);
+  if (without != frames.end())
+    throw InputError(fmt::format(
+        "{}: has no time, other frames have one; add it, or remove all times for a static scene",
+        without->where));
+}
+
+/// What needs all frames.
+void complete(TransformsCapture& capture) {
+  if (capture.frames.empty())
+    throw InputError(fmt::format("{}: lists no frames; export the cameras again",
+                                 capture.files.front().string()));
+  make_names_unique(capture);
+  number_frames(capture);
+  check_times(capture);
+}
+
+TransformsCapture read_files(const std::filesystem::path& folder, Images images) {
+  require_folder(folder);
+  TransformsCapture capture;
+  if (std::filesystem::exists(folder / kSplitFiles[0].name)) {
+    for (const SplitFile& file : kSplitFiles)
+      if (std::filesystem::exists(folder / file.name))
+        read_file(folder / file.name, file.split, images, capture);
+  } else if (std::filesystem::exists(folder / "transforms.json")) {
+    read_file(folder / "transforms.json", Split::kTrain, images, capture);
+  } else {
+    throw InputError(fmt::format(
+        "{}: has neither transforms.json nor transforms_train.json; prepare the capture with "
+        "`tessera ingest`",
+        folder.string()));
+  }
+  complete(capture);
+  return capture;
+}
+
+/// After frames were numbered and named, so that those of others do not change.
+void leave_out_missing(TransformsCapture& capture) {
+  const std::string first = capture.frames.front().where;
+  std::erase_if(capture.frames, [&](const TransformsFrame& frame) {
+    if (frame.image.empty()) capture.missing.push_back(frame.name);
+    return frame.image.empty();
+  });
+  if (capture.frames.empty())
+    throw InputError(fmt::format("{}: no such image, nor any of the {} others; restore them", first,
+                                 capture.missing.size() - 1));
+}
+
+}  // namespace
+
+namespace {
+
+/// COLMAP's poses beside a transforms file are not read, nor is their protocol of test views.
+void warn_of_unread_model(const std::filesystem::path& folder, TransformsCapture& capture) {
+  const std::filesystem::path model = find_colmap_model(folder);
+  if (model.empty() || is_prepared_scene(folder)) return;
+  capture.warnings.push_back(fmt::format(
+      "{}: read as {}; {} is there, too, and is not read: move the transforms file away to have "
+      "the COLMAP model in its place",
+      folder.string(), capture.files.front().filename().string(),
+      model.lexically_relative(folder).string()));
+}
+
+}  // namespace
+
+TransformsCapture read_transforms(const std::filesystem::path& folder) {
+  TransformsCapture capture = read_files(folder, Images::kRequired);
+  warn_of_unread_model(folder, capture);
+  return capture;
+}
+
+TransformsCapture read_transforms_capture(const std::filesystem::path& folder) {
+  TransformsCapture capture = read_files(folder, Images::kListed);
+  leave_out_missing(capture);
+  warn_of_unread_model(folder, capture);
+  return capture;
+}
+
+TransformsCapture read_camera_path(const std::filesystem::path& file) {
+  TransformsCapture capture;
+  read_file(file, Split::kTest, Images::kUnused, capture);
+  complete(capture);
+  return capture;
+}
+
+bool has_transforms(const std::filesystem::path& folder) {
+  return std::filesystem::exists(folder / "transforms.json") ||
+         std::filesystem::exists(folder / kSplitFiles[0].name);
+}
+
+bool is_prepared_scene(const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / "transforms.json";
+  if (!std::filesystem::is_regular_file(path)) return false;
+  try {
+    const json file = read_json(path);
+    return file.is_object() && file.contains("tessera");
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,45 @@
+// What: packets → decoded frames in order of presentation, with jumps to later keyframes.
+// Not: pixels in RGB (video_colour.h), and no concealment: a damaged frame is an error.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "ingest/video/video_file.h"
+
+namespace tessera {
+
+class FrameDecoder {
+ public:
+  /// Codecs run on thread_count() + 1 threads, at most 16, by frame and by slice as they can.
+  /// Errors: InputError.
+  explicit FrameDecoder(const std::filesystem::path& path);
+
+  /// The next frame that is shown; its `pts` is the packet's. False at the end of the file; whether
+  /// that came early, file().cut_reason() says. Errors: InputError naming camera and time.
+  bool next(AVFrame& frame);
+  /// Passes over packets until `packet` (counted from the first keyframe on), a keyframe, and goes
+  /// on decoding there: frames shown before it are left out.
+  void jump_to(int64_t packet);
+  int64_t packets_read() const { return packets_; }
+  int64_t frames_given() const { return frames_; }
+  std::optional<int64_t> last_ticks() const { return last_ticks_; }
+  const VideoFile& file() const { return file_; }
+
+ private:
+  [[noreturn]] void fail(const std::string& seen) const;
+  void open_codec();
+  void send_packet();
+  bool is_shown(const AVFrame& frame);
+
+  VideoFile file_;
+  LibavOwned<AVCodecContext> codec_;
+  LibavOwned<AVPacket> packet_;
+  bool drained_ = false, has_packet_ = false;
+  int64_t packets_ = 0, frames_ = 0;
+  std::optional<int64_t> first_shown_;  // time of the keyframe that decoding started at
+  std::optional<int64_t> last_ticks_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,166 @@
+// What: all frames, or the wanted ones: which keyframe to go on from, and what a missing one means.
+// Not: the codec's loop (frame_decoder.h) or the conversion (image_batch.h).
+#include "ingest/video/video_decoder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ingest/video/frame_decoder.h"
+#include "ingest/video/image_batch.h"
+#include "kernels/base/errors.h"
+
+namespace tessera {
+namespace {
+
+VideoStream stream_of(const VideoFile& file) {
+  return {file.width(), file.height(), file.time_base(), file.track().nb_frames, {}};
+}
+
+/// What the file's end says of the frames before it. Errors: InputError unless that is to be kept.
+void judge_end(const FrameDecoder& decoder, Truncation truncation, VideoStream& stream) {
+  const VideoFile& file = decoder.file();
+  const int64_t frames = decoder.frames_given();
+  const std::string& reason = file.cut_reason();
+  const double seconds = decoder.last_ticks() ? file.seconds(*decoder.last_ticks()) : 0;
+  if (!reason.empty() && (truncation == Truncation::kRefuse || frames == 0))
+    throw InputError(fmt::format(
+        "{}: camera {} is truncated ({}), {} frames could be read, up to {:.3f} s; copy or encode "
+        "this video again, or pass --frames {}",
+        file.name(), file.camera(), reason, frames, seconds, frames));
+  if (frames == 0)
+    throw InputError(
+        fmt::format("{}: camera {} holds no image; encode it again", file.name(), file.camera()));
+  if (!reason.empty())
+    stream.warnings.push_back(
+        fmt::format("{}: camera {} is truncated after {} frames at {:.3f} s ({}); the frames up to "
+                    "there are used",
+                    file.name(), file.camera(), frames, seconds, reason));
+}
+
+/// Where decoding can start: keyframes by their place in the file and their time.
+struct EntryPoint {
+  int64_t packet = 0;
+  int64_t ticks = 0;
+};
+
+/// The keyframes up to `last`, read without decoding.
+std::vector<EntryPoint> entry_points(const std::filesystem::path& path, int64_t last) {
+  VideoFile file(path);
+  const LibavOwned<AVPacket> packet = new_packet();
+  std::vector<EntryPoint> points;
+  for (int64_t i = 0; file.read(*packet) == VideoFile::Read::kPacket; ++i) {
+    if (packet->dts != AV_NOPTS_VALUE && packet->dts > last) break;
+    if ((packet->flags & AV_PKT_FLAG_KEY) != 0) points.push_back({i, packet->pts});
+  }
+  return points;
+}
+
+class WantedFrames {
+ public:
+  WantedFrames(const std::filesystem::path& path, const std::vector<int64_t>& wanted,
+               const std::function<bool(VideoFrame)>& on_frame, const DecodeOptions& options)
+      : path_(path), wanted_(wanted), decoder_(path), batch_(decoder_.file(), options, on_frame) {}
+
+  /// Decodes from the keyframes in `points` where that saves packets, all packets without any.
+  /// False when a wanted frame did not come although its packets were decoded from a keyframe.
+  bool decode(const std::vector<EntryPoint>& points) {
+    const LibavOwned<AVFrame> frame = new_frame();
+    for (; next_ < wanted_.size(); ++next_) {
+      jump_if_it_pays(points, wanted_[next_]);
+      bool found = false;
+      try {
+        found = decode_until(*frame, wanted_[next_]);
+      } catch (const InputError&) {
+        if (jumped_) return false;  // a keyframe that does not stand alone looks like damage
+        if (!batch_.deliver()) return true;
+        throw;
+      }
+      if (!found && jumped_) return false;
+      if (!found && !batch_.deliver()) return true;
+      if (!found) refuse_missing();
+      if (!batch_.add(*frame)) return true;
+    }
+    batch_.deliver();
+    return true;
+  }
+
+  /// Goes back to the beginning of the file; frames handed over already do not come again.
+  void start_again() {
+    decoder_ = FrameDecoder(path_);
+    jumped_ = false;
+  }
+
+ private:
+  /// A restart costs the frames that the codec's threads have begun: less than this many packets.
+  static constexpr int64_t kLeastJump = 24;
+
+  void jump_if_it_pays(const std::vector<EntryPoint>& points, int64_t ticks) {
+    int64_t packet = -1;
+    for (const EntryPoint& point : points)
+      if (point.ticks <= ticks) packet = std::max(packet, point.packet);
+    if (packet < decoder_.packets_read() + kLeastJump) return;
+    decoder_.jump_to(packet);
+    jumped_ = true;
+  }
+
+  /// False where the frame after `ticks` came without one at it.
+  bool decode_until(AVFrame& frame, int64_t ticks) {
+    while (decoder_.last_ticks().value_or(INT64_MIN) < ticks)
+      if (!decoder_.next(frame)) return false;
+    return frame.pts == ticks;
+  }
+
+  [[noreturn]] void refuse_missing() const {
+    const VideoFile& file = decoder_.file();
+    throw InputError(fmt::format(
+        "{}: camera {} has no frame at {:.6f} s{}; copy or encode this video again", file.name(),
+        file.camera(), file.seconds(wanted_[next_]),
+        file.cut_reason().empty() ? "" : fmt::format(", it is truncated ({})", file.cut_reason())));
+  }
+
+  const std::filesystem::path& path_;
+  const std::vector<int64_t>& wanted_;
+  FrameDecoder decoder_;
+  ImageBatch batch_;
+  size_t next_ = 0;
+  bool jumped_ = false;
+};
+
+}  // namespace
+
+VideoStream probe_video(const std::filesystem::path& path) {
+  return stream_of(VideoFile(path));
+}
+
+VideoStream decode_video(const std::filesystem::path& path,
+                         const std::function<bool(VideoFrame)>& on_frame,
+                         const DecodeOptions& options) {
+  FrameDecoder decoder(path);
+  VideoStream stream = stream_of(decoder.file());
+  ImageBatch batch(decoder.file(), options, on_frame);
+  const LibavOwned<AVFrame> frame = new_frame();
+  bool goes_on = true;
+  try {
+    while (goes_on && decoder.next(*frame)) goes_on = batch.add(*frame);
+  } catch (const InputError&) {  // the frames before the damage may be all that is asked for
+    if (batch.deliver()) throw;
+    goes_on = false;
+  }
+  if (goes_on && batch.deliver()) judge_end(decoder, options.truncation, stream);
+  stream.frames = batch.delivered();
+  return stream;
+}
+
+void decode_frames(const std::filesystem::path& path, const std::vector<int64_t>& wanted,
+                   const std::function<bool(VideoFrame)>& on_frame, const DecodeOptions& options) {
+  if (wanted.empty()) return;
+  check(std::adjacent_find(wanted.begin(), wanted.end(), std::greater_equal<>()) == wanted.end(),
+        "wanted times increase");
+  WantedFrames frames(path, wanted, on_frame, options);
+  if (frames.decode(entry_points(path, wanted.back()))) return;
+  frames.start_again();  // with all packets from the first: what is missing then is missing
+  frames.decode({});
+}
+
+}  // namespace tessera
