@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "kernels/base/errors.h"
@@ -100,5 +101,8 @@ CaptureLayout detect_layout(const std::filesystem::path& capture,
 /// Errors: InputError, one line naming file and remedy.
 IngestReport ingest_capture(const std::filesystem::path& capture, const std::filesystem::path& out,
                             const IngestOptions& options, const IngestProgress& progress);
+
+/// Versions of the media libraries: {"FFmpeg", "5.1.6"}, …; empty in a trainer-only build.
+std::vector<std::pair<std::string, std::string>> media_versions();
 
 }  // namespace tessera

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "ingest/files/write_failure.h"
+#include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/argument_words.h"
 #include "tools/cli/command.h"

@@ -1,5 +1,5 @@
-// What: counts over the points, and the colour test that finds a wrong axis convention.
-// Not: coverage of the views (coverage.h).
+// Counts of points in the views of the cameras. A comparison of the colours of points and images
+// finds a wrong axis convention.
 #include "ingest/checks/cloud_health.h"
 
 #include <fmt/format.h>
@@ -8,9 +8,12 @@
 #include <cmath>
 #include <glm/glm.hpp>
 #include <set>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include "ingest/checks/stations.h"
+#include "kernels/base/camera_rig.h"
 #include "kernels/base/median.h"
 
 namespace tessera {
@@ -157,6 +160,28 @@ CloudHealth check_cloud(const Scene& scene) {
   }
   judge(scene, health);
   return health;
+}
+
+std::optional<double> nearest_depth(const Scene& scene) {
+  constexpr size_t kLeastPoints = 500, kPointsPerOutlier = 500;
+  std::optional<double> nearest;
+  std::set<std::string> known;
+  std::vector<double> depths;
+  for (const int f : scene.split_indices(Split::kTrain)) {
+    const Frame& frame = scene.frames[size_t(f)];
+    if (!known.insert(frame.camera_name).second) continue;
+    depths.clear();
+    for (const glm::vec3& point : scene.points.position) {
+      const glm::dvec3 p(point);
+      if (sees(frame.camera, p, 0))
+        depths.push_back((frame.camera.cam_from_world * p + frame.camera.translation).z);
+    }
+    if (depths.size() < kLeastPoints) continue;
+    const auto first = depths.begin() + std::ptrdiff_t(depths.size() / kPointsPerOutlier);
+    std::nth_element(depths.begin(), first, depths.end());
+    if (!nearest || *first < *nearest) nearest = *first;
+  }
+  return nearest;
 }
 
 }  // namespace tessera

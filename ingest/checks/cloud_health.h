@@ -1,6 +1,8 @@
-// What: whether the initial cloud is there, lies where the cameras look, and has their colours.
-// Not: its repair.
+// Checks of the initial cloud: whether it exists, lies where the cameras look and has the colours
+// of the images; and the smallest depth at which the cameras see it.
 #pragma once
+#include <optional>
+
 #include "ingest/checks/finding.h"
 #include "ingest/scene.h"
 
@@ -18,5 +20,11 @@ struct CloudHealth {
 
 /// Needs pixels. Points with a timestep are compared like the others: against the median image.
 CloudHealth check_cloud(const Scene& scene);
+
+/// Smallest depth, world units along the viewing axis, at which a training camera sees points of
+/// `scene.points`. Of each camera, in its first frame, the nearest five hundredth of the points
+/// that it sees are left out: matches between images are wrong now and then, and then are often
+/// near. None where no camera sees 500 points.
+std::optional<double> nearest_depth(const Scene& scene);
 
 }  // namespace tessera

@@ -1,9 +1,10 @@
-// What: SIFT features of each station's median image, matched to the stations whose view overlaps
-//       most, and how far each match lies from its epipolar line under the stated poses.
-// Not: estimation; poses select pairs of stations but, but for a loose gate, no matches.
+// SIFT features of the median image of each station, matched between stations whose views overlap,
+// and the distance of each match to its epipolar line under the stated poses. Poses only choose the
+// pairs of stations and reject gross mismatches.
 #pragma once
 #include <vector>
 
+#include "ingest/checks/finding.h"
 #include "ingest/checks/stations.h"
 
 namespace tessera {
@@ -33,5 +34,19 @@ MatchedStations match_stations(const Scene& scene);
 
 /// First-order distance of a match to the epipolar geometry of two cameras, pixels  [Sampson].
 double sampson_distance(const Camera& a, const Camera& b, const FeatureMatch& match);
+
+struct PoseResidual {
+  std::string camera;
+  int64_t features = 0, matches = 0;
+  int pairs = 0;         // with enough matches to say something
+  double residual = -1;  // median over its pairs of their median Sampson distance; −1: unknown
+};
+
+struct PoseCheck {
+  std::vector<PoseResidual> cameras;  // worst first, unknown ones last
+  double median = -1;                 // over the cameras, pixels
+  Findings findings;
+};
+PoseCheck check_poses(const MatchedStations& matched);
 
 }  // namespace tessera

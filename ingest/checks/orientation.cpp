@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "ingest/checks/stations.h"
-#include "ingest/held_out_cameras.h"
+#include "ingest/test_views.h"
 
 namespace tessera {
 namespace {

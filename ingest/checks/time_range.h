@@ -1,7 +1,9 @@
-// What: the timesteps of a scene: one or several, gaps in a camera, cameras of another range; and
-//       how much of the images moves.
-// Not: clocks (ingest/clocks/clock_sync.h); offsets that were found are in the frames' times.
+// Checks of the timesteps of a scene: their number, gaps of a camera, cameras with another time
+// range, the uncertainty of the clock offsets, and the share of the image that moves.
 #pragma once
+#include <string>
+#include <vector>
+
 #include "ingest/checks/finding.h"
 #include "ingest/scene.h"
 
@@ -27,5 +29,16 @@ SceneTimes check_times(const Scene& scene);
 /// Share of the pixels that change by more than 10 % of white over the loaded timesteps, mean over
 /// the training cameras that stand still; −1 where none has two timesteps. Needs pixels.
 double dynamic_share(const Scene& scene);
+
+/// What a preparation recorded of a camera's clock; seconds.
+struct RecordedClock {
+  std::string camera, source;  // source: "motion", "audio", "container", "stated", "none" or empty
+  double offset = 0;           // added to its times
+  double uncertainty = 0;      // standard error; 0: stated or not looked at
+};
+
+/// Warns of clocks that could not be measured, and of those that are only known to more than a
+/// quarter of a frame of `scene`, and says what was done with them. Needs no pixels.
+Findings check_clocks(const Scene& scene, const std::vector<RecordedClock>& clocks);
 
 }  // namespace tessera

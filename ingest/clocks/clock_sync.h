@@ -1,11 +1,12 @@
-// What: how much later or earlier each camera's clock runs than the rig's, from the videos.
-// Not: resampling: frames keep their timesteps, the offset is added to their times.
+// The offset of the clock of each camera relative to the clock of the rig, stated in a file or
+// measured from the videos. The offset is added to the times of the frames; no frame is resampled.
 #pragma once
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "ingest/ingest.h"
-#include "ingest/video/rig_clip.h"
+#include "ingest/video/clip_frames.h"
 
 namespace tessera {
 
@@ -26,5 +27,17 @@ struct ClipClocks {
 /// Errors: InputError naming file or camera and the remedy.
 ClipClocks synchronise(const std::vector<RigClip>& clips, const SyncOptions& options,
                        const IngestProgress& progress);
+
+/// Seconds for each of `names`, in their order. Text: blanks or a comma between name and seconds,
+/// # begins a comment. Errors: InputError naming the file and what is wrong in it: a camera that
+/// is unknown, missing or stated twice, no number.
+std::vector<double> read_stated_offsets(const std::filesystem::path& path,
+                                        const std::vector<std::string>& names);
+
+/// One clock a clip, their median 0. A clip whose offset cannot be told keeps 0, the source "none"
+/// and a warning, as does one without a pose; an offset within offset_limits() is left at 0, its
+/// measured value beside it. Errors: InputError: a clock that drifts against the others'. Memory:
+/// 512 MB of images at most, and for each clip 17 MB and 90 kB a frame of three seconds.
+ClipClocks synchronise_by_motion(const std::vector<RigClip>& clips, const IngestProgress& progress);
 
 }  // namespace tessera

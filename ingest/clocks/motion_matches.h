@@ -1,12 +1,12 @@
-// What: moving features that two posed cameras both see, and how far each misses its epipolar line
-//       at a supposed offset of the clocks.
-// Not: the offset that follows from the misses (offset_solver.h).
+// Comparisons of the motion of two clips: a coarse offset from the time and position of their
+// motion, and a fine one from the distances of moving features to their epipolar lines.
 #pragma once
+#include <optional>
 #include <vector>
 
 #include "ingest/clocks/clip_motion.h"
 #include "ingest/clocks/offset_solver.h"
-#include "ingest/poses/rig_camera.h"
+#include "ingest/poses/lens.h"
 
 namespace tessera {
 
@@ -37,5 +37,11 @@ std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFea
 /// Offset of b − a near `start`, in the middle of a's features, and its rate, by matching again at
 /// each better offset. Nothing where too few moving points match.
 std::optional<PairShift> fine_offset(const PosedFeatures& a, const PosedFeatures& b, double start);
+
+/// Correlates the clips' motion over time, separately on each plane through both camera centres,
+/// which a point never seems to leave for one of the cameras only. `sigma` is a frame. Nothing
+/// where no shift stands out.
+std::optional<PairOffset> coarse_offset(const MotionEnergy& a, const MotionEnergy& b,
+                                        const RigCamera& camera_a, const RigCamera& camera_b);
 
 }  // namespace tessera

@@ -1,7 +1,7 @@
 // What: profiles of motion energy [time, plane of the epipolar pencil] and their correlation.
 // Not: choosing pairs.
 // Source: epipolar pencil: Hartley, Zisserman 2004, 9.2; normalised correlation.
-#include "ingest/clocks/motion_profile.h"
+#include "ingest/clocks/motion_matches.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // What: clock offsets from measurements: of two clocks from how far each correspondence misses its
 //       epipolar line, of a whole rig from its pairs; and which of them are applied.
-// Not: where the measurements come from (ingest/clocks/sync_motion.h,
+// Not: where the measurements come from (ingest/clocks/clock_sync.h,
 // ingest/clocks/sync_audio.h). Source: least squares with Cauchy weights (Holland, Welsch
 // 1977), iterated.
 #pragma once

@@ -1,6 +1,6 @@
-// What: coarse offsets of pairs of posed cameras, then fine ones, then all clocks at once.
-// Not: the measurements themselves (motion_profile.h, motion_matches.h).
-#include "ingest/clocks/sync_motion.h"
+// Clock offsets from moving features: coarse offsets of pairs of posed cameras, then fine ones,
+// then all clocks at once.
+#include "ingest/clocks/clock_sync.h"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,8 @@
 #include <limits>
 
 #include "ingest/clocks/motion_matches.h"
-#include "ingest/clocks/motion_profile.h"
 #include "ingest/clocks/offset_solver.h"
-#include "ingest/held_out_cameras.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 

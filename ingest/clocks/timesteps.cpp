@@ -1,12 +1,14 @@
-// What: timesteps of a reference camera, and every frame at the nearest of them.
-// Not: images.
+// The timesteps are those of a reference camera; every frame belongs to the nearest of them.
 #include "ingest/clocks/timesteps.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "kernels/base/errors.h"
 #include "kernels/base/even_spread.h"
 
 namespace tessera {
@@ -79,6 +81,28 @@ std::vector<Timestep> training_timesteps(const Scene& scene) {
     times.push_back({frame.camera_name, frame.time, i});
   }
   return group_timesteps(times);
+}
+
+NormalisedTimes normalise_times(const std::vector<double>& source_times, bool allow_static,
+                                const std::string& where) {
+  check(!source_times.empty(), "normalise_times of nothing");
+  const auto [least, most] = std::minmax_element(source_times.begin(), source_times.end());
+  NormalisedTimes result;
+  result.axis.origin = *least;
+  result.time.assign(source_times.size(), 0.0);
+  if (*least == *most) {
+    if (source_times.size() > 1 && !allow_static)
+      throw InputError(fmt::format(
+          "{}: all {} frames have time {}; pass --static to reconstruct one timestep, or correct "
+          "the times",
+          where, source_times.size(), *least));
+    result.is_static = true;
+    return result;
+  }
+  result.axis.duration = *most - *least;
+  for (size_t i = 0; i < source_times.size(); ++i)
+    result.time[i] = (source_times[i] - *least) / result.axis.duration;
+  return result;
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// Which frames of several cameras show the same timestep, and even choices of timesteps. Times are
-// taken as they are; cameras may be apart by parts of a frame.
+// Normalises the times of a capture to [0, 1], groups the frames of several cameras into timesteps,
+// and chooses evenly spread timesteps. Times of cameras may differ by parts of a frame.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -37,5 +37,17 @@ std::vector<int64_t> motion_timesteps(int64_t timesteps);
 
 /// Timestep::frames are numbers of scene.frames; images need not be loaded.
 std::vector<Timestep> training_timesteps(const Scene& scene);
+
+struct NormalisedTimes {
+  std::vector<double> time;  // as many as were given, in [0, 1]
+  TimeAxis axis;
+  bool is_static = false;
+};
+
+/// time = (t − min) / (max − min), so t, 2t + 5 and t + 1.7e9 give the same. One time is static.
+/// Errors: InputError that starts with `where` when several are given that are all equal, unless
+/// `allow_static`.
+NormalisedTimes normalise_times(const std::vector<double>& source_times, bool allow_static,
+                                const std::string& where);
 
 }  // namespace tessera

@@ -1,21 +1,118 @@
-// What: whether a capture is a rig, and the sweep on the prepared scene where it is one.
-// Not: files: points.ply is written with the scene.
-// Source: scores with few cameras: failure mode B12.
+// Runs the plane sweep where the capture is a rig, with few timesteps in memory at a time. The loss
+// that the warning about few cameras states is that of failure mode B12.
 #include "ingest/cloud/initial_cloud.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <set>
 
 #include "ingest/clocks/timesteps.h"
-#include "ingest/cloud/rig_cloud.h"
 #include "ingest/files/point_cloud.h"
+#include "ingest/prepared/scene_reader.h"
 
 namespace tessera {
 namespace {
 
 constexpr int64_t kFewestCameras = 3;  // that a depth is agreed on by
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Scene load(const std::filesystem::path& folder,
+           std::optional<std::vector<int64_t>> timesteps = std::nullopt) {
+  SceneOptions options;
+  options.allow_static = true;
+  options.load_pixels = timesteps.has_value();
+  options.timesteps = std::move(timesteps);
+  return load_scene(folder, options);
+}
+
+/// Timesteps whose training images fit into the memory that the sweep may take.
+int64_t timesteps_in_memory(const Scene& scene, const std::vector<Timestep>& timesteps) {
+  constexpr int64_t kBytes = int64_t{2} << 30, kFewest = 2;
+  int64_t largest = 1;
+  for (const Timestep& timestep : timesteps) {
+    int64_t bytes = 0;
+    for (int i : timestep.frames) {
+      const Camera& camera = scene.frames[size_t(i)].camera;
+      bytes += int64_t{3} * camera.width * camera.height;
+    }
+    largest = std::max(largest, bytes);
+  }
+  return std::max(kBytes / largest, kFewest);
+}
+
+/// The numbers before and after, as far as there are any.
+std::vector<int64_t> beside(int64_t number, int64_t count) {
+  std::vector<int64_t> numbers;
+  if (number > 0) numbers.push_back(number - 1);
+  if (number + 1 < count) numbers.push_back(number + 1);
+  return numbers;
+}
+
+/// A scene on disk by its timesteps.
+class Clip {
+ public:
+  explicit Clip(const std::filesystem::path& folder)
+      : folder_(folder), listed_(load(folder)), timesteps_(training_timesteps(listed_)) {}
+  bool has_rig() const {
+    return std::any_of(timesteps_.begin(), timesteps_.end(), [](const Timestep& timestep) {
+      return int64_t(timestep.frames.size()) >= kFewestCameras;
+    });
+  }
+  std::vector<int64_t> keys() const {
+    return key_timesteps(int64_t(timesteps_.size()), timesteps_in_memory(listed_, timesteps_));
+  }
+  Scene loaded(const std::vector<int64_t>& numbers) const { return load(folder_, numbers); }
+  int64_t count() const { return int64_t(timesteps_.size()); }
+
+ private:
+  std::filesystem::path folder_;
+  Scene listed_;  // without pixels
+  std::vector<Timestep> timesteps_;
+};
+
+/// What moves at a timestep, with velocities.
+class MovingPoints {
+ public:
+  MovingPoints(const Clip& clip, const CloudOptions& options,
+               std::shared_ptr<const StillPixels> still_pixels, RigCloud& cloud)
+      : clip_(clip), options_(options), still_pixels_(std::move(still_pixels)), cloud_(cloud) {
+    options_.part = CloudPart::kMoving;
+    options_.progress = nullptr;
+  }
+  std::vector<SweptPoint> at(int64_t number, int64_t most) {
+    options_.points = most;
+    options_.seed += 1;
+    Clock::time_point start = Clock::now();
+    const Scene scene = clip_.loaded({number});
+    const PlaneSweep sweep(scene, still_pixels_);
+    std::vector<SweptPoint> points = dense_points(sweep, options_);
+    cloud_.sweep_seconds += seconds_since(start);
+    start = Clock::now();
+    const std::vector<int64_t> around = beside(number, clip_.count());
+    if (!points.empty() && !around.empty()) {
+      std::vector<SweptPoint*> all;
+      for (SweptPoint& point : points) all.push_back(&point);
+      const VelocityCount count = find_velocities(sweep, clip_.loaded(around), all);
+      cloud_.velocities.moving += count.moving;
+      cloud_.velocities.reliable += count.reliable;
+    }
+    cloud_.velocity_seconds += seconds_since(start);
+    return points;
+  }
+
+ private:
+  const Clip& clip_;
+  CloudOptions options_;
+  std::shared_ptr<const StillPixels> still_pixels_;
+  RigCloud& cloud_;
+};
 
 std::vector<Timestep> training_timesteps(const PreparedScene& scene) {
   std::vector<FrameTime> times;
@@ -39,6 +136,49 @@ CloudDensity density(const PreparedScene& scene, const PointCloud& sparse,
 }
 
 }  // namespace
+
+RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& options) {
+  RigCloud cloud;
+  const Clip clip(folder);
+  if (!clip.has_rig()) return cloud;
+  const std::vector<int64_t> keys = clip.keys(), motion_keys = motion_timesteps(clip.count());
+  cloud.key_timesteps = int64_t(keys.size());
+  cloud.motion_timesteps = int64_t(motion_keys.size());
+  Clock::time_point start = Clock::now();
+  const Scene scene = clip.loaded(keys);
+  const auto still_pixels = std::make_shared<const StillPixels>(scene);
+  cloud.sweep_seconds = seconds_since(start);
+  MovingPoints moving(clip, options, still_pixels, cloud);
+  const auto count = int64_t(motion_keys.size());
+  const int64_t most = options.points / 2;
+  std::vector<SweptPoint> points;
+  for (int64_t i = 0; i < count; ++i) {
+    if (options.progress) options.progress(int64_t(points.size()));
+    const std::vector<SweptPoint> found =
+        moving.at(motion_keys[size_t(i)], most * (i + 1) / count - most * i / count);
+    points.insert(points.end(), found.begin(), found.end());
+  }
+  start = Clock::now();
+  CloudOptions still = options;
+  still.part = CloudPart::kStill;
+  still.points = options.points - int64_t(points.size());
+  if (options.progress)
+    still.progress = [&](int64_t done) { options.progress(int64_t(points.size()) + done); };
+  const std::vector<SweptPoint> found = dense_points(PlaneSweep(scene, still_pixels), still);
+  points.insert(points.end(), found.begin(), found.end());
+  cloud.sweep_seconds += seconds_since(start);
+  cloud.points = cloud_of(points);
+  return cloud;
+}
+
+std::string summary(const RigCloud& cloud) {
+  return fmt::format(
+      "plane sweep: {} points in {:.1f} s, still ones at {} timesteps and moving ones at {}; {} "
+      "move, and {} of these have a velocity, found in {:.1f} s",
+      cloud.points.position.size(), cloud.sweep_seconds, cloud.key_timesteps,
+      cloud.motion_timesteps, cloud.velocities.moving, cloud.velocities.reliable,
+      cloud.velocity_seconds);
+}
 
 int64_t cameras_of_a_timestep(const PreparedScene& scene) {
   size_t most = 0;

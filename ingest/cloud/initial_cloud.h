@@ -1,10 +1,35 @@
-// What: the cloud of a prepared scene, of the density that was asked for.
-// Not: the sweep (rig_cloud.h), sparse points (colmap_model.h, point_cloud.h).
+// The initial cloud of a prepared scene on disk, of the requested density: static points by a plane
+// sweep at key timesteps, moving points by one at every second timestep, with velocities from the
+// neighbouring timesteps. `ingest` and `train` share this code.
 #pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "ingest/cloud/dense_cloud.h"
+#include "ingest/cloud/point_velocities.h"
 #include "ingest/ingest.h"
 #include "ingest/prepared/prepared_scene.h"
 
 namespace tessera {
+
+struct RigCloud {
+  PointCloud points;  // with time, still and velocity
+  /// At which still and moving points were looked for; 0: no three cameras share a timestep.
+  int64_t key_timesteps = 0, motion_timesteps = 0;
+  VelocityCount velocities;
+  double sweep_seconds = 0, velocity_seconds = 0;
+};
+
+/// The cloud of the training frames of the scene in `folder`, which load_scene can read; its own
+/// points are not looked at. At most half of the points move, an equal number at each of
+/// motion_timesteps(). Images of the key timesteps (key_timesteps(), as many as fit into 2 GiB, 2
+/// at least) and of three more are in memory at a time. Empty when no three training cameras share
+/// a timestep. The same for any number of threads. Errors: as load_scene.
+RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& options);
+
+/// One line: how many points and timesteps, how many move, how many of these have a velocity.
+std::string summary(const RigCloud& cloud);
 
 /// Cameras of the training split that share the scene's fullest timestep; 1 for monocular captures.
 int64_t cameras_of_a_timestep(const PreparedScene& scene);

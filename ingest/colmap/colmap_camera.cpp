@@ -1,6 +1,6 @@
 // What: the table of COLMAP's models: each parameter's name says where it goes.
 // Not: equations; all models are cases of one Lens (lens.h). Source: COLMAP 3.8, camera models.
-#include "ingest/colmap/colmap_camera.h"
+#include "ingest/colmap/colmap_records.h"
 
 #include <fmt/format.h>
 

@@ -11,7 +11,6 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/child_process.h"
-#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

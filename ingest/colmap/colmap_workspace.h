@@ -1,15 +1,14 @@
-// What: what runs of COLMAP share: where their files lie, images and masks for it, its database,
-//       the choice among the models it makes.
-// Not: which images, and what is made of the models (rig_poses.cpp, known_pose_points.cpp).
+// Files and commands that all runs of COLMAP share: images, masks, the database, models with known
+// poses, and the choice among the resulting models.
 #pragma once
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "ingest/colmap/colmap_program.h"
-#include "ingest/colmap/posed_model.h"
 #include "ingest/colmap/rig_background.h"
 #include "ingest/files/fnv1a.h"
+#include "ingest/poses/lens.h"
 
 namespace tessera {
 
@@ -50,5 +49,18 @@ double tight_error(int width);
 /// where there are several. An empty path where there is none.
 std::filesystem::path largest_colmap_model(const std::filesystem::path& sparse,
                                            std::vector<std::string>& warnings);
+
+struct PosedImage {
+  std::string name;  // below the folder of the images
+  RigCamera camera;
+};
+
+/// A camera as cameras.txt has it: "PINHOLE 480 360 400 400 240 180". Errors: InputError: a model's
+/// name that COLMAP does not have.
+std::string colmap_lens_line(const RigCamera& camera);
+
+/// Images of equal lenses share one camera, so that what refines them keeps them equal. Errors:
+/// InputError: the folder cannot be written, an unknown model's name.
+void write_posed_model(const std::filesystem::path& folder, const std::vector<PosedImage>& images);
 
 }  // namespace tessera

@@ -14,7 +14,6 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kSamples = 9;      // frames of a clip behind its median
 constexpr double kErrorFactor = 2;  // known poses are off by their own error
 
 /// One triangulation: images with masks of the clips that have one.
@@ -79,7 +78,7 @@ struct SeenByCameras {
 /// Decodes a clip once: the frames behind its median, and those of the instants.
 void look(const RigClip& clip, size_t index, const std::vector<RigInstant>& instants,
           SeenByCameras& seen) {
-  const auto spread = spread_frames(clip.timeline.ticks.size(), kSamples);
+  const auto spread = spread_frames(clip.timeline.ticks.size(), kStillSamples);
   std::map<size_t, Image8> images;
   for (const size_t frame : spread) images[frame];
   for (const RigInstant& instant : instants)

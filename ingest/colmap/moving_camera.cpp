@@ -8,7 +8,7 @@
 #include "ingest/colmap/colmap_workspace.h"
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/source_hash.h"
+#include "ingest/files/fnv1a.h"
 #include "ingest/images/image_paths.h"
 #include "kernels/base/errors.h"
 

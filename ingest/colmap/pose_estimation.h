@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "ingest/ingest.h"
-#include "ingest/poses/rig_camera.h"
+#include "ingest/poses/lens.h"
 #include "ingest/scene.h"
-#include "ingest/video/rig_clip.h"
+#include "ingest/video/clip_frames.h"
 
 namespace tessera {
 

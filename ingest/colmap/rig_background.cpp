@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
-#include "ingest/images/alpha_composite.h"
+#include "ingest/images/alpha_and_mask.h"
 #include "ingest/video/clip_frames.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/even_spread.h"

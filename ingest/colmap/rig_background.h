@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
-#include "ingest/video/rig_clip.h"
+#include "ingest/video/clip_frames.h"
 
 namespace tessera {
 
@@ -14,6 +14,9 @@ struct StillImage {
   Image8 mask;          // one channel: 255 still, 0 moving
   float threshold = 0;  // 8-bit values: a pixel that deviates by more moves
 };
+
+/// Frames of a clip from which its still image is computed.
+inline constexpr size_t kStillSamples = 9;
 
 /// Up to `count` indices into the clip's frames, spread evenly, first and last among them.
 std::vector<size_t> spread_frames(size_t frames, size_t count);

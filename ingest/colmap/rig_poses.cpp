@@ -15,7 +15,6 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kSamples = 9;  // frames of a clip behind its median
 constexpr int kRounds = 2;  // of triangulation and adjustment: the third changes < 0.001 degrees
 constexpr const char* kOverlapRemedy =
     "let neighbouring cameras see more of the same textured things, or pass --poses FILE";
@@ -142,7 +141,7 @@ std::vector<StillImage> still_images(const std::vector<RigClip>& clips, Fnv1a& k
   for (const RigClip& clip : clips) {
     progress("reading frames for the camera poses", int64_t(stills.size()), int64_t(clips.size()));
     stills.push_back(
-        still_image(sample_images(clip, spread_frames(clip.timeline.ticks.size(), kSamples))));
+        still_image(sample_images(clip, spread_frames(clip.timeline.ticks.size(), kStillSamples))));
     const Image8& image = stills.back().image;
     key.add(fmt::format("{} {}x{}", clip.name, image.width, image.height));
     key.add(image.data.data(), image.data.size());

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
@@ -12,7 +14,6 @@
 #include <system_error>
 #include <utility>
 
-#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -26,6 +27,20 @@ std::filesystem::path temporary_beside(const std::filesystem::path& target) {
 }
 
 }  // namespace
+
+bool path_is_at_fault(int reason) {
+  constexpr std::array kOfThePath{EACCES, EPERM,  EROFS,     ENOENT,  ENOTDIR, EISDIR, ENAMETOOLONG,
+                                  ELOOP,  EEXIST, ENOTEMPTY, ETXTBSY, EBUSY,   EXDEV,  EINVAL};
+  return std::find(kOfThePath.begin(), kOfThePath.end(), reason) != kOfThePath.end();
+}
+
+void fail_to_write(const std::filesystem::path& path, int reason) {
+  const std::string seen =
+      fmt::format("{}: cannot be written ({})", path.string(), std::strerror(reason));
+  if (path_is_at_fault(reason))
+    throw InputError(seen + "; check the path and its permissions or choose another folder");
+  throw WriteError(seen + "; free space or choose another folder");
+}
 
 AtomicFile::AtomicFile(std::filesystem::path target)
     : target_(std::move(target)), temporary_(temporary_beside(target_)) {

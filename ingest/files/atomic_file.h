@@ -1,8 +1,10 @@
-// What: whole files appear or do not: write to a temporary beside the target, fsync, rename.
-// Not: locking, and not a stream for files larger than memory allows to buffer.
+// Writes whole files or none: the bytes go to a temporary file beside the target, which is
+// synchronised and renamed. A failure is classified as an error of the path (InputError) or of the
+// machine (WriteError).
 #pragma once
 #include <cstdio>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,9 +12,24 @@
 
 namespace tessera {
 
+/// What had to be written could not be: the disk is full or broken. The message names the file,
+/// what the system reported and the remedy, in one line. Exit code 1.
+class WriteError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Whether errno `reason` speaks of the path that was given (no permission, not a folder, …) and
+/// not of the machine (no space, an input/output error).
+bool path_is_at_fault(int reason);
+
+/// Errors: always: InputError where the path is at fault, else WriteError; the message names the
+/// path, the reason (errno) and the remedy.
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, int reason);
+
 /// A file that becomes visible under its name only on `commit`; a destroyed one leaves no trace
 /// and the previous file intact. Errors (path and reason named): InputError: the folder cannot be
-/// created or written; WriteError: the disk is full (write_failure.h).
+/// created or written; WriteError: the disk is full.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path target);

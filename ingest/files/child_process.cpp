@@ -17,7 +17,7 @@
 #include <memory>
 #include <thread>
 
-#include "ingest/files/write_failure.h"
+#include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 
 extern char** environ;

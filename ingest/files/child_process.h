@@ -25,7 +25,7 @@ struct ChildResult {
 /// Calls `on_line` for each line of stdout and stderr, and with an empty line ten times a second
 /// while the child is silent; what it throws ends the child and all processes of its group (first
 /// SIGTERM, SIGKILL after a second) before it is passed on. Errors: InputError: the program cannot
-/// be started; the log cannot be written (write_failure.h).
+/// be started; the log cannot be written (atomic_file.h).
 ChildResult run_child(const ChildCommand& command,
                       const std::function<void(std::string_view)>& on_line);
 

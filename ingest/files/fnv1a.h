@@ -1,8 +1,8 @@
-// What: 64-bit FNV-1a: the one hash of source files, stage keys and fingerprints.
-// Not: cryptographic; it notices change, not malice.
-// Source: Fowler, Noll, Vo; offset basis and prime of the 64-bit variant.
+// The 64-bit FNV-1a hash (Fowler, Noll, Vo) of source files, stage keys and fingerprints. It
+// detects changes and is not cryptographic.
 #pragma once
 #include <fmt/format.h>
+#include <filesystem>
 
 #include <cstddef>
 #include <cstdint>
@@ -25,5 +25,8 @@ class Fnv1a {
  private:
   uint64_t hash_ = 0xcbf29ce484222325u;
 };
+
+/// 16 hexadecimal digits. Errors: InputError when the file cannot be read.
+std::string source_hash(const std::filesystem::path& file);
 
 }  // namespace tessera

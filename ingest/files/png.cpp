@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

@@ -1,6 +1,6 @@
-// What: PNG through libpng, everything else through OpenImageIO.
-// Not: colour profiles: integers are taken for sRGB, floats for linear with its primaries.
-// Source: IEC 61966-2-1 (the sRGB transfer curve).
+// Reads PNG through libpng and other formats through OpenImageIO. Colour profiles are ignored:
+// integers are sRGB, floats are linear with sRGB primaries. Source of the transfer curve: IEC
+// 61966-2-1.
 #include "ingest/images/image_source.h"
 
 #include <OpenImageIO/imageio.h>
@@ -11,6 +11,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
+#include "ingest/poses/intrinsics.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -136,6 +137,40 @@ SourceImage read_source_image(const path& file) {
 
 Image8 read_image(const path& file) {
   return read_source_image(file).image;
+}
+
+Image8 turned_upright(const Image8& stored, int orientation) {
+  check(orientation >= 1 && orientation <= 8, "EXIF orientation");
+  const bool sides_swapped = orientation >= 5;
+  const int w = stored.width, h = stored.height;
+  Image8 upright{sides_swapped ? h : w, sides_swapped ? w : h, stored.channels, {}};
+  upright.data.reserve(stored.data.size());
+  // The tag says where row 0 and column 0 of the stored image lie in the upright one.
+  const bool from_right =
+      orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+  const bool from_below =
+      orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+  for (int y = 0; y < upright.height; ++y)
+    for (int x = 0; x < upright.width; ++x) {
+      int column = sides_swapped ? y : x, row = sides_swapped ? x : y;
+      if (from_right) column = w - 1 - column;
+      if (from_below) row = h - 1 - row;
+      const auto scalar = (ptrdiff_t(row) * w + column) * stored.channels;
+      upright.data.insert(upright.data.end(), stored.data.begin() + scalar,
+                          stored.data.begin() + scalar + stored.channels);
+    }
+  return upright;
+}
+
+Image8 image_as_posed(SourceImage source, int width, int height, bool& doubtful) {
+  if (source.orientation == 1) return std::move(source.image);
+  const int w = source.image.width, h = source.image.height;
+  const bool sides_swapped = source.orientation >= 5;
+  const bool as_stored = same_shape(width, height, w, h);
+  const bool upright = sides_swapped ? same_shape(width, height, h, w) : as_stored;
+  if (upright && !as_stored) return turned_upright(source.image, source.orientation);
+  doubtful = doubtful || upright;
+  return std::move(source.image);
 }
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// What: a source image of any format → Image8 in sRGB, pixels in the order they are stored.
-// Not: video (video_decoder.h), or turning an image upright (image_orientation.h).
+// Reads an image of any format as an Image8 in sRGB, with its EXIF orientation. Pixels keep their
+// stored order, or are turned upright where that matches the pose.
 #pragma once
 #include <filesystem>
 
@@ -25,5 +25,15 @@ SourceImage read_source_image(const std::filesystem::path& path);
 
 /// The pixels alone.
 Image8 read_image(const std::filesystem::path& path);
+
+/// As a viewer shows it. Orientation 1 to 8 of EXIF: 2 mirrored, 3 turned by 180°, 4 flipped, 6
+/// turned clockwise, 8 anticlockwise, 5 and 7 the mirrored ones of those.
+Image8 turned_upright(const Image8& stored, int orientation);
+
+/// The pixels that a camera of `width` × `height` (of any size of the same shape) describes: as
+/// stored or turned upright, by the shape. Where both fit, as stored, because COLMAP (3.8) and the
+/// field's loaders do not look at the tag; `doubtful` then becomes true. Where neither fits: as
+/// stored.
+Image8 image_as_posed(SourceImage source, int width, int height, bool& doubtful);
 
 }  // namespace tessera

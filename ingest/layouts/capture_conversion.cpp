@@ -1,19 +1,23 @@
 // What: ingest_capture: options checked, layout found, folder staged, converter called.
 // Not: any reading of frames; the converters do that.
+extern "C" {
+#include <libavutil/avutil.h>
+}
+
+#include <OpenImageIO/oiioversion.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <opencv2/core/version.hpp>
 #include <string>
 #include <vector>
 
-#include "ingest/files/input_folder.h"
+#include "ingest/files/folders.h"
 #include "ingest/files/png.h"
-#include "ingest/files/staged_folder.h"
-#include "ingest/images/alpha_composite.h"
-#include "ingest/images/image_scale.h"
+#include "ingest/images/alpha_and_mask.h"
+#include "ingest/images/resampling.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/layouts/conversion.h"
-#include "ingest/layouts/scene_finish.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -147,6 +151,12 @@ IngestReport ingest_capture(const std::filesystem::path& capture, const std::fil
     throw InputError(fmt::format("{}: cannot be reached ({}); check this path and its permissions",
                                  error.path1().string(), error.code().message()));
   }
+}
+
+// FFmpeg's version is that of the library in use; the others are those of the build.
+std::vector<std::pair<std::string, std::string>> media_versions() {
+  return {
+      {"FFmpeg", av_version_info()}, {"OpenCV", CV_VERSION}, {"OpenImageIO", OIIO_VERSION_STRING}};
 }
 
 }  // namespace tessera

@@ -9,7 +9,7 @@
 #include <cctype>
 
 #include "ingest/colmap/colmap_model.h"
-#include "ingest/files/input_folder.h"
+#include "ingest/files/folders.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/prepared/transforms_json.h"

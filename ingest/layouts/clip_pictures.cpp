@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "ingest/images/undistortion.h"
+#include "ingest/images/resampling.h"
 #include "ingest/layouts/conversion.h"
 #include "ingest/layouts/mask_source.h"
 #include "ingest/video/clip_frames.h"

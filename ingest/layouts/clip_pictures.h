@@ -7,7 +7,7 @@
 #include <vector>
 #include "ingest/ingest.h"
 
-#include "ingest/video/rig_clip.h"
+#include "ingest/video/clip_frames.h"
 
 namespace tessera {
 

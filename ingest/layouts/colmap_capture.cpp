@@ -1,6 +1,5 @@
-// What: a folder of photos with a COLMAP model or LLFF's poses → prepared scene: one timestep,
-//       pinhole images.
-// Not: the files of poses (colmap_model.h, llff_photos.h) or the estimation of poses.
+// Converts a folder of photos with a COLMAP model, the poses of LLFF or estimated poses to a static
+// prepared scene with pinhole images.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,21 +7,40 @@
 
 #include "ingest/colmap/colmap_model.h"
 #include "ingest/colmap/pose_estimation.h"
+#include "ingest/files/fnv1a.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/files/source_hash.h"
-#include "ingest/held_out_cameras.h"
 #include "ingest/images/image_paths.h"
-#include "ingest/images/undistortion.h"
+#include "ingest/images/resampling.h"
 #include "ingest/layouts/conversion.h"
 #include "ingest/layouts/image_intake.h"
 #include "ingest/layouts/image_sequences.h"
-#include "ingest/layouts/llff_photos.h"
 #include "ingest/layouts/mask_source.h"
 #include "ingest/poses/intrinsics.h"
+#include "ingest/poses/llff_poses.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
+
+/// The images directly in `images`, by name, each with its row of `poses`, as photos of a
+/// model without points. Errors: InputError: as read_llff_poses, or another number of rows than of
+/// images.
+ColmapModel read_llff_photos(const std::filesystem::path& poses,
+                             const std::filesystem::path& images) {
+  const auto rows = read_llff_poses(poses);
+  const auto files = images_in(images);
+  if (rows.size() != files.size())
+    throw InputError(fmt::format(
+        "{}: has {} rows, {} has {} images; LLFF has one row an image in the order of their "
+        "names: put back the missing ones or remove those without a pose",
+        poses.string(), rows.size(), images.string(), files.size()));
+  ColmapModel model;
+  model.files = {poses};
+  for (size_t i = 0; i < files.size(); ++i)
+    model.photos.push_back({files[i].filename().string(), rows[i].camera, {}, "PINHOLE"});
+  return model;
+}
 
 constexpr int64_t kTestEvery = 8;  // the field's protocol for photo sets
 

@@ -1,5 +1,5 @@
-// What: the converters behind ingest_capture: each fills an empty folder with a prepared scene.
-// Not: the choice between them, or the folder's appearance under its name (capture_conversion.cpp).
+// The converters behind ingest_capture. Each fills an empty folder with the images of a prepared
+// scene; finish_scene then writes its description.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -9,6 +9,8 @@
 #include "ingest/prepared/prepared_scene.h"
 
 namespace tessera {
+
+struct RigClip;
 
 /// What a converter found and wrote. Images lie in the folder already; transforms.json and
 /// points.ply are written from this (capture_conversion.cpp), after what holds for all layouts.
@@ -42,4 +44,17 @@ void convert_images(size_t count, const IngestProgress& progress,
 Camera scaled_camera(const Camera& camera, double scale);
 /// Scales `image` and writes it as an RGB or RGBA PNG (grey becomes RGB).
 void write_prepared_image(const std::filesystem::path& path, Image8 image, double scale);
+
+/// Writes points.ply and transforms.json into `folder`, which holds the images. Errors:
+/// InputError.
+void finish_scene(Converted& converted, CaptureLayout layout, const std::filesystem::path& folder,
+                  const IngestOptions& options, const IngestProgress& progress);
+
+/// `clip` has no pose. Without --fps, --duration or --frames at most 300 frames are taken, evenly.
+/// Times are the frames' own; every 8th frame is for the test (options.test_every). Errors: as
+/// ingest_capture.
+Converted convert_moving_video(const std::filesystem::path& capture, const RigClip& clip,
+                               const std::filesystem::path& folder, const IngestOptions& options,
+                               const IngestProgress& progress);
+
 }  // namespace tessera

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <set>
 
-#include "ingest/held_out_cameras.h"
-#include "ingest/images/image_orientation.h"
+#include "ingest/images/image_source.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

@@ -10,10 +10,10 @@
 #include <regex>
 #include <set>
 
-#include "ingest/held_out_cameras.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/prepared/transforms_json.h"
+#include "ingest/test_views.h"
 
 namespace tessera {
 namespace {

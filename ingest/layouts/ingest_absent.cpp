@@ -1,7 +1,6 @@
 // What: ingest_capture of the trainer-only build: says which build can do it.
 // Not: an error of the user's data; still an InputError, because the remedy is another command.
 #include "ingest/ingest.h"
-#include "ingest/video/media_versions.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

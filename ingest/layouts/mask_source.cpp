@@ -7,10 +7,9 @@
 #include <algorithm>
 
 #include "ingest/files/png.h"
-#include "ingest/images/image_scale.h"
+#include "ingest/images/alpha_and_mask.h"
 #include "ingest/images/image_source.h"
-#include "ingest/images/mask.h"
-#include "ingest/images/undistortion.h"
+#include "ingest/images/resampling.h"
 #include "ingest/poses/intrinsics.h"
 #include "kernels/base/errors.h"
 

@@ -1,7 +1,7 @@
 // What: masks of a capture → masks of a prepared scene: found by name, read in any image format,
 //       undistorted and scaled as their images are, written below masks/.
-// Not: the polarity (ingest/images/mask.h), and no soft edges: what is resampled is cut at one
-// half.
+// Not: the polarity (ingest/images/alpha_and_mask.h), and no soft edges: what is resampled is cut
+// at one half.
 #pragma once
 #include <filesystem>
 #include <string>

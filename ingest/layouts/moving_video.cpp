@@ -1,13 +1,13 @@
 // What: frames as photos with names in order of time, photos as a scene, and their times back.
 // Not: the estimation (pose_estimation.h) or the photos (colmap_capture.cpp).
-#include "ingest/layouts/moving_video.h"
+#include "ingest/layouts/conversion.h"
 
 #include <fmt/format.h>
 
 #include <map>
 
 #include "ingest/clocks/frame_window.h"
-#include "ingest/clocks/time_normalisation.h"
+#include "ingest/clocks/timesteps.h"
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/video/clip_frames.h"

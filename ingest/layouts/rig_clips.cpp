@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <map>
 
-#include "ingest/held_out_cameras.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/poses/rig_poses_file.h"
+#include "ingest/test_views.h"
 #include "ingest/video/clip_frames.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

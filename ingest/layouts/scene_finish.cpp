@@ -1,5 +1,4 @@
 // The last steps of a conversion in their order, and the evening of exposures.
-#include "ingest/layouts/scene_finish.h"
 
 #include <fmt/format.h>
 

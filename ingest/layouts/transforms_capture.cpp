@@ -6,14 +6,14 @@
 #include <map>
 #include <set>
 
+#include "ingest/files/fnv1a.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/files/source_hash.h"
-#include "ingest/held_out_cameras.h"
-#include "ingest/images/undistortion.h"
+#include "ingest/images/resampling.h"
 #include "ingest/layouts/conversion.h"
 #include "ingest/layouts/image_intake.h"
 #include "ingest/layouts/mask_source.h"
-#include "ingest/prepared/capture_times.h"
+#include "ingest/prepared/transforms_json.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

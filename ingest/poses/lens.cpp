@@ -1,6 +1,5 @@
-// What: the distortion of all lens models, and the shortest focal length without blank pixels.
-// Not: pixels (ingest/images/undistortion.h).
-// Source: Brown 1966; Kannala, Brandt 2006; Devernay, Faugeras 2001 (field of view).
+// The distortion of all lens models, and the shortest focal length without blank pixels. Sources:
+// Brown 1966; Kannala, Brandt 2006; Devernay, Faugeras 2001 (field of view).
 #include "ingest/poses/lens.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,5 @@
-// What: a lens: where the ray of an ideal pinhole meets the image, and the pinhole camera whose
-//       image can be resampled from it without blank pixels.
-// Not: pixels (ingest/images/undistortion.h) or a lens's name in any file format
-// (colmap_camera.h).
+// A lens: the image position of the ray of an ideal pinhole, and the pinhole camera whose image can
+// be resampled from it without blank pixels. RigCamera is a camera of a rig with its lens.
 #pragma once
 #include <glm/vec2.hpp>
 #include <optional>
@@ -40,5 +38,12 @@ struct Lens {
 /// length is the shortest that sees image alone. Errors: InputError that starts with `where`: no
 /// such camera, because the distortion turns back on itself within the image.
 Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where);
+
+struct RigCamera {
+  std::string name;                    // "cam02": the name of its video without extension
+  Camera camera;                       // size and intrinsics of the upright image, and its pose
+  Lens lens;                           // what the image has beyond the pinhole
+  std::string lens_model = "PINHOLE";  // COLMAP's name of it
+};
 
 }  // namespace tessera

@@ -9,10 +9,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "ingest/held_out_cameras.h"
 #include "ingest/poses/llff_poses.h"
-#include "ingest/poses/stated_lens.h"
 #include "ingest/poses/transforms_values.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

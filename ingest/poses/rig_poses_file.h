@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/poses/rig_camera.h"
+#include "ingest/poses/lens.h"
 
 namespace tessera {
 

@@ -1,10 +1,11 @@
-// What: the values of a transforms file or of one of its frames: intrinsics, pose, distortion.
-// Not: the file's structure (transforms_json.h). Internal to the parser; errors start with `where`.
+// Reads single values of a transforms file or of one of its frames: intrinsics, pose, and the lens
+// in the keys of Nerfstudio. Errors start with `where`.
 #pragma once
 #include <string>
 
 #include "ingest/files/json_file.h"
 #include "ingest/poses/intrinsics.h"
+#include "ingest/poses/lens.h"
 #include "ingest/poses/pose_matrix.h"
 #include "kernels/base/similarity.h"
 
@@ -21,5 +22,19 @@ PoseRows pose_rows(const nlohmann::json& frame, const std::string& where);
 /// applied.world_transform of a `tessera` object; identity where it states none. Errors: InputError
 /// when it is no similarity.
 Similarity world_transform_of(const nlohmann::json& object, const std::string& where);
+
+struct StatedLens {
+  Lens lens;
+  std::string model = "PINHOLE";  // as it is stated; "OPENCV" where only coefficients are
+};
+
+/// Of `frame`, level by level of `file` where it is silent: camera_model (or is_fisheye), and the
+/// coefficients k1 k2 k3 k4 p1 p2, which go together. Perspective models (PINHOLE, SIMPLE_PINHOLE,
+/// SIMPLE_RADIAL, RADIAL, OPENCV) have 1 + k1 r² + k2 r⁴ + k3 r⁶ and p1, p2; fisheye models
+/// (OPENCV_FISHEYE, RADIAL_FISHEYE, SIMPLE_RADIAL_FISHEYE) k1 to k4 in the angle. Errors:
+/// InputError that starts with `where`: another model, a coefficient that the model has not (k4 of
+/// a perspective camera means two things in the field).
+StatedLens stated_lens(const nlohmann::json& frame, const nlohmann::json& file,
+                       const std::string& where);
 
 }  // namespace tessera

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "ingest/colmap/colmap_camera.h"
+#include "ingest/colmap/colmap_records.h"
 #include "ingest/files/atomic_file.h"
 #include "ingest/poses/pose_matrix.h"
 

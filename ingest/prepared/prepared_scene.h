@@ -10,7 +10,7 @@
 
 #include "ingest/poses/lens.h"
 #include "ingest/scene.h"
-#include "ingest/video/rational.h"
+#include "ingest/video/frame_timing.h"
 
 namespace tessera {
 

@@ -1,5 +1,5 @@
-// What: which files a folder has, what a frame entry says, what must hold over all frames.
-// Not: any number's meaning in pixels (intrinsics.cpp) or in space (pose_matrix.cpp).
+// Chooses the files of a folder, parses the entries of frames, and checks the conditions on all
+// frames.
 #include "ingest/prepared/transforms_json.h"
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 #include <set>
 
 #include "ingest/colmap/colmap_model.h"
-#include "ingest/files/input_folder.h"
+#include "ingest/files/folders.h"
 #include "ingest/images/image_paths.h"
 #include "ingest/poses/transforms_values.h"
 #include "kernels/base/errors.h"
@@ -206,6 +206,18 @@ void leave_out_missing(TransformsCapture& capture) {
                                  capture.missing.size() - 1));
 }
 
+void check_prepared(const TransformsCapture& capture) {
+  if (!(capture.prepared_axis->duration > 0))
+    throw InputError(fmt::format(
+        "{}: tessera.time.duration is {}, expected more than 0; prepare the capture again",
+        capture.files.front().string(), capture.prepared_axis->duration));
+  for (const TransformsFrame& frame : capture.frames)
+    if (frame.time.value_or(0) < 0 || frame.time.value_or(0) > 1)
+      throw InputError(fmt::format(
+          "{}: time is {}, a prepared scene has times from 0 to 1; prepare the capture again",
+          frame.where, *frame.time));
+}
+
 }  // namespace
 
 namespace {
@@ -257,6 +269,20 @@ bool is_prepared_scene(const std::filesystem::path& folder) {
   } catch (const InputError&) {
     return false;
   }
+}
+
+NormalisedTimes times_of(const TransformsCapture& capture, bool allow_static) {
+  if (capture.prepared_axis) check_prepared(capture);
+  const bool has_times = capture.frames.front().time.has_value();
+  if (!has_times || capture.prepared_static)
+    return {std::vector<double>(capture.frames.size(), 0.0),
+            capture.prepared_axis.value_or(TimeAxis{}), true};
+  std::vector<double> times;
+  for (const TransformsFrame& frame : capture.frames) times.push_back(*frame.time);
+  NormalisedTimes normalised = normalise_times(times, allow_static, capture.files.front().string());
+  if (capture.prepared_axis && !normalised.is_static)
+    return {std::move(times), *capture.prepared_axis, false};
+  return normalised;
 }
 
 }  // namespace tessera

@@ -1,6 +1,6 @@
-// What: transforms*.json of D-NeRF, NeRF-synthetic, Nerfstudio and prepared scenes → a list of
-//       frames with poses, stated intrinsics and source times.
-// Not: pixels: image sizes are not known here, so intrinsics stay as stated (intrinsics.h).
+// Reads transforms*.json of D-NeRF, NeRF-synthetic, Nerfstudio and prepared scenes as a list of
+// frames with poses, stated intrinsics and times. Image sizes are unknown here, so intrinsics stay
+// as stated (intrinsics.h).
 #pragma once
 #include <array>
 #include <cstdint>
@@ -9,8 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "ingest/clocks/timesteps.h"
 #include "ingest/poses/intrinsics.h"
-#include "ingest/poses/stated_lens.h"
+#include "ingest/poses/transforms_values.h"
 #include "ingest/scene.h"
 
 namespace tessera {
@@ -57,5 +58,9 @@ TransformsCapture read_camera_path(const std::filesystem::path& file);
 bool has_transforms(const std::filesystem::path& folder);
 /// True when `folder` holds a transforms.json with a `tessera` object.
 bool is_prepared_scene(const std::filesystem::path& folder);
+
+/// One entry a frame of `capture`. Without times the capture is static. Errors: InputError: times
+/// all equal (unless `allow_static`), or a prepared scene whose times or axis cannot be.
+NormalisedTimes times_of(const TransformsCapture& capture, bool allow_static);
 
 }  // namespace tessera

@@ -8,10 +8,9 @@
 #include <cmath>
 
 #include "ingest/files/fnv1a.h"
-#include "ingest/files/source_hash.h"
-#include "ingest/images/alpha_composite.h"
-#include "ingest/images/image_scale.h"
+#include "ingest/images/alpha_and_mask.h"
 #include "ingest/images/image_source.h"
+#include "ingest/images/resampling.h"
 #include "ingest/video/frame_timing.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

@@ -1,13 +1,17 @@
-// What: how far apart a camera's frames are, and where one is missing or shown twice.
-// Not: a repair: frames keep their times.
+// Timestamps as ticks of a rational time base, the median distance of frames, and warnings about
+// gaps and duplicates. Frames keep their times.
 #pragma once
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "ingest/video/rational.h"
-
 namespace tessera {
+
+struct Rational {
+  int64_t numerator = 1, denominator = 1;
+  /// `ticks` of this clock in its unit (seconds for video clocks).
+  double at(int64_t ticks) const { return double(ticks) * double(numerator) / double(denominator); }
+};
 
 /// Median distance of neighbours (the lower one of two) in ticks; 0 for fewer than two frames.
 int64_t median_distance(const std::vector<int64_t>& ticks);

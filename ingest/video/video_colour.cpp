@@ -1,5 +1,4 @@
-// What: swscale set up so that rounding is right: accurate, chroma interpolated at full resolution.
-// Not: the prepared image's size; that is made in RGB by area (image_scale.h).
+// Configures libswscale for accurate rounding and chroma interpolated at full resolution.
 #include "ingest/video/video_colour.h"
 
 extern "C" {
@@ -10,7 +9,7 @@ extern "C" {
 
 #include <opencv2/core.hpp>
 
-#include "ingest/video/libav_handles.h"
+#include "ingest/video/video_file.h"
 
 namespace tessera {
 namespace {

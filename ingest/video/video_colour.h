@@ -2,7 +2,7 @@
 // Not: a colour space conversion: primaries and transfer stay those of the video.
 #pragma once
 #include "ingest/scene.h"
-#include "ingest/video/libav_handles.h"
+#include "ingest/video/video_file.h"
 
 struct SwsContext;
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
-#include "ingest/video/rational.h"
+#include "ingest/video/frame_timing.h"
 
 namespace tessera {
 

@@ -1,14 +1,47 @@
-// What: a container's video track as packets with presentation times, in order of decoding.
-// Not: decoding (frame_decoder.h); what is wrong with a file's end is told, not judged.
+// Reads the video track of a container as packets with presentation times in decoding order, and
+// reports an early end of the file. Also holds the owners of libav objects.
 #pragma once
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+}
+
 #include <filesystem>
+#include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
-#include "ingest/video/libav_handles.h"
-#include "ingest/video/rational.h"
+#include "ingest/video/frame_timing.h"
 
 namespace tessera {
+
+struct LibavRelease {
+  void operator()(AVFormatContext* format) const { avformat_close_input(&format); }
+  void operator()(AVCodecContext* codec) const { avcodec_free_context(&codec); }
+  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+};
+template <class T>
+using LibavOwned = std::unique_ptr<T, LibavRelease>;
+
+inline LibavOwned<AVPacket> new_packet() {
+  LibavOwned<AVPacket> packet(av_packet_alloc());
+  if (packet == nullptr) throw std::bad_alloc();
+  return packet;
+}
+
+inline LibavOwned<AVFrame> new_frame() {
+  LibavOwned<AVFrame> frame(av_frame_alloc());
+  if (frame == nullptr) throw std::bad_alloc();
+  return frame;
+}
+
+inline std::string libav_reason(int error) {
+  char text[AV_ERROR_MAX_STRING_SIZE] = {};
+  av_strerror(error, text, sizeof text);
+  return text;
+}
 
 class VideoFile {
  public:

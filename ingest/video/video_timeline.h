@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ingest/video/rational.h"
+#include "ingest/video/frame_timing.h"
 
 namespace tessera {
 

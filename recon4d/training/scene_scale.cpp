@@ -1,5 +1,5 @@
 // What: box filters over rows, then over columns.
-// Not: OpenCV, which a trainer-only build does without (ingest/images/image_scale.h).
+// Not: OpenCV, which a trainer-only build does without (ingest/images/resampling.h).
 #include "recon4d/training/scene_scale.h"
 
 #include <fmt/format.h>

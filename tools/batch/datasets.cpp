@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <map>
 
-#include "ingest/files/input_folder.h"
+#include "ingest/files/folders.h"
 #include "ingest/ingest.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/prepared/transforms_json.h"

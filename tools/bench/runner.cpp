@@ -12,7 +12,6 @@
 #include <sstream>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/evaluate.h"
 #include "recon4d/evaluation/render_rate.h"

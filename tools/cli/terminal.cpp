@@ -12,7 +12,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
-#include "ingest/files/write_failure.h"
+#include "ingest/files/atomic_file.h"
 #include "tools/cli/progress_text.h"
 
 namespace tessera {

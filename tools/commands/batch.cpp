@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/held_out_cameras.h"
+#include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "recon4d/options/train_options_json.h"
 #include "tools/batch/batch_config.h"

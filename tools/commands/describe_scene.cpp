@@ -9,7 +9,6 @@
 #include "ingest/files/png.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/poses/llff_poses.h"
-#include "ingest/prepared/capture_times.h"
 #include "ingest/prepared/transforms_json.h"
 #include "recon4d/evaluation/evaluate.h"
 #include "tools/commands/describe.h"

@@ -3,7 +3,7 @@
 #include <chrono>
 
 #include "ingest/colmap/colmap_model.h"
-#include "ingest/files/temporary_folder.h"
+#include "ingest/files/folders.h"
 #include "ingest/layouts/thinned_scene.h"
 #include "ingest/prepared/scene_reader.h"
 #include "ingest/prepared/transforms_json.h"

@@ -8,13 +8,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "ingest/checks/clocks.h"
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/coverage.h"
 #include "ingest/checks/exposure.h"
+#include "ingest/checks/feature_matches.h"
 #include "ingest/checks/leakage.h"
 #include "ingest/checks/orientation.h"
-#include "ingest/checks/pose_residual.h"
 #include "ingest/checks/sharpness.h"
 #include "ingest/checks/time_range.h"
 #include "ingest/files/json_file.h"

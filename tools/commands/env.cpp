@@ -12,7 +12,7 @@
 #include <sstream>
 #include <thread>
 
-#include "ingest/video/media_versions.h"
+#include "ingest/ingest.h"
 #include "kernels/device_probe.h"
 #include "tools/cli/command.h"
 #include "tools/cli/terminal.h"

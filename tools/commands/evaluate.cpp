@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "ingest/files/input_folder.h"
+#include "ingest/files/folders.h"
 #include "ingest/files/png.h"
-#include "ingest/images/mask.h"
+#include "ingest/images/alpha_and_mask.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "ingest/files/input_folder.h"
+#include "ingest/files/folders.h"
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"

@@ -13,7 +13,7 @@
 #include <system_error>
 #include <thread>
 
-#include "ingest/files/host_name.h"
+#include "ingest/files/folders.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "ingest/files/temporary_folder.h"
+#include "ingest/files/folders.h"
 
 namespace tessera {
 

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/folders.h"
 #include "ingest/files/json_file.h"
-#include "ingest/files/staging.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

@@ -1,7 +1,8 @@
 // What: a folder of results whose files are listed in a manifest, so that a later run knows which
 //       files are its own to replace. They are built in a hidden folder inside and take their
 //       places at the end: what was there before stays as it was until then.
-// Not: a folder that is replaced as a whole (staged_folder.h): other files in it are never touched.
+// Not: a folder that is replaced as a whole (ingest/files/folders.h): other files in it are never
+// touched.
 #pragma once
 #include <filesystem>
 #include <string>

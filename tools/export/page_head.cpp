@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/temporary_folder.h"
+#include "ingest/files/folders.h"
 #include "kernels/base/errors.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/files/folders.h"
 #include "ingest/files/png.h"
-#include "ingest/files/temporary_folder.h"
 #include "kernels/base/errors.h"
 #include "recon4d/training/scene_scale.h"
 #include "static3d/tessera4d/player_hints.h"

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "ingest/files/temporary_folder.h"
+#include "ingest/files/folders.h"
 #include "ingest/scene.h"
 #include "tools/live/live_folder.h"
 #include "tools/session/run_folder.h"

@@ -1,5 +1,5 @@
 // What: where results may lie: never in what they are made of. And what may be replaced.
-// Not: how files are replaced (output_folder.h, ingest/files/staged_folder.h).
+// Not: how files are replaced (output_folder.h, ingest/files/folders.h).
 //
 // The rule, the same for all commands that write; links and mounts are seen through:
 // 1. A capture or a scene that a command reads is never written to: an output that is this folder

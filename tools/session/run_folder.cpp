@@ -8,7 +8,6 @@
 #include <regex>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {

@@ -12,8 +12,7 @@
 #include <cstring>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/host_name.h"
-#include "ingest/files/write_failure.h"
+#include "ingest/files/folders.h"
 #include "kernels/base/errors.h"
 #include "tools/session/locked_file.h"
 

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "ingest/files/host_name.h"
+#include "ingest/files/folders.h"
 #include "kernels/base/errors.h"
 #include "tools/session/locked_file.h"
 

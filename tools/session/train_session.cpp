@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/host_name.h"
+#include "ingest/files/folders.h"
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"

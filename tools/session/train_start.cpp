@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "ingest/checks/cloud_health.h"
 #include "ingest/checks/colour_gains.h"
-#include "ingest/checks/nearest_depth.h"
-#include "ingest/cloud/rig_cloud.h"
+#include "ingest/cloud/initial_cloud.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"

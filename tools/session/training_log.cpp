@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/write_failure.h"
 
 namespace tessera {
 

@@ -5,7 +5,7 @@
 #include <system_error>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/staged_folder.h"
+#include "ingest/files/folders.h"
 #include "kernels/base/errors.h"
 #include "tools/synth/ground_truth.h"
 #include "tools/synth/layouts.h"

@@ -1,5 +1,5 @@
 // What: frames per second as a fraction, and how people write it.
-// Not: clocks of containers (ingest/video/rational.h).
+// Not: clocks of containers (ingest/video/frame_timing.h).
 #pragma once
 #include <string>
 

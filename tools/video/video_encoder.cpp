@@ -9,7 +9,6 @@ extern "C" {
 #include <string>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 #include "tools/video/av_handles.h"
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ingest/checks/clocks.h"
 #include "ingest/checks/cloud_health.h"
 #include "ingest/checks/coverage.h"
 #include "ingest/checks/leakage.h"

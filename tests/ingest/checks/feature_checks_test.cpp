@@ -8,7 +8,7 @@
 #include <random>
 
 #include "ingest/checks/exposure.h"
-#include "ingest/checks/pose_residual.h"
+#include "ingest/checks/feature_matches.h"
 #include "ingest/checks/sharpness.h"
 #include "ingest/layouts/thinned_scene.h"
 #include "tests/ingest/layouts/textured_rig.h"

@@ -1,5 +1,5 @@
 // How near a scene comes to its cameras, by its cloud.
-#include "ingest/checks/nearest_depth.h"
+#include "ingest/checks/cloud_health.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <numbers>
 
+#include "ingest/clocks/clock_sync.h"
 #include "ingest/clocks/sound_reader.h"
-#include "ingest/clocks/stated_offsets.h"
 #include "ingest/clocks/sync_audio.h"
 #include "kernels/base/errors.h"
 #include "tests/ingest/clocks/sync_fixture.h"

@@ -3,7 +3,6 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/npy.h"
 #include "ingest/files/png.h"
-#include "ingest/files/write_failure.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

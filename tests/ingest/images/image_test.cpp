@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "ingest/files/png.h"
-#include "ingest/images/image_orientation.h"
 #include "ingest/images/image_source.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 

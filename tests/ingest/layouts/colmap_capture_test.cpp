@@ -9,7 +9,7 @@
 
 #include "ingest/files/png.h"
 #include "ingest/images/image_source.h"
-#include "ingest/images/undistortion.h"
+#include "ingest/images/resampling.h"
 #include "ingest/ingest.h"
 #include "tests/ingest/colmap/colmap_fixture.h"
 

@@ -117,7 +117,7 @@ TEST_F(MaskSource, ScaledAsTheImagesAreAndCutAtOneHalf) {
   }
 }
 
-// Bugs put back, each seen to fail: the same; the comparison of mask.cpp turned round.
+// Bugs put back, each seen to fail: the same; the comparison of alpha_and_mask.cpp turned round.
 TEST_F(MaskSource, MayBeAsLargeAsTheImagesOnceWere) {
   const auto pixel = [&](int width, int height, bool inverted) {
     write("train/r_000.png", right_half(width, height));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
-#include "ingest/video/rig_clip.h"
+#include "ingest/video/clip_frames.h"
 #include "kernels/base/camera.h"
 
 namespace tessera::testing {

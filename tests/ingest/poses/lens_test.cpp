@@ -4,7 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "ingest/colmap/colmap_camera.h"
+#include "ingest/colmap/colmap_records.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

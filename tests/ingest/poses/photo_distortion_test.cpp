@@ -5,11 +5,11 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "ingest/colmap/colmap_camera.h"
+#include "ingest/colmap/colmap_records.h"
 #include "ingest/files/png.h"
-#include "ingest/images/undistortion.h"
+#include "ingest/images/resampling.h"
 #include "ingest/ingest.h"
-#include "ingest/poses/stated_lens.h"
+#include "ingest/poses/transforms_values.h"
 #include "ingest/prepared/transforms_json.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 

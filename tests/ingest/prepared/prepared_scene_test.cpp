@@ -8,11 +8,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "ingest/files/host_name.h"
+#include "ingest/files/fnv1a.h"
+#include "ingest/files/folders.h"
 #include "ingest/files/png.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/files/source_hash.h"
-#include "ingest/files/staged_folder.h"
 #include "ingest/poses/llff_poses.h"
 #include "ingest/poses/pose_matrix.h"
 #include "ingest/prepared/transforms_json.h"
@@ -23,6 +22,7 @@ namespace {
 
 using namespace tessera::testing;
 using nlohmann::json;
+using tessera::testing::TemporaryFolder;  // and not that of files/folders.h
 
 PreparedScene example_scene() {
   PreparedScene scene;

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
-#include "ingest/images/alpha_composite.h"
+#include "ingest/images/alpha_and_mask.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

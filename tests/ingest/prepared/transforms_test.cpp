@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
-#include "ingest/images/mask.h"
+#include "ingest/images/alpha_and_mask.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 
 namespace tessera {

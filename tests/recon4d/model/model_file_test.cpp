@@ -1,7 +1,7 @@
 // What: the Tessera 4D .ply: bit-equal reload, refusals, writes that fail; facts of a model.
 // Not: the 3DGS file (ply_3dgs_test.cpp). Failure modes C1, E2, E6.
 #include "recon4d/model/model_file.h"
-#include "ingest/files/write_failure.h"
+#include "ingest/files/atomic_file.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/write_failure.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/options/train_options_json.h"

@@ -16,7 +16,6 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
-#include "ingest/files/write_failure.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/frame_sequence.h"
 #include "static3d/formats/splat_file.h"

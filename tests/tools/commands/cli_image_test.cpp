@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/png.h"
-#include "ingest/images/alpha_composite.h"
+#include "ingest/images/alpha_and_mask.h"
 #include "tests/tools/commands/cli_workspace.h"
 
 namespace tessera::testing {

@@ -1,10 +1,11 @@
-// What: the threshold, the choice of the channel, the refusals.
-// Not: resampling (ingest/layouts/mask_source.cpp).
-#include "ingest/images/mask.h"
+// Compositing is done on encoded sRGB values, as in the reference implementations, because scores
+// depend on it. Masks take alpha or the brightest channel, cut at a threshold.
+#include "ingest/images/alpha_and_mask.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "kernels/base/errors.h"
 
@@ -21,6 +22,25 @@ bool has_transparent_pixels(const Image8& image) {
 }
 
 }  // namespace
+
+Image8 composite_on(const Image8& image, const std::array<uint8_t, 3>& background) {
+  check(image.channels == 1 || image.channels == 3 || image.channels == 4, "composite channels");
+  if (image.channels == 3) return image;
+  Image8 rgb{image.width, image.height, 3, {}};
+  const size_t pixels = size_t(image.width) * size_t(image.height);
+  rgb.data.resize(pixels * 3);
+  for (size_t p = 0; p < pixels; ++p)
+    for (size_t c = 0; c < 3; ++c) {
+      if (image.channels == 1) {
+        rgb.data[3 * p + c] = image.data[p];
+        continue;
+      }
+      const float alpha = float(image.data[4 * p + 3]) / 255.0f;
+      const float value = float(background[c]) * (1 - alpha) + float(image.data[4 * p + c]) * alpha;
+      rgb.data[3 * p + c] = uint8_t(std::lround(value));
+    }
+  return rgb;
+}
 
 Image8 mask_of_image(const Image8& image, const std::filesystem::path& file) {
   const bool by_alpha = has_transparent_pixels(image);

@@ -1,6 +1,5 @@
 // What: FNV-1a over a file, block by block.
 // Not: parallel within a file; callers hash files beside each other.
-#include "ingest/files/source_hash.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-// What: the image that a pinhole camera would have taken, resampled from one through a lens.
-// Not: the choice of that camera (lens.h).
+// Resamples images: area averages of a smaller size, and the image of a pinhole camera from an
+// image with lens distortion. Colours are weighted by alpha.
 #pragma once
 #include <opencv2/core/mat.hpp>
 
@@ -7,6 +7,12 @@
 #include "ingest/scene.h"
 
 namespace tessera {
+
+/// Errors: none; a size of zero, or one that is larger than the image, is a bug of the caller.
+Image8 scale_image(const Image8& image, int width, int height);
+
+/// The size of a side scaled by `scale`, at least one pixel.
+int scaled_side(int side, double scale);
 
 /// Computed once for a camera, then applied to each of its images, also by several threads.
 class Undistortion {

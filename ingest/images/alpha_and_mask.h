@@ -1,13 +1,18 @@
-// What: an image of a mask → which pixels are used. The one place of the polarity: values of 127
-//       and less are ignored, as black is by Nerfstudio and COLMAP; larger ones are used.
-// Not: files (scene_reader.h, ingest/layouts/mask_source.h), and no soft weights between the
-// two.
+// Alpha and masks. An image with alpha is composited once on a background colour, as in the D-NeRF
+// protocol. Mask values up to 127 are ignored, as black is in Nerfstudio and COLMAP; larger values
+// are used.
 #pragma once
+#include <array>
+#include <cstdint>
 #include <filesystem>
 
 #include "ingest/scene.h"
 
 namespace tessera {
+
+/// RGB of `image` (1, 3 or 4 channels): round(bg·(1 − a) + rgb·a) in float from 8 bit, where rgb is
+/// as stored (not premultiplied); grey is repeated, RGB passes through.
+Image8 composite_on(const Image8& image, const std::array<uint8_t, 3>& background);
 
 /// One channel of 0 (ignored) and 255 (used). The value of a pixel is its alpha, where that says
 /// anything, else its brightest channel. Errors: InputError naming `file`: all values are small but
