@@ -1,5 +1,5 @@
-// What: any capture → prepared scene on disk. The one door to the readers of this folder.
-// Not: training input in memory (scene_reader.h), and no printing: progress goes to a callback.
+// Converts any capture to a prepared scene on disk. This header is the only entry point of the
+// conversion; progress is reported through a callback.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -16,8 +16,8 @@ namespace tessera {
 
 enum class CaptureLayout { kTransforms, kN3dv, kColmap, kLlff, kVideos, kSequences, kPhotos };
 
-/// What images without a video are: of cameras that film together, of a scene that stands still,
-/// or of one camera that moves through a scene that may move, too.
+/// The meaning of images without a video: synchronous cameras, photos of a static scene, or one
+/// moving camera in a scene that may move.
 enum class ImageReading { kRig, kPhotos, kMoving };
 
 enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
@@ -42,16 +42,16 @@ struct PoseOptions {
 
 struct IngestOptions {
   double scale = 1;                     // (0, 1]: size of the prepared frames by the source's
-  std::optional<int64_t> frames;        // first N instants of each camera; all by default
+  std::optional<int64_t> frames;        // first N frames of each camera; all by default
   double start = 0;                     // videos: seconds after the first common timestep
   std::optional<double> duration;       // videos: seconds; to the last common timestep by default
   std::optional<double> fps;            // videos: frames taken per second; all by default
   std::vector<std::string> cameras;     // videos: those that are taken, by name; all by default
   std::vector<std::string> held_out;    // camera names that become the test split; empty: of
                                         // several videos the first, as N3DV's protocol has it
-  bool fit_exposure = false;            // even out the training cameras' exposure and white balance
+  bool fit_exposure = false;            // equalise exposure and white balance of training cameras
   bool allow_static = false;            // accept a capture whose times are all equal
-  bool keep_world = false;              // no normalisation of the world (world_normalisation.h)
+  bool keep_world = false;              // no world normalisation (world_normalisation.h)
   std::optional<CaptureLayout> layout;  // read it as this, where a folder can be read as several
   std::optional<ImageReading> reading;  // of images; by default by their names
   std::optional<double> image_rate;     // numbered images: numbers per second; by default `fps`,
@@ -61,7 +61,7 @@ struct IngestOptions {
                                         // pose are errors; otherwise they are warned of
   // Images 0, N, 2N … by name are the test split, of photo sets, of transforms files that state no
   // test frames, and frames of a single camera; 0: none. By default 8 for photos and for a camera
-  // that moves, as the field's protocol has it.
+  // that moves, as in the usual protocol.
   std::optional<int64_t> test_every;
   std::optional<CloudDensity> cloud;    // by default dense where three cameras share timesteps
   int64_t cloud_points = kCloudPoints;  // at most, found by the sweep
@@ -83,7 +83,7 @@ struct IngestReport {
   std::vector<std::string> notes;     // how the capture was read where that was a choice, likewise
 };
 
-/// Images that can be read in two ways. The message names both and the option that decides.
+/// Images with two possible readings. The message names both and the option that decides.
 class AmbiguousCapture : public InputError {
  public:
   using InputError::InputError;
@@ -92,8 +92,8 @@ class AmbiguousCapture : public InputError {
 /// Called with (what is being done, done, total); may throw to stop.
 using IngestProgress = std::function<void(std::string_view, int64_t, int64_t)>;
 
-/// What the folder holds, by its files and by what its images are said to be. Errors: InputError
-/// naming what was looked for; AmbiguousCapture.
+/// The layout of the folder, by its files and by the stated reading of its images. Errors:
+/// InputError naming what was looked for; AmbiguousCapture.
 CaptureLayout detect_layout(const std::filesystem::path& capture,
                             std::optional<ImageReading> reading = std::nullopt);
 

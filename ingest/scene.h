@@ -1,6 +1,5 @@
-// What: a capture in memory: frames with cameras and times, an initial cloud. Plain data.
-// Not: how it came to be (the readers beside this file), and nothing of Gaussians.
-// This is the only header of ingest that training sees.
+// A capture in memory as plain data: frames with cameras and times, and an initial cloud. This is
+// the only header of a scene that the training includes.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -13,8 +12,7 @@
 
 namespace tessera {
 
-/// kValidation: validation frames: training frames by which a training chooses its model; no file
-/// says so.
+/// kValidation: training frames by which a training chooses its model; no file states this split.
 enum class Split { kTrain, kVal, kTest, kValidation };
 
 /// 8-bit interleaved image, row-major, top row first.
@@ -26,7 +24,7 @@ struct Image8 {
 struct Frame {
   std::string name;          // unique in the scene, e.g. "train/r_003" or "cam02/00017"
   std::string camera_name;   // physical camera: "cam02"; for monocular captures the split's name
-  int64_t frame_number = 0;  // index of the instant in that camera
+  int64_t frame_number = 0;  // index of the frame in that camera
   double time = 0;           // normalised to [0, 1] over all splits
   Split split = Split::kTrain;
   Camera camera;

@@ -97,9 +97,8 @@ double colour_ratio(const Scene& scene, const std::vector<Station>& stations) {
   constexpr size_t kLeast = 50;
   if (own_differences.size() < kLeast) return -1;
   const double chance = quantile(other_differences, 1, 2);
-  return chance < 6
-             ? -1
-             : quantile(own_differences, 1, 2) / chance;  // one colour everywhere tells nothing
+  // not measurable for one colour everywhere
+  return chance < 6 ? -1 : quantile(own_differences, 1, 2) / chance;
 }
 
 void judge(const Scene& scene, CloudHealth& health) {

@@ -1,4 +1,5 @@
-// Iteratively reweighted least squares on a small dense system, and colours from patches.
+// Iteratively reweighted least squares on a small dense system, and colours from patches around the
+// points of the cloud.
 #include "ingest/checks/colour_gains.h"
 
 #include <algorithm>

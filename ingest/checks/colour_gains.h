@@ -1,6 +1,6 @@
-// How much brighter each camera records each channel than the others: a fit to colours that two
-// cameras record of the same thing, and the measurement of such colours on a point cloud.
-// Colours are 8-bit display values as stored: image = gain · common value.
+// The gain of each camera in each channel relative to the other cameras: a fit to colours that two
+// cameras record of the same surface, and the measurement of such colours on a point cloud. Colours
+// are 8-bit display values as stored: image = gain · common value.
 #pragma once
 #include <array>
 #include <string>
@@ -22,7 +22,7 @@ struct ColourPair {
   std::array<double, 3> colour_a{}, colour_b{};
 };
 
-/// Colours of a camera, below which its gain would be an accident.
+/// Fewest colours of a camera for which its gain is significant.
 inline constexpr int64_t kLeastColourPairs = 20;
 
 /// Robust (Huber) least squares of log c_a − log c_b = log g_a − log g_b for each channel. Gauge:

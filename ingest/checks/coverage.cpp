@@ -1,5 +1,5 @@
-// What: counts of cameras for each sample point, and what few of them cost.
-// Not: the images. Source: published N3V results with four cameras, as the finding cites them.
+// Counts of the cameras that see each sample point. The loss that a finding states for four cameras
+// is that of the published N3V results.
 #include "ingest/checks/coverage.h"
 
 #include <fmt/format.h>

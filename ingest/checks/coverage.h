@@ -1,5 +1,5 @@
-// What: which parts of a scene several training cameras see, and which cameras share their view.
-// Not: occlusion: a point inside a camera's image counts as seen.
+// Which parts of a scene several training cameras see, and which cameras share their view.
+// Occlusion is not considered: a point inside the image of a camera counts as seen.
 #pragma once
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-/// Points to ask about: at most `most` of the cloud; without a cloud a grid in each station's view
+/// Sample points: at most `most` of the cloud; without a cloud a grid in each station's view
 /// at half, once and twice the distance of the point nearest to all viewing axes.
 std::vector<glm::dvec3> view_samples(const Scene& scene, const std::vector<Station>& stations,
                                      size_t most);

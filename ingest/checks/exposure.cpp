@@ -1,4 +1,4 @@
-// Gains of the stations from matched features, and what is reported of them.
+// Computes the gains of the stations from matched features, and the findings about them.
 #include "ingest/checks/exposure.h"
 
 #include <fmt/format.h>
@@ -90,7 +90,7 @@ void judge_whole_images(const MatchedStations& matched, ExposureCheck& check) {
 }
 
 /// Gains of the cameras that have one, against the median by channel: one dark camera moves the
-/// mean, by which all others would look bright.
+/// mean, relative to which all others would be bright.
 void compare_with_median(std::vector<CameraGain>& gains) {
   for (size_t k = 0; k < 3; ++k) {
     std::vector<double> known;

@@ -1,7 +1,6 @@
-// What: how much brighter each camera records each channel than the others, from features that
-//       several cameras see; and images with that divided out.
-// Not: exposure that changes over time, and no held-out camera: those keep their values (gain 1).
-// Space: 8-bit display values as stored, image = gain · common value.
+// The gain of each camera in each channel from features that several cameras see, and the division
+// of images by it. A gain is constant over time; held-out cameras keep gain 1. Colours are 8-bit
+// display values as stored: image = gain · common value.
 #pragma once
 #include <array>
 

@@ -80,7 +80,7 @@ double diagonal(const Camera& camera) {
   return std::hypot(double(camera.width), double(camera.height));
 }
 
-/// Too little texture or overlap is a finding of its own and never one about poses.
+/// Too little texture or overlap is a separate finding and not one about poses.
 void judge_texture(PoseCheck& check) {
   int64_t bare = 0, unknown = 0;
   for (const PoseResidual& camera : check.cameras) {
@@ -188,7 +188,7 @@ PoseCheck check_poses(const MatchedStations& matched) {
   for (size_t s = 0; s < count; ++s) {
     largest = std::max(largest, diagonal(matched.stations[s].camera));
     check.cameras[s].pairs = int(of_pairs[s].size());
-    if (of_pairs[s].size() < 2) continue;  // of one pair nobody knows which camera it is
+    if (of_pairs[s].size() < 2) continue;  // one pair does not determine which camera is wrong
     check.cameras[s].residual = median(of_pairs[s]);
     known.push_back(check.cameras[s].residual);
   }

@@ -38,7 +38,7 @@ double sampson_distance(const Camera& a, const Camera& b, const FeatureMatch& ma
 struct PoseResidual {
   std::string camera;
   int64_t features = 0, matches = 0;
-  int pairs = 0;         // with enough matches to say something
+  int pairs = 0;         // with enough matches
   double residual = -1;  // median over its pairs of their median Sampson distance; −1: unknown
 };
 

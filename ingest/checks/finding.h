@@ -1,5 +1,5 @@
-// What: one line of a diagnosis: how bad, which check, which camera, what was seen, what to do.
-// Not: the checks, and not the text of a report (tools/commands/doctor_report.h).
+// One result of a check: its severity, the check, the camera, the measured values and the advice.
+// tools/commands/doctor_report.h formats it as text.
 #pragma once
 #include <string>
 #include <vector>

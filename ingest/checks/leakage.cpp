@@ -1,5 +1,5 @@
-// What: equal files, equal views and equal cameras across the splits.
-// Not: images that are similar.
+// Finds equal files, equal views and equal cameras across the splits. Similar images are not
+// compared.
 #include "ingest/checks/leakage.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: whether what is held out for the score is also trained on.
-// Not: leakage through poses or an initial cloud, which the files do not show.
+// Checks whether held-out images or views are also training images or views. Leakage through poses
+// or the initial cloud cannot be detected from the files.
 #pragma once
 #include <filesystem>
 

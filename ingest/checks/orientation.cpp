@@ -1,5 +1,4 @@
-// What: the direction that most cameras hold up, and each camera's turn against it.
-// Not: a correction: poses and images stay as they are.
+// Estimates the up direction that most cameras share, and the roll of each camera relative to it.
 #include "ingest/checks/orientation.h"
 
 #include <fmt/format.h>

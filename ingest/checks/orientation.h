@@ -1,6 +1,5 @@
-// What: cameras of a rig that are turned about their viewing direction against the others: on their
-//       side, or upside down.
-// Not: cameras that move, and not a search in the images: the poses say how a camera is held.
+// Finds cameras of a rig that are turned about their viewing direction relative to the others: on
+// their side, or upside down. Only poses are used; moving cameras are skipped.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
-// What: two Laplacians an image, medians over frames and cameras.
-// Not: depth of field: a soft background counts like motion.
+// Compares the Laplacian of an image at full and at half size, with medians over frames and
+// cameras. A background out of focus lowers the value as motion blur does.
 #include "ingest/checks/sharpness.h"
 
 #include <fmt/format.h>

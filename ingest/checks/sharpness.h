@@ -1,5 +1,4 @@
-// What: which cameras, and which frames of a camera, are blurred.
-// Not: how to sharpen them.
+// Finds blurred cameras, and blurred frames of a camera.
 #pragma once
 #include "ingest/checks/finding.h"
 #include "ingest/scene.h"

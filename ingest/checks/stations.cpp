@@ -1,5 +1,5 @@
-// What: grouping of frames by camera, pose and split; medians over time; colours at places.
-// Not: any judgement.
+// Groups frames by camera, pose and split, and computes median images over time and the colours at
+// image positions.
 #include "ingest/checks/stations.h"
 
 #include <algorithm>

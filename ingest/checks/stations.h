@@ -1,5 +1,5 @@
-// What: the places that a scene was seen from: frames of one camera with one pose and one lens.
-// Not: the physical camera where that moves; each of its poses is a station of its own.
+// Groups the frames of a scene into stations: one camera with one pose and one lens. Each pose of a
+// moving camera is a separate station.
 #pragma once
 #include <string>
 #include <vector>
@@ -20,7 +20,7 @@ std::vector<Station> stations_of(const Scene& scene);
 /// Those of the training split.
 std::vector<Station> training_stations(const Scene& scene);
 
-/// The median over time of every pixel and channel: what stands still. Needs pixels.
+/// The median over time of every pixel and channel: the static background. Needs pixels.
 Image8 median_image(const Scene& scene, const Station& station);
 
 /// The mean of 3 × 3 pixels around a place as values in 0–255; no place within the image, or a

@@ -27,18 +27,18 @@ struct SceneTimes {
 SceneTimes check_times(const Scene& scene);
 
 /// Share of the pixels that change by more than 10 % of white over the loaded timesteps, mean over
-/// the training cameras that stand still; −1 where none has two timesteps. Needs pixels.
+/// the static training cameras; −1 where none has two timesteps. Needs pixels.
 double dynamic_share(const Scene& scene);
 
 /// What a preparation recorded of a camera's clock; seconds.
 struct RecordedClock {
   std::string camera, source;  // source: "motion", "audio", "container", "stated", "none" or empty
   double offset = 0;           // added to its times
-  double uncertainty = 0;      // standard error; 0: stated or not looked at
+  double uncertainty = 0;      // standard error; 0: stated or not measured
 };
 
-/// Warns of clocks that could not be measured, and of those that are only known to more than a
-/// quarter of a frame of `scene`, and says what was done with them. Needs no pixels.
+/// Warns of clocks that could not be measured, and of those whose uncertainty exceeds a quarter of
+/// a frame of `scene`, with what was done about them. Needs no pixels.
 Findings check_clocks(const Scene& scene, const std::vector<RecordedClock>& clocks);
 
 }  // namespace tessera

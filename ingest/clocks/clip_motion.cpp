@@ -36,7 +36,7 @@ cv::Mat moving_mask(const cv::Mat& before, const cv::Mat& now, const cv::Mat& af
   return mask;
 }
 
-/// The mask's bounds, and around them as much as SIFT looks at there.
+/// The mask's bounds, with the margin that SIFT uses.
 cv::Rect neighbourhood(const cv::Mat& mask) {
   constexpr int kMargin = 32;  // pixels
   const cv::Rect moving = cv::boundingRect(mask);
@@ -55,7 +55,7 @@ struct TimedImage {
   std::vector<cv::Mat> pyramid;
 };
 
-/// Where the points are in the other frame; false in `found` where the way back does not return.
+/// Where the points are in the other frame; false in `found` where tracking back does not return.
 std::vector<cv::Point2f> follow(const TimedImage& from, const TimedImage& to,
                                 const std::vector<cv::Point2f>& points, std::vector<bool>& found) {
   constexpr double kReturn = 0.3;  // pixels

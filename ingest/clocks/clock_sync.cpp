@@ -61,7 +61,7 @@ std::optional<std::vector<ClipClock>> from_containers(const std::vector<RigClip>
     offsets.push_back(*clip.timeline.clock);
     whole_seconds = whole_seconds && offsets.back() == std::floor(offsets.back());
   }
-  if (whole_seconds) {  // a date of creation, or timecodes that tell nothing apart
+  if (whole_seconds) {  // a date of creation, or timecodes without a fraction
     reason = fmt::format("{}: its container, like all others, states its time in whole seconds",
                          clips.front().name);
     return std::nullopt;
@@ -86,7 +86,7 @@ bool precise(const ClipClock& motion, const RigClip& clip) {
   return motion.source == "motion" && motion.uncertainty < 0.25 * clip.timeline.frame_seconds;
 }
 
-/// Sound that motion has confirmed, or does not know better; motion where it contradicts.
+/// Sound where motion confirms it or is less precise; motion where it contradicts.
 ClipClocks sound_or_motion(const std::vector<RigClip>& clips, const std::vector<ClipClock>& sound,
                            ClipClocks motion) {
   bool all_precise = true;
@@ -102,7 +102,7 @@ ClipClocks sound_or_motion(const std::vector<RigClip>& clips, const std::vector<
         clips[i].name, sound[i].offset, motion.clocks[i].offset));
     return motion;
   }
-  if (all_precise) return motion;  // they agree, and images do not hear the way of the sound
+  if (all_precise) return motion;  // they agree, and images have no delay by the speed of sound
   return {sound, {}};
 }
 

@@ -1,5 +1,4 @@
-// What: interval arithmetic on sorted times.
-// Not: libav; times come as doubles made once from rationals.
+// Interval arithmetic on sorted times in seconds.
 #include "ingest/clocks/frame_window.h"
 
 #include <fmt/format.h>

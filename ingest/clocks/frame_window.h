@@ -1,5 +1,5 @@
-// What: which frames of a camera are kept, by their times on the rig's clock.
-// Not: indices as times, and no resampling: a kept frame keeps its own timestep.
+// Chooses the frames of each camera by their times on the clock of the rig. A chosen frame keeps
+// its time.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -15,10 +15,10 @@ struct TimeInterval {
 };
 
 struct FrameWindow {
-  double start = 0;                // seconds after the first instant that all cameras see
-  std::optional<double> duration;  // seconds; to the last common instant by default
+  double start = 0;                // seconds after the first time that all cameras see
+  std::optional<double> duration;  // seconds; to the last common time by default
   std::optional<double> fps;       // keeps the nearest frame of each start + k / fps
-  std::optional<int64_t> frames;   // the first N instants
+  std::optional<int64_t> frames;   // the first N of these times
 };
 
 /// Latest first to earliest last frame. Each clip: its frames' times, increasing, not empty.
@@ -31,7 +31,7 @@ void check_start(const FrameWindow& window, const TimeInterval& common, const st
 /// clock, increasing; h: half their median distance. The window is [start − h, start + duration −
 /// h), so that cameras whose clocks differ by less than half a frame keep equally many frames;
 /// where the common interval ends it, its end is last + h. With `fps` a frame is kept for the
-/// instant it is nearest to, if not farther than 0.5 / fps.
+/// time it is nearest to, if not farther than 0.5 / fps.
 std::vector<size_t> choose_frames(const std::vector<double>& seconds, const FrameWindow& window,
                                   const TimeInterval& common);
 

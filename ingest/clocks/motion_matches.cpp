@@ -1,6 +1,5 @@
-// What: guided matching along epipolar lines of frames a fraction of a frame apart.
-// Not: feature detection (clip_motion.h).
-// Source: Sampson distance: Hartley, Zisserman 2004, 11.4.3.
+// Matches features along epipolar lines between frames of different times, and refines the offset
+// from the matches. Source of the Sampson distance: Hartley and Zisserman, 2004, 11.4.3.
 #include "ingest/clocks/motion_matches.h"
 
 #include <algorithm>

@@ -28,9 +28,9 @@ struct ClockShift {
   double at(double t) const { return offset + rate * (t - middle); }
 };
 
-/// Matches frames of a and b that show one instant if b's clock is set later than a's by `shift` of
-/// a's time, among features within `gate` of their epipolar lines. Misses and gate are in pixels of
-/// an image of 480 pixels.
+/// Matches frames of a and b that show the same time if b's clock is set later than a's by `shift`
+/// of a's time, among features within `gate` of their epipolar lines. Misses and gate are in pixels
+/// of an image of 480 pixels.
 std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFeatures& b,
                                           const ClockShift& shift, double gate);
 
@@ -39,7 +39,7 @@ std::vector<EpipolarMiss> epipolar_misses(const PosedFeatures& a, const PosedFea
 std::optional<PairShift> fine_offset(const PosedFeatures& a, const PosedFeatures& b, double start);
 
 /// Correlates the clips' motion over time, separately on each plane through both camera centres,
-/// which a point never seems to leave for one of the cameras only. `sigma` is a frame. Nothing
+/// which no point leaves in the image of one of the cameras only. `sigma` is a frame. Nothing
 /// where no shift stands out.
 std::optional<PairOffset> coarse_offset(const MotionEnergy& a, const MotionEnergy& b,
                                         const RigCamera& camera_a, const RigCamera& camera_b);

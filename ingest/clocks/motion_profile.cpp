@@ -1,6 +1,5 @@
-// What: profiles of motion energy [time, plane of the epipolar pencil] and their correlation.
-// Not: choosing pairs.
-// Source: epipolar pencil: Hartley, Zisserman 2004, 9.2; normalised correlation.
+// Profiles of motion energy over time and over the planes of the epipolar pencil, and their
+// normalised correlation. Source of the epipolar pencil: Hartley and Zisserman, 2004, 9.2.
 #include "ingest/clocks/motion_matches.h"
 
 #include <algorithm>

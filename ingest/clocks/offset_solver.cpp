@@ -1,5 +1,4 @@
-// What: robust least squares on the graph of pairs, and on the misses of one pair.
-// Not: media.
+// Robust least squares on the graph of pairs of clocks, and on the correspondences of one pair.
 #include "ingest/clocks/offset_solver.h"
 
 #include <algorithm>
@@ -201,7 +200,7 @@ std::vector<SolvedOffset> solve_offsets(int count, const std::vector<PairOffset>
   std::vector<double> offsets(solved.size()), weights;
   for (const PairOffset& pair : pairs) weights.push_back(1 / (pair.sigma * pair.sigma));
   Table covariance;
-  double spread = 1;  // how much worse the pairs agree than their errors say
+  double spread = 1;  // residuals of the pairs relative to their stated errors
   for (int round = 0; round < kRounds; ++round) {
     covariance = solve_weighted(pairs, weights, inside, offsets);
     std::vector<double> misfit;
@@ -245,7 +244,7 @@ std::vector<double> offset_limits(const std::vector<SolvedOffset>& solved,
 
 std::optional<PairShift> shift_from_misses(const std::vector<EpipolarMiss>& misses, double reach,
                                            double frame_seconds, double rate_reach) {
-  constexpr double kSlowest = 0.2;  // pixels a frame; slower points say nothing of time
+  constexpr double kSlowest = 0.2;  // pixels a frame; slower points do not determine time
   std::vector<EpipolarMiss> moving;
   for (const EpipolarMiss& m : misses)
     if (std::abs(m.slope) * frame_seconds > kSlowest) moving.push_back(m);
@@ -260,7 +259,7 @@ std::optional<PairShift> shift_from_misses(const std::vector<EpipolarMiss>& miss
       return drifting;
   }
   if (!agreed) return std::nullopt;
-  PairShift line = found;  // the constant shift stays; how far from constant it is stands beside
+  PairShift line = found;  // the constant shift with the rate measured separately
   if (!refine(moving, true, line)) line.rate_sigma = std::numeric_limits<double>::infinity();
   found.rate = line.rate;
   found.rate_sigma = line.rate_sigma;

@@ -1,8 +1,6 @@
-// What: clock offsets from measurements: of two clocks from how far each correspondence misses its
-//       epipolar line, of a whole rig from its pairs; and which of them are applied.
-// Not: where the measurements come from (ingest/clocks/clock_sync.h,
-// ingest/clocks/sync_audio.h). Source: least squares with Cauchy weights (Holland, Welsch
-// 1977), iterated.
+// Clock offsets from measurements: of two clocks from the distances of correspondences to their
+// epipolar lines, of a whole rig from its pairs, and the limits below which an offset is not
+// applied. Source: iterated least squares with Cauchy weights (Holland, Welsch 1977).
 #pragma once
 #include <optional>
 #include <vector>
@@ -37,7 +35,7 @@ double median_offset(std::vector<double> offsets);
 /// - and more than a tenth of a frame, in which an object moves less than while a frame is exposed;
 /// - where most clocks agree to a tenth of a frame (one trigger drives the cameras), it must stand
 ///   out from the others: by five times their scatter, or a quarter of a frame if that is less. The
-///   standard errors do not know of lenses and textures that mislead all frames of a pair alike.
+///   standard errors do not include lenses and textures that shift all frames of a pair alike.
 std::vector<double> offset_limits(const std::vector<SolvedOffset>& solved,
                                   const std::vector<double>& frame_seconds);
 
@@ -54,7 +52,7 @@ struct PairShift {
   double sigma = 0;       // standard error of it, seconds
   size_t support = 0;     // moving points that agree with it
   double rate = 0;        // seconds a second: how much slower the second clock runs
-  double rate_sigma = 0;  // standard error of it; infinite where nothing tells the rate
+  double rate_sigma = 0;  // standard error of it; infinite where the rate is undetermined
 };
 
 /// The shift within ±reach that most misses agree on, and rates of up to ±rate_reach: tried where

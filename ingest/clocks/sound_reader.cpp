@@ -1,5 +1,5 @@
-// What: libavformat, libavcodec and libswresample behind one call.
-// Not: errors: sound is only evidence, so a broken track ends where it breaks.
+// Decodes and resamples the sound with libavformat, libavcodec and libswresample. A damaged track
+// ends at the damage, without an error.
 #include "ingest/clocks/sound_reader.h"
 
 extern "C" {

@@ -1,5 +1,4 @@
-// What: the sound of a video file as one channel, placed on the clock of its images.
-// Not: playback quality: enough to compare recordings.
+// Reads the sound of a video file as one channel, timed on the clock of its frames.
 #pragma once
 #include <filesystem>
 #include <optional>

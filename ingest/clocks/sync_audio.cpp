@@ -1,6 +1,5 @@
-// What: whitened cross-correlation of all pairs of sounds, and the clocks that fit the peaks.
-// Not: a drift of the clocks within a clip.
-// Source: GCC-PHAT: Knapp, Carter 1976.
+// Whitened cross-correlation of all pairs of sounds, and the clocks that fit the peaks best. A
+// drift of the clocks within a clip is not modelled. Source: GCC-PHAT (Knapp, Carter 1976).
 #include "ingest/clocks/sync_audio.h"
 
 #include <fmt/format.h>
@@ -19,7 +18,7 @@ constexpr double kSeconds = 60;      // of each clip
 constexpr double kConfident = 1.5;   // peak to second peak
 constexpr double kSoundPath = 5e-3;  // seconds: 1.7 m of difference between the ways of a sound
 
-/// Of the sound, faded in and out: its cut ends would be whitened into a peak of their own.
+/// Of the sound, faded in and out: whitening would turn its cut ends into a peak.
 cv::Mat spectrum_of(const Sound& sound, int size) {
   constexpr double kFade = 0.1;  // seconds
   cv::Mat samples(1, size, CV_32F, cv::Scalar(0)), spectrum;
@@ -38,7 +37,7 @@ cv::Mat spectrum_of(const Sound& sound, int size) {
 /// Correlation at all shifts of a against b; negative shifts at the end. Empty where too little of
 /// the band is heard: a hum fits at each of its periods.
 cv::Mat whitened_correlation(const cv::Mat& a, const cv::Mat& b) {
-  constexpr double kFloor = 0.1;  // of the mean: where both are silent, noise is not raised
+  constexpr double kFloor = 0.1;  // of the mean: noise of silent frequencies is not amplified
   constexpr double kBand = 0.05;  // share of the band that is heard
   cv::Mat product, correlation;
   cv::mulSpectrums(a, b, product, 0, true);
@@ -129,7 +128,7 @@ std::optional<std::vector<ClipClock>> synchronise_by_audio(const std::vector<Rig
   }
   std::vector<ClipClock> clocks;
   for (const SolvedOffset& s : solved) {
-    // within its error a clock stays: each that is moved gives the scene timesteps of its own
+    // an offset within its error is not applied, because it would add timesteps to the scene
     const double error = std::max(s.sigma, kSoundPath);
     clocks.push_back({std::abs(s.offset) > error ? s.offset : 0, s.offset, error, "audio"});
   }

@@ -1,6 +1,4 @@
-// What: clock offsets from what the microphones of the cameras hear.
-// Not: the choice between methods (clock_sync.h), or decoding (sound_reader.h).
-// Source: GCC-PHAT: Knapp, Carter 1976.
+// Clock offsets from the sound tracks of the videos. Source: GCC-PHAT (Knapp, Carter 1976).
 #pragma once
 #include <optional>
 #include <vector>

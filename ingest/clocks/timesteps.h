@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-/// A frame by what tells its timestep.
+/// The values of a frame that determine its timestep.
 struct FrameTime {
   std::string camera;
   double time = 0;  // normalised
@@ -31,7 +31,7 @@ std::vector<Timestep> group_timesteps(const std::vector<FrameTime>& frames);
 /// more than there are.
 std::vector<int64_t> key_timesteps(int64_t timesteps, int64_t most);
 
-/// Numbers of the timesteps at which what moves is looked for, ascending: every second of a clip,
+/// Numbers of the timesteps at which moving points are searched, ascending: every second of a clip,
 /// the last among them; of long clips every third, fourth … so that there are at most 48.
 std::vector<int64_t> motion_timesteps(int64_t timesteps);
 

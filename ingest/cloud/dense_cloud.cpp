@@ -1,5 +1,5 @@
-// Random pixels in rounds until there are enough points; one still point a voxel, one moving point
-// a voxel and timestep.
+// Tries random pixels in rounds until there are enough points. Static points are limited to one a
+// voxel, moving points to one a voxel and timestep.
 #include "ingest/cloud/dense_cloud.h"
 
 #include <algorithm>

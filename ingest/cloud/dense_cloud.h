@@ -1,5 +1,5 @@
-// An initial cloud by plane sweep (plane_sweep.h): pixels of all training cameras at all timesteps
-// of a scene, still points once, moving ones with their timesteps.
+// An initial cloud by plane sweep (plane_sweep.h) from pixels of all training cameras at all
+// timesteps of a scene: static points once, moving points with their timesteps.
 #pragma once
 #include <functional>
 #include <vector>
@@ -18,7 +18,7 @@ struct CloudOptions {
   CloudPart part = CloudPart::kAll;              // of the pixels, that are tried
 };
 
-/// Points found in the scene of `sweep`, in random order; the scene's own points are not looked at.
+/// Points found in the scene of `sweep`, in random order; the points of the scene are not used.
 /// Empty when no three training cameras share a timestep. The same for any number of threads. Tries
 /// at most kTriesAPoint · options.points pixels; those of the other part do not count, up to 31 in
 /// a row.

@@ -1,5 +1,5 @@
-// What: halving by means of four, bilinear windows and their central differences.
-// Not: colour: grey is enough to follow what moves from frame to frame.
+// Averages 2 × 2 pixels from level to level; windows are bilinear, their gradients central
+// differences.
 #include "ingest/cloud/grey_pyramid.h"
 
 #include <cmath>

@@ -1,5 +1,4 @@
-// What: an image in grey at several sizes, and square windows of it between pixels.
-// Not: where they lie in space (point_motion.h).
+// A grey image at several sizes, and square windows of it at sub-pixel positions.
 #pragma once
 #include <array>
 #include <vector>

@@ -1,6 +1,5 @@
-// What: points in order of their widest axis; each looks to both sides as far as its neighbours
-//       reach.
-// Not: approximate.
+// Sorts the points along their widest axis; the search of each point ends where the distance along
+// that axis exceeds its farthest neighbour.
 #include "ingest/cloud/nearest_few.h"
 
 #include <algorithm>

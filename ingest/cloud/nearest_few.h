@@ -1,5 +1,5 @@
-// What: the nearest neighbours of each point of a set.
-// Not: a structure for many queries: the work grows faster than the number of points.
+// The exact nearest neighbours of each point of a set. The cost grows faster than the number of
+// points.
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>

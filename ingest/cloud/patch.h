@@ -1,6 +1,5 @@
-// What: small square parts of images, and how much two of them differ whatever their brightness.
-// Not: where they lie in space (plane_sweep.h).
-// Source: sum of absolute differences of levels less their mean, channel by channel.
+// Small square patches of images, and their difference up to brightness: the sum of absolute
+// differences of levels minus their mean, for each channel.
 #pragma once
 #include <array>
 #include <cmath>

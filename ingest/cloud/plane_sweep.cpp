@@ -1,5 +1,5 @@
-// What: the search along a pixel's ray, the check from another camera, and what changes over time.
-// Not: patches (patch.h) or timesteps (timesteps.h).
+// The search along the ray of a pixel, the check from another camera, and the test for changes over
+// time.
 #include "ingest/cloud/plane_sweep.h"
 
 #include <algorithm>
@@ -68,7 +68,7 @@ struct PlaneSweep::Search {
 
   using Costs = std::array<std::pair<float, int>, kNeighbours>;  // with the frame
 
-  /// Mean over the better half of the other cameras, so that occluded ones have no say.
+  /// Mean over the better half of the other cameras, so that occluded ones have no weight.
   static float better_half(Costs& costs, size_t count) {
     if (count < 2) return kNoAgreement;
     const size_t half = std::max<size_t>(2, (count + 1) / 2);

@@ -1,7 +1,6 @@
-// What: the depth of a pixel where the other cameras of its timestep agree with it.
-// Not: which pixels are tried and how many points are kept (dense_cloud.h), and no monocular
-//      captures: there no two cameras share a timestep.
-// Source: plane sweep after [Collins96]; the cross-camera check is stereo's left-right check.
+// The depth of a pixel at which the other cameras of its timestep agree with it. Monocular captures
+// have no depth here, because no two cameras share a timestep. Source: plane sweep [Collins96]; the
+// check from another camera is the left-right check of stereo matching.
 #pragma once
 #include <map>
 #include <memory>
@@ -14,7 +13,7 @@
 
 namespace tessera {
 
-/// A point with what the images say about it.
+/// A point with its values from the images.
 struct SweptPoint {
   glm::vec3 position;             // world units
   std::array<uint8_t, 3> colour;  // of the image it was found in
@@ -31,15 +30,15 @@ class PlaneSweep {
  public:
   /// Looks at the training frames only, of which there is one at least. `scene` must outlive this.
   explicit PlaneSweep(const Scene& scene);
-  /// What moves is told by other frames of the same cameras.
+  /// Moving pixels are found by other frames of the same cameras.
   PlaneSweep(const Scene& scene, std::shared_ptr<const StillPixels> still_pixels);
   const Scene& scene() const { return scene_; }
   /// Frames with at least two others of their timestep, indices into Scene::frames.
   const std::vector<int>& frames() const { return usable_; }
   /// None where a mask ignores the pixel, or without texture, agreement, a distinct best depth, or
-  /// the other camera's consent.
+  /// confirmation from the other camera.
   std::optional<SweptPoint> find(int frame, int x, int y) const;
-  /// Whether the pixel of one of frames() looks otherwise at another time of the clip; false at the
+  /// Whether the pixel of one of frames() looks different at another time of the clip; false at the
   /// image's edge, where no patch fits.
   bool moves(int frame, int x, int y) const;
   /// The frame that the point was found in, and those that it was compared with and which agree on

@@ -1,5 +1,4 @@
-// What: templates, residuals and normal equations of a point's displacement.
-// Not: the choice of a start among several (point_velocities.cpp).
+// Templates, residuals and normal equations for the displacement of a point.
 #include "ingest/cloud/point_motion.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
-// What: how far a point moves from one timestep to the next, by the images of several cameras.
-// Not: which points and cameras (point_velocities.h).
-// Source: the registration of Lucas, Kanade 1981, with one displacement in space for the windows
-//         of all cameras as scene flow has it [Vedula99]; gradients of the template [Baker04].
+// The displacement of a point to the neighbouring timesteps, from the images of several cameras.
+// Source: registration (Lucas, Kanade 1981) with one displacement in space for the windows of all
+// cameras, as in scene flow [Vedula99]; gradients of the template [Baker04].
 #pragma once
 #include <array>
 #include <glm/vec3.hpp>
@@ -39,7 +38,7 @@ struct MotionScore {
 /// fine:
 ///   (Σ w s² Pᵀ A P + λ 1) δ = −Σ w s Pᵀ Σ_x ∇I_c(x) r_cf(x),   A = Σ_x ∇I_c ∇I_cᵀ,   P = ∂π/∂p
 /// and w_cf = 1 / (1 + m²/σ²) with m the window's mean absolute difference, so that a view in which
-/// something else passes has little say.
+/// something else passes has a small weight.
 class PointMotion {
  public:
   /// `pixel`: size of a pixel at the point, world units: displacements here are in pixels, as

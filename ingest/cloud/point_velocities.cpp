@@ -1,5 +1,5 @@
-// What: pyramids and other frames of each camera, starts, the neighbours' say, medians.
-// Not: residuals of images (point_motion.cpp).
+// Builds the pyramids of the frames, chooses start values for the displacement of each point, and
+// filters the displacements by those of the neighbours.
 #include "ingest/cloud/point_velocities.h"
 
 #include <algorithm>
@@ -111,7 +111,7 @@ PointMotion Views::motion(const SweptPoint& point) const {
   return {glm::dvec3(point.position), double(point.pixel), std::move(views)};
 }
 
-/// What the images say of a displacement by themselves.
+/// The score of a displacement by the images alone.
 bool is_reliable(const MotionScore& score, const MotionScore& at_rest, double pixels) {
   const double error = (score.difference + kNoise) / kMostUncertain;
   return score.agreeing >= kFewestViews && score.information >= error * error &&

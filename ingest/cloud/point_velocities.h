@@ -1,5 +1,4 @@
-// What: the velocities of the moving points of a key timestep.
-// Not: the displacement of one point (point_motion.h) and not the points (plane_sweep.h).
+// The velocities of the moving points of a key timestep.
 #pragma once
 #include <cstdint>
 #include <vector>

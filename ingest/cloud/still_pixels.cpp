@@ -1,4 +1,4 @@
-// Pixels that look the same at all times.
+// Compares patches of a frame to those of up to eight other frames of its camera.
 #include "ingest/cloud/still_pixels.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kStill = 4;         // change over time of a still pixel, levels
 constexpr float kPassing = 12;      // likewise, of one before which something passes
-constexpr int64_t kMostSights = 8;  // at which a pixel is looked at
+constexpr int64_t kMostSights = 8;  // at which a pixel is compared
 constexpr size_t kOfSights = 4;     // one of so many may show something that passes
 constexpr size_t kEveryPixel = 17;  // of the image, for its light
 constexpr float kMostRatio = 2;

@@ -1,5 +1,5 @@
-// Which pixels of a camera that stands still look the same at nearly all times, whatever the light
-// is. Source: the ratio to the temporal median by the median over pixels, as for moving masks.
+// Pixels of a static camera that look the same at nearly all times, up to brightness. The
+// brightness of a frame is the median over pixels of its ratio to another frame.
 #pragma once
 #include <array>
 #include <map>
@@ -17,7 +17,7 @@ using LightRatio = std::array<float, 3>;
 /// equal size, RGB.
 LightRatio light_ratio(const Image8& a, const Image8& b);
 
-/// Takes no memory of its own but a few numbers an image.
+/// Takes only a few numbers of memory for each image.
 class StillPixels {
  public:
   /// By the training frames of `over_time`, which have images. It must outlive this.
@@ -26,8 +26,9 @@ class StillPixels {
   LightRatio light_of(const Frame& frame) const;
   /// Whether the patch around pixel (x, y) is the same, after its light, in up to eight frames of
   /// the camera, the first and the last among them, but for a quarter of them in between, in
-  /// which it is quite another: something may pass before what stands still. True where the camera
-  /// moves: then the pixel tells nothing. has_patch must hold. `light`: light_of(frame).
+  /// which it is quite another: a moving object may occlude the static surface. True where the
+  /// camera moves: then the comparison is meaningless. has_patch must hold. `light`:
+  /// light_of(frame).
   bool still(const Frame& frame, const LightRatio& light, int x, int y) const;
 
  private:

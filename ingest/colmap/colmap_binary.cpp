@@ -1,6 +1,5 @@
-// What: cameras.bin, images.bin, points3D.bin: little-endian records without padding.
-// Not: trust in a count: each is held against the bytes that are left before memory is taken.
-// Source: method E.4 (COLMAP 3.8's formats).
+// Reads cameras.bin, images.bin and points3D.bin (COLMAP 3.8): little-endian records without
+// padding. Each count is checked against the remaining bytes before memory is allocated.
 #include <fmt/format.h>
 
 #include <cstring>

@@ -1,5 +1,5 @@
-// What: the table of COLMAP's models: each parameter's name says where it goes.
-// Not: equations; all models are cases of one Lens (lens.h). Source: COLMAP 3.8, camera models.
+// The table of the camera models of COLMAP 3.8. The name of each parameter determines its field of
+// Lens or Camera.
 #include "ingest/colmap/colmap_records.h"
 
 #include <fmt/format.h>

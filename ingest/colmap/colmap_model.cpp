@@ -1,5 +1,4 @@
-// What: which files of a model are read, and what must hold between them.
-// Not: their formats (colmap_binary.cpp, colmap_text.cpp).
+// Chooses the files of a model and checks their consistency.
 #include "ingest/colmap/colmap_model.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: a COLMAP model (sparse/0 or sparse, .bin or .txt) → posed photos and an initial cloud.
-// Not: pixels (ingest/layouts/colmap_capture.cpp); sizes are those the model was made at.
+// Reads a COLMAP model (sparse/0 or sparse, .bin or .txt) as posed photos and an initial cloud.
+// Image sizes are those of the model.
 #pragma once
 #include <filesystem>
 #include <string>

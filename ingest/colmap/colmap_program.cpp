@@ -1,5 +1,4 @@
-// What: command lines of `colmap`, 3.6 and later.
-// Not: the process itself (child_process.h).
+// Builds the command lines of `colmap`, version 3.6 and later.
 #include "ingest/colmap/colmap_program.h"
 
 #include <fmt/format.h>
@@ -92,7 +91,7 @@ void ColmapProgram::run(const std::string& command, const ColmapOptions& options
     }
     progress_(doing, total > 0 ? std::min(done, total) : done, total);
   });
-  // COLMAP looks at no write of a model: what it says of a full disk may be nothing
+  // COLMAP checks no write of a model: a full disk may be unreported
   disk_is_full |= std::filesystem::space(log_.parent_path()).available == 0;
   if (disk_is_full) fail_to_write(log_.parent_path(), ENOSPC);
   if (result.exit_code != 0)

@@ -1,5 +1,5 @@
-// What: the program `colmap`: found, its version checked, its commands run with what they said
-// kept. Not: which commands make poses (rig_poses.cpp, moving_camera.cpp).
+// The program `colmap`: finds it, checks its version and runs its commands, with their output in a
+// log.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -16,7 +16,7 @@ using ColmapOptions = std::vector<std::pair<std::string, std::string>>;
 class ColmapProgram {
  public:
   /// The program that the environment variable TESSERA_COLMAP names, else `colmap` of PATH; what
-  /// its commands say is added to `log`. Errors: InputError: there is none, it states no version,
+  /// its commands print is added to `log`. Errors: InputError: there is none, it states no version,
   /// or one before 3.6.
   ColmapProgram(std::filesystem::path log, const IngestProgress& progress);
 

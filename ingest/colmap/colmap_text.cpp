@@ -1,5 +1,5 @@
-// What: cameras.txt, images.txt, points3D.txt: blank-separated, '#' begins a comment line.
-// Not: the binary twins (colmap_binary.cpp), which are preferred where both are there.
+// Reads cameras.txt, images.txt and points3D.txt: values are separated by blanks, and # begins a
+// comment.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -36,7 +36,7 @@ class ColmapWorkspace {
   /// folder `out`. `max_error`: of a feature, pixels.
   void triangulate(const ColmapProgram& colmap, const std::filesystem::path& model,
                    const std::filesystem::path& out, double max_error) const;
-  /// Whether `key` is what is stored here; `store_key` says so from now on.
+  /// Whether `key` is the one that `store_key` stored here.
   bool holds(const std::string& key) const;
   void store_key(const std::string& key) const;
 };

@@ -1,6 +1,5 @@
-// What: points with timesteps from cameras that are known: what stands still once, what moves at
-//       each instant.
-// Not: dense clouds, and no pose is changed.
+// Triangulates points with timesteps from known poses: static points once, moving points at each
+// timestep. Poses are not changed.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -69,10 +68,10 @@ void append(PointCloud& all, const PointCloud& some, double time, bool still) {
   all.still.resize(all.position.size(), still);
 }
 
-/// What the training cameras see: still images, and of each instant what differs from them.
+/// The images of the training cameras: still images, and for each timestep the moving pixels.
 struct SeenByCameras {
   PosedStills still;
-  std::vector<PosedStills> moving;  // one an instant
+  std::vector<PosedStills> moving;  // one a timestep
 };
 
 /// Decodes a clip once: the frames behind its median, and those of the instants.

@@ -1,5 +1,4 @@
-// What: photos or frames of one camera that moves → a COLMAP model, a pose an image.
-// Not: the scene that is made of it (colmap_capture.cpp), or a rig (rig_poses.cpp).
+// Estimates a pose for each photo, or for each frame of one moving camera, as a COLMAP model.
 #include <fmt/format.h>
 
 #include <algorithm>

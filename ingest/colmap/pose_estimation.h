@@ -1,6 +1,5 @@
-// What: camera poses and a sparse cloud by the program `colmap`, for rigs that stand still, for
-//       one camera that moves, and points alone where poses are known.
-// Not: feature matching of our own, and no reading of its results (colmap_model.h).
+// Camera poses and a sparse cloud by the program `colmap`: for static rigs, for one moving camera,
+// and points alone where poses are known.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -16,7 +15,7 @@ namespace tessera {
 
 struct PoseEstimate {
   std::vector<std::optional<RigCamera>> cameras;  // one a clip; empty where it was not registered
-  PointCloud points;                              // of the training cameras alone
+  PointCloud points;                              // of the training cameras only
   std::vector<std::string> warnings;              // one line each
 };
 
@@ -34,7 +33,7 @@ PoseEstimate estimate_rig(const std::vector<RigClip>& clips, const std::vector<c
                           const std::filesystem::path& work, const PoseOptions& options,
                           const IngestProgress& progress);
 
-/// Points of each instant, with its time, triangulated from the clips' known poses.
+/// Points of each timestep, with its time, triangulated from the known poses of the clips.
 PointCloud triangulate_instants(const std::vector<RigClip>& clips,
                                 const std::vector<char>& held_out,
                                 const std::vector<RigInstant>& instants,

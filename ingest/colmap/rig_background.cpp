@@ -1,5 +1,5 @@
-// What: medians over time; a pixel moves where its deviation stands out of the image's noise.
-// Not: optical flow: what moves and looks the same everywhere needs no mask.
+// Computes medians over time. A pixel is moving where its deviation from the median exceeds the
+// noise of the image.
 #include "ingest/colmap/rig_background.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr int kBlur = 5;             // pixels, box: noise averages out, motion 
 constexpr float kLeastMotion = 8;    // 8-bit values: coded noise flickers in blocks of less
 constexpr float kNoiseFactor = 4;    // motion deviates by this many times the median deviation
 constexpr double kSteady = 0.5;      // of the frames must show what the median shows
-constexpr double kReach = 1.0 / 60;  // of the image's width: features look beyond their centre
+constexpr double kReach = 1.0 / 60;  // of the image's width: features extend beyond their centre
 
 /// max(0, 2|mean d| − mean|d|) of the differences d from the median over time, means over
 /// neighbours: |d| where all differ alike, as where something moves; 0 of noise, however strong.

@@ -1,6 +1,5 @@
-// What: what stands still before a camera that stands still: its image without what moves, and
-//       where something moves, from a few frames spread over the clip.
-// Not: features or poses (rig_poses.cpp).
+// The static background of a static camera: its image without moving objects, and a mask of moving
+// pixels, from a few frames spread over the clip.
 #pragma once
 #include <vector>
 

@@ -1,5 +1,4 @@
-// What: one pose a camera of a rig that stands still: COLMAP on images without what moves.
-// Not: poses that are known (known_pose_points.cpp) or change (moving_camera.cpp).
+// Estimates one pose for each camera of a static rig with COLMAP, on images without moving objects.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What: AtomicFile on stdio and rename(2); every result that can say "disk full" is looked at.
-// Not: durability of the folder entry itself: after a power cut the old file may be the one seen.
+// AtomicFile on stdio and rename(2); every result that may report a full disk is checked. The
+// folder entry is not synchronised: after a power cut the previous file may still be there.
 #include "ingest/files/atomic_file.h"
 
 #include <fmt/format.h>

@@ -19,8 +19,8 @@ class WriteError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Whether errno `reason` speaks of the path that was given (no permission, not a folder, …) and
-/// not of the machine (no space, an input/output error).
+/// Whether errno `reason` is about the given path (no permission, not a folder, …) and not about
+/// the machine (no space, an input/output error).
 bool path_is_at_fault(int reason);
 
 /// Errors: always: InputError where the path is at fault, else WriteError; the message names the
@@ -43,7 +43,7 @@ class AtomicFile {
   void sync();
   void commit();
 
-  /// Where the bytes go until `commit`, for libraries that insist on a path or FILE.
+  /// Where the bytes go until `commit`, for libraries that require a path or FILE.
   const std::filesystem::path& temporary_path() const { return temporary_; }
   std::FILE* file() { return file_; }
 

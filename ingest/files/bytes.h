@@ -1,5 +1,5 @@
-// What: little-endian numbers out of and into a run of bytes, never past its end.
-// Not: files (atomic_file.h).
+// Reads little-endian numbers from a run of bytes, with a check of its end, and appends them to
+// one.
 #pragma once
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-// What: posix_spawn into a process group of its own, one pipe, and a guard that ends the group.
-// Not: input to the child (its stdin is /dev/null) or several children at once.
+// Starts the child with posix_spawn in a separate process group, with one pipe for its output and
+// /dev/null as its input. A guard ends the process group.
 #include "ingest/files/child_process.h"
 
 #include <fcntl.h>
@@ -25,7 +25,7 @@ extern char** environ;
 namespace tessera {
 namespace {
 
-constexpr int kSilenceMs = 100;                   // between two looks at a child that says nothing
+constexpr int kSilenceMs = 100;                   // between two checks of a child without output
 constexpr auto kGrace = std::chrono::seconds(1);  // between SIGTERM and SIGKILL
 
 /// The child and its group; both are gone when this is.
@@ -125,7 +125,7 @@ pid_t spawn(const ChildCommand& command, int output) {
   return child;
 }
 
-/// What a child said: kept in the log, cut into lines.
+/// The output of a child: kept in the log, cut into lines.
 class ChildOutput {
  public:
   ChildOutput(const std::filesystem::path& log,

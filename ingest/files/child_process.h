@@ -1,6 +1,5 @@
-// What: runs another program to its end: argv without a shell, its words to a log file and to a
-//       callback line by line, and it never outlives the call.
-// Not: what any program's words mean (ingest/colmap/colmap_program.h).
+// Runs another program to its end, with an argument list instead of a shell. Its output goes to a
+// log file and line by line to a callback; the program is ended when the call ends.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -13,8 +12,8 @@ namespace tessera {
 
 struct ChildCommand {
   std::vector<std::string> arguments;                            // [0]: the program's path
-  std::vector<std::pair<std::string, std::string>> environment;  // beyond our own
-  std::filesystem::path log;  // what it says is added here; empty: kept nowhere
+  std::vector<std::pair<std::string, std::string>> environment;  // added to this process's
+  std::filesystem::path log;  // its output is appended here; empty: discarded
 };
 
 struct ChildResult {
@@ -23,9 +22,9 @@ struct ChildResult {
 };
 
 /// Calls `on_line` for each line of stdout and stderr, and with an empty line ten times a second
-/// while the child is silent; what it throws ends the child and all processes of its group (first
-/// SIGTERM, SIGKILL after a second) before it is passed on. Errors: InputError: the program cannot
-/// be started; the log cannot be written (atomic_file.h).
+/// while the child has no output; an exception of it ends the child and all processes of its group
+/// (first SIGTERM, SIGKILL after a second) before it is passed on. Errors: InputError: the program
+/// cannot be started; the log cannot be written (atomic_file.h).
 ChildResult run_child(const ChildCommand& command,
                       const std::function<void(std::string_view)>& on_line);
 

@@ -1,5 +1,4 @@
-// What: FNV-1a over a file, block by block.
-// Not: parallel within a file; callers hash files beside each other.
+// Hashes a file block by block.
 
 #include <fmt/format.h>
 

@@ -54,7 +54,7 @@ namespace fs = std::filesystem;
   refuse(target, fmt::format("{} ({})", seen, reason.message()));
 }
 
-/// Renames with a way back; what was there is in `staging` afterwards.
+/// Two renames, undone where the second fails; the old folder is at `staging` afterwards.
 void exchange_in_two_steps(const fs::path& staging, const fs::path& target,
                            std::error_code& reason) {
   const fs::path old = staging.string() + ".replaced";
@@ -82,7 +82,7 @@ void check_replaceable(const fs::path& target, bool may_replace) {
     refuse(target, "is a folder with other contents, it would be overwritten");
 }
 
-/// What to do with a file where a folder is expected, by the kind that its name says.
+/// What to do with a file where a folder is expected, by its extension.
 std::string advice_for_file(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? char(c + ('a' - 'A')) : c;

@@ -14,7 +14,7 @@ inline std::string host_name() {
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown host";
 }
 
-/// ".STEM.HOST.PID.partial": tells whose it is.
+/// ".STEM.HOST.PID.partial", the name for a folder of this process.
 std::string staging_name(const std::string& stem);
 
 /// Whether `name` is one for `stem`, of any process.
@@ -26,7 +26,7 @@ void remove_stale_staging(const std::filesystem::path& parent, const std::string
 class StagedFolder {
  public:
   /// Creates a hidden sibling of `target` and removes those that killed programs have left.
-  /// `may_replace` says whether a non-empty folder that is already there may be replaced (at
+  /// `may_replace`: whether a non-empty folder that is already there may be replaced (at
   /// `commit`, not before). Errors: InputError when it may not, when `target` is a file, or when
   /// its parent cannot be written; WriteError when the disk is full.
   StagedFolder(std::filesystem::path target, bool may_replace);

@@ -1,5 +1,4 @@
-// What: zlib with a gzip header.
-// Not: raw deflate or zlib's own wrapper.
+// Calls zlib with a gzip header.
 #include "ingest/files/gzip.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: gzip of bytes in memory, both ways.
-// Not: streams; and no file names or times in the header, so that equal input is equal output.
+// Compresses and decompresses gzip data in memory. The header has no file name or time, so that
+// equal input gives equal output.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,5 +1,4 @@
-// What: reading JSON with errors that name the file, and values with errors that name the place.
-// Not: writing; nlohmann's dump and write_text_file do that.
+// Errors of the text name the file; errors of values name their place in it.
 #include "ingest/files/json_file.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: a JSON file as a tree; Python's NaN and Infinity, which JSON lacks, are read as null.
-// Not: a schema; readers look at each value through `finite_number` and friends.
+// Reads a JSON file as a tree, and single values with checks of their types. The NaN and Infinity
+// of Python, which JSON lacks, are read as null.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,4 @@
-// What: .npy header by hand (a Python dictionary literal of three known keys), then raw doubles.
-// Not: a Python parser: keys may come in any order, but only the values NumPy writes are known.
+// Parses the header of a .npy file: a Python dictionary literal with three known keys in any order.
 // Format: numpy.lib.format, versions 1.0 and 2.0.
 #include "ingest/files/npy.h"
 

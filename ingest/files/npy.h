@@ -1,5 +1,5 @@
-// What: two-dimensional NumPy arrays (.npy versions 1 and 2), as LLFF's poses_bounds.npy needs.
-// Not: object, structured or complex arrays.
+// Reads and writes two-dimensional NumPy arrays (.npy versions 1 and 2) of floating-point numbers,
+// as poses_bounds.npy of LLFF has them.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,5 +1,5 @@
-// What: PLY bodies: one cursor for ASCII, little- and big-endian, one row loop for all of them.
-// Not: the header (ply_header.cpp).
+// Reads the body of a PLY with one cursor for each encoding and one loop over rows, and writes
+// tables.
 #include "ingest/files/ply.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
-// What: PLY as a table: elements of named scalar properties, any of the three encodings in, binary
-//       little-endian out. Point clouds, 3DGS and Tessera 4D models are all read through it.
-// Not: lists (faces are skipped when they follow what is read), and no meaning of the columns.
+// Reads and writes PLY files as tables: elements of named scalar properties. All three encodings
+// are read, and binary little-endian is written. Lists are skipped, such as faces after the
+// elements that are read.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,5 +1,5 @@
-// What: PLY header lines → PlyHeader, and PlyFile → header text.
-// Not: a judge of unknown keywords: obj_info and empty lines are passed over.
+// Parses the lines of a PLY header, and formats the header of a table. Unknown keywords such as
+// obj_info are skipped.
 #include "ingest/files/ply_header.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: the header of a PLY: elements, their properties in file order, lists included.
-// Not: the values (ply.h reads them through this).
+// The header of a PLY: elements and their properties in the order of the file, including lists.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What: PNG through libpng's row interface; its errors (longjmp) end in `guarded` as InputError.
-// Not: colour management: gAMA, sRGB and iCCP chunks are not applied; stored values are the values.
+// Uses the row interface of libpng; `guarded` converts its errors (longjmp) to InputError. The
+// chunks gAMA, sRGB and iCCP are ignored: values are used as stored.
 #include "ingest/files/png.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: 8-bit PNG in and out through libpng, the format of prepared frames and of renders.
-// Not: any other image format (image_source.h reads those through OpenImageIO).
+// Reads and writes 8-bit PNG through libpng, the format of prepared frames and of renders.
 #pragma once
 #include <filesystem>
 

@@ -1,5 +1,5 @@
-// What: PLY columns → PointCloud, with the checks that keep a bad cloud out of initialisation.
-// Not: normals, confidences or faces; those columns are ignored.
+// Converts PLY columns to a PointCloud and checks them. Columns of normals, confidences and faces
+// are ignored.
 #include "ingest/files/point_cloud.h"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ std::array<uint8_t, 3> colour_at(const std::array<const PlyColumn*, 3>& columns,
   return colour;
 }
 
-/// The columns about time of the rows that were taken; a column that says nothing is left empty.
+/// The columns about time of the rows that were taken; a column without values is left empty.
 void read_timesteps(const PlyElement& vertices, const std::vector<size_t>& rows,
                     const std::string& where, std::vector<std::string>& warnings,
                     PointCloud& points) {

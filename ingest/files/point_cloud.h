@@ -1,5 +1,4 @@
-// What: the initial cloud of a capture: found, read, checked; and written beside prepared frames.
-// Not: Gaussians: a 3DGS .ply is refused here (static3d reads those).
+// Finds, reads, checks and writes the initial cloud of a capture. A 3DGS .ply is refused.
 #pragma once
 #include <filesystem>
 #include <string>

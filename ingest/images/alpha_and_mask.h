@@ -14,9 +14,9 @@ namespace tessera {
 /// as stored (not premultiplied); grey is repeated, RGB passes through.
 Image8 composite_on(const Image8& image, const std::array<uint8_t, 3>& background);
 
-/// One channel of 0 (ignored) and 255 (used). The value of a pixel is its alpha, where that says
-/// anything, else its brightest channel. Errors: InputError naming `file`: all values are small but
-/// not all zero, as in masks of 0 and 1.
+/// One channel of 0 (ignored) and 255 (used). The value of a pixel is its alpha where the
+/// image has transparent pixels, else its brightest channel. Errors: InputError naming `file`: all
+/// values are small but not all zero, as in masks of 0 and 1.
 Image8 mask_of_image(const Image8& image, const std::filesystem::path& file);
 
 /// Errors: InputError naming `file` when the mask does not have the size of its image.

@@ -1,5 +1,4 @@
-// What: the rules for image files that transforms files leave implicit.
-// Not: a search through folders: only the stated path and its extensions are tried.
+// Tries a stated path with the extensions of images. Sub-folders are not searched.
 #include "ingest/images/image_paths.h"
 
 #include <fmt/format.h>

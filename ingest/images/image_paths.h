@@ -1,5 +1,5 @@
-// What: a stated file_path → the file it means, and the name the frame goes by.
-// Not: decoding.
+// Finds image files: the file that a stated file_path names, the name of its frame, and the images
+// in a folder.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -16,7 +16,7 @@ struct NumberedImage {
 /// True for the extensions of images, in either case.
 bool is_image_name(const std::filesystem::path& path);
 
-/// True for a file that can be asked for, links followed; false, not an error, for a link loop.
+/// True for a file, links followed; false, without an error, for a loop of links.
 bool is_file(const std::filesystem::path& path);
 
 /// The images directly in `folder` by their extensions, sorted by name; hidden ones left out.

@@ -145,7 +145,7 @@ Image8 turned_upright(const Image8& stored, int orientation) {
   const int w = stored.width, h = stored.height;
   Image8 upright{sides_swapped ? h : w, sides_swapped ? w : h, stored.channels, {}};
   upright.data.reserve(stored.data.size());
-  // The tag says where row 0 and column 0 of the stored image lie in the upright one.
+  // The tag is the position of row 0 and column 0 of the stored image in the upright one.
   const bool from_right =
       orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
   const bool from_below =

@@ -12,15 +12,15 @@ inline constexpr const char* kToneMap = "clamp to [0, 1], sRGB transfer curve";
 
 struct SourceImage {
   Image8 image;
-  int orientation = 1;       // EXIF, 1 to 8: how a viewer would turn it; 1 where it says nothing
+  int orientation = 1;       // EXIF, 1 to 8: how a viewer would turn it; 1 by default
   bool tone_mapped = false;  // it was linear: floating-point pixels (EXR, TIFF)
 };
 
 /// Grey, RGB or RGBA with alpha not premultiplied. Integers are sRGB as stored, 16 bit is reduced
 /// with rounding; floating-point pixels are linear and go through kToneMap: c → clamp(c, 0, 1),
 /// then 12.92 c up to 0.0031308 and 1.055 c^(1/2.4) − 0.055 above; alpha has no curve. The format
-/// goes by the file's first bytes where they tell. Errors: InputError naming the file: unreadable,
-/// truncated, damaged, CMYK, two or more than four channels.
+/// is that of the file's first bytes where these are known. Errors: InputError naming the file:
+/// unreadable, truncated, damaged, CMYK, two or more than four channels.
 SourceImage read_source_image(const std::filesystem::path& path);
 
 /// The pixels alone.
@@ -32,7 +32,7 @@ Image8 turned_upright(const Image8& stored, int orientation);
 
 /// The pixels that a camera of `width` × `height` (of any size of the same shape) describes: as
 /// stored or turned upright, by the shape. Where both fit, as stored, because COLMAP (3.8) and the
-/// field's loaders do not look at the tag; `doubtful` then becomes true. Where neither fits: as
+/// usual loaders ignore the tag; `doubtful` then becomes true. Where neither fits: as
 /// stored.
 Image8 image_as_posed(SourceImage source, int width, int height, bool& doubtful);
 

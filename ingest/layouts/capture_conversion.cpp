@@ -1,5 +1,5 @@
-// What: ingest_capture: options checked, layout found, folder staged, converter called.
-// Not: any reading of frames; the converters do that.
+// Implements ingest_capture: checks the options, finds the layout, stages the folder and calls the
+// converter.
 extern "C" {
 #include <libavutil/avutil.h>
 }
@@ -93,7 +93,7 @@ Converter* converter_of(CaptureLayout layout) {
   return nullptr;
 }
 
-/// As ingest_capture, but what the file system says comes as its own exception.
+/// As ingest_capture, but errors of the file system are thrown as std::filesystem_error.
 IngestReport convert_staged(const std::filesystem::path& capture, const std::filesystem::path& out,
                             IngestOptions options, const IngestProgress& progress) {
   check_options(options);

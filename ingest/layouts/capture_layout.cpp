@@ -1,5 +1,4 @@
-// What: a capture's layout by the files that are there.
-// Not: a look inside them; a broken file is its reader's to report.
+// Determines the layout by the names of the files; their contents are not read.
 #include "ingest/layouts/capture_layout.h"
 
 #include <fmt/format.h>

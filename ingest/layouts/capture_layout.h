@@ -1,5 +1,4 @@
-// What: what kind of capture a folder is, and its videos.
-// Not: reading any of them.
+// Determines the layout of a capture folder, and lists its videos and image sequences.
 #pragma once
 #include <filesystem>
 #include <vector>

@@ -1,5 +1,5 @@
-// What: decoding on this thread, undistortion, scaling and PNG on all of them.
-// Not: a queue that grows: the decoder waits for the writers.
+// Decodes on the calling thread; undistorts, scales and writes on all threads. The decoder waits
+// for the writers.
 #include "ingest/layouts/clip_pictures.h"
 
 #include <optional>

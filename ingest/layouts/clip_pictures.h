@@ -1,5 +1,4 @@
-// What: the wanted frames of one video → prepared images on disk: lens removed, scaled, PNG.
-// Not: the choice of frames (frame_window.h).
+// Writes the chosen frames of one clip as prepared images: undistorted, scaled, as PNG.
 #pragma once
 #include <filesystem>
 #include <functional>

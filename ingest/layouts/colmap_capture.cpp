@@ -42,7 +42,7 @@ ColmapModel read_llff_photos(const std::filesystem::path& poses,
   return model;
 }
 
-constexpr int64_t kTestEvery = 8;  // the field's protocol for photo sets
+constexpr int64_t kTestEvery = 8;  // the usual protocol for photo sets
 
 struct FoundPhoto {
   ColmapPhoto photo;

@@ -37,7 +37,7 @@ Converted convert_photos(const std::filesystem::path& capture, const std::filesy
                          const IngestOptions& options, const IngestProgress& progress);
 
 /// Calls `convert` for each image, in parallel, chunk by chunk, so that progress comes from the
-/// calling thread and stops what it wants to stop. Errors: the InputError of the first image.
+/// calling thread and can stop the conversion. Errors: the InputError of the first image.
 void convert_images(size_t count, const IngestProgress& progress,
                     const std::function<void(size_t)>& convert);
 /// The camera of an image scaled by `scale`; its rays are those of the original.

@@ -1,5 +1,4 @@
-// What: unreadable images by index, and the scene without them.
-// Not: a second try: an image is read once.
+// Records unreadable images by index, and removes their frames from the scene.
 #include "ingest/layouts/image_intake.h"
 
 #include <fmt/format.h>

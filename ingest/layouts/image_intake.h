@@ -1,5 +1,5 @@
-// What: the images of a photo set as they are read: which cannot be, and what was done to others.
-// Not: decoding (image_source.h).
+// Reads the images of a photo set, and records which are unreadable and how the others were
+// changed.
 #pragma once
 #include <atomic>
 #include <optional>

@@ -1,5 +1,5 @@
-// What: names → camera and number, the groups these make, and how much they look like a rig.
-// Not: a search below the folders that are named in the header.
+// Parses camera and number from file names, groups the files, and rates how much the groups
+// resemble a rig.
 #include "ingest/layouts/image_sequences.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: numbered images of a folder as sequences: one a camera of a rig, or all of one camera.
-// Not: their pixels, and not the decision what a capture is (capture_layout.h).
+// Finds numbered images of a folder as sequences: one for each camera of a rig, or all images of
+// one camera.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,5 +1,5 @@
-// What: ingest_capture of the trainer-only build: says which build can do it.
-// Not: an error of the user's data; still an InputError, because the remedy is another command.
+// Implements ingest_capture in the trainer-only build: it throws an InputError that names the build
+// with the converters.
 #include "ingest/ingest.h"
 #include "kernels/base/errors.h"
 

@@ -1,5 +1,4 @@
-// What: names, resampling, refusals.
-// Not: a resampler of its own: a mask is a grey image that is cut at one half afterwards.
+// Resamples a mask as a grey image and applies a threshold afterwards.
 #include "ingest/layouts/mask_source.h"
 
 #include <fmt/format.h>

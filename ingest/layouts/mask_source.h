@@ -1,7 +1,6 @@
-// What: masks of a capture → masks of a prepared scene: found by name, read in any image format,
-//       undistorted and scaled as their images are, written below masks/.
-// Not: the polarity (ingest/images/alpha_and_mask.h), and no soft edges: what is resampled is cut
-// at one half.
+// Converts the masks of a capture to those of a prepared scene: finds them by name, reads any image
+// format, undistorts and scales them as their images, and writes them below masks/. Resampled masks
+// are cut at one half.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -34,7 +33,7 @@ std::string prepare_camera_mask(const std::filesystem::path& folder, const std::
                                 const Camera& camera, const Lens& lens, const Camera& pinhole,
                                 const IngestOptions& options);
 
-/// Errors: InputError when masks were asked for, or to be turned, and no frame has one. A warning
+/// Errors: InputError when masks or their inversion were requested and no frame has one. A warning
 /// names how many frames have none.
 void check_masks(const PreparedScene& scene, const IngestOptions& options, IngestReport& report);
 

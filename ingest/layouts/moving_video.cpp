@@ -1,5 +1,5 @@
-// What: frames as photos with names in order of time, photos as a scene, and their times back.
-// Not: the estimation (pose_estimation.h) or the photos (colmap_capture.cpp).
+// Converts one video of a moving camera to a prepared scene: frames are written as photos in the
+// order of their times, COLMAP estimates a pose for each, and the photos get their times back.
 #include "ingest/layouts/conversion.h"
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostFrames = 300;  // where nothing else is asked for; matching takes minutes
+constexpr size_t kMostFrames = 300;  // by default; matching takes minutes
 
 std::vector<size_t> frames_of(const RigClip& clip, const IngestOptions& options) {
   std::vector<double> seconds;

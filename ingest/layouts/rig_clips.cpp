@@ -1,5 +1,4 @@
-// What: videos → names → timelines; poses beside them by row or by name.
-// Not: pixels.
+// Reads the timelines of the videos and the poses beside them, which are matched by row or by name.
 #include "ingest/layouts/rig_clips.h"
 
 #include <fmt/format.h>
@@ -66,8 +65,8 @@ void pose_by_row(const fs::path& file, std::vector<RigClip>& clips) {
     clips[i].camera = RigCamera{clips[i].name, poses[i].camera, {}, "PINHOLE"};
 }
 
-/// Takes clips out, as `seen` says. Errors: InputError `refusal`: `strict`, or fewer than two are
-/// left.
+/// Removes clips; `seen` describes why. Errors: InputError `refusal`: `strict`, or fewer than two
+/// are left.
 void leave_out(const std::string& seen, const std::string& refusal, const std::vector<char>& keep,
                bool strict, RigClips& rig, std::vector<std::string>& warnings) {
   if (std::count(keep.begin(), keep.end(), 1) < 2) throw InputError(refusal);

@@ -1,6 +1,5 @@
-// What: the videos of a capture as the clips of a rig: names, clocks, stated poses, what is held
-//       out.
-// Not: the estimation of poses (pose_estimation.h) or of clocks (clock_sync.h).
+// Opens the videos or image sequences of a capture as the clips of a rig, with names, timelines,
+// stated poses and held-out cameras.
 #pragma once
 #include <filesystem>
 #include <string>

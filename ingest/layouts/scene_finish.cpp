@@ -1,4 +1,5 @@
-// The last steps of a conversion in their order, and the evening of exposures.
+// The last steps of every conversion, after the images are written: masks, world normalisation,
+// exposure, the initial cloud and the description of the scene.
 
 #include <fmt/format.h>
 
@@ -18,7 +19,7 @@
 namespace tessera {
 namespace {
 
-/// The training cameras, a camera that stands still once.
+/// The training cameras, with a static camera once.
 std::vector<Camera> training_poses(const PreparedScene& scene) {
   std::vector<Camera> poses;
   std::map<std::string, Camera> last;  // by camera name
@@ -102,7 +103,7 @@ void finish_scene(Converted& converted, CaptureLayout layout, const std::filesys
   check_masks(scene, options, report);
   scene.inverted_masks = options.invert_masks;
   if (!options.keep_world && has_arbitrary_world(layout)) normalise_world(converted);
-  write_prepared_scene(folder, scene);  // for the next two, which look at the images
+  write_prepared_scene(folder, scene);  // read by the next two steps
   if (options.fit_exposure) even_exposure(folder, scene, progress);
   converted.points =
       initial_cloud(folder, scene, std::move(converted.points), options, progress, report);

@@ -1,5 +1,4 @@
-// What: the choice of frames, their pixels, and the options of a sample's conversion.
-// Not: the checks.
+// Chooses the frames and loads their pixels; sets the options for the conversion of a sample.
 #include "ingest/layouts/thinned_scene.h"
 
 #include <algorithm>
@@ -125,7 +124,7 @@ IngestReport ingest_sample(const std::filesystem::path& capture,
   options.cloud_points = std::min(options.cloud_points, kMostPoints);
   CaptureLayout layout = layout_of(capture, options);
   if (layout == CaptureLayout::kTransforms && !find_colmap_model(capture).empty())
-    options.layout = layout = CaptureLayout::kColmap;  // knows its lenses
+    options.layout = layout = CaptureLayout::kColmap;  // the model has the lenses
   const bool sequences = layout == CaptureLayout::kSequences;
   if (sequences) options.image_rate = options.fps.value_or(kImageRate);
   if (sequences ||

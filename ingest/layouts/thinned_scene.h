@@ -1,5 +1,4 @@
-// What: enough of a scene to diagnose it: all frames without pixels, and a few with them.
-// Not: training input.
+// A reduced scene for diagnosis: all frames without pixels, and a few frames with pixels.
 #pragma once
 #include <filesystem>
 #include <vector>
@@ -25,7 +24,7 @@ struct ThinnedScene {
 ThinnedScene thinned_scene(const std::filesystem::path& folder, const Thinning& thinning);
 
 /// Prepares a few frames of a capture, reduced, as the scene `folder`: of videos some timesteps
-/// spread over what `options` ask for. Errors: as ingest_capture.
+/// spread over the range of `options`. Errors: as ingest_capture.
 IngestReport ingest_sample(const std::filesystem::path& capture,
                            const std::filesystem::path& folder, IngestOptions options,
                            const IngestProgress& progress);

@@ -1,5 +1,5 @@
-// What: D-NeRF, NeRF-synthetic, Nerfstudio or prepared captures → prepared scene.
-// Not: parsing (transforms_json.h); alpha is kept, the background is chosen when a scene is loaded.
+// Converts D-NeRF, NeRF-synthetic, Nerfstudio and prepared captures to a prepared scene. Alpha is
+// kept; the background is chosen when a scene is loaded.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ void keep_first_instants(TransformsCapture& capture, int64_t count) {
   });
 }
 
-/// The splits that --held-out or --test-every ask for. Errors: InputError: the capture states test
+/// The splits by --held-out or --test-every. Errors: InputError: the capture states test
 /// frames itself, a wrong name or number, nothing left to train on.
 void choose_splits(TransformsCapture& capture, const IngestOptions& options) {
   if (options.held_out.empty() && !options.test_every) return;
@@ -93,7 +93,7 @@ void convert_frame(const TransformsFrame& listed, Image8 image, const std::files
   write_prepared_image(folder / prepared.file_path, std::move(image), options.scale);
 }
 
-/// Frames and cameras, without what the images will say.
+/// Frames and cameras, without the values that depend on the images.
 PreparedScene describe(const TransformsCapture& capture, const NormalisedTimes& times,
                        double scale) {
   PreparedScene scene;

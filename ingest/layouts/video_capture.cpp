@@ -1,7 +1,5 @@
-// What: one video a camera → prepared scene: poses, clocks, the choice of frames by their
-// timesteps,
-//       images.
-// Not: each of these steps; this is their order.
+// Converts videos or image sequences, one a camera, to a prepared scene: poses, clocks, the choice
+// of frames by time, images.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,7 +42,7 @@ std::string reading_hint(const Work& work, const RigClips& rig) {
   return rig.clips.front().images.empty() ? "" : "; " + reading_of(work, rig);
 }
 
-/// What the shapes of the images say where no poses could be found; empty where they are alike.
+/// A hint about differing image shapes where no poses could be found; empty where they are alike.
 std::string turned_hint(const RigClips& rig) {
   std::vector<std::string> names;
   std::vector<std::pair<int, int>> sizes;
@@ -82,7 +80,7 @@ PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::strin
   return std::move(estimate.points);
 }
 
-/// Images of one number are of one timestep unless a method is asked for.
+/// Images of one number are of one timestep unless a method is stated.
 SyncOptions sync_of(bool of_images, SyncOptions sync) {
   if (of_images && sync.method == SyncMethod::kAuto) sync.method = SyncMethod::kNone;
   return sync;
@@ -119,7 +117,7 @@ void describe_frames(const RigClips& rig, size_t i, const std::vector<size_t>& c
   }
 }
 
-/// Every Nth frame of a single camera that stands still, whose pose is stated.
+/// Every Nth frame of a single static camera, whose pose is stated.
 void hold_out_frames(int64_t every, PreparedScene& scene) {
   std::vector<std::string> names;
   for (const PreparedFrame& prepared : scene.frames) names.push_back(prepared.frame.name);

@@ -1,5 +1,4 @@
-// What: precedence and units of stated intrinsics.
-// Not: a parser; transforms_json.cpp fills StatedIntrinsics.
+// The precedence and the units of stated intrinsics.
 #include "ingest/poses/intrinsics.h"
 
 #include <fmt/format.h>

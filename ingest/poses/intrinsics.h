@@ -1,6 +1,5 @@
-// What: the intrinsics that a transforms.json states, at two levels, and what they mean for an
-//       image of a given size.
-// Not: distortion, which is refused (transforms_json.cpp), and not poses (pose_matrix.h).
+// The intrinsics that a transforms.json states, for the file and for a frame, and their conversion
+// to an image of a given size.
 #pragma once
 #include <optional>
 #include <string>
@@ -15,8 +14,8 @@ struct StatedIntrinsics {
   std::optional<double> camera_angle_x, camera_angle_y;  // radians, full field of view
   std::optional<int> w, h;                               // pixels
 
-  /// This level first, `file` where it is silent. A level's focal length and angle go together:
-  /// an angle stated here beats a focal length stated there.
+  /// The values of this level, and those of `file` where this level has none. A level's focal
+  /// length and angle go together: an angle stated here beats a focal length stated there.
   StatedIntrinsics or_else(const StatedIntrinsics& file) const;
 };
 

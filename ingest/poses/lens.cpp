@@ -122,7 +122,7 @@ Camera with_focal_about(Camera camera, double factor, const glm::dvec2& ray) {
       where));
 }
 
-/// The shortest focal length by `camera_of` from `too_short` on whose camera sees image alone.
+/// The shortest focal length by `camera_of` from `too_short` on whose camera sees no blank pixels.
 template <class CameraOf>
 Camera shortest_focal(const Camera& camera, const Lens& lens, double too_short,
                       const CameraOf& camera_of, const std::string& where) {

@@ -35,7 +35,7 @@ struct Lens {
 /// takes through `lens`. The principal point is the camera's, the focal length too or as much
 /// longer as that needs. Where the camera's axis does not meet its image (a cropped sensor) and
 /// its own focal length does not do, the middle of the image stays in the middle, and the focal
-/// length is the shortest that sees image alone. Errors: InputError that starts with `where`: no
+/// length is the shortest without blank pixels. Errors: InputError that starts with `where`: no
 /// such camera, because the distortion turns back on itself within the image.
 Camera undistorted_camera(const Camera& camera, const Lens& lens, const std::string& where);
 

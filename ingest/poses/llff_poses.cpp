@@ -1,5 +1,5 @@
-// What: LLFF rows ↔ cameras: OpenGL c2w = [col1, −col0, col2, centre].  Source: LLFF (Mildenhall
-// 19). Not: recentring or rescaling of the world: poses stay as the capture has them.
+// Converts rows to cameras: the OpenGL c2w is [col1, −col0, col2, centre]. The world is neither
+// recentred nor rescaled. Source: LLFF (Mildenhall et al. 2019).
 #include "ingest/poses/llff_poses.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
-// What: poses_bounds.npy of LLFF and N3DV captures, in and out.
-// Not: a pose estimate. Rows are N×17: a 3×5 row-major matrix with the columns
-//       [down, right, backward, centre, (height, width, focal)], then near and far.
+// Reads and writes poses_bounds.npy of LLFF and N3DV captures. Rows are N × 17: a 3 × 5 row-major
+// matrix with the columns [down, right, backward, centre, (height, width, focal)], then near and
+// far.
 #pragma once
 #include <filesystem>
 #include <vector>

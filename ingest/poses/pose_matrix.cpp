@@ -1,5 +1,5 @@
-// What: checks of a stated pose, the flip between the two axis conventions, the rigid inverse.
-// Not: a general matrix inverse: a pose that is no rotation is refused, never guessed at.
+// Checks a stated pose, flips the axes and inverts the rigid transform. A matrix that is not a
+// rotation is refused.
 #include "ingest/poses/pose_matrix.h"
 
 #include <fmt/format.h>

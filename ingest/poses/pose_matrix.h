@@ -1,5 +1,5 @@
-// What: camera-to-world matrices in OpenGL axes (x right, y up, z back) ↔ Camera's own convention.
-// Not: intrinsics (intrinsics.h). c2w_ours = c2w_gl · diag(1, −1, −1, 1), inverted rigidly.
+// Converts camera-to-world matrices in OpenGL axes (x right, y up, z back) to the convention of
+// Camera and back: c2w of Camera = c2w_gl · diag(1, −1, −1, 1), inverted rigidly.
 #pragma once
 #include <array>
 #include <string>

@@ -1,5 +1,4 @@
-// What: the formats of `--poses FILE`, and the match of names.
-// Not: the rows of LLFF (llff_poses.h), single values of JSON (transforms_values.h).
+// Parses the formats of `--poses FILE` and matches the names.
 #include "ingest/poses/rig_poses_file.h"
 
 #include <fmt/format.h>

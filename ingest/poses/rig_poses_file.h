@@ -1,5 +1,5 @@
-// What: a file of cameras (`--poses FILE`) → the cameras of a rig's videos or photos, by name.
-// Not: poses that are estimated (ingest/colmap/pose_estimation.h), or an image's pixels.
+// Reads a file of cameras (`--poses FILE`) as the cameras of the videos or photos of a rig, by
+// name.
 #pragma once
 #include <filesystem>
 #include <optional>

@@ -39,7 +39,7 @@ bool states_coefficients(const json& object) {
                      [&](const Coefficient& each) { return object.contains(each.key); });
 }
 
-/// What this level calls its camera; empty where it is silent.
+/// The camera model that this level states; empty where there is none.
 std::string model_of(const json& object, const std::string& where) {
   const std::string stated = string_at(object, "camera_model", where);
   return stated.empty() && is_true(object, "is_fisheye") ? "OPENCV_FISHEYE" : stated;

@@ -1,5 +1,4 @@
-// What: up, centre and scale of a capture, each by a median rather than a mean.
-// Not: files.
+// Estimates up, centre and scale of a capture by medians instead of means.
 #include "ingest/poses/world_normalisation.h"
 
 #include <algorithm>

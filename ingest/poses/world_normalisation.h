@@ -1,7 +1,6 @@
-// What: the similarity that brings a capture's arbitrary world to up = +z, its centre to the origin
-//       and its cameras to distance 4.
-// Not: applying it to a scene's files (ingest/layouts/capture_conversion.cpp) or undoing it
-// (static3d/). Source: method E.3 (centre of optical axes, mean up, distance 4), by robust means.
+// The similarity that gives a capture a world with up = +z, its centre at the origin and its
+// cameras at distance 4. Source: method E.3 (centre of optical axes, mean up, distance 4), with
+// robust means.
 #pragma once
 #include <vector>
 
@@ -18,14 +17,13 @@ inline constexpr double kNormalisedDistance = 4;
 /// be empty. `cameras` must not be empty.
 ///
 /// Up: the direction across the cameras' right axes (people and tripods hold the horizon level)
-/// where these swing far enough to say it (an orbit); else the geometric median of the cameras' own
-/// up axes (a rig that looks one way). It is turned to +z by the shortest rotation.
-/// Centre: the point nearest to the viewing axes, outlying cameras weighted down, where the axes
-/// meet in front of most cameras; else the cameras' mean, led on along their mean direction by the
-/// median depth of the points.
-/// Scale: median distance of the cameras to the centre → 4 (median depth of the points, if larger,
-/// where the axes do not meet), and more where the nearest points would lie before the near plane.
-/// Without any length to measure (one camera, no points) the scale stays.
+/// where these vary enough to determine it (an orbit); else the geometric median of the cameras'
+/// own up axes (a rig that looks one way). It is turned to +z by the shortest rotation. Centre: the
+/// point nearest to the viewing axes, outlying cameras weighted down, where the axes meet in front
+/// of most cameras; else the cameras' mean, moved along their mean direction by the median depth of
+/// the points. Scale: median distance of the cameras to the centre → 4 (median depth of the points,
+/// if larger, where the axes do not meet), and more where the nearest points would lie before the
+/// near plane. Without any length to measure (one camera, no points) the scale stays.
 Similarity normalised_from_source(const std::vector<Camera>& cameras, const PointCloud& points);
 
 }  // namespace tessera

@@ -1,5 +1,4 @@
-// What: PreparedScene → transforms.json in the Nerfstudio convention with a `tessera` object.
-// Not: a place for decisions: everything written here was decided by the converter.
+// Writes transforms.json in the convention of Nerfstudio with an additional object `tessera`.
 #include "ingest/prepared/prepared_scene.h"
 
 #include <algorithm>

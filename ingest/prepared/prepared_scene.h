@@ -1,5 +1,4 @@
-// What: the description of a prepared scene (ARCHITECTURE.md, "The prepared scene") and its writer.
-// Not: pixels (the captures' converters write those) and not reading (scene_reader.h).
+// The description of a prepared scene (ARCHITECTURE.md, "The prepared scene") and its writer.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -16,7 +15,7 @@ namespace tessera {
 
 struct PreparedFrame {
   std::string file_path;         // below the scene's folder, with extension
-  Frame frame;                   // its pixels are not looked at
+  Frame frame;                   // its pixels are not used
   std::optional<int64_t> ticks;  // presentation time in the camera's time base (videos)
   std::string mask_path;         // below the scene's folder; empty: all pixels are used
 };

@@ -1,5 +1,4 @@
-// What: TransformsCapture + PNG files → Scene: parallel decoding, sizes, times, compositing.
-// Not: parsing (transforms_json.cpp), and no other image format than PNG.
+// Decodes the PNG files in parallel, checks their sizes, normalises times and composites alpha.
 #include "ingest/prepared/scene_reader.h"
 
 #include <fmt/format.h>
@@ -155,7 +154,7 @@ bool opens_as_scene(const std::filesystem::path& folder) {
     return std::all_of(capture.frames.begin(), capture.frames.end(),
                        [](const TransformsFrame& frame) { return is_png(frame.image); });
   } catch (const InputError&) {
-    return false;  // converting it says what is wrong, or mends it
+    return false;  // the conversion reports or corrects the defect
   }
 }
 

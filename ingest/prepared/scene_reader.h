@@ -1,5 +1,5 @@
-// What: a prepared scene, D-NeRF or NeRF-synthetic folder → Scene in memory.
-// Not: conversion (ingest.h); nothing here needs FFmpeg, OpenCV or OpenImageIO.
+// Loads a prepared scene, or a D-NeRF or NeRF-synthetic folder, as a Scene. It needs no FFmpeg,
+// OpenCV or OpenImageIO.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@ struct SceneOptions {
   bool allow_static = false;                   // accept times that are all equal as one timestep
   bool load_pixels = true;                     // false: cameras, times and points only
   // Times stay those of the whole scene with any of these.
-  // Training frames of these timesteps alone, by their numbers in order of time (timesteps.h).
+  // Only the training frames of these timesteps, by their numbers in order of time (timesteps.h).
   std::optional<std::vector<int64_t>> timesteps = {};
   std::optional<int64_t> held_out = {};  // N frames of the first split that has some of test, val,
                                          // train

@@ -137,7 +137,7 @@ void read_file(const std::filesystem::path& path, Split split_of_file, Images im
         parse_frame((*frames)[i], file, globals, path, i, split_of_file, images));
 }
 
-/// The same image may be in two splits (val copied from test); its second name says which.
+/// The same image may be in two splits (val copied from test); its second name has the split.
 void make_names_unique(TransformsCapture& capture) {
   std::set<std::string> taken;
   for (TransformsFrame& frame : capture.frames) {

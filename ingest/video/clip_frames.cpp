@@ -1,5 +1,4 @@
-// What: the images of a camera read chunk by chunk on all threads; videos passed on.
-// Not: lenses and scale (clip_pictures.h).
+// Reads the images of a camera in chunks on all threads; videos are passed to the video decoder.
 #include "ingest/video/clip_frames.h"
 
 #include <fmt/format.h>

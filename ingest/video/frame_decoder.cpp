@@ -1,6 +1,5 @@
-// What: libavcodec's send and receive as one next().
-// Not: seeking by the container's index: packets are passed over unread by the codec, which is
-//      exact in every container and costs reading only.
+// Combines send and receive of libavcodec in one next(). Jumps skip packets without decoding them,
+// which is exact in every container, unlike a seek by its index.
 #include "ingest/video/frame_decoder.h"
 
 #include <fmt/format.h>

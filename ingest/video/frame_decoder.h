@@ -1,5 +1,5 @@
-// What: packets → decoded frames in order of presentation, with jumps to later keyframes.
-// Not: pixels in RGB (video_colour.h), and no concealment: a damaged frame is an error.
+// Decodes packets to frames in the order of presentation, with jumps to later keyframes. A damaged
+// frame is an error.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -16,8 +16,9 @@ class FrameDecoder {
   /// Errors: InputError.
   explicit FrameDecoder(const std::filesystem::path& path);
 
-  /// The next frame that is shown; its `pts` is the packet's. False at the end of the file; whether
-  /// that came early, file().cut_reason() says. Errors: InputError naming camera and time.
+  /// The next frame that is shown; its `pts` is the packet's. False at the end of the file;
+  /// file().cut_reason() is not empty where that was early. Errors: InputError naming camera and
+  /// time.
   bool next(AVFrame& frame);
   /// Passes over packets until `packet` (counted from the first keyframe on), a keyframe, and goes
   /// on decoding there: frames shown before it are left out.

@@ -1,5 +1,5 @@
-// What: integers up to the message, so that no distance is rounded across the threshold.
-// Not: a judgement of the rate: 1.5 medians is half a frame too late.
+// Compares distances as integers, so that rounding cannot move one across the threshold of 1.5
+// medians.
 #include "ingest/video/frame_timing.h"
 
 #include <fmt/format.h>

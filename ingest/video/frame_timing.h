@@ -17,7 +17,7 @@ struct Rational {
 int64_t median_distance(const std::vector<int64_t>& ticks);
 
 /// Lines about gaps: distances of more than 1.5 medians, the first three of them and how many there
-/// are. Where they are more than a tenth of all distances the rate is variable: one line says so.
+/// are. Where they are more than a tenth of all distances the rate is variable, which is one line.
 /// `ticks` increase; `camera` begins each line.
 std::vector<std::string> gap_warnings(const std::string& camera, const std::vector<int64_t>& ticks,
                                       const Rational& time_base);

@@ -120,7 +120,7 @@ Image8 FrameToRgb::convert(const AVFrame& frame, const ImageShape& shape) {
                                   kFlags | (same_size ? SWS_BILINEAR : SWS_AREA), nullptr, nullptr,
                                   nullptr);
   if (context_ == nullptr) return {};
-  // The result says whether the format has a matrix at all; RGB has none, which is no failure.
+  // The result is negative where the format has no matrix; RGB has none, which is no failure.
   sws_setColorspaceDetails(context_, sws_getCoefficients(matrix), is_full_range(frame),
                            sws_getCoefficients(SWS_CS_DEFAULT), 1, 0, kUnity, kUnity);
   const int lines = sws_scale(context_, frame.data, frame.linesize, 0, frame.height, planes_->data,

@@ -1,5 +1,5 @@
-// What: a decoded frame of any pixel format → upright 8-bit RGB, with the right matrix and range.
-// Not: a colour space conversion: primaries and transfer stay those of the video.
+// Converts a decoded frame of any pixel format to upright 8-bit RGB with the matrix and range of
+// the video. Primaries and transfer curve stay those of the video.
 #pragma once
 #include "ingest/scene.h"
 #include "ingest/video/video_file.h"
@@ -26,7 +26,7 @@ class FrameToRgb {
 
  private:
   SwsContext* context_ = nullptr;  // kept between frames of one format
-  LibavOwned<AVFrame> planes_;     // kept too: fresh pages cost as much as the conversion
+  LibavOwned<AVFrame> planes_;     // kept too: new pages cost as much as the conversion
 };
 
 }  // namespace tessera

@@ -26,10 +26,10 @@ class ImageBatch {
   ImageBatch(const VideoFile& file, const DecodeOptions& options,
              const std::function<bool(VideoFrame)>& on_frame);
 
-  /// Takes the frame's reference. False once `on_frame` wants no more.
+  /// Takes the frame's reference. False once `on_frame` has returned false.
   bool add(AVFrame& frame);
-  /// Hands over what waits; false once `on_frame` wants no more. Errors: InputError for a pixel
-  /// format without a conversion.
+  /// Hands over the waiting frames; false once `on_frame` has returned false. Errors: InputError
+  /// for a pixel format without a conversion.
   bool deliver();
   int64_t delivered() const { return delivered_; }
 
@@ -90,7 +90,7 @@ VideoStream stream_of(const VideoFile& file) {
   return {file.width(), file.height(), file.time_base(), file.track().nb_frames, {}};
 }
 
-/// What the file's end says of the frames before it. Errors: InputError unless that is to be kept.
+/// Checks whether the file ends early. Errors: InputError unless that is to be kept.
 void judge_end(const FrameDecoder& decoder, Truncation truncation, VideoStream& stream) {
   const VideoFile& file = decoder.file();
   const int64_t frames = decoder.frames_given();
@@ -145,7 +145,7 @@ class WantedFrames {
       try {
         found = decode_until(*frame, wanted_[next_]);
       } catch (const InputError&) {
-        if (jumped_) return false;  // a keyframe that does not stand alone looks like damage
+        if (jumped_) return false;  // damage, or a keyframe that needs earlier frames
         if (!batch_.deliver()) return true;
         throw;
       }
@@ -216,7 +216,7 @@ VideoStream decode_video(const std::filesystem::path& path,
   bool goes_on = true;
   try {
     while (goes_on && decoder.next(*frame)) goes_on = batch.add(*frame);
-  } catch (const InputError&) {  // the frames before the damage may be all that is asked for
+  } catch (const InputError&) {  // all wanted frames may lie before the damage
     if (batch.deliver()) throw;
     goes_on = false;
   }

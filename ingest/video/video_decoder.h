@@ -1,5 +1,5 @@
-// What: a video file → upright RGB images with their presentation times, in order of them.
-// Not: a player: no audio, no frame-rate conversion; a frame's index is never its time.
+// Decodes a video file to upright RGB images in the order of their presentation times. Sound and
+// frame-rate conversion are not supported.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -24,7 +24,7 @@ struct VideoStream {
   int width = 0, height = 0;  // pixels of the upright image
   Rational time_base;         // seconds a tick
   int64_t frames = 0;         // handed out by decode_video; stated by the container in probe_video
-  std::vector<std::string> warnings;  // "… truncated after N frames at S s …", where that was asked
+  std::vector<std::string> warnings;  // kKeepWhatIsThere: "… truncated after N frames at S s …"
 };
 
 struct VideoFrame {
@@ -39,7 +39,7 @@ VideoStream probe_video(const std::filesystem::path& path);
 /// repeat a presentation time are left out. Decoding and conversion use thread_count() = T threads.
 /// Memory: at most T decoded images, 2 T in RGB, and the codec's own min(T + 1, 16) + 16.
 /// Errors: InputError naming file, camera, time and the frames read so far: no video in it,
-/// truncated (unless told to keep what is there), damaged, without times, times that go back, an
+/// truncated (unless kKeepWhatIsThere), damaged, without times, times that go back, an
 /// image size that changes, a flag of mirroring or of an angle that is no quarter turn.
 VideoStream decode_video(const std::filesystem::path& path,
                          const std::function<bool(VideoFrame)>& on_frame,

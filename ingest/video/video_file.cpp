@@ -1,5 +1,4 @@
-// What: libavformat's demuxers behind one read(); failures to open are told apart.
-// Not: a network client: only local files are opened, whatever a playlist says.
+// Opens local files with the demuxers of libavformat, and distinguishes the reasons of a failure.
 #include "ingest/video/video_file.h"
 
 extern "C" {
@@ -61,7 +60,7 @@ VideoFile::VideoFile(const std::filesystem::path& path)
 }
 
 void VideoFile::open(const std::filesystem::path& path) {
-  av_log_set_level(AV_LOG_QUIET);  // what matters comes back as an error
+  av_log_set_level(AV_LOG_QUIET);  // failures are returned as errors
   AVFormatContext* opened = nullptr;
   AVDictionary* options = nullptr;
   av_dict_set(&options, "protocol_whitelist", "file", 0);
@@ -119,7 +118,7 @@ int VideoFile::height() const {
   return quarter_turns_ % 2 == 0 ? track_->codecpar->height : track_->codecpar->width;
 }
 
-/// 0 where the container does not tell. MP4's own count holds packets that edit lists leave out.
+/// 0 where the container states none. MP4's own count holds packets that edit lists leave out.
 int64_t VideoFile::stated_packets() const {
   const bool is_mp4 = std::string_view(format_->iformat->name).find("mp4") != std::string::npos;
   return is_mp4 ? avformat_index_get_entries_count(track_) : track_->nb_frames;
@@ -144,7 +143,7 @@ VideoFile::Read VideoFile::cut(const std::string& reason) {
 VideoFile::Read VideoFile::end_of_file() {
   const int64_t stated = stated_packets();
   if (packets_ < stated) return cut(fmt::format("it states {} frames", stated));
-  // The last frame lasts as long as it says, or as the longest other one.
+  // The last frame has its stated duration, or that of the longest other frame.
   std::sort(times_.begin(), times_.end());
   int64_t frame = last_duration_;
   for (size_t i = 1; i < times_.size(); ++i) frame = std::max(frame, times_[i] - times_[i - 1]);

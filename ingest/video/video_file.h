@@ -56,7 +56,7 @@ class VideoFile {
   };
   /// Edit lists are applied: packets outside carry AV_PKT_FLAG_DISCARD. Packets before the first
   /// keyframe are left out. Errors: InputError for a packet without a presentation time or one
-  /// that is damaged although the file goes on.
+  /// that is damaged although later packets can be read.
   Read read(AVPacket& packet);
   const std::string& cut_reason() const { return cut_reason_; }
 
@@ -84,7 +84,7 @@ class VideoFile {
 
   std::string name_, camera_, cut_reason_;
   LibavOwned<AVFormatContext> format_;
-  LibavOwned<AVPacket> ahead_;  // read to learn whether the file goes on after damage
+  LibavOwned<AVPacket> ahead_;  // read to find out whether the file continues after damage
   AVStream* track_ = nullptr;
   int quarter_turns_ = 0;
   int64_t packets_ = 0;

@@ -1,5 +1,5 @@
-// One pass over the packets, to which libavformat has applied the edit lists, and the tags that it
-// makes of each container's fields, whose values libavutil reads.
+// Reads the packets once, with the edit lists applied by libavformat, and the timecode and creation
+// time from the tags of the container.
 #include "ingest/video/video_timeline.h"
 
 extern "C" {

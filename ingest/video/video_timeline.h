@@ -1,5 +1,4 @@
-// What: when the frames of a video are shown, and what is wrong with its clock; nothing is decoded.
-// Not: pixels (video_decoder.h).
+// The presentation times of the frames of a video and the defects of its clock, without decoding.
 #pragma once
 #include <cstdint>
 #include <filesystem>
