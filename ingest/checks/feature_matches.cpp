@@ -48,6 +48,24 @@ std::vector<int> best_of(const cv::Mat& a, const cv::Mat& b) {
   return best;
 }
 
+glm::dmat3 inverse_intrinsics(const Camera& c) {
+  return {1 / c.fl_x, 0, 0, 0, 1 / c.fl_y, 0, -c.cx / c.fl_x, -c.cy / c.fl_y, 1};
+}
+
+/// First-order distance of a match to the epipolar geometry of two cameras, pixels [Sampson].
+double sampson_distance(const Camera& a, const Camera& b, const FeatureMatch& match) {
+  const glm::dmat3 rotation = b.cam_from_world * glm::transpose(a.cam_from_world);
+  const glm::dvec3 t = b.translation - rotation * a.translation;
+  const glm::dmat3 cross{0, t.z, -t.y, -t.z, 0, t.x, t.y, -t.x, 0};
+  const glm::dmat3 fundamental =
+      glm::transpose(inverse_intrinsics(b)) * cross * rotation * inverse_intrinsics(a);
+  const glm::dvec3 p{match.ax, match.ay, 1}, q{match.bx, match.by, 1};
+  const glm::dvec3 line_b = fundamental * p, line_a = glm::transpose(fundamental) * q;
+  const double slope =
+      line_b.x * line_b.x + line_b.y * line_b.y + line_a.x * line_a.x + line_a.y * line_a.y;
+  return slope > 0 ? std::abs(glm::dot(q, line_b)) / std::sqrt(slope) : 0;
+}
+
 void match(const MatchedStations& matched, const std::vector<Features>& features,
            StationPair& pair) {
   const Features &a = features[size_t(pair.a)], &b = features[size_t(pair.b)];
@@ -65,10 +83,6 @@ void match(const MatchedStations& matched, const std::vector<Features>& features
     found.residual = sampson_distance(camera_a, camera_b, found);
     if (found.residual < gate) pair.matches.push_back(found);
   }
-}
-
-glm::dmat3 inverse_intrinsics(const Camera& c) {
-  return {1 / c.fl_x, 0, 0, 0, 1 / c.fl_y, 0, -c.cx / c.fl_x, -c.cy / c.fl_y, 1};
 }
 
 constexpr size_t kLeastMatches = 12;    // of a pair
@@ -125,19 +139,6 @@ void judge_cameras(double image_diagonal, bool moving_camera, PoseCheck& check) 
 }
 
 }  // namespace
-
-double sampson_distance(const Camera& a, const Camera& b, const FeatureMatch& match) {
-  const glm::dmat3 rotation = b.cam_from_world * glm::transpose(a.cam_from_world);
-  const glm::dvec3 t = b.translation - rotation * a.translation;
-  const glm::dmat3 cross{0, t.z, -t.y, -t.z, 0, t.x, t.y, -t.x, 0};
-  const glm::dmat3 fundamental =
-      glm::transpose(inverse_intrinsics(b)) * cross * rotation * inverse_intrinsics(a);
-  const glm::dvec3 p{match.ax, match.ay, 1}, q{match.bx, match.by, 1};
-  const glm::dvec3 line_b = fundamental * p, line_a = glm::transpose(fundamental) * q;
-  const double slope =
-      line_b.x * line_b.x + line_b.y * line_b.y + line_a.x * line_a.x + line_a.y * line_a.y;
-  return slope > 0 ? std::abs(glm::dot(q, line_b)) / std::sqrt(slope) : 0;
-}
 
 MatchedStations match_stations(const Scene& scene) {
   MatchedStations matched;

@@ -32,9 +32,6 @@ inline constexpr int kMostFeatures = 1500;
 /// Of the stations of all splits. Needs pixels.
 MatchedStations match_stations(const Scene& scene);
 
-/// First-order distance of a match to the epipolar geometry of two cameras, pixels  [Sampson].
-double sampson_distance(const Camera& a, const Camera& b, const FeatureMatch& match);
-
 struct PoseResidual {
   std::string camera;
   int64_t features = 0, matches = 0;

@@ -1,6 +1,6 @@
 // Decodes and resamples the sound with libavformat, libavcodec and libswresample. A damaged track
 // ends at the damage, without an error.
-#include "ingest/clocks/sound_reader.h"
+#include "ingest/clocks/sync_audio.h"
 
 extern "C" {
 #include <libavcodec/avcodec.h>

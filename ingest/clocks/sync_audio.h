@@ -1,12 +1,23 @@
-// Clock offsets from the sound tracks of the videos. Source: GCC-PHAT (Knapp, Carter 1976).
+// Clock offsets from the sound tracks of the videos, which are read as one channel on the clock of
+// the frames. Source: GCC-PHAT (Knapp, Carter 1976).
 #pragma once
+#include <filesystem>
 #include <optional>
 #include <vector>
 
 #include "ingest/clocks/clock_sync.h"
-#include "ingest/clocks/sound_reader.h"
 
 namespace tessera {
+
+struct Sound {
+  double begin = 0;  // presentation time of the first sample, seconds, on the container's clock
+  int rate = 0;      // samples a second
+  std::vector<float> samples;  // gaps of the track are silence
+};
+
+/// The first `seconds` of sound, all channels averaged; nothing where the file has no sound track
+/// that can be decoded.
+std::optional<Sound> read_sound(const std::filesystem::path& path, int rate, double seconds);
 
 struct SoundDelay {
   double seconds = 0;     // how much later than b's stamps a's stamps show the same sound

@@ -123,6 +123,17 @@ std::vector<Timestep> training_timesteps(const PreparedScene& scene) {
   return group_timesteps(times);
 }
 
+/// Cameras of the training split that share the scene's fullest timestep; 1 for monocular captures.
+int64_t cameras_of_a_timestep(const PreparedScene& scene) {
+  size_t most = 0;
+  for (const Timestep& timestep : training_timesteps(scene)) {
+    std::set<std::string> names;
+    for (int i : timestep.frames) names.insert(scene.frames[size_t(i)].frame.camera_name);
+    most = std::max(most, names.size());
+  }
+  return int64_t(most);
+}
+
 /// Dense by itself for rigs; photo sets have their COLMAP points, and far too many images a
 /// timestep.
 CloudDensity density(const PreparedScene& scene, const PointCloud& sparse,
@@ -178,16 +189,6 @@ std::string summary(const RigCloud& cloud) {
       cloud.points.position.size(), cloud.sweep_seconds, cloud.key_timesteps,
       cloud.motion_timesteps, cloud.velocities.moving, cloud.velocities.reliable,
       cloud.velocity_seconds);
-}
-
-int64_t cameras_of_a_timestep(const PreparedScene& scene) {
-  size_t most = 0;
-  for (const Timestep& timestep : training_timesteps(scene)) {
-    std::set<std::string> names;
-    for (int i : timestep.frames) names.insert(scene.frames[size_t(i)].frame.camera_name);
-    most = std::max(most, names.size());
-  }
-  return int64_t(most);
 }
 
 PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScene& scene,

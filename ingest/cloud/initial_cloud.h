@@ -31,9 +31,6 @@ RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& opti
 /// One line: how many points and timesteps, how many move, how many of these have a velocity.
 std::string summary(const RigCloud& cloud);
 
-/// Cameras of the training split that share the scene's fullest timestep; 1 for monocular captures.
-int64_t cameras_of_a_timestep(const PreparedScene& scene);
-
 /// `sparse` with what options.cloud adds: the rig_cloud() of the scene in `folder`, which holds
 /// transforms.json and the images. A cloud that a prepared scene brought along is dense already and
 /// kept as it is. Notes and warnings of it are added to `report`.

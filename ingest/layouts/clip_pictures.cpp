@@ -1,6 +1,6 @@
 // Decodes on the calling thread; undistorts, scales and writes on all threads. The decoder waits
 // for the writers.
-#include "ingest/layouts/clip_pictures.h"
+#include "ingest/layouts/rig_clips.h"
 
 #include <optional>
 

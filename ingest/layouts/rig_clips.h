@@ -1,7 +1,9 @@
 // Opens the videos or image sequences of a capture as the clips of a rig, with names, timelines,
-// stated poses and held-out cameras.
+// stated poses and held-out cameras, and writes their chosen frames as prepared images.
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,5 +33,24 @@ RigClips open_rig_clips(const std::filesystem::path& capture, const IngestOption
 
 /// Leaves out the clips, all posed, whose lens has no undistorted image (lens.h), as above.
 void leave_out_bad_lenses(bool strict, RigClips& rig, std::vector<std::string>& warnings);
+
+struct ClipFrames {
+  std::vector<int64_t> ticks;      // increasing, in the clip's time base
+  std::vector<std::string> files;  // below the scene's folder; one a frame
+};
+
+/// What the images of a clip share.
+struct PreparedClip {
+  Camera camera;
+  std::string mask_path;  // below the scene's folder; empty without a mask
+  bool has_alpha = false;
+};
+
+/// Decodes the frames of `clip`, whose camera is known, in order of presentation and writes them
+/// below `folder`, and the camera's mask where there is one. In memory: two images a thread
+/// beside the decoder's (video_decoder.h). Errors: InputError naming the video.
+PreparedClip write_clip_images(const RigClip& clip, const ClipFrames& frames,
+                               const std::filesystem::path& folder, const IngestOptions& options,
+                               const std::function<void()>& on_image);
 
 }  // namespace tessera

@@ -12,7 +12,6 @@
 #include "ingest/colmap/pose_estimation.h"
 #include "ingest/files/fnv1a.h"
 #include "ingest/files/point_cloud.h"
-#include "ingest/layouts/clip_pictures.h"
 #include "ingest/layouts/conversion.h"
 #include "ingest/layouts/rig_clips.h"
 #include "ingest/test_views.h"

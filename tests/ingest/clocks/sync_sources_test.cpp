@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "ingest/clocks/clock_sync.h"
-#include "ingest/clocks/sound_reader.h"
 #include "ingest/clocks/sync_audio.h"
 #include "kernels/base/errors.h"
 #include "tests/ingest/clocks/sync_fixture.h"
