@@ -186,7 +186,7 @@ class BackendOf {
   /// Adds the sums of splats to those of their Gaussians, view by view. The last timestep of the
   /// variation stays open: close_series of kernels/math/contribution.h.
   virtual void contributions(const ContributionArgs<Real>& args) = 0;
-  /// Dynamic Gaussians → static ones (kernels/elements/demotion.h).
+  /// Dynamic Gaussians → static ones (kernels/edits/demote.h).
   virtual void demote(const DemoteArgs<Real>& args) = 0;
   /// Of two residuals of one batch, laid out as Images::colour: by how much the squared error of
   /// each pixel grew, in the first channel of `residual`; zeros in the others.

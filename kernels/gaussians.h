@@ -15,7 +15,7 @@ namespace tessera {
 
 /// How a set stores its Gaussians: the template axis of all that comes before the slice in time.
 /// Both forms of Dim 4 are the same family (static3d/transform/motion_form.h converts).
-enum class Form : uint8_t {
+enum class SetForm : uint8_t {
   kStatic,     // Dim 3
   kPair,       // Dim 4: two quaternions and four scales of space-time  [Yang24]
   kVelocity,   // Dim 4: quaternion and scales of the slice, velocity, temporal scale  [FreeTimeGS]
@@ -23,26 +23,28 @@ enum class Form : uint8_t {
 };
 
 /// Whether a set's Gaussians have times of their own.
-TESSERA_HD inline constexpr bool is_dynamic(Form form) {
-  return form == Form::kPair || form == Form::kVelocity;
+TESSERA_HD inline constexpr bool is_dynamic(SetForm form) {
+  return form == SetForm::kPair || form == SetForm::kVelocity;
 }
-TESSERA_HD inline constexpr int dim_of(Form form) {
+TESSERA_HD inline constexpr int dim_of(SetForm form) {
   return is_dynamic(form) ? 4 : 3;
 }
 
 /// visit(form) with the form as a type: `form()` is a constant inside. A canonical set is static
 /// here: as it lies at rest.
 template <class Visit>
-decltype(auto) with_form(Form form, Visit&& visit) {
-  if (form == Form::kPair) return visit(std::integral_constant<Form, Form::kPair>{});
-  if (form == Form::kVelocity) return visit(std::integral_constant<Form, Form::kVelocity>{});
-  return visit(std::integral_constant<Form, Form::kStatic>{});
+decltype(auto) with_form(SetForm form, Visit&& visit) {
+  if (form == SetForm::kPair) return visit(std::integral_constant<SetForm, SetForm::kPair>{});
+  if (form == SetForm::kVelocity)
+    return visit(std::integral_constant<SetForm, SetForm::kVelocity>{});
+  return visit(std::integral_constant<SetForm, SetForm::kStatic>{});
 }
 
 /// The same for the stages that draw, to which a canonical set is a form of its own.
 template <class Visit>
-decltype(auto) with_drawn_form(Form form, Visit&& visit) {
-  if (form == Form::kCanonical) return visit(std::integral_constant<Form, Form::kCanonical>{});
+decltype(auto) with_drawn_form(SetForm form, Visit&& visit) {
+  if (form == SetForm::kCanonical)
+    return visit(std::integral_constant<SetForm, SetForm::kCanonical>{});
   return with_form(form, std::forward<Visit>(visit));
 }
 
@@ -66,18 +68,18 @@ enum Group : int {
 };
 inline constexpr int kStaticGroups = 5, kDynamicGroups = 9;
 
-inline constexpr int group_count(Form form) {
-  return form == Form::kCanonical ? kGroupCount
-                                  : (is_dynamic(form) ? kDynamicGroups : kStaticGroups);
+inline constexpr int group_count(SetForm form) {
+  return form == SetForm::kCanonical ? kGroupCount
+                                     : (is_dynamic(form) ? kDynamicGroups : kStaticGroups);
 }
 
 /// The stored name: `rotation` is `rotation_left` in a pair.
-inline const char* group_name(Group group, Form form) {
+inline const char* group_name(Group group, SetForm form) {
   constexpr const char* kNames[kGroupCount] = {
       "mean",           "log_scale",      "rotation", "opacity_logit", "sh",  "mean_time",
       "log_scale_time", "rotation_right", "sh_time",  "node_logit",    "node"};
-  if (form == Form::kVelocity && group == kVelocity) return "velocity";
-  return form == Form::kPair && group == kRotation ? "rotation_left" : kNames[group];
+  if (form == SetForm::kVelocity && group == kVelocity) return "velocity";
+  return form == SetForm::kPair && group == kRotation ? "rotation_left" : kNames[group];
 }
 
 /// Groups that keep both moments of a scalar in one word of `moment1`, where scalars are floats;
@@ -92,7 +94,7 @@ inline constexpr int moment_buffers(Group group) {
 }
 
 /// Scalars per Gaussian of a group; `coefficients` = K, `time_levels` = L.
-TESSERA_HD inline constexpr int group_width(Group group, int coefficients, Form form,
+TESSERA_HD inline constexpr int group_width(Group group, int coefficients, SetForm form,
                                             int time_levels = 0) {
   switch (group) {
     case kMean:
@@ -106,18 +108,18 @@ TESSERA_HD inline constexpr int group_width(Group group, int coefficients, Form 
       return 3 * coefficients;
     case kMeanTime:
     case kLogScaleTime:
-      return form == Form::kCanonical ? 0 : 1;
+      return form == SetForm::kCanonical ? 0 : 1;
     case kRotationRight:
-      return form == Form::kCanonical ? 0 : (form == Form::kVelocity ? 3 : 4);
+      return form == SetForm::kCanonical ? 0 : (form == SetForm::kVelocity ? 3 : 4);
     case kShTime:
       return 3 * coefficients * time_levels;
     default:
-      return form == Form::kCanonical ? kBindings : 0;
+      return form == SetForm::kCanonical ? kBindings : 0;
   }
 }
 
 /// Scalars per Gaussian of all groups but the two of SH: 11, 17, 16 or 27.
-inline constexpr int geometry_scalars(Form form) {
+inline constexpr int geometry_scalars(SetForm form) {
   int sum = 0;
   for (int g = 0; g < group_count(form); ++g)
     if (g != kSh) sum += group_width(Group(g), 0, form);
@@ -125,7 +127,7 @@ inline constexpr int geometry_scalars(Form form) {
 }
 
 /// The same with the moments of these scalars.
-inline constexpr int trained_geometry_scalars(Form form) {
+inline constexpr int trained_geometry_scalars(SetForm form) {
   int sum = 0;
   for (int g = 0; g < group_count(form); ++g)
     if (g != kSh) sum += group_width(Group(g), 0, form) * (1 + moment_buffers(Group(g)));
@@ -142,7 +144,7 @@ Span<T> part_of(Span<T> all, int64_t first, int64_t count) {
 
 template <class T>
 struct GaussianSpans {
-  Form form = Form::kStatic;
+  SetForm form = SetForm::kStatic;
   int64_t count = 0;      // N
   int coefficients = 16;  // K, the most that an element has
   int time_levels = 0;    // L; 0 in Dim 3

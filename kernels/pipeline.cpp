@@ -18,7 +18,7 @@ const Images<Real>& Pipeline<Real>::forward(const ForwardArgs<Real>& args) {
   {
     const StageTimer timer(clock, kProject);
     if (GaussianSpans<const Real>& canonical = project_.sets[0];
-        canonical.form == Form::kCanonical) {
+        canonical.form == SetForm::kCanonical) {
       backend_.carry({&batch_, canonical, args.nodes}, carried_);
       canonical.carried = std::as_const(carried_).gaussians.data();
       canonical.carried_stride = canonical.count;
@@ -69,7 +69,7 @@ void Pipeline<Real>::backward(const BackwardArgs<Real>& args) {
     backend_.blend_backward({blend_args(), &images_, d_colour_.span()}, d_splats_.span());
   }
   const GaussianSpans<const Real>& canonical = project_.sets[0];
-  const bool carries = canonical.form == Form::kCanonical;
+  const bool carries = canonical.form == SetForm::kCanonical;
   d_carried_.resize(carries ? int64_t(batch_.views.size()) * canonical.count : 0);
   ProjectBackwardArgs<Real> project;
   project.forward = project_;

@@ -1,6 +1,6 @@
 // What: elements of a set by the degree of their spherical harmonics: those of one degree stand
 //       together, a block, which every stage takes as a set of its own.
-// Not: which degree a Gaussian has (recon4d/model/sh_blocks.h).
+// Not: which degree a Gaussian has (recon4d/model/element_edits.h).
 #pragma once
 #include <cstdint>
 

@@ -42,11 +42,13 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"tests/", {""}},
 };
 
-/// Where CUDA may be spoken; host_device.h has the qualifiers.
+/// Where CUDA may be used; host_device.h has the qualifiers.
 inline const std::vector<std::string> kDevice = {"kernels/cuda/", "kernels/stages/*.cu",
-                                                 "kernels/stages/*.cuh"};
+                                                 "kernels/stages/*.cuh", "kernels/edits/*.cu",
+                                                 "kernels/measures/*.cu"};
 inline const std::vector<std::string> kDeviceAndItsTests = {
-    "kernels/cuda/", "kernels/stages/*.cu", "kernels/stages/*.cuh", "tests/kernels/"};
+    "kernels/cuda/",      "kernels/stages/*.cu",   "kernels/stages/*.cuh",
+    "kernels/edits/*.cu", "kernels/measures/*.cu", "tests/kernels/"};
 
 /// Headers that have one place: by the beginning of their name.
 inline const std::vector<std::pair<std::string, std::vector<std::string>>> kOnlyIn = {

@@ -38,7 +38,7 @@ __device__ inline void load_sh(const ColourRules<float>& rules, const GaussianSt
 }
 
 /// Rules in a kernel of one form: what a static set does not have is known when it is compiled.
-template <Form form>
+template <SetForm form>
 __device__ inline ColourRules<float> rules_of(ColourRules<float> rules) {
   if constexpr (!is_dynamic(form)) rules.levels = 0;
   return rules;

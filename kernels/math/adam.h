@@ -1,5 +1,5 @@
 // What: one Adam step of one scalar.
-// Not: which scalars take it: the gradient sink decides (elements/gradient_sink.h).
+// Not: which scalars take it: the gradient sink decides (stages/gradient_sink.h).
 // Source: [Kingma15] in PyTorch's form, method A.4.
 #pragma once
 #include "kernels/math/scalar.h"

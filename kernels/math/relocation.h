@@ -1,6 +1,6 @@
 // What: n Gaussians in one spot in place of one, such that they look as it did: their opacity and
 // size; who is dead, and who is drawn to be copied.
-// Not: elements and buffers (stages/mcmc), nor when (recon4d/density/mcmc.h).
+// Not: elements and buffers (edits/mcmc), nor when (recon4d/density/mcmc.h).
 // Source: method B  [3DGS-MCMC], in double; the double sum of the source collapsed.
 #pragma once
 #include "kernels/math/random.h"

@@ -1,5 +1,6 @@
 // What: how strongly the loss pulls a splat across the screen: the statistic by which density
-// control grows Gaussians. Not: the threshold (elements/density.h). Source: [3DGS]; method D.6.
+// control grows Gaussians. Not: the threshold (kernels/edits/density.h). Source: [3DGS]; method
+// D.6.
 #pragma once
 #include "kernels/math/symmetric.h"
 

@@ -8,8 +8,8 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/elements/carry.h"
-#include "kernels/elements/gradient_sink.h"
+#include "kernels/stages/carry.h"
+#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 namespace {
@@ -111,12 +111,12 @@ NodeSums<Real> gather_gradients(const CarryBackwardArgs<Real>& args, std::atomic
     for (int64_t n = p * part; n < std::min(count, (p + 1) * part); ++n) {
       if (idle == IdleUpdate::kSkip && !has_gradient(args, n)) continue;
       const CarriedGradient<Real> gradient = ElementBackward<Real>{args}(n, sums);
-      bad |= non_finite_groups<Form::kCanonical>(gradient);
+      bad |= non_finite_groups<SetForm::kCanonical>(gradient);
       if (args.sink.fused)
         ApplyAdam<Real>{args.sink.value, args.sink.moment1, args.sink.moment2, args.sink.adam}
-            .template accept<Form::kCanonical>(n, gradient);
+            .template accept<SetForm::kCanonical>(n, gradient);
       else
-        StoreGradient<Real>{args.sink.gradient}.template accept<Form::kCanonical>(n, gradient);
+        StoreGradient<Real>{args.sink.gradient}.template accept<SetForm::kCanonical>(n, gradient);
     }
   });
   NodeSums<Real> all = zero_sums<Real>(views, nodes);
@@ -129,7 +129,7 @@ NodeSums<Real> gather_gradients(const CarryBackwardArgs<Real>& args, std::atomic
 
 template <class Real>
 void check_args(const CarryArgs<Real>& args) {
-  check(args.set.form == Form::kCanonical, "carry: a canonical set");
+  check(args.set.form == SetForm::kCanonical, "carry: a canonical set");
   check(args.nodes.knots >= kSplineOrder || args.nodes.count == 0, "carry: too few control points");
 }
 

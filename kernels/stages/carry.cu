@@ -5,12 +5,12 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
-#include "kernels/cuda/accept_block.cuh"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
-#include "kernels/elements/carry.h"
+#include "kernels/stages/accept_block.cuh"
+#include "kernels/stages/carry.h"
 
 namespace tessera {
 namespace {
@@ -122,10 +122,10 @@ __global__ void __launch_bounds__(kThreads)
     bool any;
     gradient = gradient_at_rest(a, shares, n, any);
     on = any || idle != IdleUpdate::kSkip;
-    const unsigned bad = non_finite_groups<Form::kCanonical>(gradient);
+    const unsigned bad = non_finite_groups<SetForm::kCanonical>(gradient);
     if (bad != 0) atomicOr(&counters->bad_groups, bad);
   }
-  accept_block<Form::kCanonical, kThreads>(sink, a.set.count, on, gradient, gradients, stepping);
+  accept_block<SetForm::kCanonical, kThreads>(sink, a.set.count, on, gradient, gradients, stepping);
 }
 
 /// Node of each binding; `nodes`: none.
@@ -204,7 +204,7 @@ __global__ void write_nodes(Carrying a, const NodePose<float>* d_poses, const fl
 }
 
 void check_args(const CarryArgs<float>& args) {
-  check(args.set.form == Form::kCanonical, "carry: a canonical set");
+  check(args.set.form == SetForm::kCanonical, "carry: a canonical set");
   check(args.nodes.knots >= kSplineOrder || args.nodes.count == 0, "carry: too few control points");
 }
 

@@ -5,7 +5,7 @@
 #include "kernels/base/count_limit.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 
 namespace tessera {
 namespace {
@@ -47,7 +47,7 @@ std::vector<Run> runs_of(const ProjectArgs<Real>& args) {
   return runs;
 }
 
-template <Form form, class Real>
+template <SetForm form, class Real>
 void project_run(const ProjectArgs<Real>& args, const Run& run, Chunk<Real>& chunk) {
   const std::vector<ViewArgs<Real>>& views = args.batch->views;
   const SplatRules<Real> rules = make_splat_rules<Real>(args.options);

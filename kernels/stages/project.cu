@@ -11,7 +11,7 @@
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sh_registers.cuh"
 #include "kernels/cuda/sort.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 
 namespace tessera {
 namespace {
@@ -31,7 +31,7 @@ struct SetArgs {
 };
 
 /// A bit for each view that draws a Gaussian, in `words` words, and how many there are.
-template <Form form>
+template <SetForm form>
 __global__ void __launch_bounds__(kThreads)
     count_views(SetArgs a, int words, uint32_t* seen_by, int32_t* visible, StepCounters* counters) {
   const int64_t n = linear_index();
@@ -84,7 +84,7 @@ struct SplatTargets {
 
 /// Splat s of a set: where it lies, its colour, how far it reaches. False when its colour is not
 /// finite: then it stays in the list, but is not drawn.
-template <Form form>
+template <SetForm form>
 __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int64_t s,
                                   Splat<float>& splat, TileRect& rect) {
   const int64_t n = out.gaussian[s] - a.first;
@@ -118,7 +118,7 @@ __device__ inline bool make_splat(const SetArgs& a, const SplatTargets& out, int
 }
 
 /// One thread a splat; the tiles of each, and of all of them in 64 bits.
-template <Form form>
+template <SetForm form>
 __global__ void __launch_bounds__(kThreads, kWriteBlocks)
     write_splats_of(SetArgs a, SplatTargets out, StepCounters* counters) {
   const int64_t s = out.first_of[a.first] + linear_index();

@@ -7,9 +7,8 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/elements/load_gaussian.h"
-#include "kernels/elements/regulariser.h"
-#include "kernels/elements/splat_gradient.h"
+#include "kernels/load_gaussian.h"
+#include "kernels/stages/splat_gradient.h"
 
 namespace tessera {
 namespace {
@@ -57,7 +56,7 @@ struct BlockArgs {
 };
 
 /// Element n of a block, whose splats are `first` … `last`.
-template <Form form, class Real>
+template <SetForm form, class Real>
 void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
                        const SplatRules<Real>& rules, const ColourRules<Real>& colours, int64_t n,
                        int64_t first, int64_t last, GaussianGradient<Real>& out) {
@@ -82,7 +81,7 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
     const Vec3<Real> time_slope = colours.levels > 0
                                       ? levels_slope(colours, slice.delta, g.sh_time, direction)
                                       : Vec3<Real>(Real(0));
-    if constexpr (form == Form::kCanonical) {
+    if constexpr (form == SetForm::kCanonical) {
       const int64_t place = splat.view * params.carried_stride + n;
       ViewSums<Real> of_view;
       add_view_gradient(view, g, slice, slope, time_slope, colours, rules, splat, moments, of_view);
@@ -103,7 +102,7 @@ void gaussian_gradient(const ProjectBackwardArgs<Real>& args, const BlockArgs<Re
   statistics.count[n] += Real(1);
 }
 
-template <Form form, class Sink, class Real>
+template <SetForm form, class Sink, class Real>
 unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
                       const RegulariserTerms<Real>& terms, int64_t begin, int64_t end,
                       const Sink& sink) {
@@ -117,7 +116,7 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Rea
   for (int64_t n = begin; n < end; ++n) {
     const int64_t first = args.splats->first_of[block.first_gaussian + n];
     const int64_t last = args.splats->first_of[block.first_gaussian + n + 1];
-    if constexpr (form == Form::kCanonical)
+    if constexpr (form == SetForm::kCanonical)
       for (size_t b = 0; b < args.forward.batch->views.size(); ++b)
         block.d_carried[int64_t(b) * params.carried_stride + n] = {};
     if (first == last && idle == IdleUpdate::kSkip) continue;
@@ -136,7 +135,7 @@ unsigned backward_run(const ProjectBackwardArgs<Real>& args, const BlockArgs<Rea
   return bad;
 }
 
-template <Form form, class Real>
+template <SetForm form, class Real>
 unsigned backward_block(const ProjectBackwardArgs<Real>& args, const BlockArgs<Real>& block,
                         const RegulariserTerms<Real>& terms) {
   const SinkArgs<Real>& sink = block.sink;

@@ -1,19 +1,18 @@
 // What: splat gradients → parameter gradients into a sink, on the device. For the SH a
 // thread takes four neighbouring scalars. For the rest a block has a run of Gaussians: its threads
 // take their splats, add them up, and hand the gradients on as whole lines of each group.
-// Not: equations (elements/splat_gradient.h). Compiled without contraction to fused multiply-adds,
+// Not: equations (splat_gradient.h). Compiled without contraction to fused multiply-adds,
 // so that fused and separate Adam agree to the bit. Source: method A.12, A.16, D.6, G.4.
 #include <utility>
 
 #include "kernels/base/errors.h"
-#include "kernels/cuda/accept_block.cuh"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/sh_registers.cuh"
-#include "kernels/elements/load_gaussian.h"
-#include "kernels/elements/regulariser.h"
-#include "kernels/elements/splat_gradient.h"
+#include "kernels/load_gaussian.h"
+#include "kernels/stages/accept_block.cuh"
+#include "kernels/stages/splat_gradient.h"
 
 namespace tessera {
 namespace {
@@ -44,18 +43,18 @@ struct Backward {
   CarriedGaussian<float>* d_carried;  // of a canonical set: [B, set.carried_stride]
 };
 
-template <Form form>
+template <SetForm form>
 constexpr int kSumFloats = int(sizeof(SumsOf<form, float>) / sizeof(float));
 
 /// What the threads of a block tell each other.
-template <Form form>
+template <SetForm form>
 struct Shared {
   float sums[kSumFloats<form>][kThreads];  // of a splat each
   bool drawn[kThreads];                    // that splat has tiles
 };
 
 /// One thread a splat: its share of its Gaussian's sums.
-template <Form form>
+template <SetForm form>
 __device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, bool& drawn) {
   SumsOf<form, float> sums;
   GaussianState<float> at_rest, room;
@@ -71,7 +70,7 @@ __device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, b
                       a.slopes[s], colours.levels > 0 ? a.time_slopes[s] : Vec3<float>(0.0f),
                       colours, a.rules, splat, a.d_splats[s], of_view);
   };
-  if constexpr (form == Form::kCanonical) {
+  if constexpr (form == SetForm::kCanonical) {
     const int64_t place = splat.view * a.set.carried_stride + n;
     ViewSums<float> of_view;
     add_to(of_view);
@@ -84,7 +83,7 @@ __device__ inline SumsOf<form, float> splat_sums(const Backward& a, int64_t s, b
 
 /// Of the splats [begin, end) of this thread's Gaussian, those of the block's threads; the splat of
 /// thread 0 is s.
-template <Form form>
+template <SetForm form>
 __device__ inline void add_shared(const Shared<form>& shared, int64_t s, int64_t begin, int64_t end,
                                   SumsOf<form, float>& sums, int& seen) {
   float* const to = reinterpret_cast<float*>(&sums);
@@ -97,9 +96,9 @@ __device__ inline void add_shared(const Shared<form>& shared, int64_t s, int64_t
 }
 
 /// Asks for the moments of a block's Gaussians, which are read last.
-template <Form form>
+template <SetForm form>
 __device__ inline void prefetch_moments(const StoreGradient<float>&, int64_t) {}
-template <Form form>
+template <SetForm form>
 __device__ inline void prefetch_moments(const ApplyAdam<float>& sink, int64_t count) {
   constexpr int kLine = 32;  // floats
   const int64_t first = int64_t(blockIdx.x) * kThreads;
@@ -115,7 +114,7 @@ __device__ inline void prefetch_moments(const ApplyAdam<float>& sink, int64_t co
 
 /// One block for kThreads Gaussians: what their splats found, through their stored parameters, into
 /// the sink.
-template <Form form, class Sink>
+template <SetForm form, class Sink>
 __global__ void __launch_bounds__(kThreads, kBlocks) geometry_backward(Backward a, Sink sink) {
   __shared__ union {
     Shared<form> splats;
@@ -293,7 +292,7 @@ Sink sink_of(const SinkArgs<float>& args) {
     return {args.gradient};
 }
 
-template <Form form, class Sink>
+template <SetForm form, class Sink>
 void backward_set(const Backward& all, const RenderOptions& options, const SinkArgs<float>& args,
                   cudaStream_t stream) {
   const GaussianSpans<const float>& set = all.set;

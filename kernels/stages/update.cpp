@@ -5,7 +5,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/elements/gradient_sink.h"
+#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 namespace {

@@ -4,7 +4,7 @@
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/elements/gradient_sink.h"
+#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 namespace {

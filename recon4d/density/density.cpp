@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kernels/base/errors.h"
-#include "recon4d/model/element_moves.h"
+#include "recon4d/model/element_edits.h"
 
 namespace tessera {
 namespace {

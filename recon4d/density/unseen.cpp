@@ -5,7 +5,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/frame_sample.h"
-#include "recon4d/model/sh_blocks.h"
+#include "recon4d/model/element_edits.h"
 
 namespace tessera {
 

@@ -1,5 +1,5 @@
 // What: the forward pass and the two stages that look at it, with truth and masks brought over.
-// Not: their arithmetic (kernels/stages/sensitivity).
+// Not: their arithmetic (kernels/measures/sensitivity).
 #include "recon4d/evaluation/scoring_pass.h"
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
-#include "recon4d/model/checkpoint_refused.h"
+#include "recon4d/model/checkpoint_file.h"
 #include "recon4d/model/train_state.h"
 #include "recon4d/model/validation_record.h"
 

@@ -11,7 +11,6 @@
 #include <system_error>
 
 #include "kernels/base/errors.h"
-#include "recon4d/model/checkpoint_refused.h"
 
 namespace tessera {
 namespace {

@@ -11,10 +11,18 @@
 #include <string_view>
 
 #include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
 
 namespace tessera {
 
-/// Throws CheckpointRefused (checkpoint_refused.h).
+/// The file was read, but it is no checkpoint, of another version, truncated, damaged, or of
+/// another scene or training.
+class CheckpointRefused : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// Throws CheckpointRefused.
 [[noreturn]] void refuse_checkpoint(const std::filesystem::path& path, const std::string& why);
 
 class CheckpointWriter {

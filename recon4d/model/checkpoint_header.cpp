@@ -28,16 +28,16 @@ ShBlocks blocks_in(const json& header, const char* set) {
   return blocks;
 }
 
-Form dynamic_form(const json& header) {
-  return header.at("motion_form") == dynamic_form_name(Form::kVelocity) ? Form::kVelocity
-                                                                        : Form::kPair;
+SetForm dynamic_form(const json& header) {
+  return header.at("motion_form") == dynamic_form_name(SetForm::kVelocity) ? SetForm::kVelocity
+                                                                           : SetForm::kPair;
 }
 
 /// Of a canonical set: [nodes, control points], absent where there are none.
 struct NodeCounts {
   int64_t nodes = 0, knots = 0, started = 0, refitted = 0;
 
-  Form static_form() const { return nodes > 0 ? Form::kCanonical : Form::kStatic; }
+  SetForm static_form() const { return nodes > 0 ? SetForm::kCanonical : SetForm::kStatic; }
   /// Positions, and values and moments of all that is optimised.
   int64_t scalars() const { return nodes * (3 + 3 * (1 + 7 * knots)); }
 };
@@ -117,7 +117,7 @@ void check_header(const CheckpointReader& file, const json& header) {
   const int64_t environment = header.at("environment_height");
   const int coefficients = header.at("sh_coefficients"), levels = header.at("sh_time_levels");
   // values and two moments each, of SH in one word; statistics, filter size where kept
-  const auto scalars = [&](Form form, int64_t count, const ShBlocks& blocks) {
+  const auto scalars = [&](SetForm form, int64_t count, const ShBlocks& blocks) {
     const int sets = is_dynamic(form) ? 1 + levels : 1;
     const int64_t all = blocks.mixed() ? blocks.coefficients() : count * coefficients;
     return count * (int64_t{trained_geometry_scalars(form)} + 2 + parts.filter_sizes) +

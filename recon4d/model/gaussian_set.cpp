@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-GaussianSet::GaussianSet(Form form, int coefficients, Memory& memory, int time_levels)
+GaussianSet::GaussianSet(SetForm form, int coefficients, Memory& memory, int time_levels)
     : form_(form), coefficients_(coefficients), time_levels_(time_levels), memory_(&memory) {
   check(time_levels == 0 || is_dynamic(form), "GaussianSet: a static set with levels of time");
   for (ParameterGroup& group : groups_) group = ParameterGroup(memory);

@@ -20,14 +20,14 @@ class GaussianSet {
  public:
   /// `coefficients`: SH coefficients per channel that are stored, (degree+1)²; `time_levels`: of a
   /// dynamic set, how often again, for the levels of time.
-  GaussianSet(Form form, int coefficients, Memory& memory = host_memory(), int time_levels = 0);
+  GaussianSet(SetForm form, int coefficients, Memory& memory = host_memory(), int time_levels = 0);
 
-  Form form() const { return form_; }
+  SetForm form() const { return form_; }
   int dim() const { return dim_of(form_); }
   int64_t count() const { return count_; }
   /// K, the most that an element has.
   int coefficients() const { return coefficients_; }
-  /// Where elements differ in K: in a training alone, after sh_blocks.h has sorted them.
+  /// Where elements differ in K: in a training alone, after element_edits.h has sorted them.
   const ShBlocks& blocks() const { return blocks_; }
   int time_levels() const { return time_levels_; }
   Memory& memory() const { return *memory_; }
@@ -82,7 +82,7 @@ class GaussianSet {
   int64_t scalars(Group group, int64_t count, const ShBlocks& blocks) const;
   void set_layout(int64_t count, const ShBlocks& blocks);
 
-  Form form_;
+  SetForm form_;
   int coefficients_, time_levels_;
   Memory* memory_;
   int64_t count_ = 0;
@@ -105,8 +105,8 @@ struct EnvironmentLight {
 
 /// What a training produces and every other command reads.
 struct GaussianModel {
-  GaussianSet static_set{Form::kStatic, kMaxShCoefficients};
-  GaussianSet dynamic_set{Form::kPair, kMaxShCoefficients};
+  GaussianSet static_set{SetForm::kStatic, kMaxShCoefficients};
+  GaussianSet dynamic_set{SetForm::kPair, kMaxShCoefficients};
   MotionNodes nodes;                           // of a canonical static set; else none
   EnvironmentLight environment;                // behind both
   DrawingRules drawing;                        // as it was trained

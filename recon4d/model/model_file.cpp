@@ -196,8 +196,8 @@ GaussianModel load_model(const std::filesystem::path& path) {
                                  path.string(), kStaticElement));
   const auto counts = numbers_if_any(path, file.comments, kNodesKey, 2);
   if (!counts.empty()) model.nodes = read_nodes(path, file, counts[0], counts[1]);
-  model.static_set =
-      read_splats(path, *static_element, model.nodes.empty() ? Form::kStatic : Form::kCanonical);
+  model.static_set = read_splats(path, *static_element,
+                                 model.nodes.empty() ? SetForm::kStatic : SetForm::kCanonical);
   if (!model.nodes.empty()) check_bindings(path, model.static_set, model.nodes.count);
   if (const PlyElement* const dynamic_element = file.find(kDynamicElement))
     model.dynamic_set = read_splats(path, *dynamic_element, dynamic_form_of(*dynamic_element));

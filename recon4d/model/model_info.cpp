@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/validity.h"
+#include "kernels/load_gaussian.h"
+#include "recon4d/model/element_edits.h"
 #include "recon4d/options/choices.h"
 
 namespace tessera {
@@ -22,7 +22,7 @@ struct Facts {
   int64_t sound = 0;
 };
 
-template <Form form>
+template <SetForm form>
 void gather(const GaussianSet& set, Facts& facts) {
   const GaussianSpans<const float> values = set.values();
   for (int64_t n : valid_elements(set)) {

@@ -92,7 +92,7 @@ int stored_levels(const PlyElement& element) {
 
 }  // namespace
 
-std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_levels) {
+std::vector<SplatColumn> splat_columns(SetForm form, int coefficients, int time_levels) {
   std::vector<SplatColumn> columns;
   append(columns, kMean, {"x", "y", "z"});
   if (!is_dynamic(form))
@@ -101,7 +101,7 @@ std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_lev
   append(columns, kOpacityLogit, {"opacity"});
   append(columns, kLogScale, {"scale_0", "scale_1", "scale_2"});
   append(columns, kRotation, {"rot_0", "rot_1", "rot_2", "rot_3"});
-  if (form == Form::kCanonical)
+  if (form == SetForm::kCanonical)
     for (const auto& [group, name] :
          {std::pair{kNode, "node"}, std::pair{kNodeLogit, "node_logit"}})
       for (int k = 0; k < kBindings; ++k)
@@ -109,7 +109,7 @@ std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_lev
   if (!is_dynamic(form)) return columns;
   append(columns, kMeanTime, {"mean_time"});
   append(columns, kLogScaleTime, {"scale_time"});
-  if (form == Form::kPair)
+  if (form == SetForm::kPair)
     append(columns, kRotationRight, {"rot_right_0", "rot_right_1", "rot_right_2", "rot_right_3"});
   else
     append(columns, kVelocity, {"velocity_0", "velocity_1", "velocity_2"});
@@ -117,8 +117,8 @@ std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_lev
   return columns;
 }
 
-Form dynamic_form_of(const PlyElement& element) {
-  return element.find("velocity_0") != nullptr ? Form::kVelocity : Form::kPair;
+SetForm dynamic_form_of(const PlyElement& element) {
+  return element.find("velocity_0") != nullptr ? SetForm::kVelocity : SetForm::kPair;
 }
 
 void write_splats(const std::filesystem::path& path, const std::vector<std::string>& comments,
@@ -154,7 +154,8 @@ std::vector<float> read_floats(const std::filesystem::path& path, const PlyEleme
   return values;
 }
 
-GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, Form form) {
+GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element,
+                        SetForm form) {
   const int coefficients = stored_coefficients(path, element);
   const int levels = is_dynamic(form) ? stored_levels(element) : 0;
   // All columns before any memory: a row of the file may be a byte where a Gaussian is hundreds.

@@ -23,10 +23,10 @@ struct SplatColumn {
 /// rot_right or velocity, of a canonical set node_0 … node_7 and node_logit_0 … node_logit_7, and
 /// f_cos1_0 … f_cos<L>_<3K−1>, the levels of time, each channel-major. Normals belong to Dim 3
 /// only, where viewers expect them.
-std::vector<SplatColumn> splat_columns(Form form, int coefficients, int time_levels = 0);
+std::vector<SplatColumn> splat_columns(SetForm form, int coefficients, int time_levels = 0);
 
 /// The form that the columns of a dynamic element are of.
-Form dynamic_form_of(const PlyElement& element);
+SetForm dynamic_form_of(const PlyElement& element);
 
 /// A set as an element of a file; the first `coefficients` of its SH are written. All, where the
 /// set has levels of time.
@@ -56,6 +56,6 @@ void write_splats(const std::filesystem::path& path, const std::vector<std::stri
 /// Every column but the normals is required, and f_cos of whole levels where there are any. Errors:
 /// InputError naming `path`, the element and the property that is missing, or the count of f_rest
 /// that fits no degree.
-GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, Form form);
+GaussianSet read_splats(const std::filesystem::path& path, const PlyElement& element, SetForm form);
 
 }  // namespace tessera

@@ -1,6 +1,9 @@
 // What: everything a training needs to go on exactly as if it had not stopped, and the model in it.
 // Not: the steps (trainer.h) or the file (checkpoint.h).
 #pragma once
+#include <cstdint>
+#include <vector>
+
 #include "kernels/backend.h"
 #include "recon4d/model/exposure.h"
 #include "recon4d/model/gaussian_set.h"
@@ -26,7 +29,7 @@ struct TrainState {
   bool has_filter_sizes() const {
     return !statistics[0].filter_size.empty() || !statistics[1].filter_size.empty();
   }
-  /// Whether elements of a set differ in their SH degree (sh_blocks.h).
+  /// Whether elements of a set differ in their SH degree (element_edits.h).
   bool has_blocks() const {
     return model.static_set.blocks().mixed() || model.dynamic_set.blocks().mixed();
   }
@@ -46,5 +49,26 @@ bool is_filtered(const TrainState& state, const TrainOptions& options);
 GaussianModel baked_model(const TrainState& state, const TrainOptions& options);
 /// The same of a state that nobody needs any longer: in its own memory.
 GaussianModel baked_model(TrainState&& state, const TrainOptions& options);
+
+/// Index 0 is the static set, index 1 the dynamic set.
+struct StateEdit {
+  /// Elements of the set as it is before the edit, ascending.
+  std::vector<int64_t> dropped[2];
+  /// Sets of the same form, K and L as the set that they join, in any memory; in this order.
+  std::vector<GaussianSet> added[2];
+  /// [N] SH degree of each element after drops and additions; empty: the degrees stay.
+  std::vector<uint8_t> degrees[2];
+
+  /// Whether it changes no element.
+  bool empty() const;
+};
+
+/// Drops static elements, then dynamic ones, then adds to the static set and to the dynamic set,
+/// one added set after the other, and last assigns SH degrees. Kept elements keep their moments and
+/// statistics; added ones begin with zeros and without a size of the 3D filter. The state lies in
+/// the backend's memory. Errors: std::logic_error: dropped elements that do not ascend or do not
+/// exist, added sets of another layout, degrees that are not one for each element or that exceed
+/// the element's own.
+void apply_edit(Backend& backend, const StateEdit& edit, TrainState& state);
 
 }  // namespace tessera

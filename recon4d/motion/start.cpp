@@ -9,7 +9,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 
 namespace tessera {
 namespace {
@@ -107,7 +107,7 @@ std::vector<float> log_radii(const std::vector<Vec3<float>>& nodes, float alone)
 
 /// Moves the groups of a static set into a canonical one without bindings.
 GaussianSet moved_to_canonical(GaussianSet& from) {
-  GaussianSet to(Form::kCanonical, from.coefficients(), from.memory());
+  GaussianSet to(SetForm::kCanonical, from.coefficients(), from.memory());
   for (int g = 0; g < kStaticGroups; ++g) to.group(Group(g)) = std::move(from.group(Group(g)));
   return to;
 }
@@ -157,7 +157,7 @@ void start_nodes(Backend& backend, const NodePlan& plan, int knots, TrainState& 
   GaussianSet& set = state.model.static_set;
   if (plan.position.empty()) return;
   const int64_t count = set.count();
-  check(set.form() == Form::kStatic && int64_t(plan.node.size()) == count * kBindings,
+  check(set.form() == SetForm::kStatic && int64_t(plan.node.size()) == count * kBindings,
         "start_nodes: a plan of another set");
   const ShBlocks blocks = set.blocks();
   const bool has_moments = set.has_moments();

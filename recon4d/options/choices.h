@@ -46,12 +46,12 @@ constexpr const char* name_of(Enum value) {
   return kChoiceNames<Enum>[size_t(value)];
 }
 /// Form of the dynamic set.
-constexpr Form dynamic_form_of(Motion motion) {
-  return motion == Motion::kVelocity ? Form::kVelocity : Form::kPair;
+constexpr SetForm dynamic_form_of(Motion motion) {
+  return motion == Motion::kVelocity ? SetForm::kVelocity : SetForm::kPair;
 }
 /// Name of the form of a dynamic set, as files have it.
-constexpr const char* dynamic_form_name(Form form) {
-  return name_of(form == Form::kVelocity ? Motion::kVelocity : Motion::kPair);
+constexpr const char* dynamic_form_name(SetForm form) {
+  return name_of(form == SetForm::kVelocity ? Motion::kVelocity : Motion::kPair);
 }
 template <class Enum>
 std::vector<const char*> choice_names() {

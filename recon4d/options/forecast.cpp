@@ -24,15 +24,15 @@ constexpr double kGpuStep = 0.7e-3;    // seconds a step, by dnerf_lego, mic and
 constexpr double kGpuPixel = 0.05e-9, kGpuSplat = 0.45e-9;  //   on an H200
 
 /// A value and two moments of each scalar; those of SH share a word.
-int64_t element_bytes(Form form, int64_t time_levels) {
+int64_t element_bytes(SetForm form, int64_t time_levels) {
   const int64_t sh = 3 * kMaxShCoefficients * (1 + time_levels);
   return (trained_geometry_scalars(form) + 2 * sh) * int64_t(sizeof(float));
 }
 
 /// Of the larger set.
-Form trained_form(Motion motion) {
-  if (motion == Motion::kNone) return Form::kStatic;
-  return motion == Motion::kNodes ? Form::kCanonical : dynamic_form_of(motion);
+SetForm trained_form(Motion motion) {
+  if (motion == Motion::kNone) return SetForm::kStatic;
+  return motion == Motion::kNodes ? SetForm::kCanonical : dynamic_form_of(motion);
 }
 
 /// The time of the two short trainings that decide on motion.
@@ -53,14 +53,14 @@ TrainForecast forecast_training(const ForecastLoad& load, const TrainOptions& op
   forecast.gaussians =
       std::max(options.init_points, growth_limit(options) > 0 ? growth_limit(options) : kUnlimited);
   forecast.frame_bytes = load.all_bytes;
-  const Form form = trained_form(options.motion);
-  const bool in_time = form == Form::kPair || form == Form::kVelocity;
+  const SetForm form = trained_form(options.motion);
+  const bool in_time = form == SetForm::kPair || form == SetForm::kVelocity;
   forecast.parameter_bytes =
       forecast.gaussians * element_bytes(form, in_time ? options.sh_time_degree : 0);
   const int64_t batch = std::min(options.batch, std::max<int64_t>(1, load.training_frames));
   const double splats = kVisible * double(forecast.gaussians) * double(batch);
   forecast.step_bytes = batch * load.pixels * kPixelBytes + int64_t(splats) * kSplatBytes;
-  if (form == Form::kCanonical)
+  if (form == SetForm::kCanonical)
     forecast.step_bytes += forecast.gaussians * (kBindingBytes + batch * kCarriedBytes);
   forecast.total_bytes = forecast.frame_bytes + forecast.parameter_bytes + forecast.step_bytes;
   const double steps = double(options.iterations);

@@ -16,7 +16,7 @@ KernelSwitches kernel_switches(const TrainOptions& options) {
   return switches;
 }
 
-Form dynamic_form(const TrainOptions& options) {
+SetForm dynamic_form(const TrainOptions& options) {
   return dynamic_form_of(options.motion);
 }
 

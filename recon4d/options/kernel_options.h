@@ -9,6 +9,6 @@ namespace tessera {
 
 KernelSwitches kernel_switches(const TrainOptions& options);
 /// Of the dynamic set.
-Form dynamic_form(const TrainOptions& options);
+SetForm dynamic_form(const TrainOptions& options);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // What: a scoring pass over batches of frames in the order of their timesteps, and what its sums
-// say. Not: the sums (kernels/stages/contribution, kernels/stages/sensitivity).
+// say. Not: the sums (kernels/measures/contribution, kernels/measures/sensitivity).
 #include "recon4d/reduction/contributions.h"
 
 #include <algorithm>

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "kernels/math/splat.h"
-#include "recon4d/model/sh_blocks.h"
+#include "recon4d/model/element_edits.h"
 
 namespace tessera {
 namespace {
@@ -32,7 +32,7 @@ GaussianSet at_rest(Backend& backend, const GaussianModel& model,
   for (int64_t i = 0; i < set.count(); ++i) {
     for (const Group group : {kMean, kLogScale, kRotation, kOpacityLogit, kSh})
       std::copy_n(from.at(group, i), from.width(group), to.at(group, i));
-    if (set.form() == Form::kPair)  // at rest: r = conj(l)
+    if (set.form() == SetForm::kPair)  // at rest: r = conj(l)
       for (int k = 0; k < 4; ++k)
         to.at(kRotationRight, i)[k] = (k == 0 ? 1.0f : -1.0f) * from.at(kRotation, i)[k];
   }

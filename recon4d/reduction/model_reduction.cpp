@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "recon4d/model/sh_blocks.h"
+#include "recon4d/model/element_edits.h"
 #include "recon4d/reduction/dynamic_promotion.h"
 #include "recon4d/reduction/motion_choice.h"
 #include "recon4d/reduction/static_demotion.h"

@@ -8,8 +8,7 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
-#include "recon4d/model/sh_blocks.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 
 namespace tessera {
 

@@ -5,7 +5,7 @@
 #pragma once
 #include <vector>
 
-#include "recon4d/model/state_edit.h"
+#include "recon4d/model/train_state.h"
 #include "recon4d/reduction/contributions.h"
 
 namespace tessera {

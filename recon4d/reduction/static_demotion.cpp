@@ -1,11 +1,11 @@
 // What: a model with candidates turned static beside the model as it is, image by image.
-// Not: sums over pixels (kernels/stages/sensitivity).
+// Not: sums over pixels (kernels/measures/sensitivity).
 #include "recon4d/reduction/static_demotion.h"
 
 #include <utility>
 
 #include "recon4d/evaluation/render.h"
-#include "recon4d/model/sh_blocks.h"
+#include "recon4d/model/element_edits.h"
 #include "recon4d/reduction/motion_choice.h"
 #include "recon4d/reduction/precision.h"
 
@@ -73,7 +73,7 @@ GaussianSet as_static(Backend& backend, const GaussianModel& model,
   const bool lies_here = &dynamic.memory() == &memory;
   const GaussianSet copied = lies_here ? dynamic.like() : dynamic.clone_values(memory);
   const GaussianSpans<const float> from = (lies_here ? dynamic : copied).values();
-  GaussianSet demoted(Form::kStatic, from.coefficients, memory);
+  GaussianSet demoted(SetForm::kStatic, from.coefficients, memory);
   demoted.resize(from.count);
   const auto brought = [&](const std::vector<float>& values) {
     Buffer<float> buffer(int64_t(values.size()), memory);

@@ -16,7 +16,7 @@ GaussianSet as_static(Backend& backend, const GaussianModel& model,
 
 struct DemotionTrial {
   explicit DemotionTrial(Memory& memory = host_memory())
-      : demoted(Form::kStatic, kMaxShCoefficients, memory) {}
+      : demoted(SetForm::kStatic, kMaxShCoefficients, memory) {}
 
   std::vector<int64_t> elements;  // of the dynamic set that may be static, ascending
   GaussianSet demoted;            // [elements] what they become, where the backend works

@@ -127,7 +127,7 @@ void place(const InitialPoint& point, float squared_distance, const TrainOptions
   *v.at(kOpacityLogit, n) = logit(options.init_opacity);
   if (set.dim() != 4) return;
   std::fill_n(v.at(kShTime, n), set.width(kShTime), 0.0f);
-  if (set.form() == Form::kPair) {
+  if (set.form() == SetForm::kPair) {
     std::copy_n(identity, 4, v.at(kRotationRight, n));
   } else {
     std::copy_n(&point.velocity[0], 3, v.at(kVelocity, n));
@@ -191,7 +191,7 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
 
   GaussianModel& model = result.model;
   const int stored = sh_coefficients(int(options.sh_degree));
-  model.static_set = GaussianSet(Form::kStatic, stored);
+  model.static_set = GaussianSet(SetForm::kStatic, stored);
   model.dynamic_set =
       GaussianSet(dynamic_form(options), stored, host_memory(), int(options.sh_time_degree));
   const int64_t statics = std::count(is_static.begin(), is_static.end(), uint8_t{1});

@@ -103,7 +103,7 @@ double Schedule::exposure_rate(int64_t i) const {
          std::pow(kFinal, double(i + 1) / double(std::max<int64_t>(1, options_.iterations)));
 }
 
-AdamGroups<float> Schedule::adam(int64_t i, Form form, int64_t nodes_started) const {
+AdamGroups<float> Schedule::adam(int64_t i, SetForm form, int64_t nodes_started) const {
   const int64_t step = i + 1;
   AdamGroups<float> groups;
   const auto set = [&](Group group, double rate) {
@@ -115,12 +115,12 @@ AdamGroups<float> Schedule::adam(int64_t i, Form form, int64_t nodes_started) co
   set(kOpacityLogit, options_.lr_opacity);
   set(kSh, options_.lr_sh);
   groups.sh_rest = adam_scalars<float>(options_.lr_sh_rest, step);
-  if (form == Form::kCanonical)
+  if (form == SetForm::kCanonical)
     groups.group[kNodeLogit] = adam_scalars<float>(options_.lr_node_logit, step - nodes_started);
   if (!is_dynamic(form)) return groups;
   set(kMeanTime, extent_ * options_.lr_mean_time);
   set(kLogScaleTime, options_.lr_scale_time);
-  if (form == Form::kPair)
+  if (form == SetForm::kPair)
     set(kRotationRight, options_.lr_rotation);
   else  // a velocity decays as the means do: it moves them
     set(kVelocity, mean_rate(i) * options_.lr_velocity / std::max(options_.lr_mean, 1e-300));

@@ -46,7 +46,7 @@ class Schedule {
   double noise_scale(int64_t i) const { return is_mcmc() ? options_.mcmc_noise * mean_rate(i) : 0; }
   /// Step sizes of step i for a set of that form. `nodes_started`: of a canonical one, the step at
   /// which it became one.
-  AdamGroups<float> adam(int64_t i, Form form, int64_t nodes_started = 0) const;
+  AdamGroups<float> adam(int64_t i, SetForm form, int64_t nodes_started = 0) const;
 
  private:
   /// Log-linear from first to last over the whole training.

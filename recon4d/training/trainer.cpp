@@ -25,7 +25,7 @@
 namespace tessera {
 namespace {
 
-std::string group_names(unsigned bits, Form form) {
+std::string group_names(unsigned bits, SetForm form) {
   std::string names;
   for (int g = 0; g < kGroupCount; ++g)
     if (bits >> g & 1)
@@ -34,7 +34,7 @@ std::string group_names(unsigned bits, Form form) {
 }
 
 /// "the loss", "the gradient of mean, environment".
-std::string what_is_bad(const StepOutcome& outcome, Form form) {
+std::string what_is_bad(const StepOutcome& outcome, SetForm form) {
   std::string names = group_names(outcome.bad_groups, form);
   if (outcome.bad_values) names += names.empty() ? "environment" : ", environment";
   return names.empty() ? "the loss" : "the gradient of " + names;

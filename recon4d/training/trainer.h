@@ -9,7 +9,7 @@
 #include "kernels/base/camera_rig.h"
 #include "kernels/pipeline.h"
 #include "recon4d/evaluation/scoring_pass.h"
-#include "recon4d/model/state_edit.h"
+#include "recon4d/model/train_state.h"
 #include "recon4d/training/batch_sampler.h"
 #include "recon4d/training/frame_cache.h"
 #include "recon4d/training/observer.h"

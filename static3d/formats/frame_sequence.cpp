@@ -11,8 +11,8 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/validity.h"
+#include "kernels/load_gaussian.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/transform/scene_box.h"
 #include "static3d/transform/slicer.h"
 

@@ -16,7 +16,7 @@ namespace {
 
 /// Properties of `vertex` that mean nothing here.
 std::vector<std::string> unknown_properties(const PlyElement& vertex, int coefficients) {
-  const std::vector<SplatColumn> known = splat_columns(Form::kStatic, coefficients);
+  const std::vector<SplatColumn> known = splat_columns(SetForm::kStatic, coefficients);
   std::vector<std::string> unknown;
   for (const PlyColumn& column : vertex.columns)
     if (std::none_of(known.begin(), known.end(),
@@ -31,7 +31,7 @@ GaussianSet read_plain(const std::filesystem::path& path, const PlyFile& file,
   if (vertex == nullptr)
     throw InputError(fmt::format("{}: no element 'vertex', expected a 3DGS .ply; export it again",
                                  path.string()));
-  GaussianSet set = read_splats(path, *vertex, Form::kStatic);
+  GaussianSet set = read_splats(path, *vertex, SetForm::kStatic);
   const auto unknown = unknown_properties(*vertex, set.coefficients());
   if (!unknown.empty())
     warnings.push_back(

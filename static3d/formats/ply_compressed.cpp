@@ -107,7 +107,7 @@ GaussianSet decode_compressed_splat(const std::filesystem::path& path, const Ply
   const auto& rotation = words_of(path, vertex, "packed_rotation");
   const auto& scales = words_of(path, vertex, "packed_scale");
   const auto& rgba = words_of(path, vertex, "packed_color");
-  GaussianSet set(Form::kStatic, coefficients_of(path, file));
+  GaussianSet set(SetForm::kStatic, coefficients_of(path, file));
   set.resize(vertex.rows);
   const GaussianSpans<float> to = set.values();
   for (int64_t n = 0; n < vertex.rows; ++n) {

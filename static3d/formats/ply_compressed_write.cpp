@@ -8,7 +8,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
 #include "kernels/math/spherical_harmonics.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/formats/ply_compressed.h"
 #include "static3d/transform/morton_order.h"
 #include "static3d/transform/splat_quanta.h"

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "kernels/base/errors.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "recon4d/options/nearest_name.h"
 #include "static3d/formats/glb.h"
 #include "static3d/formats/ply_3dgs.h"

@@ -13,7 +13,7 @@ namespace tessera {
 
 /// What a file of splats holds.
 struct SplatFile {
-  GaussianSet set{Form::kStatic, kMaxShCoefficients};
+  GaussianSet set{SetForm::kStatic, kMaxShCoefficients};
   int sh_degree = 0;
   std::vector<std::string> warnings;  // unknown properties, quaternions that were normalised, …
 };

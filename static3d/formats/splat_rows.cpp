@@ -49,7 +49,7 @@ SplatFile load_splat_rows(const std::filesystem::path& path) {
         fmt::format("{}: {} bytes are no whole number of splats of {}; it is cut off or no .splat",
                     path.string(), text.size(), kRowBytes));
   SplatFile file;
-  file.set = GaussianSet(Form::kStatic, 1);
+  file.set = GaussianSet(SetForm::kStatic, 1);
   file.set.resize(int64_t(text.size() / kRowBytes));
   ByteReader bytes(text, path);
   for (int64_t n = 0; n < file.set.count(); ++n) read_row(bytes, file.set.values(), n);

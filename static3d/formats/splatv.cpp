@@ -17,7 +17,7 @@
 #include "kernels/math/spherical_harmonics.h"
 #include "kernels/math/splat.h"
 #include "recon4d/evaluation/render.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/transform/scene_box.h"
 #include "static3d/transform/slicer.h"
 #include "static3d/transform/splat_quanta.h"

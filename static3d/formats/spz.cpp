@@ -321,7 +321,7 @@ SplatFile load_spz(const std::filesystem::path& path) {
   ByteReader joined(streams, path);
   const SpzColumns columns = columns_of(header.version == 4 ? joined : bytes, header);
   SplatFile result;
-  result.set = GaussianSet(Form::kStatic, sh_coefficients(header.sh_degree));
+  result.set = GaussianSet(SetForm::kStatic, sh_coefficients(header.sh_degree));
   result.set.resize(int64_t(header.count));
   decode(header, columns, result.set);
   flip_axes(result.set, kRightUpBack);

@@ -24,9 +24,9 @@ class Decoder {
 
   GaussianSet decode(int sh_degree, bool anchor_in_clip) const {
     const StreamWords position = needed("position", 3);  // no room for what is not there
-    const Form form = info_.moving      ? Form::kVelocity
-                      : info_.nodes > 0 ? Form::kCanonical
-                                        : Form::kStatic;
+    const SetForm form = info_.moving      ? SetForm::kVelocity
+                         : info_.nodes > 0 ? SetForm::kCanonical
+                                           : SetForm::kStatic;
     GaussianSet set(form, sh_coefficients(sh_degree));
     set.resize(info_.count);
     const GaussianSpans<float> to = set.values();

@@ -10,8 +10,8 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/base/quantile.h"
-#include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/validity.h"
+#include "kernels/load_gaussian.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/tessera4d/node_streams.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/sh_streams.h"
@@ -57,7 +57,7 @@ class Encoder {
     opacity_ = opacities();
     block_.info.moving = is_dynamic(set.form());
     block_.info.count = set.count();
-    if (set.form() != Form::kCanonical) return;
+    if (set.form() != SetForm::kCanonical) return;
     block_.info.nodes = nodes.count;
     block_.info.knots = nodes.knots;
   }
@@ -224,7 +224,7 @@ class Encoder {
   const MotionNodes& nodes_;
   std::array<int64_t, kMaxShDegree + 1>
       sh_elements_{};  // Gaussians that need a degree: the first ones
-  GaussianSet sorted_{Form::kStatic, 1};
+  GaussianSet sorted_{SetForm::kStatic, 1};
   double position_step_ = 0;  // world units
   StreamWords opacity_;       // until it is added
   std::vector<StreamWords> streams_;
@@ -234,8 +234,8 @@ class Encoder {
 }  // namespace
 
 Block encode_block(const GaussianSet& set, const BlockRules& rules, const MotionNodes& nodes) {
-  check(set.form() != Form::kPair && set.time_levels() == 0, "encode_block: not of pairs");
-  check((set.form() == Form::kCanonical) == !nodes.empty(), "encode_block: nodes and bindings");
+  check(set.form() != SetForm::kPair && set.time_levels() == 0, "encode_block: not of pairs");
+  check((set.form() == SetForm::kCanonical) == !nodes.empty(), "encode_block: nodes and bindings");
   check(set.count() > 0, "encode_block: a block of no Gaussians");
   return Encoder(set, rules, nodes).encode();
 }

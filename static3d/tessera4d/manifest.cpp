@@ -11,8 +11,8 @@
 #include "kernels/base/errors.h"
 #include "kernels/math/eigen3.h"
 #include "kernels/math/ewa.h"
-#include "kernels/math/filter_2d.h"
 #include "kernels/math/node_pose.h"
+#include "kernels/math/splat_rules.h"
 #include "static3d/tessera4d/node_streams.h"
 
 namespace tessera {

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/validity.h"
+#include "kernels/load_gaussian.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/sh_streams.h"
 
@@ -38,7 +38,7 @@ int extent_bin(double extent) {
   return bin;
 }
 
-template <Form form>
+template <SetForm form>
 void count_extents(const GaussianModel& model, const std::vector<int64_t>& elements,
                    ModelHistograms& histograms) {
   const GaussianSpans<const float> set = model.dynamic_set.values();

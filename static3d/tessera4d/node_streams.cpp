@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "kernels/base/errors.h"
-#include "kernels/elements/carry.h"
+#include "kernels/stages/carry.h"
 
 namespace tessera {
 namespace {

@@ -10,7 +10,7 @@
 #include "ingest/files/bytes.h"
 #include "ingest/files/json_file.h"
 #include "kernels/base/errors.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/tessera4d.h"
 
@@ -29,7 +29,8 @@ void place_elements(const GaussianSet& part, GaussianSet& whole, int64_t first) 
 }
 
 /// The blocks of one kind as one set; unsound Gaussians are left out and counted.
-GaussianSet joined(std::vector<GaussianSet> parts, Form form, int coefficients, int64_t& unsound) {
+GaussianSet joined(std::vector<GaussianSet> parts, SetForm form, int coefficients,
+                   int64_t& unsound) {
   int64_t count = 0;
   for (GaussianSet& part : parts) {
     const std::vector<int64_t> elements = valid_elements(part);
@@ -49,7 +50,7 @@ GaussianSet joined(std::vector<GaussianSet> parts, Form form, int coefficients, 
 
 /// Static Gaussians in front of those that nodes carry, in one canonical set.
 GaussianSet with_carried(const GaussianSet& fixed, const GaussianSet& carried) {
-  GaussianSet whole(Form::kCanonical, fixed.coefficients());
+  GaussianSet whole(SetForm::kCanonical, fixed.coefficients());
   whole.resize(fixed.count() + carried.count());
   const GaussianSpans<float> to = whole.values();
   std::fill_n(to.group[kNode].data, kBindings * fixed.count(), -1.0f);
@@ -74,12 +75,12 @@ void read_blocks(Tessera4dInput& input, const fs::path& path, BlockBytes&& block
   }
   int64_t unsound = 0;
   const int coefficients = sh_coefficients(input.model.drawing.sh_degree);
-  input.model.static_set = joined(std::move(fixed), Form::kStatic, coefficients, unsound);
+  input.model.static_set = joined(std::move(fixed), SetForm::kStatic, coefficients, unsound);
   if (!carried.empty())
     input.model.static_set =
         with_carried(input.model.static_set,
-                     joined(std::move(carried), Form::kCanonical, coefficients, unsound));
-  input.model.dynamic_set = joined(std::move(moving), Form::kVelocity, coefficients, unsound);
+                     joined(std::move(carried), SetForm::kCanonical, coefficients, unsound));
+  input.model.dynamic_set = joined(std::move(moving), SetForm::kVelocity, coefficients, unsound);
   if (unsound > 0)
     input.warnings.push_back(
         fmt::format("{}: {} Gaussians that are not finite are left out", path.string(), unsound));

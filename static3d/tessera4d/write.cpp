@@ -11,9 +11,9 @@
 #include "ingest/files/bytes.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "recon4d/evaluation/render.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/node_streams.h"
 #include "static3d/tessera4d/segments.h"
@@ -26,8 +26,8 @@ namespace {
 
 /// Velocity form; the temporal filter in σ_t; colours of each Gaussian's own timestep: Δ = 0.
 GaussianSet plain_dynamic(const GaussianModel& model) {
-  const GaussianSet moving = in_form(model.dynamic_set, Form::kVelocity);
-  GaussianSet plain(Form::kVelocity, moving.coefficients());
+  const GaussianSet moving = in_form(model.dynamic_set, SetForm::kVelocity);
+  GaussianSet plain(SetForm::kVelocity, moving.coefficients());
   plain.resize(moving.count());
   const GaussianSpans<const float> from = moving.values();
   const GaussianSpans<float> to = plain.values();
@@ -47,8 +47,8 @@ GaussianSet plain_dynamic(const GaussianModel& model) {
 
 /// Of a canonical set what a static one has.
 GaussianSet in_static_form(GaussianSet set) {
-  if (set.form() == Form::kStatic) return set;
-  GaussianSet out(Form::kStatic, set.coefficients());
+  if (set.form() == SetForm::kStatic) return set;
+  GaussianSet out(SetForm::kStatic, set.coefficients());
   out.resize(set.count());
   const GaussianSpans<const float> from = std::as_const(set).values();
   const GaussianSpans<float> to = out.values();
@@ -89,8 +89,8 @@ class Writer {
 
  private:
   void add_block(const GaussianSet& set, const std::string& name, BlockInfo place) {
-    Block block = set.form() == Form::kCanonical ? encode_block(set, rules_, model_.nodes)
-                                                 : encode_block(set, rules_);
+    Block block = set.form() == SetForm::kCanonical ? encode_block(set, rules_, model_.nodes)
+                                                    : encode_block(set, rules_);
     block.info.file = name;
     block.info.level = place.level;
     block.info.segment = place.segment;
@@ -124,7 +124,7 @@ class Writer {
     }
     const auto first_static =
         std::stable_partition(elements.begin(), elements.end(), [&](int64_t n) {
-          return model_.static_set.form() == Form::kCanonical && is_bound(values, n);
+          return model_.static_set.form() == SetForm::kCanonical && is_bound(values, n);
         });
     const std::vector<int64_t> carried(elements.begin(), first_static),
         fixed(first_static, elements.end());

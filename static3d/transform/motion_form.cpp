@@ -8,9 +8,9 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/shape3.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/transform/four_rotation.h"
 
 namespace tessera {
@@ -57,7 +57,7 @@ void to_pair(const GaussianSpans<const float>& from, const GaussianSpans<float>&
 
 }  // namespace
 
-GaussianSet in_form(const GaussianSet& dynamic_set, Form form) {
+GaussianSet in_form(const GaussianSet& dynamic_set, SetForm form) {
   check(is_dynamic(dynamic_set.form()) && is_dynamic(form), "in_form: forms of a dynamic set");
   const GaussianSet sound = select_elements(dynamic_set, valid_elements(dynamic_set));
   if (sound.form() == form) return sound.clone_values();
@@ -68,7 +68,7 @@ GaussianSet in_form(const GaussianSet& dynamic_set, Form form) {
   for (Group g : kShared) std::copy_n(from.group[g].data, from.group[g].size, to.group[g].data);
   parallel_for(sound.count(), kGrain, [&](int64_t begin, int64_t end) {
     for (int64_t n = begin; n < end; ++n)
-      form == Form::kVelocity ? to_velocity(from, to, n) : to_pair(from, to, n);
+      form == SetForm::kVelocity ? to_velocity(from, to, n) : to_pair(from, to, n);
   });
   return result;
 }

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "kernels/base/parallel.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/shape3.h"
 #include "recon4d/evaluation/render.h"
 
@@ -100,7 +100,7 @@ GaussianSet Slicer::at(double time) const {
 
   const auto stored = [](const GaussianSet& s) { return s.count() > 0 ? s.coefficients() : 1; };
   const int coefficients = std::max(stored(fixed), stored(dynamic));
-  GaussianSet set(Form::kStatic, coefficients);
+  GaussianSet set(SetForm::kStatic, coefficients);
   set.resize(fixed.count() + int64_t(drawn.size()));
   copy_static(fixed, set);
   if (!model_.nodes.empty()) carry_to(time, fixed, model_.nodes, set);

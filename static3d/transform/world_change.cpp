@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kernels/base/parallel.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/carry.h"
 #include "kernels/math/eigen3.h"
 #include "static3d/transform/four_rotation.h"
@@ -67,7 +67,7 @@ void change_gaussian(const Change& change, const GaussianSpans<float>& v, int64_
   float* const mean = v.at(kMean, n);
   const glm::dvec3 moved = change.world({double(mean[0]), double(mean[1]), double(mean[2])});
   for (int k = 0; k < 3; ++k) mean[k] = float(moved[k]);
-  if (v.form == Form::kPair) {
+  if (v.form == SetForm::kPair) {
     change_shape4(change, v, n);
   } else {
     float* const log_scale = v.at(kLogScale, n);
@@ -75,7 +75,7 @@ void change_gaussian(const Change& change, const GaussianSpans<float>& v, int64_
     store4(quaternion_product(change.quaternion, Vec4<double>(load4(v.at(kRotation, n)))),
            v.at(kRotation, n));
   }
-  if (v.form == Form::kVelocity) change_velocity(change, v.at(kVelocity, n));
+  if (v.form == SetForm::kVelocity) change_velocity(change, v.at(kVelocity, n));
   change.sh.apply(v.coefficients, v.at(kSh, n));
   for (int level = 0; level < v.time_levels; ++level)
     change.sh.apply(v.coefficients, v.at(kShTime, n) + level * v.width(kSh));

@@ -137,11 +137,11 @@ void add_swarm(GaussianSet& set, Random& random) {
 GaussianModel fixture_model() {
   Random random(2026);
   GaussianModel model;
-  model.static_set = GaussianSet(Form::kStatic, kMaxShCoefficients);
+  model.static_set = GaussianSet(SetForm::kStatic, kMaxShCoefficients);
   model.static_set.resize(kTorus + kBoxes * kBox);
   add_torus(model.static_set, random);
   add_boxes(model.static_set, random);
-  model.dynamic_set = GaussianSet(Form::kVelocity, kMaxShCoefficients);
+  model.dynamic_set = GaussianSet(SetForm::kVelocity, kMaxShCoefficients);
   model.dynamic_set.resize(kLong + kShort + kPassing);
   add_swarm(model.dynamic_set, random);
   model.time_axis = {kOrigin, kSeconds};

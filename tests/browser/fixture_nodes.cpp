@@ -18,7 +18,7 @@ constexpr double kShift = 0.25, kTilt = 0.7;
 
 /// `set` with two more groups: no bindings yet.
 GaussianSet as_canonical(const GaussianSet& set) {
-  GaussianSet out(Form::kCanonical, set.coefficients());
+  GaussianSet out(SetForm::kCanonical, set.coefficients());
   out.resize(set.count());
   const GaussianSpans<const float> from = set.values();
   const GaussianSpans<float> to = out.values();

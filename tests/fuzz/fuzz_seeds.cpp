@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Values of a fixed series in [−1, 1); quaternions are of length 1.
-GaussianSet some_set(Form form, int64_t count, int coefficients, int time_levels = 0) {
+GaussianSet some_set(SetForm form, int64_t count, int coefficients, int time_levels = 0) {
   GaussianSet set(form, coefficients, host_memory(), time_levels);
   set.resize(count);
   uint64_t state = 1;
@@ -38,17 +38,17 @@ GaussianSet some_set(Form form, int64_t count, int coefficients, int time_levels
   return set;
 }
 
-GaussianModel some_model(Form form, int coefficients) {
+GaussianModel some_model(SetForm form, int coefficients) {
   GaussianModel model;
-  model.static_set = some_set(Form::kStatic, 3, coefficients);
+  model.static_set = some_set(SetForm::kStatic, 3, coefficients);
   model.dynamic_set = some_set(form, 3, coefficients);
   model.drawing.sh_degree = coefficients == 1 ? 0 : 3;
   return model;
 }
 
 GaussianModel model_with_nodes() {
-  GaussianModel model = some_model(Form::kPair, 1);
-  model.static_set = some_set(Form::kCanonical, 3, 1);
+  GaussianModel model = some_model(SetForm::kPair, 1);
+  model.static_set = some_set(SetForm::kCanonical, 3, 1);
   for (float& node : model.static_set.group(kNode).value.span()) node = node > 0 ? 1.0f : -1.0f;
   model.nodes.resize(2, kSplineOrder);
   std::fill(model.nodes.position.begin(), model.nodes.position.end(), 0.5f);
@@ -64,7 +64,7 @@ void write_splats(const fs::path& folder) {
     const fs::path place = folder / (is_ply ? "ply" : format.name);
     for (const int degree : {0, 1, 3})
       save_splat_file(format, place / (std::string(format.name) + std::to_string(degree)),
-                      some_set(Form::kStatic, degree == 3 ? 5 : 2, 16), degree);
+                      some_set(SetForm::kStatic, degree == 3 ? 5 : 2, 16), degree);
   }
   write_text_file(folder / "ply/ascii",
                   "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 1\n"
@@ -100,7 +100,7 @@ void write_spz_versions(const fs::path& folder) {
 
 /// One block of each kind behind a manifest.
 std::string tessera4d(bool lossless) {
-  const GaussianModel model = some_model(Form::kVelocity, 16);
+  const GaussianModel model = some_model(SetForm::kVelocity, 16);
   const BlockRules rules{lossless, 3, model.cutoff<double>()};
   Tessera4dManifest manifest;
   manifest.lossless = lossless;
@@ -119,10 +119,10 @@ std::string tessera4d(bool lossless) {
 }
 
 void write_models(const fs::path& folder) {
-  save_model(folder / "model/pair", some_model(Form::kPair, 16));
-  save_model(folder / "model/velocity", some_model(Form::kVelocity, 1));
-  GaussianModel all = some_model(Form::kPair, 1);
-  all.dynamic_set = some_set(Form::kPair, 2, 1, 2);
+  save_model(folder / "model/pair", some_model(SetForm::kPair, 16));
+  save_model(folder / "model/velocity", some_model(SetForm::kVelocity, 1));
+  GaussianModel all = some_model(SetForm::kPair, 1);
+  all.dynamic_set = some_set(SetForm::kPair, 2, 1, 2);
   all.drawing.sh_time_degree = 2;
   all.environment.height = 2;
   all.environment.map.value.resize(2 * 4 * 3);

@@ -2,7 +2,7 @@
 // failure_modes C8. Not: the tile test itself (bounds_test.cpp).
 #include <set>
 
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/depth_order.h"
 #include "kernels/stages/radix_order.h"
 #include "tests/support/render.h"
@@ -92,8 +92,8 @@ float depth_of(const TestScene<float>& scene, int64_t n, const ViewArgs<float>& 
   GaussianState<float> g{};
   const bool is_static = n < scene.fixed.count;
   EXPECT_TRUE(is_static
-                  ? load_gaussian<Form::kStatic>(scene.fixed.view(), n, g)
-                  : load_gaussian<Form::kPair>(scene.moving.view(), n - scene.fixed.count, g));
+                  ? load_gaussian<SetForm::kStatic>(scene.fixed.view(), n, g)
+                  : load_gaussian<SetForm::kPair>(scene.moving.view(), n - scene.fixed.count, g));
   return to_camera(view, slice_at(g.mean, g.spacetime, view.time).mean)[2];
 }
 

@@ -41,13 +41,13 @@ TEST_P(BruteForce, DoubleEqualsTheFormulas) {
     expect_brute<double>(random_scene(30, 30, GetParam(), seed), 1e-9, kDouble);
     expect_brute<double>(random_scene(40, 0, GetParam(), seed), 1e-9, kDouble);
     expect_brute<double>(random_scene(0, 40, GetParam(), seed), 1e-9, kDouble);
-    expect_brute<double>(random_scene(30, 30, GetParam(), seed, Form::kVelocity), 1e-9, kDouble);
+    expect_brute<double>(random_scene(30, 30, GetParam(), seed, SetForm::kVelocity), 1e-9, kDouble);
   }
 }
 
 TEST_P(BruteForce, FloatIsWithinItsBounds) {
   for (uint64_t seed = 1; seed <= 4; ++seed)
-    for (const Form form : kDynamicForms)
+    for (const SetForm form : kDynamicForms)
       expect_brute<float>(random_scene(30, 30, GetParam(), seed, form), kFloatBand, kFloat);
 }
 
@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, BruteForceMode, ::testing::ValuesIn(kModes),
 
 // D.1. Bug put back: f left out of the marginal; seen to fail.
 TEST(BruteForceTimeFilter, EqualsTheFormulasInBothForms) {
-  for (const Form form : kDynamicForms) {
+  for (const SetForm form : kDynamicForms) {
     TestScene<double> scene = random_scene(10, 40, 0.15, 13, form);
     for (double& s : scene.moving.group[kLogScaleTime]) s -= 1;  // half of them out of time
     const int64_t without = render(scene).report.splats;
@@ -112,7 +112,7 @@ TEST(BruteForceTimeFilter, EqualsTheFormulasInBothForms) {
 // D.3. Bugs put back, each seen to fail: cos of nΔ/T, not of 2πnΔ/T; the period ignored; the second
 // level read where the first is stored; levels left out.
 TEST(BruteForceLevels, OfTimeEqualTheFormulasInBothForms) {
-  for (const Form form : kDynamicForms)
+  for (const SetForm form : kDynamicForms)
     for (const int levels : {1, 2}) {
       TestScene<double> scene = random_scene(10, 40, 0.15, 14, form);
       add_time_levels(scene.moving, levels, 15);
@@ -128,7 +128,7 @@ TEST(BruteForceLevels, OfTimeEqualTheFormulasInBothForms) {
 TEST(BruteForceLevels, WithFewerStoredBands) {
   TestScene<double> scene = random_scene(10, 0, 0.15, 16);
   Random random(17);
-  scene.moving = random_gaussians(Form::kVelocity, 30, 0.9, 0.15, random, 9);
+  scene.moving = random_gaussians(SetForm::kVelocity, 30, 0.9, 0.15, random, 9);
   add_time_levels(scene.moving, 2, 18);
   expect_brute<double>(scene, 1e-9, kDouble);
 }
@@ -154,7 +154,8 @@ TEST(BruteForceShape, EveryDegreeAndFewerStoredBands) {
   for (int degree = 0; degree <= 3; ++degree) {
     TestScene<double> scene = random_scene(0, 20, 0.2, 8);
     Random random(9);
-    scene.fixed = random_gaussians(Form::kStatic, 20, 0.9, 0.2, random, 4);  // stores degree 1 only
+    scene.fixed =
+        random_gaussians(SetForm::kStatic, 20, 0.9, 0.2, random, 4);  // stores degree 1 only
     scene.options.sh_degree = degree;
     expect_brute<double>(scene, 1e-9, kDouble);
   }

@@ -62,8 +62,8 @@ template <class Real>
 TestGaussians<Real> trained(TestScene<Real> scene, bool fused) {
   TestGaussians<Real>* sets[2] = {&scene.fixed, &scene.moving};
   TestGaussians<Real> moment1[2] = {
-      TestGaussians<Real>(Form::kStatic, scene.fixed.count),
-      TestGaussians<Real>(Form::kPair, scene.moving.count, 16, scene.moving.time_levels)};
+      TestGaussians<Real>(SetForm::kStatic, scene.fixed.count),
+      TestGaussians<Real>(SetForm::kPair, scene.moving.count, 16, scene.moving.time_levels)};
   TestGaussians<Real> moment2[2] = {moment1[0], moment1[1]};
   TestGaussians<Real> gradient[2] = {moment1[0], moment1[1]};
   CpuBackend<Real> backend;
@@ -97,8 +97,8 @@ void expect_fused_equals_separate() {
   const TestScene<Real> scene = start.template as<Real>();
   const TestGaussians<Real> a = trained(scene, true), b = trained(scene, false);
   for (int g = 0; g < kDynamicGroups; ++g) {
-    EXPECT_EQ(a.group[g], b.group[g]) << group_name(Group(g), Form::kPair);
-    EXPECT_NE(a.group[g], scene.moving.group[g]) << group_name(Group(g), Form::kPair);
+    EXPECT_EQ(a.group[g], b.group[g]) << group_name(Group(g), SetForm::kPair);
+    EXPECT_NE(a.group[g], scene.moving.group[g]) << group_name(Group(g), SetForm::kPair);
   }
 }
 

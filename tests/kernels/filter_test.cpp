@@ -59,7 +59,7 @@ TEST(Filter2d, DetachedGradientHoldsTheCompensationStill) {
         expected.push_back((above - below) / (2 * kStep));
       }
       const auto& actual =
-          (set->form == Form::kStatic ? analytic.fixed : analytic.moving).group[group];
+          (set->form == SetForm::kStatic ? analytic.fixed : analytic.moving).group[group];
       EXPECT_LE(relative(actual, expected), 1e-6) << group_name(group, set->form);
     }
 }

@@ -49,11 +49,11 @@ void expect_differences(TestScene<double> scene, const std::vector<Group>& group
   ASSERT_EQ(analytic.bad, 0u);
   for (TestGaussians<double>* const each : {&scene.fixed, &scene.moving}) {
     TestGaussians<double>& set = *each;
-    const Form form = set.form;
+    const SetForm form = set.form;
     for (const Group group : groups) {
       if (group >= group_count(form) || set.count == 0) continue;
-      const GroupError error =
-          group_error(scene, set, form == Form::kStatic ? analytic.fixed : analytic.moving, group);
+      const GroupError error = group_error(
+          scene, set, form == SetForm::kStatic ? analytic.fixed : analytic.moving, group);
       EXPECT_GT(error.scale, 1e-7) << group_name(group, form);  // the group matters at all
       EXPECT_LE(error.worst, 1e-6 * error.scale)
           << group_name(group, form) << ", " << form_name(form);
@@ -82,7 +82,7 @@ TEST(Gradient, GeometryOfVelocitiesEqualsDifferences) {
   TestScene<double> scene = gradient_scene(4, 3);
   Random random(51);
   const int64_t count = scene.moving.count;
-  scene.moving = random_gaussians(Form::kVelocity, count, 0.9, 0.2, random);
+  scene.moving = random_gaussians(SetForm::kVelocity, count, 0.9, 0.2, random);
   expect_differences(scene, kGeometry);
 }
 
@@ -125,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, GradientMode,
 
 // Bug put back: the filter left out of the backward pass; seen to fail.
 TEST(Gradient, WithATimeFilterEqualsDifferences) {
-  for (const Form form : kDynamicForms) {
+  for (const SetForm form : kDynamicForms) {
     TestScene<double> scene = random_scene(2, 5, 0.2, 19, form);
     scene.options.time_filter = 0.1;
     keep_truth_away(scene, 10);
@@ -137,7 +137,7 @@ TEST(Gradient, WithATimeFilterEqualsDifferences) {
 // turned, or its n left out; weights left out of the levels' gradient; the direction's gradient by
 // the first level alone.
 TEST(Gradient, WithLevelsOfTimeEqualsDifferences) {
-  for (const Form form : kDynamicForms)
+  for (const SetForm form : kDynamicForms)
     for (const bool sliced : {true, false}) {
       TestScene<double> scene = random_scene(0, 0, 0.25, 23);
       Random random(sliced ? 24 : 25);
@@ -226,7 +226,7 @@ TEST(Gradient, FloatIsNearDouble) {
       worst = std::max(worst, std::abs(exact.moving.group[g][i] - rough.moving.group[g][i]));
     }
     // sums of some 1000 pixels whose terms are exact to 1e-6 and partly cancel
-    EXPECT_LE(worst, 2e-4 * scale) << group_name(Group(g), Form::kPair);
+    EXPECT_LE(worst, 2e-4 * scale) << group_name(Group(g), SetForm::kPair);
   }
 }
 

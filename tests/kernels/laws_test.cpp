@@ -16,8 +16,8 @@ void expect_batch_law(double tolerance) {  // C16
   for (TestGaussians<Real>* set : {&scene.fixed, &scene.moving})  // not all views draw it
     for (int k = 0; k < 3; ++k) set->at(kMean, 0)[k] = Real(k == 0 ? 0.28 : k == 1 ? 0.45 : -3.2);
   const Backward<Real> together = backward(scene);
-  TestGaussians<Real> fixed(Form::kStatic, 12);
-  TestGaussians<Real> moving(Form::kPair, 12);
+  TestGaussians<Real> fixed(SetForm::kStatic, 12);
+  TestGaussians<Real> moving(SetForm::kPair, 12);
   size_t colour = 0;
   for (size_t b = 0; b < scene.views.size(); ++b) {
     TestScene<Real> single = scene;
@@ -50,13 +50,13 @@ template <class Real>
 void expect_static_law(double sigma_t, double tolerance, double gradient_tolerance) {
   TestScene<double> still = random_scene(20, 0, 0.2, 2), lift = still;
   lift.moving = lifted(still.fixed, std::log(sigma_t));
-  lift.fixed = TestGaussians<double>(Form::kStatic);
+  lift.fixed = TestGaussians<double>(SetForm::kStatic);
   const Backward<Real> a = backward(still.as<Real>()), b = backward(lift.as<Real>());
   EXPECT_LE(relative(b.rendered.colour, a.rendered.colour), tolerance);
   EXPECT_LE(relative(b.rendered.transmittance, a.rendered.transmittance), tolerance);
   for (const Group g : {kMean, kLogScale, kOpacityLogit, kSh})
     EXPECT_LE(relative(b.moving.group[g], a.fixed.group[g]), gradient_tolerance)
-        << group_name(g, Form::kPair);
+        << group_name(g, SetForm::kPair);
   // chain rule through r = conj(l): dL/dq = dL/dl + conj(dL/dr)
   std::vector<Real> d_q = b.moving.group[kRotation];
   for (size_t i = 0; i < d_q.size(); ++i)
@@ -105,7 +105,7 @@ TestScene<double> moved(const TestScene<double>& scene, const Vec4<double>& turn
       const Vec4<double> left = product(turn, q);
       for (int i = 0; i < 3; ++i) m[i] = mean[i];
       for (int i = 0; i < 4; ++i) q[i] = left[i];
-      if (set->form == Form::kStatic) continue;
+      if (set->form == SetForm::kStatic) continue;
       double* r = set->at(kRotationRight, n);  // r·conj(turn)
       const Vec4<double> right = product(Vec4<double>(r[0], r[1], r[2], r[3]), &conjugate(turn)[0]);
       for (int i = 0; i < 4; ++i) r[i] = right[i];
@@ -140,7 +140,7 @@ TEST(Laws, ScaleOfTimeChangesNothingForGaussiansAtRest) {  // A1
   // with r = conj(l) time is an axis of its own, so that its scale is a parameter
   TestScene<double> scene = random_scene(25, 0, 0.2, 6);
   scene.moving = lifted(scene.fixed, std::log(0.2));
-  scene.fixed = TestGaussians<double>(Form::kStatic);
+  scene.fixed = TestGaussians<double>(SetForm::kStatic);
   TestScene<double> slower = scene;
   for (View& view : slower.views) view.time = 2 * view.time + 5;
   for (double& t : slower.moving.group[kMeanTime]) t = 2 * t + 5;

@@ -62,23 +62,23 @@ TEST(Locality, TimeHas32BinsOfEqualLength) {
   EXPECT_EQ(time_bin(box, 0.75f), uint32_t(kTimeBins - 1));  // the last one is closed
 }
 
-class LocalityOrder : public ::testing::TestWithParam<Form> {};
+class LocalityOrder : public ::testing::TestWithParam<SetForm> {};
 INSTANTIATE_TEST_SUITE_P(Form, LocalityOrder, ::testing::ValuesIn(kForms),
                          [](const auto& form) { return form_name(form.param); });
 
 TEST_P(LocalityOrder, IsTheStableOrderOfTheKeys) {
   // Bugs put back, each seen to fail: time not looked at; the order not stable.
-  const Form form = GetParam();
+  const SetForm form = GetParam();
   constexpr int64_t kCount = 500;
   Random random(3);
   TestGaussians<float> set = random_gaussians(form, kCount, 1, 0.1, random).as<float>();
   for (int64_t n = 1; n < kCount; n += 4) {  // equal keys
     std::copy_n(set.at(kMean, n - 1), 3, set.at(kMean, n));
-    if (form != Form::kStatic) *set.at(kMeanTime, n) = *set.at(kMeanTime, n - 1);
+    if (form != SetForm::kStatic) *set.at(kMeanTime, n) = *set.at(kMeanTime, n - 1);
   }
   LocalityBox box{{1e9f, 1e9f, 1e9f, 1e9f}, {-1e9f, -1e9f, -1e9f, -1e9f}};
   const auto coordinate = [&](int64_t n, int a) {
-    return a < 3 ? set.at(kMean, n)[a] : form != Form::kStatic ? *set.at(kMeanTime, n) : 0.0f;
+    return a < 3 ? set.at(kMean, n)[a] : form != SetForm::kStatic ? *set.at(kMeanTime, n) : 0.0f;
   };
   for (int64_t n = 0; n < kCount; ++n)
     for (int a = 0; a < 4; ++a) {
@@ -88,7 +88,7 @@ TEST_P(LocalityOrder, IsTheStableOrderOfTheKeys) {
   std::vector<int64_t> expected(kCount);
   std::iota(expected.begin(), expected.end(), 0);
   const auto key = [&](int64_t n) {
-    const uint32_t bin = form != Form::kStatic ? time_bin(box, coordinate(n, 3)) : 0;
+    const uint32_t bin = form != SetForm::kStatic ? time_bin(box, coordinate(n, 3)) : 0;
     return std::tuple(bin, morton_code(box, coordinate(n, 0), coordinate(n, 1), coordinate(n, 2)),
                       n);
   };

@@ -1,6 +1,6 @@
 // Canonical sets through the whole chain on the CPU: laws with a known answer, and gradients of
 // everything that is stored of Gaussians and nodes against central differences in double.
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "tests/support/carried_scene.h"
 #include "tests/support/compare.h"
 #include "tests/support/difference.h"
@@ -87,7 +87,7 @@ void expect_differences(TestScene<double> scene) {
   ASSERT_EQ(analytic.bad, 0u);
   std::vector<Parameter> parameters;
   for (const Group group : {kMean, kLogScale, kRotation, kOpacityLogit, kSh, kNodeLogit})
-    parameters.push_back({group_name(group, Form::kCanonical), &scene.fixed.group[group],
+    parameters.push_back({group_name(group, SetForm::kCanonical), &scene.fixed.group[group],
                           &analytic.fixed.group[group]});
   parameters.push_back(
       {"velocity of others", &scene.moving.group[kMean], &analytic.moving.group[kMean]});

@@ -1,6 +1,6 @@
 // What: the noise of means: its moments, its gate, and that draws do not repeat.
 // Not: its size over a training (tests/recon4d/density/train_mcmc_test.cpp).
-#include "kernels/elements/position_noise.h"
+#include "kernels/edits/mcmc.h"
 
 #include "kernels/base/parallel.h"
 #include "tests/support/render.h"
@@ -11,11 +11,11 @@ namespace {
 constexpr int64_t kCount = 20000;
 
 /// Equal Gaussians about the origin; dynamic ones are as long by their motion as without.
-TestGaussians<double> equal_gaussians(Form form, double opacity, int64_t count = kCount) {
+TestGaussians<double> equal_gaussians(SetForm form, double opacity, int64_t count = kCount) {
   Random random(21);
   TestGaussians<double> one = random_gaussians(form, 1, 0, 0.4, random);
   *one.at(kOpacityLogit, 0) = std::log(opacity / (1 - opacity));
-  if (form == Form::kPair) {
+  if (form == SetForm::kPair) {
     one.at(kRotationRight, 0)[1] += 0.8;
     *one.at(kLogScaleTime, 0) = 0.4;
   }
@@ -30,7 +30,7 @@ std::vector<double> noise_of(TestGaussians<double> set, const PositionNoise& noi
 TEST(PositionNoise, HasTheMomentsOfTheMethod) {
   // Cov = (scale·gate)² Σ Σᵀ. Bugs put back, each seen to fail: the root of Σ; one ξ for all axes;
   // no gate; of a dynamic Gaussian Σ without what the slice takes away.
-  for (const Form form : kForms) {
+  for (const SetForm form : kForms) {
     const TestGaussians<double> set = equal_gaussians(form, 0.004);
     GaussianState<double> g;
     ASSERT_TRUE(with_form(form, [&](auto f) { return load_gaussian<f()>(set.view(), 0, g); }));
@@ -65,7 +65,7 @@ TEST(PositionNoise, IsShutOffFromOpaqueOnes) {
   EXPECT_NEAR(noise_gate(0.0), 1 / (1 + std::exp(-0.5)), 1e-15);
   EXPECT_NEAR(noise_gate(0.05), 1 / (1 + std::exp(4.5)), 1e-15);
   const auto moves = [](double opacity) {
-    for (const double x : noise_of(equal_gaussians(Form::kStatic, opacity, 4), {1, 5, 17}))
+    for (const double x : noise_of(equal_gaussians(SetForm::kStatic, opacity, 4), {1, 5, 17}))
       if (x != 0) return true;
     return false;
   };
@@ -77,7 +77,7 @@ TEST(PositionNoise, IsShutOffFromOpaqueOnes) {
 TEST(PositionNoise, IsDrawnAnewForEveryGaussianStepAndSet) {
   // Correlations of 60,000 numbers: five standard errors. Bug put back: the step left out of the
   // counter; seen to fail.
-  const TestGaussians<double> fixed = equal_gaussians(Form::kStatic, 0.004);
+  const TestGaussians<double> fixed = equal_gaussians(SetForm::kStatic, 0.004);
   const TestGaussians<double> moving = lifted(fixed, 30);  // the same Σ
   const std::vector<double> first = noise_of(fixed, {1, 5, 17});
   EXPECT_EQ(first, noise_of(fixed, {1, 5, 17}));
@@ -99,7 +99,7 @@ TEST(PositionNoise, IsDrawnAnewForEveryGaussianStepAndSet) {
 
 TEST(PositionNoise, DoesNotDependOnThreadsAndMovesMeansAlone) {
   Random random(23);
-  TestGaussians<double> set = random_gaussians(Form::kPair, 3000, 1, 0.2, random);
+  TestGaussians<double> set = random_gaussians(SetForm::kPair, 3000, 1, 0.2, random);
   for (double& logit : set.group[kOpacityLogit]) logit -= 5;
   TestGaussians<double> before = set;
   std::vector<std::vector<double>> results;

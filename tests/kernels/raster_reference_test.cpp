@@ -3,7 +3,7 @@
 // Conventions found in the files: `scales` are logarithms (−3.7 … 0.83), `quats` are w x y z and
 // not normalised, `opacities` are logits (0.5 … 1), `coeffs` are [N, 16, 3], `conics` are
 // (xx, xy, yy), `out_img` is RGB and 1 − transmittance; gradients are by these stored values.
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/render.h"
 #include "tests/support/safetensors.h"
@@ -48,7 +48,7 @@ TestScene<double> reference_scene(const Tensors& t) {
     const std::vector<float>& values = t.at(name).values;
     scene.fixed.group[g].assign(values.begin(), values.end());
   };
-  scene.fixed = TestGaussians<double>(Form::kStatic, t.at("means").shape[0]);
+  scene.fixed = TestGaussians<double>(SetForm::kStatic, t.at("means").shape[0]);
   fill(kMean, "means");
   fill(kLogScale, "scales");
   fill(kRotation, "quats");
@@ -133,7 +133,7 @@ TEST(RasterReference, ProjectionAgrees) {
     std::vector<double> xys, conics, depths;
     for (int64_t n = 0; n < scene.fixed.count; ++n) {
       GaussianState<double> g;
-      ASSERT_TRUE(load_gaussian<Form::kStatic>(scene.fixed.view(), n, g));
+      ASSERT_TRUE(load_gaussian<SetForm::kStatic>(scene.fixed.view(), n, g));
       Projection<double> p;
       ASSERT_TRUE(project_ewa(view, to_camera(view, g.mean), g.spacetime.covariance, 0.3, p));
       xys.insert(xys.end(), {p.mean2d[0], p.mean2d[1]});
@@ -191,8 +191,8 @@ SplatSums splat_sums(const TestScene<double>& scene, const std::vector<float>& v
 TestGaussians<double> parameter_gradients(const TestScene<double>& scene,
                                           const Splats<double>& splats, SplatSums d_splats) {
   const ViewBatch<double> batch = make_view_batch<double>(scene.views);
-  TestGaussians<double> out(Form::kStatic, scene.fixed.count);
-  TestGaussians<double> none(Form::kPair);
+  TestGaussians<double> out(SetForm::kStatic, scene.fixed.count);
+  TestGaussians<double> none(SetForm::kPair);
   ProjectBackwardArgs<double> args;
   args.forward = {&batch, {scene.fixed.view(), scene.moving.view()}, scene.options};
   args.splats = &splats;

@@ -1,6 +1,6 @@
 // What: what regularisers add to the gradients, against differences of the terms themselves.
 // Not: that it helps; nor a device (backend_mcmc_test.cpp).
-#include "kernels/elements/regulariser.h"
+#include "kernels/stages/splat_gradient.h"
 
 #include <array>
 
@@ -71,11 +71,11 @@ TEST(Regulariser, EqualsDifferencesForEveryGaussian) {
   scene.regulariser = kWeights;
   const Backward<double> regularised = backward(scene);
   EXPECT_EQ(regularised.mean_loss(), plain.mean_loss()) << "what is reported is of the images";
-  for (const Form form : {Form::kStatic, Form::kPair}) {
-    TestGaussians<double>& set = form == Form::kStatic ? scene.fixed : scene.moving;
+  for (const SetForm form : {SetForm::kStatic, SetForm::kPair}) {
+    TestGaussians<double>& set = form == SetForm::kStatic ? scene.fixed : scene.moving;
     const TestGaussians<double>&with =
-              form == Form::kStatic ? regularised.fixed : regularised.moving,
-          &without = form == Form::kStatic ? plain.fixed : plain.moving;
+              form == SetForm::kStatic ? regularised.fixed : regularised.moving,
+          &without = form == SetForm::kStatic ? plain.fixed : plain.moving;
     for (int g = 0; g < group_count(form); ++g)
       for (size_t i = 0; i < set.group[g].size(); ++i) {
         double& x = set.group[g][i];

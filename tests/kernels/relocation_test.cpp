@@ -2,7 +2,7 @@
 // integral they come from and in images; who is drawn, and how often.
 // Not: rows of a training (tests/recon4d/density/train_mcmc_test.cpp), nor a device
 // (backend_mcmc_test.cpp).
-#include "kernels/elements/relocation.h"
+#include "kernels/edits/mcmc.h"
 
 #include "tests/support/render.h"
 
@@ -61,14 +61,14 @@ TEST(Relocation, KeepsTheIntegralThroughTheCentre) {
 /// A Gaussian of a set in the middle of an image of 33 × 33 pixels, whose centre pixel it hits.
 TestScene<double> single(const TestGaussians<double>& set, double time) {
   TestScene<double> scene;
-  (set.form == Form::kStatic ? scene.fixed : scene.moving) = set;
+  (set.form == SetForm::kStatic ? scene.fixed : scene.moving) = set;
   Camera camera = look_at({0, 0, -4}, {0, 0, 0}, 33, 33, 40);
   camera.cx = camera.cy = 16.5;
   scene.views = {{camera, time}};
   return scene;
 }
 
-TestGaussians<double> one_gaussian(Form form, double opacity) {
+TestGaussians<double> one_gaussian(SetForm form, double opacity) {
   Random random(5);
   TestGaussians<double> set = random_gaussians(form, 1, 0, 0.3, random);
   *set.at(kOpacityLogit, 0) = std::log(opacity / (1 - opacity));
@@ -82,13 +82,13 @@ TestGaussians<double> copies_of(TestGaussians<double> set, int n) {
 
 TEST(Relocation, CopiesLookAsTheOneDid) {
   // Bugs put back, each seen to fail: o' = o/n; the size left as it was.
-  for (const Form form : kForms)
+  for (const SetForm form : kForms)
     for (const double o : {0.3, 0.6, 0.9})
       for (const int n : {2, 3, 10}) {
         SCOPED_TRACE(std::string(form_name(form)) + " " + std::to_string(o) + " " +
                      std::to_string(n));
         const TestGaussians<double> one = one_gaussian(form, o);
-        const double time = form != Form::kStatic ? *one.at(kMeanTime, 0) : 0;
+        const double time = form != SetForm::kStatic ? *one.at(kMeanTime, 0) : 0;
         const std::vector<double> T = render(single(one, time)).transmittance;
         const std::vector<double> many = render(single(copies_of(one, n), time)).transmittance;
         const size_t centre = 33 * 16 + 16;
@@ -110,12 +110,12 @@ TEST(Relocation, ADynamicOneKeepsItsVelocityAndItsLifeInSum) {
   // Bug put back: the scale in time left as it was; seen to fail.
   for (const uint64_t seed : {1, 2, 3}) {
     Random random(seed);
-    TestGaussians<double> set = random_gaussians(Form::kPair, 1, 0, 0.3, random);
+    TestGaussians<double> set = random_gaussians(SetForm::kPair, 1, 0, 0.3, random);
     *set.at(kOpacityLogit, 0) = 1;
     GaussianState<double> before, after;
-    ASSERT_TRUE(load_gaussian<Form::kPair>(set.view(), 0, before));
-    become_copies<Form::kPair>(set.spans(), 0, 3, 0.005);
-    ASSERT_TRUE(load_gaussian<Form::kPair>(std::as_const(set).view(), 0, after));
+    ASSERT_TRUE(load_gaussian<SetForm::kPair>(set.view(), 0, before));
+    become_copies<SetForm::kPair>(set.spans(), 0, 3, 0.005);
+    ASSERT_TRUE(load_gaussian<SetForm::kPair>(std::as_const(set).view(), 0, after));
     const double f = relocated(before.opacity, 3).scale;
     for (int k = 0; k < 3; ++k)
       EXPECT_NEAR(after.spacetime.velocity[k], before.spacetime.velocity[k], 1e-12);
@@ -147,7 +147,7 @@ TEST(Relocation, SourcesAreDrawnByOpacity) {
   // of a neighbour.
   constexpr int64_t kCount = 40, kDraws = 40000;
   Random random(11);
-  TestGaussians<double> set = random_gaussians(Form::kStatic, kCount, 1, 0.1, random);
+  TestGaussians<double> set = random_gaussians(SetForm::kStatic, kCount, 1, 0.1, random);
   double sum = 0;
   std::vector<double> opacity;
   for (int64_t n = 0; n < kCount; ++n) opacity.push_back(sigmoid(*set.at(kOpacityLogit, n)));
@@ -180,7 +180,7 @@ TEST(Relocation, UniformBelowIsTheHighHalfOfAProduct) {
 TEST(Relocation, OnlyTheDeadMoveAndOnlyToTheLiving) {
   // Failure mode C13: as many as were dead. Bugs put back, each seen to fail: ≥ in place of > for
   // who lives; a quaternion of no length lives.
-  TestGaussians<double> set(Form::kStatic, 300);
+  TestGaussians<double> set(SetForm::kStatic, 300);
   for (int64_t n = 0; n < set.count; ++n) {
     *set.at(kRotation, n) = n % 10 == 7 ? 0 : 1;
     *set.at(kOpacityLogit, n) = n % 3 == 0 ? 1000 : n % 3 == 1 ? 2 : -6;
@@ -215,7 +215,7 @@ TEST(Relocation, OnlyTheDeadMoveAndOnlyToTheLiving) {
 
 TEST(Relocation, NobodyIsMovedWhereNobodyLives) {
   for (const int64_t count : {0, 1, 5}) {
-    TestGaussians<double> set(Form::kPair, count);
+    TestGaussians<double> set(SetForm::kPair, count);
     std::fill(set.group[kOpacityLogit].begin(), set.group[kOpacityLogit].end(), -9.0);
     const RelocationElements rows = relocate(set, {0.005, 0.005, 0, 1});
     EXPECT_EQ(rows.moved + rows.weight, 0);

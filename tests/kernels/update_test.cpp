@@ -8,7 +8,7 @@ namespace {
 TEST(AdamStage, EveryGroupTakesItsOwnStepAndShTwo) {
   // Bug put back: sh_rest applied to coefficient 0 too; seen to fail.
   Random random(1);
-  for (const Form form : kForms) {
+  for (const SetForm form : kForms) {
     TestGaussians<double> value = random_gaussians(form, 3, 1, 0.1, random), before = value;
     TestGaussians<double> gradient = random_gaussians(form, 3, 1, 0.1, random);
     TestGaussians<double> moment1(form, 3);

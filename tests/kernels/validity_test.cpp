@@ -8,7 +8,7 @@
 namespace tessera::testing {
 namespace {
 
-void expect_culled_and_counted(const TestScene<float>& spoilt, Form form, const char* what) {
+void expect_culled_and_counted(const TestScene<float>& spoilt, SetForm form, const char* what) {
   testing::expect_culled_and_counted(spoilt, form, what,
                                      [](const TestScene<float>& scene) { return backward(scene); });
 }
@@ -16,12 +16,13 @@ void expect_culled_and_counted(const TestScene<float>& spoilt, Form form, const 
 TEST(Validity, NonFiniteFieldIsCulledAndCounted) {
   // Bugs put back, seen to fail: the logit, or the log scale of time, not looked at.
   const TestScene<float> scene = random_scene(10, 10, 0.3, 1).as<float>();
-  for (const Form form : {Form::kStatic, Form::kPair})
+  for (const SetForm form : {SetForm::kStatic, SetForm::kPair})
     for (int g = 0; g < group_count(form); ++g)
       for (int i = 0; i < group_width(Group(g), 16, form); i += g == kSh ? 11 : 1)
         for (const float value : {kNan, kInf, -kInf}) {
           TestScene<float> spoilt = scene;
-          (form == Form::kStatic ? spoilt.fixed : spoilt.moving).at(Group(g), kVictim)[i] = value;
+          (form == SetForm::kStatic ? spoilt.fixed : spoilt.moving).at(Group(g), kVictim)[i] =
+              value;
           expect_culled_and_counted(spoilt, form, group_name(Group(g), form));
         }
 }
@@ -33,11 +34,11 @@ TEST(Validity, ZeroQuaternionIsCulledAndCounted) {
     for (const float length : {0.0f, 5e-5f}) {
       TestScene<float> spoilt = scene;
       std::fill_n(spoilt.moving.at(g, kVictim), 4, length / 2);
-      expect_culled_and_counted(spoilt, Form::kPair, group_name(g, Form::kPair));
+      expect_culled_and_counted(spoilt, SetForm::kPair, group_name(g, SetForm::kPair));
       if (g != kRotation) continue;
       spoilt = scene;
       std::fill_n(spoilt.fixed.at(g, kVictim), 4, length / 2);
-      expect_culled_and_counted(spoilt, Form::kStatic, group_name(g, Form::kStatic));
+      expect_culled_and_counted(spoilt, SetForm::kStatic, group_name(g, SetForm::kStatic));
     }
 }
 
@@ -73,9 +74,9 @@ TEST(Validity, HugeFiniteValuesAreFinite) {
         scene.moving.at(g, kVictim)[0] = sign * value;
         if (g < kStaticGroups) scene.fixed.at(g, kVictim)[0] = sign * value;
         const Backward<float> result = backward(scene);
-        EXPECT_EQ(result.bad, 0u) << group_name(g, Form::kPair) << " " << sign * value;
+        EXPECT_EQ(result.bad, 0u) << group_name(g, SetForm::kPair) << " " << sign * value;
         for (const float c : result.rendered.colour)
-          ASSERT_TRUE(std::isfinite(c)) << group_name(g, Form::kPair) << " " << sign * value;
+          ASSERT_TRUE(std::isfinite(c)) << group_name(g, SetForm::kPair) << " " << sign * value;
       }
 }
 
@@ -89,8 +90,8 @@ unsigned groups_reported(const TestScene<float>& scene,
   Splats<float> splats;
   backend.project(args.forward, splats);
   std::vector<SplatMoments<float>> d_splats(size_t(splats.count));
-  TestGaussians<float> fixed(Form::kStatic, scene.fixed.count);
-  TestGaussians<float> moving(Form::kPair, scene.moving.count);
+  TestGaussians<float> fixed(SetForm::kStatic, scene.fixed.count);
+  TestGaussians<float> moving(SetForm::kPair, scene.moving.count);
   args.splats = &splats;
   args.d_splats = {d_splats.data(), splats.count};
   args.sinks[0].gradient = fixed.spans();

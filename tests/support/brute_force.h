@@ -41,11 +41,11 @@ struct BruteGaussian {
 inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, double time,
                                  double time_filter = 0) {
   const Quaternion l = unit_quaternion(set.at(kRotation, n));
-  const Quaternion r = set.form == Form::kPair ? unit_quaternion(set.at(kRotationRight, n))
-                                               : Quaternion{l[0], -l[1], -l[2], -l[3]};
+  const Quaternion r = set.form == SetForm::kPair ? unit_quaternion(set.at(kRotationRight, n))
+                                                  : Quaternion{l[0], -l[1], -l[2], -l[3]};
   const double size = set.filter_size.empty() ? 0 : set.filter_size[size_t(n)];
   double S[4][4] = {}, compensation = 1;
-  for (int k = set.form != Form::kStatic ? 0 : 1; k < 4; ++k) {
+  for (int k = set.form != SetForm::kStatic ? 0 : 1; k < 4; ++k) {
     Quaternion axis{};
     axis[size_t(k)] = std::exp(k == 0 ? *set.at(kLogScaleTime, n) : set.at(kLogScale, n)[k - 1]);
     if (k > 0 && size > 0) {
@@ -54,15 +54,15 @@ inline BruteGaussian slice_brute(const TestGaussians<double>& set, int64_t n, do
       axis[size_t(k)] = wide;
     }
     Quaternion image = hamilton(hamilton(l, axis), r);
-    for (size_t i = 0; set.form == Form::kVelocity && k == 0 && i < 3; ++i)
+    for (size_t i = 0; set.form == SetForm::kVelocity && k == 0 && i < 3; ++i)
       image[i + 1] = axis[0] * set.at(kVelocity, n)[i];
     for (size_t i = 0; i < 4; ++i)
       for (size_t j = 0; j < 4; ++j) S[i][j] += image[i] * image[j];
   }
   BruteGaussian g;
   g.opacity = compensation / (1 + std::exp(-*set.at(kOpacityLogit, n)));
-  const double delta = set.form != Form::kStatic ? time - *set.at(kMeanTime, n) : 0;
-  const double w = set.form != Form::kStatic ? S[0][0] : INFINITY;
+  const double delta = set.form != SetForm::kStatic ? time - *set.at(kMeanTime, n) : 0;
+  const double w = set.form != SetForm::kStatic ? S[0][0] : INFINITY;
   for (size_t i = 0; i < 3; ++i) {
     g.mean[i] = set.at(kMean, n)[i] + S[i + 1][0] * delta / w;
     for (size_t j = 0; j < 3; ++j)

@@ -19,13 +19,13 @@ class BesideCpu : public EveryBackend {
 };
 
 /// A quarter of it dead, scales from 0.003 to 0.4 world units, some quaternions of no length.
-inline TestGaussians<float> crowd(Form form, uint64_t seed, int64_t count = kCrowd) {
+inline TestGaussians<float> crowd(SetForm form, uint64_t seed, int64_t count = kCrowd) {
   Random random(seed);
   TestGaussians<double> set = random_gaussians(form, count, 1, 0.1, random);
   for (double& x : set.group[kOpacityLogit]) x = random.uniform(-8, 2);
   for (double& x : set.group[kLogScale]) x = random.uniform(std::log(0.003), std::log(0.4));
   for (int64_t n = 0; n < count; n += 97) std::fill_n(set.at(kRotation, n), 4, 0.0);
-  for (int64_t n = 0; form == Form::kPair && n < count; n += 89)
+  for (int64_t n = 0; form == SetForm::kPair && n < count; n += 89)
     std::fill_n(set.at(kRotationRight, n), 4, 0.0);
   return set.as<float>();
 }

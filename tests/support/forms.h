@@ -5,10 +5,10 @@
 
 namespace tessera::testing {
 
-inline constexpr Form kForms[] = {Form::kStatic, Form::kPair, Form::kVelocity};
-inline constexpr Form kDynamicForms[] = {Form::kPair, Form::kVelocity};
+inline constexpr SetForm kForms[] = {SetForm::kStatic, SetForm::kPair, SetForm::kVelocity};
+inline constexpr SetForm kDynamicForms[] = {SetForm::kPair, SetForm::kVelocity};
 
-inline const char* form_name(Form form) {
+inline const char* form_name(SetForm form) {
   constexpr const char* kNames[] = {"static", "pair", "velocity", "canonical"};
   return kNames[size_t(form)];
 }

@@ -33,7 +33,7 @@ inline TestScene<float> front_scene() {
 inline void add_round(TestScene<float>& scene, std::array<double, 3> mean, double size,
                       double opacity, std::array<double, 3> colour) {
   TestGaussians<float>& set = scene.fixed;
-  TestGaussians<float> grown(Form::kStatic, set.count + 1);
+  TestGaussians<float> grown(SetForm::kStatic, set.count + 1);
   for (int g = 0; g < kStaticGroups; ++g)
     std::copy(set.group[g].begin(), set.group[g].end(), grown.group[g].begin());
   const int64_t n = set.count;

@@ -4,7 +4,7 @@
 #pragma once
 #include <algorithm>
 
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "static3d/transform/slicer.h"
 
 namespace tessera::testing {
@@ -12,7 +12,7 @@ namespace tessera::testing {
 /// Each Gaussian without a velocity, mean_time 0.5 and the given temporal scale: it renders as
 /// before at every t near [0, 1] when σ_t ≫ 1.
 inline GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_time,
-                              Form form = Form::kPair) {
+                              SetForm form = SetForm::kPair) {
   constexpr float kMeanTimeOfLifted = 0.5f;
   GaussianSet lifted(form, static_set.coefficients());
   lifted.resize(static_set.count());
@@ -23,7 +23,7 @@ inline GaussianSet lift_to_4d(const GaussianSet& static_set, float log_scale_tim
   for (int64_t n = 0; n < lifted.count(); ++n) {
     *to.at(kMeanTime, n) = kMeanTimeOfLifted;
     *to.at(kLogScaleTime, n) = log_scale_time;
-    if (form == Form::kVelocity) {
+    if (form == SetForm::kVelocity) {
       std::fill_n(to.at(kVelocity, n), 3, 0.0f);
       continue;
     }

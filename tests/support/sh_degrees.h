@@ -1,6 +1,6 @@
 // What: sets whose rows differ in SH degree, made from sets whose rows are alike, and back.
-// Not: the functions of the trainer that do it (recon4d/model/sh_blocks.h): this is what they are
-// held against.
+// Not: the functions of the trainer that do it (recon4d/model/element_edits.h): this is what they
+// are held against.
 #pragma once
 #include <algorithm>
 

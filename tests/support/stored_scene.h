@@ -69,7 +69,7 @@ class StoredGaussians {
   }
 
   Memory& memory_;
-  Form form_;
+  SetForm form_;
   int64_t count_;
   int coefficients_, time_levels_;
   ShBlocks blocks_;

@@ -64,7 +64,7 @@ inline TestNodes<double> nodes_at_rest(int64_t count, int knots, Random& random)
 template <class Bound>
 TestGaussians<double> canonical(TestGaussians<double> set, const TestNodes<double>& nodes,
                                 Random& random, Bound&& bound) {
-  set.form = Form::kCanonical;
+  set.form = SetForm::kCanonical;
   set.group[kNode].assign(size_t(set.count * kBindings), -1);
   set.group[kNodeLogit].assign(size_t(set.count * kBindings), 0);
   for (int64_t n = 0; n < set.count; ++n) {

@@ -15,14 +15,14 @@ namespace tessera::testing {
 /// Owned parameters (or gradients, or moments) of a set of Gaussians.
 template <class Real>
 struct TestGaussians {
-  Form form;
+  SetForm form;
   int64_t count;
   int coefficients, time_levels;
   std::vector<Real> group[kGroupCount];
   std::vector<Real> filter_size;  // [N] φ of the 3D filter; empty: none
   ShBlocks blocks;                // where rows differ in K
 
-  explicit TestGaussians(Form f = Form::kStatic, int64_t n = 0, int k = 16, int levels = 0,
+  explicit TestGaussians(SetForm f = SetForm::kStatic, int64_t n = 0, int k = 16, int levels = 0,
                          const ShBlocks& of_rows = {})
       : form(f), count(n), coefficients(k), time_levels(levels), blocks(of_rows) {
     for (int g = 0; g < group_count(form); ++g) {
@@ -81,7 +81,7 @@ namespace tessera::testing {
 
 template <class Real>
 struct TestScene {
-  TestGaussians<Real> fixed{Form::kStatic}, moving{Form::kPair};
+  TestGaussians<Real> fixed{SetForm::kStatic}, moving{SetForm::kPair};
   std::vector<View> views;
   std::vector<std::vector<uint8_t>> truth;  // [B] each [height, width, 3]
   RenderOptions options;
@@ -131,8 +131,8 @@ inline Camera look_at(const glm::dvec3& eye, const glm::dvec3& target, int width
 
 /// Gaussians in a ball of radius `spread` about the origin, sizes around `size`, all parameters
 /// random; dynamic ones around the middle of the clip with a clear velocity.
-inline TestGaussians<double> random_gaussians(Form form, int64_t count, double spread, double size,
-                                              Random& random, int coefficients = 16) {
+inline TestGaussians<double> random_gaussians(SetForm form, int64_t count, double spread,
+                                              double size, Random& random, int coefficients = 16) {
   TestGaussians<double> set(form, count, coefficients);
   const auto fill = [&](Group g, double low, double high) {
     for (double& x : set.group[g]) x = random.uniform(low, high);
@@ -142,10 +142,10 @@ inline TestGaussians<double> random_gaussians(Form form, int64_t count, double s
   fill(kRotation, -1, 1);
   fill(kOpacityLogit, -1.5, 2);
   fill(kSh, -0.3, 0.3);
-  if (form == Form::kStatic) return set;
+  if (form == SetForm::kStatic) return set;
   fill(kMeanTime, 0.2, 0.8);
   fill(kLogScaleTime, std::log(0.3), std::log(0.8));
-  if (form == Form::kVelocity) {
+  if (form == SetForm::kVelocity) {
     fill(kVelocity, -0.4, 0.4);
     return set;
   }
@@ -166,7 +166,7 @@ inline void add_time_levels(TestGaussians<double>& set, int levels, uint64_t see
 
 /// The dynamic set that shows what a static one does: r = conj(l) and a long life.
 inline TestGaussians<double> lifted(const TestGaussians<double>& fixed, double log_scale_time) {
-  TestGaussians<double> set(Form::kPair, fixed.count, fixed.coefficients);
+  TestGaussians<double> set(SetForm::kPair, fixed.count, fixed.coefficients);
   for (int g = 0; g < kStaticGroups; ++g) set.group[g] = fixed.group[g];
   for (int64_t n = 0; n < fixed.count; ++n) {
     for (int k = 0; k < 4; ++k)
@@ -211,10 +211,10 @@ inline void add_filter_3d(TestScene<double>& scene, double size, uint64_t seed) 
 }
 
 inline TestScene<double> random_scene(int64_t fixed, int64_t moving, double size, uint64_t seed,
-                                      Form form = Form::kPair) {
+                                      SetForm form = SetForm::kPair) {
   Random random(seed);
   TestScene<double> scene;
-  scene.fixed = random_gaussians(Form::kStatic, fixed, 0.9, size, random);
+  scene.fixed = random_gaussians(SetForm::kStatic, fixed, 0.9, size, random);
   scene.moving = random_gaussians(form, moving, 0.9, size, random);
   scene.views = three_views();
   scene.options.background[0] = 0.2;

@@ -53,8 +53,8 @@ GaussianModel tiny_truth(const TinyCapture& capture) {
       {{0.0, 0.5, 0.3}, {0.2, 0.2, 0.2}, {0.9, 0.8, 0.1}, 0.5, 0.5, 0.5},
       {{-0.3, 0.2, -0.5}, {0.25, 0.2, 0.2}, {0.8, 0.1, 0.8}, 0.2, 0.4, 0}};
   GaussianModel model;
-  model.static_set = GaussianSet(Form::kStatic, 1);
-  model.dynamic_set = GaussianSet(Form::kPair, 1);
+  model.static_set = GaussianSet(SetForm::kStatic, 1);
+  model.dynamic_set = GaussianSet(SetForm::kPair, 1);
   model.static_set.resize(int64_t(still.size()));
   model.dynamic_set.resize(capture.moving ? int64_t(moving.size()) : 0);
   for (size_t n = 0; n < still.size(); ++n) place(still[n], model.static_set, int64_t(n));

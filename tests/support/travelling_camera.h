@@ -23,7 +23,7 @@ inline GaussianModel turning_truth(double angle, const Vec3<double>& shift) {
     for (const double q : {std::cos(share * angle / 2), 0.0, 0.0, std::sin(share * angle / 2)})
       nodes.rotation.push_back(q);
   }
-  TestGaussians<double> body = random_gaussians(Form::kStatic, 12, 0.45, 0.12, random, 1);
+  TestGaussians<double> body = random_gaussians(SetForm::kStatic, 12, 0.45, 0.12, random, 1);
   for (int64_t n = 0; n < body.count; ++n) {
     body.at(kMean, n)[0] *= 1.6;  // longer than wide: a turn shows
     *body.at(kOpacityLogit, n) = 2.5;
@@ -33,7 +33,7 @@ inline GaussianModel turning_truth(double angle, const Vec3<double>& shift) {
   body = canonical(body, nodes, random, [](int64_t n) { return n < 9 ? 1 : 0; });
   GaussianModel truth;
   truth.static_set = set_of(body);
-  truth.dynamic_set = GaussianSet(Form::kPair, 1);
+  truth.dynamic_set = GaussianSet(SetForm::kPair, 1);
   truth.drawing.sh_degree = 0;
   truth.nodes.resize(nodes.count, knots);
   for (size_t i = 0; i < 3; ++i) truth.nodes.position[int64_t(i)] = float(nodes.position[i]);

@@ -23,18 +23,18 @@ inline TestGaussians<float> without_victim(const TestGaussians<float>& set) {
 /// Renders with the victim of one set spoilt, `run` being backward() on some backend: counted once,
 /// everything else as if it were not there, forward and backward.
 template <class Run>
-void expect_culled_and_counted(const TestScene<float>& spoilt, Form form, const char* what,
+void expect_culled_and_counted(const TestScene<float>& spoilt, SetForm form, const char* what,
                                Run&& run) {
   TestScene<float> rest = spoilt;
-  TestGaussians<float>& set = form == Form::kStatic ? rest.fixed : rest.moving;
+  TestGaussians<float>& set = form == SetForm::kStatic ? rest.fixed : rest.moving;
   set = without_victim(set);
   const Backward<float> a = run(spoilt), b = run(rest);
   EXPECT_EQ(a.rendered.report.invalid_gaussians, 1) << what;
   EXPECT_EQ(a.rendered.colour, b.rendered.colour) << what;
   EXPECT_EQ(a.rendered.transmittance, b.rendered.transmittance) << what;
   EXPECT_EQ(a.bad, 0u) << what;
-  const TestGaussians<float>&ga = form == Form::kStatic ? a.fixed : a.moving,
-        &gb = form == Form::kStatic ? b.fixed : b.moving;
+  const TestGaussians<float>&ga = form == SetForm::kStatic ? a.fixed : a.moving,
+        &gb = form == SetForm::kStatic ? b.fixed : b.moving;
   for (int g = 0; g < group_count(form); ++g) {
     EXPECT_EQ(without_victim(ga).group[g], gb.group[g]) << what;
     for (int i = 0; i < group_width(Group(g), 16, form); ++i)

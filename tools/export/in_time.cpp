@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
+#include "recon4d/model/element_edits.h"
 #include "recon4d/model/model_file.h"
-#include "recon4d/model/validity.h"
 #include "static3d/formats/splatv.h"
 #include "static3d/tessera4d/tessera4d.h"
 #include "static3d/transform/world_change.h"

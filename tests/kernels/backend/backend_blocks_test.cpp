@@ -38,17 +38,17 @@ Sorted sorted(TestScene<double> scene, uint64_t seed) {
 }
 
 /// Seen by all of three views.
-Sorted sorted_scene(Form form, int levels, uint64_t seed) {
+Sorted sorted_scene(SetForm form, int levels, uint64_t seed) {
   TestScene<double> scene = random_scene(90, 120, 0.12, seed, form);
   if (levels > 0) add_time_levels(scene.moving, levels, seed + 1);
   return sorted(std::move(scene), seed + 2);
 }
 
 /// All around three narrow views, each of which sees some.
-Sorted wide_scene(Form form, int levels, uint64_t seed) {
+Sorted wide_scene(SetForm form, int levels, uint64_t seed) {
   Random random(seed);
   TestScene<double> scene;
-  scene.fixed = random_gaussians(Form::kStatic, 150, 3, 0.1, random);
+  scene.fixed = random_gaussians(SetForm::kStatic, 150, 3, 0.1, random);
   scene.moving = random_gaussians(form, 150, 3, 0.1, random);
   add_time_levels(scene.moving, levels, seed + 1);
   for (int k = 0; k < 3; ++k)
@@ -73,11 +73,11 @@ TEST_P(BackendBlocks, ImagesAndGradientsAreThoseOfFullElements) {
   // Bugs put back, each seen to fail: splats of the set's first elements taken for a block's; the
   // statistics of the first elements.
   struct Case {
-    Form form;
+    SetForm form;
     int levels, degree;
   };
   for (const auto& [form, levels, degree] :
-       {Case{Form::kPair, 0, 3}, Case{Form::kVelocity, 2, 3}, Case{Form::kPair, 1, 2}}) {
+       {Case{SetForm::kPair, 0, 3}, Case{SetForm::kVelocity, 2, 3}, Case{SetForm::kPair, 1, 2}}) {
     SCOPED_TRACE(std::string(form_name(form)) + ", levels " + std::to_string(levels));
     Sorted scene = sorted_scene(form, levels, 301);
     scene.full.options.sh_degree = degree;
@@ -98,7 +98,7 @@ TEST_P(BackendBlocks, ImagesAndGradientsAreThoseOfFullElements) {
 
 TEST_P(BackendBlocks, ReportsColoursThatAreNotFinite) {  // C20
   // Bug put back: what one block reports overwrites what those before did; seen to fail.
-  Sorted sets = sorted_scene(Form::kVelocity, 1, 303);
+  Sorted sets = sorted_scene(SetForm::kVelocity, 1, 303);
   TestGaussians<float>* const full[2] = {&sets.full.fixed, &sets.full.moving};
   for (size_t k = 0; k < 2; ++k)  // nothing of the last block is drawn
     for (int64_t n = full[k]->count - sets.blocks[k].elements[0]; n < full[k]->count; ++n)
@@ -191,7 +191,7 @@ TEST_P(BackendBlocks, OptimizersStepAsThoseOfFullElements) {
     bool fused;
     IdleUpdate idle;
   };
-  const Sorted scene = wide_scene(Form::kVelocity, 2, 305);
+  const Sorted scene = wide_scene(SetForm::kVelocity, 2, 305);
   for (const auto& [fused, idle] : {Case{true, IdleUpdate::kDense}, Case{false, IdleUpdate::kDense},
                                     Case{true, IdleUpdate::kSkip}}) {
     SCOPED_TRACE("fused " + std::to_string(fused) + ", idle " + std::to_string(int(idle)));

@@ -21,10 +21,10 @@ class BackendCarry : public EveryBackend {
     EXPECT_EQ(actual.bad, 0u);
     for (const Group g : {kMean, kLogScale, kRotation, kOpacityLogit, kSh, kNodeLogit})
       expect_group(actual.fixed.group[g], expected.fixed.group[g], kGradientBounds,
-                   group_name(g, Form::kCanonical));
+                   group_name(g, SetForm::kCanonical));
     for (int g = 0; g < kDynamicGroups; ++g)
       expect_group(actual.moving.group[g], expected.moving.group[g], kGradientBounds,
-                   group_name(Group(g), Form::kPair));
+                   group_name(Group(g), SetForm::kPair));
     expect_group(actual.statistic[0], expected.statistic[0], kGradientBounds, "statistic");
     Backward<float> a = actual;
     Backward<double> e = expected;
@@ -65,7 +65,7 @@ TestScene<double> posed(const TestScene<double>& scene, size_t view) {
   const auto gaussians = carried(scene, oracle);
   TestScene<double> still = scene;
   still.nodes = {};
-  still.fixed.form = Form::kStatic;
+  still.fixed.form = SetForm::kStatic;
   still.fixed.group[kNode].clear();
   still.fixed.group[kNodeLogit].clear();
   for (int64_t n = 0; n < scene.fixed.count; ++n) {
@@ -112,7 +112,7 @@ TEST_P(BackendCarry, WithoutNodesOrGaussiansThereIsNothingToCarry) {
   expect_gradients(scene);
   scene = carried_scene(6, 20, 5);
   Random random(8);
-  scene.fixed = canonical(TestGaussians<double>(Form::kStatic), scene.nodes, random,
+  scene.fixed = canonical(TestGaussians<double>(SetForm::kStatic), scene.nodes, random,
                           [](int64_t) { return 1; });
   expect_gradients(scene);
 }

@@ -4,7 +4,7 @@
 // (tests/recon4d/reduction).
 #include <cmath>
 
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/pipeline.h"
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
@@ -68,9 +68,10 @@ Vec3<float> colour_of(const TestGaussians<float>& set, int64_t n, const View& vi
                       const RenderOptions& options, int degree) {
   const ViewBatch<float> batch = make_view_batch<float>({view});
   GaussianState<float> g;
-  const bool valid = set.form == Form::kStatic ? load_gaussian<Form::kStatic>(set.view(), n, g)
-                     : set.form == Form::kPair ? load_gaussian<Form::kPair>(set.view(), n, g)
-                                               : load_gaussian<Form::kVelocity>(set.view(), n, g);
+  const bool valid =
+      set.form == SetForm::kStatic ? load_gaussian<SetForm::kStatic>(set.view(), n, g)
+      : set.form == SetForm::kPair ? load_gaussian<SetForm::kPair>(set.view(), n, g)
+                                   : load_gaussian<SetForm::kVelocity>(set.view(), n, g);
   EXPECT_TRUE(valid);
   const Slice<float> slice = slice_at(g.mean, g.spacetime, float(view.time));
   float distance;
@@ -86,7 +87,7 @@ double relative(double actual, double expected, double scale) {
 // Bugs put back, each seen to fail on the CPU: the dynamic set's sums added to the first elements;
 // the weight of the last splat alone; colours of one view for all.
 TEST_P(BackendContribution, SumsOfAGaussianAreThoseOfItsSplats) {
-  for (const Form form : {Form::kPair, Form::kVelocity}) {
+  for (const SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     TestScene<float> scene = random_scene(60, 60, 0.15, 91, form).as<float>();
     scene.options.sh_degree = 2;
     const Found found = find(scene, kTimes, backend());

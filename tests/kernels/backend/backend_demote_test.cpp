@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "kernels/cpu_backend.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "tests/support/backends.h"
 #include "tests/support/stored_scene.h"
 
@@ -33,7 +33,8 @@ TestGaussians<Real> demoted(BackendOf<Real>& backend, const TestGaussians<Real>&
                             const RenderOptions& options, const Asked& asked) {
   Memory& memory = backend.memory();
   const StoredGaussians<Real> from(set, memory);
-  StoredGaussians<Real> to(TestGaussians<Real>(Form::kStatic, set.count, set.coefficients), memory);
+  StoredGaussians<Real> to(TestGaussians<Real>(SetForm::kStatic, set.count, set.coefficients),
+                           memory);
   const auto brought = [&](const std::vector<double>& values) {
     return stored(std::vector<Real>(values.begin(), values.end()), memory);
   };
@@ -53,7 +54,7 @@ Sym3<double> covariance_of(const TestGaussians<Real>& set, int64_t n) {
 // Bugs put back, each seen to fail on the CPU: the mean of the Gaussian; its own opacity; elements
 // without opacity placed too.
 TEST_P(BackendDemote, AsInDouble) {
-  for (const Form form : {Form::kPair, Form::kVelocity})
+  for (const SetForm form : {SetForm::kPair, SetForm::kVelocity})
     for (const int levels : {0, 2}) {
       SCOPED_TRACE(levels);
       TestScene<double> scene = random_scene(0, kCount, 0.15, 71, form);

@@ -47,7 +47,7 @@ Selected select(Backend& on, const TestGaussians<float>& set, const Statistic& s
 
 TEST_P(BackendDensity, ElementsAreTheCpus) {
   // Bugs put back, seen to fail: the dead make no room; clones in another order.
-  for (const Form form : kForms)
+  for (const SetForm form : kForms)
     for (const bool ties : {false, true})
       for (const double largest : {0.0, 0.2})
         for (const int64_t room :
@@ -70,7 +70,7 @@ TEST_P(BackendDensity, ElementsAreTheCpus) {
 TEST_P(BackendDensity, ElementsOfEmptyAndOfDyingSets) {
   const DensityRule rule{2e-4, 0.005, 0.05, 0, 10};
   for (const int64_t count : {0, 1, 70}) {
-    TestGaussians<float> set = crowd(Form::kPair, 83, count);
+    TestGaussians<float> set = crowd(SetForm::kPair, 83, count);
     const Statistic s = statistic(84, false, count);
     EXPECT_EQ(select(backend(), set, s, rule), select(cpu(), set, s, rule));
     std::fill(set.group[kOpacityLogit].begin(), set.group[kOpacityLogit].end(), -9.0f);
@@ -82,7 +82,7 @@ TEST_P(BackendDensity, ElementsOfEmptyAndOfDyingSets) {
 
 TEST_P(BackendDensity, ChildrenAreTheCpus) {
   // Bugs put back, seen to fail: another seed; the first child left out.
-  for (const Form form : kForms) {
+  for (const SetForm form : kForms) {
     Random random(85);
     const TestGaussians<float> before = random_gaussians(form, kCrowd, 1, 0.1, random).as<float>();
     constexpr int64_t kFirst = 1234;
@@ -106,7 +106,7 @@ TEST_P(BackendDensity, ChildrenAreTheCpus) {
 
 TEST_P(BackendDensity, OrderIsTheCpus) {
   // Bugs put back, seen to fail: time not looked at; not stable.
-  for (const Form form : kForms)
+  for (const SetForm form : kForms)
     for (const int64_t count : {int64_t{0}, int64_t{1}, kCrowd}) {
       TestGaussians<float> set = crowd(form, 86, count);
       for (int64_t n = 1; n < count; n += 3)  // equal keys: stable

@@ -41,7 +41,7 @@ TEST_P(BackendEnvironment, ImagesAndGradientsEqualTheOracles) {
   expect_group(actual.d_environment, expected.d_environment, kGradientBounds, "texels");
   for (int g = 0; g < kGroupCount; ++g)
     expect_group(actual.moving.group[g], expected.moving.group[g], kGradientBounds,
-                 group_name(Group(g), Form::kPair));
+                 group_name(Group(g), SetForm::kPair));
 }
 
 // Whatever the order in which pixels come to a texel, and with the default switches.

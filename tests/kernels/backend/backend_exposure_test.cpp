@@ -137,7 +137,7 @@ TEST_P(BackendExposure, LossAndGradientsEqualTheOracles) {
     expect_group(stages.d_colour, oracles.d_colour, {1e-4, 1e-4, 0, 1e-5}, "image");
     for (int g = 0; g < kGroupCount; ++g)
       expect_group(actual.moving.group[g], expected.moving.group[g], kGradientBounds,
-                   group_name(Group(g), Form::kPair));
+                   group_name(Group(g), SetForm::kPair));
   }
 }
 

@@ -13,7 +13,7 @@ constexpr int kMiddlePixel = kFrontMiddle * kFrontSize + kFrontMiddle;
 
 class BackendFailures : public EveryBackend {
  protected:
-  void expect_culled_and_counted(const TestScene<float>& spoilt, Form form, const char* what) {
+  void expect_culled_and_counted(const TestScene<float>& spoilt, SetForm form, const char* what) {
     testing::expect_culled_and_counted(spoilt, form, what, [&](const TestScene<float>& scene) {
       return backward(scene, backend());
     });
@@ -68,12 +68,13 @@ TEST_P(BackendFailures, OpacityBelowTheCutoffContributesNothing) {  // C4
 TEST_P(BackendFailures, NonFiniteFieldIsCulledAndCounted) {  // C5
   // Bugs put back, seen to fail: the logit not looked at; not counted.
   const TestScene<float> scene = scene_to_spoil(1);
-  for (const Form form : {Form::kStatic, Form::kPair})
+  for (const SetForm form : {SetForm::kStatic, SetForm::kPair})
     for (int g = 0; g < group_count(form); ++g)
       for (int i = 0; i < group_width(Group(g), 16, form); i += g == kSh ? 11 : 1)
         for (const float value : {kNan, kInf, -kInf}) {
           TestScene<float> spoilt = scene;
-          (form == Form::kStatic ? spoilt.fixed : spoilt.moving).at(Group(g), kVictim)[i] = value;
+          (form == SetForm::kStatic ? spoilt.fixed : spoilt.moving).at(Group(g), kVictim)[i] =
+              value;
           expect_culled_and_counted(spoilt, form, group_name(Group(g), form));
         }
 }
@@ -85,11 +86,11 @@ TEST_P(BackendFailures, ZeroQuaternionIsCulledAndCounted) {  // C5
     for (const float length : {0.0f, 5e-5f}) {
       TestScene<float> spoilt = scene;
       std::fill_n(spoilt.moving.at(g, kVictim), 4, length / 2);
-      expect_culled_and_counted(spoilt, Form::kPair, group_name(g, Form::kPair));
+      expect_culled_and_counted(spoilt, SetForm::kPair, group_name(g, SetForm::kPair));
       if (g != kRotation) continue;
       spoilt = scene;
       std::fill_n(spoilt.fixed.at(g, kVictim), 4, length / 2);
-      expect_culled_and_counted(spoilt, Form::kStatic, group_name(g, Form::kStatic));
+      expect_culled_and_counted(spoilt, SetForm::kStatic, group_name(g, SetForm::kStatic));
     }
 }
 
@@ -113,7 +114,7 @@ TEST_P(BackendFailures, HugeFiniteValuesAreFinite) {  // C5
       TestScene<float> spoilt = scene;
       spoilt.moving.at(g, kVictim)[0] = value;
       if (g < kStaticGroups) spoilt.fixed.at(g, kVictim)[0] = value;
-      expect_finite(spoilt, group_name(g, Form::kPair));
+      expect_finite(spoilt, group_name(g, SetForm::kPair));
     }
 }
 
@@ -194,8 +195,8 @@ unsigned groups_reported(const TestScene<float>& scene, Backend& backend,
   args.forward = {&batch, {in.sets[0].view(), in.sets[1].view()}, scene.options, true};
   backend.project(args.forward, splats);
   std::vector<SplatMoments<float>> d_splats(size_t(splats.count), SplatMoments<float>{});
-  StoredGaussians<float> fixed(TestGaussians<float>(Form::kStatic, scene.fixed.count), memory);
-  StoredGaussians<float> moving(TestGaussians<float>(Form::kPair, scene.moving.count), memory);
+  StoredGaussians<float> fixed(TestGaussians<float>(SetForm::kStatic, scene.fixed.count), memory);
+  StoredGaussians<float> moving(TestGaussians<float>(SetForm::kPair, scene.moving.count), memory);
   args.splats = &splats;
   args.sinks[0].gradient = fixed.spans();
   args.sinks[1].gradient = moving.spans();

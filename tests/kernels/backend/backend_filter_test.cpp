@@ -92,10 +92,10 @@ TEST_P(BackendFilter, GradientsEqualTheOraclesInEveryForm) {
       }
       for (int g = 0; g < kGroupCount; ++g) {
         expect_group(actual.moving.group[g], expected.moving.group[g], bounds,
-                     group_name(Group(g), Form::kPair));
+                     group_name(Group(g), SetForm::kPair));
         if (g < kStaticGroups)
           expect_group(actual.fixed.group[g], expected.fixed.group[g], bounds,
-                       group_name(Group(g), Form::kStatic));
+                       group_name(Group(g), SetForm::kStatic));
       }
     }
 }
@@ -119,7 +119,7 @@ TEST_P(BackendFilter, ByFalloffOpacityZeroHasAFiniteGradient) {
 TEST_P(BackendFilter, SizesEqualTheOracles) {
   // Bugs put back, each seen to fail: the last view left out; the unseen left at −1; the temporal
   // filter left out.
-  for (const Form form : kForms) {
+  for (const SetForm form : kForms) {
     Random random(58);
     TestGaussians<double> set = random_gaussians(form, 3000, 2.5, 0.1, random);
     for (double& x : set.group[kLogScaleTime]) x -= 1;
@@ -147,12 +147,12 @@ TEST_P(BackendFilter, EditsAreTheOracles) {
   // Bugs put back, each seen to fail: the last Gaussian left out; scales before the opacity.
   for (const FilterEdit edit :
        {FilterEdit::kRaiseScales, FilterEdit::kBake, FilterEdit::kLimitOpacity})
-    for (const Form form : kForms) {
+    for (const SetForm form : kForms) {
       TestScene<double> scene =
-          random_scene(form == Form::kStatic ? 1000 : 0, form == Form::kStatic ? 0 : 1000, 0.1, 59,
-                       form == Form::kStatic ? Form::kPair : form);
+          random_scene(form == SetForm::kStatic ? 1000 : 0, form == SetForm::kStatic ? 0 : 1000,
+                       0.1, 59, form == SetForm::kStatic ? SetForm::kPair : form);
       add_filter_3d(scene, 0.1, 60);
-      TestGaussians<double>& set = form == Form::kStatic ? scene.fixed : scene.moving;
+      TestGaussians<double>& set = form == SetForm::kStatic ? scene.fixed : scene.moving;
       StoredGaussians<float> stored(set.as<float>(), memory());
       backend().edit_by_filter(edit, stored.spans(), 0.01f);
       const TestGaussians<float> actual = stored.fetch();

@@ -85,7 +85,7 @@ TEST_P(BackendGradient, WhereTheLightStops) {
 TEST_P(BackendGradient, FewerStoredBandsThanDegreeThree) {
   TestScene<double> scene = random_scene(0, 60, 0.2, 30);
   Random random(31);
-  scene.fixed = random_gaussians(Form::kStatic, 60, 0.9, 0.2, random, 4);
+  scene.fixed = random_gaussians(SetForm::kStatic, 60, 0.9, 0.2, random, 4);
   keep_truth_away(scene, 32);
   expect_gradients(scene);
 }
@@ -224,8 +224,8 @@ TEST_P(BackendGradient, DeterministicRunsAreEqualToTheBit) {  // C18
   const Backward<float> a = backward(scene, backend()), b = backward(scene, backend());
   EXPECT_EQ(a.rendered.colour, b.rendered.colour);
   for (int g = 0; g < kGroupCount; ++g) {
-    EXPECT_EQ(a.fixed.group[g], b.fixed.group[g]) << group_name(Group(g), Form::kStatic);
-    EXPECT_EQ(a.moving.group[g], b.moving.group[g]) << group_name(Group(g), Form::kPair);
+    EXPECT_EQ(a.fixed.group[g], b.fixed.group[g]) << group_name(Group(g), SetForm::kStatic);
+    EXPECT_EQ(a.moving.group[g], b.moving.group[g]) << group_name(Group(g), SetForm::kPair);
   }
   for (int set = 0; set < 2; ++set) EXPECT_EQ(a.statistic[set], b.statistic[set]);
   for (size_t v = 0; v < a.losses.size(); ++v) EXPECT_EQ(a.losses[v].total, b.losses[v].total);

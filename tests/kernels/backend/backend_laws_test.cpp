@@ -18,8 +18,8 @@ TEST_P(BackendLaws, BatchIsTheMeanOfItsViews) {  // C16
   fill_truth(scene, random);
   const float views = float(scene.views.size());
   const Backward<float> together = backward(scene, backend());
-  TestGaussians<float> fixed(Form::kStatic, 120);
-  TestGaussians<float> moving(Form::kPair, 120);
+  TestGaussians<float> fixed(SetForm::kStatic, 120);
+  TestGaussians<float> moving(SetForm::kPair, 120);
   size_t colour = 0;
   for (size_t b = 0; b < scene.views.size(); ++b) {
     TestScene<float> single = scene;
@@ -65,13 +65,13 @@ TEST_P(BackendLaws, StaticIsTheLiftWithALongLife) {
   // parts ∝ w·rounding that cancel against dL/dr
   TestScene<double> still = random_scene(100, 0, 0.2, 74), lift = still;
   lift.moving = lifted(still.fixed, std::log(1e3));
-  lift.fixed = TestGaussians<double>(Form::kStatic);
+  lift.fixed = TestGaussians<double>(SetForm::kStatic);
   const Backward<float> a = backward(still.as<float>(), backend());
   const Backward<float> b = backward(lift.as<float>(), backend());
   EXPECT_LE(relative(b.rendered.colour, a.rendered.colour), 5e-6);
   EXPECT_LE(relative(b.rendered.transmittance, a.rendered.transmittance), 5e-6);
   for (const Group g : {kMean, kLogScale, kOpacityLogit, kSh})
-    EXPECT_LE(relative(b.moving.group[g], a.fixed.group[g]), 2e-4) << group_name(g, Form::kPair);
+    EXPECT_LE(relative(b.moving.group[g], a.fixed.group[g]), 2e-4) << group_name(g, SetForm::kPair);
   std::vector<float> d_q = b.moving.group[kRotation];
   for (size_t i = 0; i < d_q.size(); ++i)
     d_q[i] += (i % 4 == 0 ? 1.0f : -1.0f) * b.moving.group[kRotationRight][i];
@@ -106,8 +106,8 @@ TEST_P(BackendLaws, OutcomeIsThatOfTheStepBeforeTheNextForward) {
   pipeline.forward(in.forward(true));
   pipeline.loss(in.target(), true);
   BackwardArgs<float> args;
-  StoredGaussians<float> fixed(TestGaussians<float>(Form::kStatic, 80), memory());
-  StoredGaussians<float> moving(TestGaussians<float>(Form::kPair, 80), memory());
+  StoredGaussians<float> fixed(TestGaussians<float>(SetForm::kStatic, 80), memory());
+  StoredGaussians<float> moving(TestGaussians<float>(SetForm::kPair, 80), memory());
   args.sinks[0].gradient = fixed.spans();
   args.sinks[1].gradient = moving.spans();
   pipeline.backward(args);

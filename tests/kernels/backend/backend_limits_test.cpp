@@ -18,7 +18,7 @@ TestScene<float> full_screen(int64_t count) {
   TestScene<float> scene = front_scene();
   scene.views = {front_view(7680, 4320)};
   scene.truth.clear();
-  scene.fixed = TestGaussians<float>(Form::kStatic, count, 1);
+  scene.fixed = TestGaussians<float>(SetForm::kStatic, count, 1);
   for (int64_t n = 0; n < count; ++n) {
     scene.fixed.at(kMean, n)[2] = 5 + 1e-4f * float(n % 100);
     std::fill_n(scene.fixed.at(kLogScale, n), 3, 9.0f);  // 8,103 world units: 65,000 pixels

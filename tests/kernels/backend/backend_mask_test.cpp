@@ -121,10 +121,10 @@ void expect_oracles(const TestScene<double>& scene, Backend& backend) {
   }
   for (int g = 0; g < kStaticGroups; ++g)
     expect_group(actual.fixed.group[g], expected.fixed.group[g], kGradientBounds,
-                 group_name(Group(g), Form::kStatic));
+                 group_name(Group(g), SetForm::kStatic));
   for (int g = 0; g < kGroupCount; ++g)
     expect_group(actual.moving.group[g], expected.moving.group[g], kGradientBounds,
-                 group_name(Group(g), Form::kPair));
+                 group_name(Group(g), SetForm::kPair));
 }
 
 // For a device's kernels; the oracle is the CPU's own code, which ssim_test.cpp holds to account.

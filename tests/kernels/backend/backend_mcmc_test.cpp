@@ -27,7 +27,7 @@ Relocated relocate(Backend& on, const TestGaussians<float>& set, const Relocatio
 
 TEST_P(BackendMcmc, RelocationIsTheCpus) {
   // Weights are whole numbers of opacities in double: draws are equal, not alike.
-  for (const Form form : kForms)
+  for (const SetForm form : kForms)
     for (const double dead : {-1.0, 0.005, 0.5})
       for (const int64_t added : {int64_t{0}, int64_t{777}, 3 * kCrowd}) {
         SCOPED_TRACE(std::string(form_name(form)) + " dead " + std::to_string(dead) + " added " +
@@ -50,7 +50,7 @@ TEST_P(BackendMcmc, RelocationIsTheCpus) {
 
 TEST_P(BackendMcmc, RelocationOfEmptyAndOfDyingSets) {
   for (const int64_t count : {0, 1, 70}) {
-    TestGaussians<float> set = crowd(Form::kPair, 93, count);
+    TestGaussians<float> set = crowd(SetForm::kPair, 93, count);
     std::fill(set.group[kOpacityLogit].begin(), set.group[kOpacityLogit].end(), -9.0f);
     const Relocated none = relocate(backend(), set, {0.005, 0.005, 0, 94});
     EXPECT_EQ(none.moved + none.weight, 0);
@@ -61,7 +61,7 @@ TEST_P(BackendMcmc, RelocationOfEmptyAndOfDyingSets) {
 }
 
 TEST_P(BackendMcmc, NoiseIsTheCpus) {
-  for (const Form form : kForms) {
+  for (const SetForm form : kForms) {
     const TestGaussians<float> before = crowd(form, 95);
     const auto moved = [&](Backend& on) {
       StoredGaussians<float> set(before, on.memory());
@@ -126,7 +126,7 @@ TEST_P(BackendMcmc, RegularisersReachTheFusedOptimizer) {
     after.push_back(state.value[1].fetch());
   }
   for (const Group group : {kOpacityLogit, kLogScale})
-    EXPECT_EQ(after[0].group[group], after[1].group[group]) << group_name(group, Form::kPair);
+    EXPECT_EQ(after[0].group[group], after[1].group[group]) << group_name(group, SetForm::kPair);
 }
 
 }  // namespace

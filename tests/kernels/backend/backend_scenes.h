@@ -12,7 +12,7 @@ struct SceneCase {
   int64_t fixed, moving;
   double size;  // world units; a pixel is about 0.1
   int degree;
-  Form form = Form::kPair;  // of the moving ones
+  SetForm form = SetForm::kPair;  // of the moving ones
 };
 
 inline constexpr SceneCase kSceneCases[] = {
@@ -21,7 +21,7 @@ inline constexpr SceneCase kSceneCases[] = {
     {"dynamic, degree 1", 0, 150, 0.15, 1},
     {"dynamic, degree 3", 0, 150, 0.15, 3},
     {"mixed, degree 2", 90, 110, 0.15, 2},
-    {"velocity, degree 1", 40, 110, 0.15, 1, Form::kVelocity},
+    {"velocity, degree 1", 40, 110, 0.15, 1, SetForm::kVelocity},
     {"specks", 120, 120, 0.01, 3},
     {"splats larger than the image", 20, 20, 2.0, 3}};
 

@@ -10,7 +10,7 @@ namespace tessera::testing {
 namespace {
 
 /// Levels in a scene of both sets; rows of 12 or 48 scalars are read in fours, of 27 one by one.
-TestScene<double> levelled_scene(Form form, int levels, uint64_t seed, int coefficients = 16) {
+TestScene<double> levelled_scene(SetForm form, int levels, uint64_t seed, int coefficients = 16) {
   TestScene<double> scene = random_scene(60, 0, 0.12, seed, form);
   Random random(seed + 1);
   scene.moving = random_gaussians(form, 150, 0.9, 0.12, random, coefficients);
@@ -26,15 +26,15 @@ TEST_P(BackendSpherindrical, ImagesAndGradientsAreTheOracles) {
   // Bugs put back in float alone, each seen to fail: weights left out of the gradient; the slope
   // left out of the mean time's; levels left out of the colour.
   struct Case {
-    Form form;
+    SetForm form;
     int levels, active, coefficients;
   };
-  for (const auto& [form, levels, active, coefficients] : {Case{Form::kPair, 2, 2, 16},
-                                                           {Form::kVelocity, 2, 1, 16},
-                                                           {Form::kPair, 1, 1, 9},
-                                                           {Form::kVelocity, 2, 2, 9},
-                                                           {Form::kVelocity, 1, 1, 4},
-                                                           {Form::kPair, 2, 2, 1}}) {
+  for (const auto& [form, levels, active, coefficients] : {Case{SetForm::kPair, 2, 2, 16},
+                                                           {SetForm::kVelocity, 2, 1, 16},
+                                                           {SetForm::kPair, 1, 1, 9},
+                                                           {SetForm::kVelocity, 2, 2, 9},
+                                                           {SetForm::kVelocity, 1, 1, 4},
+                                                           {SetForm::kPair, 2, 2, 1}}) {
     SCOPED_TRACE(std::string(form_name(form)) + ", coefficients " + std::to_string(coefficients));
     TestScene<double> scene = levelled_scene(form, levels, 81, coefficients);
     scene.options.sh_time_degree = active;
@@ -53,7 +53,7 @@ TEST_P(BackendSpherindrical, ImagesAndGradientsAreTheOracles) {
 
 TEST_P(BackendSpherindrical, ReportsLevelsThatAreNotFinite) {  // C20
   // Bug put back: their bit not set; seen to fail.
-  const TestScene<float> scene = levelled_scene(Form::kPair, 1, 83).as<float>();
+  const TestScene<float> scene = levelled_scene(SetForm::kPair, 1, 83).as<float>();
   const auto result = backward<float>(scene, backend(), [](std::vector<float>& d) {
     for (float& x : d) x = std::numeric_limits<float>::quiet_NaN();
   });
@@ -63,7 +63,7 @@ TEST_P(BackendSpherindrical, ReportsLevelsThatAreNotFinite) {  // C20
 /// Bit for bit: sets that store levels which are not active are drawn and trained as those without.
 TEST_P(BackendSpherindrical, NotActiveIsAsNone) {
   // Bug put back: levels evaluated whatever sh_time_degree says; seen to fail.
-  for (const Form form : kDynamicForms) {
+  for (const SetForm form : kDynamicForms) {
     TestScene<float> scene = levelled_scene(form, 2, 87).as<float>();
     scene.options.kernels.deterministic = true;
     scene.options.sh_time_degree = 0;
@@ -94,12 +94,12 @@ TestGaussians<float> stepped(const TestScene<float>& scene, Backend& backend, bo
 TEST_P(BackendSpherindrical, FusedEqualsSeparate) {
   // Bug put back: levels left out of the separate one; seen to fail.
   for (const int coefficients : {16, 9}) {
-    TestScene<float> scene = levelled_scene(Form::kVelocity, 2, 89, coefficients).as<float>();
+    TestScene<float> scene = levelled_scene(SetForm::kVelocity, 2, 89, coefficients).as<float>();
     scene.options.kernels.deterministic = true;
     const TestGaussians<float> fused = stepped(scene, backend(), true);
     const TestGaussians<float> separate = stepped(scene, backend(), false);
     for (int g = 0; g < kGroupCount; ++g)
-      EXPECT_EQ(fused.group[g], separate.group[g]) << group_name(Group(g), Form::kVelocity);
+      EXPECT_EQ(fused.group[g], separate.group[g]) << group_name(Group(g), SetForm::kVelocity);
     EXPECT_NE(fused.group[kShTime], scene.moving.group[kShTime]);
   }
 }

@@ -93,9 +93,9 @@ TEST_P(BackendSwitches, ImagesAndGradientsDoNotChange) {
       EXPECT_LE(apart, usual.colour.size() / 1000);
       for (int g = 0; g < kGroupCount; ++g) {
         expect_group(actual.fixed.group[g], expected.fixed.group[g], kGradientBounds,
-                     group_name(Group(g), Form::kStatic));
+                     group_name(Group(g), SetForm::kStatic));
         expect_group(actual.moving.group[g], expected.moving.group[g], kGradientBounds,
-                     group_name(Group(g), Form::kPair));
+                     group_name(Group(g), SetForm::kPair));
       }
       for (size_t set = 0; set < 2; ++set)
         expect_group(actual.statistic[set], expected.statistic[set], kGradientBounds, "statistic");
@@ -142,8 +142,8 @@ TEST_P(BackendSwitches, EveryDeterministicFormIsEqualToTheBitTwice) {  // C18
     const Backward<float> b = backward(fixed_order, backend());
     EXPECT_EQ(a.rendered.colour, b.rendered.colour);
     for (int g = 0; g < kGroupCount; ++g) {
-      EXPECT_EQ(a.fixed.group[g], b.fixed.group[g]) << group_name(Group(g), Form::kStatic);
-      EXPECT_EQ(a.moving.group[g], b.moving.group[g]) << group_name(Group(g), Form::kPair);
+      EXPECT_EQ(a.fixed.group[g], b.fixed.group[g]) << group_name(Group(g), SetForm::kStatic);
+      EXPECT_EQ(a.moving.group[g], b.moving.group[g]) << group_name(Group(g), SetForm::kPair);
     }
   }
 }

@@ -106,17 +106,18 @@ TEST_P(BackendUpdate, DenseMovesIdleGaussiansByTheirMoments) {
   const auto moment1 = Optimised<float>::moments(rough.moving, 1);
   const auto moment2 = Optimised<float>::moments(rough.moving, 2);
   for (int g = 0; g < kGroupCount; ++g)
-    for (int64_t i = 0; i < kHidden * group_width(Group(g), 16, Form::kPair); ++i) {
+    for (int64_t i = 0; i < kHidden * group_width(Group(g), 16, SetForm::kPair); ++i) {
       float x = rough.moving.group[g][size_t(i)], m = moment1.group[g][size_t(i)],
             v = moment2.group[g][size_t(i)];
       const double rate = g == kSh && i % 48 >= 3 ? 1e-4 : 1e-3 * (g + 1);
       adam_step(adam_scalars<float>(rate, kFirstStep), 0.0f, x, m, v);
-      EXPECT_NEAR(after.value[1].group[g][size_t(i)], x, 2e-6) << group_name(Group(g), Form::kPair);
+      EXPECT_NEAR(after.value[1].group[g][size_t(i)], x, 2e-6)
+          << group_name(Group(g), SetForm::kPair);
       const double rounding = packs_moments(Group(g)) ? 1.0 / 128 : 0;
       EXPECT_NEAR(after.moment1[1].group[g][size_t(i)], m, 1e-9 + rounding * std::abs(m))
-          << group_name(Group(g), Form::kPair);
+          << group_name(Group(g), SetForm::kPair);
       EXPECT_NEAR(after.moment2[1].group[g][size_t(i)], v, 1e-12 + rounding * v)
-          << group_name(Group(g), Form::kPair);
+          << group_name(Group(g), SetForm::kPair);
     }
 }
 
@@ -157,7 +158,7 @@ TEST_P(BackendUpdate, SkipUpdatesTheOthersAsDenseDoes) {
       for (int g = 0; g < group_count(a.form); ++g)
         for (int i = 0; i < group_width(Group(g), 16, a.form); ++i)
           ASSERT_NEAR(a.at(Group(g), n)[i], e.at(Group(g), n)[i], 1e-6)
-              << group_name(Group(g), Form::kPair);
+              << group_name(Group(g), SetForm::kPair);
     }
   }
   EXPECT_GT(compared, 60);

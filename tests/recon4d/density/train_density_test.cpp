@@ -29,7 +29,7 @@ std::vector<Tag> tags(std::initializer_list<int> values) {
   return result;
 }
 
-class Density : public ::testing::TestWithParam<Form> {
+class Density : public ::testing::TestWithParam<SetForm> {
  protected:
   /// Size, opacity and gradient of each Gaussian; its tag is its place.
   HandmadeSet make(const std::vector<std::array<float, 3>>& elements) {
@@ -101,7 +101,7 @@ TEST_P(Density, DegenerateRotationsArePruned) {
   for (int k = 1; k < 4; ++k) made.set.values().at(kRotation, 1)[k] = 0;
   EXPECT_EQ(control(made).pruned, 1);
   EXPECT_EQ(made.tags(), tags({0, 2}));
-  if (GetParam() != Form::kPair) return;
+  if (GetParam() != SetForm::kPair) return;
   for (int k = 0; k < 4; ++k) made.set.values().at(kRotationRight, 0)[k] = 0;
   EXPECT_EQ(control(made).pruned, 1);
   EXPECT_EQ(made.tags(), tags({2}));

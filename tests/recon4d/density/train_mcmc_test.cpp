@@ -31,7 +31,7 @@ using testing::Training;
 TrainState handmade_state(int64_t fixed, int64_t moving, int64_t dead_every = 1000) {
   TrainState state;
   for (int k = 0; k < 2; ++k) {
-    HandmadeSet made(k == 0 ? Form::kStatic : Form::kPair, k == 0 ? fixed : moving);
+    HandmadeSet made(k == 0 ? SetForm::kStatic : SetForm::kPair, k == 0 ? fixed : moving);
     for (int64_t n = 0; n < made.set.count(); ++n)
       made.describe(n, 0.1f, n % dead_every == dead_every - 1 ? 0.004f : 0.2f + 0.1f * float(n % 5),
                     0);

@@ -21,7 +21,7 @@ constexpr double kScale[4] = {0.3, 0.2, 0.6, 0.05};  // t, x, y, z
 constexpr float kMeanAt[3] = {1, -2, 3}, kVelocityOf[3] = {0.5f, -1, 0.25f};
 
 /// `count` equal Gaussians that will all be split.
-HandmadeSet crowd(Form form, int64_t count) {
+HandmadeSet crowd(SetForm form, int64_t count) {
   HandmadeSet made(form, count);
   for (int64_t n = 0; n < count; ++n) {
     made.describe(n, 1, 0.5f, 1);
@@ -31,8 +31,8 @@ HandmadeSet crowd(Form form, int64_t count) {
       v.at(kLogScale, n)[k] = float(std::log(kScale[k + 1]));
     }
     std::copy_n(kLeft, 4, v.at(kRotation, n));
-    if (form == Form::kStatic) continue;
-    if (form == Form::kPair)
+    if (form == SetForm::kStatic) continue;
+    if (form == SetForm::kPair)
       std::copy_n(kRight, 4, v.at(kRotationRight, n));
     else
       std::copy_n(kVelocityOf, 3, v.at(kVelocity, n));
@@ -55,25 +55,25 @@ void split(HandmadeSet& made, int64_t seed = 1, int64_t step = 7) {
 
 /// Σ on (t, x, y, z) from quaternion products: axes l·e_k·r of length scale_k. With a velocity v,
 /// time's axis is σ_t (1, v).
-void covariance(Form form, double (&sigma)[4][4]) {
+void covariance(SetForm form, double (&sigma)[4][4]) {
   const double left[4] = {kLeft[0], kLeft[1], kLeft[2], kLeft[3]};
   const double right[4] = {kRight[0], kRight[1], kRight[2], kRight[3]};
   const Quaternion l = testing::unit_quaternion(left);
-  const Quaternion r =
-      form == Form::kPair ? testing::unit_quaternion(right) : Quaternion{l[0], -l[1], -l[2], -l[3]};
+  const Quaternion r = form == SetForm::kPair ? testing::unit_quaternion(right)
+                                              : Quaternion{l[0], -l[1], -l[2], -l[3]};
   for (auto& element : sigma) std::fill(element, element + 4, 0.0);
-  for (size_t k = form == Form::kStatic ? 1 : 0; k < 4; ++k) {
+  for (size_t k = form == SetForm::kStatic ? 1 : 0; k < 4; ++k) {
     Quaternion axis{};
     axis[k] = kScale[k];
     Quaternion image = testing::hamilton(testing::hamilton(l, axis), r);
-    for (size_t i = 0; form == Form::kVelocity && k == 0 && i < 3; ++i)
+    for (size_t i = 0; form == SetForm::kVelocity && k == 0 && i < 3; ++i)
       image[i + 1] = kScale[0] * double(kVelocityOf[i]);
     for (size_t i = 0; i < 4; ++i)
       for (size_t j = 0; j < 4; ++j) sigma[i][j] += image[i] * image[j];
   }
 }
 
-class SplitForm : public ::testing::TestWithParam<Form> {};
+class SplitForm : public ::testing::TestWithParam<SetForm> {};
 INSTANTIATE_TEST_SUITE_P(Form, SplitForm, ::testing::ValuesIn(testing::kForms),
                          [](const auto& form) { return testing::form_name(form.param); });
 
@@ -86,7 +86,7 @@ TEST_P(SplitForm, ChildrenAreDistributedAsTheirParent) {
   double mean[4] = {}, moment[4][4] = {}, sigma[4][4];
   for (int64_t n = 0; n < 2 * kParents; ++n) {
     const float* x = v.at(kMean, n);
-    const double offset[4] = {GetParam() != Form::kStatic ? *v.at(kMeanTime, n) - 0.5 : 0,
+    const double offset[4] = {GetParam() != SetForm::kStatic ? *v.at(kMeanTime, n) - 0.5 : 0,
                               x[0] - kMeanAt[0], x[1] - kMeanAt[1], x[2] - kMeanAt[2]};
     for (int i = 0; i < 4; ++i) {
       mean[i] += offset[i] / (2 * kParents);
@@ -163,7 +163,7 @@ std::string morton_text(const float* p, const float* low, float side) {
   return text;
 }
 
-HandmadeSet scattered(Form form, int64_t count) {
+HandmadeSet scattered(SetForm form, int64_t count) {
   HandmadeSet made(form, count);
   for (int64_t n = 0; n < count; ++n)
     for (int k = 0; k < 3; ++k)
@@ -194,7 +194,7 @@ TEST_P(SplitForm, LocalityOrderIsMortonWithinBinsOfTime) {
     }
   const float side = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]});
   const auto bin = [&](int64_t n) {
-    if (GetParam() == Form::kStatic) return 0;
+    if (GetParam() == SetForm::kStatic) return 0;
     return std::min(31, int(32 * (coordinate(n, 3) - low[3]) / (high[3] - low[3])));
   };
   int bins = 0;
@@ -205,7 +205,7 @@ TEST_P(SplitForm, LocalityOrderIsMortonWithinBinsOfTime) {
     if (bin(a) != bin(b)) continue;
     ASSERT_LE(morton_text(v.at(kMean, a), low, side), morton_text(v.at(kMean, b), low, side));
   }
-  EXPECT_EQ(bins, GetParam() != Form::kStatic ? 31 : 0);
+  EXPECT_EQ(bins, GetParam() != SetForm::kStatic ? 31 : 0);
 }
 
 TEST_P(SplitForm, ReorderMovesEverythingAlong) {

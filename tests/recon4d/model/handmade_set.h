@@ -16,8 +16,8 @@ struct HandmadeSet {
   GaussianSet set;
   SetStatistics statistics;
 
-  HandmadeSet(Form form, int64_t count)
-      : set(form, 4, host_memory(), form == Form::kStatic ? 0 : 1) {
+  HandmadeSet(SetForm form, int64_t count)
+      : set(form, 4, host_memory(), form == SetForm::kStatic ? 0 : 1) {
     set.resize(count);
     set.ensure_moments();
     statistics.reset(count);

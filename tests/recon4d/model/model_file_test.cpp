@@ -37,7 +37,7 @@ TEST(ModelFile, ReloadsBitEqualAndWritesTheSameBytes) {
     GaussianModel model = random_model(fixed, moving, 21, coefficients);
     if (fixed > 0) model.static_set.group(kMean).value[0] = -0.0f;
     if (moving > 0) model.dynamic_set.group(kLogScale).value[1] = 1e-41f;  // denormal
-    if (moving == 0) model.dynamic_set = GaussianSet(Form::kPair, 16);
+    if (moving == 0) model.dynamic_set = GaussianSet(SetForm::kPair, 16);
     save_model(folder / "a.ply", model);
     const GaussianModel reloaded = load_model(folder / "a.ply");
     expect_same_model(model, reloaded);

@@ -16,14 +16,14 @@ struct Plain {
   std::array<double, 3> mean{}, colour{0.5, 0.5, 0.5};
   double size = 0.2, opacity = 0.8;
   double mean_time = 0.5, sigma_time = 20;  // dynamic ones
-  double speed = 0;                         // along x per clip; of Form::kVelocity
+  double speed = 0;                         // along x per clip; of SetForm::kVelocity
 };
 
 /// A model without Gaussians that stores `degree` bands.
-inline GaussianModel empty_model(Form form = Form::kPair, int degree = 0) {
+inline GaussianModel empty_model(SetForm form = SetForm::kPair, int degree = 0) {
   GaussianModel model;
   model.drawing.sh_degree = degree;
-  model.static_set = GaussianSet(Form::kStatic, sh_coefficients(degree));
+  model.static_set = GaussianSet(SetForm::kStatic, sh_coefficients(degree));
   model.dynamic_set = GaussianSet(form, sh_coefficients(degree));
   model.static_set.resize(0);
   model.dynamic_set.resize(0);
@@ -46,7 +46,7 @@ inline GaussianSet plain_set(const GaussianSet& like, const std::vector<Plain>& 
     v.at(kRotation, n)[0] = 1;
     *v.at(kOpacityLogit, n) = float(std::log(plain.opacity / (1 - plain.opacity)));
     if (set.dim() == 3) continue;
-    if (set.form() == Form::kPair)
+    if (set.form() == SetForm::kPair)
       v.at(kRotationRight, n)[0] = 1;
     else
       v.at(kVelocity, n)[0] = float(plain.speed);

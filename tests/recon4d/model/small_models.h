@@ -20,11 +20,11 @@ inline GaussianSet set_of(const TestGaussians<double>& from) {
 }
 
 inline GaussianModel random_model(int64_t fixed, int64_t moving, uint64_t seed = 7,
-                                  int coefficients = 16, Form form = Form::kPair) {
+                                  int coefficients = 16, SetForm form = SetForm::kPair) {
   Random random(seed);
   GaussianModel model;
   model.static_set =
-      set_of(random_gaussians(Form::kStatic, fixed, 0.9, 0.12, random, coefficients));
+      set_of(random_gaussians(SetForm::kStatic, fixed, 0.9, 0.12, random, coefficients));
   model.dynamic_set = set_of(random_gaussians(form, moving, 0.9, 0.12, random, coefficients));
   model.drawing.sh_degree = sh_degree_of(coefficients);
   model.time_axis = {12.5, 1.0 / 3};
@@ -37,7 +37,7 @@ inline GaussianModel random_model(int64_t fixed, int64_t moving, uint64_t seed =
 /// The same with levels of time in the dynamic set.
 inline GaussianModel random_model_in_time(int64_t fixed, int64_t moving, int levels,
                                           uint64_t seed = 7, int coefficients = 16,
-                                          Form form = Form::kPair) {
+                                          SetForm form = SetForm::kPair) {
   GaussianModel model = random_model(fixed, moving, seed, coefficients, form);
   Random random(seed + 1);
   TestGaussians<double> set = random_gaussians(form, moving, 0.9, 0.12, random, coefficients);
@@ -63,7 +63,7 @@ inline GaussianModel clone(const GaussianModel& model) {
 inline GaussianModel static_model(const GaussianModel& like, GaussianSet set) {
   GaussianModel model = clone(like);
   model.static_set = std::move(set);
-  model.dynamic_set = GaussianSet(Form::kPair, like.dynamic_set.coefficients());
+  model.dynamic_set = GaussianSet(SetForm::kPair, like.dynamic_set.coefficients());
   return model;
 }
 

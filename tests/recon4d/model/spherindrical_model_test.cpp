@@ -5,9 +5,9 @@
 
 #include "ingest/files/ply.h"
 #include "kernels/math/rotation3.h"
+#include "recon4d/model/element_edits.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/model/model_info.h"
-#include "recon4d/model/validity.h"
 #include "recon4d/options/forecast.h"
 #include "static3d/transform/motion_form.h"
 #include "static3d/transform/slicer.h"
@@ -51,7 +51,7 @@ TEST(SpherindricalModel, ASliceHasTheCoefficientsOfItsMoment) {
 
 // Bug put back: levels left out of a slice; seen to fail.
 TEST(SpherindricalModel, ASliceRendersAsTheModel) {
-  for (const Form form : kDynamicForms)
+  for (const SetForm form : kDynamicForms)
     for (const int coefficients : {16, 4}) {
       const GaussianModel model = random_model_in_time(20, 60, 2, 9, coefficients, form);
       for (const double time : {0.3, 0.62}) {
@@ -69,8 +69,9 @@ TEST(SpherindricalModel, ASliceRendersAsTheModel) {
 // the second level read into the first.
 TEST(SpherindricalModel, FilesReloadBitEqual) {
   const TemporaryFolder folder;
-  for (const auto& [form, levels, coefficients] :
-       {std::tuple{Form::kPair, 2, 16}, {Form::kVelocity, 1, 4}, {Form::kVelocity, 2, 1}}) {
+  for (const auto& [form, levels, coefficients] : {std::tuple{SetForm::kPair, 2, 16},
+                                                   {SetForm::kVelocity, 1, 4},
+                                                   {SetForm::kVelocity, 2, 1}}) {
     GaussianModel model = random_model_in_time(3, 5, levels, 21, coefficients, form);
     model.drawing.sh_time_degree = 1;
     model.drawing.sh_time_period = 0.75;
@@ -115,7 +116,7 @@ TEST(SpherindricalModel, FilesThatLackAPartAreRefused) {
 
 // Bug put back: levels not turned; seen to fail.
 TEST(SpherindricalModel, ImagesStayInAnotherWorld) {
-  const GaussianModel model = random_model_in_time(10, 60, 2, 31, 16, Form::kVelocity);
+  const GaussianModel model = random_model_in_time(10, 60, 2, 31, 16, SetForm::kVelocity);
   Similarity world;
   world.scale = 1.7;
   world.translation = {0.4, -1, 0.2};
@@ -128,9 +129,9 @@ TEST(SpherindricalModel, ImagesStayInAnotherWorld) {
 
 // Bug put back: the group not among those that the forms share; seen to fail.
 TEST(SpherindricalModel, LevelsStayInTheOtherFormOfMotion) {
-  for (const Form form : kDynamicForms) {
+  for (const SetForm form : kDynamicForms) {
     const GaussianModel model = random_model_in_time(0, 40, 2, 33, 4, form);
-    const Form other = form == Form::kPair ? Form::kVelocity : Form::kPair;
+    const SetForm other = form == SetForm::kPair ? SetForm::kVelocity : SetForm::kPair;
     const GaussianSet converted = in_form(model.dynamic_set, other);
     ASSERT_EQ(converted.time_levels(), 2);
     const Buffer<float>&a = converted.group(kShTime).value,

@@ -1,10 +1,10 @@
 // State edits carried out on sets in which every number is known: which elements are left and in
 // which order, in the host's memory and in one of its own, and edits that are refused.
-#include "recon4d/model/state_edit.h"
+#include "recon4d/model/train_state.h"
 
 #include <gtest/gtest.h>
 
-#include "recon4d/model/sh_blocks.h"
+#include "recon4d/model/element_edits.h"
 #include "tests/recon4d/model/handmade_set.h"
 #include "tests/support/separate_backend.h"
 
@@ -14,8 +14,8 @@ namespace {
 using Tags = std::vector<Tag>;
 
 /// 9 static and 7 dynamic Gaussians, tagged by their element; statistics count 100 k + tag + 1.
-TrainState tagged_state(Form form = Form::kPair) {
-  HandmadeSet fixed(Form::kStatic, 9), moving(form, 7);
+TrainState tagged_state(SetForm form = SetForm::kPair) {
+  HandmadeSet fixed(SetForm::kStatic, 9), moving(form, 7);
   TrainState state;
   state.model.static_set = std::move(fixed.set);
   state.model.dynamic_set = std::move(moving.set);
@@ -27,7 +27,7 @@ TrainState tagged_state(Form form = Form::kPair) {
   return state;
 }
 
-GaussianSet tagged(Form form, const Tags& tags) {
+GaussianSet tagged(SetForm form, const Tags& tags) {
   HandmadeSet made(form, int64_t(tags.size()));
   for (size_t n = 0; n < tags.size(); ++n) *made.set.values().at(kSh, int64_t(n)) = float(tags[n]);
   return std::move(made.set);
@@ -41,11 +41,11 @@ Tags tags_of(const TrainState& state, int k) {
 }
 
 /// Two added sets for the dynamic set, as promotion and spawning give them.
-StateEdit both_ways(Form form) {
+StateEdit both_ways(SetForm form) {
   StateEdit edit;
   edit.dropped[0] = {1, 2};
   edit.dropped[1] = {0, 6};
-  edit.added[0].push_back(tagged(Form::kStatic, {50}));
+  edit.added[0].push_back(tagged(SetForm::kStatic, {50}));
   edit.added[1].push_back(tagged(form, {60, 61}));
   edit.added[1].push_back(tagged(form, {70}));
   return edit;
@@ -67,7 +67,7 @@ std::vector<float> element_of(const GaussianSet& set, int64_t n) {
 
 // Bug put back: the last of the added sets first; seen to fail.
 TEST(StateEdit, ElementsStandInTheOrderOfTheEdit) {
-  for (const Form form : {Form::kPair, Form::kVelocity}) {
+  for (const SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     TrainState state = tagged_state(form);
     apply_edit(*make_cpu_backend(), both_ways(form), state);
     EXPECT_EQ(tags_of(state, 0), (Tags{0, 3, 4, 5, 6, 7, 8, 50}));
@@ -79,7 +79,7 @@ TEST(StateEdit, ElementsStandInTheOrderOfTheEdit) {
 TEST(StateEdit, IsTheSameInAMemoryOfItsOwn) {
   SeparateBackend backend;
   TrainState state = tagged_state().clone_to(backend.memory());
-  apply_edit(backend, both_ways(Form::kPair), state);
+  apply_edit(backend, both_ways(SetForm::kPair), state);
   const TrainState here = state.clone_to(host_memory());
   EXPECT_EQ(tags_of(here, 0), (Tags{0, 3, 4, 5, 6, 7, 8, 50}));
   EXPECT_EQ(tags_of(here, 1), (Tags{1, 2, 3, 4, 5, 60, 61, 70}));
@@ -88,7 +88,7 @@ TEST(StateEdit, IsTheSameInAMemoryOfItsOwn) {
 
 // Bug put back: statistics begun anew, so that the next density control saw none; seen to fail.
 TEST(StateEdit, KeptElementsKeepTheirValuesMomentsAndStatistics) {
-  for (const Form form : {Form::kPair, Form::kVelocity}) {
+  for (const SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     const TrainState before = tagged_state(form);
     TrainState state = tagged_state(form);
     apply_edit(*make_cpu_backend(), both_ways(form), state);
@@ -111,7 +111,7 @@ TEST(StateEdit, KeptElementsKeepTheirValuesMomentsAndStatistics) {
 // Bug put back: degrees assigned before elements are added; seen to fail.
 TEST(StateEdit, DegreesAreOfTheElementsThatAreThereInTheEnd) {
   TrainState state = tagged_state();
-  StateEdit edit = both_ways(Form::kPair);
+  StateEdit edit = both_ways(SetForm::kPair);
   edit.degrees[0] = {1, 0, 1, 0, 0, 0, 1, 0};
   apply_edit(*make_cpu_backend(), edit, state);
   EXPECT_EQ(sh_degrees(state.set(0)), (std::vector<uint8_t>{1, 1, 1, 0, 0, 0, 0, 0}));
@@ -133,7 +133,7 @@ TEST(StateEdit, DroppedElementsAreThoseBeforeTheAdditions) {
   };
   std::vector<float> expected = places();
   edit.dropped[0] = {7};
-  edit.added[0].push_back(tagged(Form::kStatic, {50}));
+  edit.added[0].push_back(tagged(SetForm::kStatic, {50}));
   apply_edit(*make_cpu_backend(), edit, state);
   expected.erase(expected.begin() + 7);
   expected.insert(expected.begin() + 3, edit.added[0][0].group(kMean).value[0]);
@@ -155,9 +155,9 @@ TEST(StateEdit, RefusesElementsThatAreNotThere) {
 TEST(StateEdit, IsEmptyWithoutElements) {
   StateEdit edit;
   EXPECT_TRUE(edit.empty());
-  edit.added[1].push_back(tagged(Form::kPair, {}));
+  edit.added[1].push_back(tagged(SetForm::kPair, {}));
   EXPECT_TRUE(edit.empty());
-  edit.added[1].push_back(tagged(Form::kPair, {5}));
+  edit.added[1].push_back(tagged(SetForm::kPair, {5}));
   EXPECT_FALSE(edit.empty());
   StateEdit drops, degrees;
   drops.dropped[1] = {4};

@@ -7,8 +7,7 @@
 #include <numeric>
 
 #include "recon4d/density/density.h"
-#include "recon4d/model/element_moves.h"
-#include "recon4d/model/sh_blocks.h"
+#include "recon4d/model/element_edits.h"
 #include "tests/recon4d/model/small_models.h"
 #include "tests/support/backends.h"
 #include "tests/support/separate_backend.h"
@@ -23,7 +22,7 @@ struct Elements {
   SetStatistics statistics;
 };
 
-Elements some_elements(Form form, int64_t count, int levels, uint64_t seed) {
+Elements some_elements(SetForm form, int64_t count, int levels, uint64_t seed) {
   Random random(seed);
   TestGaussians<double> made = random_gaussians(form, count, 2, 0.1, random);
   if (levels > 0) add_time_levels(made, levels, seed + 1);
@@ -85,7 +84,8 @@ void expect_elements(const Elements& actual, const Elements& before,
 }
 
 /// Bytes of elements that have these degrees, values and both moments, which share a word in SH.
-int64_t bytes_of(const std::vector<uint8_t>& degrees, Form form, int levels, bool moments = true) {
+int64_t bytes_of(const std::vector<uint8_t>& degrees, SetForm form, int levels,
+                 bool moments = true) {
   int64_t words = 0;
   for (const uint8_t degree : degrees) {
     const int64_t sh = 3 * (degree + 1) * (degree + 1) * (1 + levels);
@@ -115,10 +115,10 @@ class BlockElements : public EveryBackend {
 TESSERA_ON_EVERY_BACKEND(BlockElements);
 
 struct Kind {
-  Form form;
+  SetForm form;
   int levels;
 };
-constexpr Kind kKinds[] = {{Form::kStatic, 0}, {Form::kPair, 2}, {Form::kVelocity, 1}};
+constexpr Kind kKinds[] = {{SetForm::kStatic, 0}, {SetForm::kPair, 2}, {SetForm::kVelocity, 1}};
 
 TEST_P(BlockElements, SortsElementsAndDropsBands) {
   // Bugs put back, each seen to fail: second moments left in their order; the bands of another
@@ -151,7 +151,7 @@ TEST_P(BlockElements, SortsElementsAndDropsBands) {
 
 TEST_P(BlockElements, FullDegreesChangeNothing) {
   // Bug put back: elements that all have the set's degree taken for blocks; seen to fail.
-  const Elements before = some_elements(Form::kPair, 20, 1, 403);
+  const Elements before = some_elements(SetForm::kPair, 20, 1, 403);
   const Elements after = edited(before, [&](Elements& elements) {
     set_sh_degrees(backend(), std::vector<uint8_t>(20, 3), elements.set, elements.statistics);
   });
@@ -265,7 +265,7 @@ TEST_P(BlockElements, AppendsElementsToTheirBlocks) {
 
 TEST_P(BlockElements, AppendsToAnEmptySet) {
   // Bug put back: the step of its colours left at 0; seen to fail.
-  const Elements from = some_elements(Form::kStatic, 12, 0, 425);
+  const Elements from = some_elements(SetForm::kStatic, 12, 0, 425);
   const Elements to{from.set.like(), SetStatistics()};
   const Elements after = edited(to, [&](Elements& copied) {
     const Elements added = clone_to(from, memory());
@@ -281,7 +281,7 @@ TEST_P(BlockElements, AppendsToAnEmptySet) {
 TEST_P(BlockElements, OrdersAndPrunesInsideTheBlocks) {
   // Bugs put back, each seen to fail: the order of all elements taken for that of each block;
   // statistics left in their order.
-  Elements whole = some_elements(Form::kVelocity, 80, 1, 430);
+  Elements whole = some_elements(SetForm::kVelocity, 80, 1, 430);
   for (int64_t n = 0; n < 80; n += 5) whole.set.group(kOpacityLogit).value[n] = -9;
   const Elements before = edited(whole, [&](Elements& elements) {
     set_sh_degrees(backend(), some_degrees(80, 431), elements.set, elements.statistics);
@@ -317,7 +317,8 @@ TEST_P(BlockElements, OrdersAndPrunesInsideTheBlocks) {
 
 /// Statistics and a static set whose SH is large enough for memory to be trimmed after it.
 Elements large_elements(Memory& memory) {
-  Elements elements{GaussianSet(Form::kStatic, kMaxShCoefficients, memory), SetStatistics(memory)};
+  Elements elements{GaussianSet(SetForm::kStatic, kMaxShCoefficients, memory),
+                    SetStatistics(memory)};
   elements.set.resize(90000);
   return elements;
 }
@@ -345,7 +346,7 @@ TEST(LargeElements, TheOldOnesAreFreeWhenMemoryIsTrimmed) {
 TEST(BlockElementsApart, TouchNothingOfAnotherMemory) {
   // Bug put back: the first step of the colours read where it lies; seen to fail.
   SeparateBackend separate;
-  const Elements elements = some_elements(Form::kPair, 30, 1, 450);
+  const Elements elements = some_elements(SetForm::kPair, 30, 1, 450);
   const auto through = [&](Backend& backend) {
     Elements copied = clone_to(elements, backend.memory());
     const Elements added = clone_to(elements, backend.memory());

@@ -8,7 +8,7 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
-#include "recon4d/model/sh_blocks.h"
+#include "recon4d/model/element_edits.h"
 #include "tests/recon4d/model/small_models.h"
 #include "tests/support/checkpoint_bytes.h"
 #include "tests/support/scratch_folder.h"

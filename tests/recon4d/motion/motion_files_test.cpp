@@ -37,7 +37,7 @@ TEST(MotionFiles, AModelComesBackBitForBit) {
   const ScratchFolder folder;
   save_model(folder / "model.ply", model);
   const GaussianModel loaded = load_model(folder / "model.ply");
-  EXPECT_EQ(loaded.static_set.form(), Form::kCanonical);
+  EXPECT_EQ(loaded.static_set.form(), SetForm::kCanonical);
   EXPECT_EQ(loaded.nodes.knots, model.nodes.knots);
   EXPECT_TRUE(model_bits(loaded) == model_bits(model));
 }

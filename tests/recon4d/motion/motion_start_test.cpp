@@ -1,7 +1,7 @@
 // Where motion nodes come from and how they get more control points.
 #include <gtest/gtest.h>
 
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/motion/refit.h"
 #include "recon4d/motion/start.h"
@@ -101,7 +101,7 @@ TEST(MotionStart, AStaticSetBecomesCanonicalAndLooksTheSame) {
   const GaussianSpans<const float> values = std::as_const(state.model.static_set).values();
   const NodePlan plan = plan_nodes(values.group[kMean], values.group[kOpacityLogit], 9);
   start_nodes(*backend, plan, 5, state);
-  EXPECT_EQ(state.model.static_set.form(), Form::kCanonical);
+  EXPECT_EQ(state.model.static_set.form(), SetForm::kCanonical);
   EXPECT_EQ(state.model.nodes.count, 9);
   EXPECT_EQ(state.model.nodes.knots, 5);
   EXPECT_EQ(state.model.nodes.started, 77);

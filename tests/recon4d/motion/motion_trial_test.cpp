@@ -29,7 +29,7 @@ TrainOptions trial_options() {
 /// Twelve lights that go on and off one after the other, each at another place.
 GaussianModel lights() {
   Random random(5);
-  TestGaussians<double> set = random_gaussians(Form::kVelocity, 12, 0.6, 0.15, random, 1);
+  TestGaussians<double> set = random_gaussians(SetForm::kVelocity, 12, 0.6, 0.15, random, 1);
   for (int64_t n = 0; n < set.count; ++n) {
     *set.at(kOpacityLogit, n) = 3;
     *set.at(kMeanTime, n) = (double(n) + 0.5) / double(set.count);
@@ -40,7 +40,7 @@ GaussianModel lights() {
     }
   }
   GaussianModel truth;
-  truth.static_set = GaussianSet(Form::kStatic, 1);
+  truth.static_set = GaussianSet(SetForm::kStatic, 1);
   truth.dynamic_set = set_of(set);
   truth.drawing.sh_degree = 0;
   return truth;

@@ -11,7 +11,7 @@
 #include <map>
 #include <set>
 
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "recon4d/reduction/pruning.h"
 #include "tests/recon4d/model/plain_gaussians.h"
 #include "tests/recon4d/model/small_models.h"
@@ -40,7 +40,7 @@ double light_of(const SetContributions& set) {
 
 // Bug put back: elements of the dynamic set read from the static one's; seen to fail.
 TEST(Contributions, WeightsAreTheLightOfTheImages) {
-  for (const Form form : {Form::kPair, Form::kVelocity}) {
+  for (const SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     const GaussianModel model = random_model(30, 20, 7, 4, form);
     const Scene scene = noisy_ring(5, 3);
     const Contributions contributions = contributions_of(model, scene);

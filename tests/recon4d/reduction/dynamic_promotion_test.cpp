@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/random.h"
 #include "recon4d/evaluation/render.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "tests/recon4d/model/plain_gaussians.h"
 #include "tests/recon4d/model/small_models.h"
 
@@ -61,7 +61,7 @@ struct Spots {
   GaussianModel model;
   Scene scene;
 
-  explicit Spots(Form form = Form::kPair, int degree = 0) : model(empty_model(form, degree)) {
+  explicit Spots(SetForm form = SetForm::kPair, int degree = 0) : model(empty_model(form, degree)) {
     TinyCapture capture{3, 6, 32};
     capture.arc = 0.3;
     const std::vector<Plain> spots = {{{0, 0, 0.7}, {0.7, 0.3, 0.3}, 0.12, 0.9},
@@ -83,7 +83,7 @@ struct Spots {
 
 // Bug put back: pairs with r near l; seen to fail.
 TEST(DynamicPromotion, WhereAColourChangesAtThatTimestepWithThatColour) {
-  for (const Form form : {Form::kPair, Form::kVelocity}) {
+  for (const SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     const Spots spots(form, 1);
     const Contributions contributions = contributions_of(spots.model, spots.scene);
     const std::vector<int64_t> elements = time_varying_elements(contributions, 0, 10);
@@ -102,9 +102,9 @@ TEST(DynamicPromotion, WhereAColourChangesAtThatTimestepWithThatColour) {
     // 1 + (1/2)² timesteps of six, half of that to each side
     EXPECT_NEAR(std::exp(*to.at(kLogScaleTime, 0)), 0.5 * 1.25 / 6, 0.01);
     GaussianState<float> g, still;
-    ASSERT_TRUE(form == Form::kPair ? load_gaussian<Form::kPair>(to, 0, g)
-                                    : load_gaussian<Form::kVelocity>(to, 0, g));
-    ASSERT_TRUE(load_gaussian<Form::kStatic>(from, 1, still));
+    ASSERT_TRUE(form == SetForm::kPair ? load_gaussian<SetForm::kPair>(to, 0, g)
+                                       : load_gaussian<SetForm::kVelocity>(to, 0, g));
+    ASSERT_TRUE(load_gaussian<SetForm::kStatic>(from, 1, still));
     for (int k = 0; k < 3; ++k) {
       EXPECT_EQ(g.mean[k], still.mean[k]);
       EXPECT_NEAR(g.spacetime.velocity[k], 0, 1e-5) << "at rest";
@@ -117,7 +117,7 @@ TEST(DynamicPromotion, WhereAColourChangesAtThatTimestepWithThatColour) {
 // What becomes dynamic looks as it did, all over the clip. Bug put back: a life of a tenth of the
 // clip; seen to fail.
 TEST(DynamicPromotion, WhatBecomesDynamicLooksAsItDid) {
-  for (const Form form : {Form::kPair, Form::kVelocity}) {
+  for (const SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     const Spots spots(form, 1);
     const Contributions contributions = contributions_of(spots.model, spots.scene);
     GaussianModel moving = spots.model.clone_values();

@@ -10,7 +10,7 @@
 #include <numeric>
 
 #include "recon4d/model/checkpoint.h"
-#include "recon4d/model/sh_blocks.h"
+#include "recon4d/model/element_edits.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/separate_backend.h"
 #include "tests/support/tiny_capture.h"

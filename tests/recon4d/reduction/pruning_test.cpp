@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-#include "recon4d/model/sh_blocks.h"
+#include "recon4d/model/element_edits.h"
 #include "tests/recon4d/model/plain_gaussians.h"
 
 namespace tessera::testing {
@@ -28,7 +28,7 @@ Contributions made_worth(const std::vector<float>& fixed, const std::vector<floa
 }
 
 GaussianModel made_model(const Contributions& contributions, int degree = 0) {
-  GaussianModel model = empty_model(Form::kPair, degree);
+  GaussianModel model = empty_model(SetForm::kPair, degree);
   for (int k = 0; k < 2; ++k) {
     GaussianSet& set = k == 0 ? model.static_set : model.dynamic_set;
     set = plain_set(set, std::vector<Plain>(contributions.sets[k].weight.size()));

@@ -6,14 +6,14 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "tests/recon4d/model/plain_gaussians.h"
 #include "tests/recon4d/model/small_models.h"
 
 namespace tessera::testing {
 namespace {
 
-constexpr Form kForms[] = {Form::kPair, Form::kVelocity};
+constexpr SetForm kForms[] = {SetForm::kPair, SetForm::kVelocity};
 
 /// What try_demotion makes of a model whose own images are the truth.
 DemotionTrial tried(const GaussianModel& model, double allowed, int rounds = 4) {
@@ -25,7 +25,7 @@ DemotionTrial tried(const GaussianModel& model, double allowed, int rounds = 4) 
 }
 
 /// A static Gaussian below and these dynamic ones.
-GaussianModel model_with(Form form, const std::vector<Plain>& moving) {
+GaussianModel model_with(SetForm form, const std::vector<Plain>& moving) {
   GaussianModel model = empty_model(form);
   model.static_set = plain_set(model.static_set, {{{0, -0.9, 0}, {0.3, 0.6, 0.4}, 0.1}});
   model.dynamic_set = plain_set(model.dynamic_set, moving);
@@ -43,14 +43,14 @@ TEST(StaticDemotion, WhatLastsAndDoesNotMoveIsAccepted) {
   half.mean_time = 0;
   half.sigma_time = 0.25;
   half.mean = {-0.2, 0.8, 0};
-  for (const Form form : kForms) {
+  for (const SetForm form : kForms) {
     const DemotionTrial alone = tried(model_with(form, {still}), kAllowed);
     EXPECT_EQ(alone.elements, (std::vector<int64_t>{0}));
     EXPECT_EQ(alone.demoted.count(), 1);
     EXPECT_LT(alone.error, 1e-3);
     EXPECT_TRUE(tried(model_with(form, {half}), kAllowed).elements.empty())
         << "there half the time";
-    if (form == Form::kPair) continue;
+    if (form == SetForm::kPair) continue;
     EXPECT_TRUE(tried(model_with(form, {moves}), kAllowed).elements.empty()) << "moves";
     const DemotionTrial all = tried(model_with(form, {moves, still, half, still}), kAllowed);
     EXPECT_EQ(all.elements, (std::vector<int64_t>{1, 3})) << "told apart in one scene";
@@ -65,14 +65,14 @@ TEST(StaticDemotion, AChangeOfColourIsMotion) {
   after.colour = {0.1, 0.2, 0.9};
   after.mean_time = 1;
   const Plain still{{0, -0.3, 0}, {0.4, 0.8, 0.1}, 0.1, 0.8};
-  for (const Form form : kForms)
+  for (const SetForm form : kForms)
     EXPECT_EQ(tried(model_with(form, {before, still, after}), kAllowed).elements,
               (std::vector<int64_t>{1}));
   // nobody moves, but the light does
   Plain dims = still;
   dims.mean_time = -0.5;
   dims.sigma_time = 0.7;
-  EXPECT_TRUE(tried(model_with(Form::kPair, {dims}), kAllowed).elements.empty());
+  EXPECT_TRUE(tried(model_with(SetForm::kPair, {dims}), kAllowed).elements.empty());
 }
 
 // Bug put back: elements without light tried; seen to fail.
@@ -80,7 +80,7 @@ TEST(StaticDemotion, AcceptsWhatIsAllowedAndNothingUnseen) {
   const Plain lasting{{0, 0.5, 0}, {0.9, 0.4, 0.1}, 0.2, 0.8, 0.5, 1.5};  // fades by 5 %
   Plain unseen = lasting;
   unseen.mean = {0, 50, 0};
-  const GaussianModel model = model_with(Form::kPair, {unseen, lasting});
+  const GaussianModel model = model_with(SetForm::kPair, {unseen, lasting});
   const DemotionTrial generous = tried(model, 1e6);
   EXPECT_EQ(generous.elements, (std::vector<int64_t>{1}));
   EXPECT_GT(generous.error, 0);
@@ -94,7 +94,7 @@ TEST(StaticDemotion, TheErrorIsOfWhatIsLeft) {
   std::vector<Plain> dynamic = {{{0, 0.7, 0}, {0.9, 0.4, 0.1}, 0.15, 0.8, 0.5, 1.5}};  // fades
   for (int n = 0; n < 4; ++n)
     dynamic.push_back({{0.4 * n - 0.6, -0.2, 0}, {0.4, 0.8, 0.1}, 0.1, 0.8});  // these last
-  const GaussianModel model = model_with(Form::kPair, dynamic);
+  const GaussianModel model = model_with(SetForm::kPair, dynamic);
   const double all = tried(model, 1e6).error;
   const DemotionTrial one_round = tried(model, 0.25 * all, 1);
   EXPECT_EQ(one_round.elements, (std::vector<int64_t>{1, 2, 3, 4}));
@@ -108,8 +108,8 @@ SetContributions at_timestep(const GaussianModel& model, float t) {
   const GaussianSpans<const float> values = model.dynamic_set.values();
   for (int64_t n = 0; n < values.count; ++n) {
     GaussianState<float> g{};
-    values.form == Form::kPair ? load_gaussian<Form::kPair>(values, n, g)
-                               : load_gaussian<Form::kVelocity>(values, n, g);
+    values.form == SetForm::kPair ? load_gaussian<SetForm::kPair>(values, n, g)
+                                  : load_gaussian<SetForm::kVelocity>(values, n, g);
     contributions.weight[size_t(n)] = 1;
     contributions.mean_time[size_t(n)] = t;
     contributions.opacity[size_t(n)] = g.opacity * slice_at(g.mean, g.spacetime, t).marginal;
@@ -119,7 +119,7 @@ SetContributions at_timestep(const GaussianModel& model, float t) {
 
 // Bugs put back, each seen to fail: the opacity of the Gaussian; levels of time left out.
 TEST(StaticDemotion, TheStaticFormDrawsTheSliceAtItsTimestep) {
-  for (const Form form : kForms)
+  for (const SetForm form : kForms)
     for (const float t : {0.1f, 0.5f, 0.8f})
       for (const int levels : {0, 2}) {
         const GaussianModel model = levels == 0 ? random_model(0, 15, 7, 16, form)
@@ -140,7 +140,7 @@ TEST(StaticDemotion, TheStaticFormDrawsTheSliceAtItsTimestep) {
 
 // Bug put back: elements without light placed too; seen to fail.
 TEST(StaticDemotion, WithoutLightItStaysWhereItsOwnTimestepHasIt) {
-  const GaussianModel model = random_model(0, 5, 7, 4, Form::kVelocity);
+  const GaussianModel model = random_model(0, 5, 7, 4, SetForm::kVelocity);
   SetContributions contributions;
   contributions.resize(5);
   const GaussianSet still = as_static(*make_cpu_backend(), model, contributions);

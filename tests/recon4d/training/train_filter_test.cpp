@@ -41,7 +41,7 @@ TEST(TrainFilter, ResumeGoesOnBitForBit) {
 TEST(TrainFilter, SizesAreReorderedWithTheSet) {
   // Bug put back: sizes left in their places; seen to fail.
   const std::unique_ptr<Backend> backend = make_cpu_backend();
-  for (const Form form : {Form::kStatic, Form::kPair}) {
+  for (const SetForm form : {SetForm::kStatic, SetForm::kPair}) {
     HandmadeSet made(form, 50);
     made.statistics.filter_size.resize(50);
     for (int64_t n = 0; n < 50; ++n) made.statistics.filter_size[n] = float(n) + 0.5f;

@@ -166,10 +166,10 @@ TEST(TrainLoop, BatchOfEqualViewsIsOneView) {
     const std::vector<float> mx = first_moments(x), my = first_moments(y);
     float largest = 0;
     for (float m : mx) largest = std::max(largest, std::abs(m));
-    EXPECT_GT(largest, 0) << group_name(Group(g), Form::kStatic);
+    EXPECT_GT(largest, 0) << group_name(Group(g), SetForm::kStatic);
     for (size_t i = 0; i < mx.size(); ++i)
       EXPECT_NEAR(mx[i], my[i], 1e-5f * largest + (packed ? std::abs(mx[i]) / 64 : 0))
-          << group_name(Group(g), Form::kStatic) << " " << i;
+          << group_name(Group(g), SetForm::kStatic) << " " << i;
   }
 }
 

@@ -142,7 +142,7 @@ TEST(TrainSchedule, LearningRatesOfTheMethod) {
   const TrainOptions options;
   const Schedule schedule(options, kExtent);
   for (int64_t i : {int64_t{0}, int64_t{14999}, int64_t{29999}}) {
-    const AdamGroups<float> adam = schedule.adam(i, Form::kPair);
+    const AdamGroups<float> adam = schedule.adam(i, SetForm::kPair);
     const double u = double(i + 1) / 30000;
     const double mean = kExtent * std::exp((1 - u) * std::log(1.6e-4) + u * std::log(1.6e-6));
     const auto expect_rate = [&](const AdamScalars<float>& scalars, double expected) {
@@ -161,16 +161,16 @@ TEST(TrainSchedule, LearningRatesOfTheMethod) {
     expect_rate(adam.group[kOpacityLogit], 0.05);
     expect_rate(adam.group[kSh], 2.5e-3);
     expect_rate(adam.sh_rest, 1.25e-4);
-    const AdamGroups<float> drifting = schedule.adam(i, Form::kVelocity);
+    const AdamGroups<float> drifting = schedule.adam(i, SetForm::kVelocity);
     expect_rate(drifting.group[kVelocity], 5e-4 / 1.6e-4 * mean);  // decays as the means do
     EXPECT_EQ(drifting.group[kLogScaleTime].step_size, adam.group[kLogScaleTime].step_size);
-    const AdamGroups<float> still = schedule.adam(i, Form::kStatic);
+    const AdamGroups<float> still = schedule.adam(i, SetForm::kStatic);
     EXPECT_EQ(still.group[kMean].step_size, adam.group[kMean].step_size);
     EXPECT_NEAR(schedule.exposure_rate(i), 0.01 * std::pow(0.01, u), 1e-15);
   }
-  EXPECT_NEAR(rate(schedule.adam(29999, Form::kStatic).group[kMean], 29999), 1.6e-6 * kExtent,
+  EXPECT_NEAR(rate(schedule.adam(29999, SetForm::kStatic).group[kMean], 29999), 1.6e-6 * kExtent,
               1e-11);
-  EXPECT_NEAR(rate(schedule.adam(14999, Form::kStatic).group[kMean], 14999), 1.6e-5 * kExtent,
+  EXPECT_NEAR(rate(schedule.adam(14999, SetForm::kStatic).group[kMean], 14999), 1.6e-5 * kExtent,
               1e-10);
 }
 
@@ -179,7 +179,7 @@ TEST(TrainSchedule, TemporalMeansKeepTheirRate) {
   const TrainOptions options;
   const auto rate = [&](int64_t i) {  // the bias of the moments is gone at the end
     const AdamScalars<float> kept = adam_scalars<float>(1, i + 1);
-    const AdamGroups<float> groups = Schedule(options, kExtent).adam(i, Form::kVelocity);
+    const AdamGroups<float> groups = Schedule(options, kExtent).adam(i, SetForm::kVelocity);
     return groups.group[kMeanTime].step_size / kept.step_size;
   };
   EXPECT_FLOAT_EQ(rate(0), 1.6e-4 * kExtent);
@@ -201,7 +201,7 @@ TEST(TrainSchedule, MeansDecayLogLinearly) {
 TEST(TrainSchedule, ARateOfZeroIsZero) {
   TrainOptions options;
   options.lr_mean = options.lr_mean_final = 0;
-  EXPECT_EQ(Schedule(options, kExtent).adam(100, Form::kStatic).group[kMean].step_size, 0);
+  EXPECT_EQ(Schedule(options, kExtent).adam(100, SetForm::kStatic).group[kMean].step_size, 0);
 }
 
 // Bug put back: indices drawn with replacement; seen to fail.

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "ingest/files/ply.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/transform/splat_quanta.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
@@ -131,7 +131,8 @@ TEST(Ply3dgs, HasTheLayoutOfTheReferenceCode) {
 TEST(Ply3dgs, AnEmptySetIsAFile) {
   const TemporaryFolder folder;
   EXPECT_EQ(
-      save_splat_file(splat_format("ply"), folder / "a.ply", GaussianSet(Form::kStatic, 16), 3), 0);
+      save_splat_file(splat_format("ply"), folder / "a.ply", GaussianSet(SetForm::kStatic, 16), 3),
+      0);
   const SplatFile read = load_splat_file(folder / "a.ply");
   EXPECT_EQ(read.set.count(), 0);
   EXPECT_EQ(read.sh_degree, 3);

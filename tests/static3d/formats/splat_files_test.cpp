@@ -15,9 +15,9 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
 #include "ingest/files/gzip.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/spherical_harmonics.h"
-#include "recon4d/model/validity.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/transform/axis_flip.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
@@ -142,7 +142,7 @@ TEST(SplatFiles, HoldWhatIsExtreme) {
     const SplatFile read = load_splat_file(path);
     ASSERT_EQ(read.set.count(), 4);
     for (const float x : read.set.group(kOpacityLogit).value.span()) EXPECT_TRUE(std::isfinite(x));
-    save_splat_file(format, path, GaussianSet(Form::kStatic, 16), 3);
+    save_splat_file(format, path, GaussianSet(SetForm::kStatic, 16), 3);
     const bool has_header = std::string(format.name) != "splat";
     if (has_header) {
       EXPECT_EQ(load_splat_file(path).set.count(), 0);

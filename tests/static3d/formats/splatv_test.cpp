@@ -124,7 +124,7 @@ double fastest(const GaussianModel& model) {
 // fail.
 TEST(Splatv, ShowsTheModelAtEveryTimestep) {
   const ScratchFolder folder;
-  for (Form form : {Form::kPair, Form::kVelocity}) {
+  for (SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     const GaussianModel model = random_model(30, 60, 5, 16, form);
     const SplatvReport report = save_splatv(folder / "a.splatv", model, {splatv_camera(model)});
     EXPECT_EQ(report.non_finite, 0);
@@ -154,7 +154,7 @@ TEST(Splatv, ShowsTheModelAtEveryTimestep) {
 // Bug put back: the mean as at present before it is rounded; seen to fail.
 TEST(Splatv, RoundingTimeMovesNothing) {
   const ScratchFolder folder;
-  const GaussianModel model = random_model(0, 40, 5, 1, Form::kVelocity);
+  const GaussianModel model = random_model(0, 40, 5, 1, SetForm::kVelocity);
   save_splatv(folder / "a.splatv", model, {splatv_camera(model)});
   const SplatvFile read = read_splatv(folder / "a.splatv");
   const Slicer slicer(model);
@@ -195,7 +195,7 @@ TEST(Splatv, BakesColoursThatFollowTime) {
 // Bugs put back: the texture not filled up to whole rows; unsound Gaussians written. Seen to fail.
 TEST(Splatv, FillsRowsAndLeavesOutWhatIsNotDrawn) {
   const ScratchFolder folder;
-  GaussianModel model = random_model(1025, 4, 5, 1, Form::kVelocity);
+  GaussianModel model = random_model(1025, 4, 5, 1, SetForm::kVelocity);
   *model.static_set.values().at(kOpacityLogit, 7) = NAN;
   *model.dynamic_set.values().at(kSh, 2) = NAN;
   *model.dynamic_set.values().at(kMeanTime, 1) = 90;  // long after the clip

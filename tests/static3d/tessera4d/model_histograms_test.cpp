@@ -45,7 +45,7 @@ TEST(ModelHistograms, DegreesAreThoseThatHoldSomething) {
 // Bugs put back: the last bin closed; extents of what is never drawn counted; the temporal filter
 // left out; each seen to fail.
 TEST(ModelHistograms, ExtentsAreOfWhatIsDrawn) {
-  GaussianModel model = random_model(3, 6, 7, 1, Form::kVelocity);
+  GaussianModel model = random_model(3, 6, 7, 1, SetForm::kVelocity);
   model.time_axis = {0, 8};
   const double extents[] = {1e-6, 0.003, 0.004, 1.5, 100, 0.3};
   const GaussianSpans<float> set = model.dynamic_set.values();
@@ -59,7 +59,7 @@ TEST(ModelHistograms, ExtentsAreOfWhatIsDrawn) {
   EXPECT_EQ(histograms.extents, (std::array<int64_t, 12>{2, 1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1}));
   EXPECT_EQ(histograms.never_drawn, 1);
   GaussianModel pairs = clone(model);
-  pairs.dynamic_set = in_form(model.dynamic_set, Form::kPair);
+  pairs.dynamic_set = in_form(model.dynamic_set, SetForm::kPair);
   EXPECT_EQ(histograms_of(pairs).extents, histograms.extents);
   model.drawing.time_filter = 0.3 * 0.3;
   EXPECT_EQ(histograms_of(model).extents,

@@ -17,7 +17,7 @@ int64_t bytes_of(const ComponentBytes& set, Component component) {
 }
 
 GaussianModel clip_model() {
-  GaussianModel model = random_model(60, 300, 7, 16, Form::kVelocity);
+  GaussianModel model = random_model(60, 300, 7, 16, SetForm::kVelocity);
   model.time_axis = {0, 8};
   return model;
 }
@@ -62,7 +62,7 @@ TEST(SizeBreakdown, BandsThatAreZeroCostTheColourAlone) {
 
 // Bug put back: levels of time counted with the colour; seen to fail.
 TEST(SizeBreakdown, MemoryIsTheValuesOfEveryGroup) {
-  for (const Form form : {Form::kPair, Form::kVelocity}) {
+  for (const SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     GaussianModel model = random_model_in_time(5, 11, 2, 7, 9, form);
     model.environment.height = 4;
     model.environment.map.value.resize(4 * 8 * 3);
@@ -82,7 +82,7 @@ TEST(SizeBreakdown, MemoryIsTheValuesOfEveryGroup) {
       EXPECT_EQ(scalars(*set, Component::kColour), 27);
     }
     EXPECT_EQ(scalars(account.fixed, Component::kTime), 0);
-    EXPECT_EQ(scalars(account.moving, Component::kTime), 2 + (form == Form::kPair ? 4 : 3) + 54);
+    EXPECT_EQ(scalars(account.moving, Component::kTime), 2 + (form == SetForm::kPair ? 4 : 3) + 54);
   }
 }
 

@@ -26,7 +26,7 @@ GaussianModel carried_model(int most, int64_t count = 40) {
   model.static_set = set_of(canonical(scene.fixed, nodes, random, [most](int64_t n) {
     return n % 5 == 4 ? 0 : 1 + int(n) % most;
   }));
-  model.dynamic_set = GaussianSet(Form::kVelocity, model.static_set.coefficients());
+  model.dynamic_set = GaussianSet(SetForm::kVelocity, model.static_set.coefficients());
   model.drawing.sh_degree = 3;
   while (sh_coefficients(model.drawing.sh_degree) > model.static_set.coefficients())
     --model.drawing.sh_degree;
@@ -68,7 +68,7 @@ TEST(Tessera4dNodes, ImagesStayWhatTheyWere) {
   const GaussianModel model = carried_model(kBindings);
   const Tessera4dFile file = encode_tessera4d(model, {});
   const Tessera4dInput read = through_folder(file);
-  EXPECT_EQ(read.model.static_set.form(), Form::kCanonical);
+  EXPECT_EQ(read.model.static_set.form(), SetForm::kCanonical);
   EXPECT_EQ(read.model.static_set.count(), model.static_set.count());
   EXPECT_EQ(read.model.nodes.knots, model.nodes.knots);
   EXPECT_GT(likeness(read.model, model), 45);

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
-#include "kernels/elements/load_gaussian.h"
-#include "recon4d/model/validity.h"
+#include "kernels/load_gaussian.h"
+#include "recon4d/model/element_edits.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/transform/morton_order.h"
@@ -26,7 +26,7 @@ namespace {
 
 /// A clip of eight seconds whose dynamic Gaussians live for a quarter of a second to for ever.
 GaussianModel clip_model(uint64_t seed = 7, int64_t moving = 300) {
-  GaussianModel model = random_model(60, moving, seed, 16, Form::kVelocity);
+  GaussianModel model = random_model(60, moving, seed, 16, SetForm::kVelocity);
   model.time_axis = {0, 8};
   Random random(seed + 1);
   const GaussianSpans<float> set = model.dynamic_set.values();
@@ -120,9 +120,9 @@ TEST(Tessera4d, WrittenAgainTheBlocksAreTheSame) {
 }
 
 TEST(Tessera4d, PairsAreReadBackAsTheirVelocities) {
-  const GaussianModel model = random_model(20, 40, 3, 16, Form::kPair);
+  const GaussianModel model = random_model(20, 40, 3, 16, SetForm::kPair);
   const Tessera4dInput read = through_folder(model, lossless());
-  ASSERT_EQ(read.model.dynamic_set.form(), Form::kVelocity);
+  ASSERT_EQ(read.model.dynamic_set.form(), SetForm::kVelocity);
   for (double time : {0.1, 0.6})
     expect_same_image(render_one(read.model, view_at(time)), render_one(model, view_at(time)));
 }
@@ -176,7 +176,7 @@ class Steps : public ::testing::Test {
 
   GaussianModel model_ = clip_model();
   Block block_;
-  GaussianSet read_{Form::kVelocity, 16}, truth_{Form::kVelocity, 16};
+  GaussianSet read_{SetForm::kVelocity, 16}, truth_{SetForm::kVelocity, 16};
 };
 
 // Bug put back: floor in place of round; seen to fail for each.
@@ -305,7 +305,7 @@ TEST(Tessera4d, TheTemporalFilterIsPartOfTheScale) {
 
 // Bug put back: levels left out; seen to fail.
 TEST(Tessera4d, ColoursThatFollowTimeAreThoseOfTheirTimestep) {
-  const GaussianModel model = random_model_in_time(0, 1, 2, 5, 16, Form::kVelocity);
+  const GaussianModel model = random_model_in_time(0, 1, 2, 5, 16, SetForm::kVelocity);
   const Tessera4dInput read = through_folder(model, lossless());
   ASSERT_EQ(read.model.dynamic_set.count(), 1);
   const GaussianSpans<const float> from = model.dynamic_set.values();

@@ -36,9 +36,9 @@ void expect_same_images(const GaussianModel& a, const GaussianModel& b) {
 // Bugs put back, each seen to fail: the time axis without σ_t in its spatial part; axes taken as
 // rows.
 TEST(MotionForm, ConvertedSetsRenderAsBefore) {
-  for (const Form form : kDynamicForms) {
+  for (const SetForm form : kDynamicForms) {
     const GaussianModel model = random_model(10, 150, 31, 4, form);
-    const Form other = form == Form::kPair ? Form::kVelocity : Form::kPair;
+    const SetForm other = form == SetForm::kPair ? SetForm::kVelocity : SetForm::kPair;
     GaussianModel converted = clone(model);
     converted.dynamic_set = in_form(model.dynamic_set, other);
     EXPECT_EQ(converted.dynamic_set.form(), other);
@@ -51,8 +51,8 @@ TEST(MotionForm, ConvertedSetsRenderAsBefore) {
 }
 
 TEST(MotionForm, AVelocityComesBackToRounding) {
-  const GaussianModel model = random_model(0, 200, 33, 4, Form::kVelocity);
-  const GaussianSet back = in_form(in_form(model.dynamic_set, Form::kPair), Form::kVelocity);
+  const GaussianModel model = random_model(0, 200, 33, 4, SetForm::kVelocity);
+  const GaussianSet back = in_form(in_form(model.dynamic_set, SetForm::kPair), SetForm::kVelocity);
   for (int64_t i = 0; i < 600; ++i)
     EXPECT_NEAR(back.group(kVelocity).value[i], model.dynamic_set.group(kVelocity).value[i], 1e-5);
   for (int64_t n = 0; n < 200; ++n) {
@@ -71,11 +71,11 @@ TEST(MotionForm, UnsoundGaussiansAreLeftOut) {
   GaussianModel model = random_model(0, 5);
   model.dynamic_set.group(kMean).value[3] = NAN;
   for (int k = 0; k < 4; ++k) model.dynamic_set.group(kRotationRight).value[4 * 3 + k] = 0;
-  EXPECT_EQ(in_form(model.dynamic_set, Form::kVelocity).count(), 3);
+  EXPECT_EQ(in_form(model.dynamic_set, SetForm::kVelocity).count(), 3);
 }
 
 TEST(MotionForm, SlicesWorldsAndLiftsOfVelocitySets) {
-  const GaussianModel model = random_model(20, 60, 35, 4, Form::kVelocity);
+  const GaussianModel model = random_model(20, 60, 35, 4, SetForm::kVelocity);
   for (double time : {0.3, 0.6}) {
     View view = three_views()[0];
     view.time = time;
@@ -96,8 +96,8 @@ TEST(MotionForm, SlicesWorldsAndLiftsOfVelocitySets) {
     EXPECT_LE(double(off), 0.002 * double(before.rgb.size()));
   }
   GaussianModel lifted = clone(model);
-  lifted.dynamic_set = lift_to_4d(model.static_set, 8, Form::kVelocity);
-  lifted.static_set = GaussianSet(Form::kStatic, 4);
+  lifted.dynamic_set = lift_to_4d(model.static_set, 8, SetForm::kVelocity);
+  lifted.static_set = GaussianSet(SetForm::kStatic, 4);
   const GaussianModel still = static_model(model, model.static_set.clone_values());
   expect_same_image(render_one(lifted, three_views()[1]), render_one(still, three_views()[1]));
 }
@@ -105,10 +105,10 @@ TEST(MotionForm, SlicesWorldsAndLiftsOfVelocitySets) {
 // Bug put back: the file's form not looked at; seen to fail.
 TEST(MotionForm, FilesKeepTheForm) {
   const TemporaryFolder folder;
-  const GaussianModel model = random_model(4, 7, 37, 4, Form::kVelocity);
+  const GaussianModel model = random_model(4, 7, 37, 4, SetForm::kVelocity);
   save_model(folder / "a.ply", model);
   const GaussianModel reloaded = load_model(folder / "a.ply");
-  EXPECT_EQ(reloaded.dynamic_set.form(), Form::kVelocity);
+  EXPECT_EQ(reloaded.dynamic_set.form(), SetForm::kVelocity);
   EXPECT_TRUE(same_bits(reloaded.dynamic_set, model.dynamic_set));
 
   TrainState state;

@@ -104,7 +104,7 @@ TEST(Slice, OneFrameAsDim4IsTheSameAsDim3) {
   const GaussianModel model = random_model(80, 0);
   GaussianModel lifted = clone(model);
   lifted.dynamic_set = lift_to_4d(model.static_set, 8.0f);
-  lifted.static_set = GaussianSet(Form::kStatic, 16);
+  lifted.static_set = GaussianSet(SetForm::kStatic, 16);
   for (View view : three_views())
     for (double time : {0.0, 0.5, 1.0}) {
       view.time = time;
@@ -162,8 +162,8 @@ TEST(Render, ADegreeIsTheSameAsZeroHigherBands) {
     GaussianModel zeroed = clone(full), cut = clone(full);
     full.drawing.sh_degree = degree;
     const int kept = sh_coefficients(degree);
-    cut.static_set = GaussianSet(Form::kStatic, kept);
-    cut.dynamic_set = GaussianSet(Form::kPair, kept);
+    cut.static_set = GaussianSet(SetForm::kStatic, kept);
+    cut.dynamic_set = GaussianSet(SetForm::kPair, kept);
     for (int s = 0; s < 2; ++s) {
       GaussianSet& zero = s == 0 ? zeroed.static_set : zeroed.dynamic_set;
       GaussianSet& small = s == 0 ? cut.static_set : cut.dynamic_set;

@@ -1,9 +1,9 @@
 // What: dynamic Gaussians as static ones.
-// Not: one of them (kernels/elements/demotion.h).
+// Not: one of them (kernels/edits/demote.h).
+#include "kernels/edits/demote.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/elements/demotion.h"
 
 namespace tessera {
 

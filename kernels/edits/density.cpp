@@ -1,5 +1,5 @@
 // What: density control of a set as lists of elements; the order of a set in memory.
-// Not: when (recon4d/training/schedule.h); the rule for one Gaussian is in elements/density.h.
+// Not: when (recon4d/training/schedule.h); the rule for one Gaussian is in kernels/edits/density.h.
 // Source: method A.13, A.14, D.7.
 #include <algorithm>
 #include <limits>
@@ -7,7 +7,7 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/elements/density.h"
+#include "kernels/edits/density.h"
 #include "kernels/math/locality.h"
 
 namespace tessera {

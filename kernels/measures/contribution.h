@@ -2,7 +2,7 @@
 // Not: the sums themselves (kernels/math/contribution.h), nor loops over Gaussians (stages).
 #pragma once
 #include "kernels/batch.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/contribution.h"
 
 namespace tessera {

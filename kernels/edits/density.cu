@@ -1,6 +1,6 @@
 // What: density control of a set as lists of elements, and the order of a set in memory, on the
 // device. Not: when (recon4d/training/schedule.h); the rule for one Gaussian is in
-// elements/density.h. Source: method A.13, A.14, D.7.
+// kernels/edits/density.h. Source: method A.13, A.14, D.7.
 #include <cub/device/device_reduce.cuh>
 
 #include "kernels/base/errors.h"
@@ -9,7 +9,7 @@
 #include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
-#include "kernels/elements/density.h"
+#include "kernels/edits/density.h"
 #include "kernels/math/locality.h"
 
 namespace tessera {
@@ -67,7 +67,7 @@ __global__ void list_elements(Places places, int64_t count, int64_t* index) {
   }
 }
 
-template <Form form>
+template <SetForm form>
 __global__ void place(GaussianSpans<float> set, int64_t first, uint64_t seed) {
   const int64_t n = first + linear_index();
   if (n < set.count) place_child<form>(set, n, seed);

@@ -1,7 +1,7 @@
 // What: dead Gaussians become copies of living ones, copies are added, means take random steps, on
 // the device. Weights are whole numbers and counts are added, so that nothing depends on an order.
 // Not: when (recon4d/density/mcmc.h); what becomes of one Gaussian is in math/relocation.h and
-// elements/position_noise.h.
+// kernels/edits/mcmc.h.
 // Source: method B.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
@@ -9,8 +9,7 @@
 #include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
-#include "kernels/elements/position_noise.h"
-#include "kernels/elements/relocation.h"
+#include "kernels/edits/mcmc.h"
 
 namespace tessera {
 namespace {
@@ -18,7 +17,7 @@ namespace {
 constexpr int kThreads = 256;
 
 /// What each Gaussian weighs in the draw, and whether it is dead; one copy of each so far.
-template <Form form>
+template <SetForm form>
 __global__ void weigh(GaussianSpans<const float> set, double dead_opacity, int32_t* weight,
                       int32_t* dead, int32_t* copies) {
   const int64_t n = linear_index();
@@ -43,7 +42,7 @@ __global__ void draw(const int64_t* sums, const int32_t* dead, int64_t count, in
   moments[i] = is_new ? -1 : i;
 }
 
-template <Form form>
+template <SetForm form>
 __global__ void settle(GaussianSpans<float> set, const int32_t* copies, double least_opacity,
                        int64_t* moments) {
   const int64_t n = linear_index();
@@ -52,7 +51,7 @@ __global__ void settle(GaussianSpans<float> set, const int32_t* copies, double l
   moments[n] = -1;
 }
 
-template <Form form>
+template <SetForm form>
 __global__ void make_noise(GaussianSpans<float> set, PositionNoise noise) {
   const int64_t n = linear_index();
   if (n < set.count) add_position_noise<form>(set, n, noise);

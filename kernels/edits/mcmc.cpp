@@ -1,12 +1,11 @@
 // What: dead Gaussians become copies of living ones, copies are added, means take random steps.
 // Not: when (recon4d/density/mcmc.h); what becomes of one Gaussian is in math/relocation.h and
-// elements/position_noise.h.
+// kernels/edits/mcmc.h.
 // Source: method B.
+#include "kernels/edits/mcmc.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/elements/position_noise.h"
-#include "kernels/elements/relocation.h"
 
 namespace tessera {
 namespace {
@@ -19,7 +18,7 @@ struct Weighed {
   std::vector<int64_t> sums;  // [N+1]
 };
 
-template <Form form, class Real>
+template <SetForm form, class Real>
 Weighed weigh(const GaussianSpans<const Real>& set, double dead_opacity) {
   Weighed out{std::vector<char>(size_t(set.count)), std::vector<int64_t>(size_t(set.count + 1))};
   parallel_for(set.count, kGrain, [&](int64_t begin, int64_t end) {
@@ -33,7 +32,7 @@ Weighed weigh(const GaussianSpans<const Real>& set, double dead_opacity) {
   return out;
 }
 
-template <Form form, class Real>
+template <SetForm form, class Real>
 void relocate(const GaussianSpans<Real>& set, const RelocationRule& rule,
               RelocationElements& elements) {
   const Weighed weighed = weigh<form>(set.view(), rule.dead_opacity);

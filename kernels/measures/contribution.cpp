@@ -1,6 +1,6 @@
 // What: sums of splats per Gaussian, and of images.
 // Not: sums over the pixels of a splat (sensitivity.cpp); equations (math/contribution.h).
-#include "kernels/elements/contribution.h"
+#include "kernels/measures/contribution.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
@@ -11,7 +11,7 @@ namespace {
 constexpr int64_t kElementGrain = 512, kValueGrain = 1 << 16;
 
 /// Elements of a block whose first stands at `first` in the splats' numbering.
-template <Form form, class Real>
+template <SetForm form, class Real>
 void add_block(const ContributionArgs<Real>& args, const GaussianSpans<const Real>& set,
                int64_t first) {
   const RenderOptions& options = args.forward.options;

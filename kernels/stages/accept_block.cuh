@@ -1,6 +1,6 @@
-// The gradients of a block's Gaussians on their way into a sink (kernels/elements/gradient_sink.h).
+// The gradients of a block's Gaussians on their way into a sink (kernels/stages/gradient_sink.h).
 #pragma once
-#include "kernels/elements/gradient_sink.h"
+#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 
@@ -18,7 +18,7 @@ __device__ inline void accept_scalar(const ApplyAdam<float>& sink, Group group, 
 /// The gradients of a block's Gaussians into the sink, group by group, whole lines at a time: a
 /// thread with a Gaussian each would touch every line of memory once for each scalar of a group.
 /// `on`: whether this thread's Gaussian takes a step.
-template <Form form, int Threads, class Sink, class Gradient>
+template <SetForm form, int Threads, class Sink, class Gradient>
 __device__ inline void accept_block(const Sink& sink, int64_t count, bool on,
                                     const Gradient& gradient, float* shared, bool* shared_on) {
   const int thread = int(threadIdx.x);

@@ -1,13 +1,31 @@
-// What: the SH degree of each Gaussian of a training: elements sorted into blocks of one degree,
-//       kept, taken, added, and the way back to a set whose elements are alike. On any backend.
-// Not: which degree a Gaussian deserves. Nothing outside a TrainState sees blocks: every model that
-//      leaves it is padded.
+// Edits of the elements of a set on any backend: elements are kept, taken, appended, selected by
+// validity, sorted into blocks of one SH degree and padded to one degree again. Only a TrainState
+// has sets with blocks; a model that leaves it is padded.
 #pragma once
 #include <vector>
 
+#include "recon4d/model/gaussian_set.h"
 #include "recon4d/model/set_statistics.h"
 
 namespace tessera {
+
+/// Elements of a block that follow one another in the next state of a set.
+struct ElementMove {
+  ShBlock from;
+  int coefficients;       // K of the elements in the next state, at most that of the block
+  Buffer<int64_t> index;  // elements of the block, in the backend's memory
+};
+
+/// The elements of all moves become the set, with their moments and statistics; the anchor is
+/// forgotten. Moves are in the order of storage: that of ShBlocks::kOrder, by `coefficients`.
+void move_elements(Backend& backend, const std::vector<ElementMove>& moves, GaussianSet& set,
+                   SetStatistics& statistics);
+
+/// Calls visit(block) for the blocks of a set that have elements.
+template <class Visit>
+void for_each_block(const GaussianSet& set, Visit&& visit) {
+  for_each_block(set.blocks(), set.count(), set.coefficients(), visit);
+}
 
 // Density control and relocation want sets whose elements are alike: degrees are decided when
 // growth has ended.
@@ -46,5 +64,12 @@ std::vector<int64_t> append_elements(Backend& backend, const GaussianSet& from,
 /// not have are zeros, in the moments too. Of a set in the host's memory; the order of elements
 /// stays.
 GaussianSet padded(const GaussianSet& set);
+
+/// Whether every stored value of Gaussian n is finite and its quaternions are rotations.
+bool is_valid_element(const GaussianSpans<const float>& set, int64_t n);
+/// Indices of the sound Gaussians, ascending.
+std::vector<int64_t> valid_elements(const GaussianSet& set);
+/// The Gaussians at `elements`, in that order, without moments.
+GaussianSet select_elements(const GaussianSet& set, const std::vector<int64_t>& elements);
 
 }  // namespace tessera

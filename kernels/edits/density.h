@@ -1,8 +1,8 @@
 // What: what becomes of one Gaussian in density control, and where the children of a split go.
-// Not: ranking where room is short, nor lists of elements (stages/density).
+// Not: ranking where room is short, nor lists of elements (density.cpp).
 // Source: method A.13, D.7.
 #pragma once
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/random.h"
 
 namespace tessera {
@@ -35,7 +35,7 @@ TESSERA_HD inline bool is_alive(const DensityLimits<Real>& limits, const Gaussia
                                 int64_t n) {
   const Vec4<Real> q = load4<Real>(set.at(kRotation, n));
   if (!(dot(q, q) >= kMinQuaternionNorm2<Real>)) return false;
-  if (set.form == Form::kPair) {
+  if (set.form == SetForm::kPair) {
     const Vec4<Real> r = load4<Real>(set.at(kRotationRight, n));
     if (!(dot(r, r) >= kMinQuaternionNorm2<Real>)) return false;
   }
@@ -61,13 +61,13 @@ TESSERA_HD inline Fate fate_of(const DensityLimits<Real>& limits, const Gaussian
 }
 
 /// Moves the copy at element n to a sample of the distribution it is a copy of, and shrinks it.
-template <Form form, class Real>
+template <SetForm form, class Real>
 TESSERA_HD inline void place_child(const GaussianSpans<Real>& v, int64_t n, uint64_t seed) {
   const Vec4<float> noise =
       normals(philox(seed, RandomStream::kSplit, uint64_t(n), uint32_t(dim_of(form))));
   Real* s = v.at(kLogScale, n);
   Real* mean = v.at(kMean, n);
-  if constexpr (form == Form::kPair) {
+  if constexpr (form == SetForm::kPair) {
     const Mat4<Real> R =
         rotation4(load4<Real>(v.at(kRotation, n)), load4<Real>(v.at(kRotationRight, n)));
     Real* s_t = v.at(kLogScaleTime, n);
@@ -83,7 +83,7 @@ TESSERA_HD inline void place_child(const GaussianSpans<Real>& v, int64_t n, uint
     for (int k = 0; k < 3; ++k)
       for (int i = 0; i < 3; ++i) mean[i] += R[k][i] * Real(noise[k]) * exp(s[k]);
   }
-  if constexpr (form == Form::kVelocity) {  // the mean moves along with its moment
+  if constexpr (form == SetForm::kVelocity) {  // the mean moves along with its moment
     const Real* velocity = v.at(kVelocity, n);
     const Real later = Real(noise[3]) * exp(*v.at(kLogScaleTime, n));
     *v.at(kMeanTime, n) += later;

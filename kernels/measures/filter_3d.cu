@@ -6,7 +6,7 @@
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/elements/filter_3d.h"
+#include "kernels/measures/filter_3d.h"
 
 namespace tessera {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 constexpr int kThreads = 256;
 
 /// `largest`: its bits; those of floats ≥ 0 order as they do.
-template <Form form>
+template <SetForm form>
 __global__ void measure(GaussianSpans<const float> set, const ViewArgs<float>* views,
                         int64_t view_count, float near_plane, float focal, float time_filter,
                         float* sizes, unsigned* largest) {

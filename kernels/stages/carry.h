@@ -1,7 +1,7 @@
 // One stored Gaussian of a canonical set: its nodes with their weights, and what these make of it
 // in a view.
 #pragma once
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/motion_nodes.h"
 
 namespace tessera {

@@ -5,7 +5,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/elements/contribution.h"
+#include "kernels/measures/contribution.h"
 
 namespace tessera {
 namespace {
@@ -26,7 +26,7 @@ struct ContributionPass {
   int32_t series;
 };
 
-template <Form form>
+template <SetForm form>
 __global__ void __launch_bounds__(kThreads) add_elements(ContributionPass a) {
   const int64_t n = linear_index();
   if (n >= a.set.count) return;

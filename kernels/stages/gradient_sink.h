@@ -11,7 +11,7 @@
 namespace tessera {
 
 /// Bit (1 << group) for each group of a gradient with a value that is not finite.
-template <Form form, class Gradient>
+template <SetForm form, class Gradient>
 TESSERA_HD inline unsigned non_finite_groups(const Gradient& gradient) {
   unsigned bits = 0;
   Gradient::template for_each_group<form>(gradient, [&](Group group, const auto* g, int width) {
@@ -33,18 +33,18 @@ struct GeometryGradient {
 
   /// Calls visit(group, scalars, width) for the groups of a set. Static, so that it serves constant
   /// and mutable gradients.
-  template <Form form, class Gradient, class Visit>
+  template <SetForm form, class Gradient, class Visit>
   TESSERA_HD static void for_each_group(Gradient& self, Visit&& visit) {
-    if constexpr (form != Form::kCanonical) visit(kMean, &self.mean[0], 3);
+    if constexpr (form != SetForm::kCanonical) visit(kMean, &self.mean[0], 3);
     visit(kLogScale, &self.log_scale[0], 3);
-    if constexpr (form != Form::kCanonical) visit(kRotation, &self.rotation[0], 4);
+    if constexpr (form != SetForm::kCanonical) visit(kRotation, &self.rotation[0], 4);
     visit(kOpacityLogit, &self.opacity_logit, 1);
     if constexpr (is_dynamic(form)) {
       visit(kMeanTime, &self.mean_time, 1);
       visit(kLogScaleTime, &self.log_scale_time, 1);
     }
-    if constexpr (form == Form::kPair) visit(kRotationRight, &self.rotation_right[0], 4);
-    if constexpr (form == Form::kVelocity) visit(kVelocity, &self.velocity[0], 3);
+    if constexpr (form == SetForm::kPair) visit(kRotationRight, &self.rotation_right[0], 4);
+    if constexpr (form == SetForm::kVelocity) visit(kVelocity, &self.velocity[0], 3);
   }
 };
 
@@ -55,9 +55,9 @@ struct CarriedGradient {
   Vec4<Real> rotation{};
   Real node_logit[kBindings] = {};
 
-  template <Form form, class Gradient, class Visit>
+  template <SetForm form, class Gradient, class Visit>
   TESSERA_HD static void for_each_group(Gradient& self, Visit&& visit) {
-    static_assert(form == Form::kCanonical);
+    static_assert(form == SetForm::kCanonical);
     visit(kMean, &self.mean[0], 3);
     visit(kRotation, &self.rotation[0], 4);
     visit(kNodeLogit, self.node_logit, kBindings);
@@ -68,7 +68,7 @@ template <class Real>
 struct StoreGradient {
   GaussianSpans<Real> out;
 
-  template <Form form, class Gradient>
+  template <SetForm form, class Gradient>
   TESSERA_HD void accept(int64_t n, const Gradient& gradient) const {
     Gradient::template for_each_group<form>(gradient, [&](Group group, const Real* g, int width) {
       for (int j = 0; j < width; ++j) out.at(group, n)[j] = g[j];
@@ -85,7 +85,7 @@ struct ApplyAdam {
   GaussianSpans<Real> value, moment1, moment2;
   AdamGroups<Real> adam;
 
-  template <Form form, class Gradient>
+  template <SetForm form, class Gradient>
   TESSERA_HD void accept(int64_t n, const Gradient& gradient) const {
     Gradient::template for_each_group<form>(gradient, [&](Group group, const Real* g, int width) {
       Real *x = value.at(group, n), *m = moment1.at(group, n), *v = moment2.at(group, n);

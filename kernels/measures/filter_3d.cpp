@@ -6,7 +6,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/elements/filter_3d.h"
+#include "kernels/measures/filter_3d.h"
 
 namespace tessera {
 namespace {

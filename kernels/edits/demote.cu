@@ -1,9 +1,9 @@
 // What: dynamic Gaussians as static ones on the device: a thread a Gaussian.
-// Not: one of them (kernels/elements/demotion.h).
+// Not: one of them (kernels/edits/demote.h).
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/elements/demotion.h"
+#include "kernels/edits/demote.h"
 
 namespace tessera {
 namespace {
@@ -18,7 +18,7 @@ struct DemotePass {
   GaussianSpans<float> to;
 };
 
-template <Form form>
+template <SetForm form>
 __global__ void __launch_bounds__(kThreads) demote_elements(DemotePass a) {
   const int64_t n = linear_index();
   if (n < a.from.count)

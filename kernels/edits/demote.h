@@ -1,7 +1,7 @@
 // What: one dynamic Gaussian as a static one.
 // Not: which ones (recon4d/reduction/static_demotion.h), nor loops over Gaussians (stages).
 #pragma once
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/shape3.h"
 #include "kernels/math/spherindrical.h"
 
@@ -10,7 +10,7 @@ namespace tessera {
 /// Element n of `from` into `to`, a static set: where it is at `timestep`, with the shape and
 /// colours of its slice there, and as opaque as `opacity` says. One without opacity or that is no
 /// Gaussian is where its own mean timestep has it, as stored.
-template <Form form, class Real>
+template <SetForm form, class Real>
 TESSERA_HD inline void store_demoted(const GaussianSpans<const Real>& from,
                                      const ColourRules<Real>& colours, int64_t n, Real timestep,
                                      Real opacity, const GaussianSpans<Real>& to) {

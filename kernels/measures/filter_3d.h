@@ -3,13 +3,13 @@
 // Not: the filter itself (kernels/math/filter_3d.h). Source: [Mip-Splatting], [Faster-GS]; method
 //      C.1.
 #pragma once
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 
 namespace tessera {
 
 /// φ of the 3D filter of Gaussian n from what each view that samples it sees; −1 where none does.
 /// In 4D a view sees the mean at its own moment, if the Gaussian is drawn then at all.
-template <Form form, class Real>
+template <SetForm form, class Real>
 TESSERA_HD inline Real filter_size_in(const GaussianSpans<const Real>& set, int64_t n,
                                       const ViewArgs<Real>* views, int64_t view_count,
                                       Real near_plane, Real focal, Real time_filter) {

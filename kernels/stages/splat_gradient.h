@@ -3,9 +3,9 @@
 // Source: method A.12, C.1, C.2, D.2, D.3, D.6.
 #pragma once
 #include "kernels/batch.h"
-#include "kernels/elements/gradient_sink.h"
-#include "kernels/elements/load_gaussian.h"
+#include "kernels/load_gaussian.h"
 #include "kernels/math/screen_gradient.h"
+#include "kernels/stages/gradient_sink.h"
 
 namespace tessera {
 
@@ -58,8 +58,8 @@ struct CarriedSums {
   Real opacity_logit{};
   Real ndc_norms{};  // as ViewSums::ndc_norms
 };
-template <Form form, class Real>
-using SumsOf = std::conditional_t<form == Form::kCanonical, CarriedSums<Real>, ViewSums<Real>>;
+template <SetForm form, class Real>
+using SumsOf = std::conditional_t<form == SetForm::kCanonical, CarriedSums<Real>, ViewSums<Real>>;
 
 /// Of a canonical Gaussian g, which is `carried` in one view: gradient by what it is there, from
 /// the sums of that view; what does not pass through its nodes is added to `sums`.
@@ -80,17 +80,17 @@ TESSERA_HD inline CarriedGaussian<Real> carried_gradient(const CarriedGaussian<R
 }
 
 /// Sums over the views → gradient by the stored parameters of Gaussian n.
-template <Form form, class Real>
+template <SetForm form, class Real>
 TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<const Real>&,
                                                            int64_t, const GaussianState<Real>&,
                                                            const CarriedSums<Real>& sums) {
-  static_assert(form == Form::kCanonical);
+  static_assert(form == SetForm::kCanonical);
   GeometryGradient<Real> out;
   out.log_scale = sums.log_scale;
   out.opacity_logit = sums.opacity_logit;
   return out;
 }
-template <Form form, class Real>
+template <SetForm form, class Real>
 TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<const Real>& set,
                                                            int64_t n, const GaussianState<Real>& g,
                                                            const ViewSums<Real>& sums) {
@@ -99,7 +99,7 @@ TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<c
   const Vec3<Real>& log_scale = g.log_scale;
   out.mean = sums.mean;
   out.opacity_logit = sums.opacity * g.opacity * (Real(1) - g.stored_opacity);
-  if constexpr (form == Form::kPair) {
+  if constexpr (form == SetForm::kPair) {
     const PairGradient<Real> d = pair_backward(q, load4(set.at(kRotationRight, n)), log_scale,
                                                *set.at(kLogScaleTime, n), sums.spacetime);
     out.rotation = d.rotation_left;
@@ -110,7 +110,7 @@ TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<c
   } else {
     covariance3_backward(q, log_scale, sums.spacetime.covariance, out.rotation, out.log_scale);
   }
-  if constexpr (form == Form::kVelocity) {
+  if constexpr (form == SetForm::kVelocity) {
     out.velocity = sums.spacetime.velocity;
     out.log_scale_time = Real(-2) * sums.spacetime.precision_time * g.spacetime.precision_time;
     out.mean_time = sums.spacetime.mean_time;
@@ -118,6 +118,40 @@ TESSERA_HD inline GeometryGradient<Real> geometry_gradient(const GaussianSpans<c
   if (!set.filter_size.empty())
     smooth_backward(log_scale, Real(set.filter_size[n]), sums.opacity * g.opacity, out.log_scale);
   return out;
+}
+
+/// RegulariserWeights by Gaussian: divided by what their means are over.
+template <class Real>
+struct RegulariserTerms {
+  Real opacity, scale;
+
+  /// `gaussians`: of both sets.
+  RegulariserTerms(const RegulariserWeights& weights, int64_t gaussians)
+      : opacity(Real(weights.opacity / double(max_of(gaussians, int64_t{1})))),
+        scale(Real(weights.scale / (3 * double(max_of(gaussians, int64_t{1}))))) {}
+};
+
+/// Adds the terms in stored parameters of Gaussian n, which `share` of the batch's views draw. Of a
+/// static Gaussian they are terms of a view's loss, as what the pixels add is: where no view draws
+/// it, nothing speaks for it, and Adam would make full steps of however small a gradient. A dynamic
+/// Gaussian is drawn near its own time alone, however many cameras there are: it has them in every
+/// step. Parameters are read for terms that there are.
+// Deviation: [3DGS-MCMC] adds them to every Gaussian in every step; a static one that few of many
+// views see then fades between those views.
+template <SetForm form, class Real>
+TESSERA_HD inline void add_regulariser(const RegulariserTerms<Real>& terms,
+                                       const GaussianSpans<const Real>& set, int64_t n, Real share,
+                                       GeometryGradient<Real>& gradient) {
+  const Real weight = is_dynamic(form) ? Real(1) : share;
+  if (weight == Real(0)) return;
+  if (terms.opacity != Real(0)) {
+    const Real o = sigmoid(*set.at(kOpacityLogit, n));
+    gradient.opacity_logit += weight * terms.opacity * o * (Real(1) - o);
+  }
+  if (terms.scale != Real(0)) {
+    const Vec3<Real> s = load3(set.at(kLogScale, n));
+    for (int k = 0; k < 3; ++k) gradient.log_scale[k] += weight * terms.scale * exp(s[k]);
+  }
 }
 
 }  // namespace tessera

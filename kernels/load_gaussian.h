@@ -16,7 +16,7 @@ TESSERA_HD inline Vec4<Real> load4(const Real* p) {
 }
 
 /// False for a Gaussian that is no Gaussian: a quaternion of no length, a value not finite.
-template <Form form, class Real>
+template <SetForm form, class Real>
 TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64_t n,
                                      GaussianState<Real>& g) {
   const Vec4<Real> q = load4(set.at(kRotation, n));
@@ -29,11 +29,11 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
     g.opacity *= smoothed.compensation;
   }
   g.log_scale = log_scale;
-  if constexpr (form == Form::kPair) {
+  if constexpr (form == SetForm::kPair) {
     const Vec4<Real> r = load4(set.at(kRotationRight, n));
     if (!(dot(r, r) >= kMinQuaternionNorm2<Real>)) return false;
     g.spacetime = pair_spacetime(q, r, log_scale, *set.at(kLogScaleTime, n), *set.at(kMeanTime, n));
-  } else if constexpr (form == Form::kVelocity) {
+  } else if constexpr (form == SetForm::kVelocity) {
     g.spacetime = velocity_spacetime(q, log_scale, load3(set.at(kVelocity, n)),
                                      *set.at(kLogScaleTime, n), *set.at(kMeanTime, n));
   } else {
@@ -48,7 +48,7 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
   Real stored = g.mean[0] + g.mean[1] + g.mean[2] + *set.at(kOpacityLogit, n) + log_scale[0] +
                 log_scale[1] + log_scale[2];
   if constexpr (is_dynamic(form)) stored += *set.at(kLogScaleTime, n);
-  if constexpr (form == Form::kVelocity) {
+  if constexpr (form == SetForm::kVelocity) {
     const Vec3<Real> v = g.spacetime.velocity;
     stored += v[0] + v[1] + v[2];
   }
@@ -58,12 +58,12 @@ TESSERA_HD inline bool load_gaussian(const GaussianSpans<const Real>& set, int64
 
 /// Gaussian n, loaded as `at_rest`, as view b of the batch sees it: of a canonical set in `room`,
 /// where its mean and its covariance are those that it is carried to; of others `at_rest` itself.
-template <Form form, class Real>
+template <SetForm form, class Real>
 TESSERA_HD inline const GaussianState<Real>& state_in_view(const GaussianSpans<const Real>& set,
                                                            int64_t n, int b,
                                                            const GaussianState<Real>& at_rest,
                                                            GaussianState<Real>& room) {
-  if constexpr (form == Form::kCanonical) {
+  if constexpr (form == SetForm::kCanonical) {
     const CarriedGaussian<Real>& carried = set.carried[b * set.carried_stride + n];
     room = at_rest;
     room.mean = carried.mean;
