@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "kernels/base/errors.h"
 #include "kernels/batch.h"
 #include "kernels/gaussians.h"
 #include "kernels/math/colour_map.h"
@@ -113,6 +114,29 @@ struct EnvironmentArgs {
   int height = 0;        // H
   Mat3<Real> map_from_world{1};
 };
+
+// A stage has a truth, a mask and a colour map for every view, or none where there may be none.
+// Sizes are not checked: a span of a device has only its length.
+
+/// Of masks, for a batch of `views`. Errors: a bug of ours.
+inline void check_target(size_t views, const std::vector<Span<const uint8_t>>& mask) {
+  check(mask.empty() || mask.size() == views, "one mask per view");
+}
+template <class Real>
+void check_target(const PhotometricArgs<Real>& args) {
+  check(args.truth.size() == args.batch->views.size(), "one ground truth per view");
+  check_target(args.batch->views.size(), args.mask);
+}
+template <class Real>
+void check_target(const SensitivityArgs<Real>& args) {
+  const size_t views = args.pass.forward.batch->views.size();
+  check_target(views, args.mask);
+  check(args.response.empty() || args.response.size() == views, "one response per view");
+}
+template <class Real>
+void check_target(const ColourMapArgs<Real>& args) {
+  check(args.maps.size() == args.batch->views.size(), "one map of colours per view");
+}
 
 /// The views that may see a set, and what the size of the 3D filter follows from.
 template <class Real>

@@ -9,7 +9,7 @@
 #include "kernels/math/blending.h"
 #include "kernels/math/photometric.h"
 #include "kernels/math/spherindrical.h"
-#include "kernels/math/splat_rules.h"
+#include "kernels/math/splat.h"
 
 namespace tessera {
 

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "kernels/math/depth_order.h"
+#include "kernels/math/sort_keys.h"
 
 namespace tessera {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "kernels/base/buffer.h"
+#include "kernels/math/adam.h"
 #include "kernels/math/carry.h"
-#include "kernels/math/packed_moments.h"
 #include "kernels/sh_blocks.h"
 
 namespace tessera {
@@ -83,7 +83,7 @@ inline const char* group_name(Group group, SetForm form) {
 }
 
 /// Groups that keep both moments of a scalar in one word of `moment1`, where scalars are floats;
-/// `moment2` of them is empty  (kernels/math/packed_moments.h).
+/// `moment2` of them is empty  (kernels/math/adam.h).
 TESSERA_HD inline constexpr bool packs_moments(Group group) {
   return group == kSh || group == kShTime;
 }

@@ -41,7 +41,7 @@ std::map<std::string, Lines> sources() {
 
 // Each was seen to fail: recon4d/training/schedule.cpp with an include of tools/, an include of
 // nothing, std::cout, 600 lines more, no first line; a .cu file in recon4d/; a header without its
-// pragma; stages/bin.cu with 600 lines more, cuda/tile_walk.cuh without its first line.
+// pragma; stages/bin.cu with 600 lines more, cuda/tile_block.cuh without its first line.
 class Layering : public ::testing::Test {
  protected:
   const std::map<std::string, Lines> sources_ = sources();
@@ -80,10 +80,12 @@ TEST_F(Layering, FoldersHaveNoCircles) {
 }
 
 TEST_F(Layering, FoldersAreSmall) {
-  constexpr size_t kMost = 40;
   std::map<std::string, size_t> files;
   for (const auto& [file, lines] : sources_) ++files[folder_of(file)];
-  for (const auto& [folder, count] : files) EXPECT_LE(count, kMost) << folder;
+  for (const auto& [folder, count] : files) {
+    const bool is_model = starts_with_any(folder, {"kernels", "recon4d", "static3d"});
+    EXPECT_LE(count, is_model ? 30u : 40u) << folder;
+  }
 }
 
 TEST_F(Layering, IncludedFilesAreNamedFromTheRoot) {
@@ -181,7 +183,7 @@ TEST(LayeringRules, AreSeenToRefuse) {
       {"kernels/math/a.h", "#include <cuda_fp16.h>"},
       {"kernels/stages/a.h", "#include <cub/cub.cuh>"},
       {"kernels/stages/a.cpp", "#include \"kernels/cuda/sort.h\""},
-      {"kernels/cpu_backend.cpp", "#include \"kernels/cuda/scratch.h\""},
+      {"kernels/cpu_backend.cpp", "#include \"kernels/cuda/device_memory.h\""},
       {"kernels/cuda/a.cu", "#include <cuda.h>"},
       {"kernels/stages/a.cu", "#include \"recon4d/training/trainer.h\""},
       {"kernels/stages/a.cpp", "#include <nvtx3/nvToolsExt.h>"},
@@ -201,7 +203,8 @@ TEST(LayeringRules, AreSeenToRefuse) {
   EXPECT_EQ(include_complaint("recon4d/a.cpp", "#include \"ingest/scene.h\""), "");
   EXPECT_EQ(include_complaint("recon4d/a.cpp", "#include \"ingest/files/ply.h\""), "");
   EXPECT_EQ(include_complaint("recon4d/a.cpp", "// no #include \"tools/cli/terminal.h\" here"), "");
-  for (const char* file : {"kernels/cuda/a.h", "kernels/stages/a.cu", "kernels/stages/a.cuh"})
+  for (const char* file : {"kernels/cuda/a.h", "kernels/stages/a.cu", "kernels/stages/a.cuh",
+                           "kernels/edits/a.cu", "kernels/measures/a.cu"})
     for (const char* line : {"#include <cuda_runtime.h>", "#include <cub/device/device_scan.cuh>",
                              "#include \"kernels/cuda/sort.h\"", "#include \"kernels/batch.h\""})
       EXPECT_EQ(include_complaint(file, line), "") << line;

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "kernels/base/errors.h"
-#include "kernels/base/even_spread.h"
+#include "kernels/base/median.h"
 
 namespace tessera {
 namespace {

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "ingest/cloud/patch.h"
-#include "kernels/base/even_spread.h"
 #include "kernels/base/median.h"
 
 namespace tessera {

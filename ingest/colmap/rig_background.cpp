@@ -8,7 +8,6 @@
 #include "ingest/images/alpha_and_mask.h"
 #include "ingest/video/clip_frames.h"
 #include "kernels/base/errors.h"
-#include "kernels/base/even_spread.h"
 #include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "kernels/base/errors.h"
-#include "kernels/base/quantile.h"
+#include "kernels/base/median.h"
 #include "kernels/math/eigen3.h"
 
 namespace tessera {

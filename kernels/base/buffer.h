@@ -3,6 +3,8 @@
 // raw.
 #pragma once
 #include <algorithm>
+#include <cassert>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -10,9 +12,37 @@
 #include <type_traits>
 #include <utility>
 
-#include "kernels/base/span.h"
+#include "kernels/base/host_device.h"
 
 namespace tessera {
+
+template <class T>
+struct Span {
+  T* data = nullptr;
+  int64_t size = 0;
+
+  Span() = default;
+  TESSERA_HD Span(T* pointer, int64_t count) : data(pointer), size(count) {}
+  /// A span of mutable values is also a span of constant ones.
+  template <class U, class = std::enable_if_t<std::is_same_v<const U, T>>>
+  TESSERA_HD Span(const Span<U>& other) : data(other.data), size(other.size) {}
+
+  TESSERA_HD T& operator[](int64_t index) const {
+#if !defined(__CUDA_ARCH__)
+    assert(index >= 0 && index < size);
+#endif
+    return data[index];
+  }
+  TESSERA_HD T* begin() const {
+    return data;
+  }
+  TESSERA_HD T* end() const {
+    return data + size;
+  }
+  TESSERA_HD bool empty() const {
+    return size == 0;
+  }
+};
 
 /// Where a Buffer's bytes live. A backend owns one; the host's is `host_memory()`.
 class Memory {
@@ -128,5 +158,7 @@ class Buffer {
   int64_t size_ = 0;
   int64_t capacity_ = 0;
 };
+
+constexpr double kMiB = 1 << 20;
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 // What: the three kinds of failure: the user's data (InputError), the device (DeviceError), our bug
 // (check). Not: exit codes; only tools/ turns these into 2, 1 and 1.
 #pragma once
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -27,6 +28,20 @@ class NumericalError : public std::runtime_error {
 /// Asserts what only a bug of ours can break; always on. Errors: std::logic_error.
 inline void check(bool condition, const char* what) {
   if (!condition) throw std::logic_error(std::string("internal error: ") + what);
+}
+
+/// Errors: InputError where more than 2³¹ − 1 of `what` are to be numbered.
+inline void check_count(int64_t count, const char* what, const char* remedy) {
+  if (count <= INT32_MAX) return;
+  throw InputError(std::to_string(count) + " " + what + " in one batch, at most " +
+                   std::to_string(INT32_MAX) + " are supported; use " + remedy);
+}
+
+inline void check_gaussian_count(int64_t count) {
+  check_count(count, "Gaussians", "fewer (--max-gaussians)");
+}
+inline void check_splat_count(int64_t count) {
+  check_count(count, "splats", "a smaller batch or fewer Gaussians (--max-gaussians)");
 }
 
 }  // namespace tessera

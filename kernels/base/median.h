@@ -1,8 +1,8 @@
-// What: the number in the middle of some.
-// Not: other quantiles (quantile.h).
+// Medians and quantiles of numbers without interpolation, and indices that are spread evenly.
 #pragma once
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace tessera {
@@ -28,6 +28,19 @@ T lower_median(std::vector<T> values) {
   const auto middle = values.begin() + std::ptrdiff_t((values.size() - 1) / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// `values` must not be empty; `share` of 0 is the least, of 1 the largest.
+inline double quantile(std::vector<double> values, double share) {
+  const auto nth = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+/// Number i of `count` numbers that are spread evenly over 0 … total − 1, both ends among them; 0
+/// where `count` is 1.
+constexpr int64_t even_spread(int64_t i, int64_t count, int64_t total) {
+  return count > 1 ? i * (total - 1) / (count - 1) : 0;
 }
 
 }  // namespace tessera

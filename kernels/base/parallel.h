@@ -17,4 +17,20 @@ void parallel_for(int64_t count, int64_t grain,
 void set_thread_count(int count);
 int thread_count();
 
+/// Work beside other work: while one of these exists, parallel_for of this thread runs its ranges
+/// one after another here and leaves the other cores alone.
+class SerialSection {
+ public:
+  SerialSection() { ++sections_; }
+  SerialSection(const SerialSection&) = delete;
+  SerialSection& operator=(const SerialSection&) = delete;
+  ~SerialSection() { --sections_; }
+
+  /// Whether this thread is in one.
+  static bool is_here() { return sections_ > 0; }
+
+ private:
+  static inline thread_local int sections_ = 0;
+};
+
 }  // namespace tessera

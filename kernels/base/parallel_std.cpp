@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "kernels/base/parallel.h"
-#include "kernels/base/serial_section.h"
 
 namespace tessera {
 namespace {

@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "kernels/base/parallel.h"
-#include "kernels/base/serial_section.h"
 
 namespace tessera {
 namespace {

@@ -3,7 +3,7 @@
 #include "kernels/cuda/device_memory.h"
 
 #include "kernels/base/errors.h"
-#include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 
 namespace tessera {
 

@@ -5,12 +5,22 @@
 #include <cuda_runtime.h>
 
 #include <cstdint>
+#include <string>
 #include <utility>
 
 #include "kernels/batch.h"
-#include "kernels/cuda/device_error.h"
 
 namespace tessera {
+
+/// Throws DeviceError unless `code` is success; `what` names the statement and its sizes.
+void check_device(cudaError_t code, const char* what);
+/// After a launch: its configuration was accepted. Faults inside show up at the next wait.
+inline void check_launch(const char* kernel) {
+  check_device(cudaGetLastError(), kernel);
+}
+
+/// Blocks of `threads` that cover `count` items. Errors: DeviceError when there are too many.
+unsigned grid_of(int64_t count, int threads);
 
 /// The element of this thread; those behind the last one return at once.
 __device__ inline int64_t linear_index() {

@@ -8,7 +8,7 @@
 #include <cub/device/device_scan.cuh>
 
 #include "kernels/base/errors.h"
-#include "kernels/cuda/device_error.h"
+#include "kernels/cuda/launch.cuh"
 
 namespace tessera {
 namespace {

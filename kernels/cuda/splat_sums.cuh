@@ -5,7 +5,6 @@
 // G.4.
 #pragma once
 #include "kernels/cuda/blend_backward_args.cuh"
-#include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
 
 namespace tessera {

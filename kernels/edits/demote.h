@@ -2,7 +2,7 @@
 // Not: which ones (recon4d/reduction/static_demotion.h), nor loops over Gaussians (stages).
 #pragma once
 #include "kernels/load_gaussian.h"
-#include "kernels/math/shape3.h"
+#include "kernels/math/eigen3.h"
 #include "kernels/math/spherindrical.h"
 
 namespace tessera {

@@ -8,7 +8,7 @@
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/edits/density.h"
-#include "kernels/math/locality.h"
+#include "kernels/math/sort_keys.h"
 
 namespace tessera {
 namespace {

@@ -5,12 +5,11 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
+#include "kernels/cuda/device_memory.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
 #include "kernels/edits/density.h"
-#include "kernels/math/locality.h"
+#include "kernels/math/sort_keys.h"
 
 namespace tessera {
 namespace {

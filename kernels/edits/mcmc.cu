@@ -5,9 +5,8 @@
 // Source: method B.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
+#include "kernels/cuda/device_memory.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
 #include "kernels/edits/mcmc.h"
 

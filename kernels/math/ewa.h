@@ -133,4 +133,19 @@ TESSERA_HD inline void project_ewa_backward(const ViewArgs<Real>& view, const Ve
   d_mean += w0 * dX + w1 * dY + w2 * dZ;
 }
 
+/// ‖dL/d mean2D‖ of one splat in NDC, where the image is 2 wide and high; `d_mean2d` by pixels.
+template <class Real>
+TESSERA_HD inline Real ndc_gradient_norm(const Vec2<Real>& d_mean2d, int width, int height) {
+  const Real x = d_mean2d[0] * Real(width) * Real(0.5);
+  const Real y = d_mean2d[1] * Real(height) * Real(0.5);
+  return sqrt(x * x + y * y);
+}
+
+/// Mean over the `seen` views of a batch of `views` that draw a Gaussian, of whose norms `sum` is
+/// the sum. Each is that of the view's own loss, of which the batch's is the mean: times `views`.
+template <class Real>
+TESSERA_HD inline Real mean_view_norm(Real sum, int views, int seen) {
+  return sum * Real(views) / Real(seen);
+}
+
 }  // namespace tessera

@@ -4,7 +4,6 @@
 // Source: method C.1.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
 #include "kernels/measures/filter_3d.h"
 

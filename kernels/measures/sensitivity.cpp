@@ -2,7 +2,6 @@
 // Not: the walk through tiles and splats (splat_sums.h); the equation (math/sensitivity.h).
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/splat_sums.h"
-#include "kernels/stages/target_check.h"
 
 namespace tessera {
 namespace {

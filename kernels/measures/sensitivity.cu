@@ -2,7 +2,6 @@
 // Not: the walk through tiles and splats (splat_sums.cuh); the equation (math/sensitivity.h).
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/splat_sums.cuh"
-#include "kernels/stages/target_check.h"
 
 namespace tessera {
 namespace {

@@ -1,11 +1,10 @@
 // What: splats → tile instances: depth order once, then a stable counting sort by tile.
 // Not: the rectangles of tiles, which are `project`'s.
 // Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.9.
-#include "kernels/base/count_limit.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/math/depth_order.h"
+#include "kernels/math/sort_keys.h"
 #include "kernels/stages/radix_order.h"
 
 namespace tessera {

@@ -1,20 +1,44 @@
 // What: splats → tile instances on the device: depth order once, then a stable sort by tile.
 // Not: the rectangles of tiles, which are `project`'s.
 // Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.8, A.9.
-#include "kernels/base/count_limit.h"
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
+#include "kernels/cuda/device_memory.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
-#include "kernels/cuda/tile_walk.cuh"
-#include "kernels/math/depth_order.h"
+#include "kernels/math/bounds.h"
+#include "kernels/math/sort_keys.h"
 
 namespace tessera {
 namespace {
 
 constexpr int kThreads = 128;
+
+/// Splats with more tiles than this are shared by the warp.
+constexpr int kOwnTiles = 8;
+
+/// All lanes of a warp call this together; a lane without a splat passes an empty rect.
+/// Small splats: visit(tile) for each tile, by the lane itself. Large ones: 32 tiles at a time,
+/// shared(owner, listed, tile, place) by all lanes together, `place` counted from the owner's first
+/// tile; lanes behind its last one are not `listed`.
+template <class Visit, class Shared>
+__device__ void walk_tiles(bool balanced, const TileRect& rect, int tiles_x, Visit&& visit,
+                           Shared&& shared) {
+  const int area = rect.empty() ? 0 : rect.area();
+  const bool large = balanced && area > kOwnTiles;
+  if (!large) for_each_tile(rect, tiles_x, visit);
+  const int lane = int(threadIdx.x % 32);
+  for (unsigned owners = __ballot_sync(~0u, large); owners != 0; owners &= owners - 1) {
+    const int owner = __ffs(int(owners)) - 1;
+    const auto from = [owner](int value) { return __shfl_sync(~0u, value, owner); };
+    const int x0 = from(rect.x0), y0 = from(rect.y0), width = from(rect.x1) - x0;
+    const int tiles = from(area), row = from(tiles_x);
+    for (int begin = 0; begin < tiles; begin += 32) {
+      const int place = begin + lane;
+      shared(owner, place < tiles, (y0 + place / width) * row + x0 + place % width, place);
+    }
+  }
+}
 
 __global__ void depth_keys(const float* depth, float near_plane, int64_t count, uint32_t* key,
                            int32_t* number) {

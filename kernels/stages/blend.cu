@@ -4,7 +4,6 @@
 #include "kernels/base/errors.h"
 #include "kernels/cuda/blend_backward_args.cuh"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/sort.h"
 

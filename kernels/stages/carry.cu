@@ -6,8 +6,8 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
+#include "kernels/cuda/device_memory.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sort.h"
 #include "kernels/stages/accept_block.cuh"
 #include "kernels/stages/carry.h"

@@ -3,7 +3,6 @@
 // Source: kernels/math/colour_map.h.
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
-#include "kernels/stages/target_check.h"
 
 namespace tessera {
 namespace {

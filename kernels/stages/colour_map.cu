@@ -4,9 +4,7 @@
 #include <cstring>
 
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/stages/target_check.h"
 
 namespace tessera {
 namespace {

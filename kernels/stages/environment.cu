@@ -9,9 +9,8 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
+#include "kernels/cuda/device_memory.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/cuda/scratch.h"
 #include "kernels/math/adam.h"
 
 namespace tessera {

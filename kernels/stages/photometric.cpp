@@ -6,7 +6,6 @@
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/ssim_window.h"
-#include "kernels/stages/target_check.h"
 
 namespace tessera {
 namespace {

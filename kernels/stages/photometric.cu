@@ -5,10 +5,8 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/photometric_tile.cuh"
-#include "kernels/stages/target_check.h"
 
 namespace tessera {
 namespace {

@@ -2,7 +2,7 @@
 // Not: equations (math/splat.h).
 #include <vector>
 
-#include "kernels/base/count_limit.h"
+#include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/load_gaussian.h"

@@ -4,11 +4,10 @@
 // Not: equations (math/splat.h). Compiled without contraction to fused multiply-adds: the two
 // passes must decide alike.
 // Source: method A.5–A.8; order of the splats without atomics: method 0.27.
-#include "kernels/base/count_limit.h"
+#include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
+#include "kernels/cuda/device_memory.h"
 #include "kernels/cuda/launch.cuh"
-#include "kernels/cuda/scratch.h"
 #include "kernels/cuda/sh_registers.cuh"
 #include "kernels/cuda/sort.h"
 #include "kernels/load_gaussian.h"

@@ -7,7 +7,6 @@
 
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/sh_registers.cuh"
 #include "kernels/load_gaussian.h"

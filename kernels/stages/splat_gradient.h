@@ -4,7 +4,7 @@
 #pragma once
 #include "kernels/batch.h"
 #include "kernels/load_gaussian.h"
-#include "kernels/math/screen_gradient.h"
+#include "kernels/math/ewa.h"
 #include "kernels/stages/gradient_sink.h"
 
 namespace tessera {

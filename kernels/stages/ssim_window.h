@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "kernels/math/ssim.h"
+#include "kernels/math/photometric.h"
 
 namespace tessera {
 

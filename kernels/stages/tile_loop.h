@@ -1,11 +1,21 @@
 // What: what blend and its backward share: the pixels of a tile as rows of lanes, a splat's rows.
 // Not: the blending itself. Lanes are a fixed-length array, so that the compiler uses vectors.
 #pragma once
+#include <cstdint>
+
 #include "kernels/base/parallel.h"
-#include "kernels/base/prefetch.h"
 #include "kernels/batch.h"
 
 namespace tessera {
+
+/// values[index[i + Ahead]], when that is before `end`.
+template <int Ahead, class Values, class Index>
+inline void prefetch(const Values& values, const Index& index, int64_t i, int64_t end) {
+  if (i + Ahead >= end) return;
+  const auto* const element = &values[index[i + Ahead]];
+  __builtin_prefetch(element);
+  __builtin_prefetch(reinterpret_cast<const char*>(element + 1) - 1);  // may lie in two lines
+}
 
 /// A tile of a view: where its pixels are.
 template <class Real>

@@ -2,7 +2,6 @@
 // Not: the fused optimizer (project_backward.cu).
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
-#include "kernels/cuda/device_error.h"
 #include "kernels/cuda/launch.cuh"
 #include "kernels/stages/gradient_sink.h"
 

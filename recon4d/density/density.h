@@ -4,7 +4,7 @@
 // Source: method A.13, A.14, D.7.
 #pragma once
 #include "kernels/backend.h"
-#include "recon4d/model/set_statistics.h"
+#include "recon4d/model/gaussian_set.h"
 #include "recon4d/options/train_options.h"
 
 namespace tessera {

@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "recon4d/evaluation/colour_fit.h"
 #include "recon4d/evaluation/dynamic_share.h"
-#include "recon4d/evaluation/object_scores.h"
+#include "recon4d/evaluation/pixel_sums.h"
 #include "recon4d/evaluation/structure_scores.h"
 #include "recon4d/evaluation/temporal_scores.h"
 #include "recon4d/evaluation/timestep_scores.h"

@@ -1,11 +1,11 @@
 // What: the training frames in the order in which a scoring pass draws them, so that it can end
 //       early: sweeps of equal share, each over all cameras and timesteps as evenly as they allow.
-// Not: drawing (scoring_pass.h), nor when a pass is precise enough (reduction/precision.h).
+// Not: drawing (scoring_pass.h), nor when a pass is precise enough (reduction/contributions.h).
 #pragma once
 #include <vector>
 
 #include "ingest/scene.h"
-#include "kernels/base/span.h"
+#include "kernels/base/buffer.h"
 #include "kernels/batch.h"
 #include "kernels/math/colour_map.h"
 

@@ -4,7 +4,7 @@
 // Source: method A.15; failure modes D1–D3, B20.
 #pragma once
 #include "ingest/scene.h"
-#include "kernels/base/span.h"
+#include "kernels/base/buffer.h"
 
 namespace tessera {
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "ingest/scene.h"
@@ -36,5 +37,22 @@ struct ViewPixelSums {
 /// `drawn`: RGB, of the size of the frame. `moves`: [height, width] 0 where nothing moves, as of
 /// DynamicRegions; empty: not known.
 ViewPixelSums view_sums(const Image8& drawn, const Frame& frame, const std::vector<uint8_t>& moves);
+
+/// truth ≈ gain · drawn + offset, values in [0, 1]. What it makes is neither rounded nor clamped.
+struct ColourFit {
+  std::array<double, 3> gain{1, 1, 1}, offset{0, 0, 0};
+
+  /// Mean of (gain · x + offset − y)² over pixels and channels; there must be a pixel.
+  double mean_squared_error(const PixelSums& sums) const;
+};
+
+struct CameraColourFit {
+  std::string camera;
+  ColourFit fit;
+};
+
+/// The fit of least squared error over all pixels of `sums`, in closed form. Where a channel is
+/// drawn in one value, gains are not determined: the gain is 1 and the offset the mean difference.
+ColourFit fit_colour(const PixelSums& sums);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // What: sums over SSIM maps, in double.
-// Not: the window and the formula (kernels/stages/ssim_window.h, kernels/math/ssim.h).
+// Not: the window and the formula (kernels/stages/ssim_window.h, kernels/math/photometric.h).
 #include "recon4d/evaluation/structure_scores.h"
 
 #include <algorithm>

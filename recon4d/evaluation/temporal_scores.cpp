@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/base/even_spread.h"
+#include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
 
 namespace tessera {

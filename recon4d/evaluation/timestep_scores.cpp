@@ -6,6 +6,22 @@
 #include "recon4d/evaluation/metrics.h"
 
 namespace tessera {
+namespace {
+
+ViewPixelSums box_sums(const Frame& frame, const Image8& drawn, const ObjectBox& box) {
+  ViewPixelSums sums;
+  const Span<const uint8_t> mask = used_mask(frame);
+  const int right = std::min(box.x1, drawn.width), bottom = std::min(box.y1, drawn.height);
+  for (int y = std::max(box.y0, 0); y < bottom; ++y)
+    for (int x = std::max(box.x0, 0); x < right; ++x) {
+      const size_t p = size_t(y) * size_t(drawn.width) + size_t(x);
+      if (!is_used(mask, p)) continue;
+      sums.still.add(&drawn.data[3 * p], &frame.image.data[3 * p]);
+    }
+  return sums;
+}
+
+}  // namespace
 
 void TimestepMeter::add(const Frame& frame, const ViewPixelSums& sums) {
   constexpr double kSameTimestep = 1e-9;  // of the normalised range
@@ -39,6 +55,24 @@ std::optional<TimestepScore> worst_timestep(const std::vector<TimestepScore>& ti
   return *std::min_element(
       timesteps.begin(), timesteps.end(),
       [](const TimestepScore& a, const TimestepScore& b) { return a.psnr < b.psnr; });
+}
+
+void ObjectMeter::add(const Frame& frame, const Image8& drawn, const NamedBoxes& boxes) {
+  check_pair(drawn, frame.image);
+  for (const auto& [name, box] : boxes) {
+    const ViewPixelSums sums = box_sums(frame, drawn, box);
+    if (sums.still.pixels == 0) continue;
+    objects_[name].all += sums.still;
+    objects_[name].timesteps.add(frame, sums);
+  }
+}
+
+std::vector<ObjectScore> ObjectMeter::scores() const {
+  std::vector<ObjectScore> scores;
+  for (const auto& [name, object] : objects_)
+    scores.push_back(
+        {name, psnr_of_mse(object.all.mean_squared_error()), object.timesteps.scores()});
+  return scores;
 }
 
 }  // namespace tessera

@@ -2,17 +2,238 @@
 // Not: when it is written (tools/session/train_session.cpp).
 #include "recon4d/model/checkpoint.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
 #include "kernels/math/environment.h"
 #include "recon4d/model/checkpoint_file.h"
-#include "recon4d/model/checkpoint_header.h"
+#include "recon4d/options/train_options_json.h"
 
 namespace tessera {
 namespace {
 
 using nlohmann::json;
+constexpr int64_t kScalar = 4;  // bytes, of float32 and int32
+
+/// Of the arrays that not every state has.
+struct CheckpointParts {
+  bool filter_sizes;
+  int64_t exposures;       // rows
+  int64_t exposure_width;  // numbers of a row
+};
+
+CheckpointParts parts_of(const TrainState& state) {
+  return {state.has_filter_sizes(), state.exposure.rows(), state.exposure.width()};
+}
+
+CheckpointParts parts_of(const json& header) {
+  const bool affine = header.at("options").value("exposure", "") == name_of(ExposureGains::kAffine);
+  return {header.at("filter_sizes"), header.at("exposures"),
+          exposure_width(affine ? ExposureGains::kAffine : ExposureGains::kCamera)};
+}
+
+/// Elements by SH degree of a set in the header; absent where they are alike.
+ShBlocks blocks_in(const json& header, const char* set) {
+  ShBlocks blocks;
+  const auto all = header.find("sh_blocks");
+  if (all == header.end()) return blocks;
+  const auto elements = all->at(set).get<std::array<int64_t, kMaxShDegree + 1>>();
+  std::copy(elements.begin(), elements.end(), blocks.elements);
+  return blocks;
+}
+
+SetForm dynamic_form(const json& header) {
+  return header.at("motion_form") == dynamic_form_name(SetForm::kVelocity) ? SetForm::kVelocity
+                                                                           : SetForm::kPair;
+}
+
+/// Of a canonical set: [nodes, control points], absent where there are none.
+struct NodeCounts {
+  int64_t nodes = 0, knots = 0, started = 0, refitted = 0;
+
+  SetForm static_form() const { return nodes > 0 ? SetForm::kCanonical : SetForm::kStatic; }
+  /// Positions, and values and moments of all that is optimised.
+  int64_t scalars() const { return nodes * (3 + 3 * (1 + 7 * knots)); }
+};
+
+NodeCounts node_counts(const json& header) {
+  const auto found = header.find("motion_nodes");
+  if (found == header.end()) return {};
+  return {found->at("count"), found->at("knots"), found->at("started"), found->at("refitted")};
+}
+
+void restore_sets(const json& header, GaussianModel& model) {
+  const int coefficients = header.at("sh_coefficients");
+  const NodeCounts nodes = node_counts(header);
+  model.nodes.count = nodes.nodes;
+  model.nodes.knots = int(nodes.knots);
+  model.nodes.started = nodes.started;
+  model.nodes.refitted = nodes.refitted;
+  model.static_set = GaussianSet(nodes.static_form(), coefficients);
+  model.static_set.resize(header.at("num_static"), blocks_in(header, "static"));
+  model.dynamic_set =
+      GaussianSet(dynamic_form(header), coefficients, host_memory(), header.at("sh_time_levels"));
+  model.dynamic_set.resize(header.at("num_dynamic"), blocks_in(header, "dynamic"));
+  model.environment.height = header.at("environment_height");
+}
+
+void restore_model(const json& header, GaussianModel& model) {
+  const json &time_axis = header.at("time_axis"), &drawing = header.at("drawing");
+  for_each_rule(model.drawing,
+                [&](const char* name, auto& rule) { drawing.at(name).get_to(rule); });
+  model.time_axis = {time_axis.at("origin"), time_axis.at("duration")};
+  model.prepared_from_source = similarity_from_numbers(header.at("prepared_from_source"));
+  model.background = header.at("background");
+  model.train_scale = header.at("train_scale");
+}
+
+json drawing_json(const DrawingRules& rules) {
+  json object;
+  for_each_rule(rules, [&](const char* name, const auto& rule) { object[name] = rule; });
+  return object;
+}
+
+void restore_progress(const json& header, TrainState& state) {
+  state.iteration = header.at("iteration");
+  state.finished = header.at("finished");
+  state.seconds = header.at("seconds");
+  state.decided = header.at("decided");
+  state.goal = header.at("goal");
+  state.sampler_epoch = header.at("sampler").at("epoch");
+  state.sampler_position = header.at("sampler").at("position");
+}
+
+TrainOptions restore_options(const std::filesystem::path& path, const json& header) {
+  try {
+    return train_options_from_json(header.at("options"));
+  } catch (const InputError& error) {
+    refuse_checkpoint(path, fmt::format("checkpoint of another version: {}", error.what()));
+  }
+}
+
+/// Whether blocks are of so many elements, with at most so many coefficients each.
+bool blocks_fit(const ShBlocks& blocks, int64_t count, int coefficients) {
+  int64_t left = count;  // no sum that overflows
+  for (int degree = 0; degree <= kMaxShDegree; ++degree) {
+    const int64_t elements = blocks.elements[degree];
+    if (elements < 0 || elements > left) return false;
+    if (elements > 0 && sh_coefficients(degree) > coefficients) return false;
+    left -= elements;
+  }
+  return left == 0 || left == count;
+}
+
+/// Numbers of the header against each other and the size of the file, before any memory is taken.
+void check_header(const CheckpointReader& file, const json& header) {
+  const int64_t statics = header.at("num_static"), dynamics = header.at("num_dynamic");
+  const json& sampler = header.at("sampler");
+  const CheckpointParts parts = parts_of(header);
+  const int64_t environment = header.at("environment_height");
+  const int coefficients = header.at("sh_coefficients"), levels = header.at("sh_time_levels");
+  // values and two moments each, of SH in one word; statistics, filter size where kept
+  const auto scalars = [&](SetForm form, int64_t count, const ShBlocks& blocks) {
+    const int sets = is_dynamic(form) ? 1 + levels : 1;
+    const int64_t all = blocks.mixed() ? blocks.coefficients() : count * coefficients;
+    return count * (int64_t{trained_geometry_scalars(form)} + 2 + parts.filter_sizes) +
+           6 * all * sets;
+  };
+  const NodeCounts nodes = node_counts(header);
+  const ShBlocks of_static = blocks_in(header, "static"), of_dynamic = blocks_in(header, "dynamic");
+  constexpr int64_t kMost = int64_t{1} << 40;
+  const auto within = [](int64_t value, int64_t low, int64_t high) {
+    return value >= low && value <= high;
+  };
+  if (!within(statics, 0, kMost) || !within(dynamics, 0, kMost) ||
+      !within(nodes.nodes, 0, kMaxNodes) || !within(nodes.started, 0, kMost) ||
+      !within(nodes.refitted, 0, kMost) ||
+      !within(nodes.knots, nodes.nodes > 0 ? kSplineOrder : 0, kMaxKnots) ||
+      !within(parts.exposures, 0, kMost) || !within(environment, 0, int64_t{1} << 16) ||
+      !within(coefficients, 1, kMaxShCoefficients) ||
+      !blocks_fit(of_static, statics, coefficients) ||
+      !blocks_fit(of_dynamic, dynamics, coefficients) || !within(levels, 0, kMaxTimeLevels) ||
+      !within(header.at("iteration"), 0, kMost) || !within(sampler.at("epoch"), 0, kMost) ||
+      !within(sampler.at("position"), 0, kMost))
+    refuse_checkpoint(file.path(), "damaged checkpoint: impossible numbers in its header");
+  const auto promised =
+      uint64_t(kScalar * (scalars(nodes.static_form(), statics, of_static) +
+                          scalars(dynamic_form(header), dynamics, of_dynamic) + nodes.scalars() +
+                          (3 * parts.exposure_width + 1) * parts.exposures +
+                          3 * environment_scalars(environment)));
+  if (file.array_bytes() != promised)
+    refuse_checkpoint(file.path(),
+                      fmt::format("truncated checkpoint: {} bytes, its header promises {}",
+                                  file.bytes(), file.bytes() - file.array_bytes() + promised));
+}
+
+json checkpoint_header(const TrainState& state, const TrainOptions& options,
+                       const std::string& provenance, const ValidationRecord& validation) {
+  const GaussianModel& model = state.model;
+  json header = {
+      {"iteration", state.iteration},
+      {"finished", state.finished},
+      {"seconds", state.seconds},
+      {"decided", state.decided},
+      {"goal", state.goal},
+      {"sampler", {{"epoch", state.sampler_epoch}, {"position", state.sampler_position}}},
+      {"num_static", model.static_set.count()},
+      {"num_dynamic", model.dynamic_set.count()},
+      {"motion_form", dynamic_form_name(model.dynamic_set.form())},
+      {"sh_coefficients", model.static_set.coefficients()},
+      {"sh_time_levels", model.dynamic_set.time_levels()},
+      {"drawing", drawing_json(model.drawing)},
+      {"time_axis", {{"origin", model.time_axis.origin}, {"duration", model.time_axis.duration}}},
+      {"prepared_from_source", similarity_numbers(model.prepared_from_source)},
+      {"background", model.background},
+      {"train_scale", model.train_scale},
+      {"filter_sizes", state.has_filter_sizes()},
+      {"exposures", state.exposure.rows()},
+      {"environment_height", model.environment.height},
+      {"options", to_json(options)},
+      {"provenance", provenance.empty() ? json::object() : json::parse(provenance)},
+      {"validation", to_json(validation)}};
+  if (const MotionNodes& nodes = model.nodes; !nodes.empty())
+    header["motion_nodes"] = {{"count", nodes.count},
+                              {"knots", nodes.knots},
+                              {"started", nodes.started},
+                              {"refitted", nodes.refitted}};
+  if (state.has_blocks())
+    header["sh_blocks"] = {{"static", model.static_set.blocks().elements},
+                           {"dynamic", model.dynamic_set.blocks().elements}};
+  return header;
+}
+
+/// The header of an opened checkpoint. Errors: CheckpointRefused: not JSON.
+json parse_checkpoint_header(const CheckpointReader& file) {
+  json header = json::parse(file.header(), nullptr, false);
+  if (header.is_discarded())
+    refuse_checkpoint(file.path(), "damaged checkpoint: its header is not JSON");
+  return header;
+}
+
+/// A checkpoint without its arrays: its sets have their sizes, their values are not there yet. Its
+/// numbers are held against each other and the size of the file before any memory is taken.
+/// Errors: as refuse_checkpoint.
+Checkpoint restored_without_arrays(const CheckpointReader& file, const json& header) {
+  Checkpoint checkpoint;
+  try {
+    check_header(file, header);
+    checkpoint.options = restore_options(file.path(), header);
+    checkpoint.provenance = header.at("provenance").dump();
+    checkpoint.validation = validation_record_from_json(header.at("validation"));
+    restore_progress(header, checkpoint.state);
+    restore_model(header, checkpoint.state.model);
+    if (const std::string wrong = wrong_rule(checkpoint.state.model.drawing); !wrong.empty())
+      refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", wrong));
+    restore_sets(header, checkpoint.state.model);
+  } catch (const json::exception& error) {
+    refuse_checkpoint(file.path(), fmt::format("damaged checkpoint: {}", error.what()));
+  }
+  return checkpoint;
+}
 
 /// Calls visit(buffer, scalars) for every array of a state, in file order.
 template <class State, class Visit>

@@ -1,5 +1,4 @@
-// What: a checkpoint's preamble, header and arrays through stdio, with zlib's CRC-32 of each.
-// Not: the header's meaning (checkpoint_header.cpp).
+// Preamble, header and arrays of a checkpoint through stdio, with zlib's CRC-32 of each.
 #include "recon4d/model/checkpoint_file.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
-// What: the bytes of a checkpoint, one after another: never more of them in memory than asked for.
-// Not: what they mean (checkpoint_header.h, checkpoint.cpp).
-// Layout, little-endian: "TESSCKPT", u32 version, u32 CRC-32 of the header, u64 header bytes, the
-// header, the arrays, u32 CRC-32 of the arrays.
+// The bytes of a checkpoint, read and written in sequence without a second copy of an array in
+// memory. Layout, little-endian: "TESSCKPT", u32 version, u32 CRC-32 of the header, u64 header
+// bytes, the header, the arrays, u32 CRC-32 of the arrays.
 #pragma once
 #include <cstdint>
 #include <cstdio>

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "recon4d/model/gaussian_set.h"
-#include "recon4d/model/set_statistics.h"
 
 namespace tessera {
 

@@ -7,6 +7,68 @@
 #include "kernels/base/errors.h"
 
 namespace tessera {
+namespace {
+
+template <class T, class Self>
+NodeSpans<T> spans_of(Self& nodes) {
+  return {nodes.count,
+          nodes.knots,
+          nodes.position.span(),
+          nodes.log_radius.value.span(),
+          nodes.translation.value.span(),
+          nodes.rotation.value.span()};
+}
+
+}  // namespace
+
+void MotionNodes::resize(int64_t nodes, int control_points) {
+  count = nodes;
+  knots = control_points;
+  position.resize(3 * nodes);
+  const int64_t scalars[] = {nodes, 3 * nodes * control_points, 4 * nodes * control_points};
+  for (size_t g = 0; g < groups().size(); ++g) {
+    ParameterGroup& group = *groups()[g];
+    group.value.resize(scalars[g]);
+    group.moment1.resize(0);
+    group.moment2.resize(0);
+  }
+}
+
+void MotionNodes::ensure_moments() {
+  check(&position.memory() == &host_memory(), "MotionNodes: moments are made on the host");
+  for (ParameterGroup* const group : groups())
+    for (Buffer<float>* const moments : {&group->moment1, &group->moment2}) {
+      if (moments->size() == group->value.size()) continue;
+      moments->resize(group->value.size());
+      std::fill(moments->begin(), moments->end(), 0.0f);
+    }
+}
+
+NodeSpans<float> MotionNodes::spans() {
+  return spans_of<float>(*this);
+}
+
+NodeSpans<const float> MotionNodes::spans() const {
+  return spans_of<const float>(*this);
+}
+
+MotionNodes MotionNodes::clone_to(Memory& memory, bool moments) const {
+  MotionNodes copy(memory);
+  copy.count = count;
+  copy.knots = knots;
+  copy.started = started;
+  copy.refitted = refitted;
+  copy.position.copy_from(position);
+  for (size_t g = 0; g < groups().size(); ++g) {
+    ParameterGroup& to = *copy.groups()[g];
+    const ParameterGroup& from = *groups()[g];
+    to.value.copy_from(from.value);
+    if (!moments) continue;
+    to.moment1.copy_from(from.moment1);
+    to.moment2.copy_from(from.moment2);
+  }
+  return copy;
+}
 
 GaussianSet::GaussianSet(SetForm form, int coefficients, Memory& memory, int time_levels)
     : form_(form), coefficients_(coefficients), time_levels_(time_levels), memory_(&memory) {
@@ -127,6 +189,31 @@ GaussianModel GaussianModel::clone_to(Memory& memory) const {
 GaussianModel GaussianModel::clone_values(Memory& memory) const {
   return with_sets(*this, static_set.clone_values(memory), dynamic_set.clone_values(memory),
                    nodes.clone_to(memory, false), environment.clone_to(memory, false));
+}
+
+void SetStatistics::reset(int64_t gaussians) {
+  check(&count.memory() == &host_memory(), "SetStatistics: a device is reset by its backend");
+  for (Buffer<float>* values : {&gradient_sum, &count}) {
+    values->resize(gaussians);
+    std::fill(values->begin(), values->end(), 0.0f);
+  }
+  filter_size.resize(0);
+}
+
+void SetStatistics::reset(Backend& backend, int64_t gaussians) {
+  for (Buffer<float>* values : {&gradient_sum, &count}) {
+    values->resize(gaussians);
+    backend.fill_zero(values->span());
+  }
+  filter_size.resize(0);
+}
+
+SetStatistics SetStatistics::clone_to(Memory& memory) const {
+  SetStatistics copy(memory);
+  copy.gradient_sum.copy_from(gradient_sum);
+  copy.count.copy_from(count);
+  copy.filter_size.copy_from(filter_size);
+  return copy;
 }
 
 }  // namespace tessera

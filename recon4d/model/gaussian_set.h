@@ -6,15 +6,59 @@
 #include <cstdint>
 
 #include "ingest/scene.h"
+#include "kernels/backend.h"
 #include "kernels/base/buffer.h"
 #include "kernels/drawing_rules.h"
 #include "kernels/gaussians.h"
 #include "kernels/math/bounds.h"
 #include "kernels/math/spherindrical.h"
-#include "recon4d/model/motion_nodes.h"
-#include "recon4d/model/parameter_group.h"
+#include "kernels/motion_nodes.h"
 
 namespace tessera {
+
+/// Values that are optimised together, with Adam's moments of them.
+struct ParameterGroup {
+  explicit ParameterGroup(Memory& memory = host_memory())
+      : value(memory), moment1(memory), moment2(memory) {}
+
+  Buffer<float> value;  // [N, width]
+  /// [N, width] Adam's m and v; empty in a model that only renders. Of groups that pack them both
+  /// are in the words of moment1, and moment2 is empty.
+  Buffer<float> moment1, moment2;
+};
+
+inline constexpr int64_t kMaxNodes = 1024;
+inline constexpr int kMaxKnots = 256;
+
+/// Nodes that carry a canonical set through the clip (kernels/motion_nodes.h, method D.9): shared
+/// positions, radii and control points, stored beside the sets.
+struct MotionNodes {
+  explicit MotionNodes(Memory& memory = host_memory())
+      : position(memory), log_radius(memory), translation(memory), rotation(memory) {}
+
+  int64_t count = 0;  // M, at most kMaxNodes; 0: there are none
+  int knots = 0;      // S, at least kSplineOrder where there are nodes
+  /// Steps done when they were made, and when they were last given more control points: from then
+  /// on count the steps of Adam of logits and of nodes.
+  int64_t started = 0, refitted = 0;
+  Buffer<float> position;                            // [M, 3] world units, fixed
+  ParameterGroup log_radius, translation, rotation;  // [M], [M, S, 3], [M, S, 4]
+
+  bool empty() const { return count == 0; }
+  /// Sets the sizes of all arrays; values are undefined until written. Moments are dropped.
+  void resize(int64_t nodes, int control_points);
+  /// Zero moments where there are none, on the host.
+  void ensure_moments();
+  /// The groups that are optimised.
+  std::array<ParameterGroup*, 3> groups() { return {&log_radius, &translation, &rotation}; }
+  std::array<const ParameterGroup*, 3> groups() const {
+    return {&log_radius, &translation, &rotation};
+  }
+  NodeSpans<float> spans();
+  NodeSpans<const float> spans() const;
+  /// Deep copy in a memory, with the moments that there are or without.
+  MotionNodes clone_to(Memory& memory, bool moments) const;
+};
 
 class GaussianSet {
  public:
@@ -125,6 +169,24 @@ struct GaussianModel {
   /// Deep copies in a memory: with the moments that there are, or of the values alone.
   GaussianModel clone_to(Memory& memory) const;
   GaussianModel clone_values(Memory& memory = host_memory()) const;
+};
+
+/// What training gathers of each Gaussian of a set beside its parameters, since the last density
+/// control.
+struct SetStatistics {
+  explicit SetStatistics(Memory& memory = host_memory())
+      : gradient_sum(memory), count(memory), filter_size(memory) {}
+
+  Buffer<float> gradient_sum, count;  // [N] as DensityStatistics
+  /// [N] φ of the 3D filter, world units; empty: there is none, or it is to be measured.
+  Buffer<float> filter_size;
+
+  /// Nothing gathered or measured. The first is for the host's memory.
+  void reset(int64_t gaussians);
+  void reset(Backend& backend, int64_t gaussians);
+  SetStatistics clone_to(Memory& memory) const;
+  DensityStatistics<float> spans() { return {gradient_sum.span(), count.span()}; }
+  DensityStatistics<const float> spans() const { return {gradient_sum.span(), count.span()}; }
 };
 
 }  // namespace tessera

@@ -4,7 +4,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/model/element_edits.h"
-#include "recon4d/options/kernel_options.h"
+#include "recon4d/options/train_options.h"
 
 namespace tessera {
 namespace {

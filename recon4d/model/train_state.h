@@ -7,7 +7,6 @@
 #include "kernels/backend.h"
 #include "recon4d/model/exposure.h"
 #include "recon4d/model/gaussian_set.h"
-#include "recon4d/model/set_statistics.h"
 #include "recon4d/options/train_options.h"
 
 namespace tessera {

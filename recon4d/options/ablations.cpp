@@ -1,11 +1,11 @@
 // What: the techniques as data rows; the two families of ablations follow from them.
 // Not: code paths: an ablation only changes what any user could set by hand.
 // Source: the ablations of [Faster-GS]; `skip-invisible` is [Taming].
-#include "recon4d/options/ablations.h"
+#include "recon4d/options/presets.h"
 
 #include <fmt/format.h>
 
-#include "recon4d/options/option_overrides.h"
+#include "recon4d/options/train_options.h"
 
 namespace tessera {
 namespace {

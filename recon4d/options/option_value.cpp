@@ -1,10 +1,13 @@
-// What: option values from text and back.
-// Not: their ranges (train_options.cpp).
+// One table of suffixes for each unit.
 #include "recon4d/options/option_value.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 namespace tessera {
 namespace {
@@ -17,6 +20,47 @@ bool parse_whole(const std::string& text, Number& number) {
   const char* const end = text.data() + text.size();
   const auto [rest, error] = std::from_chars(begin, end, number);
   return error == std::errc() && rest == end;
+}
+
+using Suffixes = std::vector<std::pair<const char*, double>>;
+
+const Suffixes& suffixes(Unit unit) {
+  static const Suffixes none,
+      count = {{"k", 1e3}, {"m", 1e6}, {"g", 1e9}},
+      bytes = {{"b", 1},   {"k", 1e3},  {"kb", 1e3},      {"m", 1e6},       {"mb", 1e6},
+               {"g", 1e9}, {"gb", 1e9}, {"kib", 1 << 10}, {"mib", 1 << 20}, {"gib", 1 << 30}},
+      seconds = {{"s", 1}, {"m", 60}, {"h", 3600}};
+  switch (unit) {
+    case Unit::kCount:
+      return count;
+    case Unit::kBytes:
+      return bytes;
+    case Unit::kSeconds:
+      return seconds;
+    default:
+      return none;
+  }
+}
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+/// A number and the letters after it; moves `cursor` past both.
+std::optional<double> parse_term(const char*& cursor, const char* end, Unit unit,
+                                 bool& has_suffix) {
+  double number = 0;
+  const bool plus = cursor != end && *cursor == '+';
+  const auto [after, error] = std::from_chars(cursor + (plus ? 1 : 0), end, number);
+  if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
+  std::string letters;
+  for (cursor = after; cursor != end && is_letter(*cursor); ++cursor)
+    letters += char(*cursor >= 'A' && *cursor <= 'Z' ? *cursor - 'A' + 'a' : *cursor);
+  has_suffix = !letters.empty();
+  if (!has_suffix) return number;
+  for (const auto& [suffix, factor] : suffixes(unit))
+    if (letters == suffix) return number * factor;
+  return std::nullopt;
 }
 
 }  // namespace
@@ -39,6 +83,33 @@ std::string plain_text(const OptionValue& value) {
 std::string quoted_text(const OptionValue& value) {
   const std::string text = plain_text(value);
   return std::holds_alternative<std::string>(value) ? '"' + text + '"' : text;
+}
+
+std::optional<double> parse_quantity(const std::string& text, Unit unit) {
+  const char *cursor = text.data(), *const end = cursor + text.size();
+  bool has_suffix = false;
+  std::optional<double> sum = parse_term(cursor, end, unit, has_suffix);
+  // 1h30m: every part has its unit
+  while (sum && cursor != end) {
+    if (unit != Unit::kSeconds || !has_suffix) return std::nullopt;
+    const std::optional<double> next = parse_term(cursor, end, unit, has_suffix);
+    if (!next || !has_suffix) return std::nullopt;
+    sum = *sum + *next;
+  }
+  return sum;
+}
+
+const char* quantity_example(Unit unit) {
+  switch (unit) {
+    case Unit::kCount:
+      return "a whole number like 1500, 10k or 2M";
+    case Unit::kBytes:
+      return "bytes like 500000, 500kB, 5MB or 5MiB";
+    case Unit::kSeconds:
+      return "seconds like 90, or 90s, 2h or 1h30m";
+    default:
+      return "a number";
+  }
 }
 
 }  // namespace tessera

@@ -1,7 +1,7 @@
-// What: the value of one option, whatever its type, and how it is read from text and shown.
-// Not: which options there are (train_options.h), nor JSON (train_options_json.h).
+// Numbers with suffixes as people type them: 10k, 2M, 5MB, 90s.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -15,5 +15,21 @@ OptionValue option_value_from_text(const std::string& text);
 std::string plain_text(const OptionValue& value);
 /// The same with text in quotes.
 std::string quoted_text(const OptionValue& value);
+
+/// Which suffixes the text of a number may have.
+enum class Unit {
+  kNone,
+  kCount,    // k, M, G: powers of 1,000
+  kBytes,    // k, M, G, kB, MB, GB: powers of 1,000; KiB, MiB, GiB: of 1,024
+  kSeconds,  // h, m, s, also together: 1h30m
+  kWorld     // world units: none
+};
+
+/// The number that `text` states, as "1500", "1.5k" or "5MB"; none where it is not one of this
+/// unit. Letters count without regard to case, but for m (minutes, not millions) in kSeconds.
+std::optional<double> parse_quantity(const std::string& text, Unit unit);
+
+/// What such a text may look like, for messages: "a number like 1500, 10k or 2M".
+const char* quantity_example(Unit unit);
 
 }  // namespace tessera

@@ -1,9 +1,18 @@
 // What: named sets of options, as data rows.
 // Not: code paths: a preset only changes what any user could set by hand.
-#include "recon4d/options/option_overrides.h"
+#include "recon4d/options/presets.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "kernels/base/camera_rig.h"
+#include "kernels/base/errors.h"
+#include "recon4d/options/nearest_name.h"
 
 namespace tessera {
-
 namespace {
 
 /// No more than a scene needs: what moves and how many there are follows from the images.
@@ -63,6 +72,23 @@ const OptionOverrides kMcmc = {{"densification", "mcmc"},
                                {"scale_weight", 0.01},
                                {"init_opacity", 0.5}};
 
+/// Times are stored in clip lengths, from the first frame to the last.
+void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFacts& facts) {
+  if (rates.extent_frames == 0) return;
+  const double frames = double(facts.timesteps - 1);  // of a clip length
+  options.init_time_scale = rates.extent_frames / frames;
+  if (rates.velocity_rate > 0) options.lr_velocity = rates.velocity_rate * frames;
+  options.lr_mean_time = rates.mean_time_rate / (frames * facts.extent);
+}
+
+/// Few cameras say little of where things are: more Gaussians than that fit their noise.
+void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t pixels) {
+  constexpr int64_t kLeastLimit = 10000;
+  if (pixels_per_gaussian == 0 || pixels == 0) return;
+  const int64_t limit = std::max(kLeastLimit, pixels / pixels_per_gaussian);
+  if (options.peak_gaussians == 0 || options.peak_gaussians > limit) options.peak_gaussians = limit;
+}
+
 }  // namespace
 
 const std::vector<Preset>& presets() {
@@ -121,6 +147,50 @@ const std::vector<Preset>& presets() {
 
 void apply_preset(TrainOptions& options, const std::string& name, const SceneFacts& facts) {
   apply_named(options, presets(), "preset", name, facts);
+}
+
+void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, const char* kind,
+                 const std::string& name, const SceneFacts& facts) {
+  std::vector<std::string> names;
+  for (const NamedOptions& named : table) {
+    names.push_back(named.name);
+    if (name != named.name) continue;
+    for (const auto& [key, value] : named.overrides) set_option(options, key, value);
+    if (facts.still)
+      for (const auto& [key, value] : named.still_overrides) set_option(options, key, value);
+    if (facts.rig()) {
+      for (const auto& [key, value] : named.rig_overrides) set_option(options, key, value);
+      apply_rates(options, named.rig_rates, facts);
+    }
+    if (facts.single_view)
+      for (const auto& [key, value] : named.single_view_overrides) set_option(options, key, value);
+    if (facts.nodes)
+      for (const auto& [key, value] : named.node_overrides) set_option(options, key, value);
+    limit_by_pixels(options, named.pixels_per_gaussian, facts.camera_pixels);
+    return;
+  }
+  throw InputError(fmt::format("unknown {} '{}'{}", kind, name, known_names(name, names)));
+}
+
+SceneFacts facts_of(const Scene& scene) {
+  SceneFacts facts;
+  facts.still = scene.is_static;
+  const CameraRig rig = make_camera_rig(scene.training_cameras());
+  facts.extent = rig.extent;
+  for (const Camera& camera : rig.cameras)
+    facts.camera_pixels += int64_t(camera.width) * camera.height;
+  std::map<std::string, int64_t> frames;  // by camera
+  std::set<double> times;
+  for (int i : scene.split_indices(Split::kTrain)) {
+    ++frames[scene.frames[size_t(i)].camera_name];
+    times.insert(scene.frames[size_t(i)].time);
+  }
+  facts.single_view = times.size() > 1 && times.size() == scene.split_indices(Split::kTrain).size();
+  for (const auto& [camera, count] : frames) facts.timesteps = std::max(facts.timesteps, count);
+  facts.cameras = std::count_if(frames.begin(), frames.end(), [&](const auto& camera) {
+    return 2 * camera.second >= facts.timesteps;
+  });
+  return facts;
 }
 
 }  // namespace tessera

@@ -9,8 +9,9 @@
 #include <cmath>
 
 #include "kernels/base/errors.h"
-#include "kernels/math/depth_order.h"
+#include "kernels/math/sort_keys.h"
 #include "recon4d/options/nearest_name.h"
+#include "recon4d/options/option_rows.h"
 
 namespace tessera {
 namespace {
@@ -142,50 +143,6 @@ bool prunes_after_growth(const TrainOptions& options) {
 
 namespace {
 
-/// Times are stored in clip lengths, from the first frame to the last.
-void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFacts& facts) {
-  if (rates.extent_frames == 0) return;
-  const double frames = double(facts.timesteps - 1);  // of a clip length
-  options.init_time_scale = rates.extent_frames / frames;
-  if (rates.velocity_rate > 0) options.lr_velocity = rates.velocity_rate * frames;
-  options.lr_mean_time = rates.mean_time_rate / (frames * facts.extent);
-}
-
-/// Few cameras say little of where things are: more Gaussians than that fit their noise.
-void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t pixels) {
-  constexpr int64_t kLeastLimit = 10000;
-  if (pixels_per_gaussian == 0 || pixels == 0) return;
-  const int64_t limit = std::max(kLeastLimit, pixels / pixels_per_gaussian);
-  if (options.peak_gaussians == 0 || options.peak_gaussians > limit) options.peak_gaussians = limit;
-}
-
-}  // namespace
-
-void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, const char* kind,
-                 const std::string& name, const SceneFacts& facts) {
-  std::vector<std::string> names;
-  for (const NamedOptions& named : table) {
-    names.push_back(named.name);
-    if (name != named.name) continue;
-    for (const auto& [key, value] : named.overrides) set_option(options, key, value);
-    if (facts.still)
-      for (const auto& [key, value] : named.still_overrides) set_option(options, key, value);
-    if (facts.rig()) {
-      for (const auto& [key, value] : named.rig_overrides) set_option(options, key, value);
-      apply_rates(options, named.rig_rates, facts);
-    }
-    if (facts.single_view)
-      for (const auto& [key, value] : named.single_view_overrides) set_option(options, key, value);
-    if (facts.nodes)
-      for (const auto& [key, value] : named.node_overrides) set_option(options, key, value);
-    limit_by_pixels(options, named.pixels_per_gaussian, facts.camera_pixels);
-    return;
-  }
-  throw InputError(fmt::format("unknown {} '{}'{}", kind, name, known_names(name, names)));
-}
-
-namespace {
-
 /// What is never drawn has no gradient: Gaussians must not start, nor be reset, below the cut-off.
 void check_truncation(const TrainOptions& options) {
   constexpr double kResetOpacity = 0.01;  // reset_opacity
@@ -250,6 +207,32 @@ std::array<uint8_t, 3> parse_background(const std::string& text) {
     throw InputError(
         fmt::format("background '{}': expected black, white or r,g,b with 0 to 255", text));
   return rgb;
+}
+
+KernelSwitches kernel_switches(const TrainOptions& options) {
+  KernelSwitches switches;
+  switches.bounds.rectangular = options.rectangular_bounds;
+  switches.bounds.opacity_aware = options.opacity_bounds;
+  switches.balanced_instances = options.balanced_instances;
+  switches.separate_sort = options.separate_sort;
+  switches.warp_culling = options.warp_culling;
+  switches.backward = options.backward;
+  switches.deterministic = options.deterministic;
+  return switches;
+}
+
+SetForm dynamic_form(const TrainOptions& options) {
+  return dynamic_form_of(options.motion);
+}
+
+const std::vector<TrainOption>& train_option_table() {
+  static const std::vector<TrainOption> table = [] {
+    std::vector<TrainOption> rows = model_option_rows();
+    for (const auto part : {motion_option_rows, optimisation_option_rows})
+      for (TrainOption& row : part()) rows.push_back(std::move(row));
+    return rows;
+  }();
+  return table;
 }
 
 }  // namespace tessera

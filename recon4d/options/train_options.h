@@ -10,10 +10,11 @@
 #include <variant>
 #include <vector>
 
+#include "kernels/batch.h"
 #include "kernels/drawing_rules.h"
+#include "kernels/gaussians.h"
 #include "recon4d/options/choices.h"
 #include "recon4d/options/option_value.h"
-#include "recon4d/options/quantity.h"
 
 namespace tessera {
 
@@ -115,58 +116,6 @@ struct TrainOption {
 };
 const std::vector<TrainOption>& train_option_table();
 
-using OptionOverrides = std::vector<std::pair<const char*, OptionValue>>;  // applied in order
-
-/// The properties of a scene that presets depend on.
-struct SceneFacts {
-  bool still = false;         // one timestep
-  int64_t camera_pixels = 0;  // of the distinct training cameras together; 0: not known
-  int64_t cameras = 0;        // that film at once: with half as many training frames as the longest
-  int64_t timesteps = 0;      // training frames of the camera that has most
-  double extent = 0;          // CameraRig::extent, world units
-  bool single_view = false;   // several timesteps, of which none has two training views
-  bool nodes = false;         // motion nodes are to carry it
-
-  /// Several cameras that share timesteps, so that each timestep is seen from several sides.
-  bool rig() const { return !still && cameras >= 3 && timesteps >= 3; }
-};
-
-/// Initial extents and learning rates of dynamic Gaussians that follow from the time between two
-/// frames, not from the length of the clip.
-struct FrameRates {
-  double extent_frames = 0;   // initial temporal standard deviation; 0: none of the three applies
-  double velocity_rate = 0;   // lr_velocity, scene extents a frame; 0: as elsewhere
-  double mean_time_rate = 0;  // lr_mean_time, frames
-};
-
-/// A set of options under a name: a preset on top of the defaults, an ablation on top of that.
-struct NamedOptions {
-  std::string name, doc;
-  OptionOverrides overrides;
-  OptionOverrides still_overrides = {};  // over those, where the scene has one timestep
-  /// Lowers peak_gaussians where cameras have fewer pixels than so many for each; 0: never.
-  int64_t pixels_per_gaussian = 0;
-  OptionOverrides rig_overrides = {};          // over the overrides, where SceneFacts::rig()
-  FrameRates rig_rates = {};                   // likewise
-  OptionOverrides single_view_overrides = {};  // likewise, where SceneFacts::single_view
-  OptionOverrides node_overrides = {};         // over all of these, where SceneFacts::nodes
-};
-/// Options of a training. Where its motion is `auto`, `with_nodes` are those that hold once nodes
-/// are chosen.
-struct PlannedOptions {
-  TrainOptions options;
-  std::optional<TrainOptions> with_nodes;
-};
-
-/// `kind`: "preset", for the message. Errors: InputError naming the nearest known name.
-void apply_named(TrainOptions& options, const std::vector<NamedOptions>& table, const char* kind,
-                 const std::string& name, const SceneFacts& facts = {});
-
-using Preset = NamedOptions;
-const std::vector<Preset>& presets();
-
-/// Errors: InputError naming the nearest known name.
-void apply_preset(TrainOptions& options, const std::string& name, const SceneFacts& facts = {});
 /// Sets one option by key, from its value or from text. Errors: InputError: unknown key (nearest
 /// named), wrong type, out of range.
 void set_option(TrainOptions& options, const std::string& key, const OptionValue& value);
@@ -182,5 +131,9 @@ bool prunes_after_growth(const TrainOptions& options);
 
 /// "black", "white", or "r,g,b" in 0–255. Errors: InputError.
 std::array<uint8_t, 3> parse_background(const std::string& text);
+
+KernelSwitches kernel_switches(const TrainOptions& options);
+/// Of the dynamic set.
+SetForm dynamic_form(const TrainOptions& options);
 
 }  // namespace tessera

@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "recon4d/evaluation/frame_sample.h"
 #include "recon4d/evaluation/scoring_pass.h"
 
 namespace tessera {
@@ -51,9 +52,35 @@ struct Contributions {
 /// to which it is given up, by what is known of them.
 using ElementPrices = std::function<std::vector<double>(const Contributions&)>;
 
-/// Draws frames until removals at these prices are decided precisely (precision.h); without
+/// Draws frames until removals at these prices are decided precisely (draw_until_precise); without
 /// `prices` all.
 Contributions measure_contributions(Backend& backend, const GaussianModel& model,
                                     const FrameSample& sample, const ElementPrices& prices = {});
+
+/// An element is given up where the squared error that this adds is no more than its price. What
+/// that costs when `first`, the errors by one half of the frames, decide and `second`, those by the
+/// other half, judge, beyond the least possible; mean of that and of the other way round. Squared
+/// error. `price`: by one half. 0: the halves decide alike. All [N].
+double regret(const std::vector<double>& first, const std::vector<double>& second,
+              const std::vector<double>& price);
+
+/// A pass is precise enough where the regret of its halves is no more than this share of the price
+/// of all elements, or than that of the images' squared error, which is 0.05 dB. Of the whole it is
+/// half of that of the halves, or less: it has half of their variance.
+inline constexpr double kRegretOfPrice = 0.02, kRegretOfError = 0.0116;
+
+/// Errors [N] of a pass so far, and the prices and the images' squared error in the same frames.
+struct PricedErrors {
+  std::vector<double> error, price;
+  double squared_error = 0;
+};
+
+/// Draws sweeps of `sample` and asks for `so_far` after 1, 2, 4, … of them, until the halves decide
+/// alike; without `so_far` all. `draw`: frames [begin, end) of `sample`, of one series, at most
+/// four of them. Returns the share of the frames that were drawn.
+double draw_until_precise(
+    const FrameSample& sample,
+    const std::function<void(int64_t begin, int64_t end, int32_t series)>& draw,
+    const std::function<PricedErrors(double share)>& so_far);
 
 }  // namespace tessera

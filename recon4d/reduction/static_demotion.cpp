@@ -6,8 +6,8 @@
 
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/element_edits.h"
+#include "recon4d/reduction/contributions.h"
 #include "recon4d/reduction/motion_choice.h"
-#include "recon4d/reduction/precision.h"
 
 namespace tessera {
 namespace {

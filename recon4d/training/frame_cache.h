@@ -79,4 +79,9 @@ class FrameCache {
   std::vector<int64_t> current_;  // what `truth` was asked for last
 };
 
+/// [frames] each [height, width]: 0 where the frame's own mask ignores a pixel, kMovingPixel where
+/// it differs from the median over time of its camera, else 1. Empty where the camera moves or has
+/// fewer than three timesteps and the frame has no mask. `frames`: places in the scene.
+FrameMasks moving_masks(const Scene& scene, const std::vector<int>& frames);
+
 }  // namespace tessera

@@ -21,4 +21,8 @@ struct Initialisation {
 Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
                                 const TrainOptions& options);
 
+/// Everywhere the mean colour of the training images, with zero moments. Errors: InputError:
+/// frames with alpha, whose background is known and is no light from beyond the scene.
+EnvironmentLight first_environment(const Scene& scene, const TrainOptions& options);
+
 }  // namespace tessera

@@ -15,12 +15,10 @@
 #include "recon4d/density/mcmc.h"
 #include "recon4d/density/unseen.h"
 #include "recon4d/evaluation/render.h"
-#include "recon4d/motion/refit.h"
-#include "recon4d/motion/start.h"
-#include "recon4d/options/kernel_options.h"
-#include "recon4d/training/environment.h"
+#include "recon4d/motion/nodes.h"
+#include "recon4d/options/train_options.h"
+#include "recon4d/training/frame_cache.h"
 #include "recon4d/training/initialise.h"
-#include "recon4d/training/moving_pixels.h"
 
 namespace tessera {
 namespace {

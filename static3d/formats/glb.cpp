@@ -1,6 +1,6 @@
 // What: accessors over one buffer, column after column.
 // Not: anything of a scene but its one node.
-#include "static3d/formats/glb.h"
+#include "static3d/formats/splat_formats.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +14,8 @@
 #include "kernels/base/errors.h"
 #include "kernels/math/spherical_harmonics.h"
 #include "kernels/math/splat.h"
-#include "static3d/transform/axis_flip.h"
 #include "static3d/transform/splat_quanta.h"
+#include "static3d/transform/world_change.h"
 
 namespace tessera {
 namespace {

@@ -1,6 +1,6 @@
 // What: other people's columns ↔ Gaussians.
 // Not: the columns of ours (recon4d/model/splat_columns.h).
-#include "static3d/formats/ply_3dgs.h"
+#include "static3d/formats/splat_formats.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,7 +9,6 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/model/splat_columns.h"
-#include "static3d/formats/ply_compressed.h"
 
 namespace tessera {
 namespace {

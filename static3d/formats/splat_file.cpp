@@ -10,11 +10,7 @@
 #include "kernels/base/errors.h"
 #include "recon4d/model/element_edits.h"
 #include "recon4d/options/nearest_name.h"
-#include "static3d/formats/glb.h"
-#include "static3d/formats/ply_3dgs.h"
-#include "static3d/formats/ply_compressed.h"
-#include "static3d/formats/splat_rows.h"
-#include "static3d/formats/spz.h"
+#include "static3d/formats/splat_formats.h"
 
 namespace tessera {
 namespace {

@@ -1,6 +1,6 @@
 // What: f32 mean, f32 linear scale, u8 colour and opacity, u8 quaternion w,x,y,z.
 // Not: what is sound (splat_file.cpp).
-#include "static3d/formats/splat_rows.h"
+#include "static3d/formats/splat_formats.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // What: columns of bytes ↔ stored parameters.
 // Not: compression itself (ingest/files/gzip.h, zstd).
-#include "static3d/formats/spz.h"
+#include "static3d/formats/splat_formats.h"
 
 #include <fmt/format.h>
 #ifdef TESSERA_HAS_ZSTD
@@ -14,8 +14,8 @@
 #include "ingest/files/bytes.h"
 #include "ingest/files/gzip.h"
 #include "recon4d/model/splat_columns.h"
-#include "static3d/transform/axis_flip.h"
 #include "static3d/transform/splat_quanta.h"
+#include "static3d/transform/world_change.h"
 
 namespace tessera {
 namespace {

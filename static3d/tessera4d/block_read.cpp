@@ -10,7 +10,6 @@
 #include "kernels/base/errors.h"
 #include "static3d/tessera4d/block.h"
 #include "static3d/tessera4d/node_streams.h"
-#include "static3d/tessera4d/sh_streams.h"
 #include "static3d/tessera4d/stream.h"
 #include "static3d/transform/splat_quanta.h"
 

@@ -8,15 +8,14 @@
 
 #include "ingest/files/gzip.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/median.h"
 #include "kernels/base/parallel.h"
-#include "kernels/base/quantile.h"
 #include "kernels/load_gaussian.h"
 #include "recon4d/model/element_edits.h"
 #include "static3d/tessera4d/node_streams.h"
 #include "static3d/tessera4d/segments.h"
-#include "static3d/tessera4d/sh_streams.h"
 #include "static3d/tessera4d/stream.h"
-#include "static3d/transform/morton_order.h"
+#include "static3d/transform/scene_box.h"
 #include "static3d/transform/splat_quanta.h"
 
 namespace tessera {

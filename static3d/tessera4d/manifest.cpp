@@ -12,7 +12,7 @@
 #include "kernels/math/eigen3.h"
 #include "kernels/math/ewa.h"
 #include "kernels/math/node_pose.h"
-#include "kernels/math/splat_rules.h"
+#include "kernels/math/splat.h"
 #include "static3d/tessera4d/node_streams.h"
 
 namespace tessera {

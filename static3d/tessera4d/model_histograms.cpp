@@ -9,7 +9,7 @@
 #include "kernels/load_gaussian.h"
 #include "recon4d/model/element_edits.h"
 #include "static3d/tessera4d/segments.h"
-#include "static3d/tessera4d/sh_streams.h"
+#include "static3d/tessera4d/stream.h"
 
 namespace tessera {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "kernels/math/eigen3.h"
 #include "kernels/math/ewa.h"
-#include "kernels/math/splat_rules.h"
+#include "kernels/math/splat.h"
 
 namespace tessera {
 

@@ -7,9 +7,20 @@
 #include <string_view>
 #include <vector>
 
+#include "kernels/math/spherical_harmonics.h"
 #include "static3d/tessera4d/manifest.h"
 
 namespace tessera {
+
+inline constexpr const char* kShNames[kMaxShDegree + 1] = {"colour", "sh1", "sh2", "sh3"};
+
+/// Scalars of a degree, three channels; where they begin in a row.
+inline int band_width(int degree) {
+  return 3 * (2 * degree + 1);
+}
+inline int band_begin(int degree) {
+  return degree == 0 ? 0 : 3 * sh_coefficients(degree - 1);
+}
 
 /// Numbers as they are stored, before bytes.
 struct StreamWords {

@@ -1,6 +1,5 @@
-// What: pair → velocity by the slice's own axes, velocity → pair by the axes of space-time.
-// Not: an equation of its own: the slice is load_gaussian's, axes are those of shape3.h and
-// four_rotation.h.
+// Conversion from pair to velocity by the axes of the slice, and from velocity to pair by the axes
+// of space-time.
 #include "static3d/transform/motion_form.h"
 
 #include <algorithm>
@@ -9,7 +8,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/load_gaussian.h"
-#include "kernels/math/shape3.h"
+#include "kernels/math/eigen3.h"
 #include "recon4d/model/element_edits.h"
 #include "static3d/transform/four_rotation.h"
 

@@ -2,6 +2,10 @@
 // Not: the bounds of all means (model_info.h).
 // Source: failure mode E3.
 #pragma once
+#include <cstdint>
+#include <vector>
+
+#include "kernels/gaussians.h"
 #include "recon4d/model/gaussian_set.h"
 
 namespace tessera {
@@ -19,5 +23,8 @@ struct SceneBox {
 
 /// Of the means of both sets.
 SceneBox scene_box(const GaussianModel& model);
+
+/// Elements by the Morton codes of their means in the box of all; equal codes keep their order.
+std::vector<int64_t> morton_order(const GaussianSpans<const float>& set);
 
 }  // namespace tessera

@@ -7,7 +7,7 @@
 
 #include "kernels/base/parallel.h"
 #include "kernels/load_gaussian.h"
-#include "kernels/math/shape3.h"
+#include "kernels/math/eigen3.h"
 #include "recon4d/evaluation/render.h"
 
 namespace tessera {

@@ -12,6 +12,17 @@
 
 namespace tessera {
 
+/// Signs of x, y and z, of which an even number are −1.
+struct AxisSigns {
+  float x, y, z;
+};
+inline constexpr AxisSigns kAsIs{1, 1, 1};
+inline constexpr AxisSigns kRightUpBack{1, -1, -1};  // SPZ, three.js, of right-down-front
+inline constexpr AxisSigns kLeftUpFront{-1, -1, 1};  // glTF as viewers have it
+
+/// Means, quaternions, velocities and SH in the flipped world; its own inverse.
+void flip_axes(GaussianSet& set, const AxisSigns& signs);
+
 /// Values in another world; spherical harmonics turn along, opacities, timesteps of life and their
 /// lengths stay, clip planes scale. Without optimizer state. The identity leaves every bit.
 GaussianModel model_in_world(const Similarity& b_from_a, const GaussianModel& model);

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "recon4d/motion/start.h"
+#include "recon4d/motion/nodes.h"
 
 namespace tessera::testing {
 namespace {

@@ -16,7 +16,6 @@
 
 #include "kernels/base/camera.h"
 #include "kernels/base/parallel.h"
-#include "kernels/base/serial_section.h"
 
 namespace tessera::testing {
 namespace {

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "kernels/load_gaussian.h"
-#include "kernels/math/depth_order.h"
+#include "kernels/math/sort_keys.h"
 #include "kernels/stages/radix_order.h"
 #include "tests/support/render.h"
 

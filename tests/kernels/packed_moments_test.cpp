@@ -1,6 +1,6 @@
 // What: two moments in a word: what it holds exactly, how it rounds, and the optimizer on it
 // against one that rounds nothing. Not: Adam's equation (scalar_test.cpp).
-#include "kernels/math/packed_moments.h"
+#include "kernels/math/adam.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // What: SSIM at one pixel, its partials, the window, and the photometric stage against a loop
 // written from the definition. Not: SSIM as a metric (recon4d/metrics).
-#include "kernels/math/ssim.h"
+#include "kernels/math/photometric.h"
 
 #include "kernels/cpu_backend.h"
 #include "tests/support/dual.h"

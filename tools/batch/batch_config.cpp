@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
-#include "recon4d/options/ablations.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
 #include "static3d/formats/splat_file.h"
 #include "tools/cli/named_once.h"

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
+#include "recon4d/options/presets.h"
 
 namespace tessera {
 namespace {

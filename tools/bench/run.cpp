@@ -13,7 +13,7 @@
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/evaluate.h"
-#include "recon4d/options/scene_facts.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 #include "tools/session/version.h"
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
 
 namespace tessera {

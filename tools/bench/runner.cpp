@@ -14,7 +14,7 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/evaluate.h"
-#include "recon4d/evaluation/render_rate.h"
+#include "recon4d/evaluation/render.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/options/train_options_json.h"
 #include "tools/cli/backend_options.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "ingest/files/json_file.h"
-#include "kernels/base/byte_units.h"
+#include "kernels/base/buffer.h"
 #include "kernels/base/errors.h"
 #include "tools/bench/chart_points.h"
 #include "tools/report/svg_chart.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "kernels/base/byte_units.h"
+#include "kernels/base/buffer.h"
 #include "tools/bench/chart_points.h"
 #include "tools/report/svg_chart.h"
 

@@ -11,7 +11,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/model/model_file.h"
-#include "recon4d/options/ablations.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/training/stage_bench.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"

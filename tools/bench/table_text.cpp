@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "kernels/base/byte_units.h"
+#include "kernels/base/buffer.h"
 
 namespace tessera {
 namespace {

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "kernels/base/errors.h"
-#include "recon4d/options/ablations.h"
 #include "recon4d/options/nearest_name.h"
+#include "recon4d/options/presets.h"
 
 namespace tessera {
 namespace {

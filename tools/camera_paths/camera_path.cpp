@@ -8,7 +8,7 @@
 
 #include "ingest/poses/world_normalisation.h"
 #include "kernels/base/errors.h"
-#include "kernels/base/quantile.h"
+#include "kernels/base/median.h"
 
 namespace tessera {
 namespace {

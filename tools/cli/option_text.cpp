@@ -1,5 +1,6 @@
 // Texts are made from the rows and from the presets as they are applied; none is stored.
 #include "tools/cli/option_text.h"
+#include "recon4d/options/presets.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

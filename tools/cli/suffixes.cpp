@@ -9,7 +9,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "recon4d/options/quantity.h"
+#include "recon4d/options/option_value.h"
 
 namespace tessera {
 namespace {

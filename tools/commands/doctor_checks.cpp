@@ -20,7 +20,7 @@
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/options/forecast.h"
-#include "recon4d/options/scene_facts.h"
+#include "recon4d/options/presets.h"
 #include "tools/cli/terminal.h"
 #include "tools/session/machine.h"
 

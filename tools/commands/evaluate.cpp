@@ -12,7 +12,7 @@
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "recon4d/evaluation/render_rate.h"
+#include "recon4d/evaluation/render.h"
 #include "recon4d/options/train_options.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"

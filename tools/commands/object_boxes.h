@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
-#include "recon4d/evaluation/object_scores.h"
+#include "recon4d/evaluation/timestep_scores.h"
 
 namespace tessera {
 

@@ -16,6 +16,7 @@
 #include "ingest/ingest.h"
 #include "ingest/prepared/scene_reader.h"
 #include "recon4d/model/model_file.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/cli/backend_options.h"

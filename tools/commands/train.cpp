@@ -8,6 +8,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "recon4d/model/checkpoint.h"
+#include "recon4d/options/presets.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"

@@ -11,7 +11,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/png.h"
 #include "ingest/prepared/scene_reader.h"
-#include "kernels/base/serial_section.h"
+#include "kernels/base/parallel.h"
 #include "recon4d/evaluation/metrics.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/options/train_options_json.h"

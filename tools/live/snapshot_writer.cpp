@@ -4,7 +4,7 @@
 #include <exception>
 #include <utility>
 
-#include "kernels/base/serial_section.h"
+#include "kernels/base/parallel.h"
 #include "tools/live/low_priority.h"
 
 namespace tessera {

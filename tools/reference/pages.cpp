@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "recon4d/options/presets.h"
 #include "tools/cli/option_text.h"
 #include "tools/reference/reference.h"
 

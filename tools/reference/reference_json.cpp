@@ -1,6 +1,7 @@
 // The options of the program as one JSON object, for programs that call it.
 #include <nlohmann/json.hpp>
 
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 #include "tools/cli/option_text.h"
 #include "tools/reference/reference.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "recon4d/training/observer.h"
+#include "recon4d/training/trainer.h"
 
 namespace tessera {
 

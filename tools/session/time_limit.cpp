@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
-#include "recon4d/options/quantity.h"
+#include "recon4d/options/option_value.h"
 
 namespace tessera {
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ingest/scene.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
 #include "recon4d/reduction/size_limit.h"
 #include "tools/session/session_observer.h"

@@ -14,6 +14,7 @@
 #include "ingest/files/fnv1a.h"
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 #include "recon4d/training/motion_trial.h"
 #include "recon4d/training/scene_scale.h"

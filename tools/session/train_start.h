@@ -10,6 +10,7 @@
 
 #include "kernels/backend.h"
 #include "recon4d/model/checkpoint.h"
+#include "recon4d/options/presets.h"
 #include "tools/session/run_folder.h"
 #include "tools/session/train_session.h"
 

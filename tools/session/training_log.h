@@ -6,7 +6,7 @@
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 
-#include "recon4d/training/observer.h"
+#include "recon4d/training/trainer.h"
 #include "tools/session/session_observer.h"
 
 namespace tessera {

@@ -2,7 +2,7 @@
 // against the formulas. failure_modes C1, C8. Not: gradients (backend_gradient_test.cpp).
 #include <set>
 
-#include "kernels/math/depth_order.h"
+#include "kernels/math/sort_keys.h"
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"

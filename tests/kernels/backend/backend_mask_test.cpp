@@ -2,7 +2,7 @@
 //       is used keeps its own; against the oracle on images that span many tiles.
 // Not: the loss's definition (ssim_test.cpp), nor where masks come from (tests/ingest).
 // Source: failure mode B17.
-#include "kernels/math/ssim.h"
+#include "kernels/math/photometric.h"
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"

@@ -10,6 +10,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/math/relocation.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/training/schedule.h"
 #include "tests/recon4d/model/handmade_set.h"
 #include "tests/support/separate_backend.h"

@@ -1,5 +1,5 @@
 // The colour fit and the scores of timesteps, from images whose answers are known, and in a report.
-#include "recon4d/evaluation/colour_fit.h"
+#include "recon4d/evaluation/pixel_sums.h"
 
 #include <gtest/gtest.h>
 

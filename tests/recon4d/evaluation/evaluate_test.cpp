@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "kernels/base/errors.h"
-#include "recon4d/evaluation/render_rate.h"
+#include "recon4d/evaluation/render.h"
 #include "recon4d/model/model_file.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"

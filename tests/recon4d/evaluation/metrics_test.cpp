@@ -3,7 +3,7 @@
 #include "recon4d/evaluation/metrics.h"
 #include "tests/support/random_image.h"
 
-#include "kernels/math/ssim.h"
+#include "kernels/math/photometric.h"
 #include "recon4d/evaluation/evaluate.h"
 #include "tests/recon4d/model/small_models.h"
 

@@ -1,5 +1,5 @@
 // The scores of boxes about objects, of images whose errors are known.
-#include "recon4d/evaluation/object_scores.h"
+#include "recon4d/evaluation/timestep_scores.h"
 
 #include <gtest/gtest.h>
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "recon4d/evaluation/metrics.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/reduction/model_reduction.h"
 #include "recon4d/reduction/size_limit.h"
 #include "recon4d/training/validation.h"

@@ -3,8 +3,7 @@
 
 #include "kernels/load_gaussian.h"
 #include "recon4d/evaluation/render.h"
-#include "recon4d/motion/refit.h"
-#include "recon4d/motion/start.h"
+#include "recon4d/motion/nodes.h"
 #include "tests/recon4d/model/small_models.h"
 
 namespace tessera::testing {

@@ -1,6 +1,7 @@
 // What: forecasts of memory and time in 64 bits.
 // Not: their truth, which only trainings show (research/results_history.md).
 #include "recon4d/options/forecast.h"
+#include "recon4d/options/presets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Numbers with suffixes.
-#include "recon4d/options/quantity.h"
+#include "recon4d/options/option_value.h"
 
 #include <gtest/gtest.h>
 

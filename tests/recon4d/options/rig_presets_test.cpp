@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "recon4d/options/scene_facts.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 
 namespace tessera::testing {

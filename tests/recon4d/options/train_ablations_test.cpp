@@ -7,7 +7,7 @@
 #include <set>
 
 #include "kernels/base/errors.h"
-#include "recon4d/options/ablations.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 
 namespace tessera {

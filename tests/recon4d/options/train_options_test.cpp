@@ -7,6 +7,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/options/nearest_name.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 
 namespace tessera {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/cloud/dense_cloud.h"
-#include "recon4d/options/kernel_options.h"
+#include "recon4d/options/train_options.h"
 #include "recon4d/options/train_options_json.h"
 #include "tests/support/tiny_capture.h"
 

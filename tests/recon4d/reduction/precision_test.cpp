@@ -1,6 +1,6 @@
 // What: what a decision by half of the frames costs, by hand, and when a pass ends.
 // Not: what the errors are (contributions_test.cpp).
-#include "recon4d/reduction/precision.h"
+#include "recon4d/reduction/contributions.h"
 
 #include <gtest/gtest.h>
 

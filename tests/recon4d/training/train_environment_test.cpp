@@ -9,7 +9,7 @@
 #include "recon4d/evaluation/metrics.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/model_file.h"
-#include "recon4d/training/environment.h"
+#include "recon4d/training/initialise.h"
 #include "tests/support/faulty_backend.h"
 #include "tests/support/resume.h"
 #include "tests/support/separate_backend.h"

@@ -6,7 +6,6 @@
 #include "kernels/math/photometric.h"
 #include "recon4d/training/batch_sampler.h"
 #include "recon4d/training/frame_cache.h"
-#include "recon4d/training/moving_pixels.h"
 #include "recon4d/training/stage_bench.h"
 #include "tests/support/separate_backend.h"
 

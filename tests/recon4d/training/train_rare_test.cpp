@@ -7,6 +7,7 @@
 
 #include "recon4d/evaluation/metrics.h"
 #include "recon4d/evaluation/render.h"
+#include "recon4d/options/presets.h"
 #include "tests/recon4d/model/small_models.h"
 #include "tests/support/random.h"
 #include "tests/support/test_scene.h"

@@ -9,7 +9,7 @@
 
 #include "kernels/base/errors.h"
 #include "recon4d/evaluation/evaluate.h"
-#include "recon4d/evaluation/render_rate.h"
+#include "recon4d/evaluation/render.h"
 #include "recon4d/model/checkpoint.h"
 #include "tests/support/backends.h"
 #include "tests/support/random.h"

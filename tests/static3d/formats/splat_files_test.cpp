@@ -18,7 +18,7 @@
 #include "kernels/load_gaussian.h"
 #include "kernels/math/spherical_harmonics.h"
 #include "recon4d/model/element_edits.h"
-#include "static3d/transform/axis_flip.h"
+#include "static3d/transform/world_change.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"
 #include "tests/support/data_folder.h"

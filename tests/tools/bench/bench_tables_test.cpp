@@ -8,7 +8,7 @@
 #include <set>
 
 #include "kernels/base/errors.h"
-#include "recon4d/options/ablations.h"
+#include "recon4d/options/presets.h"
 #include "tools/bench/report.h"
 
 namespace tessera {

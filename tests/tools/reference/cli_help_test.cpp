@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "ingest/files/atomic_file.h"
+#include "recon4d/options/presets.h"
 #include "recon4d/options/train_options.h"
 #include "tests/tools/commands/cli_workspace.h"
 

@@ -1,9 +1,9 @@
-// Where motion nodes come from: positions by farthest-point sampling of the static set, radii by
-// their neighbours, and every Gaussian bound to its nearest nodes, for good. Source: [SC-GS].
+// More control points for motion nodes: the new spline follows the old one as closely as it can.
 #pragma once
 #include <array>
 #include <vector>
 
+#include "recon4d/model/gaussian_set.h"
 #include "recon4d/model/train_state.h"
 
 namespace tessera {
@@ -24,5 +24,10 @@ NodePlan plan_nodes(Span<const float> mean, Span<const float> opacity_logit, int
 /// The static set of a state, where the backend works, becomes canonical: nodes at rest with
 /// `knots` control points, logits 0. Nothing changes where no node is found.
 void start_nodes(Backend& backend, const NodePlan& plan, int knots, TrainState& state);
+
+/// Control points `knots` whose spline is the old one in the least-squares sense, exactly where
+/// knots = 2·S − 3. `knots` is at least as large as before. Optimizer state is zero afterwards.
+/// `step`: steps done. Nodes are in any memory.
+void refit_nodes(int knots, int64_t step, MotionNodes& nodes);
 
 }  // namespace tessera

@@ -1,0 +1,49 @@
+// What: the standard 3DGS .ply that every viewer opens, in and out, for Dim 3 sets.
+// Not: time: a dynamic model is sliced first (lift.h); what all formats share (splat_file.h).
+// Source: [3DGS] reference code's layout; formats: normals zero, f_rest channel-major.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string_view>
+
+#include "ingest/files/ply.h"
+#include "recon4d/model/gaussian_set.h"
+#include "static3d/formats/splat_file.h"
+
+namespace tessera {
+
+/// A .ply of either kind, plain or compressed, as it is. Errors: InputError naming the file and the
+/// property that is missing or of a wrong kind.
+SplatFile load_ply_splats(const std::filesystem::path& path);
+/// Only `float` properties, one element `vertex`, in the order of the reference.
+void save_ply_3dgs(const std::filesystem::path& path, const GaussianSet& set, int sh_degree);
+
+/// Whether the file has the elements of this format.
+bool is_compressed_splat(const PlyFile& file);
+/// Errors: InputError naming `path` and the element or property that is missing.
+GaussianSet decode_compressed_splat(const std::filesystem::path& path, const PlyFile& file);
+
+/// Along a Morton curve, so that chunks are small. Means and logarithms of scales to the range of
+/// their chunk by 2047 (y: 1023), opacities and colours to 1/255, SH to 1/32.
+void save_compressed_splat(const std::filesystem::path& path, const GaussianSet& set,
+                           int sh_degree);
+
+/// Errors: InputError: empty, or a length that is no multiple of 32.
+SplatFile load_splat_rows(const std::filesystem::path& path);
+/// Largest times most opaque first, as old viewers want it. Spherical harmonics are left out.
+void save_splat_rows(const std::filesystem::path& path, const GaussianSet& set);
+
+/// Whether a file that starts so is one.
+bool is_spz(std::string_view head);
+/// Errors: InputError: another version, cut off, damaged, counts that do not fit.
+SplatFile load_spz(const std::filesystem::path& path);
+/// Version 3, which most players read, or 4. Means to 1/4096 of a unit within ±2048, logarithms of
+/// scales to 1/16, opacities and colours to 1/255, SH to 1/16 (first degree) and 1/8. Errors:
+/// InputError: a mean out of range; version 4 in a build without zstd.
+void save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree,
+              int version = 3);
+
+/// Exact but for exp(ln scale) and σ(logit). Errors: InputError: more bytes than 32 bits count.
+void save_glb(const std::filesystem::path& path, const GaussianSet& set, int sh_degree);
+
+}  // namespace tessera
