@@ -1,6 +1,7 @@
-// What: the stages of a training step for a batch of views. A backend is a traversal of math/.
-// Not: the order of the stages (kernels/pipeline.h) and no parameters' ownership.
-// CpuBackend is here in float (the working path) and double (the oracle); CUDA is float only.
+// The stages of a training step for a batch of views, the operations on sets, and the arguments of
+// both. A backend defines how data is traversed; the equations are in math/ and the order of the
+// stages is in pipeline.h. CpuBackend exists in float (production) and in double (reference),
+// CudaBackend in float only.
 #pragma once
 #include <memory>
 #include <string>
@@ -118,7 +119,7 @@ struct EnvironmentArgs {
 // A stage has a truth, a mask and a colour map for every view, or none where there may be none.
 // Sizes are not checked: a span of a device has only its length.
 
-/// Of masks, for a batch of `views`. Errors: a bug of ours.
+/// Of masks, for a batch of `views`. Errors: std::logic_error.
 inline void check_target(size_t views, const std::vector<Span<const uint8_t>>& mask) {
   check(mask.empty() || mask.size() == views, "one mask per view");
 }
@@ -245,10 +246,10 @@ class BackendOf {
                                const DensityRule& rule, DensityElements& elements) = 0;
   /// Elements from `first` on become samples of the Gaussian they are copies of, and smaller.
   virtual void place_children(const GaussianSpans<Real>& set, int64_t first, uint64_t seed) = 0;
-  /// Draws a living Gaussian for every dead one and for every element that is added, with
+  /// Draws an alive Gaussian for every dead one and for every element that is added, with
   /// probability in proportion to opacity and with replacement. Those that were drawn n − 1 times
-  /// become, in place, n Gaussians in one spot that together look as the one did; `elements` says
-  /// who copies whom. Where nobody lives nothing is moved, and `added` must be 0.
+  /// become, in place, n Gaussians in one spot that together look as the one did; `elements` states
+  /// the source of each copy. Where no Gaussian is alive nothing is moved, and `added` must be 0.
   virtual void relocate_elements(const GaussianSpans<Real>& set, const RelocationRule& rule,
                                  RelocationElements& elements) = 0;
   /// means += Σ·ξ · scale / (1 + exp(100·opacity − ½)), ξ normal.

@@ -1,5 +1,5 @@
-// What: stands in for the CUDA backend where it is not built; chosen by the linker.
-// Not: a fallback: asking for CUDA without it is an error, never a silent change of backend.
+// The substitute that the linker takes where the CUDA backend is not built. A request for CUDA is
+// then an error and never a silent change of backend.
 #include "kernels/backend.h"
 #include "kernels/base/errors.h"
 #include "kernels/device_probe.h"

@@ -1,5 +1,4 @@
-// What: cameras and times of a batch, and how it is drawn → the form kernels loop over.
-// Not: culling or any choice of views.
+// Conversion of the cameras, times and drawing rules of a batch to the form that kernels read.
 #include "kernels/batch.h"
 
 #include <string>

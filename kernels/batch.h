@@ -1,5 +1,5 @@
-// What: what flows between the stages for a batch of B views: Splats, TileInstances, Images, Loss.
-// Not: parameters (gaussians.h). Index names: n Gaussian, b view, s splat, t tile, i instance.
+// Data that flows between the stages for a batch of B views: Splats, TileInstances, Images, Loss.
+// Index names are n for Gaussian, b for view, s for splat, t for tile and i for instance.
 #pragma once
 #include <vector>
 
@@ -111,7 +111,7 @@ struct TileInstances {
   Buffer<int32_t> splat;        // [I]
   Buffer<int64_t> tile_begin;   // [tiles+1]
   Buffer<int64_t> first_of;     // [S] first entry of each splat in `slot`; it has tiles[s] of them
-  Buffer<int64_t> slot;         // [I] places of a splat's instances; filled when asked
+  Buffer<int64_t> slot;         // [I] places of a splat's instances; filled on request
   Buffer<int32_t> depth_order;  // [S] splats front to back
   Buffer<int32_t> tile_order;   // [tiles] a device's: long lists first, so that none comes last
 };
@@ -123,7 +123,7 @@ struct Images {
       : colour(memory), transmittance(memory), used(memory) {}
 
   Buffer<Real> colour;         // [3·pixels] background included, not clamped
-  Buffer<Real> transmittance;  // [pixels] light of the background that remains
+  Buffer<Real> transmittance;  // [pixels] transmittance: share of the background that remains
   Buffer<int32_t> used;        // [pixels] 1 + place in the tile's list of the last blended splat
 };
 

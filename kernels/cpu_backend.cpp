@@ -1,5 +1,4 @@
-// What: construction and naming of the CPU backends.
-// Not: any stage.
+// Construction and name of the CPU backends.
 #include "kernels/cpu_backend.h"
 
 #include "kernels/base/parallel.h"

@@ -1,5 +1,5 @@
-// What: the CPU traversal of every stage, in float (working path) and double (oracle).
-// Not: equations; those are in math/. Each stage is defined in stages/<stage>.cpp.
+// The CPU backend in float (production) and double (reference). Each stage is defined in the file
+// of its name in stages/, edits/ or measures/.
 #pragma once
 #include "kernels/backend.h"
 

@@ -1,6 +1,5 @@
-// What: what this build and the machine have of CUDA, and whether a device can be worked with.
-// Not: a choice (tools/session/device_choice.h), nor anything that stays allocated but the device's
-// context.
+// The state of CUDA in this build and on this machine, and whether a device can be used. Nothing
+// stays allocated but the context of the device.
 #pragma once
 #include <string>
 #include <vector>

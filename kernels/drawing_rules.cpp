@@ -1,5 +1,4 @@
-// What: the ranges of drawing rules.
-// Not: what the rules mean (kernels/math).
+// The allowed ranges of drawing rules.
 #include "kernels/drawing_rules.h"
 
 #include <cstdio>

@@ -1,6 +1,5 @@
-// What: how Gaussians are drawn, as one value that options, models and files share, and the names
-//       under which files hold it.
-// Not: what is drawn (gaussians.h), nor how kernels go about it (KernelSwitches).
+// The rules by which Gaussians are drawn, as one value that options, models and files share, and
+// the names of the rules in files.
 #pragma once
 #include <string>
 

@@ -1,5 +1,5 @@
-// The parameters of a set of Gaussians as kernels see them: named groups of spans. Their owner is
-// recon4d/model/gaussian_set.h; schedules and learning rates lie above both.
+// The parameters of a set of Gaussians as kernels read them: named groups of spans. GaussianSet
+// (recon4d/model/gaussian_set.h) owns the memory.
 #pragma once
 #include <cassert>
 #include <cstdint>
@@ -259,7 +259,7 @@ struct DensityRule {
   int64_t room = -1;         // Gaussians that may be added to the set; < 0: no limit
 };
 
-/// How far dead Gaussians are taken to living ones, and how many copies are added  [method B].
+/// The opacity up to which Gaussians are dead, and how many copies are added  [method B].
 struct RelocationRule {
   double dead_opacity = 0;   // not more opaque ones are dead, as are those that are no Gaussians
   double least_opacity = 0;  // of a Gaussian that was copied, and of its copies

@@ -1,5 +1,6 @@
-// One stored Gaussian of a set → what a view needs of it, and, of a canonical set, what motion
-// nodes have made of it in that view. Source: method A.5, A.6, C.1, D.9.
+// Conversion of one stored Gaussian of a set to the values that a view needs; the values of a
+// canonical Gaussian are those that motion nodes give it in that view. Source: method A.5, A.6,
+// C.1, D.9.
 #pragma once
 #include "kernels/gaussians.h"
 #include "kernels/math/splat.h"

@@ -1,5 +1,4 @@
-// What: the stages of a step in their order.
-// Not: any arithmetic.
+// Calls of the stages of a step in their order.
 #include "kernels/pipeline.h"
 
 #include <utility>

@@ -1,6 +1,6 @@
-// What: the order of the stages for a batch of views, and the buffers between them.
-// Not: a model or a schedule: parameters come in as spans, gradients leave through sinks.
-// Trainer, evaluation, export and the double-precision tests all render through this class.
+// The order of the stages for a batch of views, and the buffers between them. Parameters come in as
+// spans and gradients leave through sinks. Trainer, evaluation, export and the double-precision
+// tests all render through this class.
 #pragma once
 #include <vector>
 

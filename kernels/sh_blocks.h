@@ -1,6 +1,5 @@
-// What: elements of a set by the degree of their spherical harmonics: those of one degree stand
-//       together, a block, which every stage takes as a set of its own.
-// Not: which degree a Gaussian has (recon4d/model/element_edits.h).
+// Blocks of a set: elements of one SH degree stand together, and every stage takes a block as a set
+// of its own. The degrees are assigned in recon4d/model/element_edits.h.
 #pragma once
 #include <cstdint>
 
@@ -20,7 +19,7 @@ struct ShBlock {
 struct ShBlocks {
   static constexpr int kOrder[kMaxShDegree + 1] = {3, 1, 2, 0};
 
-  /// By degree. All 0: every element has as many coefficients as the set says.
+  /// By degree. All 0: every element has as many coefficients as the set states.
   int64_t elements[kMaxShDegree + 1] = {};
 
   TESSERA_HD bool mixed() const { return count() > 0; }

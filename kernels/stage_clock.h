@@ -1,6 +1,6 @@
-// What: how long each stage of the pipeline takes and how many bytes it had to move.
-// Not: a profiler: a backend measures as its device can, the host's clock or the device's events.
-// Timers may nest: the time of the inner one then is in both stages.
+// The time that each stage of the pipeline takes, and the bytes that it has to move, by the clock
+// of the host or by events of the device. Timers may nest; the time of the inner one then counts in
+// both stages.
 #pragma once
 #include <array>
 #include <chrono>
@@ -67,7 +67,7 @@ class HostStageClock final : public StageClock {
   std::chrono::steady_clock::time_point begin_[kStages];
 };
 
-/// Measures the block it lives in.
+/// Measures the block in which it is declared.
 class StageTimer {
  public:
   StageTimer(StageClock& clock, Stage stage) : clock_(clock), stage_(stage) { clock.begin(stage); }

@@ -1,5 +1,4 @@
-// What: the host's Memory: aligned allocation for vector loads.
-// Not: an arena; Buffers keep their capacity, which makes one unnecessary on the host.
+// The memory of the host: allocation that is aligned for vector loads, and the peak of the process.
 #include "kernels/base/buffer.h"
 
 #include <sys/resource.h>

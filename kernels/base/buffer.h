@@ -1,6 +1,7 @@
-// What: Buffer<T>, an owning, move-only, 64-byte aligned array that only grows; hands out Spans.
-// Not: a std::vector: growing does not keep the contents unless asked (`grow_keep`), values are
-// raw.
+// Span<T>, a trivially copyable pointer with a length and the only form of memory that a kernel
+// takes; Memory, which allocates bytes on the host or on a device; and Buffer<T>, a move-only
+// 64-byte aligned array in a Memory. A Buffer keeps its capacity; `resize` does not keep values,
+// `grow_keep` does.
 #pragma once
 #include <algorithm>
 #include <cassert>

@@ -1,6 +1,6 @@
-// What: a pinhole camera and a view (camera and time), in double, as scenes hold them.
-// Not: distortion (ingest removes it) and not what a kernel loops over (kernels/batch.h).
-// Axes: camera +x right, +y down, +z forward; pixel centres at +0.5 (COLMAP's convention).
+// A pinhole camera and a view (camera and time), in double, as scenes hold them. Ingest has removed
+// distortion. Camera axes are +x right, +y down, +z forward; pixel centres are at +0.5 (COLMAP's
+// convention).
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -39,7 +39,7 @@ struct Camera {
   }
 };
 
-/// A camera at a moment. `time` is normalised: 0 is the first, 1 the last timestep of the scene.
+/// A camera at a time. `time` is normalised: 0 is the first, 1 the last timestep of the scene.
 struct View {
   Camera camera;
   double time = 0;

@@ -1,5 +1,4 @@
-// What: scene extent and focus from camera centres and axes.
-// Not: a bundle adjustment; the poses are taken as given.
+// Scene extent and focus from camera centres and viewing axes. The poses are taken as given.
 #include "kernels/base/camera_rig.h"
 
 #include <algorithm>
@@ -44,7 +43,8 @@ CameraRig make_camera_rig(const std::vector<Camera>& cameras) {
   for (const Camera& camera : rig.cameras) mean += camera.position() / double(rig.cameras.size());
   for (const Camera& camera : rig.cameras)
     rig.extent = std::max(rig.extent, kExtentMargin * glm::distance(camera.position(), mean));
-  // one camera, or all in one place: nothing tells the scale; world units are taken as they are
+  // one camera, or all in one place: the scale cannot be determined; world units are taken as they
+  // are
   if (!(rig.extent > 1e-6)) rig.extent = 1;
 
   rig.focus = nearest_to_axes(rig.cameras, rig.extent);

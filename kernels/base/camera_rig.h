@@ -1,7 +1,5 @@
-// What: what the cameras of a rig say about the scene: its extent, the point they look at, whether
-//       a point is seen.
-// Not: images or points, and not which cameras count (Scene::training_cameras).
-// Source: method A.2 (scene extent, carving).
+// Properties of a rig of cameras: the extent of the scene, the point at which the cameras look, and
+// whether a camera sees a point. Source: method A.2 (scene extent, carving).
 #pragma once
 #include <glm/vec3.hpp>
 #include <vector>

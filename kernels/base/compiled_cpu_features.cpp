@@ -1,5 +1,4 @@
-// What: the instructions that this file, as all others, was compiled with.
-// Not: what this CPU has (cpu_features.cpp).
+// The CPU instructions that this file, like all others, was compiled with.
 #include "kernels/base/cpu_features.h"
 
 namespace tessera {

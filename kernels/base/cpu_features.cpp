@@ -1,6 +1,6 @@
-// What: what the CPU has, and the message. Compiled for any x86-64, and without anything that is
-// compiled elsewhere: it runs before it is known what this machine can execute.
-// Not: the list that was compiled for (compiled_cpu_features.cpp).
+// Detection of the instructions of this CPU, and the message about missing ones. This file is
+// compiled for any x86-64 and uses nothing that is compiled elsewhere, because it runs before it is
+// known which instructions the machine can execute.
 #include "kernels/base/cpu_features.h"
 
 namespace tessera {

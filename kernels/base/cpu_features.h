@@ -1,6 +1,6 @@
-// What: the instructions that the program was compiled with, against those that this CPU has.
-// Builds are for the machine they are made on (-march=native), and are carried to others.
-// Not: a choice of code at run time. On other processors than x86-64 the list is empty.
+// Comparison of the instructions that the program was compiled with and those that this CPU has. A
+// build is for the machine that made it (-march=native) but may be copied to another one. On
+// processors other than x86-64 the list is empty.
 #pragma once
 #include <cstddef>
 

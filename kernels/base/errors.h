@@ -1,5 +1,6 @@
-// What: the three kinds of failure: the user's data (InputError), the device (DeviceError), our bug
-// (check). Not: exit codes; only tools/ turns these into 2, 1 and 1.
+// The kinds of failure: wrong data of the user (InputError), the device (DeviceError), non-finite
+// numbers of a training (NumericalError), and bugs (check). Only tools/ turns them into exit codes.
+// The limits of counts with 32-bit indices are here as well.
 #pragma once
 #include <cstdint>
 #include <stdexcept>
@@ -25,7 +26,7 @@ class NumericalError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Asserts what only a bug of ours can break; always on. Errors: std::logic_error.
+/// Asserts a condition that only a bug can break; always on. Errors: std::logic_error.
 inline void check(bool condition, const char* what) {
   if (!condition) throw std::logic_error(std::string("internal error: ") + what);
 }

@@ -1,5 +1,5 @@
-// What: the macros that let an equation be compiled for host and device.
-// Not: anything that selects a backend; backends are chosen at link time (backend.h).
+// Macros that let an equation be compiled for host and device. The backend itself is chosen at link
+// time (backend.h).
 #pragma once
 
 // TESSERA_UNROLL: before a short loop over an array that must stay in registers.

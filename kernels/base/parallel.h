@@ -1,6 +1,5 @@
-// What: one loop over independent chunks of [0, count) on all cores.
-// Not: a scheduler; oneTBB is (parallel_tbb.cpp), std::thread where it is absent
-// (parallel_std.cpp).
+// A loop over independent chunks of [0, count) on all cores, by oneTBB (parallel_tbb.cpp) or, where
+// it is absent, by std::thread (parallel_std.cpp).
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,5 +1,5 @@
-// What: parallel_for on std::thread, for builds without oneTBB (trainer-only GPU nodes).
-// Not: a pool: threads are started per call, which costs some 20 µs; oneTBB is the usual choice.
+// `parallel_for` on std::thread, for builds without oneTBB. Threads are started in each call, which
+// costs about 20 µs.
 #include <algorithm>
 #include <atomic>
 #include <exception>

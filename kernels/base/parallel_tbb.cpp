@@ -1,5 +1,4 @@
-// What: parallel_for on oneTBB.
-// Not: built where TBB is absent; parallel_std.cpp is linked there instead.
+// `parallel_for` on oneTBB. Builds without oneTBB link parallel_std.cpp instead.
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 

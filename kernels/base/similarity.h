@@ -1,7 +1,5 @@
-// What: a change of world: rotation, uniform scale and translation of points and of cameras, in
-//       double. Prepared scenes and models carry the one that leads from the source's world.
-// Not: Gaussians (static3d/transform/world_change.h) and not how it is chosen
-// (ingest/poses/world_normalisation.h).
+// A change of world in double: rotation, uniform scale and translation of points and of cameras.
+// Prepared scenes and models carry the one that leads from the world of the source.
 #pragma once
 #include <array>
 #include <glm/geometric.hpp>

@@ -1,5 +1,5 @@
-// What: what all sums over a splat's pixels read and write; a pixel's step of the gradient.
-// Not: the walk (splat_sums.cuh).
+// Arguments of the sums over the pixels of a splat, the step of one pixel in the gradient of
+// blending, and sums over the lanes of a warp.
 #pragma once
 #include <cstdint>
 

@@ -1,5 +1,5 @@
-// What: the device, the stream, and what goes between host and device in a step.
-// Not: any stage.
+// The device, the stream and the transfers between host and device in a step, and the checks of
+// CUDA's return codes.
 #include "kernels/cuda/cuda_backend.h"
 
 #include <algorithm>

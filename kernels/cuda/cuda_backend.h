@@ -1,6 +1,5 @@
-// What: the CUDA traversal of every stage, in float. One stream; the host waits where backend.h
-// says.
-// Not: equations; those are in math/. Each stage is defined in stages/<stage>.cu.
+// The CUDA backend, in float and on one stream. The host waits only where backend.h states it. Each
+// stage is defined in the file of its name in stages/, edits/ or measures/.
 #pragma once
 #include <cuda_runtime.h>
 
@@ -16,7 +15,7 @@ struct StepCounters {
   unsigned invalid, bad_groups, bad_values;
 };
 
-/// Memory of the host that the device can write to while the host goes on.
+/// Memory of the host that the device can write to while the host continues.
 template <class T>
 class PinnedArray {
  public:

@@ -1,5 +1,5 @@
-// What: events around stages, read when they have happened.
-// Not: any wait while a training runs.
+// CUDA events around stages, which are read after they have happened, so that a training does not
+// wait for them.
 #include "kernels/cuda/device_clock.h"
 
 #include <nvtx3/nvToolsExt.h>

@@ -1,7 +1,6 @@
-// What: stage times by the device's own events, and NVTX ranges of the same names.
-// Not: exact for every step: one step in `kEvery` is measured and stands for the others, because
-// events between kernels cost a few microseconds. Nor a place where a training fails: what the
-// device does not measure is left out, and the stages report its errors.
+// Stage times from CUDA events, and NVTX ranges of the same names. One step in `kEvery` is measured
+// and stands for the others, because events between kernels cost a few microseconds. A failed
+// measurement is left out and never stops a training.
 #pragma once
 #include <cuda_runtime.h>
 

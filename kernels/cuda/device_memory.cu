@@ -1,5 +1,4 @@
-// What: the pool behind DeviceMemory.
-// Not: any kernel.
+// The stream-ordered pool of DeviceMemory, its limit and its copies.
 #include "kernels/cuda/device_memory.h"
 
 #include "kernels/base/errors.h"

@@ -1,7 +1,6 @@
-// What: device memory from the driver's stream-ordered pool, with a limit, a peak, and copies.
-// The pool reserves virtual addresses and maps pages behind them, so that a set that grows and
-// shrinks does not fragment it.
-// Not: managed memory.
+// Device memory from the driver's stream-ordered pool, with a limit, a peak and copies, and
+// Scratch, which divides one buffer into the arrays of a stage. The pool reserves virtual addresses
+// and maps pages behind them, so a set that grows and shrinks does not fragment it.
 #pragma once
 #include <cuda_runtime.h>
 

@@ -1,5 +1,4 @@
-// What: CUDA's return codes on the way to a device → what stands in that way.
-// Not: what is made of it (tools/session/device_choice.h).
+// Conversion of CUDA's return codes to the reason why a device cannot be used.
 #include "kernels/device_probe.h"
 
 #include <cuda_runtime.h>

@@ -1,6 +1,5 @@
-// What: the prelude of linear kernels: one thread an element, its index, its launch; the grid of
-//       kernels over the pixels of views.
-// Not: kernels over tiles (tile_block.cuh).
+// Launches of linear kernels with one thread for each element, the grid of kernels over the pixels
+// of views, and the errors of CUDA statements as DeviceError.
 #pragma once
 #include <cuda_runtime.h>
 

@@ -1,7 +1,7 @@
-// What: parts of the photometric kernels: the block's tile of a colour plane, the SSIM window along
-// columns (in registers) and along rows (from shared memory), the sum over a block.
-// Not: the passes (photometric_kernels.cu).
-// Source: method A.15.
+// Arguments and parts of the photometric kernels (L1 + D-SSIM and its gradient): the tile of a
+// colour plane that a block works on, the SSIM window along columns (in registers) and along rows
+// (from shared memory), and the sum over a block. Source: method A.15; the numbers equal those of
+// stages/photometric.cpp up to rounding.
 #pragma once
 #include <cuda_runtime.h>
 #include <cstddef>
@@ -106,7 +106,7 @@ struct Block {
   __device__ bool contains(int row, int column) const {
     return row >= 0 && row < height && column >= 0 && column < width;
   }
-  /// Whether pixel p adds to the loss; kernels without masks do not ask.
+  /// Whether pixel p adds to the loss; kernels without masks do not test it.
   template <bool Masked>
   __device__ bool counts(int p) const {
     if constexpr (Masked)

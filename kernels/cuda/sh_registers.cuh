@@ -1,5 +1,4 @@
-// What: the SH coefficients of one Gaussian in one thread's registers.
-// Not: the colour (math/spherical_harmonics.h).
+// Reads the SH coefficients of one Gaussian into the registers of one thread.
 #pragma once
 #include "kernels/math/splat.h"
 
@@ -26,7 +25,7 @@ __device__ inline void visit_sh(const float* from, int row, int wanted, Visit&& 
   }
 }
 
-/// The coefficients of g at a moment, as sh_at has them.
+/// The coefficients of g at a time, as sh_at computes them.
 __device__ inline void load_sh(const ColourRules<float>& rules, const GaussianState<float>& g,
                                float delta, float* sh) {
   visit_sh(g.sh, rules.row, rules.scalars(), [&](int j, float c) { sh[j] = c; });

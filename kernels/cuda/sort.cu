@@ -1,5 +1,4 @@
-// What: CUB's radix sort and scan.
-// Not: a choice of keys.
+// Sorts and scans by CUB.
 #include "kernels/cuda/sort.h"
 
 #include <thrust/iterator/counting_iterator.h>

@@ -1,5 +1,4 @@
-// What: the library's scans and sorts over device spans, with their scratch memory.
-// Not: algorithms of our own: CUB's are.
+// CUB's radix sort and scan over device spans, with their scratch memory.
 #pragma once
 #include <cuda_runtime.h>
 

@@ -1,8 +1,7 @@
-// What: sums over the pixels of every splat on the device, front to back through each tile: the
-// walk that the gradient of blending and the sensitivity share. Lanes are pixels; splats that miss
-// a warp's part of the tile are skipped. Not: atomics when a fixed order is asked for: every warp
-// then keeps its sum of each instance. Not what is summed: a Pixel says that. Source: method A.11,
-// G.4.
+// Sums over the pixels of every splat on the device, front to back through each tile. The gradient
+// of blending and the sensitivity share this traversal; the type Pixel defines the summands. Lanes
+// are pixels; splats that miss a warp's part of the tile are skipped. Atomics add the sums, except
+// in deterministic mode, where every warp keeps its sum of each instance. Source: method A.11, G.4.
 #pragma once
 #include "kernels/cuda/blend_backward_args.cuh"
 #include "kernels/cuda/launch.cuh"

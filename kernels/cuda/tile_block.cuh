@@ -1,6 +1,5 @@
-// What: how warps lie over a tile: a warp has a part of it, a lane one or two pixels. Warps go
-// through the tile's splats on their own, 32 at a time: no warp waits for another.
-// Not: what is done with a splat (blend.cu, blend_backward.cu).
+// The layout of warps over a tile: a warp has a part of the tile and a lane has one or two pixels.
+// Each warp goes through the splats of the tile, 32 at a time, without waiting for other warps.
 // Source: sub-tiles of [Faster-GS]; method A.10, G.4.
 #pragma once
 #include "kernels/batch.h"

@@ -1,5 +1,4 @@
-// What: dynamic Gaussians as static ones.
-// Not: one of them (kernels/edits/demote.h).
+// Conversion of dynamic Gaussians to static ones on the CPU.
 #include "kernels/edits/demote.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

@@ -1,5 +1,4 @@
-// What: dynamic Gaussians as static ones on the device: a thread a Gaussian.
-// Not: one of them (kernels/edits/demote.h).
+// Conversion of dynamic Gaussians to static ones on the device, one thread for each Gaussian.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/launch.cuh"

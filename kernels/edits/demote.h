@@ -1,5 +1,4 @@
-// What: one dynamic Gaussian as a static one.
-// Not: which ones (recon4d/reduction/static_demotion.h), nor loops over Gaussians (stages).
+// Conversion of one dynamic Gaussian to a static one.
 #pragma once
 #include "kernels/load_gaussian.h"
 #include "kernels/math/eigen3.h"
@@ -8,7 +7,7 @@
 namespace tessera {
 
 /// Element n of `from` into `to`, a static set: where it is at `timestep`, with the shape and
-/// colours of its slice there, and as opaque as `opacity` says. One without opacity or that is no
+/// colours of its slice there, and with the opacity `opacity`. One without opacity or that is no
 /// Gaussian is where its own mean timestep has it, as stored.
 template <SetForm form, class Real>
 TESSERA_HD inline void store_demoted(const GaussianSpans<const Real>& from,

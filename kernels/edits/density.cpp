@@ -1,6 +1,5 @@
-// What: density control of a set as lists of elements; the order of a set in memory.
-// Not: when (recon4d/training/schedule.h); the rule for one Gaussian is in kernels/edits/density.h.
-// Source: method A.13, A.14, D.7.
+// Density control of a set on the CPU as lists of elements, the children of splits, and the order
+// of a set in memory. The rule for one Gaussian is in density.h. Source: method A.13, A.14, D.7.
 #include <algorithm>
 #include <limits>
 #include <numeric>

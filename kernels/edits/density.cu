@@ -1,6 +1,6 @@
-// What: density control of a set as lists of elements, and the order of a set in memory, on the
-// device. Not: when (recon4d/training/schedule.h); the rule for one Gaussian is in
-// kernels/edits/density.h. Source: method A.13, A.14, D.7.
+// Density control of a set on the device as lists of elements, the children of splits, and the
+// order of a set in memory. The rule for one Gaussian is in density.h. Source: method A.13, A.14,
+// D.7.
 #include <cub/device/device_reduce.cuh>
 
 #include "kernels/base/errors.h"
@@ -23,10 +23,10 @@ __global__ void rate(DensityLimits<float> limits, GaussianSpans<const float> set
                      int32_t* number, int32_t* candidate) {
   const int64_t n = linear_index();
   if (n >= set.count) return;
-  const bool lives = is_alive(limits, set, n);
+  const bool kept = is_alive(limits, set, n);
   const float score = growth_score(statistics.gradient_sum[n], statistics.count[n]);
-  const bool grows = lives && score >= limits.threshold;
-  alive[n] = lives;
+  const bool grows = kept && score >= limits.threshold;
+  alive[n] = kept;
   candidate[n] = grows;
   key[n] = grows ? ~__float_as_uint(score) : ~0u;  // bits of positive floats order as they do
   number[n] = int32_t(n);

@@ -1,5 +1,4 @@
-// What: what becomes of one Gaussian in density control, and where the children of a split go.
-// Not: ranking where room is short, nor lists of elements (density.cpp).
+// The decision of density control for one Gaussian, and the places of the children of a split.
 // Source: method A.13, D.7.
 #pragma once
 #include "kernels/load_gaussian.h"
@@ -83,7 +82,7 @@ TESSERA_HD inline void place_child(const GaussianSpans<Real>& v, int64_t n, uint
     for (int k = 0; k < 3; ++k)
       for (int i = 0; i < 3; ++i) mean[i] += R[k][i] * Real(noise[k]) * exp(s[k]);
   }
-  if constexpr (form == SetForm::kVelocity) {  // the mean moves along with its moment
+  if constexpr (form == SetForm::kVelocity) {  // the mean moves along with the temporal mean
     const Real* velocity = v.at(kVelocity, n);
     const Real later = Real(noise[3]) * exp(*v.at(kLogScaleTime, n));
     *v.at(kMeanTime, n) += later;

@@ -1,7 +1,5 @@
-// What: dead Gaussians become copies of living ones, copies are added, means take random steps.
-// Not: when (recon4d/density/mcmc.h); what becomes of one Gaussian is in math/relocation.h and
-// kernels/edits/mcmc.h.
-// Source: method B.
+// MCMC densification on the CPU: dead Gaussians become copies of alive ones, copies are added, and
+// means take random steps. The formulas are in math/relocation.h and mcmc.h. Source: method B.
 #include "kernels/edits/mcmc.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
@@ -12,7 +10,7 @@ namespace {
 
 constexpr int64_t kGrain = 1024;  // Gaussians per task
 
-/// Who is dead, and Σ of the weights before each of the others.
+/// The dead Gaussians, and Σ of the weights before each of the others.
 struct Weighed {
   std::vector<char> dead;     // [N]
   std::vector<int64_t> sums;  // [N+1]
@@ -38,7 +36,7 @@ void relocate(const GaussianSpans<Real>& set, const RelocationRule& rule,
   const Weighed weighed = weigh<form>(set.view(), rule.dead_opacity);
   elements.moved = 0;
   elements.weight = weighed.sums.back();
-  check(rule.added == 0 || elements.weight > 0, "relocate_elements: nobody to copy");
+  check(rule.added == 0 || elements.weight > 0, "relocate_elements: no Gaussian to copy");
   elements.values.resize(set.count + rule.added);
   elements.moments.resize(set.count + rule.added);
   std::vector<int32_t> copies(size_t(set.count), 1);

@@ -1,8 +1,6 @@
-// What: dead Gaussians become copies of living ones, copies are added, means take random steps, on
-// the device. Weights are whole numbers and counts are added, so that nothing depends on an order.
-// Not: when (recon4d/density/mcmc.h); what becomes of one Gaussian is in math/relocation.h and
-// kernels/edits/mcmc.h.
-// Source: method B.
+// MCMC densification on the device: dead Gaussians become copies of alive ones, copies are added,
+// and means take random steps. Weights are whole numbers, so that sums do not depend on their
+// order. The formulas are in math/relocation.h and mcmc.h. Source: method B.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_memory.h"
@@ -15,20 +13,20 @@ namespace {
 
 constexpr int kThreads = 256;
 
-/// What each Gaussian weighs in the draw, and whether it is dead; one copy of each so far.
+/// The weight of each Gaussian in the draw, and whether it is dead; one copy of each so far.
 template <SetForm form>
 __global__ void weigh(GaussianSpans<const float> set, double dead_opacity, int32_t* weight,
                       int32_t* dead, int32_t* copies) {
   const int64_t n = linear_index();
   if (n >= set.count) return;
   const double opacity = living_opacity<form>(set, n);
-  const bool lives = opacity > dead_opacity;
-  weight[n] = lives ? draw_weight(opacity) : 0;
-  dead[n] = !lives;
+  const bool alive = opacity > dead_opacity;
+  weight[n] = alive ? draw_weight(opacity) : 0;
+  dead[n] = !alive;
   copies[n] = 1;
 }
 
-/// Where each element comes from. Nobody is copied where all weights are 0.
+/// The source of each element. Nothing is copied where all weights are 0.
 __global__ void draw(const int64_t* sums, const int32_t* dead, int64_t count, int64_t elements,
                      uint64_t seed, int32_t* copies, int64_t* values, int64_t* moments) {
   const int64_t i = linear_index();
@@ -64,7 +62,7 @@ void CudaBackend::relocate_elements(const GaussianSpans<float>& set, const Reloc
   elements.values.resize(all);
   elements.moments.resize(all);
   elements.moved = elements.weight = 0;
-  check(rule.added == 0 || N > 0, "relocate_elements: nobody to copy");
+  check(rule.added == 0 || N > 0, "relocate_elements: no Gaussian to copy");
   if (N == 0) return;
   Scratch scratch(scratch_);
   for (int k = 0; k < 3; ++k) scratch.plan<int32_t>(N);
@@ -83,7 +81,7 @@ void CudaBackend::relocate_elements(const GaussianSpans<float>& set, const Reloc
   memory_.copy(&elements.weight, sums.data + N, sizeof(int64_t));
   memory_.copy(&elements.moved, deaths.data + N, sizeof(int64_t));
   if (elements.weight == 0) elements.moved = 0;
-  check(rule.added == 0 || elements.weight > 0, "relocate_elements: nobody to copy");
+  check(rule.added == 0 || elements.weight > 0, "relocate_elements: no Gaussian to copy");
   launch_linear<kThreads>(stream_, "relocate_elements: draw", draw, all, sums.data, dead.data, N,
                           all, rule.seed, copies.data, elements.values.data(),
                           elements.moments.data());

@@ -1,5 +1,6 @@
-// What: one stored Gaussian in MCMC: whether it lives, and what it becomes as one of several
-// copies. Not: the formulas of copies (kernels/math/relocation.h). Source: method B  [3DGS-MCMC].
+// One stored Gaussian in MCMC densification: its opacity while it is alive, its parameters as one
+// of several copies, and the random step of its mean along its covariance, which is larger for
+// fainter Gaussians. Source: method B  [3DGS-MCMC].
 #pragma once
 #include "kernels/load_gaussian.h"
 #include "kernels/math/random.h"
@@ -40,7 +41,7 @@ TESSERA_HD inline Real noise_gate(Real opacity) {
 }
 
 /// μ += Σ·ξ · scale · gate(o), ξ ~ N(0, I). Σ itself, not its root; of a dynamic Gaussian Σ_c, what
-/// views see of it at any moment. What is no Gaussian stays.
+/// views see of it at any time. An invalid Gaussian stays.
 template <SetForm form, class Real>
 TESSERA_HD inline void add_position_noise(const GaussianSpans<Real>& set, int64_t n,
                                           const PositionNoise& noise) {

@@ -1,5 +1,4 @@
-// What: one Adam step of one scalar.
-// Not: which scalars take it: the gradient sink decides (stages/gradient_sink.h).
+// One Adam step of one scalar, with float moments or with both moments packed in one 32-bit word.
 // Source: [Kingma15] in PyTorch's form, method A.4.
 #pragma once
 #include <bit>

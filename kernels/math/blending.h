@@ -1,5 +1,4 @@
-// What: one splat over one pixel, front to back: forward step and backward step.
-// Not: loops over pixels or splats; those are the backends'.
+// One splat over one pixel, front to back: the forward step and the backward step of blending.
 // Source: [3DGS]; scalar-R backward: method A.11.
 #pragma once
 #include "kernels/math/bounds.h"

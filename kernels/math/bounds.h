@@ -1,8 +1,7 @@
-// What: how far a splat reaches: its cut-off ellipse, its tile rectangle, its response in a
-// rectangle.
-// Not: a test of each tile: an instance where a splat draws nothing costs less than the test
-// (docs/development/performance.md).
-// Source: [Faster-GS] opacity-aware bounds; [StopThePop] least_power_in; method A.6, A.7, C.3.
+// The reach of a splat: its cut-off ellipse, its tile rectangle, and its response in a rectangle.
+// Single tiles are not tested, because an instance in which a splat draws nothing costs less than
+// the test (docs/development/performance.md). Source: [Faster-GS] opacity-aware bounds;
+// [StopThePop] least_power_in; method A.6, A.7, C.3.
 #pragma once
 #include "kernels/math/ewa.h"
 

@@ -1,15 +1,13 @@
-// What: what one Gaussian does for the images of a scoring pass, summed splat by splat: its
-//       blending weight, the squared error that removing or simplifying it adds, and the error over
-//       it that changes with time.
-// Not: sums over the pixels of a splat (sensitivity.h), nor decisions (recon4d/reduction).
-// Source: docs/explanation/size.md.
+// The contribution of one Gaussian to the images of a scoring pass, summed splat by splat: its
+// blending weight, the squared error that its removal or simplification adds, and the part of the
+// residual over it that changes with time. Source: docs/explanation/size.md.
 #pragma once
 #include "kernels/math/sensitivity.h"
 #include "kernels/math/spherindrical.h"
 
 namespace tessera {
 
-/// Sums over the splats of a Gaussian; w = T·α, x: the image that was asked about.
+/// Sums over the splats of a Gaussian; w = T·α, x: the image that is measured.
 template <class Real>
 struct ElementSums {
   Real weight, removal1, removal2;  // as SplatSensitivity
@@ -48,7 +46,7 @@ struct TimeVariation {
   SeriesSums series;      // that is not closed yet
   double varying_gain;    // Σ over series of the difference
   double gain;            // Σ_t |s_t|²/W_t over all
-  double light;           // squared error that leaving its light out would add, by timestep
+  double light;           // squared error that its removal would add, by timestep
   double peak_gain;       // of the timestep with most of it
   Vec3<double> colour;    // to be added there
   float peak_time;        // when that is

@@ -1,6 +1,7 @@
-// What: axes of a symmetric 3×3 matrix by Jacobi rotations, and a rotation matrix as a quaternion.
-// Not: on the path of training; slicing and exporting need it once per Gaussian, in double.
-// Source: [GolubVanLoan] cyclic Jacobi; [Shepperd78] quaternion by its largest component.
+// Axes of a symmetric 3×3 matrix by Jacobi rotations, a rotation matrix as a quaternion, and a
+// covariance as the stored parameters of a static Gaussian. In double: slices, conversions and
+// demotion need it once per Gaussian. Source: [GolubVanLoan] cyclic Jacobi; [Shepperd78] quaternion
+// by its largest component.
 #pragma once
 #include "kernels/math/symmetric.h"
 

@@ -1,7 +1,6 @@
-// What: light from beyond the scene: a map of directions at infinity, its texels under a pixel.
-// Not: a sphere of finite radius: the eye's place does not matter.
-// Deviation: [Yang24]'s code looks a sphere of radius 60 up; a map at infinity has no parallax and
-// no scale of the world in it. Source: method D.8.
+// Radiance at infinity behind all Gaussians: a map of directions, and the texels under a pixel.
+// Deviation: the code of [Yang24] uses a sphere of radius 60; a map at infinity has no parallax and
+// does not depend on the scale of the world. Source: method D.8.
 #pragma once
 #include "kernels/math/ewa.h"
 

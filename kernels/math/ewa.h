@@ -1,6 +1,6 @@
-// What: EWA projection of a 3D Gaussian to a 2D one in pixels, and its gradient.
-// Not: which tiles it touches (bounds.h) nor its colour (spherical_harmonics.h).
-// Source: [Zwicker01], [3DGS]; constants and gradient: method A.5, A.12.
+// EWA projection of a 3D Gaussian to a 2D one in pixels, its gradient, and the norm of the
+// screen-space gradient that density control uses. Source: [Zwicker01], [3DGS]; constants and
+// gradient: method A.5, A.12, D.6.
 #pragma once
 #include "kernels/math/symmetric.h"
 

@@ -1,8 +1,7 @@
-// What: the 3D filter: no Gaussian finer than the training views could sample. Its size φ; the
-// scales and the opacity that follow from it, their gradient; what density control and the end of a
-// training do to stored parameters because of it.
-// Not: when φ is measured (recon4d/training/schedule.h), nor which of the two versions is on:
-// `smooth` acts where a set has its φ with it. Source: [Mip-Splatting], [Faster-GS]; method C.1.
+// The 3D filter, which keeps Gaussians from being finer than the training views could sample: its
+// size φ, the filtered scales and opacity with their gradient, and the changes of stored parameters
+// in density control and at the end of a training. `smooth` acts where a set has its φ with it.
+// Source: [Mip-Splatting], [Faster-GS]; method C.1.
 #pragma once
 #include "kernels/math/ewa.h"
 

@@ -1,7 +1,6 @@
-// What: counter-based random numbers: the same (seed, stream, index) gives the same numbers on any
-//       backend, in any order, on any number of threads.
-// Not: a generator with state.
-// Source: Philox4x32-10 [Salmon11]; normals by Box–Muller.
+// Counter-based random numbers without state: equal (seed, stream, index) give equal numbers on any
+// backend, in any order and on any number of threads. Source: Philox4x32-10 [Salmon11]; normals by
+// Box–Muller.
 #pragma once
 #include <cstdint>
 

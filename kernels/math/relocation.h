@@ -1,7 +1,6 @@
-// What: n Gaussians in one spot in place of one, such that they look as it did: their opacity and
-// size; who is dead, and who is drawn to be copied.
-// Not: elements and buffers (edits/mcmc), nor when (recon4d/density/mcmc.h).
-// Source: method B  [3DGS-MCMC], in double; the double sum of the source collapsed.
+// The opacity and size with which n copies of a Gaussian look like the one that they replace, and
+// the random choice of the Gaussians that are copied. Source: method B  [3DGS-MCMC], in double; the
+// double sum of the source is collapsed.
 #pragma once
 #include "kernels/math/random.h"
 

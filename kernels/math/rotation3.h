@@ -1,6 +1,5 @@
-// What: quaternion → 3×3 rotation and its gradient; covariance of a 3D Gaussian and its gradient.
-// Not: time; rotation4.h and spacetime.h.
-// Source: [3DGS] Eq. 6; gradient: method A.12.
+// Quaternion to 3×3 rotation and covariance of a 3D Gaussian, with gradients. Source: [3DGS] Eq. 6;
+// gradient: method A.12.
 #pragma once
 #include "kernels/math/symmetric.h"
 

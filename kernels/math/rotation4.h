@@ -1,8 +1,8 @@
-// What: two quaternions → rotation of space-time, x ↦ l·x·r on (t, x, y, z), and its gradient.
-// Not: normalisation-free: l and r are normalised here, so any length > 0 is accepted.
-// Static ⇔ r = conj(l); the spatial block is then rotation_matrix(l).
-// Source: [Yang24] Eq. 7 with time on the real axis (Deviation: the published code has x on the
-// real axis; `published_from_ours` converts); gradient: method D.2.
+// Two quaternions to the rotation of space-time x ↦ l·x·r on (t, x, y, z), and its gradient. Both
+// quaternions are normalised here, so any length above 0 is accepted. A static Gaussian has r =
+// conj(l); the spatial block is then rotation_matrix(l). Source: [Yang24] Eq. 7 with time on the
+// real axis (Deviation: the published code has x on the real axis; `published_from_ours` converts);
+// gradient: method D.2.
 #pragma once
 #include "kernels/math/symmetric.h"
 

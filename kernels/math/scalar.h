@@ -1,5 +1,5 @@
-// What: the few scalar functions that equations call, for float, double and (in tests) dual
-// numbers. Not: global fast-math: an approximation has its own name, `fast_exp`.
+// The scalar functions that equations call, for float, double and (in tests) dual numbers. Fast
+// math is not used globally: an approximation has a name such as `fast_exp`.
 #pragma once
 #include <bit>
 #include <cmath>

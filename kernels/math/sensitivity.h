@@ -1,13 +1,12 @@
-// What: what a splat is to the images it is drawn in: its weight, what it covers, and what would
-// become of the squared error without it. One pixel's step past one splat.
-// Not: loops over pixels or splats; those are the backends'. Not the price of a Gaussian.
-// Source: blending without one term; Q is the colour of which method A.11 keeps R = ⟨Q, g⟩ alone.
+// The sensitivity of images to one splat: its blending weight, the colour that it covers, and the
+// squared error without it, as the step of one pixel past one splat. Source: blending without one
+// term; Q is the colour of which method A.11 keeps R = ⟨Q, g⟩ alone.
 #pragma once
 #include "kernels/math/blending.h"
 
 namespace tessera {
 
-/// Sums over a splat's pixels p and channels c; w = T·α, x: the image that was asked about, e:
+/// Sums over a splat's pixels p and channels c; w = T·α, x: the image that is measured, e:
 /// how it follows the colour (its gain; 0 where a mask ignores the pixel), ΔC: how the blended
 /// colour changes where the splat is not there. With x the residual, removal1 + removal2 is the
 /// change of Σ x² when that splat alone is taken out; exact but for pixels whose blending stopped

@@ -1,6 +1,6 @@
-// What: the key by which neighbours in space and time become neighbours in memory.
-// Not: the sort. Morton, not Hilbert: it is what the reference uses.
-// Source: method A.14, D.7.
+// Keys of sorts: the depth key of a splat, and the Morton code and time bin by which neighbours in
+// space and time become neighbours in memory. Source: sorting by the bits of a positive float
+// [3DGS], here with fewer bits; method A.14, D.7.
 #pragma once
 #include <bit>
 #include <cstdint>

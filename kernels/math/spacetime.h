@@ -1,7 +1,7 @@
-// What: a Gaussian as every view of a batch needs it: {Σ_c, v, μ_t, 1/σ_t²}, and the slice at t.
-// Not: projection (ewa.h). Everything behind this struct knows no Dim.
-// A static Gaussian is the case v = 0, 1/σ_t² = 0: its slice is itself at any t, without a branch.
-// Source: [Yang24] Eqs. 8–10; gradient: method D.2, regrouped by {Σ_c, v, 1/w}.
+// A Gaussian in the form {Σ_c, v, μ_t, 1/σ_t²} that every view of a batch needs, and its slice at a
+// time t. The stages after it do not depend on the dimension: a static Gaussian has v = 0 and
+// 1/σ_t² = 0, so its slice is itself at any t without a branch. Source: [Yang24] Eqs. 8–10;
+// gradient: method D.2, regrouped by {Σ_c, v, 1/w}.
 #pragma once
 #include "kernels/math/rotation3.h"
 #include "kernels/math/rotation4.h"
@@ -97,7 +97,7 @@ TESSERA_HD inline Spacetime<Real> velocity_spacetime(const Vec4<Real>& q,
   return s;
 }
 
-/// What one Gaussian is at one moment.
+/// One Gaussian at one time.
 template <class Real>
 struct Slice {
   Vec3<Real> mean;  // μ + v·Δ

@@ -1,6 +1,6 @@
-// What: real spherical harmonics to degree 3 → colour, and the gradient by coefficients and
-// direction. Not: storage: coefficients are [K, 3] RGB innermost wherever a kernel sees them.
-// Source: [3DGS] storage order and signs; unit-norm polynomials of method A.12.
+// Colour from real spherical harmonics to degree 3, and the gradient by coefficients and direction.
+// Coefficients are [K, 3] with RGB innermost. Source: [3DGS] storage order and signs; unit-norm
+// polynomials of method A.12.
 #pragma once
 #include "kernels/math/symmetric.h"
 

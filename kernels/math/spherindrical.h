@@ -1,8 +1,6 @@
-// What: colours that follow time: each coefficient of the spherical harmonics is a cosine series
-// around the Gaussian's own moment, Σ_n cos(2πnΔ/T)·c_n, Δ = t − μ_t. The level n = 0 is the SH
-// that every set has, levels n ≥ 1 are those of a dynamic set that stores them.
-// Not: the harmonics themselves (spherical_harmonics.h), nor how a backend reads coefficients.
-// Source: 4D spherindrical harmonics  [Yang24]; method D.3.
+// Colours that follow time: each SH coefficient is a cosine series around the temporal mean of the
+// Gaussian, Σ_n cos(2πnΔ/T)·c_n with Δ = t − μ_t. The level n = 0 is the SH of every set; levels n
+// ≥ 1 are stored by dynamic sets only. Source: 4D spherindrical harmonics  [Yang24]; method D.3.
 #pragma once
 #include "kernels/math/spherical_harmonics.h"
 

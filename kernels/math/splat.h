@@ -1,6 +1,6 @@
-// What: one Gaussian in one view → one splat: slice, cull, project, colour, bounds. In that order.
-// Not: loops and storage; both passes of every backend call these two functions.
-// Source: method A.5, A.6, C.1–C.3, D.1.
+// One Gaussian in one view to one splat: slice, cull, project, colour and bounds, in that order.
+// The forward and backward passes of every backend call these functions. Source: method A.5, A.6,
+// C.1–C.3, D.1; 2D filter: [Mip-Splatting].
 #pragma once
 #include "kernels/math/bounds.h"
 #include "kernels/math/filter_3d.h"
@@ -54,9 +54,9 @@ struct ViewSplat {
 };
 
 /// Direction from the camera to the Gaussian, and its length.
-/// Deviation: both reference codes take the unconditional mean μ [method 0.19], we the mean at the
-/// view's moment: a frame exported as a static 3DGS file then renders equal to the 4D model. The
-/// option sliced_direction restores theirs.
+/// Deviation: both reference codes take the unconditional mean μ [method 0.19]; here it is the mean
+/// at the time of the view: a frame exported as a static 3DGS file then renders equal to the 4D
+/// model. The option sliced_direction restores theirs.
 template <class Real>
 TESSERA_HD inline Vec3<Real> view_direction(const ViewArgs<Real>& view, const Vec3<Real>& mean,
                                             Real& distance) {
@@ -88,7 +88,7 @@ TESSERA_HD inline bool splat_in_view(const ViewArgs<Real>& view, const GaussianS
   return !out.rect.empty();
 }
 
-/// The SH coefficients of g at a moment: those that are stored, or, where levels of time are added
+/// The SH coefficients of g at a time: those that are stored, or, where levels of time are added
 /// to them, what they make in `room`, [3·kMaxShCoefficients].
 template <class Real>
 TESSERA_HD inline const Real* sh_at(const ColourRules<Real>& rules, const GaussianState<Real>& g,

@@ -1,7 +1,6 @@
-// What: packed symmetric matrices (2×2, 3×3) and the products splatting needs.
-// Not: general matrices; those are GLM's (column-major: m[column][row]).
-// Gradients by a symmetric matrix use the "symmetric convention": the stored off-diagonal gradient
-// is one of the two equal entries, so ⟨G, dΣ⟩ counts it twice.
+// Packed symmetric matrices (2×2, 3×3) and the products that splatting needs. Gradients by a
+// symmetric matrix use the "symmetric convention": the stored off-diagonal gradient is one of the
+// two equal entries, so ⟨G, dΣ⟩ counts it twice.
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>

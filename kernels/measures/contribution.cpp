@@ -1,5 +1,4 @@
-// What: sums of splats per Gaussian, and of images.
-// Not: sums over the pixels of a splat (sensitivity.cpp); equations (math/contribution.h).
+// Sums of splats for each Gaussian and sums over images, on the CPU.
 #include "kernels/measures/contribution.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

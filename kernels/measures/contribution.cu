@@ -1,5 +1,5 @@
-// What: sums of splats per Gaussian, and of images, on the device: a thread a Gaussian or a pixel.
-// Not: sums over the pixels of a splat (sensitivity.cu); equations (math/contribution.h).
+// Sums of splats for each Gaussian and sums over images, on the device, with one thread for each
+// Gaussian or pixel.
 #include <cub/device/device_reduce.cuh>
 
 #include "kernels/base/errors.h"

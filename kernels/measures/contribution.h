@@ -1,5 +1,4 @@
-// What: one splat added to the sums of its Gaussian.
-// Not: the sums themselves (kernels/math/contribution.h), nor loops over Gaussians (stages).
+// Adds one splat to the sums of its Gaussian.
 #pragma once
 #include "kernels/batch.h"
 #include "kernels/load_gaussian.h"

@@ -1,5 +1,4 @@
-// What: the sizes of the 3D filter, and the edits that follow from them, over all Gaussians.
-// Not: equations (math/filter_3d.h, math/splat.h).
+// Sizes of the 3D filter and the edits that follow from them, over all Gaussians on the CPU.
 // Source: method C.1.
 #include <algorithm>
 

@@ -1,7 +1,6 @@
-// What: the sizes of the 3D filter, and the edits that follow from them, on the device.
-// Not: equations (math/filter_3d.h, math/splat.h). Compiled without contraction to fused
-// multiply-adds, so that the sizes are the host's.
-// Source: method C.1.
+// Sizes of the 3D filter and the edits that follow from them, on the device. The file is compiled
+// without contraction to fused multiply-adds, so that the sizes equal those of the host. Source:
+// method C.1.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/launch.cuh"

@@ -1,14 +1,12 @@
-// What: the 3D filter of one stored Gaussian: its size φ from the views that sample it, and what is
-//       done to its parameters because of it.
-// Not: the filter itself (kernels/math/filter_3d.h). Source: [Mip-Splatting], [Faster-GS]; method
-//      C.1.
+// The 3D filter of one stored Gaussian: its size φ from the views that sample it, and the edits of
+// its parameters. Source: [Mip-Splatting], [Faster-GS]; method C.1.
 #pragma once
 #include "kernels/load_gaussian.h"
 
 namespace tessera {
 
 /// φ of the 3D filter of Gaussian n from what each view that samples it sees; −1 where none does.
-/// In 4D a view sees the mean at its own moment, if the Gaussian is drawn then at all.
+/// In 4D a view sees the mean at its own time, if the Gaussian is drawn then at all.
 template <SetForm form, class Real>
 TESSERA_HD inline Real filter_size_in(const GaussianSpans<const Real>& set, int64_t n,
                                       const ViewArgs<Real>* views, int64_t view_count,

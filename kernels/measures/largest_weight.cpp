@@ -1,5 +1,5 @@
-// The largest blending weight T·α of each Gaussian over the pixels of a batch.
-// The walk through tiles and splats is that of splat_sums.h, with the maximum in place of the sum.
+// The largest blending weight T·α of each Gaussian over the pixels of a batch. The traversal of
+// tiles and splats is that of splat_sums.h, with the maximum in place of the sum.
 #include "kernels/base/errors.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/splat_sums.h"

@@ -1,6 +1,6 @@
-// The largest blending weight T·α of each Gaussian over the pixels of a batch, on the device.
-// The walk through tiles and splats is that of splat_sums.cuh, with the maximum in place of the
-// sum: the order of maxima does not matter, so the result is the same in every run.
+// The largest blending weight T·α of each Gaussian over the pixels of a batch, on the device. The
+// traversal of tiles and splats is that of splat_sums.cuh, with the maximum in place of the sum.
+// The order of maxima does not matter, so the result is the same in every run.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/splat_sums.cuh"

@@ -1,5 +1,5 @@
-// What: what every splat is to its images, from the colour still to come, front to back.
-// Not: the walk through tiles and splats (splat_sums.h); the equation (math/sensitivity.h).
+// The sensitivity of images to every splat on the CPU, front to back from the colour still to come.
+// The equation is in math/sensitivity.h.
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/splat_sums.h"
 

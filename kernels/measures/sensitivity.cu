@@ -1,5 +1,5 @@
-// What: what every splat is to its images on the device, from the colour still to come.
-// Not: the walk through tiles and splats (splat_sums.cuh); the equation (math/sensitivity.h).
+// The sensitivity of images to every splat on the device, front to back from the colour still to
+// come. The equation is in math/sensitivity.h.
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/splat_sums.cuh"
 

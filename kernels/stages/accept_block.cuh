@@ -1,4 +1,4 @@
-// The gradients of a block's Gaussians on their way into a sink (kernels/stages/gradient_sink.h).
+// Transfer of the gradients of a block's Gaussians into a sink (gradient_sink.h).
 #pragma once
 #include "kernels/stages/gradient_sink.h"
 

@@ -1,5 +1,4 @@
-// What: splats → tile instances: depth order once, then a stable counting sort by tile.
-// Not: the rectangles of tiles, which are `project`'s.
+// Splats to tile instances on the CPU: one order by depth, then a stable counting sort by tile.
 // Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.9.
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

@@ -1,6 +1,6 @@
-// What: splats → tile instances on the device: depth order once, then a stable sort by tile.
-// Not: the rectangles of tiles, which are `project`'s.
-// Source: depth-then-tile sort of [Splatshop], [Faster-GS]; method A.8, A.9.
+// Splats to tile instances on the device: one order by depth, then a stable sort by tile. Small
+// splats write their tiles from one lane, large ones from the whole warp. Source: depth-then-tile
+// sort of [Splatshop], [Faster-GS]; method A.8, A.9.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_memory.h"
@@ -118,7 +118,7 @@ __device__ inline int length_class(const int64_t* tile_begin, int64_t tile) {
   return kLengths - 1 - int(min(int64_t{kLengths - 1}, (length + 15) / 16));
 }
 
-/// Place of each lane that asks among those that ask for its class, with those before in `count`.
+/// Place of each lane with `asks` among those of its class, with those before in `count`.
 __device__ inline int place_in_class(int* count, int length, bool asks) {
   const unsigned asking = __ballot_sync(~0u, asks);
   if (!asks) return 0;

@@ -1,6 +1,5 @@
-// What: front-to-back blending, one tile at a time, sixteen pixels at once.
-// Not: its gradient (blend_backward.cpp).
-// Source: [3DGS]; method A.10, C.3.
+// Front-to-back blending on the CPU, one tile at a time and sixteen pixels at once. Source: [3DGS];
+// method A.10, C.3.
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/tile_loop.h"
 

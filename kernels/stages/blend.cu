@@ -1,6 +1,5 @@
-// What: front-to-back blending on the device: a block a tile, a warp a part of it.
-// Not: its gradient (blend_backward.cu).
-// Source: [3DGS]; warp-level culling [Faster-GS]; method A.10, C.3.
+// Front-to-back blending on the device: a block has a tile, and a warp has a part of it. Source:
+// [3DGS]; warp-level culling [Faster-GS]; method A.10, C.3.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/blend_backward_args.cuh"
 #include "kernels/cuda/cuda_backend.h"

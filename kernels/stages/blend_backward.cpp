@@ -1,6 +1,5 @@
-// What: gradient of blending, front to back, from the scalar R = ⟨colour still to come, dL/dC⟩.
-// Not: the walk through tiles and splats (splat_sums.h).
-// Source: method A.11, C.3.
+// Gradient of blending on the CPU, front to back from the scalar R = ⟨colour still to come, dL/dC⟩.
+// The traversal is in splat_sums.h. Source: method A.11, C.3.
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/splat_sums.h"
 

@@ -1,7 +1,6 @@
-// What: gradient of blending on the device, front to back from the scalar R = ⟨colour still to
-// come, dL/dC⟩: lanes are pixels.
-// Not: the walk through tiles and splats (splat_sums.cuh).
-// Source: method A.11, C.3, G.4.
+// Gradient of blending on the device, front to back from the scalar R = ⟨colour still to come,
+// dL/dC⟩; lanes are pixels. The traversal is in kernels/cuda/splat_sums.cuh. Source: method A.11,
+// C.3, G.4.
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/splat_sums.cuh"
 

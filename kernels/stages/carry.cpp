@@ -1,4 +1,4 @@
-// Canonical Gaussians carried by motion nodes into the views of a batch, and the way back:
+// Canonical Gaussians carried by motion nodes into the views of a batch, and the backward pass:
 // gradients at rest, of the logits and of the nodes. Equations: kernels/math/carry.h,
 // kernels/math/node_pose.h.
 #include <algorithm>

@@ -1,7 +1,7 @@
-// Canonical Gaussians carried by motion nodes on the device, and the way back. Sums over the
+// Canonical Gaussians carried by motion nodes on the device, and the backward pass. Sums over the
 // Gaussians of a node run over a list of bindings that is sorted by node, in a fixed order and
-// without atomics: equal inputs give equal bits. Equations: kernels/math/carry.h, node_pose.h.
-// Compiled without contraction, so that a Gaussian without nodes stays as it is stored.
+// without atomics: equal inputs give equal bits. The file is compiled without contraction, so that
+// a Gaussian without nodes stays as it is stored. Equations: kernels/math/carry.h, node_pose.h.
 #include <utility>
 
 #include "kernels/base/errors.h"

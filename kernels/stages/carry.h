@@ -1,4 +1,4 @@
-// One stored Gaussian of a canonical set: its nodes with their weights, and what these make of it
+// One stored Gaussian of a canonical set: its nodes with their weights, and its mean and rotation
 // in a view.
 #pragma once
 #include "kernels/load_gaussian.h"

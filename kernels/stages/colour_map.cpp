@@ -1,6 +1,5 @@
-// Images as their cameras would have taken them, and the way back: gradients by the images as
-// rendered and by the maps.
-// Source: kernels/math/colour_map.h.
+// Colour maps applied to images on the CPU, and the gradients by the rendered images and by the
+// maps. Source: kernels/math/colour_map.h.
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 

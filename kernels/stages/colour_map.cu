@@ -1,6 +1,6 @@
-// Images as their cameras would have taken them, and the way back, on the device: a thread a pixel;
-// gradients by the maps are summed in a fixed order.
-// Source: kernels/math/colour_map.h.
+// Colour maps applied to images on the device, one thread for each pixel, and the gradients by the
+// rendered images and by the maps, which are summed in a fixed order. Source:
+// kernels/math/colour_map.h.
 #include <cstring>
 
 #include "kernels/cuda/cuda_backend.h"

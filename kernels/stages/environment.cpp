@@ -1,8 +1,6 @@
-// What: the environment behind every image, and the gradient by its texels; Adam over plain
-//       values.
-// Not: atomics: the rows of all images are cut into a fixed number of parts with a map each,
-//      which are added in order, so the result does not depend on the number of threads.
-// Source: method D.8.
+// The environment behind every image, the gradient by its texels, and Adam over plain values, on
+// the CPU. The rows of all images are cut into a fixed number of parts with one map each; the maps
+// are added in order, so the result does not depend on the number of threads. Source: method D.8.
 #include "kernels/math/environment.h"
 
 #include <algorithm>

@@ -1,8 +1,6 @@
-// What: the environment behind every image, and the gradient by its texels, on the device.
-// Not: equations (math/environment.h).
-// Pixels add to a texel in fixed point: whatever their order, the sum has the same bits. What has
-// no place in fixed point (NaN, infinity) is kept beside it.
-// Source: method D.8.
+// The environment behind every image, and the gradient by its texels, on the device. Pixels add to
+// a texel in fixed point, so the sum has the same bits in any order; NaN and infinity, which fixed
+// point cannot hold, are stored beside it. Source: method D.8.
 #include "kernels/math/environment.h"
 
 #include <math_constants.h>
@@ -88,7 +86,8 @@ __global__ void __launch_bounds__(kThreads)
   const int64_t i = linear_index();
   if (i >= gradient.size) return;
   adam_step(adam, gradient[i], value[i], m[i], v[i]);
-  if (!isfinite(gradient[i])) counters->bad_values = 1;  // all who write it write the same
+  if (!isfinite(gradient[i]))
+    counters->bad_values = 1;  // all threads that write it write the same value
 }
 
 }  // namespace

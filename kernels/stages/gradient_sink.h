@@ -1,6 +1,6 @@
-// Where the gradient of a Gaussian goes: stored for later, or into Adam on the spot. The sink is
-// the choice between a separate and a fused optimizer; kernels are templated on it. Step sizes come
-// ready in AdamGroups. Which Gaussians it is called for is the traversal's choice (IdleUpdate).
+// The destinations of the gradient of a Gaussian: StoreGradient keeps it for a separate optimizer,
+// ApplyAdam applies it at once. Kernels are templated on the sink. AdamGroups hold the finished
+// step sizes; the traversal chooses the Gaussians (IdleUpdate).
 #pragma once
 #include <type_traits>
 

@@ -1,8 +1,7 @@
-// What: (1−λ)·L1 + λ·(1 − SSIM) of each view and its gradient, one colour plane at a time.
-//       Pixels that a mask ignores have none: their truth is what was rendered. And the residual:
-//       by how much every image misses its truth.
-// Not: a clamp: the loss is taken on the image as rendered  [method 0.8].
-// Source: method A.15.
+// The loss (1−λ)·L1 + λ·(1 − SSIM) of each view and its gradient on the CPU, one colour plane at a
+// time, and the residual of every image. The truth of pixels that a mask ignores is the rendered
+// value. The loss is taken on the image as rendered, without a clamp  [method 0.8]. Source: method
+// A.15.
 #include "kernels/base/parallel.h"
 #include "kernels/cpu_backend.h"
 #include "kernels/stages/ssim_window.h"

@@ -1,6 +1,6 @@
-// What: the loss stage of the device: pointers in, two passes enqueued, sums on their way back;
-// what a batch is compared with, for this stage and others; the residual, a thread a pixel. Not:
-// the kernels of the loss (photometric_kernels.cu).
+// The loss stage of the device: it copies pointers to the device, enqueues the two passes of
+// photometric_kernels.cu and returns their sums. The targets of a batch and the residual are here
+// as well.
 #include <algorithm>
 
 #include "kernels/base/errors.h"

@@ -1,9 +1,9 @@
-// What: L1 + D-SSIM of a batch of views on a CUDA device, and its gradient, in one launch per pass.
-// A block owns a strip of one colour plane and goes down it in chunks of rows. A thread convolves
-// one column of a chunk in registers, from global memory; the rows follow from shared memory, four
-// pixels a thread. Pass 1: sums and the three weighted partial maps. Pass 2: dL/dx from the maps.
-// Not: atomics: each block writes its sums, and a small kernel adds them in a fixed order.
-// Source: method A.15.
+// L1 + D-SSIM of a batch of views on a CUDA device, and its gradient, in one launch per pass. A
+// block has a strip of one colour plane and goes down it in chunks of rows. A thread convolves one
+// column of a chunk in registers, from global memory; the rows follow from shared memory, four
+// pixels a thread. Pass 1 computes sums and the three weighted partial maps, pass 2 computes dL/dx
+// from the maps. Each block writes its sums, and a small kernel adds them in a fixed order. Source:
+// method A.15.
 #include "kernels/cuda/photometric_tile.cuh"
 #include "kernels/math/photometric.h"
 

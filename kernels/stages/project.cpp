@@ -1,5 +1,5 @@
-// What: Gaussians → splats of every view. One task owns a run of Gaussians and loops over views.
-// Not: equations (math/splat.h).
+// Projection of Gaussians to the splats of every view on the CPU. One task has a run of Gaussians
+// and loops over views. The equations are in math/splat.h.
 #include <vector>
 
 #include "kernels/base/errors.h"

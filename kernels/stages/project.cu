@@ -1,9 +1,8 @@
-// What: Gaussians → splats of every view on the device. One thread a Gaussian finds the views that
-// draw it; after a scan, one thread a splat: in 4D most Gaussians are out of time in most views,
-// and a loop over views would leave most lanes of a warp idle.
-// Not: equations (math/splat.h). Compiled without contraction to fused multiply-adds: the two
-// passes must decide alike.
-// Source: method A.5–A.8; order of the splats without atomics: method 0.27.
+// Projection of Gaussians to the splats of every view on the device. One thread for each Gaussian
+// finds the views that draw it; after a scan, one thread computes each splat. A loop over views
+// would leave most lanes of a warp idle, because in 4D most Gaussians are not drawn in most views.
+// The file is compiled without contraction to fused multiply-adds, because the two passes must
+// decide alike. Source: method A.5–A.8; order of the splats without atomics: method 0.27.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/device_memory.h"

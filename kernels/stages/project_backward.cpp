@@ -1,6 +1,6 @@
-// What: splat gradients → parameter gradients of each Gaussian, summed over its views, into a sink.
-// Not: equations (math/). One task owns a run of Gaussians; parameters are read once.
-// Source: method A.12, A.16, D.6.
+// Splat gradients to parameter gradients of each Gaussian on the CPU, summed over its views, into a
+// sink. One task has a run of Gaussians, and parameters are read once. Source: method A.12, A.16,
+// D.6.
 #include <algorithm>
 #include <atomic>
 #include <utility>

@@ -1,8 +1,8 @@
-// What: splat gradients → parameter gradients into a sink, on the device. For the SH a
-// thread takes four neighbouring scalars. For the rest a block has a run of Gaussians: its threads
-// take their splats, add them up, and hand the gradients on as whole lines of each group.
-// Not: equations (splat_gradient.h). Compiled without contraction to fused multiply-adds,
-// so that fused and separate Adam agree to the bit. Source: method A.12, A.16, D.6, G.4.
+// Splat gradients to parameter gradients into a sink, on the device. For the SH a thread has four
+// neighbouring scalars. For the rest a block has a run of Gaussians: its threads add up their
+// splats and pass the gradients on as whole lines of each group. The file is compiled without
+// contraction to fused multiply-adds, so that fused and separate Adam agree to the bit. Source:
+// method A.12, A.16, D.6, G.4.
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -45,7 +45,7 @@ struct Backward {
 template <SetForm form>
 constexpr int kSumFloats = int(sizeof(SumsOf<form, float>) / sizeof(float));
 
-/// What the threads of a block tell each other.
+/// Values that the threads of a block share.
 template <SetForm form>
 struct Shared {
   float sums[kSumFloats<form>][kThreads];  // of a splat each
@@ -94,7 +94,7 @@ __device__ inline void add_shared(const Shared<form>& shared, int64_t s, int64_t
   }
 }
 
-/// Asks for the moments of a block's Gaussians, which are read last.
+/// Prefetches the moments of a block's Gaussians, which are read last.
 template <SetForm form>
 __device__ inline void prefetch_moments(const StoreGradient<float>&, int64_t) {}
 template <SetForm form>

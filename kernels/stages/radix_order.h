@@ -1,5 +1,5 @@
-// What: the stable order of unsigned keys, least significant digit first.
-// Not: parallel: 200,000 keys take about a millisecond, a hundredth of a step.
+// The stable order of unsigned keys by a serial radix sort, least significant digit first. 200,000
+// keys take about a millisecond, a hundredth of a step.
 #pragma once
 #include <array>
 #include <cstdint>

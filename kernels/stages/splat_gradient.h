@@ -1,6 +1,6 @@
-// What: gradient of one splat → sums over the views of its Gaussian → gradient by what is stored.
-// Not: loops over splats, nor the SH coefficients (math/spherindrical.h).
-// Source: method A.12, C.1, C.2, D.2, D.3, D.6.
+// The gradient of one splat, its sum over the views of a Gaussian, and the gradient by the stored
+// parameters, with the gradient of the regularisers, which depend on the parameters alone. Source:
+// method A.12, B, C.1, C.2, D.2, D.3, D.6; regularisers: [3DGS-MCMC].
 #pragma once
 #include "kernels/batch.h"
 #include "kernels/load_gaussian.h"
@@ -133,9 +133,9 @@ struct RegulariserTerms {
 
 /// Adds the terms in stored parameters of Gaussian n, which `share` of the batch's views draw. Of a
 /// static Gaussian they are terms of a view's loss, as what the pixels add is: where no view draws
-/// it, nothing speaks for it, and Adam would make full steps of however small a gradient. A dynamic
-/// Gaussian is drawn near its own time alone, however many cameras there are: it has them in every
-/// step. Parameters are read for terms that there are.
+/// it, no image gives it a gradient, and Adam would make full steps of however small a gradient. A
+/// dynamic Gaussian is drawn near its own time alone, however many cameras there are: it has them
+/// in every step. Parameters are read for terms that there are.
 // Deviation: [3DGS-MCMC] adds them to every Gaussian in every step; a static one that few of many
 // views see then fades between those views.
 template <SetForm form, class Real>

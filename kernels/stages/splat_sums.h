@@ -1,7 +1,7 @@
-// What: sums over the pixels of every splat, front to back through each tile: the walk that the
-// gradient of blending and the sensitivity share.
-// Not: atomics: each instance writes its own sum, a second pass adds those of a splat in order, so
-//      the result does not depend on the number of threads. Not what is summed: a Walk says that.
+// Sums over the pixels of every splat on the CPU, front to back through each tile. The gradient of
+// blending and the sensitivity share this traversal; the type Walk defines the summands. Each
+// instance writes its own sum, and a second pass adds those of a splat in order, so the result does
+// not depend on the number of threads.
 #pragma once
 #include "kernels/backend.h"
 #include "kernels/stages/tile_loop.h"

@@ -1,5 +1,5 @@
-// What: convolution of a plane with the separable SSIM window, zero or reflect padded.
-// Not: a general filter. Loss and metrics share it.
+// Convolution of a plane with the separable SSIM window, with zero or reflected borders. The loss
+// and the metrics share it.
 #pragma once
 #include <vector>
 

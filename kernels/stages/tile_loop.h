@@ -1,5 +1,6 @@
-// What: what blend and its backward share: the pixels of a tile as rows of lanes, a splat's rows.
-// Not: the blending itself. Lanes are a fixed-length array, so that the compiler uses vectors.
+// Loops that blending and its backward pass share on the CPU: the pixels of a tile as rows of
+// lanes, and the rows of a splat. Lanes are an array of fixed length, so that the compiler uses
+// vectors.
 #pragma once
 #include <cstdint>
 
@@ -54,7 +55,7 @@ void for_each_tile_of(const ViewBatch<Real>& batch, const TileInstances<Real>& i
   });
 }
 
-/// Asks for the record of a splat that comes soon after instance i of the tile.
+/// Prefetches the record of a splat that comes soon after instance i of the tile.
 template <class Real>
 void prefetch_splat(const Splats<Real>& splats, const TileInstances<Real>& instances,
                     const Tile<Real>& tile, int64_t i) {

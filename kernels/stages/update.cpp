@@ -1,5 +1,5 @@
-// What: the optimizer as a stage of its own, and elements gathered by index (density control,
-// ordering). Not: the fused optimizer, which is the ApplyAdam sink of project_backward.
+// The optimizer as a separate stage and elements gathered by index, on the CPU. The fused optimizer
+// is the ApplyAdam sink of project_backward.
 #include <algorithm>
 
 #include "kernels/base/errors.h"

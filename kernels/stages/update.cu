@@ -1,5 +1,5 @@
-// What: the optimizer as a stage of its own, elements gathered by index, on the device.
-// Not: the fused optimizer (project_backward.cu).
+// The optimizer as a separate stage and elements gathered by index, on the device. The fused
+// optimizer is in project_backward.cu.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
 #include "kernels/cuda/launch.cuh"

@@ -1,5 +1,5 @@
-// What: density control as elements chosen by the backend and gathered buffer by buffer.
-// Not: gradients or schedules, and no arithmetic: that is the backend's.
+// Density control of a set: the backend chooses elements, and every buffer of the set is gathered
+// by index.
 #include "recon4d/density/density.h"
 
 #include <algorithm>

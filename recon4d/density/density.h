@@ -1,7 +1,6 @@
-// What: adaptive density control of a set: clone, split, prune as index lists and one gather per
-//       parameter group; opacity reset; order for locality. On any backend.
-// Not: when (schedule.h), nor the rule for one Gaussian (kernels/edits/density.h).
-// Source: method A.13, A.14, D.7.
+// Adaptive density control of a set on any backend: clone, split and prune as index lists with one
+// gather for each parameter group, opacity reset, and order for locality. The rule for one Gaussian
+// is in kernels/edits/density.h. Source: method A.13, A.14, D.7.
 #pragma once
 #include "kernels/backend.h"
 #include "recon4d/model/gaussian_set.h"

@@ -1,5 +1,4 @@
-// What: relocation and growth of both sets as elements chosen by the backend.
-// Not: arithmetic on Gaussians: that is the backend's.
+// Relocation and growth of both sets: the backend chooses the elements and computes their copies.
 #include "recon4d/density/mcmc.h"
 
 #include <fmt/format.h>
@@ -39,7 +38,7 @@ int64_t grown_count(int64_t count, double growth, int64_t limit) {
 std::array<DensityReport, 2> control_mcmc(Backend& backend, const TrainOptions& options,
                                           TrainState& state) {
   const StageTimer timer(backend.clock(), kDensity);
-  constexpr double kNobody = -1;  // nobody is dead at this opacity
+  constexpr double kNoneDead = -1;  // no Gaussian is dead at this opacity
   const uint64_t seed = uint64_t(options.seed) ^ uint64_t(state.iteration) << 20;
   const auto rule = [&](int k, double dead_opacity, int64_t added) {
     return RelocationRule{dead_opacity, options.prune_opacity, added, seed ^ uint64_t(k) << 62};
@@ -65,7 +64,7 @@ std::array<DensityReport, 2> control_mcmc(Backend& backend, const TrainOptions& 
     GaussianSet& set = state.set(k);
     DensityReport& report = reports[size_t(k)];
     report.added = shares[size_t(k)];
-    if (report.added > 0) relocate(backend, rule(k, kNobody, report.added), set);
+    if (report.added > 0) relocate(backend, rule(k, kNoneDead, report.added), set);
     report.after = set.count();
     state.statistics[k].reset(backend, set.count());
   }

@@ -1,8 +1,6 @@
-// What: MCMC densification: dead Gaussians become copies of living ones, and copies
-//       are added until there are exactly growth_limit. On any backend.
-// Not: when (schedule.h), what copies look like (kernels/math/relocation.h), nor the noise of means
-//      (Trainer::backward).
-// Source: method B, 0.28  [3DGS-MCMC].
+// MCMC densification on any backend: dead Gaussians become copies of alive ones, and copies are
+// added up to growth_limit. The formula of copies is in kernels/math/relocation.h. Source: method
+// B, 0.28  [3DGS-MCMC].
 #pragma once
 #include <array>
 
@@ -21,7 +19,7 @@ int64_t grown_count(int64_t count, double growth, int64_t limit);
 /// Relocates within each set, then adds to both: what is added is divided by the opacity that lived
 /// in them. Sources lose their moments, what is added has none, what was dead keeps its own as the
 /// sources of the method do.
-/// Errors: NumericalError: nobody is alive, and nothing would ever be drawn again.
+/// Errors: NumericalError: no Gaussian is alive, so nothing would be drawn again.
 std::array<DensityReport, 2> control_mcmc(Backend& backend, const TrainOptions& options,
                                           TrainState& state);
 

@@ -1,4 +1,5 @@
-// Views in batches through the forward pass, and the Gaussians that they show.
+// Largest blending weights from batches of views through the forward pass, and the removal of
+// Gaussians below the threshold.
 #include "recon4d/density/unseen.h"
 
 #include <algorithm>

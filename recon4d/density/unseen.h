@@ -1,6 +1,6 @@
-// Gaussians that no training view shows: the largest blending weight of each over all pixels of the
-// views, and the removal of those whose weight is too small. They cost memory and appear from other
-// directions, where nothing holds them in place. Not: when that happens (schedule.h).
+// Pruning of Gaussians that no training view shows: the largest blending weight of each Gaussian
+// over all pixels of the views, and the removal of those below a threshold. They cost memory and
+// appear from other directions, where no image constrains them.
 #pragma once
 #include <array>
 #include <vector>

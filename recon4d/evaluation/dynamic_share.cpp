@@ -1,5 +1,4 @@
-// What: the model repainted and rendered; sums over pixels.
-// Not: any arithmetic of blending: the ordinary renderer does it.
+// The recoloured model, its images, and sums over their pixels.
 #include "recon4d/evaluation/dynamic_share.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
-// What: how much of each pixel's light comes from dynamic Gaussians, by drawing the model itself,
-//       the dynamic set white and the rest black; and what of it lies where the scene moves.
-// Not: which Gaussian it comes from, and no truth of what moves: the mask is the caller's.
-// Source: Σ_n w_n over the dynamic set, w_n = α_n ∏_{m<n} (1 − α_m)  [3DGS, Eq. 3].
+// The share of dynamic Gaussians in each pixel, from an image of the model with a white dynamic set
+// and a black rest, and the part of this share inside masks of what moves. Source: Σ_n w_n over the
+// dynamic set, w_n = α_n ∏_{m<n} (1 − α_m)  [3DGS, Eq. 3].
 #pragma once
 #include <optional>
 #include <vector>
@@ -18,10 +17,11 @@ GaussianModel dynamic_set_white(const GaussianModel& model);
 std::vector<std::vector<float>> dynamic_share(Backend& backend, const GaussianModel& model,
                                               const std::vector<View>& views);
 
-/// Dynamic light against masks of what moves, over any number of images.
+/// The dynamic share against masks of what moves, over any number of images.
 struct MovingRegionScore {
-  double weight = 0, weight_inside = 0;           // Σ w over pixels: all, of the region
-  int64_t moving_pixels = 0, covered_pixels = 0;  // that move now; of these, of dynamic light
+  double weight = 0, weight_inside = 0;  // Σ w over pixels: all, of the region
+  int64_t moving_pixels = 0,
+          covered_pixels = 0;  // that move now; of these, covered by the dynamic set
 
   /// A pixel is of the region where its mask has at least kRegion: something moves there at some
   /// timestep, be it over a part of the pixel; nothing is dilated. It moves now where the mask has

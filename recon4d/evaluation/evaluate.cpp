@@ -1,5 +1,5 @@
-// What: batches of a split through the renderer, one score a view.
-// Not: the metrics (metrics.h) or the JSON of a report (evaluation_json.cpp).
+// Renders a split in batches, scores each view, and computes the means of the scores, each over the
+// views that have it.
 #include "recon4d/evaluation/evaluate.h"
 
 #include <fmt/format.h>
@@ -100,7 +100,7 @@ Image8 only_used(const Image8& drawn, const Frame& frame) {
   return merged;
 }
 
-/// The light of the dynamic set against what moves, where the options say what does.
+/// The share of the dynamic set against masks of what moves, where the options have such masks.
 class MovingRegionMeter {
  public:
   MovingRegionMeter(Backend& backend, const GaussianModel& model, const EvaluateOptions& options)

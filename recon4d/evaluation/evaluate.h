@@ -1,6 +1,6 @@
-// What: the score of a model on a split of a scene: every view, and means under their names.
-// Not: printing or files; images and progress go to a callback.
-// Source: method A.15 (8-bit images, mean of PSNR); failure modes A9, A14, D1–D3.
+// The scores of a model on a split of a scene: those of every view, and means under their names.
+// Images and progress go to a callback. Source: method A.15 (8-bit images, mean of PSNR); failure
+// modes A9, A14, D1–D3.
 #pragma once
 #include <functional>
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,4 @@
-// What: an EvaluationReport as the JSON object of `evaluate --json` and metrics.json.
-// Not: any arithmetic.
+// An EvaluationReport as the JSON object of `evaluate --json` and metrics.json.
 #include <nlohmann/json.hpp>
 
 #include "recon4d/evaluation/evaluate.h"

@@ -1,5 +1,4 @@
-// What: training frames by sweep, series and timestep.
-// Not: any image.
+// Assignment of training frames to sweeps and series, in the order of their timesteps.
 #include "recon4d/evaluation/frame_sample.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-// What: the training frames in the order in which a scoring pass draws them, so that it can end
-//       early: sweeps of equal share, each over all cameras and timesteps as evenly as they allow.
-// Not: drawing (scoring_pass.h), nor when a pass is precise enough (reduction/contributions.h).
+// The training frames in the order in which a scoring pass draws them, so that the pass can end
+// early: sweeps of equal share, each spread over all cameras and timesteps as evenly as possible.
 #pragma once
 #include <vector>
 

@@ -1,5 +1,4 @@
-// What: sums over pixels, in double or exact integers.
-// Not: SSIM and its kin (structure_scores.cpp).
+// Quantised images and sums over pixels, in double or in exact integers.
 #include "recon4d/evaluation/metrics.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
-// What: PSNR of 8-bit images and of floats. With a mask of [height, width] (0: ignored; empty:
-//       none) means are over the used pixels, at least one.
-// Not: SSIM and its kin (structure_scores.h), nor a mean over views (evaluate.h).
-// Source: method A.15; failure modes D1–D3, B20.
+// PSNR of 8-bit images and of floats. With a mask of [height, width] (0: ignored; empty: none)
+// means are over the used pixels, of which there is at least one. Source: method A.15; failure
+// modes D1–D3, B20.
 #pragma once
 #include "ingest/scene.h"
 #include "kernels/base/buffer.h"
@@ -20,7 +19,7 @@ double psnr(const Image8& a, const Image8& b);
 /// Of floats against 8-bit truth, un-quantised and clamped to [0, 1]; NaN counts as 0.
 double psnr_float(Span<const float> planar_rgb, const Image8& truth, Span<const uint8_t> mask = {});
 
-/// What all metrics demand of two images; a broken demand is our bug.
+/// The condition of all metrics on two images. Errors: std::logic_error.
 void check_pair(const Image8& a, const Image8& b);
 /// The mask of a frame, [height, width]; empty: it has none.
 inline Span<const uint8_t> used_mask(const Frame& frame) {

@@ -1,4 +1,4 @@
-// Hands the sums of each view to the meters, and fits the colours of cameras at the end.
+// Passes the pixel sums of each view to the meters, and fits the colours of cameras at the end.
 #include "recon4d/evaluation/pixel_scores.h"
 
 #include <map>
@@ -32,7 +32,7 @@ void add_colour_fit(const std::vector<ViewPixelSums>& sums, EvaluationReport& re
     ViewScore& view = report.views[i];
     const ColourFit& fit = fits[view.camera];
     view.psnr_fit = psnr_after(fit, sums[i].all());
-    if (!sums[i].knows_motion) continue;
+    if (!sums[i].has_motion) continue;
     view.psnr_fit_dynamic = psnr_after(fit, sums[i].moving);
     view.psnr_fit_static = psnr_after(fit, sums[i].still);
   }
@@ -45,7 +45,7 @@ void PixelScores::add(const Frame& frame, const RenderedImage& image, ViewScore&
   const Image8 drawn = quantise(image.planar(), image.width, image.height);
   const ViewPixelSums sums =
       view_sums(drawn, frame, options_.temporal ? regions_.mask_of(frame) : std::vector<uint8_t>());
-  if (sums.knows_motion) {
+  if (sums.has_motion) {
     score.psnr_dynamic = psnr_of(sums.moving);
     score.psnr_static = psnr_of(sums.still);
   }

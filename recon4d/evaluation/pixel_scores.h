@@ -1,4 +1,4 @@
-// The scores of an evaluation that need sums over the pixels of views: those of moving and static
+// Scores of an evaluation that need sums over the pixels of views: those of moving and static
 // pixels, the colour fit of each camera, timesteps, objects, and flicker.
 #pragma once
 #include <vector>

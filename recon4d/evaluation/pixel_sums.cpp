@@ -1,4 +1,5 @@
-// The loop over the pixels of a view, and the squared error that its sums expand to.
+// The loop over the pixels of a view, the squared error from its sums, and the normal equations of
+// the colour fit in closed form.
 #include "recon4d/evaluation/pixel_sums.h"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ ViewPixelSums view_sums(const Image8& drawn, const Frame& frame,
   const size_t pixels = drawn.data.size() / 3;
   check(moves.empty() || moves.size() == pixels, "pixel sums: moving pixels of the image's size");
   ViewPixelSums sums;
-  sums.knows_motion = !moves.empty();
+  sums.has_motion = !moves.empty();
   const Span<const uint8_t> mask = used_mask(frame);
   for (size_t p = 0; p < pixels; ++p) {
     if (!is_used(mask, p)) continue;

@@ -1,5 +1,6 @@
-// Sums over the pixels of a drawn 8-bit image and its truth, exact integers, with the moving pixels
-// apart. Squared errors, and those after any gain and offset, follow from them without the images.
+// Sums over the pixels of a drawn 8-bit image and its truth, in exact integers and with the moving
+// pixels apart. The squared error and the colour fit of a camera (gain and offset of each channel
+// by least squares) follow from them without the images.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -29,7 +30,7 @@ struct PixelSums {
 /// Of one view, over the pixels that the mask of the frame uses.
 struct ViewPixelSums {
   PixelSums moving, still;  // `still` has all pixels where moving ones are not known
-  bool knows_motion = false;
+  bool has_motion = false;
 
   PixelSums all() const { return PixelSums(moving) += still; }
 };

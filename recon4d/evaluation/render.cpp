@@ -1,5 +1,5 @@
-// What: forward through the pipeline, images out of the backend's memory.
-// Not: any pixel arithmetic but alpha = 1 − transmittance.
+// Forward passes through the pipeline, images copied from the backend's memory, and render rates
+// from the backend's clock.
 #include "recon4d/evaluation/render.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What: images of a model: a pipeline with the model's own background, clip planes and SH degree.
-// Not: training (trainer.h has its own pipeline) and not files of images (tools/).
+// Images of a model with its own background, clip planes and SH degree, and the rate of images per
+// second of one view at a time after warm-up. Source: failure mode D8.
 #pragma once
 #include <optional>
 #include <vector>
@@ -18,7 +18,7 @@ struct RenderedImage {
   Span<const float> planar() const { return {rgb.data(), int64_t(rgb.size())}; }
 };
 
-/// How a model says it wants to be drawn.
+/// The drawing rules of a model.
 RenderOptions render_options(const GaussianModel& model);
 /// Its environment for a forward pass; the map lies where the model's does, or at `map`.
 EnvironmentArgs<float> environment_of(const GaussianModel& model, Span<const float> map = {});

@@ -1,5 +1,5 @@
-// What: the forward pass and the two stages that look at it, with truth and masks brought over.
-// Not: their arithmetic (kernels/measures/sensitivity).
+// The forward pass and the stages that measure its splats, with truth and masks copied to the
+// backend.
 #include "recon4d/evaluation/scoring_pass.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-// What: a model drawn into training frames, a batch at a time, and what is left of each image
-//       when its truth is taken away.
-// Not: gradients by parameters, nor sums per Gaussian (contributions.h).
+// A model drawn into training frames, a batch at a time, and the residual of each image against its
+// truth.
 #pragma once
 #include <optional>
 #include <vector>

@@ -1,5 +1,4 @@
-// What: sums over SSIM maps, in double.
-// Not: the window and the formula (kernels/stages/ssim_window.h, kernels/math/photometric.h).
+// Sums over SSIM maps, in double.
 #include "recon4d/evaluation/structure_scores.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// What: SSIM of 8-bit images under each protocol's name, and multi-scale SSIM.
-// Not: the window and its convolution (kernels/stages/ssim_window.h, which the loss shares).
-// Source: [Wang04], [Wang03]; method A.15; failure modes D1, B20.
+// SSIM of 8-bit images under the name of each protocol, and multi-scale SSIM. The window and its
+// convolution are in kernels/stages/ssim_window.h. Source: [Wang04], [Wang03]; method A.15; failure
+// modes D1, B20.
 #pragma once
 #include <optional>
 

@@ -1,5 +1,4 @@
-// What: running sums over time, one camera's planes at a time; medians.
-// Not: rendering.
+// Running sums over time for the planes of one camera at a time, and medians over time.
 #include "recon4d/evaluation/temporal_scores.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-// What: scores of cameras that stand still: flicker, and which of their pixels ever change.
-// Not: scores of single images (metrics.h). Cameras that move have none of these.
-// Source: failure modes A14; masked PSNR of the dynamic-scene literature.
+// Scores of fixed cameras over time: flicker, and the pixels that change. A moving camera has none
+// of them. Source: failure modes A14; masked PSNR of the dynamic-scene literature.
 #pragma once
 #include <map>
 #include <optional>

@@ -1,4 +1,4 @@
-// Pools the sums of views that show the same timestep.
+// Pools the pixel sums of views by timestep, and those within boxes by object and timestep.
 #include "recon4d/evaluation/timestep_scores.h"
 
 #include <algorithm>

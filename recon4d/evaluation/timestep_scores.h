@@ -1,4 +1,5 @@
-// PSNR of each timestep over all scored cameras, which shows where in time motion fails.
+// PSNR of each timestep over all scored cameras, and PSNR of single objects from the pixels in a
+// box around each. They show at which timesteps, and for which fast objects, the motion is wrong.
 #pragma once
 #include <cstdint>
 #include <map>

@@ -1,5 +1,6 @@
-// What: the arrays of a checkpoint, straight between a state and its file.
-// Not: when it is written (tools/session/train_session.cpp).
+// Arrays and JSON header of a checkpoint, from a state to its file and back. The numbers of a
+// header are checked against each other and against the size of the file before memory is
+// allocated.
 #include "recon4d/model/checkpoint.h"
 
 #include <fmt/format.h>

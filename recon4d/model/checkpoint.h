@@ -1,10 +1,9 @@
-// What: a training stopped between two steps, as one file: resuming goes on bit for bit.
-// Not: a model to ship (model_file.h), nor the best model so far: the caller keeps it. Written
-//      whole or not at all; the previous one stays.
-// Layout: checkpoint_file.h; a JSON header, then the arrays of the state in the order of its
-// members, float32 (steps of gains: int32) little-endian. Where Gaussians differ in SH degree, the
-// header's `sh_blocks` has the elements of degree 0 … 3 of each set; they are stored in the order
-// of ShBlocks::kOrder, with the bands that each has.
+// A training between two steps as one file, from which it resumes bit for bit. The file is written
+// whole or not at all; the previous one stays. It holds a JSON header and then the arrays of the
+// state in the order of its members, float32 (steps of gains: int32), little-endian
+// (checkpoint_file.h). Where Gaussians differ in SH degree, `sh_blocks` of the header has the
+// number of elements of degree 0 … 3 of each set; they are stored in the order of ShBlocks::kOrder
+// with the bands that each has.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

@@ -26,7 +26,7 @@ void for_each_block(const GaussianSet& set, Visit&& visit) {
   for_each_block(set.blocks(), set.count(), set.coefficients(), visit);
 }
 
-// Density control and relocation want sets whose elements are alike: degrees are decided when
+// Density control and relocation need sets whose elements are alike: degrees are decided when
 // growth has ended.
 
 /// SH degree of each element in storage order, [N].

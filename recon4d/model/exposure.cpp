@@ -1,5 +1,5 @@
-// Rows of gains or affine maps, their gauge and their steps. When they step, and how large the
-// steps are: trainer.cpp, schedule.cpp.
+// Rows of gains or affine maps, their normalisation and their optimizer steps. The trainer and the
+// schedule choose the steps and learning rates.
 #include "recon4d/model/exposure.h"
 
 #include <fmt/format.h>

@@ -1,10 +1,9 @@
-// The colour of training images, learnt beside the Gaussians so that these need not explain it: an
-// RGB gain per camera or per image, or an affine map per camera. It is no part of a model, which is
-// drawn without it everywhere else, in every score too. The product and its gradient are the loss's
-// (kernels/math/colour_map.h).
-// Gauge: a common map and the Gaussians' colours could trade. Per channel the mean gain of all rows
-// is exactly 1; the mean of affine maps is the identity. So colours are those of the mean camera.
-// Source: failure mode B10.
+// The colour of training images, learnt beside the Gaussians: an RGB gain per camera or per image,
+// or an affine map per camera. It is no part of a model, and scores and renderings do not use it.
+// The product and its gradient are in kernels/math/colour_map.h. A common map could be exchanged
+// with the colours of the Gaussians, so the mean gain of all rows is exactly 1 per channel, and the
+// mean of affine maps is the identity; colours are then those of the mean camera. Source: failure
+// mode B10.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,4 @@
-// What: sizes and copies of parameter groups.
-// Not: initial values (initialise.cpp) or density control.
+// Sizes and copies of the parameter groups of sets, of motion nodes and of statistics.
 #include "recon4d/model/gaussian_set.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// A set of Gaussians (static, dynamic or canonical) that owns its parameter groups and their Adam
-// moments, in any memory. A GaussianModel is a static or canonical set, the motion nodes of the
-// latter, and a dynamic set.
+// A GaussianSet (static, dynamic or canonical) owns its parameter groups and their Adam moments in
+// any memory. A GaussianModel is a static or canonical set, the motion nodes of the latter, and a
+// dynamic set. SetStatistics are what training gathers of the elements of a set.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What: comments and elements of the Tessera 4D .ply.
-// Not: the columns (splat_columns.h).
+// Comments and elements of the Tessera .ply, including motion nodes. The columns of Gaussians are
+// in splat_columns.h.
 #include "recon4d/model/model_file.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: a GaussianModel as a file: the Tessera 4D .ply, which reloads bit-equal.
-// Not: optimizer state (checkpoint.h) and not the 3DGS .ply of other programs
+// A GaussianModel as a Tessera .ply file, which reloads bit-equal. It has no optimizer state
+// (checkpoint.h), and differs from the 3DGS .ply of other programs
 // (static3d/formats/splat_formats.h).
 #pragma once
 #include <filesystem>
@@ -18,7 +18,8 @@ namespace tessera {
 /// background, train_scale, prepared_from_source and each drawing rule by its name; with an
 /// environment also an element of that name, one row a texel. Written atomically.
 void save_model(const std::filesystem::path& path, const GaussianModel& model);
-/// Errors: InputError naming the file and what is missing. `is_tessera_model` tells beforehand.
+/// Errors: InputError naming the file and what is missing. `is_tessera_model` tests for it
+/// beforehand.
 GaussianModel load_model(const std::filesystem::path& path);
 /// Whether the .ply carries Tessera's comment (a plain 3DGS .ply does not).
 bool is_tessera_model(const std::filesystem::path& path);

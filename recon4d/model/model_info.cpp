@@ -1,5 +1,4 @@
-// What: counts, bounds and percentiles over the sound Gaussians of a model.
-// Not: a file's size: the caller knows the file.
+// Counts, bounds and percentiles over the valid Gaussians of a model.
 #include "recon4d/model/model_info.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: the facts of a model for `tessera info`, as JSON.
-// Not: a score; no image is rendered.
+// The facts of a model for `tessera info`, as JSON.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 

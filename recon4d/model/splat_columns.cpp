@@ -1,5 +1,5 @@
-// What: Gaussian rows ↔ PLY columns.
-// Not: any change of a value: no activation, no normalisation.
+// Conversion between rows of Gaussians and PLY columns. Values are stored as they are, without
+// activation or normalisation.
 #include "recon4d/model/splat_columns.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-// What: a GaussianSet as the columns of a PLY element, in the order of the 3DGS reference code.
-// Not: which elements and comments a file has (model_file.cpp, static3d/formats/ply_3dgs.cpp).
-// Source: [3DGS] layout: normals zero, f_rest channel-major; Dim 4 adds its own groups.
+// A GaussianSet as the columns of a PLY element, in the order of the 3DGS reference code. Source:
+// [3DGS] layout: normals zero, f_rest channel-major; Dim 4 adds its own groups.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -12,7 +11,7 @@
 
 namespace tessera {
 
-/// One stored scalar of every Gaussian: its PLY name and where it lives.
+/// One stored scalar of every Gaussian: its PLY name and its place in the set.
 struct SplatColumn {
   std::string name;
   std::optional<Group> group;  // nothing: a normal, always zero

@@ -1,5 +1,5 @@
-// What: copies of a state, and the model in it as it is drawn.
-// Not: the arithmetic of the 3D filter (kernels/math/filter_3d.h).
+// Copies of a training state, its model as it is drawn, and edits of its elements by the functions
+// of element_edits.h.
 #include "recon4d/model/train_state.h"
 
 #include "kernels/base/errors.h"

@@ -1,5 +1,6 @@
-// What: everything a training needs to go on exactly as if it had not stopped, and the model in it.
-// Not: the steps (trainer.h) or the file (checkpoint.h).
+// The whole state of a training, from which it continues as if it had not stopped, and the model in
+// it. A StateEdit is a change of its Gaussians as a value: decisions return it, and `apply_edit`
+// carries it out.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -36,7 +37,7 @@ struct TrainState {
   GaussianSpans<float> filtered_values(int k);
 };
 
-/// Values of set k as they are to be drawn: with the 3D filter where the options say so.
+/// Values of set k as they are to be drawn: with the 3D filter where the options have one.
 GaussianSpans<const float> drawn_values(const TrainState& state, int k,
                                         const TrainOptions& options);
 
@@ -46,7 +47,7 @@ bool is_filtered(const TrainState& state, const TrainOptions& options);
 /// A copy of the model of a state in the host's memory, with the 3D filter baked and elements that
 /// are alike.
 GaussianModel baked_model(const TrainState& state, const TrainOptions& options);
-/// The same of a state that nobody needs any longer: in its own memory.
+/// The same of a state that is not needed afterwards: in its own memory.
 GaussianModel baked_model(TrainState&& state, const TrainOptions& options);
 
 /// Index 0 is the static set, index 1 the dynamic set.

@@ -1,5 +1,4 @@
-// What: which check is the best, and when patience has run out.
-// Not: scores.
+// The choice of the best validation check, and the end of patience.
 #include "recon4d/model/validation_record.h"
 
 #include <algorithm>

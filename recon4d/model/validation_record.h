@@ -1,5 +1,4 @@
-// What: what a training knows of its checks on frames that it does not train on.
-// Not: the checks (recon4d/training/validation.h).
+// The results of the checks of a training on its validation frames, which a checkpoint stores.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>

@@ -1,4 +1,5 @@
-// Least squares over times of the clip, in double on the host.
+// Farthest-point sampling and nearest nodes for the start of motion nodes, and least squares over
+// times of the clip for more control points, in double on the host.
 #include "recon4d/motion/nodes.h"
 
 #include <algorithm>

@@ -1,4 +1,6 @@
-// More control points for motion nodes: the new spline follows the old one as closely as it can.
+// The start of motion nodes (positions by farthest-point sampling of the static set, radii by their
+// neighbours, and a fixed binding of every Gaussian to its nearest nodes), and a larger number of
+// control points whose spline follows the previous one as closely as possible. Source: [SC-GS].
 #pragma once
 #include <array>
 #include <vector>

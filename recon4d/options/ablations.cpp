@@ -1,6 +1,6 @@
-// What: the techniques as data rows; the two families of ablations follow from them.
-// Not: code paths: an ablation only changes what any user could set by hand.
-// Source: the ablations of [Faster-GS]; `skip-invisible` is [Taming].
+// The techniques as rows of data, from which the two families of ablations follow. An ablation only
+// sets options that users can set as well. Source: the ablations of [Faster-GS]; `skip-invisible`
+// is [Taming].
 #include "recon4d/options/presets.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: enumerated options and the one table of their names.
-// Not: what the values do, nor numbers and switches (train_options.h).
+// Options of enumerations, and the one table of the names of their values.
 #pragma once
 #include <cstddef>
 #include <cstdint>

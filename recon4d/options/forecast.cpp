@@ -1,5 +1,4 @@
-// What: 64-bit sums and the constants of the two time models.
-// Not: the free memory of this machine.
+// Sums of bytes in 64 bits, and the constants of the two models of time.
 #include "recon4d/options/forecast.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
-// What: what a training will need, before it starts: bytes of frames, Gaussians and steps; seconds.
-// Not: a measurement. Bytes follow from the layout of the data; the number of Gaussians and the
-//      seconds are models of measured runs (research/results_history.md), right within a factor
-//      of 2 to 3.
+// Forecast of the memory and time of a training: bytes of frames, Gaussians and steps, and seconds.
+// Bytes follow from the layout of the data; the number of Gaussians and the seconds are models of
+// measured runs (research/results_history.md) and right within a factor of 2 to 3.
 #pragma once
 #include <cstdint>
 #include <string>

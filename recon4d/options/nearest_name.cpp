@@ -1,5 +1,4 @@
-// What: edit distance, prefixes, and the sentence made of them.
-// Not: any list of names.
+// Edit distance, matching by prefix, and the sentence with the suggestions.
 #include "recon4d/options/nearest_name.h"
 
 #include <fmt/format.h>

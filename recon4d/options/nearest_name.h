@@ -1,6 +1,4 @@
-// What: the known names that a mistyped one may have meant, and the words that suggest them, for
-//       error messages that help.
-// Not: completion; nothing is accepted that was not typed.
+// Suggestions of known names for a mistyped one, and the words that present them in error messages.
 #pragma once
 #include <string>
 #include <vector>

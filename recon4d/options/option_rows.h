@@ -1,4 +1,4 @@
-// The rows of the option table in two halves; train_option_table() joins them.
+// The rows of the option table in three parts, which train_option_table() joins.
 #pragma once
 #include <type_traits>
 #include <utility>

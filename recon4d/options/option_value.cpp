@@ -1,4 +1,4 @@
-// One table of suffixes for each unit.
+// Parsing of option values and of numbers with suffixes; each unit has one table of suffixes.
 #include "recon4d/options/option_value.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,5 @@
-// Numbers with suffixes as people type them: 10k, 2M, 5MB, 90s.
+// The value of an option of any type with its conversion from text and to text, and numbers with
+// suffixes, such as 10k, 2M, 5MB and 90s.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -1,5 +1,5 @@
-// What: named sets of options, as data rows.
-// Not: code paths: a preset only changes what any user could set by hand.
+// Presets as rows of data, the properties of a scene that they depend on, and their application. A
+// preset only sets options that users can set as well.
 #include "recon4d/options/presets.h"
 
 #include <fmt/format.h>
@@ -52,8 +52,8 @@ const OptionOverrides kBestRig = joined(kRig, {{"iterations", 15000},
                                                {"opacity_weight", 0.003},
                                                {"scale_weight", 0.003},
                                                {"peak_gaussians", 400000}});
-/// With one view a timestep, frames that a short trial holds out say whether nodes carry the scene
-/// (recon4d/training/motion_trial.h).
+/// With one view a timestep, frames that a short trial holds out decide whether nodes carry
+/// the scene (recon4d/training/motion_trial.h).
 const OptionOverrides kSingleView = {{"motion", "auto"}};
 const OptionOverrides kNodes = {{"min_blending_weight", 0.05}};
 /// MCMC densification is 2 dB worse with nodes than this; more views a step or steps gain nothing.
@@ -81,7 +81,7 @@ void apply_rates(TrainOptions& options, const FrameRates& rates, const SceneFact
   options.lr_mean_time = rates.mean_time_rate / (frames * facts.extent);
 }
 
-/// Few cameras say little of where things are: more Gaussians than that fit their noise.
+/// Few cameras constrain positions little: more Gaussians than that fit their noise.
 void limit_by_pixels(TrainOptions& options, int64_t pixels_per_gaussian, int64_t pixels) {
   constexpr int64_t kLeastLimit = 10000;
   if (pixels_per_gaussian == 0 || pixels == 0) return;

@@ -1,4 +1,5 @@
-// Setting options by name with the checks of their table, and what pairs of options must satisfy.
+// Sets options by name with the checks of their table, checks conditions between options, joins the
+// table from its parts, and converts options to switches of kernels.
 #include "recon4d/options/train_options.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-// What: every knob of training, as plain data, and the table that names, documents and bounds each.
-// The table makes the command line, --config, --help and checkpoint metadata.
-// Not: the command line itself (tools/) and no values that depend on the scene (schedule.h).
+// All options of a training as plain data, and the table that names, documents and bounds each of
+// them. The command line, --config, --help and checkpoint metadata are made from this table.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -45,7 +44,7 @@ struct TrainOptions : DrawingRules {  // NOLINT(clang-analyzer-optin.performance
   Filter3d filter_3d = Filter3d::kNone;
   // loss
   double lambda_dssim = 0.2, moving_weight = 0, opacity_weight = 0, scale_weight = 0;
-  // light from beyond the scene
+  // environment
   bool environment = false;
   int64_t environment_size = 256;
   double lr_environment = 2.5e-3;
@@ -121,7 +120,7 @@ const std::vector<TrainOption>& train_option_table();
 void set_option(TrainOptions& options, const std::string& key, const OptionValue& value);
 void set_option_from_text(TrainOptions& options, const std::string& key, const std::string& text);
 OptionValue option_value(const TrainOptions& options, const TrainOption& option);
-/// What no single option can say: ranges between options. Errors: InputError.
+/// Checks conditions between options. Errors: InputError.
 void validate(const TrainOptions& options);
 
 /// Most Gaussians while they grow; 0: no limit.

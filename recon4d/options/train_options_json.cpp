@@ -1,5 +1,4 @@
-// What: options to JSON and back.
-// Not: checks of values (train_options.cpp).
+// Conversion of options to JSON and from JSON.
 #include "recon4d/options/train_options_json.h"
 
 #include <fmt/format.h>

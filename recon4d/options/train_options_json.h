@@ -1,5 +1,4 @@
-// What: options as JSON: one object of key: value, as in config.json, --config and checkpoints.
-// Not: the table of options (train_options.h).
+// Options as a JSON object of key: value, as in config.json, --config and checkpoints.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

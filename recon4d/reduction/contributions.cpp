@@ -1,5 +1,5 @@
-// What: a scoring pass over batches of frames in the order of their timesteps, and what its sums
-// say. Not: the sums (kernels/measures/contribution, kernels/measures/sensitivity).
+// A scoring pass over batches of frames in the order of their timesteps, the test that ends it
+// early, and the contributions from its sums.
 #include "recon4d/reduction/contributions.h"
 
 #include <algorithm>

@@ -1,8 +1,7 @@
-// What: what each Gaussian does for the training images, over all of their cameras and timesteps:
-//       its light, the squared error that removing or simplifying it adds, and the error over it
-//       that changes with time.
-// Not: decisions (pruning.h, static_demotion.h, dynamic_promotion.h).
-// Source: docs/explanation/size.md.
+// The contribution of each Gaussian to the training images over all cameras and timesteps: its
+// blending weight, the squared error that its removal or simplification adds, and the part of the
+// residual over it that changes with time. A pass draws sweep after sweep until the decisions by
+// one half of the frames cost little by the other half. Source: docs/explanation/size.md.
 #pragma once
 #include <array>
 #include <functional>
@@ -16,7 +15,7 @@ namespace tessera {
 /// Squared error is summed over pixels and RGB, range [0, 1], without the image's gain. Sums are
 /// scaled from the frames drawn to all training frames.
 struct SetContributions {
-  std::vector<float> weight;    // [N] Σ w, w = T·α: pixels of light
+  std::vector<float> weight;    // [N] Σ w, w = T·α: blending weight, pixels
   std::vector<float> removal1;  // [N] first- and
   std::vector<float> removal2;  // [N] second-order change of the squared error without it alone
   /// [N][d] squared error added by the bands above degree d
@@ -26,9 +25,9 @@ struct SetContributions {
   /// frames: what chance gives does not scale.
   struct Change {
     float gain = 0;  // squared error that a colour of its own at every timestep would take away
-    float timesteps = 0;  // at which it was seen
-    float freedom = 0;    // of these beyond the first of each series
-    float light = 0;  // squared error that leaving its light out would add, timestep by timestep
+    float timesteps = 0;   // at which it was seen
+    float freedom = 0;     // of these beyond the first of each series
+    float light = 0;       // squared error that its removal would add, timestep by timestep
     float peak_time = 0;   // where most of the gain is
     float peak_gain = 0;   // there
     float lasting = 0;     // timesteps whose gain is at least half of that
@@ -75,7 +74,7 @@ struct PricedErrors {
   double squared_error = 0;
 };
 
-/// Draws sweeps of `sample` and asks for `so_far` after 1, 2, 4, … of them, until the halves decide
+/// Draws sweeps of `sample` and calls `so_far` after 1, 2, 4, … of them, until the halves decide
 /// alike; without `so_far` all. `draw`: frames [begin, end) of `sample`, of one series, at most
 /// four of them. Returns the share of the frames that were drawn.
 double draw_until_precise(

@@ -1,5 +1,4 @@
-// What: the test against noise and the elements that follow from it.
-// Not: the sums it is made of (contributions.cpp).
+// The test against noise, and the elements that are promoted or added.
 #include "recon4d/reduction/dynamic_promotion.h"
 
 #include <algorithm>

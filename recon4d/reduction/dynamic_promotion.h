@@ -1,7 +1,7 @@
-// What: static Gaussians become dynamic where what is left over them changes with time by more than
-//       noise, and others are added beside them at the timestep at which most is left.
-// Not: growth by gradients (density.h); the way back (static_demotion.h).
-// Source: docs/explanation/static-dynamic.md; residuals that change with time as a sign: [Ex4DGS].
+// Promotion: static Gaussians become dynamic where the residual over them changes with time by more
+// than noise, and further dynamic Gaussians are added beside them at the timestep of the largest
+// residual. Source: docs/explanation/static-dynamic.md; residuals that change with time as a sign:
+// [Ex4DGS].
 #pragma once
 #include "recon4d/reduction/contributions.h"
 

@@ -1,5 +1,4 @@
-// What: an order by price, its running sum, and elements that are left.
-// Not: a look at any image.
+// The order of Gaussians by price, its running sum, and the elements that remain.
 #include "recon4d/reduction/pruning.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
-// What: which Gaussians go first: the squared error that each adds by going, by the bytes that it
-//       frees; the curve of size and error that follows; where it bends.
-// Not: when (model_reduction.h) or what that error is (contributions.h).
-// Source: docs/explanation/size.md.
+// The order of pruning: the squared error that the removal of each Gaussian adds, per byte that it
+// frees; the curve of size and error that follows; and the knee of that curve. Source:
+// docs/explanation/size.md.
 #pragma once
 #include <vector>
 

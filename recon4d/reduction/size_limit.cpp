@@ -1,5 +1,4 @@
-// What: one look at all frames, then the number of Gaussians that fits.
-// Not: the order in which they go (pruning.h).
+// One scoring pass over all frames, then a search for the number of Gaussians that fits the limit.
 #include "recon4d/reduction/size_limit.h"
 
 #include <algorithm>

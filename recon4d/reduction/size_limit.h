@@ -1,8 +1,6 @@
-// What: the size that was asked for, met exactly by the model that is shipped: what contributes
-// least
-//       goes, over all training frames, without recovery.
-// Not: thinning while there is time to recover (model_reduction.h).
-// Source: docs/explanation/size.md; failure modes C12, C13.
+// Reduction of the final model to the requested size: the Gaussians of least contribution over all
+// training frames are removed, without further training. Source: docs/explanation/size.md; failure
+// modes C12, C13.
 #pragma once
 #include <functional>
 
@@ -15,7 +13,7 @@ using ShippedBytes = std::function<int64_t(const GaussianModel& model)>;
 
 /// At most one of the three; none: only what no training frame ever sees goes.
 struct SizeLimit {
-  int64_t gaussians = 0;  // 0: not asked
+  int64_t gaussians = 0;  // 0: not requested
   int64_t bytes = 0;
   double least_psnr = 0;  // dB, by `psnr` below
 
@@ -23,11 +21,11 @@ struct SizeLimit {
   std::function<double(const GaussianModel& model)> psnr = {};  // for `least_psnr`
 };
 
-/// Gaussians without any light in the frames of `sample` are gone, and no more of the others than
-/// are asked for: exactly `gaussians` are left, or all where there are fewer; the largest number
-/// whose file has no more than `bytes`; or the smallest whose PSNR is not below `least_psnr`, all
-/// in the order of their contributions. The last two by halving, to a thousandth of the Gaussians.
-/// The model lies in the host's memory.
+/// Gaussians without blending weight in the frames of `sample` are gone, and no more of the others
+/// than are asked for: exactly `gaussians` are left, or all where there are fewer; the largest
+/// number whose file has no more than `bytes`; or the smallest whose PSNR is not below
+/// `least_psnr`, all in the order of their contributions. The last two by halving, to a thousandth
+/// of the Gaussians. The model lies in the host's memory.
 GaussianModel fit_to_limit(const SizeLimit& limit, Backend& backend, const GaussianModel& model,
                            const FrameSample& sample);
 

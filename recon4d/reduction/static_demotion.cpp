@@ -1,5 +1,4 @@
-// What: a model with candidates turned static beside the model as it is, image by image.
-// Not: sums over pixels (kernels/measures/sensitivity).
+// Images of a model with its candidates turned static, compared with those of the model as it is.
 #include "recon4d/reduction/static_demotion.h"
 
 #include <utility>

@@ -1,6 +1,5 @@
-// What: which dynamic Gaussians may be static: tried, all at once, over all cameras and timesteps;
-//       the error that it adds is shared out by light.
-// Not: a threshold on how long a Gaussian lasts or how fast it is.
+// Demotion: the choice of dynamic Gaussians that become static. All candidates are tried at once
+// over all cameras and timesteps, and the added error is divided among them by blending weight.
 // Source: docs/explanation/static-dynamic.md; idea of a Gaussian that gives up its time:
 // [Hybrid4D].
 #pragma once
@@ -9,8 +8,8 @@
 namespace tessera {
 
 /// Gaussians of a dynamic set as static ones: where and as opaque as they are on the average of
-/// their light, with the shape and colours of their slice there. Elements without light or that are
-/// no Gaussians are where their own timestep has them. Where the backend works.
+/// their light, with the shape and colours of their slice there. Elements without blending weight
+/// or that are no Gaussians are where their own timestep has them. Where the backend works.
 GaussianSet as_static(Backend& backend, const GaussianModel& model,
                       const SetContributions& contributions);
 

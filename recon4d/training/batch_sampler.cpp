@@ -1,5 +1,5 @@
-// What: Fisher–Yates with counter-based numbers.
-// Not: std::shuffle, whose result differs between standard libraries.
+// Fisher–Yates shuffle with counter-based numbers; the result of std::shuffle differs between
+// standard libraries.
 #include "recon4d/training/batch_sampler.h"
 
 #include <numeric>

@@ -1,6 +1,6 @@
-// What: which training frames make up a step: B consecutive ones of a permutation without
-// replacement. Not: random state: permutation e follows from (seed, e), so a checkpoint keeps two
-// numbers. Source: method A.3 step 6, D.6.
+// The training frames of a step: B consecutive ones of a permutation without replacement.
+// Permutation e follows from (seed, e), so a checkpoint stores two numbers. Source: method A.3 step
+// 6, D.6.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,4 @@
-// What: frames → the backend's memory, once or ahead of the steps.
-// Not: the copy itself, which is the memory's.
+// Copies of frames to the backend's memory, once or ahead of the steps, and masks of moving pixels.
 #include "recon4d/training/frame_cache.h"
 
 #include <fmt/format.h>

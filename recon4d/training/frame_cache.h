@@ -1,7 +1,6 @@
-// What: the ground truth of a step where the backend can read it, masks included: the frames as
-//       they are on the host; on a device all frames at once, or, where they do not fit, a ring
-//       that is filled ahead of the steps.
-// Not: the choice of frames (batch_sampler.h), nor decoding (ingest).
+// The ground truth of a step in memory that the backend can read, with its masks. On the host it is
+// the frames themselves; on a device it is all frames at once or, where they do not fit, a ring
+// that is filled ahead of the steps.
 #pragma once
 #include <vector>
 
@@ -38,7 +37,7 @@ class FrameCache {
 
   /// Whether every frame lies on a device for as long as the cache does.
   bool is_resident() const { return place_ == Place::kResident; }
-  /// How many batches `prefetch` wants to know.
+  /// The number of batches that `prefetch` takes.
   int64_t ahead() const { return place_ == Place::kRing ? kSlots - 1 : 0; }
   /// Begins to bring over the batches of the next steps, over those of steps before the one whose
   /// `truth` was asked for last. These must be done: call it after the forward pass of that step.
@@ -76,7 +75,7 @@ class FrameCache {
   Buffer<uint8_t> resident_;
   std::vector<int64_t> offset_;  // [frames] of each in `resident_`
   std::vector<Slot> slots_;
-  std::vector<int64_t> current_;  // what `truth` was asked for last
+  std::vector<int64_t> current_;  // the last arguments of `truth`
 };
 
 /// [frames] each [height, width]: 0 where the frame's own mask ignores a pixel, kMovingPixel where

@@ -1,5 +1,5 @@
-// What: points → Gaussians: scales from neighbours, grey or coloured, spread over time.
-// Not: how points are found in images (ingest).
+// Conversion of points to Gaussians: scales from neighbours, colours, and a spread over time; and
+// the mean colour of the images as the first environment.
 #include "recon4d/training/initialise.h"
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ namespace {
 struct InitialPoint {
   glm::vec3 position;
   std::array<uint8_t, 3> colour;
-  std::optional<float> time;  // normalised moment at which it was seen
+  std::optional<float> time;  // normalised time at which it was seen
   std::optional<bool> still;  // whether it never moves
   glm::vec3 velocity{0};      // world units per unit of normalised time
 };

@@ -1,6 +1,5 @@
-// What: the first Gaussians of a training, from a point cloud or at random.
-// Not: density control.
-// Source: method A.2, D.4.
+// The first Gaussians of a training, from a point cloud or at random, and the first environment.
+// Source: method A.2, D.4, D.8.
 #pragma once
 #include <string>
 #include <vector>
@@ -22,7 +21,7 @@ Initialisation initialise_model(const Scene& scene, const CameraRig& rig,
                                 const TrainOptions& options);
 
 /// Everywhere the mean colour of the training images, with zero moments. Errors: InputError:
-/// frames with alpha, whose background is known and is no light from beyond the scene.
+/// frames with alpha, whose background is known and is no environment.
 EnvironmentLight first_environment(const Scene& scene, const TrainOptions& options);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-// The small scene, the two trainings and their scores.
+// The small scene of a motion trial, its two trainings and their scores.
 #include "recon4d/training/motion_trial.h"
 
 #include <fmt/format.h>
@@ -46,7 +46,7 @@ TrainOptions trial_options(TrainOptions options) {
   return options;
 }
 
-/// In the host's memory; nothing where `stop` said so.
+/// In the host's memory; nothing where `stop` returned true.
 std::optional<GaussianModel> trained_model(Backend& backend, const Scene& scene,
                                            const TrainOptions& options,
                                            const std::function<bool()>& stop) {

@@ -1,5 +1,5 @@
-// Whether motion nodes or dynamic Gaussians explain a capture better, by two short trainings at a
-// small size and the frames that neither saw.
+// The choice between motion nodes and dynamic Gaussians for a capture, by two short trainings at a
+// small size and the frames that both hold out.
 #pragma once
 #include <functional>
 #include <optional>
@@ -21,13 +21,13 @@ struct MotionTrial {
   bool prefers_nodes() const { return nodes_psnr > dynamic_psnr && nodes_move(); }
 };
 
-/// Why a trial would say nothing; empty: it can be made. Nodes are for scenes of one view a
+/// The reason why a trial cannot decide; empty: it can. Nodes are for scenes of one view a
 /// timestep; a trial needs frames to hold out, and a training that is long beside it.
 std::string reason_against_trial(const Scene& scene, const TrainOptions& options);
 
 /// Trains twice and scores. Frames of Split::kValidation are those held out; without any a share of
 /// the training frames is. `with_nodes`: options of the training where nodes carry the scene.
-/// Nothing where `stop`, asked before each step, has said so.
+/// Nothing where `stop`, called before each step, returned true.
 std::optional<MotionTrial> try_motion(Backend& backend, const Scene& scene,
                                       const TrainOptions& with_nodes,
                                       const std::function<bool()>& stop);

@@ -1,5 +1,4 @@
-// What: k-d tree by median splits over an index array; exact nearest neighbours.
-// Not: approximate.
+// A k-d tree by median splits over an array of indices, with exact nearest neighbours.
 #include "recon4d/training/nearest_points.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-// What: distances of points to their nearest neighbours, by a k-d tree.
-// Not: a general search structure.
-// Source: initial scales, method A.2.
+// Distances of points to their nearest neighbours, by a k-d tree. Source: initial scales, method
+// A.2.
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>

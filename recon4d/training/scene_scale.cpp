@@ -1,5 +1,5 @@
-// What: box filters over rows, then over columns.
-// Not: OpenCV, which a trainer-only build does without (ingest/images/resampling.h).
+// Area averages by box filters over rows and then over columns, without OpenCV, which a
+// trainer-only build lacks.
 #include "recon4d/training/scene_scale.h"
 
 #include <fmt/format.h>

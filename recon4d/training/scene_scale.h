@@ -1,6 +1,5 @@
-// What: a scene with smaller images: areas averaged, as the multi-scale protocol trains and
-// scores. Not: larger ones: there is no truth between pixels. Source: [Mip-Splatting], multi-scale
-// evaluation.
+// A scene with smaller images by area averages, as the multi-scale protocol trains and scores.
+// Source: [Mip-Splatting], multi-scale evaluation.
 #pragma once
 #include "ingest/scene.h"
 

@@ -1,5 +1,5 @@
-// What: step counts scaled to the length of the training; learning rates.
-// Not: any state: every answer follows from the step.
+// Step counts scaled to the length of the training, and learning rates. All values follow from the
+// step alone.
 #include "recon4d/training/schedule.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-// What: when things happen in a training and how large its steps are: options × scene extent.
-// Not: doing them (trainer.cpp).
-// Source: method A.3, A.4, C.1, D.5, D.7.
+// The steps of a training at which events are due, and its learning rates, from the options and the
+// scene extent. Source: method A.3, A.4, C.1, D.5, D.7.
 #pragma once
 #include <array>
 

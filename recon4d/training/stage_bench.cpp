@@ -1,5 +1,4 @@
-// What: a model of the wanted size, and the trainer's steps of it.
-// Not: a step of its own, nor the clock: the backend's.
+// A model of the requested size, and steps of the trainer on it.
 #include "recon4d/training/stage_bench.h"
 
 #include <algorithm>

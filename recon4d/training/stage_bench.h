@@ -1,6 +1,5 @@
-// What: the stages of a training step on a fixed load, timed: a scene's training views in turn, a
-// trained model or as many Gaussians as wanted, learning rates of zero so that the load stays.
-// Not: a training, and no claim about quality.
+// Times of the stages of a training step on a fixed load: the training views of a scene in turn, a
+// trained model or a given number of Gaussians, and learning rates of zero, so that the load stays.
 #pragma once
 #include <array>
 

@@ -1,5 +1,5 @@
-// What: one step after another.
-// Not: equations, schedules or density rules: those have files of their own.
+// The steps of a training in their order: density control, batch, forward pass, loss, backward
+// pass.
 #include "recon4d/training/trainer.h"
 
 #include <fmt/format.h>
@@ -38,7 +38,7 @@ std::string what_is_bad(const StepOutcome& outcome, SetForm form) {
   return names.empty() ? "the loss" : "the gradient of " + names;
 }
 
-/// Those that may see a set: every frame, or every camera once where moments do not matter.
+/// Those that may see a set: every frame, or every camera once where times do not matter.
 std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frames, bool moving) {
   std::vector<View> views;
   std::map<std::array<double, 3>, std::vector<size_t>> views_by_position;

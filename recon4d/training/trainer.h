@@ -1,6 +1,6 @@
-// What: the training loop: schedule, batch, forward, loss, backward with the optimizer as its sink.
-// Not: files, printing, evaluation (tools/ drives those between calls of `run`).
-// Source: method A.3 and D.6 for the order of events in a step.
+// The training loop: schedule, batch, forward pass, loss, and backward pass with the optimizer as
+// its sink. It reports to an Observer; files, printing and evaluation happen in tools/ between
+// calls of `run`. Source: method A.3 and D.6 for the order of events in a step.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -45,11 +45,11 @@ class Trainer {
   Trainer(Backend& backend, const Scene& scene, const TrainOptions& options, TrainState state,
           Observer& observer);
 
-  /// Steps until `iteration` steps are done in all, or `stop` says so (asked before each step).
-  /// At options.iterations the model is cleaned up and `finished` set. All steps are reported
-  /// before it returns.
-  /// Errors: NumericalError naming step and parameter when a gradient or the loss is not finite;
-  /// the state then is not to be used: the optimizer has already taken the step.
+  /// Steps until `iteration` steps are done in all, or `stop` returns true (called before each
+  /// step). At options.iterations the model is cleaned up and `finished` set. All steps are
+  /// reported before it returns. Errors: NumericalError naming step and parameter when a gradient
+  /// or the loss is not finite; the state then is not to be used: the optimizer has already taken
+  /// the step.
   void run(int64_t iteration, const std::function<bool()>& stop = {});
 
   /// As it is, in the backend's memory: for its numbers.
@@ -93,7 +93,7 @@ class Trainer {
   /// Maps of colours of the views of a batch, whose rows are noted for their step; empty: none.
   std::vector<ColourMap<double>> maps(const std::vector<int64_t>& batch);
   void prefetch();
-  /// Reports the last step once the backend knows how it went.
+  /// Reports the last step once the backend has its outcome.
   void complete_pending();
   void finish();
   void forget_copies() {

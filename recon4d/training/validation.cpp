@@ -1,5 +1,4 @@
-// What: the choice of frames, the bookkeeping of scores, the best model so far.
-// Not: the scores themselves (evaluate.h).
+// The choice of validation frames, the record of scores, and the best model so far.
 #include "recon4d/training/validation.h"
 
 #include <fmt/format.h>
@@ -60,7 +59,7 @@ int64_t hold_out_validation(Scene& scene, double share, uint64_t seed) {
                     scene.path, count));
   const int64_t wanted = std::clamp<int64_t>(std::llround(share * double(count)), 1, count - 1);
   const double shift = uniform(philox(seed, RandomStream::kValidationSplit, 0).word[0]);
-  // A lattice: among the frames of a camera, and among those of a moment, the smallest values are
+  // A lattice: among the frames of a camera, and among those of a timestep, the smallest values are
   // evenly spread. A model is not judged by what it must extrapolate to: ends come last.
   const auto key = [&](const Place& place) {
     constexpr double kGolden = 0.6180339887498949, kSilver = 0.4142135623730951;

@@ -1,8 +1,6 @@
-// What: validation frames, taken from the training split, to judge a model by, and what follows
-// from their
-//       scores: the best model so far and the end of the training.
-// Not: the held-out splits, whose pixels nothing here reads; no schedule of steps (trainer.h).
-// Source: failure modes A10, D4.
+// Validation frames, taken from the training split, and what follows from their scores: the best
+// model so far and the end of the training. The pixels of the test split are not read. Source:
+// failure modes A10, D4.
 #pragma once
 #include <limits>
 #include <optional>
@@ -14,8 +12,8 @@
 
 namespace tessera {
 
-/// Moves a share of the training frames, at least one, to Split::kValidation and says how many:
-/// spread over cameras and moments, ends of a camera's sequence left where there are others; the
+/// Moves a share of the training frames, at least one, to Split::kValidation and returns how many:
+/// spread over cameras and timesteps, ends of a camera's sequence left where there are others; the
 /// same for the same seed. Share 0: none. Errors: InputError: fewer than two training frames.
 int64_t hold_out_validation(Scene& scene, double share, uint64_t seed);
 
@@ -39,7 +37,7 @@ class Validation {
   void check(const GaussianModel& model, int64_t iteration, double seconds);
   /// PSNR on the validation frames, dB. Errors: std::logic_error where there are none.
   double psnr(const GaussianModel& model) const;
-  /// From now on models have the size that is asked for: only these are shipped.
+  /// From now on models have the requested size: only these are shipped.
   void restart() {
     record_.restart();
     best_.reset();

@@ -1,5 +1,4 @@
-// What: slice, select, save, for every time; then the manifest.
-// Not: the slice (slicer.h) or the file of a frame (splat_file.h).
+// Slices of a model at every timestep, each saved as a static file, and the manifest.
 #include "static3d/formats/frame_sequence.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-// What: a model as a numbered sequence of static files with a manifest, for players of frames.
-// Not: one file that holds time (recon4d/model/model_file.h), and no format of a frame
-// (splat_file.h). Source: failure modes E3, E4, E7.
+// A model as a numbered sequence of static files with a manifest, for players of frames. Source:
+// failure modes E3, E4, E7.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -37,7 +36,7 @@ using SequenceProgress = std::function<void(int64_t, int64_t)>;
 /// "frame_0000" and the extension of the format: four digits, more where `count` frames need them.
 std::string sequence_file_name(int64_t i, int64_t count, const SplatFormat& format);
 
-/// What the manifest says beyond the frames.
+/// Data of the manifest beyond the frames.
 struct SequenceHints {
   std::vector<PlayerCamera> cameras;  // in the model's world
 };

@@ -1,5 +1,6 @@
-// What: accessors over one buffer, column after column.
-// Not: anything of a scene but its one node.
+// The glTF 2.0 binary file with KHR_gaussian_splatting: one primitive of points in floats, with
+// accessors over one buffer, in a left-up-front world. Source: formats 1.7 (Khronos, ratified),
+// written from its layout.
 #include "static3d/formats/splat_formats.h"
 
 #include <fmt/format.h>
@@ -54,7 +55,7 @@ class GlbColumns {
     end();
   }
 
-  /// glTF wants the bounds of positions.
+  /// glTF requires the bounds of positions.
   void bound_positions() {
     json low = json::array(), high = json::array();
     for (int k = 0; k < 3; ++k) {

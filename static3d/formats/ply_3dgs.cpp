@@ -1,5 +1,5 @@
-// What: other people's columns ↔ Gaussians.
-// Not: the columns of ours (recon4d/model/splat_columns.h).
+// The standard 3DGS .ply for static sets: its columns to Gaussians and back. Source: [3DGS]
+// reference code's layout; formats: normals zero, f_rest channel-major.
 #include "static3d/formats/splat_formats.h"
 
 #include <fmt/format.h>

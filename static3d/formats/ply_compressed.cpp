@@ -1,5 +1,6 @@
-// What: bit fields → stored parameters of a static set.
-// Not: the PLY itself (ingest/files/ply.h).
+// The compressed .ply of SuperSplat and PlayCanvas: chunks of 256 splats with ranges, 16 packed
+// bytes for each splat, and optional 8-bit SH. Source: formats 1.2 (the PlayCanvas engine's, MIT),
+// written from its layout.
 #include "static3d/formats/splat_formats.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: which reader, which writer, and what holds for all of them.
-// Not: a layout.
+// The table of formats, the detection of a file's format, and the checks that all formats share.
 #include "static3d/formats/splat_file.h"
 
 #include <fmt/format.h>

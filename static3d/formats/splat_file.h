@@ -1,6 +1,5 @@
-// What: the static formats of other programs behind one door: read by what a file is, written by
-//       name.
-// Not: time (frame_sequence.h), and no layout (the format's own file).
+// Files of static Gaussians in the formats of other programs: reading by content, writing by the
+// name of a format.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -21,7 +20,7 @@ struct SplatFile {
 struct SplatFormat {
   const char* name;       // of --format
   const char* extension;  // ".ply"
-  const char* doc;        // one line: what is lost, who reads it
+  const char* doc;        // one line: what is lost, which programs read it
   /// Of sound Gaussians with unit quaternions. Errors: InputError: what the format cannot hold.
   void (*save)(const std::filesystem::path&, const GaussianSet&, int sh_degree);
   bool is_read = true;  // by load_splat_file
@@ -32,7 +31,7 @@ const SplatFormat& splat_format(const std::string& name);
 /// .spz of version 3 (that of splat_formats) or 4. Errors: InputError: another version.
 SplatFormat spz_format(int version);
 
-/// Whether load_splat_file knows what a file with that name and these first bytes is.
+/// Whether load_splat_file reads a file with that name and these first bytes.
 bool is_splat_file(const std::filesystem::path& path, std::string_view head);
 /// 3DGS .ply, compressed .ply, .spz of versions 2 to 4, .splat. Only sound Gaussians, unit
 /// quaternions. Errors: InputError naming the file, what is wrong and the remedy.

@@ -1,6 +1,5 @@
-// What: the standard 3DGS .ply that every viewer opens, in and out, for Dim 3 sets.
-// Not: time: a dynamic model is sliced first (lift.h); what all formats share (splat_file.h).
-// Source: [3DGS] reference code's layout; formats: normals zero, f_rest channel-major.
+// Readers and writers of the single formats of splat_file.h. The .cpp file of each format has its
+// layout and source.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -30,7 +29,7 @@ void save_compressed_splat(const std::filesystem::path& path, const GaussianSet&
 
 /// Errors: InputError: empty, or a length that is no multiple of 32.
 SplatFile load_splat_rows(const std::filesystem::path& path);
-/// Largest times most opaque first, as old viewers want it. Spherical harmonics are left out.
+/// Largest times most opaque first, as old viewers expect it. Spherical harmonics are left out.
 void save_splat_rows(const std::filesystem::path& path, const GaussianSet& set);
 
 /// Whether a file that starts so is one.

@@ -1,5 +1,6 @@
-// What: f32 mean, f32 linear scale, u8 colour and opacity, u8 quaternion w,x,y,z.
-// Not: what is sound (splat_file.cpp).
+// The .splat format: rows of 32 bytes without a header (f32 mean, f32 linear scale, u8 colour and
+// opacity, u8 quaternion w,x,y,z) and colours without direction. Source: formats 1.3
+// (antimatter15/splat, MIT), written from its layout.
 #include "static3d/formats/splat_formats.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
-// What: one texel row of sixteen 32-bit words a Gaussian; what stays is what lives very long.
-// Not: cubic motion and turning, which the format has and a model of Gaussians in space-time has
-// not.
+// The texel rows of .splatv, sixteen 32-bit words for each Gaussian; a static Gaussian gets a very
+// long temporal extent. The format also has cubic motion and rotation, which the Gaussians of
+// Tessera do not need.
 #include "static3d/formats/splatv.h"
 
 #include <fmt/format.h>
@@ -32,7 +32,7 @@ constexpr float kMostHalf = 65504, kLeastHalf = 6.1e-5f;
 
 using Words = std::array<uint32_t, 16>;  // 4 texels of RGBA32UI
 
-/// What a row says, before rounding.
+/// The values of a row before rounding.
 struct SplatvRow {
   Vec3<float> mean{};  // at `centre`, world units
   Vec4<float> rotation{};

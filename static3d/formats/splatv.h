@@ -1,7 +1,6 @@
-// What: .splatv of splaTV and gsplat.js: a whole model in one file, played in continuous time.
-// Not: a frame (splat_file.h), and nothing is read back: the format rounds and drops the spherical
-//      harmonics, recon4d/model/model_file.h keeps them.
-// Source: formats 2 (antimatter15/splaTV, MIT), written from its layout.
+// The .splatv format of splaTV and gsplat.js: a whole model in one file, played in continuous time.
+// It is written only, because it rounds values and drops the spherical harmonics. Source: formats 2
+// (antimatter15/splaTV, MIT), written from its layout.
 #pragma once
 #include <filesystem>
 #include <vector>
@@ -23,8 +22,8 @@ PlayerCamera splatv_camera(const GaussianModel& model);
 
 /// Means to floats, everything else to half floats or bytes; colours seen along no direction (SH of
 /// degree 0), those that follow time as they are at present where a Gaussian is brightest.
-/// Players drop a Gaussian where its falloff in time is below 0.02, we below 0.05. `cameras`: at
-/// least one; players start at the first. Errors: InputError: more Gaussians than a texture of
+/// Players drop a Gaussian where its falloff in time is below 0.02, Tessera below 0.05. `cameras`:
+/// at least one; players start at the first. Errors: InputError: more Gaussians than a texture of
 /// players holds.
 SplatvReport save_splatv(const std::filesystem::path& path, const GaussianModel& model,
                          const std::vector<PlayerCamera>& cameras);

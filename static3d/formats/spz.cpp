@@ -1,5 +1,7 @@
-// What: columns of bytes ↔ stored parameters.
-// Not: compression itself (ingest/files/gzip.h, zstd).
+// The .spz format of Niantic: quantised columns in one gzip stream (versions 2 and 3) or in one
+// zstd stream each (version 4), in a right-up-back world. Version 1, whose positions are half
+// floats, is not read, and extensions are skipped. Source: formats 1.5 (nianticlabs/spz, MIT),
+// written from its layout.
 #include "static3d/formats/splat_formats.h"
 
 #include <fmt/format.h>

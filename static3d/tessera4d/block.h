@@ -1,5 +1,4 @@
-// What: Gaussians ↔ one block: sorted, rounded, as streams.
-// Not: containers (tessera4d.h) and not which Gaussians share a block (segments.h).
+// Gaussians as one block of a Tessera 4D file, sorted, rounded and stored as streams, and back.
 // Source: docs/reference/tessera4d.md, sections 4 and 5.
 #pragma once
 #include <filesystem>

@@ -1,5 +1,4 @@
-// What: streams → Gaussians, each looked at before it is believed.
-// Not: the way there (block_write.cpp), rounding itself (stream.h).
+// Decoding of the streams of a block to Gaussians; every value is checked before it is used.
 #include <fmt/format.h>
 
 #include <algorithm>

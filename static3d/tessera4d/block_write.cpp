@@ -1,5 +1,4 @@
-// What: the order of the Gaussians, the step of each stream, the columns.
-// Not: the way back (block_read.cpp), rounding itself (stream.h).
+// Encoding of a block: the order of the Gaussians, the step of each stream, and its columns.
 #include "static3d/tessera4d/block.h"
 
 #include <algorithm>
@@ -97,7 +96,7 @@ class Encoder {
     return out;
   }
   void add(StreamWords stream) { streams_.push_back(std::move(stream)); }
-  /// Compression is where the time goes: all streams at once.
+  /// Compression takes most of the time, so all streams are compressed at once.
   void pack() {
     std::vector<std::string> packed(streams_.size());
     parallel_for(int64_t(streams_.size()), 1, [&](int64_t i, int64_t) {
@@ -132,7 +131,7 @@ class Encoder {
   }
 
   /// Each stream is rounded with those before it as a reader has them: positions are where the
-  /// rounded anchors want them, velocities as exact as their reach asks for.
+  /// rounded anchors need them, velocities as exact as their reach requires.
   void add_moving() {
     std::vector<double> lengths;
     const std::vector<float> log_length = column(kLogScaleTime, 0, 1);

@@ -1,5 +1,4 @@
-// What: keys and values, each checked before it is believed.
-// Not: whether blocks hold what they promise (block_read.cpp).
+// Keys and values of the manifest; every value is checked before it is used.
 #include "static3d/tessera4d/manifest.h"
 
 #include <fmt/format.h>

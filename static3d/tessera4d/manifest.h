@@ -1,6 +1,5 @@
-// What: what the manifest of a Tessera 4D file says, as data; from JSON and to it.
-// Not: the bytes of streams (stream.h) or how time is cut (segments.h).
-// Source: docs/reference/tessera4d.md, section 3.
+// The manifest of a Tessera 4D file as data, with its conversion from JSON and to JSON. Source:
+// docs/reference/tessera4d.md, section 3.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -20,10 +19,10 @@ namespace tessera {
 
 inline constexpr std::string_view kTessera4dMagic = "TES4";  // of a single file
 inline constexpr const char* kTessera4dFormat = "tessera-4d";
-/// Of files without motion nodes, and of those with them; readers know both.
+/// Of files without motion nodes, and of those with them; readers support both.
 inline constexpr uint32_t kTessera4dVersion = 1, kTessera4dNodesVersion = 2;
 
-/// Errors: InputError naming `path`: a version that readers do not know.
+/// Errors: InputError naming `path`: a version that readers do not support.
 void check_tessera4d_version(const std::filesystem::path& path, uint64_t version);
 
 enum class StreamType { kU8, kU16, kU24, kU32, kF32 };
@@ -79,7 +78,8 @@ struct Tessera4dManifest {
   uint32_t version() const { return canonical() > 0 ? kTessera4dNodesVersion : kTessera4dVersion; }
 };
 
-/// `rules`: a model of no Gaussians that says how they are drawn, their SH degree and their clock.
+/// `rules`: a model of no Gaussians that states how they are drawn, their SH degree and their
+/// clock.
 nlohmann::json to_json(const Tessera4dManifest& manifest, const GaussianModel& rules);
 /// The way back, into `rules` too. Errors: InputError naming `path`, what is wrong and the remedy:
 /// no JSON, another format, a newer version, numbers that cannot be.

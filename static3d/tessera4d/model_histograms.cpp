@@ -1,5 +1,4 @@
-// What: one pass over each set.
-// Not: bytes.
+// The histograms of a model, from one pass over each set.
 #include "static3d/tessera4d/model_histograms.h"
 
 #include <algorithm>

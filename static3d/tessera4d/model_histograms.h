@@ -1,5 +1,5 @@
-// What: how many Gaussians of a model need which SH degree, and how long the dynamic ones live.
-// Not: bytes (size_breakdown.h) or percentiles (recon4d/model/model_info.h).
+// Histograms of a model: the number of Gaussians that need each SH degree, and the temporal extents
+// of the dynamic ones.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Weights of bindings, the steps of control points, and both back.
+// Encoding and decoding of the weights of bindings and of the steps between control points.
 #include "static3d/tessera4d/node_streams.h"
 
 #include <fmt/format.h>

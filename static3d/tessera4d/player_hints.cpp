@@ -1,5 +1,4 @@
-// What: the words of the manifests.
-// Not: reading them (tessera4d/manifest.cpp).
+// The keys and values of the hints in manifests.
 #include "static3d/tessera4d/player_hints.h"
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,6 @@
-// What: what a player needs besides Gaussians: the rig's cameras, which way is up, how splats are
-//       drawn. The same words in every manifest.
-// Not: a manifest (tessera4d/manifest.h, frame_sequence.h).
-// Source: docs/reference/tessera4d.md, section 3.
+// Data that a player needs besides Gaussians: the cameras of the rig, the upward direction, and the
+// drawing rules of splats. All manifests hold them under the same keys. Source:
+// docs/reference/tessera4d.md, section 3.
 #pragma once
 #include <array>
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,4 @@
-// What: files → blocks → one model.
-// Not: how a block is decoded (block.h).
+// Reads the files and blocks of a Tessera 4D file into one model.
 #include <fmt/format.h>
 
 #include <fstream>

@@ -1,5 +1,4 @@
-// What: intervals and the pyramid.
-// Not: files.
+// The interval in which a Gaussian is drawn, and the segments of each level.
 #include "static3d/tessera4d/segments.h"
 
 #include <algorithm>

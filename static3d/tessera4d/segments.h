@@ -1,5 +1,4 @@
-// What: when a moving Gaussian is drawn, and in which segment of which level it is stored.
-// Not: its numbers (block.h).
+// The time in which a moving Gaussian is drawn, and the level and segment in which it is stored.
 // Source: docs/reference/tessera4d.md, sections 1 and 5.
 #pragma once
 #include <compare>

@@ -1,5 +1,4 @@
-// What: the table of components; sums over groups and over streams.
-// Not: any file.
+// The table of components, and sums over groups and over streams.
 #include "static3d/tessera4d/size_breakdown.h"
 
 #include <algorithm>

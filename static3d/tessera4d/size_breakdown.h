@@ -1,5 +1,5 @@
-// Where the bytes of a model are, by component, static and dynamic Gaussians apart: in memory, and
-// in the Tessera 4D file as which it is shipped, with the size of that file.
+// The bytes of a model by component, of static and dynamic Gaussians apart, in memory and in its
+// Tessera 4D file, with the size of that file.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -31,7 +31,7 @@ struct ComponentBytes {
 
 struct SizeBreakdown {
   ComponentBytes fixed, moving;
-  int64_t environment = 0;  // in memory: the map of light at infinity; files do not hold it
+  int64_t environment = 0;  // in memory: the environment map; files do not hold it
   int64_t container = 0;    // of a file: manifest and header
 
   /// All bytes.
@@ -55,7 +55,7 @@ struct ShippedSize {
 
 /// Of the single file that export would write with these options, encoded in memory; what the
 /// format leaves out (never drawn, not finite) costs nothing. The defaults are those of `tessera
-/// export`, but for the rig's cameras and its frame rate, which only the caller knows: about 200
+/// export`, but for the rig's cameras and its frame rate, which only the caller has: about 200
 /// bytes a camera. Cost: three seconds of one core for 100,000 Gaussians. Errors: as
 /// encode_tessera4d.
 ShippedSize shipped_size(const GaussianModel& model, const Tessera4dOptions& options = {});

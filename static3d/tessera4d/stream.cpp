@@ -1,5 +1,4 @@
-// What: rounding, zigzag differences, planes.
-// Not: gzip (ingest/files/gzip.h).
+// Rounding of numbers, zigzag differences and byte planes.
 #include "static3d/tessera4d/stream.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-// What: a stream of a block: numbers ↔ words ↔ byte planes ↔ gzip.
-// Not: which streams a block has (block.h).
-// Source: docs/reference/tessera4d.md, section 4.
+// A stream of a block: numbers to words, byte planes and gzip, and back; and the streams that hold
+// the SH degrees. Source: docs/reference/tessera4d.md, section 4.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,7 +1,5 @@
-// What: the Tessera 4D file: a model in continuous time, cut into pieces that a player fetches as
-//       it needs them; out and in.
-// Not: training's own file, which keeps pairs, environments and levels of time
-// (recon4d/model/model_file.h). Source: docs/reference/tessera4d.md.
+// Writer and reader of the Tessera 4D file: a model in continuous time, divided into segments that
+// a player fetches as it needs them. Source: docs/reference/tessera4d.md.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,5 +1,5 @@
-// What: a model → Gaussians by when they are drawn → blocks → files.
-// Not: how a block is filled (block.h).
+// Writes a model as a Tessera 4D file: Gaussians are grouped by the time in which they are drawn,
+// and the groups become blocks in files.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: one-sided Jacobi rotations of four columns; quaternions by the largest component.
-// Not: any file or model.
+// One-sided Jacobi rotations of four columns, and quaternions by the largest component.
 #include "static3d/transform/four_rotation.h"
 
 #include <cmath>

@@ -1,7 +1,7 @@
-// What: the axes of a 4D Gaussian from any four vectors that span it, or under a scale of space
-//       alone, and the two quaternions of a rotation of space-time.
-// Not: on the path of training; conversions need it once per Gaussian, in double.
-// Source: [GolubVanLoan] one-sided Jacobi (section 8.6.3): small axes keep their relative accuracy.
+// The axes of a 4D Gaussian from any four vectors that span it or after a scale of space alone, and
+// the two quaternions of a rotation of space-time. Conversions need them once for each Gaussian, in
+// double. Source: [GolubVanLoan] one-sided Jacobi (section 8.6.3): small axes keep their relative
+// accuracy.
 #pragma once
 #include "kernels/math/rotation4.h"
 

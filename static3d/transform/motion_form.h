@@ -1,5 +1,4 @@
-// What: the two forms of dynamic Gaussians into each other: both describe the same family.
-// Not: which form a training uses (TrainOptions::motion).
+// Conversion between the two forms of dynamic Gaussians, which describe the same family.
 #pragma once
 #include "recon4d/model/gaussian_set.h"
 

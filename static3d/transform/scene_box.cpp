@@ -1,5 +1,4 @@
-// What: medians per axis.
-// Not: exact to the middle of two for even counts; the upper one serves.
+// Medians of the means per axis, and a stable sort by Morton codes.
 #include "static3d/transform/scene_box.h"
 
 #include <algorithm>

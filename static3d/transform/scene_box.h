@@ -1,6 +1,6 @@
-// What: where a scene is, by medians, so that a few stray Gaussians do not move it.
-// Not: the bounds of all means (model_info.h).
-// Source: failure mode E3.
+// The box of a scene from the medians of its means, so that a few outliers do not move it, and the
+// order of Gaussians along a Morton curve, in which files of splats compress well. Source: failure
+// mode E3.
 #pragma once
 #include <cstdint>
 #include <vector>

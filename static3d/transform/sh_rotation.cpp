@@ -1,5 +1,5 @@
-// What: the matrices of the bands by quadrature, and their product with coefficients.
-// Not: the basis (kernels/math/spherical_harmonics.h), whose signs this follows by itself.
+// The matrices of the SH bands by quadrature, and their product with coefficients. The signs follow
+// from the basis in kernels/math/spherical_harmonics.h.
 #include "static3d/transform/sh_rotation.h"
 
 #include <cmath>

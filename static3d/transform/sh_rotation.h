@@ -1,7 +1,6 @@
-// What: spherical harmonics of degree 3 turned with the world, exactly.
-// Not: an approximation by sampling: the quadrature is exact for products of degree 6.
-// Source: the bands are invariant under rotation; their matrices are the inner products
-//         ∫ Y_j(Rᵀd) Y_k(d) dd by Gauss-Legendre nodes in z and equal steps of azimuth.
+// Exact rotation of spherical harmonics to degree 3. Source: the bands are invariant under
+// rotation; their matrices are the inner products ∫ Y_j(Rᵀd) Y_k(d) dd by Gauss-Legendre nodes in z
+// and equal steps of azimuth, which is exact for products of degree 6.
 #pragma once
 #include <array>
 

@@ -1,6 +1,6 @@
-// What: shapes by eigen-decomposition, and the copy of what is drawn at a timestep; colours that
-// follow time become those of the timestep, exactly.
-// Not: other cut-offs than the renderer's: both call load_gaussian and slice_at.
+// Shapes of dynamic Gaussians by eigen-decomposition, and the copy of those that are drawn at a
+// timestep, with the colours of that timestep. The cut-offs are those of the renderer: both call
+// load_gaussian and slice_at.
 #include "static3d/transform/slicer.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// What: what the dynamic Gaussians of a model are at every timestep: one shape each, found once.
-// Not: rendering; a slice is an ordinary static set.
-// Source: kernels/math/spacetime.h; [Yang24] Eqs. 8–10: Σ_c and the velocity do not depend on t.
+// The dynamic Gaussians of a model at a timestep as static ones; the shape of each is computed
+// once. Source: kernels/math/spacetime.h; [Yang24] Eqs. 8–10: Σ_c and the velocity do not depend on
+// t.
 #pragma once
 #include <vector>
 

@@ -1,5 +1,5 @@
-// What: the bytes that splat formats share: opacities, quaternions by their three smallest parts.
-// Not: one format's own scales and orders.
+// Quantised values that splat formats share: opacities, and quaternions by their three smallest
+// components.
 #pragma once
 #include <algorithm>
 #include <array>

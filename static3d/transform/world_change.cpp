@@ -1,5 +1,5 @@
-// What: each parameter group of a set under a similarity, Gaussian by Gaussian, in double.
-// Not: spherical harmonics (sh_rotation.h).
+// The parameter groups of a set under a similarity, Gaussian by Gaussian in double, and exact flips
+// of the signs of axes.
 #include "static3d/transform/world_change.h"
 
 #include <array>

@@ -1,11 +1,10 @@
-// What: a model moved to another world by a similarity: the renderer sees no difference from moved
-//       cameras. Exports use it to give the source's world back.
-// Not: the choice of the similarity (ingest/poses/world_normalisation.h).
-// Source: μ' = s·R·μ + t. A rotation q of space turns x ↦ l·x·r into (q·l)·x·(r·q̄), time being the
-//         real axis. A scale of space alone is no scale of a moving Gaussian's axes, which mix
-//         space and time: Σ₄' = D Σ₄ D, D = diag(1, s, s, s), is taken apart anew, by one-sided
-//         Jacobi rotations of D·R₄·diag(σ) [GolubVanLoan]; where the axes do not mix, ln s is
-//         added.
+// A model moved to another world by a similarity; its images equal those of cameras that are moved
+// in its place. Exports use it to return to the world of the source, and formats flip the signs of
+// axes. Source: μ' = s·R·μ + t. A rotation q of space turns x ↦ l·x·r into (q·l)·x·(r·q̄), time
+// being the real axis. A scale of space alone is no scale of a moving Gaussian's axes, which mix
+// space and time: Σ₄' = D Σ₄ D, D = diag(1, s, s, s), is decomposed by one-sided Jacobi rotations
+// of D·R₄·diag(σ) [GolubVanLoan]; where the axes do not mix, ln s is added. Signs of axes: formats
+// 1.10.
 #pragma once
 #include "kernels/base/similarity.h"
 #include "recon4d/model/gaussian_set.h"
