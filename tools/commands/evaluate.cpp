@@ -29,7 +29,6 @@
 #include "tools/session/held_out_scores.h"
 #include "tools/session/output_place.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/run_statistics.h"
 #include "tools/session/scene_lock.h"
 
 namespace tessera {

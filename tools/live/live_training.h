@@ -9,7 +9,6 @@
 #include "tools/live/live_folder.h"
 #include "tools/live/snapshot_writer.h"
 #include "tools/session/session_observer.h"
-#include "tools/session/snapshot_sink.h"
 
 namespace tessera {
 

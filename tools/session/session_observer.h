@@ -1,6 +1,5 @@
-// What: what a training session reports while it runs, and the question whether it is to stop.
-// Not: how that is shown (tools/cli/training_terminal.h), nor the log in the run folder, which the
-//      session writes itself.
+// What a training session reports while it runs, and who may stop it or take copies of its model.
+// The session writes the log of the run folder itself.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -26,6 +25,18 @@ class SessionObserver {
   virtual void on_step(const SessionStep&) {}
   /// Asked before each step and between stages. After true the session saves and returns.
   virtual bool must_stop() { return false; }
+};
+
+/// Receives the model between two steps, while it trains.
+class SnapshotSink {
+ public:
+  virtual ~SnapshotSink() = default;
+  /// Once, before the first step. Images of `scene` are in memory; nothing of it is kept.
+  virtual void begin(const Scene& scene, const TrainOptions& options) = 0;
+  /// Asked before each step: whether the training is to stop for take().
+  virtual bool due() = 0;
+  /// `state` is in the backend's memory, and changes after the call.
+  virtual void take(const TrainState& state) = 0;
 };
 
 }  // namespace tessera

@@ -1,12 +1,9 @@
-// What: load the scene, start or resume, train in stretches between checkpoints and evaluations,
-//       write the run folder.
-// Not: a step (recon4d/training/trainer.cpp).
+// One training in its run folder: an event after the other, as session_events.h orders them.
 #include "tools/session/train_session.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -15,31 +12,21 @@
 #include "ingest/test_views.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
-#include "recon4d/model/model_file.h"
-#include "recon4d/options/train_options_json.h"
 #include "recon4d/reduction/model_reduction.h"
 #include "recon4d/training/trainer.h"
-#include "recon4d/training/validation.h"
-#include "tools/session/backend_choice.h"
-#include "tools/session/checkpoint_plan.h"
-#include "tools/session/held_out_scores.h"
 #include "tools/session/machine.h"
-#include "tools/session/run_folder.h"
 #include "tools/session/run_lock.h"
+#include "tools/session/run_writer.h"
 #include "tools/session/scene_lock.h"
-#include "tools/session/session_times.h"
-#include "tools/session/train_start.h"
-#include "tools/session/training_log.h"
+#include "tools/session/session_events.h"
+#include "tools/session/session_results.h"
+#include "tools/session/training_setup.h"
 
 namespace tessera {
 namespace {
 
 using nlohmann::json;
 
-/// Leaves a scoring pass.
-struct Stopped {};
-
-/// One training in its run folder, from the first look at the folder to the result.
 class Session {
  public:
   Session(const TrainRequest& request, SessionObserver& observer)
@@ -47,200 +34,138 @@ class Session {
         observer_(observer),
         limit_(request.time_limit, request.stopwatch),
         checkpoints_(request.checkpoint_every, request.stopwatch),
-        run_{request.run},
+        evaluations_(request.evaluate_every, request.evaluate_at),
         lock_(request.run, observer),
         scene_lock_(request.scene, SceneLock::Use::kRead),
-        previous_(wall_.time(WallSplit::kLoad, [&] { return previous_state(request, run_); })) {
-    run_.remove_leftovers();
-    options_ = previous_ ? previous_->options : request.options;
-    with_nodes_ = previous_ ? stored_with_nodes() : request.with_nodes;
-    complete_size_limit();
-    validate(options_);
-  }
+        writer_(request.run, observer) {}
 
   json run() {
-    prepare();
+    set_up();
     train();
     return result();
   }
 
  private:
-  /// A model within so many dB of the best needs frames by which that is told.
-  void complete_size_limit() {
-    constexpr double kShare = 0.1;
-    if (options_.within_db == 0 || options_.validation_share > 0) return;
-    options_.validation_share = kShare;
-    observer_.on_message(fmt::format(
-        "--within-db: a share of {} of the training frames become validation views", kShare));
-  }
-
-  void prepare() {
-    wall_.time(WallSplit::kLoad, [&] {
-      scene_ = load_training_scene(request_.scene, options_);
-      for (const std::string& warning : training_warnings(scene_, options_)) warn(warning);
-    });
-    // before anything looks at the training split
-    const int64_t aside =
-        hold_out_validation(scene_, options_.validation_share, uint64_t(options_.seed));
-    wall_.time(WallSplit::kInit, [&] {
-      ChosenBackend chosen = choose_backend(request_.backend);
-      backend_ = std::move(chosen.backend);
-      choice_ = std::move(chosen.choice);
-      if (choice_.leaves_cuda_unused()) observer_.on_cuda_unused(choice_.reason);
-      if (!previous_ || options_.motion == Motion::kAuto) complete_scene();
-      config_ = make_config(request_, {options_, with_nodes_}, scene_, backend_->name());
-      // before the images decided on any
-      config_["asked_options"] =
-          previous_ ? provenance().value("asked_options", json()) : to_json(request_.options);
-      if (previous_) check_frames();
-      if (previous_ && previous_->options.motion == Motion::kAuto) previous_.reset();
-      make_folder(run_.root);
-      start();
-    });
-    if (aside > 0)
-      observer_.on_message(fmt::format(
-          "{} training frames are validation views, by which the model is chosen", aside));
-    observer_.on_message(test_views_of(scene_).text());
-  }
-
-  /// What follows from the images alone.
-  void complete_scene() {
-    if (const auto found = complete_cloud(scene_, options_)) observer_.on_message(*found);
-    for (const std::string& found : resolve_by_cloud(scene_, options_)) observer_.on_message(found);
-    // refuses what cannot be learned before motion is tried
-    exposure_rows(scene_, scene_.split_indices(Split::kTrain), options_);
-    complete_motion();
-  }
-
-  /// Its trial takes a quarter of a time limit at most. Where the observer stops it, motion stays
-  /// `auto`, the training takes no step, and a resumed one tries again.
-  void complete_motion() {
-    constexpr double kShare = 0.25;
-    const double begin = request_.stopwatch(), last = begin + kShare * limit_.seconds();
-    const auto say = [&](const std::string& line) { observer_.on_message(line); };
-    const auto stop = [&] {
-      left_ = left_ || observer_.must_stop();
-      return left_ || request_.stopwatch() > last;
-    };
-    const bool known = resolve_motion(*backend_, scene_, with_nodes_, options_, stop, say);
-    choice_seconds_ = request_.stopwatch() - begin;
-    if (known || left_) return;
-    options_.motion = Motion::kPair;
-    say("motion: dynamic Gaussians, as --time-limit leaves too little time to try nodes; "
-        "--motion nodes does otherwise");
-  }
-
-  /// Of a checkpoint whose training was stopped before it knew its motion.
-  std::optional<TrainOptions> stored_with_nodes() const {
-    const json stored = provenance();
-    if (!stored.contains("with_nodes")) return std::nullopt;
-    return train_options_from_json(stored["with_nodes"]);
-  }
-
-  /// config.json of the training that is resumed.
-  json provenance() const { return json::parse(previous_->provenance); }
-
-  void check_frames() const {
-    if (provenance().value("scene_fingerprint", "") !=
-        config_["scene_fingerprint"].get<std::string>())
-      throw CheckpointRefused(
-          fmt::format("{}: was trained on other frames than {} holds; resume with the "
-                      "scene it was started on",
-                      run_.checkpoint().string(), request_.scene.string()));
+  void set_up() {
+    const RunFolder& run = writer_.folder();
+    setup_ = wall_.time(WallSplit::kLoad, [&] { return previous_setup(request_, run, observer_); });
+    run.remove_leftovers();
+    complete_setup(setup_, request_, run, limit_.seconds(), wall_, observer_,
+                   [&](const std::string& warning) { writer_.warn(warning); });
+    left_ = setup_.stopped;
+    wall_.time(WallSplit::kInit, [&] { start(); });
+    if (setup_.validation_views > 0)
+      observer_.on_message(
+          fmt::format("{} training frames are validation views, by which the model is chosen",
+                      setup_.validation_views));
+    observer_.on_message(test_views_of(setup_.scene).text());
   }
 
   void start() {
-    validation_.emplace(*backend_, scene_, options_,
-                        previous_ ? previous_->validation : ValidationRecord{});
-    kept_best_ = validation_->record().best_iteration;
-    if (kept_best_ > 0) restore_best(run_.best(kept_best_));
+    Backend& backend = *setup_.backend;
+    std::optional<Checkpoint>& previous = setup_.previous;
+    make_folder(writer_.folder().root);
+    validation_.emplace(backend, setup_.scene, options(),
+                        previous ? previous->validation : ValidationRecord{});
+    if (const int64_t best = validation_->record().best_iteration; best > 0)
+      validation_->restore_best(writer_.read_best(best));
     std::string source = "checkpoint";
     TrainState state =
-        previous_ ? std::move(previous_->state) : initial_state(scene_, options_, source);
-    if (!previous_) {
-      state.seconds = choice_seconds_;  // training that the model needs
-      replace_previous_run();
+        previous ? std::move(previous->state) : initial_state(setup_.scene, options(), source);
+    if (!previous) {
+      state.seconds = setup_.motion_seconds;  // training that the model needs
+      writer_.replace_previous_run(setup_.config);
     }
-    log_.emplace(run_.log(), options_.iterations, state.iteration, observer_);
-    log_start(state.iteration, source);
-    const std::string why = choice_.cuda ? "" : fmt::format(" ({})", choice_.reason);
+    // who continues a training may do so on another machine
+    TrainingLog& log = writer_.begin_log(options().iterations, state.iteration,
+                                         {{"iteration", state.iteration},
+                                          {"initialisation", source},
+                                          {"command", command_line()},
+                                          {"time", utc_time()},
+                                          {"host", host_name()},
+                                          {"cpu", cpu_name()},
+                                          {"device", backend.name()}});
+    const std::string why = setup_.choice.cuda ? "" : fmt::format(" ({})", setup_.choice.reason);
     observer_.on_message(fmt::format("{} training frames, initialised from {}, on {}{}",
-                                     config_["train_frames"].dump(), source, backend_->name(),
+                                     setup_.config["train_frames"].dump(), source, backend.name(),
                                      why));
-    end_ = request_.stop_after
-               ? std::min(options_.iterations, state.iteration + *request_.stop_after)
-               : options_.iterations;
-    trainer_.emplace(*backend_, scene_, options_, std::move(state), *log_);
-    reduction_.emplace(*backend_, options_, request_.shipped_bytes);
-    stages_.emplace(*backend_);
-    if (request_.snapshots != nullptr) request_.snapshots->begin(scene_, options_);
-  }
-
-  /// Who continues a training may do so on another machine: each start is recorded.
-  void log_start(int64_t iteration, const std::string& source) {
-    log_->event("start", {{"iteration", iteration},
-                          {"initialisation", source},
-                          {"command", command_line()},
-                          {"time", utc_time()},
-                          {"host", host_name()},
-                          {"cpu", cpu_name()},
-                          {"device", backend_->name()}});
-    for (const std::string& warning : early_warnings_) log_->event("warning", {{"text", warning}});
-    early_warnings_.clear();
-  }
-
-  /// To the observer and into the log, which begins after the first warnings.
-  void warn(const std::string& warning) {
-    observer_.on_warning(warning);
-    if (log_)
-      log_->event("warning", {{"text", warning}});
-    else
-      early_warnings_.push_back(warning);
-  }
-
-  /// A run that was here goes when there is something to put in its place, not before: a scene that
-  /// cannot be read or a full disk costs nothing. config.json comes last, so that a checkpoint
-  /// beside it is one of its training.
-  void replace_previous_run() {
-    AtomicFile config(run_.config());
-    config.write(config_.dump(2));
-    config.sync();
-    run_.remove_files();
-    config.commit();
-  }
-
-  void restore_best(const std::filesystem::path& file) {
-    if (!std::filesystem::exists(file))
-      throw CheckpointRefused(
-          fmt::format("{}: is gone, the best model so far of this run; train again with "
-                      "--overwrite",
-                      file.string()));
-    validation_->restore_best(load_model(file));
+    first_ = state_.step = state.iteration;
+    state_.end = request_.stop_after ? std::min(options().iterations, first_ + *request_.stop_after)
+                                     : options().iterations;
+    trainer_.emplace(backend, setup_.scene, options(), std::move(state), log);
+    reduction_.emplace(backend, options(), request_.shipped_bytes);
+    stages_.emplace(backend);
+    if (request_.snapshots != nullptr) request_.snapshots->begin(setup_.scene, options());
   }
 
   void train() {
-    if (limit_.on()) save();  // says how long that takes, and there is something to go on from
-    check_model();            // a run may have been stopped before it could
-    decide();
-    const int64_t first = trainer_->state().iteration;
-    checkpoints_.begin(first);
+    checkpoints_.begin(first_);
+    if (limit_.on()) act(SessionEvent::kSave);  // measures a save, and there is one to resume from
     while (true) {
-      if (!stops()) take_steps();
-      if (!leaves()) check_model();
-      if (!leaves()) decide();
-      const int64_t i = trainer_->state().iteration;
-      const bool done = i >= end_ || stops() || leaves();
-      if (done || checkpoints_.due(i)) save();
-      if (!leaves() && scores_at(i)) score(trainer_->host_model(), i, "evaluation", true);
-      if (done) break;
+      refresh();
+      const SessionEvent event = next_event(state_);
+      if (event == SessionEvent::kEnd) break;
+      act(event);
     }
     if (ended() && validation_->on() && request_.evaluate_end && !leaves())
-      score(model(), validation_->record().best_iteration, "shipped", false);
-    write_model();
-    if (left_ && !observer_.must_stop()) report_limit(first);
+      score(model(), validation_->record().best_iteration, "shipped", true);
+    wall_.time(WallSplit::kSave, [&] { write_results(); });
+    if (left_ && !observer_.must_stop()) report_limit();
   }
 
+  void refresh() {
+    const int64_t step = state_.step = trainer_->state().iteration;
+    state_.leaves = leaves();
+    state_.stops = stops();
+    state_.check_due = validation_->due(step);
+    state_.save_due = checkpoints_.due(step);
+    state_.score_due = (step > first_ && evaluations_.due(step)) ||
+                       (ended() && !validation_->on() && request_.evaluate_end);
+  }
+
+  void act(SessionEvent event) {
+    switch (event) {
+      case SessionEvent::kTrain:
+        take_steps();
+        break;
+      case SessionEvent::kCheck:
+        check_model();
+        break;
+      case SessionEvent::kDecide:
+        decide();
+        break;
+      case SessionEvent::kSave:
+        save();
+        break;
+      case SessionEvent::kScore:
+        score(trainer_->host_model(), state_.step, "evaluation", false);
+        break;
+      case SessionEvent::kEnd:
+        break;
+    }
+    state_.did(event);
+  }
+
+  const TrainOptions& options() const { return setup_.options; }
+  /// Patience has run out with a model of the size that is asked for.
+  bool stops() const {
+    return validation_->stops() && reduction_->schedule().has_pruned(trainer_->state().decided);
+  }
+  bool ended() const { return trainer_->state().finished || stops(); }
+  /// Whether it is time to save and go, by a signal or by the clock; once yes, always yes.
+  bool leaves() {
+    left_ = left_ || observer_.must_stop() || limit_.due(trainer_->state().model.count());
+    return left_;
+  }
   bool snapshot_due() const { return request_.snapshots != nullptr && request_.snapshots->due(); }
+
+  /// Where training pauses next: the end, a checkpoint, an evaluation, a check, a decision.
+  int64_t next_pause() const {
+    const int64_t step = state_.step;
+    return std::min({state_.end, checkpoints_.next_after(step), evaluations_.next_after(step),
+                     reduction_->schedule().next_after(step),
+                     validation_->on() ? validation_->next_after(step) : state_.end});
+  }
 
   void take_steps() {
     limit_.begin_steps();
@@ -255,108 +180,24 @@ class Session {
     });
   }
 
-  /// Whether it is time to save and go, by a signal or by the clock; once yes, always yes.
-  bool leaves() {
-    left_ = left_ || observer_.must_stop() || limit_.due(trainer_->state().model.count());
-    return left_;
-  }
-
-  /// A limit that every call reaches before its first step would be resumed for ever.
-  void report_limit(int64_t first) const {
-    const int64_t i = trainer_->state().iteration;
-    if (i == first && !ended())
-      throw InputError(fmt::format(
-          "--time-limit: {:.0f} s leave room for no step beside loading and saving, which have "
-          "taken {:.1f} s; pass a longer one",
-          limit_.seconds(), request_.stopwatch()));
-    observer_.on_message(fmt::format("time limit: leaves at step {} of {}; --resume goes on", i,
-                                     options_.iterations));
-  }
-
-  void write_model() {
-    if (model().count() == 0)
-      warn(
-          "no Gaussians are left, density control has removed them all: images are the "
-          "background; look at the poses (tessera doctor) and at --init-extent");
-    wall_.time(WallSplit::kSave, [&] { save_model(run_.model(), model()); });
-    if (trainer_->state().exposure.rows() > 0)
-      write_text_file(
-          run_.exposure(),
-          exposure_json(trainer_->exposed(), trainer_->state().exposure, options_).dump(2));
-  }
-
-  /// Where training pauses next: the end, a checkpoint, an evaluation, a check, a stop asked for.
-  int64_t next_pause() const {
-    const int64_t i = trainer_->state().iteration;
-    int64_t next = std::min(end_, checkpoints_.next_after(i));
-    if (request_.evaluate_every > 0)
-      next = std::min(next, (i / request_.evaluate_every + 1) * request_.evaluate_every);
-    for (int64_t step : request_.evaluate_at)
-      if (step > i) next = std::min(next, step);
-    next = std::min(next, reduction_->schedule().next_after(i));
-    return validation_->on() ? std::min(next, validation_->next_after(i)) : next;
-  }
-
-  /// Whether the model is scored on the held-out splits after so many steps.
-  bool scores_at(int64_t i) const {
-    const std::vector<int64_t>& steps = request_.evaluate_at;
-    return (ended() && !validation_->on() && request_.evaluate_end) ||
-           (request_.evaluate_every > 0 && i % request_.evaluate_every == 0) ||
-           std::find(steps.begin(), steps.end(), i) != steps.end();
-  }
-
-  /// Patience has run out with a model of the size that is asked for.
-  bool stops() const {
-    return validation_->stops() && reduction_->schedule().has_pruned(trainer_->state().decided);
-  }
-  bool ended() const { return trainer_->state().finished || stops(); }
-
-  /// What leaves the program: the best model by validation, else the last; in the end of the size
-  /// that was asked for.
-  const GaussianModel& model() {
-    if (shipped_) return *shipped_;
-    const bool fits = prunes_after_growth(options_) && ended() && !left_;
-    if (validation_->best() == nullptr && !fits) return trainer_->host_model();
-    GaussianModel best = validation_->best() != nullptr ? validation_->shipped()
-                                                        : trainer_->host_model().clone_values();
-    if (fits)
-      best = wall_.time(WallSplit::kEvaluate, [&] {
-        return fit_to_limit(size_limit(), *backend_, best, trainer_->sample_frames());
-      });
-    shipped_ = std::move(best);
-    return *shipped_;
-  }
-
-  SizeLimit size_limit() {
-    SizeLimit limit;
-    limit.gaussians = options_.max_gaussians;
-    limit.bytes = options_.max_bytes;
-    limit.shipped_bytes = request_.shipped_bytes;
-    if (options_.within_db > 0)
-      limit.least_psnr = validation_->record().peak_psnr - options_.within_db;
-    limit.psnr = [this](const GaussianModel& m) { return validation_->psnr(m); };
-    return limit;
-  }
-
   void check_model() {
     const TrainState& state = trainer_->state();
-    if (!validation_->due(state.iteration)) return;
     limit_.whole([&] {
       wall_.time(WallSplit::kEvaluate, [&] {
         validation_->check(trainer_->drawn_model(), state.iteration, state.seconds);
       });
     });
     const ValidationRecord& record = validation_->record();
-    log_->event("validation", {{"iteration", state.iteration},
-                               {"seconds", state.seconds},
-                               {"num_gaussians", state.model.count()},
-                               {"psnr", record.last_psnr},
-                               {"best_psnr", record.best_psnr},
-                               {"best_iteration", record.best_iteration},
-                               {"without_gain", record.without_gain}});
+    writer_.log().event("validation", {{"iteration", state.iteration},
+                                       {"seconds", state.seconds},
+                                       {"num_gaussians", state.model.count()},
+                                       {"psnr", record.last_psnr},
+                                       {"best_psnr", record.best_psnr},
+                                       {"best_iteration", record.best_iteration},
+                                       {"without_gain", record.without_gain}});
   }
 
-  /// Thins out and moves between the sets where that is due.
+  /// Prunes and moves Gaussians between the sets where that is due.
   void decide() {
     std::optional<ReductionReport> report;
     limit_.whole([&] {
@@ -367,109 +208,76 @@ class Session {
     if (!report) return;
     // models so far were larger than what may be shipped; within_db compares them by size
     if (report->goal > 0 && reduction_->schedule().has_pruned(report->iteration) &&
-        options_.within_db == 0)
+        options().within_db == 0)
       validation_->restart();
-    log_->event("decision", to_json(*report));
+    writer_.log().event("decision", to_json(*report));
   }
 
   void save() {
     checkpoints_.save(trainer_->state().iteration, [&] {
-      limit_.save(trainer_->state().model.count(),
-                  [&] { wall_.time(WallSplit::kSave, [&] { write_checkpoint(); }); });
+      limit_.save(trainer_->state().model.count(), [&] {
+        wall_.time(WallSplit::kSave, [&] {
+          writer_.write_checkpoint(trainer_->host_state(), options(), setup_.config, *validation_);
+        });
+      });
     });
   }
 
-  /// The best model before the checkpoint that names it; older ones after it.
-  void write_checkpoint() {
-    const int64_t best = validation_->record().best_iteration;
-    if (validation_->best() != nullptr && best != kept_best_) {
-      save_model(run_.best(best), *validation_->best());
-      kept_best_ = best;
-    }
-    save_checkpoint(run_.checkpoint(), trainer_->host_state(), options_, config_.dump(),
-                    validation_->record());
-    run_.remove_best_but(best);
+  /// Where it is stopped, the session leaves, and a resumed one scores again.
+  void score(const GaussianModel& model, int64_t step, const std::string& event, bool is_complete) {
+    const ScoredModel scored{model, step, trainer_->state().seconds, event, is_complete};
+    const auto stop = [&] { return observer_.must_stop() || limit_.over(); };
+    wall_.time(WallSplit::kEvaluate, [&] {
+      left_ =
+          !scores_.score(*setup_.backend, setup_.scene, scored, stop, writer_.log(), observer_) ||
+          left_;
+    });
   }
 
-  /// `brief`: PSNR and SSIM alone.
-  void score(const GaussianModel& scored, int64_t iteration, const std::string& event, bool brief) {
-    try {
+  const GaussianModel& model() {
+    if (!shipped_)
       wall_.time(WallSplit::kEvaluate, [&] {
-        scores_ = score_splits(
-            *backend_, scored, scene_, held_out_splits(scene_), std::nullopt,
-            [&](const Frame&, const RenderedImage&, const ViewScore&, int64_t, int64_t) {
-              if (observer_.must_stop() || limit_.over()) throw Stopped();
-            },
-            brief ? brief_scores() : EvaluateOptions{});
+        shipped_ = shipped_model(*trainer_, options(), *validation_, *setup_.backend,
+                                 request_.shipped_bytes, ended() && !left_);
       });
-    } catch (const Stopped&) {  // the checkpoint is written; a resumed run scores again
-      left_ = true;
-      return;
-    }
-    json summary = json::object();
-    if (scores_.contains("splits"))
-      for (const auto& [split, of_split] : scores_["splits"].items())
-        summary[split] = {{"psnr", of_split["psnr"]}, {"ssim", of_split["ssim"]}};
-    for (const auto& [split, of_split] : summary.items())
-      observer_.on_message(fmt::format("step {}: {}: PSNR {} dB, {} Gaussians", iteration,
-                                       views_text(split), number_text(of_split["psnr"], 2),
-                                       scored.count()));
-    log_->event(event, {{"iteration", iteration},
-                        {"seconds", trainer_->state().seconds},
-                        {"num_gaussians", scored.count()},
-                        {"splits", summary}});
+    return shipped_ ? *shipped_ : trainer_->host_model();
   }
 
-  /// Null without validation.
-  json validation_result() const {
-    if (!validation_->on()) return nullptr;
-    json result = to_json(validation_->record());
-    const TrainState& state = trainer_->state();
-    result["frames"] = validation_->frames();
-    result["stop_iteration"] = state.iteration;
-    result["stop_seconds"] = state.seconds;
-    return result;
+  void write_results() {
+    writer_.write_model(model());
+    const ExposureState& exposure = trainer_->state().exposure;
+    if (exposure.rows() > 0)
+      write_text_file(writer_.folder().exposure(),
+                      exposure_json(trainer_->exposed(), exposure, options()).dump(2));
   }
 
-  /// Null without gains.
-  json exposure_result() const {
-    const std::vector<ColourMap<double>> maps = colour_maps_of(trainer_->state().exposure);
-    if (maps.empty()) return nullptr;
-    Vec3<double> least = channel_response(maps.front()), most = least;
-    for (const ColourMap<double>& map : maps) {
-      const Vec3<double> gain = channel_response(map);
-      least = glm::min(least, gain);
-      most = glm::max(most, gain);
-    }
-    return {{"by", name_of(options_.exposure)},
-            {"count", maps.size()},
-            {"smallest", {least[0], least[1], least[2]}},
-            {"largest", {most[0], most[1], most[2]}},
-            {"file", run_.exposure().string()}};
+  /// A limit that every call reaches before its first step would be resumed for ever.
+  void report_limit() const {
+    const int64_t step = trainer_->state().iteration;
+    if (step == first_ && !ended())
+      throw InputError(fmt::format(
+          "--time-limit: {:.0f} s leave room for no step beside loading and saving, which have "
+          "taken {:.1f} s; pass a longer one",
+          limit_.seconds(), request_.stopwatch()));
+    observer_.on_message(fmt::format("time limit: leaves at step {} of {}; --resume goes on", step,
+                                     options().iterations));
   }
 
   json result() {
-    const TrainState& state = trainer_->state();
-    const GaussianModel& shipped = model();
-    json result = {{"seconds", state.seconds},
-                   {"iterations", state.iteration},
-                   {"total_iterations", options_.iterations},
-                   {"finished", ended() && !left_},
-                   {"left", left_},
-                   {"num_gaussians", shipped.count()},
-                   {"num_static", shipped.static_set.count()},
-                   {"num_dynamic", shipped.dynamic_set.count()},
-                   {"device", backend_->name()},
-                   {"backend", choice_.kind()},
-                   {"backend_reason", choice_.reason},
-                   {"wall_seconds", wall_.json()},
-                   {"validation", validation_result()},
-                   {"exposure", exposure_result()},
-                   {"scores", scores_}};
+    json result = training_result(trainer_->state(), options(), *validation_, model());
+    result["finished"] = ended() && !left_;
+    result["left"] = left_;
+    result["device"] = setup_.backend->name();
+    result["backend"] = setup_.choice.kind();
+    result["backend_reason"] = setup_.choice.reason;
+    result["wall_seconds"] = wall_.json();
+    result["scores"] = scores_.last();
     stages_->add_to(result);
-    result["model"] = run_.model().string();
-    result["bytes"] = std::filesystem::file_size(run_.model());
-    log_->event("end", result);
+    const RunFolder& run = writer_.folder();
+    if (!result["exposure"].is_null()) result["exposure"]["file"] = run.exposure().string();
+    result["model"] = run.model().string();
+    result["bytes"] = std::filesystem::file_size(run.model());
+    writer_.log().event("end", result);
     return result;
   }
 
@@ -478,27 +286,20 @@ class Session {
   WallSplit wall_;
   TimeLimit limit_;
   CheckpointPlan checkpoints_;
-  const RunFolder run_;
+  const EvaluationPlan evaluations_;
   const RunLock lock_;
   const SceneLock scene_lock_;
-  std::optional<Checkpoint> previous_;
-  TrainOptions options_;
-  std::optional<TrainOptions> with_nodes_;
-  Scene scene_;
-  DeviceChoice choice_;
-  std::unique_ptr<Backend> backend_;
-  json config_, scores_ = json::object();
-  std::vector<std::string> early_warnings_;  // before there is a log
-  int64_t end_ = 0;                          // of this call, steps
-  double choice_seconds_ = 0;                // of the trials of motion
-  std::optional<TrainingLog> log_;
+  RunWriter writer_;
+  TrainingSetup setup_;
+  SessionState state_;
+  int64_t first_ = 0;  // steps before this call
   std::optional<Trainer> trainer_;
   std::optional<StageLog> stages_;
   std::optional<Validation> validation_;
   std::optional<ModelReduction> reduction_;
   std::optional<GaussianModel> shipped_;
-  bool left_ = false;      // before the end, to be resumed
-  int64_t kept_best_ = 0;  // step of the best model whose file this run has written or read
+  SessionScores scores_;
+  bool left_ = false;  // before the end, to be resumed
 };
 
 }  // namespace

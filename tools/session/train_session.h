@@ -14,7 +14,6 @@
 #include "recon4d/options/train_options.h"
 #include "recon4d/reduction/size_limit.h"
 #include "tools/session/session_observer.h"
-#include "tools/session/snapshot_sink.h"
 #include "tools/session/time_limit.h"
 
 namespace tessera {

@@ -1,6 +1,6 @@
 // What: when a checkpoint is due: by steps, by the clock, after slow ones.
 // Not: what is in it (tests/recon4d/model).
-#include "tools/session/checkpoint_plan.h"
+#include "tools/session/session_events.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,114 @@
+// The order matters: validation views leave the training split before anything looks at it, and
+// exposure is refused before motion is tried.
+#include "tools/session/training_setup.h"
+
+#include <fmt/format.h>
+
+#include "recon4d/model/exposure.h"
+#include "recon4d/options/train_options_json.h"
+#include "recon4d/training/validation.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+/// config.json of the training that is resumed.
+json provenance(const TrainingSetup& setup) {
+  return json::parse(setup.previous->provenance);
+}
+
+/// A model within so many dB of the best needs frames by which that is told.
+void complete_size_limit(TrainOptions& options, SessionObserver& observer) {
+  constexpr double kShare = 0.1;
+  if (options.within_db == 0 || options.validation_share > 0) return;
+  options.validation_share = kShare;
+  observer.on_message(fmt::format(
+      "--within-db: a share of {} of the training frames become validation views", kShare));
+}
+
+void check_frames(const TrainingSetup& setup, const TrainRequest& request, const RunFolder& run) {
+  if (provenance(setup).value("scene_fingerprint", "") !=
+      setup.config["scene_fingerprint"].get<std::string>())
+    throw CheckpointRefused(
+        fmt::format("{}: was trained on other frames than {} holds; resume with the "
+                    "scene it was started on",
+                    run.checkpoint().string(), request.scene.string()));
+}
+
+/// Where the observer stops the trials, motion stays `auto` and the training takes no step.
+void complete_motion(TrainingSetup& setup, const TrainRequest& request, double seconds,
+                     SessionObserver& observer) {
+  const double begin = request.stopwatch(), last = begin + seconds;
+  const auto say = [&](const std::string& line) { observer.on_message(line); };
+  const auto stop = [&] {
+    setup.stopped = setup.stopped || observer.must_stop();
+    return setup.stopped || request.stopwatch() > last;
+  };
+  const bool known =
+      resolve_motion(*setup.backend, setup.scene, setup.with_nodes, setup.options, stop, say);
+  setup.motion_seconds = request.stopwatch() - begin;
+  if (known || setup.stopped) return;
+  setup.options.motion = Motion::kPair;
+  say("motion: dynamic Gaussians, as --time-limit leaves too little time to try nodes; "
+      "--motion nodes does otherwise");
+}
+
+/// What follows from the images alone.
+void complete_by_images(TrainingSetup& setup, const TrainRequest& request, double motion_seconds,
+                        SessionObserver& observer) {
+  Scene& scene = setup.scene;
+  if (const auto found = complete_cloud(scene, setup.options)) observer.on_message(*found);
+  for (const std::string& found : resolve_by_cloud(scene, setup.options))
+    observer.on_message(found);
+  // refuses what cannot be learned before motion is tried
+  exposure_rows(scene, scene.split_indices(Split::kTrain), setup.options);
+  complete_motion(setup, request, motion_seconds, observer);
+}
+
+}  // namespace
+
+TrainingSetup previous_setup(const TrainRequest& request, const RunFolder& run,
+                             SessionObserver& observer) {
+  TrainingSetup setup;
+  setup.previous = previous_state(request, run);
+  setup.options = setup.previous ? setup.previous->options : request.options;
+  if (!setup.previous)
+    setup.with_nodes = request.with_nodes;
+  else if (const json stored = provenance(setup); stored.contains("with_nodes"))
+    setup.with_nodes = train_options_from_json(stored["with_nodes"]);
+  complete_size_limit(setup.options, observer);
+  validate(setup.options);
+  return setup;
+}
+
+void complete_setup(TrainingSetup& setup, const TrainRequest& request, const RunFolder& run,
+                    double seconds, WallSplit& wall, SessionObserver& observer,
+                    const std::function<void(const std::string&)>& warn) {
+  constexpr double kShareOfMotion = 0.25;
+  TrainOptions& options = setup.options;
+  wall.time(WallSplit::kLoad, [&] {
+    setup.scene = load_training_scene(request.scene, options);
+    for (const std::string& warning : training_warnings(setup.scene, options)) warn(warning);
+  });
+  setup.validation_views =
+      hold_out_validation(setup.scene, options.validation_share, uint64_t(options.seed));
+  wall.time(WallSplit::kInit, [&] {
+    ChosenBackend chosen = choose_backend(request.backend);
+    setup.backend = std::move(chosen.backend);
+    setup.choice = std::move(chosen.choice);
+    if (setup.choice.leaves_cuda_unused()) observer.on_cuda_unused(setup.choice.reason);
+    if (!setup.previous || options.motion == Motion::kAuto)
+      complete_by_images(setup, request, kShareOfMotion * seconds, observer);
+    setup.config =
+        make_config(request, {options, setup.with_nodes}, setup.scene, setup.backend->name());
+    setup.config["asked_options"] = setup.previous
+                                        ? provenance(setup).value("asked_options", json())
+                                        : to_json(request.options);
+    if (!setup.previous) return;
+    check_frames(setup, request, run);
+    if (setup.previous->options.motion == Motion::kAuto) setup.previous.reset();
+  });
+}
+
+}  // namespace tessera
