@@ -24,8 +24,8 @@ case "$ID ${VERSION_ID:-}" in
     ;;
 esac
 if [ "$purpose" != build ]; then
-  packages+=(libgtest-dev libgmock-dev ccache ffmpeg $browser snakemake slurmctld slurmd slurm-client
-    munge)
+  packages+=(libgtest-dev libgmock-dev ccache ffmpeg python3-numpy $browser snakemake slurmctld slurmd
+    slurm-client munge)
 fi
 if [ "$purpose" = check ]; then
   packages+=("clang-$clang" "libclang-rt-$clang-dev" debootstrap mkdocs mkdocs-material)
