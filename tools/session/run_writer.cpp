@@ -11,8 +11,6 @@
 
 namespace tessera {
 
-using nlohmann::json;
-
 void RunWriter::warn(const std::string& warning) {
   observer_.on_warning(warning);
   if (log_)
@@ -21,7 +19,7 @@ void RunWriter::warn(const std::string& warning) {
     early_warnings_.push_back(warning);
 }
 
-void RunWriter::replace_previous_run(const json& config) {
+void RunWriter::replace_previous_run(const nlohmann::json& config) {
   AtomicFile file(folder_.config());
   file.write(config.dump(2));
   file.sync();
@@ -39,7 +37,7 @@ GaussianModel RunWriter::read_best(int64_t step) {
   return load_model(file);
 }
 
-TrainingLog& RunWriter::begin_log(int64_t total, int64_t first, json start) {
+TrainingLog& RunWriter::begin_log(int64_t total, int64_t first, nlohmann::json start) {
   log_.emplace(folder_.log(), total, first, observer_);
   log_->event("start", std::move(start));
   for (const std::string& warning : early_warnings_) log_->event("warning", {{"text", warning}});
@@ -48,7 +46,7 @@ TrainingLog& RunWriter::begin_log(int64_t total, int64_t first, json start) {
 }
 
 void RunWriter::write_checkpoint(const TrainState& state, const TrainOptions& options,
-                                 const json& config, const Validation& validation) {
+                                 const nlohmann::json& config, const Validation& validation) {
   const int64_t best = validation.record().best_iteration;
   if (validation.best() != nullptr && best != best_) {
     save_model(folder_.best(best), *validation.best());
