@@ -10,10 +10,8 @@
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/option_help.h"
-#include "tools/cli/suffixes.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/usage_message.h"
-#include "tools/cli/verbosity.h"
 #include "tools/session/version.h"
 
 namespace tessera {

@@ -1,5 +1,5 @@
 // One result of a check: its severity, the check, the camera, the measured values and the advice.
-// tools/commands/doctor_report.h formats it as text.
+// tools/commands/doctor.cpp formats it as text.
 #pragma once
 #include <string>
 #include <vector>

@@ -16,10 +16,12 @@
 
 namespace tessera {
 
-std::vector<std::filesystem::path> videos_in(const std::filesystem::path& folder) {
+namespace fs = std::filesystem;
+
+std::vector<fs::path> videos_in(const fs::path& folder) {
   constexpr std::array<const char*, 5> kExtensions{".mp4", ".mkv", ".mov", ".avi", ".webm"};
-  std::vector<std::filesystem::path> videos;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+  std::vector<fs::path> videos;
+  for (const auto& entry : fs::directory_iterator(folder)) {
     std::string extension = entry.path().extension().string();
     for (char& c : extension) c = char(std::tolower(static_cast<unsigned char>(c)));
     const bool is_video =
@@ -52,9 +54,9 @@ const char* layout_name(CaptureLayout layout) {
   return "";
 }
 
-bool has_images(const std::filesystem::path& capture) {
+bool has_images(const fs::path& capture) {
   if (!images_in(capture).empty()) return true;
-  for (const auto& entry : std::filesystem::directory_iterator(capture)) {
+  for (const auto& entry : fs::directory_iterator(capture)) {
     std::error_code unreachable;
     if (entry.path().filename().string().starts_with("images") && entry.is_directory(unreachable) &&
         !images_in(entry.path()).empty())
@@ -66,7 +68,7 @@ bool has_images(const std::filesystem::path& capture) {
 namespace {
 
 /// Rows of the capture's poses_bounds.npy; 0 where it cannot be read, which its reader reports.
-size_t llff_rows(const std::filesystem::path& capture) {
+size_t llff_rows(const fs::path& capture) {
   try {
     return read_llff_poses(capture / "poses_bounds.npy").size();
   } catch (const InputError&) {
@@ -76,11 +78,11 @@ size_t llff_rows(const std::filesystem::path& capture) {
 
 /// Whether the images are those of a rig. Poses of photos decide where there are some: LLFF has a
 /// row an image, a rig a row a camera. Errors: AmbiguousCapture.
-bool has_image_rig(const std::filesystem::path& capture, std::optional<ImageReading> reading) {
+bool has_image_rig(const fs::path& capture, std::optional<ImageReading> reading) {
   if (reading) return *reading == ImageReading::kRig;
   const ImageSequences found = find_image_sequences(capture);
   if (found.evidence == RigEvidence::kNone) return false;
-  const bool posed = std::filesystem::exists(capture / "poses_bounds.npy");
+  const bool posed = fs::exists(capture / "poses_bounds.npy");
   if (posed && !found.in_folders) return llff_rows(capture) == found.cameras.size();
   if (posed || found.evidence == RigEvidence::kRig) return true;
   throw AmbiguousCapture(fmt::format(
@@ -98,21 +100,18 @@ bool is_sequences(std::optional<ImageReading> reading) {
 
 }  // namespace
 
-CaptureLayout detect_layout(const std::filesystem::path& capture,
-                            std::optional<ImageReading> reading) {
+CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageReading> reading) {
   require_folder(capture);
   if (is_sequences(reading)) return CaptureLayout::kSequences;
   if (has_transforms(capture)) return CaptureLayout::kTransforms;
   const bool has_videos = !videos_in(capture).empty();
-  if (has_videos && std::filesystem::exists(capture / "poses_bounds.npy"))
-    return CaptureLayout::kN3dv;
+  if (has_videos && fs::exists(capture / "poses_bounds.npy")) return CaptureLayout::kN3dv;
   if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
   if (!has_videos && has_image_rig(capture, reading)) return CaptureLayout::kSequences;
   const bool has_photos = has_images(capture);
-  if (has_photos && std::filesystem::exists(capture / "poses_bounds.npy"))
-    return CaptureLayout::kLlff;
+  if (has_photos && fs::exists(capture / "poses_bounds.npy")) return CaptureLayout::kLlff;
   if (has_videos) return CaptureLayout::kVideos;
-  if (has_photos && std::filesystem::exists(capture / "sparse"))
+  if (has_photos && fs::exists(capture / "sparse"))
     throw InputError(fmt::format(
         "{}: holds no COLMAP model (cameras.bin or cameras.txt, in it or in sparse/0); restore it, "
         "or remove the folder to have poses estimated",
@@ -125,14 +124,14 @@ CaptureLayout detect_layout(const std::filesystem::path& capture,
       capture.string()));
 }
 
-CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOptions& options) {
+CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
   const std::string& poses = options.poses.source;
   if (options.layout) return *options.layout;
   const bool of_cameras = !poses.empty() && poses != "colmap" && poses != "llff";
   std::optional<ImageReading> reading = options.reading;
   // poses of cameras are no photos': images that could be either are a rig's
-  if (of_cameras && !reading && std::filesystem::is_directory(capture) &&
-      videos_in(capture).empty() && find_image_sequences(capture).evidence != RigEvidence::kNone)
+  if (of_cameras && !reading && fs::is_directory(capture) && videos_in(capture).empty() &&
+      find_image_sequences(capture).evidence != RigEvidence::kNone)
     reading = ImageReading::kRig;
   const CaptureLayout detected = detect_layout(capture, reading);
   if (poses.empty() || detected == CaptureLayout::kSequences) return detected;
@@ -149,7 +148,7 @@ CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOption
     if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
     return has_videos ? CaptureLayout::kVideos : CaptureLayout::kPhotos;
   }
-  if (!std::filesystem::is_regular_file(poses))
+  if (!fs::is_regular_file(poses))
     throw InputError(fmt::format(
         "--poses '{}': no such file; expected n3dv, llff, colmap or a file of cameras", poses));
   if (!has_videos)
@@ -160,12 +159,11 @@ CaptureLayout layout_of(const std::filesystem::path& capture, const IngestOption
   return CaptureLayout::kVideos;
 }
 
-std::vector<ImageSequence> sequences_of(const std::filesystem::path& capture,
+std::vector<ImageSequence> sequences_of(const fs::path& capture,
                                         std::optional<ImageReading> reading) {
   if (reading == ImageReading::kMoving) {
     for (const auto& folder : {capture, capture / "images"})
-      if (std::filesystem::is_directory(folder) && !images_in(folder).empty())
-        return {single_sequence(folder)};
+      if (fs::is_directory(folder) && !images_in(folder).empty()) return {single_sequence(folder)};
     throw InputError(fmt::format(
         "{}: has no images, in it or in images, which --layout moving reads", capture.string()));
   }
@@ -176,6 +174,52 @@ std::vector<ImageSequence> sequences_of(const std::filesystem::path& capture,
         "a folder a camera (cam00/000000.jpg) or names like cam00_000000.jpg",
         capture.string()));
   return std::move(found.cameras);
+}
+
+bool is_capture(const fs::path& folder, std::optional<ImageReading> reading) {
+  try {
+    detect_layout(folder, reading);
+    return true;
+  } catch (const AmbiguousCapture&) {
+    return true;
+  } catch (const InputError&) {
+    return false;
+  } catch (const fs::filesystem_error&) {
+    return false;
+  }
+}
+
+std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
+  std::error_code reason;
+  std::vector<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder, reason)) {
+    std::error_code unresolved;
+    const bool is_folder = entry.is_directory(unresolved) || unresolved || entry.is_symlink();
+    const bool is_hidden = entry.path().filename().string().front() == '.';
+    const bool is_file = !unresolved && entry.is_regular_file(unresolved);
+    if (!is_folder || is_hidden || is_file) continue;
+    if (!out.empty() &&
+        fs::weakly_canonical(entry.path(), unresolved) == fs::weakly_canonical(out, unresolved))
+      continue;
+    found.push_back(entry.path());
+  }
+  if (reason)
+    throw InputError(fmt::format("{}: cannot be read ({}); check the path and its permissions",
+                                 folder.string(), reason.message()));
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<std::string> captures_in(const fs::path& folder, std::optional<ImageReading> reading) {
+  std::vector<std::string> names;
+  for (const fs::path& path : subfolders(folder, {}))
+    if (is_capture(path, reading)) names.push_back(path.filename().string());
+  return names;
+}
+
+bool is_folder_of_captures(const fs::path& folder, std::optional<ImageReading> reading) {
+  return fs::is_directory(folder) && !is_capture(folder, reading) &&
+         !captures_in(folder, reading).empty();
 }
 
 }  // namespace tessera

@@ -11,7 +11,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
-#include "tools/cli/exit_code.h"
+#include "tools/cli/interrupt.h"
 
 namespace tessera {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "tools/batch/batch_tables.h"
 #include "tools/player/page_words.h"
-#include "tools/report/page_frame.h"
 #include "tools/report/report_pieces.h"
 
 namespace tessera {

@@ -17,8 +17,8 @@
 #include "recon4d/model/model_file.h"
 #include "recon4d/training/scene_scale.h"
 #include "tools/camera_paths/camera_views.h"
+#include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/scene_lock.h"
 
 namespace tessera {
 namespace {

@@ -21,10 +21,10 @@
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/export/in_time.h"
+#include "tools/export/formats.h"
 #include "tools/session/held_out_scores.h"
+#include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/scene_lock.h"
 #include "tools/session/train_session.h"
 #include "tools/session/train_start.h"
 

@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,7 +13,6 @@
 #include "ingest/files/json_file.h"
 #include "kernels/base/buffer.h"
 #include "kernels/base/errors.h"
-#include "tools/bench/chart_points.h"
 #include "tools/report/svg_chart.h"
 
 namespace tessera {
@@ -139,6 +140,16 @@ void check_published(const json& entry, const std::string& where) {
     throw InputError(where + ": bytes must be larger than 0");
 }
 
+void set_from(const nlohmann::json& metrics, const ChartMetric& metric, double& value,
+              std::optional<ChartSpan>& span) {
+  value = std::numeric_limits<double>::quiet_NaN();
+  if (!metrics.contains(metric.name)) return;
+  const nlohmann::json& spread = metrics[metric.name];
+  const auto scaled = [&](const char* part) { return spread.at(part).get<double>() / metric.unit; };
+  value = scaled("median");
+  span = {scaled("least"), scaled("most")};
+}
+
 }  // namespace
 
 bool can_be_drawn(const json& scene) {
@@ -170,6 +181,13 @@ json read_published(const std::filesystem::path& file) {
   for (size_t i = 0; i < entries.size(); ++i)
     check_published(entries[i], fmt::format("{}: entry {}", file.string(), i));
   return entries;
+}
+
+ChartPoint chart_point(const nlohmann::json& point, const ChartMetric& x, const ChartMetric& y) {
+  ChartPoint result;
+  set_from(point.at("metrics"), x, result.x, result.x_span);
+  set_from(point.at("metrics"), y, result.y, result.y_span);
+  return result;
 }
 
 }  // namespace tessera

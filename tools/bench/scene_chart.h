@@ -3,7 +3,10 @@
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+
+#include "tools/report/svg_chart.h"
 
 namespace tessera {
 
@@ -28,5 +31,15 @@ std::string scene_svg(const nlohmann::json& scene, const ImageRequest& request);
 /// An array of {name, scene, psnr (dB), seconds, device, and bytes where known}, or an object that
 /// has it as `entries`. Errors: InputError naming the file and what an entry lacks.
 nlohmann::json read_published(const std::filesystem::path& file);
+
+/// A metric on an axis, and how much of it is 1 on that axis: 1 << 20 for bytes as MiB.
+struct ChartMetric {
+  const char* name;
+  double unit = 1;
+};
+
+/// Medians of two metrics, with least and most as error bars; a coordinate whose metric was not
+/// measured is NaN, which has no place in a chart.
+ChartPoint chart_point(const nlohmann::json& point, const ChartMetric& x, const ChartMetric& y);
 
 }  // namespace tessera

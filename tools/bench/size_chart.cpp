@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kernels/base/buffer.h"
-#include "tools/bench/chart_points.h"
+#include "tools/bench/scene_chart.h"
 #include "tools/report/svg_chart.h"
 
 namespace tessera {

@@ -17,8 +17,8 @@
 #include "tools/bench/scene_chart.h"
 #include "tools/bench/size_chart.h"
 #include "tools/bench/table_text.h"
+#include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/output_place.h"
 #include "tools/session/version.h"
 
 namespace tessera {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "recon4d/model/gaussian_set.h"
+#include "static3d/tessera4d/manifest.h"
 
 namespace tessera {
 
@@ -54,5 +55,17 @@ Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_
 /// `held_out`: as SceneOptions. Errors: as load_scene.
 Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,
                 std::optional<int64_t> held_out = {});
+
+struct Rig {
+  std::vector<PlayerCamera> cameras;  // in the model's world; each place once, at most 32
+  double fps = 0;                     // 0: not known
+};
+
+/// Of the frames of a scene with that time axis, in whose world the model is.
+Rig rig_of_views(const std::vector<NamedView>& views, const TimeAxis& axis);
+/// Of `cameras` (a scene folder or transforms file), else of the scene that the run folder
+/// `model` was trained on, where that is still there, else none. Errors: InputError: `cameras` that
+/// cannot be read.
+Rig rig_of(const std::string& cameras, const std::string& model_path, const GaussianModel& model);
 
 }  // namespace tessera

@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <iterator>
 
-#include "tools/cli/option_text.h"
+#include "recon4d/options/option_value.h"
+#include "tools/cli/option_reference.h"
 
 namespace tessera {
 namespace {
@@ -21,6 +24,40 @@ std::string dashed_name(const std::string& word) {
   if (!word.starts_with("--")) return word;
   const size_t equals = std::min(word.find('='), word.size());
   return dashed(word.substr(0, equals)) + word.substr(equals);
+}
+
+bool is_time(const CLI::Option& option) {
+  return option.check_lname("start") || option.check_lname("duration") ||
+         option.check_lname("seconds");
+}
+
+/// The number that a text with a suffix states, as text; unchanged otherwise.
+std::string plain_number(const std::string& text, Unit unit) {
+  if (text.ends_with('%')) {
+    const auto percent = parse_quantity(text.substr(0, text.size() - 1), Unit::kNone);
+    return percent ? fmt::format("{}", *percent / 100) : text;
+  }
+  const auto number = parse_quantity(text, unit);
+  return number ? fmt::format("{}", *number) : text;
+}
+
+std::string whole_number(const std::string& text) {
+  const auto number = parse_quantity(text, Unit::kCount);
+  const bool is_whole = number && *number == std::floor(*number) && std::abs(*number) < 1e15;
+  return is_whole ? fmt::format("{:.0f}", *number) : text;
+}
+
+/// Options of a command whose values are names.
+bool is_choice(const CLI::Option& option) {
+  constexpr const char* kChoices[] = {"preset",     "format", "layout", "sync",
+                                      "intrinsics", "cloud",  "split",  "backend"};
+  return std::any_of(std::begin(kChoices), std::end(kChoices),
+                     [&](const char* name) { return option.check_lname(name); });
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
 }
 
 }  // namespace
@@ -49,6 +86,23 @@ std::vector<std::string> joined_switches(const std::vector<std::string>& words) 
   }
   std::reverse(joined.begin(), joined.end());
   return joined;
+}
+
+void accept_suffixes(CLI::App& app) {
+  for (CLI::App* command : app.get_subcommands({}))
+    for (CLI::Option* option : command->get_options()) {
+      if (is_choice(*option)) {
+        option->transform([](const std::string& text) { return lower_case(text); });
+        continue;
+      }
+      const std::string type = option->get_type_name();
+      const bool is_whole = type.starts_with("INT") || type.starts_with("UINT");
+      if (!is_whole && !type.starts_with("FLOAT")) continue;
+      const Unit unit = is_time(*option) ? Unit::kSeconds : Unit::kNone;
+      option->transform([is_whole, unit](std::string text) {
+        return is_whole ? whole_number(text) : plain_number(text, unit);
+      });
+    }
 }
 
 }  // namespace tessera

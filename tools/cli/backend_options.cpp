@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "tools/cli/terminal.h"
-#include "tools/session/backend_choice.h"
+#include "tools/session/device_choice.h"
 
 namespace tessera {
 

@@ -1,5 +1,5 @@
 // What: --backend and --gpu on the command line, and the one warning of a choice that costs.
-// Not: the choice (tools/session/backend_choice.h).
+// Not: the choice (tools/session/device_choice.h).
 #pragma once
 #include <memory>
 #include <string>

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "tools/cli/exit_code.h"
+#include "tools/cli/interrupt.h"
 
 namespace tessera {
 

@@ -11,9 +11,9 @@
 #include "ingest/layouts/capture_layout.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/stage_ledger.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/scene_lock.h"
-#include "tools/session/stage_ledger.h"
+#include "tools/session/locks.h"
 
 namespace tessera {
 namespace {

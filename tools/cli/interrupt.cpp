@@ -4,8 +4,6 @@
 
 #include <csignal>
 
-#include "tools/cli/exit_code.h"
-
 namespace tessera {
 namespace {
 

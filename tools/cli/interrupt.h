@@ -19,4 +19,13 @@ void stop_if_interrupted();
 /// The exit code of what was stopped before its end: 130 after Ctrl-C, else 75: to be run again.
 int stop_code();
 
+enum ExitCode : int {
+  kExitDone = 0,
+  kExitFailed = 1,
+  kExitBadInput = 2,
+  kExitCheckpointRefused = 65,  // train --resume: the checkpoint does not fit this scene or program
+  kExitNotFinished = 75,        // asked to leave by a scheduler or a time limit: run again to go on
+  kExitInterrupted = 130
+};
+
 }  // namespace tessera

@@ -6,6 +6,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +15,6 @@
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
-#include "tools/cli/progress_text.h"
 
 namespace tessera {
 namespace {
@@ -39,6 +40,32 @@ std::string_view variable(const char* name) {
 
 bool has_colour() {
   return isatty(STDERR_FILENO) == 1 && variable("NO_COLOR").empty() && variable("TERM") != "dumb";
+}
+
+bool has_total(const Progress& progress) {
+  return progress.total > 0 && progress.done <= progress.total;
+}
+
+constexpr int kLongestBar = 28, kShortestBar = 4;  // characters between the brackets
+
+bool continues_character(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;  // of UTF-8
+}
+
+int columns_of(std::string_view text) {
+  return int(
+      std::count_if(text.begin(), text.end(), [](char c) { return !continues_character(c); }));
+}
+
+std::string cut(const std::string& text, int columns) {
+  size_t end = 0;
+  for (int used = 0; end < text.size(); ++end)
+    if (!continues_character(text[end]) && used++ == std::max(0, columns)) break;
+  return text.substr(0, end);
+}
+
+std::string joined(std::string_view a, std::string_view b) {
+  return fmt::format("{}{}{}", a, a.empty() || b.empty() ? "" : " ", b);
 }
 
 }  // namespace
@@ -71,9 +98,9 @@ int terminal_columns() {
   return columns > 0 ? columns : kDefault;
 }
 
-void print_result(bool as_json, const nlohmann::json& json, const std::string& text) {
+void print_result(bool as_json, const nlohmann::json& object, const std::string& text) {
   const std::string result =
-      as_json ? json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) : text;
+      as_json ? object.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) : text;
   if (std::fwrite(result.data(), 1, result.size(), stdout) != result.size() ||
       std::fputc('\n', stdout) == EOF || std::fflush(stdout) != 0)
     throw WriteError(fmt::format("standard output cannot be written ({})", std::strerror(errno)));
@@ -129,6 +156,50 @@ void ProgressBar::update(int64_t done, int64_t total, std::string_view note, int
   print_message("\r\033[K" + bar_line(label_, progress, note, terminal_columns()));
   std::fflush(stderr);
   visible_ = true;
+}
+
+double progress_share(const Progress& progress) {
+  return has_total(progress) ? double(progress.done) / double(progress.total) : 0;
+}
+
+std::string progress_text(const Progress& progress) {
+  const auto& [done, total, first, seconds] = progress;
+  if (!has_total(progress)) return done > 0 ? fmt::format("{} done", done) : "";
+  std::string text = fmt::format("{}/{} ({:.0f} %)", done, total, 100 * progress_share(progress));
+  if (done > first)
+    text +=
+        fmt::format(" {} left", clock_time(seconds * double(total - done) / double(done - first)));
+  return text;
+}
+
+std::string progress_line(std::string_view label, const Progress& progress, std::string_view note) {
+  return joined(joined(label, progress_text(progress)), note);
+}
+
+std::string bar_line(std::string_view label, const Progress& progress, std::string_view note,
+                     int columns) {
+  const int most = columns - 1;  // a character in the last column makes some terminals wrap
+  const std::string text = progress_text(progress);
+  const int around = columns_of(joined(label, text)) + 3;  // the brackets and a blank
+  const int with_note = around + kLongestBar + (note.empty() ? 0 : 1 + columns_of(note));
+  const std::string_view shown = with_note <= most ? note : "";
+  const int length = std::min(kLongestBar, most - around);
+  if (length < kShortestBar) return cut(progress_line(label, progress, ""), most);
+  const int filled = int(progress_share(progress) * length);
+  const std::string bar = fmt::format("[{:<{}}]", std::string(size_t(filled), '='), length);
+  return joined(joined(joined(label, bar), text), shown);
+}
+
+void add_verbosity(CLI::App& app) {
+  const auto every_command = [](const CLI::App*) { return true; };
+  for (CLI::App* command : app.get_subcommands(every_command)) {
+    CLI::Option* const quiet = command->add_flag_callback(
+        "-q,--quiet", [] { set_verbosity(Verbosity::kQuiet); }, "print warnings and errors only");
+    command
+        ->add_flag_callback(
+            "-v,--verbose", [] { set_verbosity(Verbosity::kVerbose); }, "also print details")
+        ->excludes(quiet);
+  }
 }
 
 }  // namespace tessera

@@ -8,6 +8,10 @@
 #include <string>
 #include <string_view>
 
+namespace CLI {
+class App;
+}
+
 namespace tessera {
 
 /// How much the program prints on stderr: warnings and errors alone; messages and progress as well;
@@ -58,5 +62,31 @@ class ProgressBar {
   int64_t done_ = 0, total_ = 0;  // of the last call: fewer, or of another total, is a new stage
   bool on_terminal_, visible_ = false;
 };
+
+struct Progress {
+  int64_t done = 0, total = 0;  // total 0: not known
+  int64_t first = 0;            // where counting began (a resumed run)
+  double seconds = 0;           // since then
+};
+
+/// In [0, 1]; 0 where the total is not known or is exceeded.
+double progress_share(const Progress& progress);
+
+/// "3/12 (25 %) 0:09 left", without the time before the first step. Where the total is not known,
+/// or is exceeded, neither share nor time: "3 done", and nothing before the first step.
+std::string progress_text(const Progress& progress);
+
+/// "train 3/12 (25 %) 0:09 left loss 0.1".
+std::string progress_line(std::string_view label, const Progress& progress, std::string_view note);
+
+/// "train [===         ] 3/12 (25 %) 0:09 left loss 0.1" in fewer characters than `columns`, so
+/// that the terminal does not wrap it: the note is dropped first, then the bar shrinks until it is
+/// dropped, too, and in the end the text is cut.
+std::string bar_line(std::string_view label, const Progress& progress, std::string_view note,
+                     int columns);
+
+/// Adds -q/--quiet and -v/--verbose to every subcommand of the root `app`; they set the verbosity.
+/// To be called once, after the commands are added.
+void add_verbosity(CLI::App& app);
 
 }  // namespace tessera

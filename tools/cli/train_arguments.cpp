@@ -13,7 +13,7 @@
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 #include "tools/cli/backend_options.h"
-#include "tools/cli/option_text.h"
+#include "tools/cli/option_reference.h"
 
 namespace tessera {
 namespace {

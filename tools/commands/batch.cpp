@@ -17,7 +17,6 @@
 #include "tools/batch/batch_folder.h"
 #include "tools/batch/batch_watch.h"
 #include "tools/batch/engine.h"
-#include "tools/batch/workflow_files.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
@@ -25,7 +24,7 @@
 #include "tools/cli/terminal.h"
 #include "tools/cli/train_arguments.h"
 #include "tools/player/player_page.h"
-#include "tools/session/machine.h"
+#include "tools/session/device_choice.h"
 
 namespace tessera {
 namespace {

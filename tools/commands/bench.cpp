@@ -7,8 +7,8 @@
 #include "kernels/base/errors.h"
 #include "tools/bench/stages.h"
 #include "tools/bench/sweep.h"
+#include "tools/cli/argument_words.h"
 #include "tools/cli/command.h"
-#include "tools/cli/named_once.h"
 
 namespace tessera {
 namespace {

@@ -15,8 +15,9 @@
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_info.h"
+#include "static3d/tessera4d/model_histograms.h"
 #include "static3d/tessera4d/tessera4d.h"
-#include "tools/commands/model_size.h"
+#include "tools/export/formats.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
@@ -165,6 +166,17 @@ json describe(const fs::path& path, bool with_shipped) {
     throw InputError(fmt::format("{}: is no model but a {}; leave --shipped out", path.string(),
                                  info["kind"].get<std::string>()));
   return info;
+}
+
+nlohmann::json model_size(const std::string& path, const ModelInput& input, bool with_shipped) {
+  nlohmann::json result = to_json(histograms_of(input.model), input.model.time_axis);
+  result["account"]["memory"] = to_json(memory_breakdown(input.model));
+  if (!input.shipped && !with_shipped) return result;
+  nlohmann::json shipped =
+      to_json(input.shipped ? *input.shipped : shipped_size_of(path, input.model).account);
+  shipped["encoded_for_this"] = !input.shipped;
+  result["account"]["shipped"] = std::move(shipped);
+  return result;
 }
 
 }  // namespace tessera

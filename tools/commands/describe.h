@@ -4,6 +4,9 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
+
+#include "tools/session/model_input.h"
 
 namespace tessera {
 
@@ -18,5 +21,10 @@ nlohmann::json describe_videos(const std::filesystem::path& folder);
 /// Of a folder with numbered images of several cameras: how ingest reads them. Nothing where it is
 /// read as something else.
 std::optional<nlohmann::json> describe_sequences(const std::filesystem::path& folder);
+
+/// `account`: {memory, and shipped of a Tessera 4D file or, where `with_shipped`, of the one that
+/// export would write, which is encoded for it}, sh_degrees, temporal_extents. `path`: as on the
+/// command line.
+nlohmann::json model_size(const std::string& path, const ModelInput& input, bool with_shipped);
 
 }  // namespace tessera

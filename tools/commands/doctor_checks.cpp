@@ -22,7 +22,7 @@
 #include "recon4d/options/forecast.h"
 #include "recon4d/options/presets.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/machine.h"
+#include "tools/session/device_choice.h"
 
 namespace tessera {
 namespace {

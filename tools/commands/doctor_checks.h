@@ -1,10 +1,20 @@
 // What: runs every check on a scene and gathers findings and tables.
 // Not: the way from a capture to a scene (commands/doctor.cpp).
 #pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+#include "ingest/checks/finding.h"
 #include "ingest/layouts/thinned_scene.h"
-#include "tools/commands/doctor_report.h"
 
 namespace tessera {
+
+struct DoctorReport {
+  std::string path;
+  std::string kind;  // "scene", "capture (a sample of it)"
+  Findings findings;
+  nlohmann::json tables = nlohmann::json::object();  // by check
+  double seconds = 0;
+};
 
 /// Adds to `report`. `folder`: where the scene was read from, for its recorded clock offsets.
 void examine(const ThinnedScene& scene, const std::filesystem::path& folder, DoctorReport& report);

@@ -18,7 +18,6 @@
 #include "tools/cli/terminal.h"
 #include "tools/player/player_page.h"
 #include "tools/session/device_choice.h"
-#include "tools/session/machine.h"
 #include "tools/session/version.h"
 
 namespace tessera {

@@ -18,18 +18,18 @@
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
-#include "tools/cli/image_files.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/commands/model_size.h"
+#include "tools/commands/describe.h"
 #include "tools/commands/object_boxes.h"
+#include "tools/export/image_files.h"
 #include "tools/export/output_folder.h"
 #include "tools/lpips/lpips.h"
 #include "tools/session/held_out_scores.h"
-#include "tools/session/output_place.h"
+#include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/scene_lock.h"
 
 namespace tessera {
 namespace {

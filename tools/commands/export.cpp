@@ -11,11 +11,10 @@
 #include "static3d/formats/splat_file.h"
 #include "static3d/transform/world_change.h"
 #include "tools/cli/command.h"
+#include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
-#include "tools/export/frames.h"
-#include "tools/export/in_time.h"
+#include "tools/export/formats.h"
 #include "tools/session/model_input.h"
-#include "tools/session/output_place.h"
 
 namespace tessera {
 namespace {

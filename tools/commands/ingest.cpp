@@ -8,12 +8,12 @@
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/parallel.h"
-#include "tools/batch/ingest_batch.h"
 #include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/output_place.h"
+#include "tools/commands/ingest_batch.h"
 
 namespace tessera {
 namespace {

@@ -15,13 +15,13 @@
 #include "tools/camera_paths/path_views.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
-#include "tools/cli/image_files.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
+#include "tools/export/image_files.h"
 #include "tools/export/output_folder.h"
+#include "tools/session/locks.h"
 #include "tools/session/model_input.h"
-#include "tools/session/output_place.h"
-#include "tools/session/scene_lock.h"
 #include "tools/video/video_encoder.h"
 
 namespace tessera {

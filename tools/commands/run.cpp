@@ -11,15 +11,14 @@
 #include "ingest/prepared/scene_reader.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
-#include "tools/batch/ingest_batch.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/commands/run_stages.h"
 #include "tools/commands/run_summary.h"
-#include "tools/session/output_place.h"
 #include "tools/view/view_server.h"
 
 namespace tessera {

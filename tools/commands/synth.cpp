@@ -11,9 +11,9 @@
 #include "recon4d/options/nearest_name.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/output_place.h"
-#include "tools/session/scene_lock.h"
+#include "tools/session/locks.h"
 #include "tools/synth/synth.h"
 
 namespace tessera {

@@ -7,26 +7,86 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
 #include <system_error>
 #include <thread>
 
 #include "ingest/files/folders.h"
+#include "static3d/transform/world_change.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/commands/view_source.h"
+#include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/live/live_watch.h"
+#include "tools/session/locks.h"
+#include "tools/session/model_input.h"
+#include "tools/session/run_folder.h"
 #include "tools/session/version.h"
 #include "tools/view/live_page.h"
+#include "tools/view/view_request.h"
 #include "tools/view/view_server.h"
-#include "tools/view/view_token.h"
 
 namespace tessera {
 namespace {
+
+namespace fs = std::filesystem;
+
+struct ViewSource {
+  std::filesystem::path folder;  // to serve
+  std::string start = "/";       // the page in it, as a path of the server
+  /// finished: the page that a run or an export wrote; model; or training: `run` is its folder.
+  std::string kind;
+  std::filesystem::path run;
+  std::unique_ptr<TemporaryFolder> temporary;  // that holds `folder` where the page was made
+};
+
+/// Of the folders in which commands leave pages, in this order: run and export, run, batch.
+constexpr const char* kPagePlaces[] = {"", "player", "report"};
+
+ViewSource made_page(const std::string& path) {
+  ModelInput input = load_model_input(path);
+  for (const std::string& warning : input.warnings) warn(warning);
+  input.model = model_in_source_world(input.model);
+  ViewSource source;
+  source.kind = "model";
+  source.temporary = std::make_unique<TemporaryFolder>("view");
+  source.folder = source.temporary->path() / "page";
+  ExportRequest page;
+  page.model = path;
+  page.out = source.folder.string();
+  page.format = "page";
+  find_time_format(page.format)->write(page, input.model);
+  return source;
+}
+
+/// `path`: an OUT of `tessera run` or a run folder that a training writes now, an OUT of `tessera
+/// run` or `tessera batch`, a folder with an index.html, or what
+/// `tessera export` takes: the page of that model is made in a temporary folder. Errors: InputError
+/// naming the path and what is accepted.
+ViewSource view_source(const std::string& path) {
+  if (const fs::path run = run_folder_of(path); is_run_locked(run)) {
+    ViewSource source;
+    source.folder = path;
+    source.start = "/live";
+    source.kind = "training";
+    source.run = run;
+    return source;
+  }
+  for (const fs::path place : kPagePlaces) {
+    if (!fs::is_regular_file(path / place / kPageFile)) continue;
+    ViewSource source;
+    source.folder = path;
+    source.start = place.empty() ? "/" : "/" + place.string() + "/";
+    source.kind = "finished";
+    return source;
+  }
+  return made_page(path);
+}
 
 struct ViewArguments {
   std::string path, host = "127.0.0.1";

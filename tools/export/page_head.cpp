@@ -11,14 +11,17 @@
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/folders.h"
+#include "ingest/files/png.h"
 #include "kernels/base/errors.h"
+#include "recon4d/training/scene_scale.h"
+#include "static3d/tessera4d/player_hints.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/cli/backend_options.h"
-#include "tools/cli/image_files.h"
-#include "tools/export/truth_views.h"
+#include "tools/export/image_files.h"
 #include "tools/player/page_words.h"
 #include "tools/player/player_page.h"
 #include "tools/session/run_folder.h"
+#include "tools/video/jpeg.h"
 
 namespace tessera {
 namespace {
@@ -101,6 +104,22 @@ std::string poster_view(const ExportRequest& request, const GaussianModel& model
   return read_text_file(folder.path() / "poster.png");
 }
 
+constexpr int64_t kMostViews = 6;
+constexpr int kMostWidth = 960;  // pixels
+constexpr int kQuantiser = 4;    // of JPEG
+
+std::string image_address(const Image8& image) {
+  Image8 small = image;
+  if (image.width > kMostWidth) {
+    const double height = double(kMostWidth) * image.height / image.width;
+    small = averaged_image(image, kMostWidth, std::max(1, int(std::lround(height))));
+  }
+  if (const auto bytes = jpeg_bytes(small, kQuantiser)) return data_address("image/jpeg", *bytes);
+  const TemporaryFolder folder("truth");
+  write_png(folder.path() / "truth.png", small);
+  return data_address("image/png", read_text_file(folder.path() / "truth.png"));
+}
+
 }  // namespace
 
 std::string Poster::file() const {
@@ -137,6 +156,22 @@ std::string with_head(std::string page, const PageHead& head, bool beside) {
          fmt::format(R"(<img id="poster" alt="" src="{}" />)",
                      data_address(head.poster.type.c_str(), head.poster.bytes)));
   return page;
+}
+
+nlohmann::json truth_views(const ExportRequest& request, const GaussianModel& model) {
+  const std::filesystem::path place =
+      request.cameras.empty() ? scene_of_model(request.model) : request.cameras;
+  if (place.empty())
+    throw InputError(
+        "export: --truth needs the scene's images, and the model's scene is not there; pass the "
+        "scene as --cameras");
+  nlohmann::json views = nlohmann::json::array();
+  for (const Frame& frame : scene_for(model, place, kMostViews).frames)
+    views.push_back({{"name", frame.name},
+                     {"camera", camera_json({frame.name, frame.camera})},
+                     {"t", frame.time},
+                     {"image", image_address(frame.image)}});
+  return views;
 }
 
 }  // namespace tessera

@@ -2,10 +2,11 @@
 // that other sites read where its address is posted, the image that is shown while it loads, and
 // test images to compare with.
 #pragma once
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "recon4d/model/gaussian_set.h"
-#include "tools/export/request.h"
+#include "tools/export/formats.h"
 
 namespace tessera {
 
@@ -35,5 +36,11 @@ PageHead page_head(const ExportRequest& request, const GaussianModel& model);
 /// The player's page with title, description and poster in their places. `beside`: the poster lies
 /// as a file beside the page, too, and the tags for other sites name it.
 std::string with_head(std::string page, const PageHead& head, bool beside);
+
+/// [{name, camera (as a manifest has it), t, image (data address of a JPEG or PNG file)}]: at most
+/// six frames of the scene's test split, else of its val split, else of its train split, evenly
+/// over them, at most 960 pixels wide. `model`: as exported, in the world of the cameras.
+/// Errors: InputError: the scene of the model or of `request.cameras` cannot be read.
+nlohmann::json truth_views(const ExportRequest& request, const GaussianModel& model);
 
 }  // namespace tessera

@@ -4,10 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <random>
 #include <thread>
+#include <utility>
 
-#include "tools/camera_paths/rig_cameras.h"
+#include "kernels/base/parallel.h"
+#include "tools/camera_paths/camera_views.h"
+#include "tools/live/live_folder.h"
 
 namespace tessera {
 namespace {
@@ -39,6 +43,8 @@ Tessera4dOptions file_options(const Scene& scene) {
   options.fps = rig.fps;
   return options;
 }
+
+constexpr int kNiceOfSnapshots = 10;
 
 }  // namespace
 
@@ -118,6 +124,39 @@ void LiveTraining::take(const TrainState& state) {
   copied_step_ = state.iteration;
   state_.seconds = state.seconds;
   writer_->start(std::move(copy), writer_->written() + 1);
+}
+
+SnapshotWriter::SnapshotWriter(LiveFolder folder, TrainOptions options, Tessera4dOptions file)
+    : folder_(std::move(folder)), options_(std::move(options)), file_(std::move(file)) {}
+
+SnapshotWriter::~SnapshotWriter() {
+  if (thread_.joinable()) thread_.join();
+}
+
+void SnapshotWriter::start(TrainState state, int64_t number) {
+  if (thread_.joinable()) thread_.join();
+  busy_ = true;
+  thread_ = std::thread([this, number, held = std::move(state)]() mutable {
+    lower_priority(kNiceOfSnapshots);
+    const double begin = thread_seconds();
+    try {
+      write(held, number);
+      failure_.clear();
+    } catch (const std::exception& error) {  // the training continues without it
+      failure_ = error.what();
+    }
+    seconds_ = thread_seconds() - begin;
+    busy_ = false;
+  });
+}
+
+void SnapshotWriter::write(TrainState& state, int64_t number) {
+  const SerialSection serial;
+  const GaussianModel model = baked_model(std::move(state), options_);
+  if (!folder_.write_snapshot(number, single_tessera4d(encode_tessera4d(model, file_)))) return;
+  written_ = number;
+  std::error_code absent;
+  std::filesystem::remove(folder_.snapshot(number - 2), absent);
 }
 
 }  // namespace tessera

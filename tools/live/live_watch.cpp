@@ -19,7 +19,7 @@
 #include "static3d/tessera4d/tessera4d.h"
 #include "tools/batch/engine.h"
 #include "tools/cli/background_program.h"
-#include "tools/live/low_priority.h"
+#include "tools/live/live_folder.h"
 #include "tools/report/log_events.h"
 #include "tools/report/report_page.h"
 

@@ -16,8 +16,8 @@
 #include "ingest/files/folders.h"
 #include "ingest/scene.h"
 #include "tools/live/live_folder.h"
+#include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/run_lock.h"
 
 namespace tessera {
 
@@ -33,7 +33,7 @@ class LiveWatch {
 
   /// Also tells the training that somebody looks, at most twice a second. JSON: name, alive, state
   /// (as live_folder.h has it, or null), snapshot (address or ""), page (address of the finished
-  /// player or ""), views (as tools/export/truth_views.h has them), scores [[step, PSNR
+  /// player or ""), views (as tools/export/page_head.h has them), scores [[step, PSNR
   /// in dB]], resume (a command; "" where it runs or has no checkpoint).
   std::string state(int64_t seen);
   /// HTML: the curves of its report so far, with the scores of its snapshots.

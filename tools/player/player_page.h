@@ -7,7 +7,7 @@ namespace tessera {
 
 /// The element of the page that says what it plays, as it stands there, once:
 /// `{"scene":"manifest.json"}`, or `{"data":"<a .t4d in base64>","encoding":"base64"}` in its
-/// place; each may have "truth", the images to compare with (tools/export/truth_views.h).
+/// place; each may have "truth", the images to compare with (tools/export/page_head.h).
 constexpr std::string_view kPlayerConfig =
     R"(<script id="tessera-config" type="application/json">{"scene":"manifest.json"}</script>)";
 

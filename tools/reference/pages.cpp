@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "recon4d/options/presets.h"
-#include "tools/cli/option_text.h"
+#include "tools/cli/option_reference.h"
 #include "tools/reference/reference.h"
 
 namespace tessera {

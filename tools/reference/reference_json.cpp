@@ -3,7 +3,7 @@
 
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
-#include "tools/cli/option_text.h"
+#include "tools/cli/option_reference.h"
 #include "tools/reference/reference.h"
 #include "tools/session/version.h"
 

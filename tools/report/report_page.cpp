@@ -7,7 +7,6 @@
 
 #include "tools/player/page_words.h"
 #include "tools/report/axis.h"
-#include "tools/report/page_frame.h"
 #include "tools/report/report_pieces.h"
 
 namespace tessera {

@@ -26,4 +26,7 @@ std::string camera_strip(const CameraStrip& strip);
 /// The colours of the error maps with the numbers at their ends.
 std::string error_scale();
 
+/// A whole page. `title` is text and is escaped; `body` is HTML of the page's sections.
+std::string report_frame(const std::string& title, const std::string& body);
+
 }  // namespace tessera

@@ -9,7 +9,6 @@
 #include "tools/player/page_words.h"
 #include "tools/report/axis.h"
 #include "tools/report/chart_labels.h"
-#include "tools/report/chart_legend.h"
 #include "tools/report/svg_elements.h"
 
 namespace tessera {

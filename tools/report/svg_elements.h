@@ -2,6 +2,8 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tools/report/svg_chart.h"
 
@@ -22,5 +24,15 @@ std::string svg_line(const ChartCurve& curve, const std::string& path);
 
 /// The curve's mark at (x, y); without a tooltip where it is empty. "" of kNone.
 std::string svg_mark(const ChartCurve& curve, double x, double y, const std::string& tooltip);
+
+struct LegendEntry {
+  const ChartCurve* curve;
+  std::string words;
+};
+
+/// SVG elements below `top`, and how high they are, in units of the view box. Entries stand in two
+/// columns; one whose words do not fit in a column has a row alone.
+std::pair<std::string, double> legend_elements(const std::vector<LegendEntry>& entries, double left,
+                                               double top, double width);
 
 }  // namespace tessera

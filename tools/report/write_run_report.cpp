@@ -17,8 +17,8 @@
 #include "tools/camera_paths/camera_views.h"
 #include "tools/player/page_words.h"
 #include "tools/report/report_page.h"
+#include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/scene_lock.h"
 
 namespace tessera {
 namespace {

@@ -3,8 +3,14 @@
 #include "tools/session/device_choice.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <charconv>
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <utility>
 
 #include "kernels/base/errors.h"
 
@@ -90,6 +96,26 @@ void check_number(const BackendWish& wish, const DeviceFacts& facts) {
                                *wish.gpu, list, visibility(facts, "; ")));
 }
 
+/// NVIDIA's kernel module is there: on Linux, and as Windows shows it to WSL.
+bool has_driver_module() {
+  for (const char* path : {"/proc/driver/nvidia/version", "/dev/nvidiactl", "/dev/dxg"}) {
+    std::error_code unreachable;
+    if (std::filesystem::exists(path, unreachable)) return true;
+  }
+  return false;
+}
+
+DeviceFacts look_at_machine(const BackendWish& wish) {
+  DeviceFacts facts{probe_cuda(wish.gpu.value_or(0)), has_driver_module(), std::nullopt};
+  if (const char* const visible = std::getenv("CUDA_VISIBLE_DEVICES"))
+    facts.visible_devices = visible;
+  return facts;
+}
+
+DeviceChoice find(const BackendWish& wish) {
+  return choose_device(wish, wish.name == "cpu" ? DeviceFacts{} : look_at_machine(wish));
+}
+
 }  // namespace
 
 BackendWish parse_backend(const std::string& text) {
@@ -123,6 +149,53 @@ DeviceChoice choose_device(const BackendWish& wish, const DeviceFacts& facts) {
     throw DeviceError(
         fmt::format("CUDA cannot be used: {}; --backend cpu does without", reason_of(facts)));
   return {false, reason_of(facts), is_expected(facts)};
+}
+
+DeviceChoice find_backend(const std::string& backend) {
+  return find(parse_backend(backend));
+}
+
+ChosenBackend choose_backend(const std::string& backend) {
+  const BackendWish wish = parse_backend(backend);
+  DeviceChoice choice = find(wish);
+  if (choice.cuda) {
+    try {
+      return {make_cuda_backend(wish.gpu.value_or(0)), choice};
+    } catch (const DeviceError& error) {
+      if (wish.name == "cuda" || wish.gpu) throw;
+      choice = {false, error.what(), false};
+    }
+  }
+  return {make_cpu_backend(), choice};
+}
+
+int64_t machine_memory() {
+  return int64_t(::sysconf(_SC_PHYS_PAGES)) * int64_t(::sysconf(_SC_PAGESIZE));
+}
+
+std::string cpu_name() {
+  std::ifstream facts("/proc/cpuinfo");
+  for (std::string line; std::getline(facts, line);)
+    if (line.starts_with("model name"))
+      if (const size_t colon = line.find(": "); colon != std::string::npos)
+        return line.substr(colon + 2);
+  return "unknown";
+}
+
+std::vector<std::string> command_line() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  return words;
+}
+
+std::string utc_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  char text[32] = {};
+  std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
 }
 
 }  // namespace tessera

@@ -1,9 +1,13 @@
 // What: --backend and --gpu, and what the machine has of CUDA → which backend, and why.
 // Not: the making of it (backend_choice.h), nor any look at the machine.
 #pragma once
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "kernels/backend.h"
 #include "kernels/device_probe.h"
 
 namespace tessera {
@@ -36,5 +40,28 @@ struct DeviceChoice {
 /// Errors: InputError: no device of that number; DeviceError: a device was asked for, and cannot be
 /// used.
 DeviceChoice choose_device(const BackendWish& wish, const DeviceFacts& facts);
+
+struct ChosenBackend {
+  std::unique_ptr<Backend> backend;
+  DeviceChoice choice;  // why this one
+};
+
+/// `backend`: as parse_backend. Makes nothing. Errors: InputError for another name or device,
+/// DeviceError where CUDA or a device was asked for and cannot be used.
+DeviceChoice find_backend(const std::string& backend);
+/// "auto": the CUDA device where one can be used; else the CPU. Errors: as find_backend.
+ChosenBackend choose_backend(const std::string& backend);
+
+/// Bytes of memory that programs can have in all.
+int64_t machine_memory();
+
+/// The name of the processor, as /proc/cpuinfo has it; "unknown" where it has none.
+std::string cpu_name();
+
+/// The words by which this process was started; empty where the system does not list them.
+std::vector<std::string> command_line();
+
+/// Now, in UTC and as ISO 8601 has it: "2026-11-24T09:30:00Z".
+std::string utc_time();
 
 }  // namespace tessera

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/session/backend_choice.h"
+#include "tools/session/device_choice.h"
 #include "tools/session/session_times.h"
 #include "tools/session/train_start.h"
 

@@ -2,7 +2,8 @@
 // arm swings and a flag waves, all so fast that they move many pixels from frame to frame.
 #include <string>
 
-#include "tools/synth/world_builder.h"
+#include "tools/synth/hash.h"
+#include "tools/synth/world.h"
 
 namespace tessera::synth {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "tools/synth/world_builder.h"
+#include "tools/synth/world.h"
 
 namespace tessera::synth {
 namespace {

@@ -1,6 +1,7 @@
 // What: the truth beside a capture: ground_truth.json, masks of what changes, static surface
 // points. Not: read by ingest or training; only tests and measurements open it.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -51,5 +52,16 @@ PointCloud sample_static_points(const World& world, const std::vector<TrueView>&
                                 uint64_t seed);
 /// Columns x y z red green blue.
 void write_points(const std::filesystem::path& path, const PointCloud& points);
+
+/// [height, width] 1 where a sample meets something that changes at one of `times` (normalised).
+std::vector<uint8_t> ever_covered(const World& world, const Camera& camera,
+                                  const std::vector<double>& times, const StaticLayer& layer);
+
+/// Grey: 0 what never changes in this camera, else 128 + 127 · the share of the pixel's samples
+/// that meet something that changes at the image's own timestep. `ever`: as by ever_covered.
+Image8 moving_image(const RenderedImage& image, const std::vector<uint8_t>& ever);
+
+/// The instants of a clip, normalised.
+std::vector<double> clip_times(const SynthOptions& options);
 
 }  // namespace tessera::synth

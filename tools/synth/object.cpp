@@ -1,7 +1,7 @@
 // What: the object: a toy on a base plate, with parts that turn, orbit, stretch and wave; all
 //       within 1.25 of the origin, as D-NeRF's scenes are.
 // Not: a background; rays that miss are transparent.
-#include "tools/synth/world_builder.h"
+#include "tools/synth/world.h"
 
 namespace tessera::synth {
 namespace {

@@ -2,6 +2,7 @@
 // Not: its image (render.h). Space: metres, z up, the floor of the room at z = 0.
 #pragma once
 #include <cstdint>
+#include <glm/glm.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,5 +60,32 @@ World build_patch(uint32_t seed, double radius);
 World build_fast(uint32_t seed);
 /// The radius at which the path of the ball covers options.moving_share of cam00's image.
 double patch_radius(const SynthOptions& options);
+
+class WorldBuilder {
+ public:
+  explicit WorldBuilder(uint32_t seed) : seed_(seed) {}
+
+  /// A texture with its own seed and colours a little off those given, their hues drawn together:
+  /// neighbours then differ in brightness more than in chroma, which 4:2:0 video halves.
+  Texture texture(TextureKind kind, double cell, const glm::vec3& a, const glm::vec3& b,
+                  const glm::vec3& c);
+
+  /// A solid that stands still, casts and receives shadow. The reference holds until the next add.
+  Solid& add(const char* name, ShapeKind kind, const glm::dvec3& half, const glm::dvec3& centre,
+             const Texture& texture);
+
+  /// A solid that will be given a motion; without shadows, so that it changes its own pixels only.
+  Solid& add_mover(const char* name, ShapeKind kind, const glm::dvec3& half,
+                   const glm::dvec3& centre, const Texture& texture);
+
+  /// A few centimetres in the plane of the floor.
+  glm::dvec3 nudge();
+
+  World world;
+
+ private:
+  uint32_t seed_;
+  int64_t count_ = 0;
+};
 
 }  // namespace tessera::synth

@@ -9,7 +9,6 @@
 
 #include "tools/view/served_file.h"
 #include "tools/view/view_request.h"
-#include "tools/view/view_token.h"
 
 namespace tessera {
 namespace {

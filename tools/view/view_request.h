@@ -45,4 +45,17 @@ bool is_host_allowed(const ViewRequest& request, const std::vector<std::string>&
 /// passes unless it changes something: browsers send Origin with each POST.
 bool is_origin_allowed(const ViewRequest& request);
 
+/// 128 random bits of the kernel as 32 hexadecimal digits. Errors: std::runtime_error where the
+/// kernel has none.
+std::string make_view_token();
+
+/// Whether both are equal, in a time that depends on their lengths only.
+bool equal_in_constant_time(std::string_view a, std::string_view b);
+
+/// Browsers send a cookie to all ports of a host, so each server has a name of its own.
+std::string view_cookie_name(uint16_t port);
+
+/// Whether one cookie of a `Cookie` header has the name and the value.
+bool cookies_have(std::string_view header, std::string_view name, std::string_view value);
+
 }  // namespace tessera

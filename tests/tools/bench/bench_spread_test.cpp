@@ -1,6 +1,6 @@
 // What: median and spread, frontier and knee on points with known answers.
 // Not: where points come from.
-#include "tools/bench/spread.h"
+#include "tools/bench/report.h"
 
 #include <gtest/gtest.h>
 

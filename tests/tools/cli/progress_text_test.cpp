@@ -1,7 +1,7 @@
 // What: Counts, share and time left of a stage of known and of unknown length, and the bar made of
 // them.
 // Not: what is drawn on a terminal, and when (terminal_test.cpp).
-#include "tools/cli/progress_text.h"
+#include "tools/cli/terminal.h"
 
 #include <gtest/gtest.h>
 

@@ -11,8 +11,6 @@
 #include <thread>
 #include <vector>
 
-#include "tools/cli/verbosity.h"
-
 namespace tessera {
 namespace {
 

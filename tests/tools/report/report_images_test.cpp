@@ -3,7 +3,6 @@
 
 #include <set>
 
-#include "tools/report/error_map.h"
 #include "tools/report/run_images.h"
 #include "tools/video/jpeg.h"
 

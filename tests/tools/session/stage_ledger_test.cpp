@@ -1,6 +1,6 @@
 // What: the stamps of a capture's files, by which a stage knows that its input has changed.
 // Not: the stages (cli_run_test.cpp).
-#include "tools/session/stage_ledger.h"
+#include "tools/cli/stage_ledger.h"
 
 #include <gtest/gtest.h>
 

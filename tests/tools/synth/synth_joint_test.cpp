@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "tools/synth/motion.h"
-#include "tools/synth/ray_cast.h"
+#include "tools/synth/render.h"
 
 namespace tessera::synth {
 namespace {

@@ -9,7 +9,7 @@
 #include "ingest/files/png.h"
 #include "kernels/base/errors.h"
 #include "tests/support/scratch_folder.h"
-#include "tools/synth/moving_masks.h"
+#include "tools/synth/ground_truth.h"
 #include "tools/synth/rigs.h"
 #include "tools/synth/sensor.h"
 

@@ -1,6 +1,6 @@
 // Who may ask: tokens and cookies, names of the server, other pages, methods.
 #include "tests/tools/view/view_fixture.h"
-#include "tools/view/view_token.h"
+#include "tools/view/view_request.h"
 
 namespace tessera::testing {
 namespace {

@@ -29,21 +29,6 @@ struct BatchResult {
   int64_t count(BatchOutcome outcome) const;
 };
 
-/// Subfolders and links that may be some, by name; hidden ones and the output folder are none of
-/// them. Errors: InputError when `folder` cannot be read.
-std::vector<std::filesystem::path> subfolders(const std::filesystem::path& folder,
-                                              const std::filesystem::path& out);
-
-/// Names of the subfolders that are captures; hidden ones are not looked at. Errors: none: what
-/// cannot be read is no capture.
-std::vector<std::string> captures_in(const std::filesystem::path& folder,
-                                     std::optional<ImageReading> reading = std::nullopt);
-
-/// True when `folder` is no capture itself and some of its subfolders are. Images that may be a
-/// rig's or those of several captures are a capture, whose reader says what is to be decided.
-bool is_folder_of_captures(const std::filesystem::path& folder,
-                           std::optional<ImageReading> reading = std::nullopt);
-
 /// Prepares every subfolder of `folder` into out/NAME. A bad one is reported and the next begun;
 /// one that was prepared before from the same files with the same options is left alone
 /// (out/scenes.json keeps the keys). `overwrite`: also scenes of those names that it did not

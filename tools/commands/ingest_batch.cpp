@@ -1,6 +1,6 @@
 // What: the loop over subfolders, what it remembers, and its summary.
 // Not: any capture's layout.
-#include "tools/batch/ingest_batch.h"
+#include "tools/commands/ingest_batch.h"
 
 #include <fmt/format.h>
 
@@ -16,9 +16,9 @@
 #include "kernels/base/errors.h"
 #include "tools/cli/ingest_arguments.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/output_place.h"
+#include "tools/cli/stage_ledger.h"
 #include "tools/cli/terminal.h"
-#include "tools/session/output_place.h"
-#include "tools/session/stage_ledger.h"
 
 namespace tessera {
 namespace {
@@ -26,19 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
-
-bool is_capture(const fs::path& folder, std::optional<ImageReading> reading) {
-  try {
-    detect_layout(folder, reading);
-    return true;
-  } catch (const AmbiguousCapture&) {
-    return true;
-  } catch (const InputError&) {
-    return false;
-  } catch (const fs::filesystem_error&) {
-    return false;
-  }
-}
 
 /// Everything that the prepared scene depends on.
 json report_json(const IngestReport& report) {
@@ -135,39 +122,6 @@ const char* outcome_name(BatchOutcome outcome) {
 int64_t BatchResult::count(BatchOutcome outcome) const {
   return std::count_if(scenes.begin(), scenes.end(),
                        [&](const BatchScene& scene) { return scene.outcome == outcome; });
-}
-
-std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
-  std::error_code reason;
-  std::vector<fs::path> found;
-  for (const auto& entry : fs::directory_iterator(folder, reason)) {
-    std::error_code unresolved;
-    const bool is_folder = entry.is_directory(unresolved) || unresolved || entry.is_symlink();
-    const bool is_hidden = entry.path().filename().string().front() == '.';
-    const bool is_file = !unresolved && entry.is_regular_file(unresolved);
-    if (!is_folder || is_hidden || is_file) continue;
-    if (!out.empty() &&
-        fs::weakly_canonical(entry.path(), unresolved) == fs::weakly_canonical(out, unresolved))
-      continue;
-    found.push_back(entry.path());
-  }
-  if (reason)
-    throw InputError(fmt::format("{}: cannot be read ({}); check the path and its permissions",
-                                 folder.string(), reason.message()));
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
-std::vector<std::string> captures_in(const fs::path& folder, std::optional<ImageReading> reading) {
-  std::vector<std::string> names;
-  for (const fs::path& path : subfolders(folder, {}))
-    if (is_capture(path, reading)) names.push_back(path.filename().string());
-  return names;
-}
-
-bool is_folder_of_captures(const fs::path& folder, std::optional<ImageReading> reading) {
-  return fs::is_directory(folder) && !is_capture(folder, reading) &&
-         !captures_in(folder, reading).empty();
 }
 
 BatchResult ingest_batch(const fs::path& folder, const fs::path& out, const IngestOptions& options,

@@ -1,6 +1,6 @@
 // What: stages.json, and keys from inputs.
 // Not: locking: two runs in one folder are the user's mistake.
-#include "tools/session/stage_ledger.h"
+#include "tools/cli/stage_ledger.h"
 
 #include <fmt/format.h>
 

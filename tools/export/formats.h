@@ -2,14 +2,31 @@
 // Not: the formats (static3d/tessera4d, recon4d/model/model_file.h).
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <vector>
 
 #include "recon4d/model/gaussian_set.h"
 #include "recon4d/reduction/size_limit.h"
 #include "static3d/tessera4d/size_breakdown.h"
-#include "tools/export/request.h"
+#include "tools/camera_paths/export_times.h"
 
 namespace tessera {
+
+/// What `tessera export` was asked for.
+struct ExportRequest {
+  std::string model, out, format = "ply";
+  ExportTimes times;  // of frames; its fps also of formats that hold time
+  int spz_version = 3;
+  bool page = false;                      // the player beside the frames
+  bool single = false, lossless = false;  // of the Tessera 4D file
+  double segment_seconds = 1;
+  std::string cameras, audio;
+  std::string title, description;  // of a page; empty: none
+  std::string poster;              // of a page: an image file, or "auto"; empty: none
+  bool truth = false;              // test images of the scene in the page
+  int threads = 0;
+  bool keep_world = false, overwrite = false, json = false;
+};
 
 struct TimeFormat {
   const char* name;  // of --format
@@ -28,5 +45,8 @@ const TimeFormat* find_time_format(const std::string& name);
 ShippedSize shipped_size_of(const std::string& path, const GaussianModel& model);
 /// Its bytes, for models of the run folder `path`.
 ShippedBytes shipped_bytes_of(const std::string& path);
+
+/// Writes the folder; frames, bytes and counters. Errors: as export_times, export_sequence.
+nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model);
 
 }  // namespace tessera

@@ -1,6 +1,6 @@
 // What: whether one folder is, contains or lies in another, by what the names lead to.
 // Not: any writing.
-#include "tools/session/output_place.h"
+#include "tools/cli/output_place.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
 // What: Writes the PLY frames and the player page of a run, in the world of its capture.
 // Not: the formats (static3d, tools/export).
-#include "tools/commands/run_outputs.h"
+#include "tools/export/run_outputs.h"
 
 #include <nlohmann/json.hpp>
 
@@ -12,7 +12,7 @@
 #include "tools/camera_paths/export_times.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
-#include "tools/export/in_time.h"
+#include "tools/export/formats.h"
 #include "tools/export/output_folder.h"
 
 namespace tessera {

@@ -1,6 +1,6 @@
 // What: planar floats → interleaved rows of the two formats.
 // Not: colour management: values are display-referred, as trained.
-#include "tools/cli/image_files.h"
+#include "tools/export/image_files.h"
 
 #include <fmt/format.h>
 

@@ -32,4 +32,20 @@ class RunLock {
 /// system knows no locks, whether the lock's file is there.
 bool is_run_locked(const std::filesystem::path& folder);
 
+/// The kernel gives the lock back when the program ends in whatever way.
+class SceneLock {
+ public:
+  enum class Use { kRead, kReplace };
+
+  /// Locks nothing where `scene` is no scene, or lies on a file system without locks. Errors:
+  /// InputError: another program replaces the scene, or for kReplace has it in use (names it).
+  SceneLock(const std::filesystem::path& scene, Use use);
+  SceneLock(const SceneLock&) = delete;
+  SceneLock& operator=(const SceneLock&) = delete;
+  ~SceneLock();
+
+ private:
+  int descriptor_ = -1;
+};
+
 }  // namespace tessera
