@@ -1,5 +1,4 @@
-// What: the `tessera` program: picks the command and turns failures into exit codes.
-// Not: any work; each command is a file of its own.
+// The `tessera` program: selects the command and converts errors into exit codes.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: the checks, and the object.
-// Not: any file.
+// Finds captures and checks names, presets, options and formats.
 #include "tools/batch/batch_config.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
-// What: what `tessera batch` was asked for → batch.yaml, checked before anything is run.
-// Not: the command line (commands/batch.cpp) nor the workflow, which checks again (settings.py): a
-//      person may have written the file.
+// The request of `tessera batch`: captures by name, from a folder or a glob, and batch.yaml, which
+// is checked before anything is run. settings.py checks the file again, as it may have been written
+// by hand.
 #pragma once
 #include <filesystem>
 #include <map>

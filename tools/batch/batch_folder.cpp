@@ -1,5 +1,4 @@
-// What: asked.json × runs/ × failures/.
-// Not: scores (batch_report.h).
+// Compares asked.json with runs/ and failures/.
 #include "tools/batch/batch_folder.h"
 
 #include <fmt/format.h>

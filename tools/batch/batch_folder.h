@@ -1,9 +1,8 @@
-// What: what the folder of a batch holds: what was asked for, which runs are done, what has failed.
-// Not: running anything (engine.h), nor what is made of it (batch_report.h).
-// OUT: batch.yaml, asked.json (what it comes to: {scenes, variants, seeds, …}, settings.py),
-//      workflow/, scenes/SCENE, runs/SCENE/PRESET/seed-S (run folders with metrics.json
-//      and train.json), exports/SCENE/PRESET/seed-S/FORMAT, failures/*.json {scene, rule, preset,
-//      seed, format, exit_code, message, log}, report/.
+// The contents of a batch's folder OUT: the request, the finished runs and the failures. OUT holds
+// batch.yaml, asked.json (the resolved request {scenes, variants, seeds, …}, settings.py),
+// workflow/, scenes/SCENE, runs/SCENE/PRESET/seed-S (run folders with metrics.json and train.json),
+// exports/SCENE/PRESET/seed-S/FORMAT, failures/*.json {scene, rule, preset, seed, format,
+// exit_code, message, log} and report/.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>

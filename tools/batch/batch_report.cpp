@@ -1,5 +1,5 @@
-// What: metrics.json, train.json and config.json of every run, gathered.
-// Not: medians and pareto_fronts (bench/report.h).
+// Collects metrics.json, train.json and config.json of every run; bench/report.h computes medians
+// and Pareto fronts.
 #include "tools/batch/batch_report.h"
 
 #include <fmt/format.h>

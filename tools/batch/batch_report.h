@@ -1,6 +1,5 @@
-// What: the folder of a batch → one object of everything its report says: runs with their scores,
-//       medians and spreads by scene and preset, failures, versions, devices, options.
-// Not: a page (batch_page.h) or images.
+// The report of a batch as one object: runs with their scores, medians and spreads by scene and
+// preset, failures, versions, devices, options.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,4 @@
-// What: the difference between two looks at a batch.
-// Not: its folder (batch_folder.h).
+// Compares the folder of a batch with its state at the last look.
 #include "tools/batch/batch_watch.h"
 
 #include <fmt/format.h>

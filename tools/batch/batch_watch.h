@@ -1,5 +1,4 @@
-// What: a line for every run of a batch that gets done and every failure, while the engine works.
-// Not: the engine's own words.
+// Prints a line for every finished run and every failure of a batch while the engine works.
 #pragma once
 #include <chrono>
 #include <filesystem>

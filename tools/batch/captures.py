@@ -1,4 +1,4 @@
-"""What: the captures of a batch and what tells that one has changed. Not: any layout of them."""
+"""The captures of a batch, and the stamps by which a changed capture is recognised."""
 import dataclasses
 import glob
 import hashlib

@@ -1,4 +1,4 @@
-"""What: checks of a file that a person wrote, and how they say what is wrong. Not: its meaning."""
+"""Checks of values in a file that may have been written by hand, with error messages."""
 import difflib
 import json
 import re

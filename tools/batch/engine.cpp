@@ -1,5 +1,5 @@
-// What: Snakemake in a process group of its own, and a loop around waitpid.
-// Not: a scheduler.
+// Starts Snakemake in a process group of its own and polls waitpid. The assembler embeds the files
+// of this folder, which CMakeLists.txt lists.
 #include "tools/batch/engine.h"
 
 #include <fmt/format.h>

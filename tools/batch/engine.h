@@ -1,5 +1,5 @@
-// What: Snakemake as a child of `tessera batch`: found, started, told to stop, waited for.
-// Not: what it runs (Snakefile).
+// Runs Snakemake as a child process of `tessera batch`, and writes the workflow that is built into
+// the program.
 #pragma once
 #include <filesystem>
 #include <functional>

@@ -1,5 +1,4 @@
-"""What: what a job asks of a machine, from the forecast of `tessera doctor --json` for its preset.
-Not: the forecast."""
+"""The resources of a job, from the forecast of `tessera doctor --json` for its preset."""
 import json
 import math
 

@@ -1,5 +1,4 @@
-// What: which frames, their renders, and the folder that keeps them.
-// Not: rendering (recon4d/evaluation/render.h).
+// Chooses the frames, renders them and keeps the images.
 #include "tools/batch/held_out_views.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-// What: a few held-out views of a run as small images beside the truth, drawn once, in
-//       RUN/held_out/.
-// Not: scores (tools/session/held_out_scores.h).
+// Small images of a few held-out views of a run beside the truth, rendered once and kept in
+// RUN/held_out/.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,5 +1,5 @@
-"""What: before and after a batch: one driver a folder, its settings kept, no records of jobs that are
-no more, the report. Not: jobs."""
+"""Start and end of a batch: one driver a folder, its settings kept, stale records of jobs
+removed, the report."""
 import fcntl
 import glob
 import os

@@ -1,5 +1,5 @@
-"""What: one job of a batch: runs the program, appends to its log, leaves failures/JOB.json unless
-it succeeds. Not: which jobs there are (Snakefile).
+"""Runs one job of a batch: calls the program, appends to its log, and writes failures/JOB.json
+unless it succeeds. The jobs are defined in the Snakefile.
 
 usage: job.py RULE [SCENE [PRESET SEED [FORMAT]]] --threads N --attempt N --mem-mb N
                 [--refused MESSAGE]   records only that the cluster did not take the job

@@ -1,4 +1,4 @@
-"""What: flock, also where the file system has none. Not: what is locked."""
+"""flock, with a substitute where the file system has no locks."""
 import errno
 import fcntl
 import sys

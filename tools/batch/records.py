@@ -1,4 +1,4 @@
-"""What: small JSON files: read as they are, written whole or not at all. Not: what is in them."""
+"""Reads and writes small JSON files; a file is written as a whole or not at all."""
 import json
 import os
 import socket

@@ -1,4 +1,4 @@
-"""What: batch.yaml, read and checked: scenes, presets, seeds, formats. Not: what is done with them."""
+"""Reads and checks batch.yaml: scenes, presets, seeds, formats."""
 import dataclasses
 import json
 import os

@@ -1,5 +1,5 @@
-"""What: how a training begins: anew, from its checkpoint, or with fewer Gaussians after it died of
-memory. Not: the training."""
+"""How a training starts: from the beginning, from its checkpoint, or with fewer Gaussians after
+it ran out of memory."""
 import hashlib
 import os
 import re

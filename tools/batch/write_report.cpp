@@ -1,4 +1,4 @@
-// Gathers, draws and writes.
+// Collects the data, renders the views and writes the files.
 #include "tools/batch/write_report.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: the report of a batch as files: OUT/report/index.html, report.csv, report.json, charts.
-// Not: what it says (batch_report.h) or how (batch_page.h).
+// Writes the report of a batch: OUT/report/index.html, report.csv, report.json and charts.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

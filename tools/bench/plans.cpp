@@ -1,5 +1,4 @@
-// What: loops over scenes, presets or rows, budgets and seeds, and the options of each.
-// Not: any file.
+// Loops over scenes, presets or rows, budgets and seeds, and sets the options of each run.
 #include "tools/bench/plans.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: the runs of a chart, a curve or a table, from what was asked for.
-// Not: running them (bench/runner.h).
+// The runs of a chart, a curve or a table, from the request.
 #pragma once
 #include "tools/bench/run.h"
 #include "tools/bench/tables.h"

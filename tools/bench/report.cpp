@@ -1,5 +1,4 @@
-// What: grouping by scene, then by label and step.
-// Not: arithmetic of spreads and pareto_fronts (bench/spread.h).
+// Groups results by scene, then by label and step.
 #include "tools/bench/report.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,5 @@
-// What: results of runs → points: medians and spreads over seeds, by scene, label and step; as
-//       JSON and CSV.
-// Not: running runs (bench/runner.h), images (bench/scene_chart.h) or tables for people
-//      (bench/table_text.h).
+// Points from the results of runs: medians and spreads over seeds by scene, label and step, as JSON
+// and CSV; the Pareto front of time and quality, and its knee.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>

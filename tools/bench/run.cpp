@@ -1,5 +1,5 @@
-// What: names, fingerprints and result.json of runs.
-// Not: locking: two programs may fill one folder when each has its own shard.
+// Names, fingerprints and result.json of runs. Folders are not locked: two programs may fill one
+// folder when each has its own shard.
 #include "tools/bench/run.h"
 
 #include <fmt/format.h>

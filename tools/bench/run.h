@@ -1,7 +1,6 @@
-// What: a run of a benchmark: one training of one scene, where it lies, and what it left there.
-// Not: the training (bench/runner.h).
-// A run's folder DIR/runs/SCENE/LABEL/ITERATIONS/SEED is a run folder with a result.json; LABEL
-// ends in +curve where the run is scored on the way.
+// A run of a benchmark: one training of one scene, its folder and its results. The folder
+// DIR/runs/SCENE/LABEL/ITERATIONS/SEED is a run folder with a result.json; LABEL ends in +curve
+// where the run is scored during the training.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

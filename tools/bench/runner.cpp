@@ -1,5 +1,4 @@
-// What: train_session in process, then the model that it wrote: loaded, scored, timed.
-// Not: training.
+// Calls train_session, then loads, scores and times the model that it wrote.
 #include "tools/bench/runner.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: runs are trained, scored and timed, each in its folder; what is done is not done again.
-// Not: which runs (bench/plans.h) or what becomes of their results (bench/report.h).
+// Trains, scores and times runs, each in its folder; a finished run is not repeated.
 #pragma once
 #include <cstdint>
 #include <filesystem>

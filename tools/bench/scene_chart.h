@@ -1,5 +1,5 @@
-// The charts of one scene: quality against training time and model size, as one SVG image, and the
-// published figures of other programs in them.
+// The charts of one scene as one SVG image: quality against training time and model size, with
+// published figures of other programs.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>

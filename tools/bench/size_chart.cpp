@@ -1,4 +1,4 @@
-// Points of a scene → a panel: the line of shares, the dots of presets.
+// One panel a scene: a line through the shares, and a dot for each preset.
 #include "tools/bench/size_chart.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: the stages' times and bytes as a table, and the named ablations on one load.
-// Not: the load or the clock (recon4d/training/stage_bench.h).
+// Formats the times and bytes of stages as a table, and runs the named ablations on one load
+// (recon4d/training/stage_bench.h).
 #include "tools/bench/stages.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,5 @@
-// What: `tessera bench SCENE`: time and bytes of every stage of a training step on a fixed load, or
-// a
-//       row for each named ablation on it.
-// Not: a training (bench/sweep.h).
+// `tessera bench SCENE`: time and bytes of every stage of a training step on a fixed load, or one
+// row for each named ablation on it.
 #pragma once
 #include <string>
 

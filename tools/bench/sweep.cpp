@@ -1,5 +1,5 @@
-// What: plan, run, gather, write; the plan is written first, so that --plot works at any time.
-// Not: the arithmetic of points (bench/report.h) or the drawing (bench/scene_chart.h).
+// Writes the plan, runs it, collects the results and writes them. The plan is written first, so
+// that --plot works at any time.
 #include "tools/bench/sweep.h"
 
 #include <fmt/format.h>

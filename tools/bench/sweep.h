@@ -1,9 +1,6 @@
-// What: `tessera bench --chart`, `--table`, `--curve` and `--sizes`: many trainings in one folder,
-// and what is
-//       made of their results: JSON, CSV, Markdown, images.
-// Not: one training (bench/runner.h).
-// DIR: runs/ (a folder a run), chart.json, chart.csv, chart_SCENE.svg; curve.* alike;
-//      table_NAME.json|csv|md; sizes.json|csv|md|svg.
+// `tessera bench --chart`, `--table`, `--curve` and `--sizes`: many trainings in one folder, and
+// their results as JSON, CSV, Markdown and images. DIR holds runs/ (a folder a run), chart.json,
+// chart.csv, chart_SCENE.svg; curve.* alike; table_NAME.json|csv|md; sizes.json|csv|md|svg.
 #pragma once
 #include "tools/bench/plans.h"
 

@@ -1,5 +1,4 @@
-// What: headings, units and digits of each metric; footnotes for the sources of published figures.
-// Not: any file.
+// Headings, units and digits of each metric, and footnotes for the sources of published figures.
 #include "tools/bench/table_text.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: points as tables for people (Markdown), published figures beside ours.
-// Not: points (bench/report.h), nor the figures (bench/tables.h).
+// Points as Markdown tables, with published figures beside them.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

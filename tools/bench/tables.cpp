@@ -1,6 +1,5 @@
-// What: the rows and what was published for them.
-// Not: code paths: a row only changes what any user could set by hand.
-// Source: method F.1 to F.3; published_numbers 5a, 5c, 5g.
+// The rows and the published figures. A row only sets options that any user could set. Source:
+// method F.1 to F.3; published_numbers 5a, 5c, 5g.
 #include "tools/bench/tables.h"
 
 #include <fmt/format.h>

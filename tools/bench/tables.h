@@ -1,5 +1,4 @@
-// What: the tables of `tessera bench --table`: rows as data, with the published figures beside.
-// Not: running them (bench/plans.h) or text (bench/table_text.h).
+// The tables of `tessera bench --table`: rows as data, with the published figures.
 #pragma once
 #include <map>
 #include <string>

@@ -1,5 +1,4 @@
-// What: circle, spiral and spline, each as a list of poses.
-// Not: robust estimation of centre and up (ingest/poses/world_normalisation.h).
+// Computes circle, spiral and spline as lists of poses.
 #include "tools/camera_paths/camera_path.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// What: a camera that moves: around what a rig looks at, on a spiral before it, through key frames.
-// Not: files, times or models (path_views.h).
-// Source: spiral: the render path of [LLFF]; key frames: Catmull-Rom splines, slerp.
+// Camera paths: an orbit around the centre of a rig, a spiral in front of it, and curves through
+// key frames. The spiral is the render path of [LLFF]; key frames are joined by Catmull-Rom splines
+// and slerp.
 #pragma once
 #include <glm/gtc/quaternion.hpp>
 #include <vector>

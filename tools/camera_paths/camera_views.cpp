@@ -1,5 +1,5 @@
-// What: the two sources of views and the clock they share with the model.
-// Not: parsing (ingest).
+// Reads views from a scene or a transforms file, and converts their times and poses to the world of
+// the model.
 #include "tools/camera_paths/camera_views.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-// What: --cameras on the command line → named views: a scene's frames, or a transforms file as a
-//       camera path whose images need not exist.
-// Not: rendering.
+// Named views for --cameras: the frames of a scene, or a transforms file as a camera path whose
+// images need not exist. Also the cameras of a rig for players, and its frame rate.
 #pragma once
 #include <filesystem>
 #include <optional>

@@ -1,5 +1,4 @@
-// What: evenly spread timesteps, timesteps at a rate, the rate of cameras, and the words of
-// --range. Not: option parsing (commands/export.cpp).
+// Computes evenly spaced timesteps and timesteps at a rate, and parses --range.
 #include "tools/camera_paths/export_times.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,5 @@
-// What: the timesteps that `tessera export` writes: from --frames, --fps, --time and --range, else
-// at
-//       the rate of the capture's cameras.
-// Not: files or models.
+// The timesteps that `tessera export` writes: from --frames, --fps, --time and --range, else at the
+// rate of the capture's cameras.
 #pragma once
 #include <cstdint>
 #include <map>

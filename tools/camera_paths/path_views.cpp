@@ -1,5 +1,4 @@
-// What: which rig, which lens, how many frames, which timesteps.
-// Not: the curves (camera_path.h).
+// Chooses the rig, the lens, the number of frames and the timesteps; camera_path.h has the curves.
 #include "tools/camera_paths/path_views.h"
 
 #include <fmt/format.h>

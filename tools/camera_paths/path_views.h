@@ -1,5 +1,4 @@
-// What: --path on the command line → the views of a video: poses, lenses and timesteps.
-// Not: the curves (camera_path.h), rendering or encoding.
+// The views of a video for --path: poses, lenses and timesteps.
 #pragma once
 #include <filesystem>
 #include <optional>

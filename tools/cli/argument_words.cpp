@@ -1,4 +1,4 @@
-// Joins values to the switches before them.
+// Joins values to the switches before them, and reads numbers with suffixes.
 #include "tools/cli/argument_words.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,5 @@
-// The words of a command line before they are parsed.
+// Words of a command line: the switches and suffixes (10k, 2s, 50%) that are accepted besides the
+// plain forms of CLI11, and the check for list entries that are given twice.
 #pragma once
 #include <fmt/format.h>
 #include <algorithm>

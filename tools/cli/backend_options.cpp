@@ -1,5 +1,4 @@
-// What: the two options, and the warning.
-// Not: any look at the machine.
+// Adds the two options and prints the warning.
 #include "tools/cli/backend_options.h"
 
 #include <fmt/format.h>

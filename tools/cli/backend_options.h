@@ -1,5 +1,5 @@
-// What: --backend and --gpu on the command line, and the one warning of a choice that costs.
-// Not: the choice (tools/session/device_choice.h).
+// The options --backend and --gpu, and the warning when the CPU is used although CUDA might have
+// been expected. tools/session/device_choice.h makes the choice.
 #pragma once
 #include <memory>
 #include <string>

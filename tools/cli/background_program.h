@@ -1,4 +1,4 @@
-// A program beside this one, in a process group of its own, so that Ctrl-C does not reach it.
+// Starts a program in a process group of its own, so that Ctrl-C does not reach it.
 #pragma once
 #include <sys/types.h>
 

@@ -1,5 +1,5 @@
-// What: what a command is to main: a name, its options, a function that returns an exit code.
-// Not: parsing (CLI11) and not any work of the commands.
+// The interface between main() and the commands: each command has a function that adds it to the
+// parser and stores the work to do, which returns an exit code.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>

@@ -1,6 +1,6 @@
-// What: ends the program with one line where it was compiled for another CPU, before anything of it
-// runs, static objects included; without this it would end with SIGILL somewhere.
-// Not: the comparison (kernels/base/cpu_features.h). Compiled for any x86-64.
+// Ends the program with one line when it was compiled for a CPU with other features. The check runs
+// before all other code, static objects included; without it the program would end with SIGILL.
+// This file is compiled for any x86-64; kernels/base/cpu_features.h has the comparison.
 #include <string.h>
 #include <unistd.h>
 

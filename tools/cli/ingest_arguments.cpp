@@ -1,5 +1,4 @@
-// What: the rows of ingest's options, and the words that stand for their values.
-// Not: what is done with them.
+// Defines the ingest options and converts the given words into values.
 #include "tools/cli/ingest_arguments.h"
 
 #include <fmt/format.h>

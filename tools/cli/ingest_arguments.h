@@ -1,5 +1,5 @@
-// What: the ingest part of a command line, shared by `ingest`, `run` and `doctor`.
-// Not: the options' meaning (ingest/ingest.h).
+// The ingest options of the command line, shared by `ingest`, `run` and `doctor`. ingest/ingest.h
+// documents their meaning.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

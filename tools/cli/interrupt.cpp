@@ -1,5 +1,4 @@
-// What: the handlers.
-// Not: any work in them but setting the flag.
+// The signal handlers set flags and do no other work.
 #include "tools/cli/interrupt.h"
 
 #include <csignal>

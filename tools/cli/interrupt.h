@@ -1,6 +1,6 @@
-// What: Ctrl-C, and the signals by which a scheduler takes a machine away (SIGTERM, SIGUSR1) or a
-//       terminal goes (SIGHUP), as a flag that long work asks for; the second Ctrl-C ends at once.
-// Not: cleaning up in a signal handler.
+// Signals that stop the program, and its exit codes. Ctrl-C (SIGINT), the signals of a scheduler
+// (SIGTERM, SIGUSR1) and of a closed terminal (SIGHUP) set a flag that long work polls; a second
+// Ctrl-C ends the program at once.
 #pragma once
 #include <exception>
 

@@ -1,5 +1,5 @@
-// Rows of the option table are recognised by their name and group; of other options CLI11 has the
-// texts.
+// Rows of the option table are recognised by their name and group; the text of other options comes
+// from CLI11.
 #include "tools/cli/option_reference.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// Options and commands of the program as values, for help, reference pages, man pages and shell
-// completion.
+// Options and commands of the program as values and text, for help, reference pages, man pages and
+// shell completion.
 #pragma once
 #include <string>
 #include <vector>

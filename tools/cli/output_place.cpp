@@ -1,5 +1,4 @@
-// What: whether one folder is, contains or lies in another, by what the names lead to.
-// Not: any writing.
+// Compares paths after links are resolved: whether one folder is, contains or lies in another.
 #include "tools/cli/output_place.h"
 
 #include <fmt/format.h>

@@ -1,19 +1,19 @@
-// What: where results may lie: never in what they are made of. And what may be replaced.
-// Not: how files are replaced (output_folder.h, ingest/files/folders.h).
+// Checks where results may be written: never into the inputs that they are made of, and never over
+// results that must not be replaced. output_folder.h and ingest/files/folders.h replace files.
 //
-// The rule, the same for all commands that write; links and mounts are seen through:
+// The rules are the same for all commands that write; links and mounts are resolved:
 // 1. A capture or a scene that a command reads is never written to: an output that is this folder
 //    or lies in it is refused, before anything is written (`run C -o C`, `train S -o S/run`).
-// 2. Commands that fill a folder of their own (run, ingest, train, bench, batch) are refused one
-//    that contains such an input as well: a second call replaces what is there.
+// 2. Commands that fill a whole folder (run, ingest, train, bench, batch) are refused one that
+//    contains such an input as well: a second call replaces what is there.
 // 3. A run folder is no input in this sense: `export RUN -o RUN/export` is allowed, and `run` keeps
 //    OUT/scene beside OUT/run. Nor is a folder of captures, whose results may lie beside them; each
 //    capture in it is one.
-// 4. What took hours, a prepared scene, a run or a made capture, is replaced with --overwrite only,
-//    and a scene that another program has in use not even then (scene_lock.h). `run`, `batch` and
-//    `ingest` of several captures keep a record of what they have made in their folder for which
-//    inputs and options, and replace that and nothing else. Exports, images and reports are
-//    replaced where their folder lists them as its own (output_folder.h).
+// 4. Expensive results, a prepared scene, a run or a synthetic capture, are replaced with
+//    --overwrite only, and a scene that another program uses is never replaced (locks.h). `run`,
+//    `batch` and `ingest` of several captures record which files of their folder they made for
+//    which inputs and options, and replace these alone. Exports, images and reports are replaced
+//    where the manifest of their folder lists them (output_folder.h).
 #pragma once
 #include <filesystem>
 

@@ -1,5 +1,5 @@
-// What: stages.json, and keys from inputs.
-// Not: locking: two runs in one folder are the user's mistake.
+// Reads and writes stages.json, and computes keys from inputs. The file is not locked: two runs in
+// one folder are not supported.
 #include "tools/cli/stage_ledger.h"
 
 #include <fmt/format.h>

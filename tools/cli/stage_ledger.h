@@ -1,5 +1,4 @@
-// What: which stages of a `tessera run` are done, and for which inputs and options (stages.json).
-// Not: the stages.
+// Records which stages of a `tessera run` are done, and for which inputs and options (stages.json).
 #pragma once
 #include <filesystem>
 #include <nlohmann/json.hpp>

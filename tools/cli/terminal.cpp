@@ -1,5 +1,4 @@
-// What: Lines and bars on stderr.
-// Not: thread-safe: commands report from one thread.
+// Formats and draws messages and bars. It is not thread-safe: commands report from one thread.
 #include "tools/cli/terminal.h"
 
 #include <fmt/format.h>

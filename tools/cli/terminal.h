@@ -1,6 +1,5 @@
-// What: What a user sees on stderr: messages, and a progress bar with the time left on a terminal
-// or a plain line now and then otherwise.
-// Not: results: they go to stdout (print_result).
+// Output on stderr: messages, warnings, and a progress bar with the remaining time, or a line every
+// ten seconds where stderr is no terminal. Results go to stdout (print_result).
 #pragma once
 #include <chrono>
 #include <cstdint>

@@ -1,4 +1,5 @@
-// The options of a training on the command line, and the layers that its options are made of.
+// Defines the training options and resolves their layers: defaults, preset, ablation, --config,
+// command line.
 #include "tools/cli/train_arguments.h"
 
 #include <fmt/format.h>

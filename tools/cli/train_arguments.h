@@ -1,5 +1,5 @@
-// What: the training part of a command line, shared by `train` and `run`.
-// Not: the options' meaning (recon4d/options/train_options.h).
+// The training options of the command line, shared by `train` and `run`.
+// recon4d/options/train_options.h documents their meaning.
 #pragma once
 #include <filesystem>
 #include <map>

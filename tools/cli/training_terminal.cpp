@@ -1,5 +1,5 @@
-// What: the lines and the note beside the bar.
-// Not: what is written to the run folder (tools/session/training_log.h).
+// Formats the lines and the note beside the progress bar. tools/session/training_log.h writes the
+// log of the run folder.
 #include "tools/cli/training_terminal.h"
 
 #include <fmt/format.h>

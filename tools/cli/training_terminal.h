@@ -1,5 +1,4 @@
-// What: a training session on the terminal: its messages, a progress bar, and Ctrl-C.
-// Not: the session (tools/session/train_session.h).
+// Shows a training session on the terminal: messages, a progress bar, and a stop on Ctrl-C.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

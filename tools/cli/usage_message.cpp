@@ -1,6 +1,5 @@
-// What: unknown commands and options are looked up by name; of values that cannot be read the
-//       expected kind is named; the rest is CLI11's own text.
-// Not: a second parse.
+// Unknown commands and options are looked up by name, and for a value that cannot be read the
+// expected type is named. All other messages are those of CLI11.
 #include "tools/cli/usage_message.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// One line that says what is wrong with a command line, with the names that may have been meant,
+// Describes an error of the command line in one line, with similar names of options and commands,
 // also those of other programs.
 #pragma once
 #include <CLI/CLI.hpp>

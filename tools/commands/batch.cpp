@@ -1,6 +1,6 @@
-// What: `tessera batch`: many captures × presets × budgets × seeds as one workflow: writes
-//       batch.yaml and the workflow, starts Snakemake, says what became of it.
-// Not: a scheduler, nor the stages: each job is a command of this program.
+// `tessera batch` trains many captures with several presets, budgets and seeds. It writes
+// batch.yaml and the workflow, runs Snakemake, and prints a summary; each job of the workflow is a
+// command of this program.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What: `tessera bench`: the options of its modes: stages, chart, curve, table, sizes.
-// Not: any of them (bench/stages.h, bench/sweep.h).
+// `tessera bench`: the options of its modes stages, chart, curve, table and sizes (bench/stages.h,
+// bench/sweep.h).
 #include <fmt/format.h>
 
 #include <memory>

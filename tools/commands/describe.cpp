@@ -1,5 +1,5 @@
-// What: the choice of kind; models, checkpoints, run folders, splat sequences, point clouds.
-// Not: scenes and captures (describe_scene.cpp).
+// Determines the kind of a path and describes models, checkpoints, run folders, splat sequences and
+// point clouds. describe_scene.cpp describes scenes and captures.
 #include "tools/commands/describe.h"
 
 #include <fmt/format.h>

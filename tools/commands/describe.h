@@ -1,5 +1,4 @@
-// What: what a file or folder is and what it holds, as JSON: the facts of `tessera info`.
-// Not: text for people (commands/info.cpp).
+// Describes a file or folder as JSON: the facts of `tessera info`, and the sizes of models.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -10,7 +9,7 @@
 
 namespace tessera {
 
-/// `kind` and `path`, then what belongs to that kind; of models their accounts (model_size.h),
+/// `kind` and `path`, then what belongs to that kind; of models their accounts (model_size),
 /// `with_shipped` that of the Tessera 4D file which export would write, too. Errors: InputError:
 /// missing, damaged, nothing that is known, or no model where `with_shipped` asks for one.
 nlohmann::json describe(const std::filesystem::path& path, bool with_shipped);

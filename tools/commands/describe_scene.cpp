@@ -1,5 +1,5 @@
-// What: prepared scenes, transforms folders, captures of videos and of numbered images.
-// Not: pixels: sizes come from the headers of the images, lengths from those of the videos.
+// Describes prepared scenes, transforms folders, captures of videos and of numbered images. Sizes
+// come from the headers of the images and lengths from those of the videos; no pixels are decoded.
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
-// What: `tessera doctor`: what is wrong with a capture or scene, before hours are spent on it.
-// Not: the checks (doctor_checks.h), and no change to what it looks at.
+// `tessera doctor` checks a capture or scene before a training, and prints the findings as text or
+// as one JSON object. The input is not changed. doctor_checks.h runs the checks.
 #include <fmt/format.h>
 #include <algorithm>
 #include <chrono>

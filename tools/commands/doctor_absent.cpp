@@ -1,5 +1,4 @@
-// What: `tessera doctor` of the trainer-only build: says which build can do it.
-// Not: an unknown command: a person who types it is told the remedy.
+// `tessera doctor` of a build without ingest: an error that names the build option to set.
 #include "kernels/base/errors.h"
 #include "tools/cli/command.h"
 

@@ -1,5 +1,5 @@
-// What: each check's call, its table as JSON, and what the program alone knows: memory, presets.
-// Not: any check's judgement.
+// Calls each check, converts its table to JSON, and adds the forecasts of memory and the advice
+// about presets.
 #include "tools/commands/doctor_checks.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: runs every check on a scene and gathers findings and tables.
-// Not: the way from a capture to a scene (commands/doctor.cpp).
+// Runs all checks on a scene and collects their findings and tables.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>

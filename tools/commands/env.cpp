@@ -1,4 +1,4 @@
-// `tessera env`: versions, build, devices and helper programs: the facts that a bug report needs.
+// `tessera env`: versions, build, devices and helper programs, for bug reports.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/utsname.h>

@@ -1,5 +1,4 @@
-// What: `tessera evaluate`: a model, or several runs, against the held-out frames of a scene.
-// Not: the metrics (recon4d/evaluation/evaluate.h).
+// `tessera evaluate` scores a model, or several runs, on the held-out frames of a scene.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,5 +1,4 @@
-// What: `tessera export`: a model → files for other programs.
-// Not: the formats (static3d/formats/splat_file.h, static3d/tessera4d, recon4d/model/model_file.h).
+// `tessera export` writes a model to files of other formats.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: `tessera info`: what a file or folder holds.
-// Not: the facts (describe.h).
+// `tessera info` prints the contents of a file or folder (describe.h).
 #include <fmt/format.h>
 
 #include <algorithm>

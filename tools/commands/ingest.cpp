@@ -1,5 +1,4 @@
-// What: `tessera ingest`: a capture → prepared scene, or a folder of captures → one scene each.
-// Not: the readers (ingest).
+// `tessera ingest` prepares a scene from a capture, or one scene for each capture of a folder.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
-// What: the loop over subfolders, what it remembers, and its summary.
-// Not: any capture's layout.
+// Prepares the captures one after another, keeps the keys of finished scenes in scenes.json, and
+// makes the summary.
 #include "tools/commands/ingest_batch.h"
 
 #include <fmt/format.h>

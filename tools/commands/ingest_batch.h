@@ -1,5 +1,4 @@
-// What: `tessera ingest` on a folder whose subfolders are captures: one prepared scene each.
-// Not: one capture (ingest/ingest.h), nor the command line (commands/ingest.cpp).
+// `tessera ingest` on a folder whose subfolders are captures: one prepared scene each.
 #pragma once
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>

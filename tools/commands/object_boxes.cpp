@@ -1,4 +1,4 @@
-// Reads boxes of a ground_truth.json, and brings them to the size of a frame.
+// Reads the boxes of a ground_truth.json, and scales them to the size of a frame.
 #include "tools/commands/object_boxes.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// The boxes about named objects that the ground_truth.json of a made rig states, for the frames of
+// Bounding boxes of named objects from the ground_truth.json of a synthetic rig, for the frames of
 // the scene that was prepared from it.
 #pragma once
 #include <filesystem>

@@ -1,5 +1,4 @@
-// What: `tessera render`: a model seen from given cameras or along a path → PNG, .pfm, .mp4.
-// Not: the renderer (recon4d/evaluation/render.h) or the paths (path_views.h).
+// `tessera render` renders a model from given cameras or along a path to PNG, .pfm or .mp4.
 #include <fmt/format.h>
 
 #include <algorithm>

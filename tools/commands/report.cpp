@@ -1,4 +1,4 @@
-// `tessera report`: the page of a run or of a batch, from what its folder holds.
+// `tessera report` writes the page of a run or of a batch from the files of its folder.
 #include <fmt/format.h>
 
 #include <memory>

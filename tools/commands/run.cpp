@@ -1,5 +1,5 @@
-// What: `tessera run`: ingest → train → evaluate → export → page in one folder; its options.
-// Not: the stages (run_stages.h).
+// `tessera run`: the options and checks of ingest, training, evaluation, export and player in one
+// folder. run_stages.h runs them.
 #include <fmt/format.h>
 
 #include <memory>

@@ -1,6 +1,5 @@
-// What: Stage by stage; each has the key of the one before in its own, so that a change runs down
-// the chain.
-// Not: the files of the last two stages (run_outputs.h).
+// Runs the stages in order. The key of each stage contains the key of the stage before it, so that
+// a change reruns all later stages.
 #include "tools/commands/run_stages.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
-// What: The six stages of `tessera run`: ingest, train, evaluate, export, page, report. Each is
-// done once, and again only where its inputs or options changed. OUT holds scene/ (unless the
-// capture is a prepared scene already), run/, frames/ on request, player/, report/ and stages.json.
-// Not: anything that the single commands do not do.
+// The six stages of `tessera run`: ingest, train, evaluate, export, page, report. A stage runs
+// once, and again only when its inputs or options change. OUT holds scene/ (unless the capture is a
+// prepared scene already), run/, frames/ on request, player/, report/ and stages.json.
 #pragma once
 #include <filesystem>
 #include <memory>

@@ -1,5 +1,4 @@
-// What: The summary of a run as text, from its JSON object.
-// Not: the scores in words (tools/session/held_out_scores.h).
+// Formats the summary of a run from its JSON object.
 #include "tools/commands/run_summary.h"
 
 #include <fmt/format.h>

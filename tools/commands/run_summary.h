@@ -1,5 +1,4 @@
-// What: What `tessera run` prints on stdout in the end.
-// Not: messages during the run (run_stages.h).
+// The summary that `tessera run` prints on stdout at its end.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

@@ -1,5 +1,4 @@
-// What: `tessera synth`: options → a made-up capture with ground truth.
-// Not: the generator (tools/synth).
+// `tessera synth` makes a synthetic capture with ground truth (tools/synth).
 #include <fmt/format.h>
 
 #include <algorithm>

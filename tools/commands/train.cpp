@@ -1,5 +1,4 @@
-// What: `tessera train`: options from preset, ablation, --config and command line, in that order.
-// Not: the training (train_session.cpp).
+// `tessera train`: options from preset, ablation, --config and command line, in that order.
 #include <fmt/format.h>
 
 #include <memory>

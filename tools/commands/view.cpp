@@ -1,5 +1,5 @@
-// `tessera view`: serves a training while it runs, the player of a finished run, an export or a
-// model to a browser until it is ended. The server is in tools/view.
+// `tessera view` serves a running training, or the player of a finished run, an export or a model,
+// to a browser. tools/view has the server.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>

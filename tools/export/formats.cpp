@@ -1,5 +1,5 @@
-// What: the Tessera 4D file as folder, single file or page; the model file.
-// Not: frames (export/frames.h).
+// Writes the Tessera 4D file as folder, single file or page, the model file, and numbered frames.
+// static3d and recon4d/model/model_file.h encode the formats.
 #include "tools/export/formats.h"
 
 #include <fmt/format.h>

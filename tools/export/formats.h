@@ -1,5 +1,5 @@
-// What: `tessera export` of formats that hold the whole clip.
-// Not: the formats (static3d/tessera4d, recon4d/model/model_file.h).
+// The request of `tessera export`, and its output: formats that hold the whole clip, or numbered
+// files of one timestep each.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>

@@ -1,5 +1,5 @@
-// What: planar floats → interleaved rows of the two formats.
-// Not: colour management: values are display-referred, as trained.
+// Converts planar floats to interleaved rows. Values are display-referred, as trained; there is no
+// colour management.
 #include "tools/export/image_files.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: rendered images as files: 8-bit PNG on the background or with alpha, and exact .pfm.
-// Not: rendering or metrics.
+// Writes rendered images as 8-bit PNG, on the background or with alpha, and as exact .pfm.
 #pragma once
 #include <filesystem>
 

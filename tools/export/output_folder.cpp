@@ -1,5 +1,5 @@
-// What: the manifest tessera_output.json, the hidden folder and the rule who may replace what.
-// Not: where results may lie (output_place.h).
+// Writes the manifest tessera_output.json, manages the hidden folder, and checks which files may be
+// replaced.
 #include "tools/export/output_folder.h"
 
 #include <fmt/format.h>

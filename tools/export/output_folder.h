@@ -1,8 +1,6 @@
-// What: a folder of results whose files are listed in a manifest, so that a later run knows which
-//       files are its own to replace. They are built in a hidden folder inside and take their
-//       places at the end: what was there before stays as it was until then.
-// Not: a folder that is replaced as a whole (ingest/files/folders.h): other files in it are never
-// touched.
+// A folder of results whose files are listed in a manifest, so that a later run replaces only
+// these. New files are written to a hidden folder inside and moved to their places at the end;
+// until then the earlier files stay as they are, and other files are never changed.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,4 +1,5 @@
-// Replaces the places of the player's page (player_page.h) by escaped text and a data address.
+// Replaces placeholders of the player's page (player_page.h) by escaped text and data addresses,
+// and encodes the test images.
 #include "tools/export/page_head.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-// What a page that holds the player has besides the scene: its title, its description, the tags
-// that other sites read where its address is posted, the image that is shown while it loads, and
-// test images to compare with.
+// The head of a player page: title, description, tags for sites where its address is posted, the
+// poster that is shown during loading, and test images for comparison.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -25,7 +24,7 @@ Poster poster_of_file(const std::string& path);
 struct PageHead {
   std::string title, description;  // plain text; empty: the player's own title, no description
   Poster poster;
-  std::string truth;  // JSON array, as of truth_views.h; empty: nothing to compare with
+  std::string truth;  // JSON array, as of truth_views(); empty: nothing to compare with
 };
 
 /// As `request` has them; a poster that is "auto" is rendered. `model`: as exported.

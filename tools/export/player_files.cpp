@@ -1,5 +1,4 @@
-// What: the page's configuration, base64.
-// Not: what the page does with it (tools/player/src).
+// Writes the page's configuration, with the data as base64.
 #include "tools/export/player_files.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: the player's page as files: beside what it plays, or with it inside.
-// Not: the page itself (tools/player).
+// The player's page as files: beside the data it plays, or with the data inside.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,5 +1,4 @@
-// What: Writes the PLY frames and the player page of a run, in the world of its capture.
-// Not: the formats (static3d, tools/export).
+// Writes the PLY frames and the player page of a run, in the world of its capture.
 #include "tools/export/run_outputs.h"
 
 #include <nlohmann/json.hpp>

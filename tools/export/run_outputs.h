@@ -1,5 +1,4 @@
-// What: The files that `tessera run` makes of its model: PLY frames and the player page.
-// Not: when they are made (run_stages.h).
+// The files that `tessera run` makes of its model: PLY frames and the player page.
 #pragma once
 #include <cstdint>
 #include <filesystem>

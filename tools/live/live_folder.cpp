@@ -1,4 +1,4 @@
-// The files as JSON. They are written every second: without waiting for the disk.
+// Reads and writes the files as JSON. They are written every second, without a sync to the disk.
 #include "tools/live/live_folder.h"
 
 #include <fcntl.h>

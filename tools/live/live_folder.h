@@ -1,6 +1,6 @@
-// RUN/live: what a training and those who watch it write for each other. The training opens no
-// socket; `tessera view` asks by request.json and reads state.json and the snapshots.
-// Source: docs/reference/run-folder.md.
+// RUN/live: the files by which a training and its viewers communicate. The training opens no
+// socket; `tessera view` writes request.json and reads state.json and the snapshots. The format is
+// docs/reference/run-folder.md. Also the priority and CPU time of threads beside a training.
 #pragma once
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -60,7 +60,7 @@ class LiveFolder {
   std::filesystem::path root_;
 };
 
-/// Of this thread alone: Linux has a priority for each. 19: the lowest.
+/// Of this thread alone: Linux has a priority for each thread. 19: the lowest.
 inline void lower_priority(int nice) {
   setpriority(PRIO_PROCESS, id_t(::syscall(SYS_gettid)), nice);
 }

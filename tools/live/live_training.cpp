@@ -1,4 +1,5 @@
-// When a training looks for requests, and when it copies its model.
+// Schedules the reads of requests and the copies of the model, and encodes snapshots on a thread of
+// low priority.
 #include "tools/live/live_training.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// A training that can be watched: while somebody asks for it in RUN/live, it says there how far it
-// is and leaves copies of its model. Otherwise it costs the reading of a small file each second.
+// A training that can be watched: while RUN/live has a recent request, it writes its progress and
+// snapshots of its model there. Without a request it reads one small file each second.
 #pragma once
 #include <atomic>
 #include <chrono>

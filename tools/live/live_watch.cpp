@@ -1,4 +1,4 @@
-// Reading what a training shows, and the thread that scores it.
+// Reads the files of a training, and scores its snapshots on a thread.
 #include "tools/live/live_watch.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What somebody who watches a training sees of it: its state, scores of its snapshots on held-out
-// views, its curves; and the requests to stop and to resume.
+// The viewer's side of a training that is watched: its state, scores of its snapshots on held-out
+// views, its curves, and the requests to stop and to resume.
 #pragma once
 #include <sys/types.h>
 

@@ -1,4 +1,4 @@
-// `tessera view` beside a training, for --view.
+// Runs `tessera view` beside a training, for --view.
 #pragma once
 #include <sys/types.h>
 

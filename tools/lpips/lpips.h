@@ -1,8 +1,7 @@
-// What: LPIPS by a network that the user gives as an ONNX file.
-// Not: a network of our own: none is shipped, and the numbers are as good as the file.
-// Contract of the file: two inputs, float [1, 3, height, width], RGB in [−1, 1], the rendered
-// image first; one output of a single value. Names do not matter. Sides may be fixed.
-// Source: method 0.25, A.15; failure mode D1.
+// LPIPS by a network that the user provides as an ONNX file; none is shipped. The file has two
+// inputs, float [1, 3, height, width], RGB in [−1, 1], the rendered image first, and one output of
+// a single value. Names do not matter, and sides may be fixed. Source: method 0.25, A.15; failure
+// mode D1.
 #pragma once
 #include <filesystem>
 #include <memory>

@@ -1,5 +1,4 @@
-// What: the answer of a program without OpenCV's networks.
-// Not: any metric.
+// Replaces LPIPS in a build without OpenCV's dnn module: an error that names what to install.
 #include <fmt/format.h>
 
 #include "kernels/base/errors.h"

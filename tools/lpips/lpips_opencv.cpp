@@ -1,5 +1,4 @@
-// What: images into OpenCV's runner of networks, one number out.
-// Not: the choice of the network.
+// Runs the network by OpenCV's dnn module.
 #include <fmt/format.h>
 
 #include <opencv2/core/utils/logger.hpp>

@@ -1,5 +1,4 @@
-// What: a walk over the few fields that name inputs.
-// Not: a general reader of protocol buffers.
+// Parses only the fields of protocol buffers that describe inputs.
 #include "tools/lpips/onnx_inputs.h"
 
 #include <fmt/format.h>

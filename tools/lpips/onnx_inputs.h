@@ -1,6 +1,5 @@
-// What: which inputs a network in an ONNX file wants.
-// Not: running it (lpips.h), nor any other part of the file.
-// Source: onnx.proto3 (ModelProto, GraphProto, ValueInfoProto), protocol buffers' wire format.
+// Lists the inputs of a network in an ONNX file. Source: onnx.proto3 (ModelProto, GraphProto,
+// ValueInfoProto) and the wire format of protocol buffers.
 #pragma once
 #include <cstdint>
 #include <filesystem>

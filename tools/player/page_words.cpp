@@ -1,5 +1,4 @@
-// What: escapes of HTML and of addresses, base64.
-// Not: any tag.
+// Escapes of HTML and of addresses, and base64.
 #include "tools/player/page_words.h"
 
 #include <fmt/format.h>

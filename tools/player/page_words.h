@@ -1,5 +1,4 @@
-// What: words of a page: text and addresses that may hold anything, images inside.
-// Not: the page (report_page.h).
+// Escapes text and addresses for HTML pages, and embeds images.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,5 +1,4 @@
-// What: the page that the build made, read by the assembler into the program.
-// Not: builds without npm (player_page_absent.cpp).
+// Embeds the page that the build made, by the assembler.
 #include "tools/player/player_page.h"
 
 #include "kernels/base/errors.h"

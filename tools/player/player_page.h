@@ -1,5 +1,4 @@
-// What: the web player as the program carries it: one HTML file without a scene.
-// Not: the player (src/), nor putting a scene beside or into it.
+// The web player that is built into the program: one HTML file without a scene.
 #pragma once
 #include <string_view>
 

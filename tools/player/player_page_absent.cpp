@@ -1,5 +1,4 @@
-// What: the player's page in a build without npm: an error that says what to do.
-// Not: the page (player_page.cpp).
+// Replaces the player's page in a build without npm: an error that names the remedy.
 #include "kernels/base/errors.h"
 #include "tools/player/player_page.h"
 

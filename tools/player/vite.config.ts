@@ -1,6 +1,5 @@
-// What: the page as one file: script and style are written into index.html, with the licences of
-//       what is built in at its top.
-// Not: the player.
+// Builds the page as one file: script and style are written into index.html, with the licences of
+// its libraries at the top.
 import { readFileSync } from "node:fs";
 import { defineConfig, type Plugin } from "vite";
 

@@ -1,4 +1,4 @@
-// Completion of commands, options and choices. Everything else completes to files.
+// Shell completion of commands, options and choices; all other arguments complete to files.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

@@ -1,4 +1,5 @@
-// The events of log.jsonl as they count in the end, and fields of JSON objects that may lack them.
+// The events of log.jsonl that are valid at the end of a training, and access to fields of JSON
+// objects that may be missing.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <optional>

@@ -1,5 +1,5 @@
 'use strict';
-// The two things of a report that move: sliders between truth and result, and tables by a column.
+// The interactive parts of a report: sliders between truth and result, and tables by a column.
 for (const compare of document.querySelectorAll('.compare')) {
   const slider = compare.parentElement.querySelector('.slider');
   const show = (percent) => {

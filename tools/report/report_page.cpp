@@ -1,4 +1,4 @@
-// The sections of the page of a run, from what matters most to the details.
+// The sections of the page of a run, from the most important to the details.
 #include "tools/report/report_page.h"
 
 #include <fmt/format.h>

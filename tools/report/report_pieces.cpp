@@ -1,4 +1,4 @@
-// Numbers as words, and images with what belongs to them.
+// Formats numbers and images, and embeds style and script of this folder by the assembler.
 #include "tools/report/report_pieces.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,5 @@
-// Pieces of HTML that reports are made of. All text that they take is escaped.
+// Pieces of HTML for reports, and the frame of their pages: one HTML file with style and script
+// inside. All text arguments are escaped.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,4 +1,4 @@
-// Renders each chosen view once; error maps are made of the images before compression.
+// Renders each chosen view once, and colours its error before compression.
 #include "tools/report/run_images.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,5 @@
-// The images of a report: views of a model beside the truth and their errors, encoded for a page.
+// The images of a report: views of a model beside the truth and their error maps, encoded for a
+// page.
 #pragma once
 #include <filesystem>
 #include <string>

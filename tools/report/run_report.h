@@ -1,6 +1,6 @@
-// What is known of one run, read from the files that it wrote: the data of its report. No file is
-// read here and no image is made; any of the files may be missing or be of an earlier version, and
-// what they do not say stays empty.
+// The data of a run's report, from the files that the run wrote. Files may be missing or be of an
+// earlier version; the fields that they would fill are empty then. No file is read here and no
+// image is made.
 #pragma once
 #include <cstdint>
 #include <nlohmann/json.hpp>

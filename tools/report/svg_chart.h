@@ -1,5 +1,4 @@
-// Curves and points as an SVG image, written directly: no other program and no script is needed to
-// make it or to see it.
+// Curves and points as an SVG image, which needs no other program and no script.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,4 +1,4 @@
-// Texts, lines and marks of charts; names and colours are escaped here.
+// Texts, lines, marks and legends of charts; names and colours are escaped here.
 #include "tools/report/svg_elements.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,5 @@
-// Single elements of a chart as SVG text: words, lines of curves, marks of points.
+// Elements of a chart as SVG text: words, lines of curves, marks of points, the legend, and the
+// colours of presets.
 #pragma once
 #include <optional>
 #include <string>

@@ -1,5 +1,4 @@
-// What: the cases one by one, in words.
-// Not: any of CUDA's functions.
+// The reasons for each choice as text, and reads of the system's calls and of /proc.
 #include "tools/session/device_choice.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: --backend and --gpu, and what the machine has of CUDA → which backend, and why.
-// Not: the making of it (backend_choice.h), nor any look at the machine.
+// Chooses the backend from --backend, --gpu and the CUDA devices of the machine, with the reason,
+// and makes it. Also facts of the machine and of this process from the operating system.
 #pragma once
 #include <cstdint>
 #include <memory>

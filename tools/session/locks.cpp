@@ -1,5 +1,4 @@
-// What: open, flock, and a look whether the locked file still is the one of that name.
-// Not: what is in the folder (run_folder.h).
+// Locks are flock() on a file of the folder; /proc/locks names the processes that hold one.
 #include "tools/session/locks.h"
 
 #include <fcntl.h>

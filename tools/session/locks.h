@@ -1,5 +1,6 @@
-// What: the lock of a run folder: two trainings never write one folder at a time.
-// Not: a queue: the second one leaves.
+// Locks of folders. A run folder is written by one training at a time. A prepared scene may be read
+// by many programs, and is replaced only while no other program uses it. A lock that is taken is an
+// error; nothing waits for it.
 #pragma once
 #include <filesystem>
 

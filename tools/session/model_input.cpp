@@ -1,5 +1,4 @@
-// What: which of the model files a path is, by its first bytes.
-// Not: the formats themselves (checkpoint.h, model_file.h, splat_file.h, tessera4d.h).
+// Determines the kind of a model file by its first bytes.
 #include "tools/session/model_input.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-// What: MODEL on the command line → GaussianModel: a run folder, a checkpoint, a Tessera
-//       4D .ply or 4D file, other people's splats; its background by another.
-// Not: scenes.
+// Loads the MODEL argument of a command: a run folder, a checkpoint, a Tessera 4D .ply or 4D file,
+// or splats of other programs.
 #pragma once
 #include <cstdint>
 #include <filesystem>

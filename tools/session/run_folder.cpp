@@ -1,5 +1,4 @@
-// What: reading and clearing a run folder.
-// Not: deleting what Tessera did not write.
+// Reads and clears a run folder; files that Tessera did not write are kept.
 #include "tools/session/run_folder.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: the files of a run folder and what its config.json says.
-// Not: training.
+// The files of a run folder, and the contents of its config.json.
 #pragma once
 #include <cstdint>
 #include <filesystem>

@@ -1,5 +1,4 @@
-// What: sums of times, as JSON.
-// Not: printing.
+// Sums times and converts them to JSON.
 #include "tools/session/session_times.h"
 
 #include <nlohmann/json.hpp>

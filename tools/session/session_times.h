@@ -1,7 +1,5 @@
-// What: where the time and the memory of a training went: wall time by kind of work, the stages of
-//       its steps and decisions.
-// Not: the clocks (kernels/stage_clock.h).
-// Source: failure mode D7.
+// Wall time of a training by kind of work, and time and memory of the stages of its steps (failure
+// mode D7). kernels/stage_clock.h has the clocks.
 #pragma once
 #include <array>
 #include <nlohmann/json_fwd.hpp>

@@ -1,5 +1,4 @@
-// What: durations as typed, and the room that leaving takes.
-// Not: signals (interrupt.h).
+// Parses durations and computes the time that is reserved for saving before the limit.
 #include "tools/session/time_limit.h"
 
 #include <fmt/format.h>

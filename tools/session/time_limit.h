@@ -1,5 +1,5 @@
-// What: when a training has to stop so that it has saved its state and left before a time limit.
-// Not: stopping or saving (train_session.h).
+// Computes when a training has to stop so that its state is saved before a time limit.
+// train_session.h stops and saves.
 #pragma once
 #include <algorithm>
 #include <chrono>

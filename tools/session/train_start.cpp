@@ -1,5 +1,5 @@
-// What: the scene as a training sees it, the checkpoint that it goes on from, its config.json.
-// Not: the training (train_session.h).
+// Loads the scene with the options of a training, reads the checkpoint to resume, and makes
+// config.json.
 #include "tools/session/train_start.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: what a training starts from: its scene, what its run folder holds already, its record.
-// Not: the training (train_session.h).
+// What a training starts from: its scene, the state in its run folder, and its config.json.
 #pragma once
 #include <filesystem>
 #include <functional>

@@ -1,5 +1,4 @@
-// What: lines of log.jsonl.
-// Not: a reader of logs.
+// Writes the lines of log.jsonl.
 #include "tools/session/training_log.h"
 
 #include <cerrno>

@@ -1,5 +1,5 @@
-// What: a training in log.jsonl, one JSON object a line; its steps go on to the session's observer.
-// Not: decisions; it is an Observer.
+// Writes a training to log.jsonl, one JSON object a line, and passes its steps on to the session's
+// observer.
 #pragma once
 #include <cstdio>
 #include <filesystem>

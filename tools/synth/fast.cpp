@@ -1,5 +1,5 @@
-// The fast scene: the furniture and walls of the room stand still while two balls are thrown, an
-// arm swings and a flag waves, all so fast that they move many pixels from frame to frame.
+// The fast scene: static furniture and walls of the room, two thrown balls, a swinging arm and a
+// waving flag, all so fast that they move many pixels from frame to frame.
 #include <string>
 
 #include "tools/synth/hash.h"

@@ -1,6 +1,6 @@
-// What: the figure: a body of rigid, textured parts on joints that march, a skirt and a scarf; it
-//       faces -y, stands 2.2 high about the origin and moves all over.
-// Not: a background; rays that miss are transparent. Nothing of it is static.
+// The figure: a body of rigid, textured parts on marching joints, with a skirt and a scarf. It
+// faces -y, is 2.2 high about the origin, and no part of it is static. Rays that miss it are
+// transparent.
 #include <string>
 #include <utility>
 

@@ -1,5 +1,4 @@
-// What: writes the truth: JSON text, sampled points and their PLY.
-// Not: the masks, which the layouts write frame by frame.
+// Writes the JSON text, sampled points and their PLY, and joins masks over the timesteps of a clip.
 #include "tools/synth/ground_truth.h"
 
 #include <cmath>

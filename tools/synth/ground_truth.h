@@ -1,5 +1,5 @@
-// What: the truth beside a capture: ground_truth.json, masks of what changes, static surface
-// points. Not: read by ingest or training; only tests and measurements open it.
+// The ground truth of a capture: ground_truth.json, masks of what changes, and static surface
+// points. Ingest and training do not read it; tests and measurements do.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace tessera::synth {
 
 constexpr const char* kTruthFile = "ground_truth.json";
 constexpr const char* kTruthFolder = "ground_truth";
-/// Masks named as the frames, of scenes with a stated moving region (moving_masks.h).
+/// Masks named as the frames, of scenes with a stated moving region (ever_covered).
 constexpr const char* kMovingFolder = "ground_truth/moving";
 
 /// A camera of the capture. Video: it sees every instant; dnerf: one image, so split, index and

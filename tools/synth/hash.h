@@ -1,6 +1,6 @@
-// What: seeded integer hashing to uniform and normal numbers: the only source of chance here.
-// Not: a generator with state, so results depend on neither order nor the number of threads.
-// Source: C. Wellons' "lowbias32" mixing constants.
+// Seeded integer hashing to uniform and normal numbers, the only source of randomness here. It has
+// no state, so results depend neither on order nor on the number of threads. Source: mixing
+// constants of C. Wellons' "lowbias32".
 #pragma once
 #include <cmath>
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What: the multi-camera layouts: one mp4 a camera, for n3dv with LLFF's poses_bounds.npy.
-// Not: the encoder (video_encoder.h).
+// The dnerf layout (transforms files and PNG images) and the multi-camera layouts (one mp4 a
+// camera, for n3dv with LLFF's poses_bounds.npy).
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: writes the images of a capture in one of the layouts, and the masks of what changes.
-// Not: the rest of the truth (ground_truth.h) or the folder's coming to be (synth.cpp).
+// Writes the images of a capture in one of the layouts, and the masks of what changes.
 #pragma once
 #include <filesystem>
 #include <vector>

@@ -1,5 +1,4 @@
-// What: a motion evaluated at a timestep.
-// Not: derivatives; ground truth needs positions only.
+// Evaluates a motion at a timestep. There are no derivatives; ground truth needs positions only.
 #include "tools/synth/motion.h"
 
 #include <algorithm>

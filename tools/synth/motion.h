@@ -1,5 +1,5 @@
 // The pose of an object at a timestep: a path or a throw, a spin and a stretch about its rest pose,
-// and where the joints that carry it take it. There is no physics but that of a throw.
+// and the joints that carry it. Apart from the throw, no physics is simulated.
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>

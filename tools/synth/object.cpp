@@ -1,6 +1,5 @@
-// What: the object: a toy on a base plate, with parts that turn, orbit, stretch and wave; all
-//       within 1.25 of the origin, as D-NeRF's scenes are.
-// Not: a background; rays that miss are transparent.
+// The object: a toy on a base plate, with parts that turn, orbit, stretch and wave, all within 1.25
+// of the origin as in the scenes of D-NeRF. Rays that miss it are transparent.
 #include "tools/synth/world.h"
 
 namespace tessera::synth {

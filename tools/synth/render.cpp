@@ -1,5 +1,5 @@
-// What: the pixel loops, parallel over rows; rows are independent, so threads change nothing.
-// Not: shading (ray_cast.cpp).
+// Intersects and shades rays. The pixel loops are parallel over rows, which are independent, so
+// that the number of threads changes no result.
 #include "tools/synth/render.h"
 
 #include <algorithm>

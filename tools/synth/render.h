@@ -1,6 +1,5 @@
-// What: images of a world by supersampled ray casting: the part that never changes once a camera,
-//       then each timestep's movers over it.
-// Not: sensor effects or 8-bit images (sensor.h).
+// Images of a world by supersampled ray casting: the static part once for a camera, then the moving
+// solids of each timestep over it.
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>

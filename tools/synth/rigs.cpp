@@ -1,5 +1,5 @@
-// What: rigs and pose sequences; every number of them follows from the options.
-// Not: lens distortion: all cameras are ideal pinholes.
+// Rigs and pose sequences follow from the options alone. All cameras are ideal pinholes without
+// lens distortion.
 #include "tools/synth/rigs.h"
 
 #include <cmath>

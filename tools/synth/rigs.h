@@ -1,5 +1,4 @@
-// What: where the cameras stand: a forward-facing rig for video, pose sequences for one camera.
-// Not: the world they look at beyond its target point.
+// Camera placement: a forward-facing rig for video, and pose sequences for one camera.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
-// What: the room: six textured sides, furniture, and movers that are rigid, stretch, wave or come
-//       and go.
-// Not: cameras; they stand in the free front part, y < -2.5 (rigs.cpp).
+// The room: six textured sides, furniture, and movers that are rigid, stretch, wave, appear and
+// vanish. Cameras are in the free front part, y < -2.5 (rigs.cpp). The patch scene is the room with
+// one ball whose path covers a given share of the image.
 #include <algorithm>
 #include <cmath>
 #include <glm/glm.hpp>

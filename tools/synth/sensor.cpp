@@ -1,5 +1,5 @@
-// What: exposure, light, gains and noise, each a function of (seed, view, frame, pixel).
-// Not: shot noise that depends on brightness; sigma is the same for every level.
+// Exposure, light, gains and noise are functions of (seed, view, frame, pixel). The standard
+// deviation of the noise is the same for every brightness.
 #include "tools/synth/sensor.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-// What: a rendered image to the 8-bit image a camera would store: exposure, light, gains,
-//       noise, rounding.
-// Not: motion blur or rolling shutter; an exposure lasts no time.
+// Converts a rendered image to the 8-bit image of a camera: exposure, light, gains, noise,
+// rounding. Motion blur and rolling shutter are not modelled.
 #pragma once
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
-// What: ray intersections with the solid shapes in closed form, the cloth by marching.
-// Not: the surface of the skirt (skirt.cpp); acceleration structures; a world has a few dozen
-// shapes and movers are boxed on screen.
+// Intersections with solid shapes in closed form, and with the cloth by ray marching. There is no
+// acceleration structure: a world has a few dozen shapes, and movers have bounding boxes in the
+// image.
 #include "tools/synth/shape.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: the shapes of the world in their own space, and where a ray meets them.
-// Not: where they stand (motion.h) and what they look like (texture.h).
+// The shapes of the world in their own space, and their intersections with rays.
 #pragma once
 #include <glm/vec3.hpp>
 

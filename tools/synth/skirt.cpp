@@ -1,6 +1,5 @@
-// What: the surface of the skirt, and where a ray meets it by steps that no fold is steep enough
-//       to slip through.
-// Not: the box about it, which limits the ray (shape.cpp).
+// The surface of the skirt, and its intersection with a ray by steps that are small enough for its
+// steepest fold.
 #include "tools/synth/skirt.h"
 
 #include <algorithm>

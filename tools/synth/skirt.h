@@ -1,6 +1,6 @@
-// What: the skirt: a flared sheet of cloth about the z axis, open at both ends, whose folds travel
-//       around it and whose sides are pushed out in turn, as by legs that walk.
-// Not: forces or collisions; every point moves towards and away from the axis as time says.
+// The skirt: a flared sheet of cloth about the z axis, open at both ends. Its folds travel around
+// it and its sides are pushed out in turn, as by walking legs. Nothing is simulated: each point
+// moves towards and away from the axis as a function of time.
 #pragma once
 #include <glm/vec3.hpp>
 

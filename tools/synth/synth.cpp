@@ -1,5 +1,5 @@
-// What: make_capture: a temporary folder is filled and then takes the place of `out`.
-// Not: what is written into it (layout_*.cpp, ground_truth.cpp).
+// The tables of scenes and layouts, the checks of options, and make_capture, which fills a
+// temporary folder and then moves it to `out`.
 #include "tools/synth/synth.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,5 @@
-// What: makes a textured dynamic capture with exact cameras and ground truth, seeded; the one door
-//       to this folder: options in, a folder on disk out.
-// Not: command-line parsing or printing (tools/commands/synth.cpp), and nothing that training
-// includes.
+// Makes a textured dynamic capture with exact cameras and ground truth from a seed: options in, a
+// folder on disk out. The other headers of this folder are internal.
 #pragma once
 #include <cstdint>
 #include <filesystem>

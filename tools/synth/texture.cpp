@@ -1,5 +1,4 @@
-// What: the texture functions.
-// Not: filtered: the renderer supersamples.
+// The texture functions. They are not filtered: the renderer supersamples.
 #include "tools/synth/texture.h"
 
 #include <algorithm>

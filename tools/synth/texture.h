@@ -1,5 +1,5 @@
-// What: procedural textures, a colour for each point of an object's own (undeformed) space.
-// Not: lighting (ray_cast.h). Detail stays above about 4 cm, so that modest supersampling suffices.
+// Procedural textures: a colour for each point of an object's own (undeformed) space. Detail is
+// above about 4 cm, so that modest supersampling suffices.
 #pragma once
 #include <cstdint>
 #include <glm/vec3.hpp>

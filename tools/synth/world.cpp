@@ -1,5 +1,5 @@
-// What: a scene's name to its world; the static room is the room with its movers held.
-// Not: what is in the worlds (room.cpp, object.cpp, figure.cpp, patch.cpp, fast.cpp).
+// Builds the world of a named scene; the static room is the room without motion. All textures,
+// colours and small offsets follow from one seed.
 #include "tools/synth/world.h"
 
 #include <vector>

@@ -1,5 +1,5 @@
-// What: a described world: solids with shape, texture, motion and lifetime, and one light.
-// Not: its image (render.h). Space: metres, z up, the floor of the room at z = 0.
+// A world: solids with shape, texture, motion and lifetime, one light, and the builder that adds
+// solids. Units are metres, z is up, and the floor of the room is at z = 0.
 #pragma once
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -45,7 +45,7 @@ struct World {
   glm::dvec3 target{0.0};  // what the cameras look at
 };
 
-/// The worlds of the table in options.cpp. `ball`: radius of the mover of `patch`, metres.
+/// The worlds of the table in synth.cpp. `ball`: radius of the mover of `patch`, metres.
 World build_world(SynthScene scene, uint64_t seed, double specular, double ball = 0.3);
 
 /// `room`: floor, walls, ceiling, furniture and the movers (room.cpp).
@@ -54,13 +54,14 @@ World build_room(uint32_t seed);
 World build_object(uint32_t seed);
 /// `figure`: a marching figure with cloth (figure.cpp).
 World build_figure(uint32_t seed);
-/// `patch`: the room, and a ball of that radius as its only mover (patch.cpp).
+/// `patch`: the room, and a ball of that radius as its only mover (room.cpp).
 World build_patch(uint32_t seed, double radius);
 /// `fast`: the room with fast movers in the place of its own (fast.cpp).
 World build_fast(uint32_t seed);
 /// The radius at which the path of the ball covers options.moving_share of cam00's image.
 double patch_radius(const SynthOptions& options);
 
+/// Adds solids to a world; every texture seed, colour and small offset follows from one seed.
 class WorldBuilder {
  public:
   explicit WorldBuilder(uint32_t seed) : seed_(seed) {}

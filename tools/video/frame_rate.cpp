@@ -1,5 +1,5 @@
-// What: the text of --fps → FrameRate.
-// Not: decimal fractions: 29.97 is not what cameras do.
+// Parses --fps. Decimal fractions are refused, as the rates of cameras are fractions such as
+// 30000/1001.
 #include "tools/video/frame_rate.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: frames per second as a fraction, and how people write it.
-// Not: clocks of containers (ingest/video/frame_timing.h).
+// Frames per second as a fraction, and its text form.
 #pragma once
 #include <string>
 

@@ -1,4 +1,4 @@
-// Stands in for the JPEG encoder in a build without FFmpeg: it has no bytes to give.
+// Replaces the JPEG encoder in a build without FFmpeg: it returns no bytes.
 #include "tools/video/jpeg.h"
 
 namespace tessera {

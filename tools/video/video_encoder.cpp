@@ -1,5 +1,4 @@
-// What: libavformat, libavcodec (libx264) and libswscale behind VideoEncoder, every handle owned.
-// Not: decoding (ingest).
+// VideoEncoder by libavformat, libavcodec (libx264) and libswscale; every handle has an owner.
 #include "tools/video/video_encoder.h"
 
 extern "C" {

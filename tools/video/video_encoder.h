@@ -1,6 +1,6 @@
-// What: 8-bit RGB images to one H.264 mp4, colours tagged so that a correct decoder returns them;
-//       the file appears as a whole.
-// Not: in the trainer-only build, where the constructor refuses (video_encoder_absent.cpp).
+// Encodes 8-bit RGB images to one H.264 mp4 file, with colour tags by which a correct decoder
+// returns the same colours. A build without FFmpeg has video_encoder_absent.cpp, whose constructor
+// throws.
 #pragma once
 #include <filesystem>
 #include <memory>

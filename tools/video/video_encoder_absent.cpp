@@ -1,5 +1,4 @@
-// What: stands in for the encoder in a build without FFmpeg: says so, and how to get it.
-// Not: linked where FFmpeg is (video_encoder.cpp).
+// Replaces the encoder in a build without FFmpeg: an error that names the build option to set.
 #include "kernels/base/errors.h"
 #include "tools/video/video_encoder.h"
 

@@ -1,4 +1,4 @@
-// The checks of a request in their order, and what is sent where all hold.
+// The checks of a request in their order, and the response of a request that passes them.
 #include "tools/view/answer.h"
 
 #include <fmt/format.h>

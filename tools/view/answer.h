@@ -1,5 +1,5 @@
-// What `tessera view` answers to a request. There are no sockets here: tests and the fuzzer call
-// the same function as the transport (view_server.h).
+// The answer of `tessera view` to a request, without sockets: tests and the fuzzer call the same
+// function as the transport (view_server.h).
 #pragma once
 #include <cstdint>
 #include <functional>

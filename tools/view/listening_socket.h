@@ -1,4 +1,4 @@
-// The socket on which `tessera view` waits for browsers.
+// The socket on which `tessera view` accepts connections.
 #pragma once
 #include <cstdint>
 #include <string>

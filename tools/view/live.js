@@ -1,4 +1,5 @@
 "use strict";
+// The page of a running training: polls its state, and shows the latest snapshot, scores and curves.
 const $ = (id) => document.getElementById(id);
 const player = $("player");
 const CHARTS_EVERY = 3; // polls

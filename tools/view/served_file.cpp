@@ -1,4 +1,4 @@
-// Decodes paths, has the list of media types, and opens files component by component.
+// Decodes paths, lists the media types, and opens files component by component.
 #include "tools/view/served_file.h"
 
 #include <fcntl.h>

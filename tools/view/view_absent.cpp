@@ -1,4 +1,4 @@
-// Stands in for the server in a build without libmicrohttpd: reports how to get it.
+// Replaces the server in a build without libmicrohttpd: an error that names what to install.
 #include "kernels/base/errors.h"
 #include "tools/view/view_server.h"
 

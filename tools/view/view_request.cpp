@@ -1,4 +1,4 @@
-// Finds headers by their names.
+// Finds headers by their names, makes the token and compares it with the cookie.
 #include "tools/view/view_request.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,7 @@
-// A request to `tessera view` and the answer to it, as values: what the transport takes from a
-// socket and sends to it. From where a request comes, by its Host and Origin headers: the first
-// keeps out pages that had the name of their own server resolved to this machine (DNS rebinding),
-// the second pages of other servers.
+// A request to `tessera view` and the response to it, as values that the transport takes from a
+// socket and sends to it. Checks of its origin: the Host header excludes pages that resolved the
+// name of their own server to this machine (DNS rebinding), the Origin header excludes pages of
+// other servers, and a token excludes other users of the machine, who can reach the port.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,5 +1,4 @@
-// The transport: libmicrohttpd parses requests and sends answers; what is answered is decided in
-// answer.cpp.
+// The transport: libmicrohttpd parses requests and sends the responses that answer.cpp makes.
 #include "tools/view/view_server.h"
 
 #include <microhttpd.h>

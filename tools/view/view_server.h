@@ -1,4 +1,4 @@
-// Serves what answer() answers over HTTP, from one thread: at most 32 connections, while further
+// Serves the responses of answer() over HTTP from one thread: at most 32 connections, while further
 // ones wait; each has 32 kB for its headers and is closed after 20 s without traffic.
 #pragma once
 #include <memory>

@@ -1,5 +1,5 @@
 #!/bin/bash
-# What: what the tests of batches share: captures, runs, checks. Not: a test.
+# Shared functions of the batch tests: captures, runs, checks.
 # TESSERA: the program. KEEP=1: leave the folder of the test.
 set -euo pipefail
 test_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -1,6 +1,6 @@
 #!/bin/bash
-# What: a real Slurm of this machine alone, for tests: munged, slurmctld and two slurmd (n1, n2) on
-#       the loopback interface. Not: a cluster for work.
+# Runs a real Slurm on this machine for tests: munged, slurmctld and two slurmd (n1, n2) on the
+# loopback interface.
 # usage: eval "$(slurm_cluster.sh start DIR)"   start, wait until both nodes are idle, print exports
 #        slurm_cluster.sh stop DIR              stop everything that was started from DIR
 #        slurm_cluster.sh status DIR            what runs

@@ -1,5 +1,4 @@
-// What: of a canonical block the motion nodes, and which of them carry a Gaussian with what weights.
-// Not: where the nodes are at a time (motion_nodes.ts).
+// The motion nodes of a canonical block, and the nodes and weights that carry each Gaussian.
 // Source: docs/reference/tessera4d.md, section 4.1.
 import type { Block } from "./manifest";
 import type { MotionNodes } from "./motion_nodes";

@@ -1,5 +1,5 @@
-// The Gaussians of a packed block that a ray meets at one time. Gaussians that motion nodes carry
-// are taken where their file has them, without the nodes.
+// The Gaussians of a packed block that a ray intersects at one time. Gaussians that motion nodes
+// carry are taken at the place that their file states, without the nodes.
 import * as THREE from "three";
 import type { PackedBlock } from "./packing";
 import { hitOf, type Hit, type Ray } from "./pick";

@@ -1,6 +1,6 @@
-// What: which blocks are here: those of the current time first, then those ahead in the direction of
-//       play; fetches without a use are cancelled, the least recently used goes first.
-// Not: bytes or graphics: a block is fetched by `load`, kept as an R and freed by `release`.
+// Chooses which blocks are loaded: those of the current time first, then those ahead in the
+// direction of play. Fetches without a use are cancelled, and the least recently used block is
+// freed first. A block is fetched by `load`, kept as an R and freed by `release`.
 import { isAbort, lineOf, PlayerError } from "./player_error";
 
 export interface Span {

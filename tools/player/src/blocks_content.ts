@@ -1,5 +1,5 @@
-// What: a Tessera 4D file on a stage: blocks of the current time are in the scene, the shader moves them.
-// Not: which blocks to have (blocks.ts), decoding (decoder.ts), the shader (splat4d_shader.ts).
+// Shows a Tessera 4D file on a stage: blocks of the current time are in the scene, and the shader
+// moves them.
 import { blockHits } from "./block_hits";
 import { BlockCache } from "./blocks";
 import type { BlockSource } from "./container";

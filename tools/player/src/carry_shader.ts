@@ -1,7 +1,5 @@
-// What: GLSL that takes a canonical Gaussian from its place at rest to where its motion nodes carry
-//       it: the blend of their poses by its weights.
-// Not: the poses (motion_nodes.ts), the layout of weights (packing.ts).
-// Source: docs/reference/tessera4d.md, section 1.
+// GLSL that moves a canonical Gaussian from its rest position by its motion nodes: the blend of
+// their poses by its weights. Source: docs/reference/tessera4d.md, section 1.
 
 /**
  * `bindings`: two texels a Gaussian, the heaviest node first; `poses`: two texels a node. A Gaussian

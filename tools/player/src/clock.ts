@@ -1,6 +1,5 @@
-// What: the time of the clip: wall-clock time times rate, never a count of frames; where there is
-//       sound, the sound is the clock.
-// Not: drawing, and no timer: whoever wants to know asks.
+// The time of the clip: wall-clock time times rate, never a count of frames; with audio, the audio
+// is the clock. There is no timer: callers read the time.
 
 export interface Sound {
   currentTime: number; // seconds

@@ -1,4 +1,4 @@
-// Test images beside what the model shows of them: the choice of one, and a slider between the two.
+// Compares test images with the model: selects one, and shows a slider between the two.
 import { Fields } from "./json_fields";
 import { readCamera, type Camera } from "./manifest";
 

@@ -1,7 +1,6 @@
-// What: where the blocks of a Tessera 4D file come from: a folder on a server, a single file on a
-//       server (by ranges, or whole where the server knows none), a single file within the page.
-// Not: which blocks are wanted (blocks.ts) nor what is in them (tessera4d.ts).
-// Source: docs/reference/tessera4d.md, section 2.
+// The sources of blocks of a Tessera 4D file: a folder on a server, a single file on a server (by
+// ranges, or whole where the server supports none), or a single file within the page. Source:
+// docs/reference/tessera4d.md, section 2.
 import { fetchBytes, nameOf, type FetchOptions } from "./fetching";
 import { parseJson, readManifest, VERSION, type Block, type Manifest } from "./manifest";
 import { PlayerError } from "./player_error";

@@ -1,5 +1,5 @@
-// What: what a stage shows at one time; blocks in continuous time or frames of a sequence.
-// Not: the stage itself (stage.ts).
+// The interface to the content of a stage at one time: blocks in continuous time or frames of a
+// sequence.
 import type { Hit, Ray } from "./pick";
 import type { Play, SceneInfo } from "./scene_view";
 

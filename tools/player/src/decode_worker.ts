@@ -1,5 +1,4 @@
-// What: the thread that checks, decodes and packs blocks, so that playing does not stutter.
-// Not: asking it (decoder.ts).
+// The worker thread that checks, decodes and packs blocks, so that playback does not stutter.
 import { allArrays, packBlock, type PackedBlock } from "./packing";
 import { lineOf } from "./player_error";
 import { decodeBlock } from "./tessera4d";

@@ -1,5 +1,4 @@
-// What: blocks decoded in a worker, or on this thread where a browser starts none.
-// Not: the decoding (tessera4d.ts, packing.ts).
+// Decodes blocks in a worker, or on this thread where a browser starts none.
 import DecodeWorker from "./decode_worker?worker&inline";
 import type { DecodeAnswer, DecodeTask } from "./decode_worker";
 import type { Block } from "./manifest";

@@ -1,5 +1,4 @@
-// What: bytes from an address, with progress and with messages that say what to do.
-// Not: what the bytes mean (container.ts, sequence.ts).
+// Fetches bytes from an address, with progress and with error messages that name the remedy.
 import { isAbort, PlayerError } from "./player_error";
 
 export interface FetchOptions {

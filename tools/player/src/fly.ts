@@ -1,5 +1,5 @@
-// Flight through the scene by held keys: the velocity that they ask for, eased so that the way is
-// the same at any rate of images, and the camera moved by it.
+// Flight through the scene by held keys: their velocity, eased so that the path is the same at any
+// frame rate, and the camera that it moves.
 import * as THREE from "three";
 import { isTheirs } from "./keys";
 import type { Triple } from "./manifest";

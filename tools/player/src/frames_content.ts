@@ -1,6 +1,6 @@
-// What: a sequence of frame files on a stage: one mesh whose data is swapped; a ring of decoded
-//       frames around the current time. A frame that is late leaves the last one standing.
-// Not: the manifest (sequence_manifest.ts), nor the formats, which Spark decodes.
+// Shows a sequence of frame files on a stage: one mesh whose data is swapped, and a ring of decoded
+// frames around the current time. While a frame is late, the last one stays. Spark decodes the
+// formats.
 import { ExtSplats, SplatFileType, SplatMesh } from "@sparkjsdev/spark";
 import { BlockCache } from "./blocks";
 import type { Content } from "./content";

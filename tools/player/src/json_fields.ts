@@ -1,5 +1,4 @@
-// What: fields of a JSON object, checked: a wrong one ends in a line that names file and key.
-// Not: what the fields mean (manifest.ts).
+// Checked fields of a JSON object: the error of a wrong one names file and key.
 import { PlayerError } from "./player_error";
 
 /** Reads fields of one JSON object; every complaint names the file and the key. */

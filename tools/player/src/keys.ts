@@ -1,5 +1,4 @@
-// What: the keyboard: which key asks for what.
-// Not: doing it (main.ts).
+// The action of each key of the keyboard.
 
 export type Action =
   | { do: "toggle" | "reset" | "fullscreen" | "loop" | "help" | "start" | "end" | "mute" | "sound" | "share" | "settings" | "fly" | "path" | "compare" | "vr" }

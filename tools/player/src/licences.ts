@@ -1,5 +1,5 @@
-// What: the licences of what is built into the page; they travel with it.
-// Not: the list of versions, which is package-lock.json.
+// The licences of the libraries that are built into the page; package-lock.json lists their
+// versions.
 import fflate from "../node_modules/fflate/LICENSE?raw";
 import spark from "../node_modules/@sparkjsdev/spark/LICENSE?raw";
 import three from "../node_modules/three/LICENSE?raw";

@@ -1,5 +1,4 @@
-// What: how much of what the image in view needs has arrived, and the line that reports it.
-// Not: fetching (fetching.ts) nor showing the line (ui.ts).
+// Computes how much of the data of the current image has arrived, and the line of text about it.
 
 export interface Progress {
   bytes: number; // arrived

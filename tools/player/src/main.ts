@@ -1,5 +1,4 @@
-// What: the page: scene, clock, camera and panels put together, drawn when the display asks.
-// Not: any of them.
+// The page: connects scene, clock, camera and panels, and draws when the display requests a frame.
 import { Clock } from "./clock";
 import { Comparison, readTruth, type TruthView } from "./comparison";
 import { listenToKeys, type Action } from "./keys";

@@ -1,7 +1,5 @@
-// What: the manifest of a Tessera 4D file, read and checked: whatever passes can be decoded without
-//       looking at its numbers again.
-// Not: the blocks (tessera4d.ts), nor where bytes come from (container.ts).
-// Source: docs/reference/tessera4d.md.
+// Reads and checks the manifest of a Tessera 4D file: a manifest that passes can be decoded without
+// further checks of its numbers. Source: docs/reference/tessera4d.md.
 import { Fields } from "./json_fields";
 import { PlayerError } from "./player_error";
 

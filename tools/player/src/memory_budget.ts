@@ -1,5 +1,4 @@
-// What: how many bytes of decoded Gaussians may stay, by what the browser says of the machine.
-// Not: which of them stay (blocks.ts).
+// The limit in bytes for decoded Gaussians, from what the browser reports of the machine.
 const DESKTOP = 768 << 20;
 const SMALL = 256 << 20; // phones, and machines of 4 GB or less
 

@@ -1,5 +1,5 @@
-// Eased moves of the camera from one view to another: what it turns about, its distance, rotation
-// and lens change together, so that it travels around the scene and not through it.
+// Eased moves of the camera from one view to another: its target, distance, rotation and lens
+// change together, so that it moves around the scene and not through it.
 import * as THREE from "three";
 import type { Lens } from "./scene_view";
 import type { Pose } from "./view_camera";

@@ -1,7 +1,5 @@
-// What: motion nodes at a time: uniform cubic B-splines of control points -> poses, as the texels
-//       that the shader reads (carry_shader.ts).
-// Not: which Gaussians they carry (bindings.ts).
-// Source: docs/reference/tessera4d.md, sections 1 and 4.1.
+// Motion nodes at a time: uniform cubic B-splines of control points to poses, as the texels that
+// the shader reads (carry_shader.ts). Source: docs/reference/tessera4d.md, sections 1 and 4.1.
 
 export interface MotionNodes {
   count: number;

@@ -1,6 +1,5 @@
-// What: from the page's configuration and its address to an opened scene: a Tessera 4D file or a
-//       sequence of frames.
-// Not: drawing it (spark_view.ts).
+// Opens the scene that the page's configuration or its address names: a Tessera 4D file or a
+// sequence of frames.
 import { bytesOfBase64, bytesSource, folderSource, singleFileSource } from "./container";
 import type { BlockSource } from "./container";
 import { fetchBytes, nameOf } from "./fetching";

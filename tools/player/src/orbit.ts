@@ -1,7 +1,6 @@
-// What: pointer, wheel and touch -> the camera: one finger or left button turns, two fingers or
-//       right button pan, pinch or wheel comes nearer. Any pose is a state of it, roll included, so
-//       that nothing jumps when a rig's camera is left.
-// Not: keys and buttons (ui.ts).
+// Moves the camera by pointer, wheel and touch: one finger or left button turns, two fingers or
+// right button pan, pinch or wheel changes the distance. The state represents any pose, roll
+// included, so that the view does not jump when it leaves a camera of the rig.
 import * as THREE from "three";
 import type { Quaternion, Triple } from "./manifest";
 import type { Lens, ViewCamera } from "./scene_view";

@@ -1,7 +1,6 @@
-// What: a decoded block as the words of the textures that the shader reads (splat4d_shader.ts): 32
-//       bytes a Gaussian, 16 more when it moves, 32 more when motion nodes carry it, 16 to 96 more
-//       for SH of degrees 1 to 3.
-// Not: textures (splat4d_shader.ts) nor the file (tessera4d.ts). Runs in a worker.
+// Packs a decoded block into the words of the textures that the shader reads (splat4d_shader.ts):
+// 32 bytes a Gaussian, 16 more when it moves, 32 more when motion nodes carry it, 16 to 96 more for
+// SH of degrees 1 to 3. Runs in a worker.
 import { BINDINGS, type Carried } from "./bindings";
 import type { MotionNodes } from "./motion_nodes";
 import type { DecodedBlock } from "./tessera4d";

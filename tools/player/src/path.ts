@@ -1,4 +1,4 @@
-// The path that the camera plays by itself: a closed curve through the cameras of the rig, or one
+// The path of the camera in automatic play: a closed curve through the cameras of the rig, or one
 // turn about the scene where there are too few of them for a curve.
 import * as THREE from "three";
 import { eased, focusOf, lensBetween, poseBetween } from "./motion";

@@ -1,5 +1,5 @@
-// What a ray of the view meets first, from the centres, sizes and opacities of the Gaussians: the
-// depth at which those around the ray have covered half of what lies behind them.
+// The depth of the scene along a ray of the view, from the centres, sizes and opacities of the
+// Gaussians: where those around the ray cover half of what lies behind them.
 import * as THREE from "three";
 
 const HALF = 0.5; // transmittance that is left at the depth that is chosen

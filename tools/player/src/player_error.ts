@@ -1,5 +1,5 @@
-// What: an error that a person at the page can act on: one line, the file named, the remedy.
-// Not: how it is shown (ui.ts), and not our own bugs, which stay ordinary errors.
+// An error that the user of the page can act on: one line with the file and the remedy. Errors of
+// the program itself stay ordinary errors.
 
 export type Trouble = "network" | "data" | "device";
 

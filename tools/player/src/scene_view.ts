@@ -1,6 +1,5 @@
-// What: what the page asks of a renderer: a few calls and a camera. spark_view.ts is one; another
-//       engine would be a second file that implements SceneView, and nothing else would change.
-// Not: the clock, controls and panels of the page (main.ts).
+// The interface between the page and a renderer: a few calls and a camera. spark_view.ts implements
+// it; another engine would be a second implementation.
 import type { Bounds, Camera, Quaternion, Triple } from "./manifest";
 import type { Progress } from "./loading";
 import type { Ray } from "./pick";

@@ -1,5 +1,4 @@
-// What: the manifest of a folder of frames (tessera export --format ply|compressed|spz|splat).
-// Not: fetching or drawing frames (frames_content.ts).
+// Reads the manifest of a folder of frames (tessera export --format ply|compressed|spz|splat).
 import {
   readBounds,
   readCameras,

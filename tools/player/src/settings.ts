@@ -1,5 +1,5 @@
-// What a person sets about the drawing and the camera, in the panel of the page, and what the
-// browser keeps of it for the next visit.
+// The settings of drawing and camera in the panel of the page, and what the browser stores of them
+// for the next visit.
 
 export interface Settings {
   resolution: number; // share of the display's pixels

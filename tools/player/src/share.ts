@@ -1,5 +1,5 @@
-// Gives the address of the view on the screen to others: through the sheet of the system where the
-// browser has one, else through the clipboard.
+// Shares the address of the current view: through the system's share sheet where the browser has
+// one, else through the clipboard.
 
 /** The line to show, or null where nothing is to be said. */
 export async function share(href: string, title: string): Promise<string | null> {

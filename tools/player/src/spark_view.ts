@@ -1,5 +1,4 @@
-// What: SceneView on Spark and three.js.
-// Not: the page around it.
+// Implements SceneView on Spark and three.js.
 import { BlocksContent } from "./blocks_content";
 import type { Content } from "./content";
 import { FramesContent } from "./frames_content";

@@ -1,7 +1,6 @@
-// What: a resident block on the card: its textures, and the program that turns Gaussian `index`
-//       into a splat at time t: mean, rotation, opacity, and colour towards the sliced mean.
-// Not: projecting and sorting splats, which is Spark's.
-// Source: docs/reference/tessera4d.md, 1; SH: [3DGS].
+// A block on the GPU: its textures, and the program that computes Gaussian `index` as a splat at
+// time t: mean, rotation, opacity, and colour towards the sliced mean. Spark projects and sorts
+// splats. Source: docs/reference/tessera4d.md, 1; SH: [3DGS].
 import { dyno, SplatGenerator } from "@sparkjsdev/spark";
 import * as THREE from "three";
 import { CARRY_GLSL } from "./carry_shader";

@@ -1,6 +1,5 @@
-// What: canvas, three.js and Spark set up so that splats look as they were trained: order by z,
-//       float32 centres, the file's filter and cut-offs, exact pinhole intrinsics.
-// Not: what is drawn (blocks_content.ts, frames_content.ts).
+// Canvas, three.js and Spark, set up so that splats look as they were trained: order by z, float32
+// centres, the file's filter and cut-offs, exact pinhole intrinsics.
 import { SparkRenderer, type SplatGenerator } from "@sparkjsdev/spark";
 import * as THREE from "three";
 import type { SplatRules, Triple } from "./manifest";

@@ -1,7 +1,6 @@
-// What: the streams of a block -> floats: codec, planes, differences, scale and bias; lengths are
-//       checked, so that no file makes it read or reserve what is not there.
-// Not: what the numbers are of (tessera4d.ts, bindings.ts).
-// Source: docs/reference/tessera4d.md, section 4.
+// Decodes the streams of a block to floats: codec, planes, differences, scale and bias. Lengths are
+// checked, so that no file causes a read or an allocation beyond its data. Source:
+// docs/reference/tessera4d.md, section 4.
 import { nodeRows, type Block, type Stream } from "./manifest";
 import { PlayerError } from "./player_error";
 

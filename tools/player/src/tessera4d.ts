@@ -1,7 +1,5 @@
-// What: the bytes of one block of a Tessera 4D file -> numbers of its Gaussians, after a look at
-//       length and checksum.
-// Not: fetching (container.ts), streams (streams.ts), nor how a card wants the numbers (packing.ts).
-// Source: docs/reference/tessera4d.md, sections 3 and 4.
+// Decodes the bytes of one block of a Tessera 4D file to the numbers of its Gaussians, after a
+// check of length and checksum. Source: docs/reference/tessera4d.md, sections 3 and 4.
 import { readCarried, type Carried } from "./bindings";
 import type { Block } from "./manifest";
 import { PlayerError } from "./player_error";

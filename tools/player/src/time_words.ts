@@ -1,4 +1,4 @@
-// The words of the page's clock: seconds with their unit, and the number of the frame where the
+// The text of the page's clock: seconds with their unit, and the number of the frame where the
 // capture's frame rate or the times of its frames are known.
 
 export interface Clip {

@@ -1,5 +1,5 @@
-// The order of a short closed tour of places: from the first one always to the nearest that is
-// left, and then stretches of it reversed for as long as that makes it shorter (2-opt).
+// The order of a short closed tour of places: repeatedly the nearest place that is left, then
+// reversals of stretches as long as they shorten the tour (2-opt).
 import type * as THREE from "three";
 
 const GAIN = 1e-9; // of the whole way: shorter by less is by rounding

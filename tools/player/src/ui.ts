@@ -1,5 +1,4 @@
-// What: the page's panels: what they show, and what a person asks of them.
-// Not: what is done about it (main.ts), keys (keys.ts), the view.
+// The page's panels: what they show, and the actions that their controls request.
 import type { Action } from "./keys";
 import { Poster } from "./poster";
 import { frameWords, timeWords, type Clip } from "./time_words";

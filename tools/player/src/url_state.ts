@@ -1,6 +1,5 @@
-// What: the page's address as state: ?scene=&t=&cam=&view=&rate=&paused=&loop=&path=&ui=; and back into it, so
-//       that a copied address shows the same time from the same camera.
-// Not: what the values do (main.ts).
+// The state of the page in its address, ?scene=&t=&cam=&view=&rate=&paused=&loop=&path=&ui=, so
+// that a copied address shows the same time from the same camera.
 
 export interface UrlState {
   scene: string | null;

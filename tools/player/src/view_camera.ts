@@ -1,6 +1,5 @@
-// What: views to start from: those of the rig, exactly as they recorded, and one that
-//       shows the whole scene where there is no rig.
-// Not: moving about (orbit.ts) nor the projection matrix (stage.ts).
+// Initial views: those of the rig, exactly as recorded, and one that shows the whole scene where
+// there is no rig.
 import * as THREE from "three";
 import type { Bounds, Camera, Triple } from "./manifest";
 import type { Ray } from "./pick";

@@ -1,5 +1,5 @@
-// Where the scene is seen from: a camera of the rig or a free view, the moves between them, and how
-// the address names it.
+// The current viewpoint: a camera of the rig or a free view, the moves between them, and their
+// names in the address.
 import * as THREE from "three";
 import { Flight } from "./fly";
 import type { Camera } from "./manifest";

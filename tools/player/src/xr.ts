@@ -1,5 +1,5 @@
-// The scene in a headset, by WebXR on three.js's renderer: the person begins where the first view
-// is, level, in a world in which the cameras of the rig are two metres from what they look at.
+// The scene in a headset, by WebXR on three.js's renderer: the session begins at the first view,
+// level, in a world in which the cameras of the rig are two metres from their target.
 import * as THREE from "three";
 import type { SceneInfo } from "./scene_view";
 import { homePose, scaleOf } from "./view_camera";

@@ -1,6 +1,6 @@
 #!/bin/bash
-# What: a batch as one job array, each task some of the scenes from the first stage to the last, where
-#       a cluster wants few jobs and no driver on its login node. Not: the report: `tessera report OUT`.
+# Runs a batch as one job array, for clusters that allow few jobs and no driver on the login node.
+# Each task runs all stages of some scenes. Write the report afterwards: `tessera report OUT`.
 # usage: cd OUT && sbatch --array=0-15 --cpus-per-task=8 --mem=32G --gres=gpu:1 --time=12:00:00 \
 #          workflow/profiles/slurm/array.sh
 # Any range of tasks will do. A task that is requeued goes on; to go on with those that failed, submit

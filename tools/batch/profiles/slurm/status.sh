@@ -1,6 +1,6 @@
 #!/bin/bash
-# What: the state of a Slurm job for Snakemake: running, success or failed. Needs no accounting.
-# A question without an answer is no failed job: it says running, and Snakemake asks again.
+# Prints the state of a Slurm job for Snakemake: running, success or failed. Needs no accounting.
+# Without an answer from Slurm it prints running, and Snakemake calls it again.
 if ! shown=$(timeout 20 scontrol -o show job "$1" 2>&1); then
   # forgotten (older than MinJobAge): it ended long ago and its output would have been seen
   if [[ $shown == *"Invalid job id"* ]]; then echo failed; else echo running; fi

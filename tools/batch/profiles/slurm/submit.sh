@@ -1,5 +1,5 @@
 #!/bin/bash
-# What: one job to Slurm; prints its id. Not: what the job needs (Snakefile, doctor's forecast).
+# Submits one job to Slurm and prints its id. The Snakefile computes the resources of the job.
 # usage: submit.sh NAME CORES MEM_MB MINUTES GPUS JOB.PY JOBSCRIPT
 set -euo pipefail
 name=$1 cores=$2 mem=$3 minutes=$4 gpus=$5 job_py=$6 script=$7
