@@ -18,7 +18,7 @@ enum class CaptureLayout { kTransforms, kN3dv, kColmap, kLlff, kVideos, kSequenc
 
 /// The meaning of images without a video: synchronous cameras, photos of a static scene, or one
 /// moving camera in a scene that may move.
-enum class ImageReading { kRig, kPhotos, kMoving };
+enum class ImageLayout { kRig, kPhotos, kMoving };
 
 enum class SyncMethod { kAuto, kNone, kContainer, kAudio, kMotion };
 
@@ -53,12 +53,12 @@ struct IngestOptions {
   bool allow_static = false;            // accept a capture whose times are all equal
   bool keep_world = false;              // no world normalisation (world_normalisation.h)
   std::optional<CaptureLayout> layout;  // read it as this, where a folder can be read as several
-  std::optional<ImageReading> reading;  // of images; by default by their names
-  std::optional<double> image_rate;     // numbered images: numbers per second; by default `fps`,
-                                        // which chooses no frames of them, else 30
-  std::string images;                   // photo sets: the folder of the photos; empty: images
-  bool strict = false;                  // missing or unreadable images and photos without a
-                                        // pose are errors; otherwise they are warned of
+  std::optional<ImageLayout> image_layout;  // of images; by default by their names
+  std::optional<double> image_rate;  // numbered images: numbers per second; by default `fps`,
+                                     // which chooses no frames of them, else 30
+  std::string images;                // photo sets: the folder of the photos; empty: images
+  bool strict = false;               // missing or unreadable images and photos without a
+                                     // pose are errors; otherwise they are warned of
   // Images 0, N, 2N … by name are the test split, of photo sets, of transforms files that state no
   // test frames, and frames of a single camera; 0: none. By default 8 for photos and for a camera
   // that moves, as in the usual protocol.
@@ -83,7 +83,7 @@ struct IngestReport {
   std::vector<std::string> notes;     // how the capture was read where that was a choice, likewise
 };
 
-/// Images with two possible readings. The message names both and the option that decides.
+/// Images with two possible layouts. The message names both and the option that decides.
 class AmbiguousCapture : public InputError {
  public:
   using InputError::InputError;
@@ -92,10 +92,10 @@ class AmbiguousCapture : public InputError {
 /// Called with (what is being done, done, total); may throw to stop.
 using IngestProgress = std::function<void(std::string_view, int64_t, int64_t)>;
 
-/// The layout of the folder, by its files and by the stated reading of its images. Errors:
+/// The layout of the folder, by its files and by the stated layout of its images. Errors:
 /// InputError naming what was looked for; AmbiguousCapture.
 CaptureLayout detect_layout(const std::filesystem::path& capture,
-                            std::optional<ImageReading> reading = std::nullopt);
+                            std::optional<ImageLayout> image_layout = std::nullopt);
 
 /// Reads `capture` and writes the prepared scene `out` (created; appears whole or not at all).
 /// Errors: InputError, one line naming file and remedy.

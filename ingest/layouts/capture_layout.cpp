@@ -78,8 +78,8 @@ size_t llff_rows(const fs::path& capture) {
 
 /// Whether the images are those of a rig. Poses of photos decide where there are some: LLFF has a
 /// row an image, a rig a row a camera. Errors: AmbiguousCapture.
-bool has_image_rig(const fs::path& capture, std::optional<ImageReading> reading) {
-  if (reading) return *reading == ImageReading::kRig;
+bool has_image_rig(const fs::path& capture, std::optional<ImageLayout> image_layout) {
+  if (image_layout) return *image_layout == ImageLayout::kRig;
   const ImageSequences found = find_image_sequences(capture);
   if (found.evidence == RigEvidence::kNone) return false;
   const bool posed = fs::exists(capture / "poses_bounds.npy");
@@ -94,20 +94,20 @@ bool has_image_rig(const fs::path& capture, std::optional<ImageReading> reading)
           : "one scene that stands still"));
 }
 
-bool is_sequences(std::optional<ImageReading> reading) {
-  return reading && *reading != ImageReading::kPhotos;
+bool is_sequences(std::optional<ImageLayout> image_layout) {
+  return image_layout && *image_layout != ImageLayout::kPhotos;
 }
 
 }  // namespace
 
-CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageReading> reading) {
+CaptureLayout detect_layout(const fs::path& capture, std::optional<ImageLayout> image_layout) {
   require_folder(capture);
-  if (is_sequences(reading)) return CaptureLayout::kSequences;
+  if (is_sequences(image_layout)) return CaptureLayout::kSequences;
   if (has_transforms(capture)) return CaptureLayout::kTransforms;
   const bool has_videos = !videos_in(capture).empty();
   if (has_videos && fs::exists(capture / "poses_bounds.npy")) return CaptureLayout::kN3dv;
   if (!find_colmap_model(capture).empty()) return CaptureLayout::kColmap;
-  if (!has_videos && has_image_rig(capture, reading)) return CaptureLayout::kSequences;
+  if (!has_videos && has_image_rig(capture, image_layout)) return CaptureLayout::kSequences;
   const bool has_photos = has_images(capture);
   if (has_photos && fs::exists(capture / "poses_bounds.npy")) return CaptureLayout::kLlff;
   if (has_videos) return CaptureLayout::kVideos;
@@ -128,12 +128,12 @@ CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
   const std::string& poses = options.poses.source;
   if (options.layout) return *options.layout;
   const bool of_cameras = !poses.empty() && poses != "colmap" && poses != "llff";
-  std::optional<ImageReading> reading = options.reading;
+  std::optional<ImageLayout> image_layout = options.image_layout;
   // poses of cameras are no photos': images that could be either are a rig's
-  if (of_cameras && !reading && fs::is_directory(capture) && videos_in(capture).empty() &&
+  if (of_cameras && !image_layout && fs::is_directory(capture) && videos_in(capture).empty() &&
       find_image_sequences(capture).evidence != RigEvidence::kNone)
-    reading = ImageReading::kRig;
-  const CaptureLayout detected = detect_layout(capture, reading);
+    image_layout = ImageLayout::kRig;
+  const CaptureLayout detected = detect_layout(capture, image_layout);
   if (poses.empty() || detected == CaptureLayout::kSequences) return detected;
   const bool has_videos = !videos_in(capture).empty();
   if (poses == "llff") return CaptureLayout::kLlff;
@@ -160,8 +160,8 @@ CaptureLayout layout_of(const fs::path& capture, const IngestOptions& options) {
 }
 
 std::vector<ImageSequence> sequences_of(const fs::path& capture,
-                                        std::optional<ImageReading> reading) {
-  if (reading == ImageReading::kMoving) {
+                                        std::optional<ImageLayout> image_layout) {
+  if (image_layout == ImageLayout::kMoving) {
     for (const auto& folder : {capture, capture / "images"})
       if (fs::is_directory(folder) && !images_in(folder).empty()) return {single_sequence(folder)};
     throw InputError(fmt::format(
@@ -176,9 +176,9 @@ std::vector<ImageSequence> sequences_of(const fs::path& capture,
   return std::move(found.cameras);
 }
 
-bool is_capture(const fs::path& folder, std::optional<ImageReading> reading) {
+bool is_capture(const fs::path& folder, std::optional<ImageLayout> image_layout) {
   try {
-    detect_layout(folder, reading);
+    detect_layout(folder, image_layout);
     return true;
   } catch (const AmbiguousCapture&) {
     return true;
@@ -210,16 +210,17 @@ std::vector<fs::path> subfolders(const fs::path& folder, const fs::path& out) {
   return found;
 }
 
-std::vector<std::string> captures_in(const fs::path& folder, std::optional<ImageReading> reading) {
+std::vector<std::string> captures_in(const fs::path& folder,
+                                     std::optional<ImageLayout> image_layout) {
   std::vector<std::string> names;
   for (const fs::path& path : subfolders(folder, {}))
-    if (is_capture(path, reading)) names.push_back(path.filename().string());
+    if (is_capture(path, image_layout)) names.push_back(path.filename().string());
   return names;
 }
 
-bool is_folder_of_captures(const fs::path& folder, std::optional<ImageReading> reading) {
-  return fs::is_directory(folder) && !is_capture(folder, reading) &&
-         !captures_in(folder, reading).empty();
+bool is_folder_of_captures(const fs::path& folder, std::optional<ImageLayout> image_layout) {
+  return fs::is_directory(folder) && !is_capture(folder, image_layout) &&
+         !captures_in(folder, image_layout).empty();
 }
 
 }  // namespace tessera

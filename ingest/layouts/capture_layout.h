@@ -25,12 +25,12 @@ bool has_images(const std::filesystem::path& capture);
 /// The sequences of a capture that is read as kSequences: one a camera, or with kMoving one in all.
 /// Errors: InputError: no images, or no two sequences with common numbers.
 std::vector<ImageSequence> sequences_of(const std::filesystem::path& capture,
-                                        std::optional<ImageReading> reading);
+                                        std::optional<ImageLayout> image_layout);
 
 /// Whether `folder` is read as a capture, or could be with a statement of how. Errors: none: what
 /// cannot be read is no capture.
 bool is_capture(const std::filesystem::path& folder,
-                std::optional<ImageReading> reading = std::nullopt);
+                std::optional<ImageLayout> image_layout = std::nullopt);
 
 /// Subfolders and links that may be some, by name; hidden ones and the output folder are none of
 /// them. Errors: InputError when `folder` cannot be read.
@@ -40,11 +40,11 @@ std::vector<std::filesystem::path> subfolders(const std::filesystem::path& folde
 /// Names of the subfolders that are captures; hidden ones are not looked at. Errors: none: what
 /// cannot be read is no capture.
 std::vector<std::string> captures_in(const std::filesystem::path& folder,
-                                     std::optional<ImageReading> reading = std::nullopt);
+                                     std::optional<ImageLayout> image_layout = std::nullopt);
 
 /// True when `folder` is no capture itself and some of its subfolders are. Images that may be a
 /// rig's or those of several captures are a capture, whose reader says what is to be decided.
 bool is_folder_of_captures(const std::filesystem::path& folder,
-                           std::optional<ImageReading> reading = std::nullopt);
+                           std::optional<ImageLayout> image_layout = std::nullopt);
 
 }  // namespace tessera

@@ -235,7 +235,7 @@ Converted convert_bare_photos(const std::filesystem::path& capture,
   Converted converted = convert_photos(capture, images, read_colmap_model(estimate.folder), folder,
                                        options, progress);
   converted.scene.layout = "photos";
-  if (!options.reading && looks_like_video(images))
+  if (!options.image_layout && looks_like_video(images))
     converted.report.notes.push_back(fmt::format(
         "{}: consecutive images are read as photos of a scene that stands still; pass --layout "
         "moving if they are frames of one camera and something moves",

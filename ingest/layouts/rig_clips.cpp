@@ -40,9 +40,10 @@ std::vector<RigClip> clips_by_name(const fs::path& capture) {
 }
 
 /// Numbered images of several cameras, or of one that moves.
-std::vector<RigClip> clips_of_images(const fs::path& capture, std::optional<ImageReading> reading) {
+std::vector<RigClip> clips_of_images(const fs::path& capture,
+                                     std::optional<ImageLayout> image_layout) {
   std::vector<RigClip> clips;
-  for (ImageSequence& sequence : sequences_of(capture, reading))
+  for (ImageSequence& sequence : sequences_of(capture, image_layout))
     clips.push_back({sequence.camera, sequence.path, {}, {}, std::move(sequence.images)});
   return clips;
 }
@@ -189,7 +190,7 @@ RigClips open_rig_clips(const fs::path& capture, const IngestOptions& options,
                         std::vector<std::string>& warnings) {
   RigClips rig;
   const bool of_images = options.layout == CaptureLayout::kSequences;
-  rig.clips = of_images ? clips_of_images(capture, options.reading) : clips_by_name(capture);
+  rig.clips = of_images ? clips_of_images(capture, options.image_layout) : clips_by_name(capture);
   const fs::path poses = pose_file(capture, options.poses.source);
   const bool by_row = poses.filename() == kLlffFile;
   if (by_row) pose_by_row(poses, rig.clips);  // rows count the videos that are left out, too

@@ -67,7 +67,8 @@ int width_of(const std::filesystem::path& capture, CaptureLayout layout,
     case CaptureLayout::kLlff:
       return read_llff_poses(capture / "poses_bounds.npy").front().camera.width;
     case CaptureLayout::kSequences:
-      return read_image(sequences_of(capture, options.reading).front().images.front().file).width;
+      return read_image(sequences_of(capture, options.image_layout).front().images.front().file)
+          .width;
     case CaptureLayout::kPhotos:
       return 0;
   }
@@ -80,7 +81,7 @@ double timesteps_per_second(const std::filesystem::path& capture, CaptureLayout 
   constexpr double kMoments = 5;
   double seconds = options.duration.value_or(1e9);
   if (layout == CaptureLayout::kSequences)
-    for (const ImageSequence& sequence : sequences_of(capture, options.reading))
+    for (const ImageSequence& sequence : sequences_of(capture, options.image_layout))
       seconds =
           std::min(seconds, double(sequence.images.back().number - sequence.images.front().number) /
                                 *options.image_rate);

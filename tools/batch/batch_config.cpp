@@ -208,7 +208,7 @@ bool has_test_views_of_its_own(const fs::path& capture, const IngestOptions& opt
       case CaptureLayout::kN3dv:
         return videos_in(capture).size() > 1 && options.cameras.size() != 1;
       case CaptureLayout::kSequences:
-        return options.reading != ImageReading::kMoving && options.cameras.size() != 1;
+        return options.image_layout != ImageLayout::kMoving && options.cameras.size() != 1;
       case CaptureLayout::kTransforms: {
         const std::vector<TransformsFrame> frames = read_transforms_capture(capture).frames;
         return std::any_of(frames.begin(), frames.end(), [](const TransformsFrame& frame) {

@@ -147,10 +147,10 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
                                                        arguments.intrinsics, "--intrinsics");
   options.poses.strict = options.strict;
   if (!arguments.layout.empty())
-    options.reading = value_of<ImageReading>({{"rig", ImageReading::kRig},
-                                              {"photos", ImageReading::kPhotos},
-                                              {"moving", ImageReading::kMoving}},
-                                             arguments.layout, "--layout");
+    options.image_layout = value_of<ImageLayout>({{"rig", ImageLayout::kRig},
+                                                  {"photos", ImageLayout::kPhotos},
+                                                  {"moving", ImageLayout::kMoving}},
+                                                 arguments.layout, "--layout");
   if (!arguments.cloud.empty())
     options.cloud = value_of<CloudDensity>({{"none", CloudDensity::kNone},
                                             {"sparse", CloudDensity::kSparse},
@@ -167,7 +167,7 @@ nlohmann::json to_json(const IngestOptions& o) {
           {"held_out", o.held_out},
           {"static", o.allow_static},
           {"layout", o.layout ? layout_name(*o.layout) : ""},
-          {"reading", o.reading ? int(*o.reading) : -1},
+          {"image_layout", o.image_layout ? int(*o.image_layout) : -1},
           {"images", o.images},
           {"test_every", o.test_every.value_or(-1)},
           {"poses", {o.poses.source, stamps_of(o.poses.source)}},

@@ -57,7 +57,7 @@ int ingest_one(const IngestRequest& request, const IngestOptions& options) {
 int ingest(const IngestRequest& request) {
   set_thread_count(request.threads);
   const IngestOptions options = resolve_ingest(request.arguments);
-  return request.batch || is_folder_of_captures(request.capture, options.reading)
+  return request.batch || is_folder_of_captures(request.capture, options.image_layout)
              ? ingest_all(request, options)
              : ingest_one(request, options);
 }

@@ -81,7 +81,7 @@ class Batch {
   void prepare_or_throw(const fs::path& capture, const std::string& place, BatchScene& scene) {
     const fs::path target = out_ / scene.name;
     if (!options_.layout)
-      detect_layout(capture, options_.reading);  // its error before the stamps of what is none
+      detect_layout(capture, options_.image_layout);  // its error before the stamps of what is none
     const std::string key = key_of({file_stamps(capture), to_json(options_)});
     if (ledger_.done(scene.name, key) && is_prepared_scene(target)) {
       say(fmt::format("{} ({}): done before, unchanged", scene.name, place));
@@ -127,14 +127,16 @@ int64_t BatchResult::count(BatchOutcome outcome) const {
 BatchResult ingest_batch(const fs::path& folder, const fs::path& out, const IngestOptions& options,
                          bool overwrite) {
   const std::vector<fs::path> captures = subfolders(folder, out);
-  if (std::none_of(captures.begin(), captures.end(),
-                   [&](const fs::path& capture) { return is_capture(capture, options.reading); }))
+  if (std::none_of(captures.begin(), captures.end(), [&](const fs::path& capture) {
+        return is_capture(capture, options.image_layout);
+      }))
     throw InputError(
         fmt::format("{}: none of its {} subfolders is a capture; name the folder whose subfolders "
                     "are, or one capture",
                     folder.string(), captures.size()));
   for (const fs::path& capture : captures)
-    if (is_capture(capture, options.reading)) check_output_apart(out / capture.filename(), capture);
+    if (is_capture(capture, options.image_layout))
+      check_output_apart(out / capture.filename(), capture);
   Batch batch(out, options, overwrite);
   BatchResult result;
   try {

@@ -190,7 +190,7 @@ TEST(ImageSequencesPosed, RigAndMovingCamera) {
   EXPECT_EQ(report.layout, CaptureLayout::kSequences);
   EXPECT_GE(report.cameras, 3);
   EXPECT_FALSE(load_scene(folder / "scene", {}).is_static);
-  options.reading = ImageReading::kMoving;
+  options.image_layout = ImageLayout::kMoving;
   options.fps = 10;
   const IngestReport moving =
       ingest_capture(folder / "moving", folder / "walk", options, kNoProgress);

@@ -102,20 +102,20 @@ TEST_F(ImageRig, FramesCamerasTimesAndSplits) {
     EXPECT_EQ(warning.find("clock"), std::string::npos) << warning;
 }
 
-// Photos that were taken for a rig find no poses. Bug put back: the reading noted only where all
+// Photos that were taken for a rig find no poses. Bug put back: the layout noted only where all
 // goes well; seen to fail.
 TEST_F(ImageRig, WhereNoPosesAreFoundTheReadingIsSaid) {
   write("ims/{c}/{t:06}.png");
   ::setenv("TESSERA_COLMAP", "/bin/false", 1);
-  const auto ingest_with = [&](std::optional<ImageReading> reading) {
+  const auto ingest_with = [&](std::optional<ImageLayout> layout) {
     IngestOptions options;
-    options.reading = reading;
-    ingest_capture(folder_ / (reading ? "capture/ims/0" : "capture"), folder_ / "scene", options,
+    options.image_layout = layout;
+    ingest_capture(folder_ / (layout ? "capture/ims/0" : "capture"), folder_ / "scene", options,
                    {});
   };
   expect_input_error([&] { ingest_with({}); },
                      {"3 cameras that film together", "N / 30 s", "--layout photos"});
-  expect_input_error([&] { ingest_with(ImageReading::kMoving); }, {"one camera that moves"});
+  expect_input_error([&] { ingest_with(ImageLayout::kMoving); }, {"one camera that moves"});
   ::unsetenv("TESSERA_COLMAP");
 }
 

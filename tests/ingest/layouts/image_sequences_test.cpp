@@ -44,7 +44,7 @@ TEST(ImageSequences, CommonRigLayoutsAreRigs) {
     EXPECT_EQ(sequences[1].camera.find("img"), std::string::npos) << pattern;
     ASSERT_EQ(sequences[1].images.size(), 5u) << pattern;
     EXPECT_EQ(sequences[1].images[4].number, 4) << pattern;
-    EXPECT_EQ(detect_layout(folder.path(), ImageReading::kMoving), CaptureLayout::kSequences);
+    EXPECT_EQ(detect_layout(folder.path(), ImageLayout::kMoving), CaptureLayout::kSequences);
   }
 }
 
@@ -92,7 +92,7 @@ TEST(ImageSequences, PosesDecideWhatImagesAre) {
   EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kColmap);
   write_bytes(folder / "transforms.json", "{}");
   EXPECT_EQ(detect_layout(folder.path()), CaptureLayout::kTransforms);
-  EXPECT_EQ(detect_layout(folder.path(), ImageReading::kRig), CaptureLayout::kSequences);
+  EXPECT_EQ(detect_layout(folder.path(), ImageLayout::kRig), CaptureLayout::kSequences);
 }
 
 // Bug put back: one of the two readings chosen without a word; seen to fail.
@@ -103,7 +103,7 @@ TEST(ImageSequences, WhatIsNotClearIsAsked) {
     EXPECT_THROW(detect_layout(folder.path()), AmbiguousCapture) << pattern;
     expect_input_error([&] { detect_layout(folder.path()); },
                        {"2 cameras", "9 numbers in all", "--layout rig", "--layout photos"});
-    EXPECT_EQ(detect_layout(folder.path(), ImageReading::kRig), CaptureLayout::kSequences);
+    EXPECT_EQ(detect_layout(folder.path(), ImageLayout::kRig), CaptureLayout::kSequences);
     IngestOptions options;  // poses of cameras decide
     options.poses.source = folder / "cameras.json";
     EXPECT_EQ(layout_of(folder.path(), options), CaptureLayout::kSequences) << pattern;
@@ -114,10 +114,10 @@ TEST(ImageSequences, WhatIsNotClearIsAsked) {
   EXPECT_THROW(detect_layout(dropped.path()), AmbiguousCapture);
   const TemporaryFolder flat;
   write_names(flat.path(), "take_{c}_{t:04}.png", 2, 9);
-  EXPECT_EQ(detect_layout(flat.path(), ImageReading::kPhotos), CaptureLayout::kPhotos);
+  EXPECT_EQ(detect_layout(flat.path(), ImageLayout::kPhotos), CaptureLayout::kPhotos);
   const TemporaryFolder empty;
-  expect_input_error([&] { sequences_of(empty.path(), ImageReading::kRig); }, {"--layout rig"});
-  expect_input_error([&] { sequences_of(empty.path(), ImageReading::kMoving); }, {"no images"});
+  expect_input_error([&] { sequences_of(empty.path(), ImageLayout::kRig); }, {"--layout rig"});
+  expect_input_error([&] { sequences_of(empty.path(), ImageLayout::kMoving); }, {"no images"});
 }
 
 TEST(ImageSequences, OneSequenceMayBeAVideo) {
