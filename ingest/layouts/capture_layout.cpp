@@ -15,8 +15,11 @@
 #include "kernels/base/errors.h"
 
 namespace tessera {
+namespace {
 
 namespace fs = std::filesystem;
+
+}  // namespace
 
 std::vector<fs::path> videos_in(const fs::path& folder) {
   constexpr std::array<const char*, 5> kExtensions{".mp4", ".mkv", ".mov", ".avi", ".webm"};

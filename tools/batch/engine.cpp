@@ -11,8 +11,10 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <string_view>
 #include <thread>
 
+#include "ingest/files/atomic_file.h"
 #include "ingest/files/child_process.h"
 #include "kernels/base/errors.h"
 #include "tools/cli/background_program.h"
@@ -70,6 +72,23 @@ pid_t start(const std::vector<std::string>& arguments) {
     throw InputError(
         fmt::format("{}: cannot be started ({})", program.string(), std::strerror(errno)));
   return child;
+}
+
+struct WorkflowFile {
+  std::string_view path;  // below the workflow's folder: "Snakefile", "profiles/slurm/config.yaml"
+  std::string_view bytes;
+};
+
+const std::vector<WorkflowFile>& workflow_files() {
+#define WORKFLOW_FILE(number, path, source) \
+  {path,                                    \
+   {tessera_workflow_##number##_begin,      \
+    size_t(tessera_workflow_##number##_end - tessera_workflow_##number##_begin)}},
+  static const std::vector<WorkflowFile> files = {
+#include "tools/batch/workflow_table.inc"
+  };
+#undef WORKFLOW_FILE
+  return files;
 }
 
 }  // namespace
@@ -141,19 +160,6 @@ int run_engine(const std::vector<std::string>& arguments, const std::function<bo
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
   return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-}
-
-const std::vector<WorkflowFile>& workflow_files() {
-#define WORKFLOW_FILE(number, path, source) \
-  {path,                                    \
-   {tessera_workflow_##number##_begin,      \
-    size_t(tessera_workflow_##number##_end - tessera_workflow_##number##_begin)}},
-  static const std::vector<WorkflowFile> files = {
-#include "ingest/files/atomic_file.h"
-#include "tools/batch/workflow_table.inc"
-  };
-#undef WORKFLOW_FILE
-  return files;
 }
 
 void write_workflow(const fs::path& folder) {

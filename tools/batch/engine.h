@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace tessera {
@@ -35,12 +34,6 @@ void check_engine();
 /// ended it. Errors: InputError: it cannot be started.
 int run_engine(const std::vector<std::string>& arguments, const std::function<bool()>& stop,
                const std::function<void()>& tick);
-
-struct WorkflowFile {
-  std::string_view path;  // below the workflow's folder: "Snakefile", "profiles/slurm/config.yaml"
-  std::string_view bytes;
-};
-const std::vector<WorkflowFile>& workflow_files();
 
 /// Writes them below `folder`; scripts (#!) may be executed. A file that is there with the same
 /// bytes is left alone. Errors: InputError: the folder cannot be written.

@@ -12,8 +12,8 @@ struct ReportRequest {
   std::string backend = "auto";
 };
 
-/// What report.json holds. What cannot be drawn is said in the page. Errors: InputError: no batch,
-/// the folder cannot be written; Interrupted.
+/// What report.json holds. What cannot be drawn is said in the page. Errors:
+/// InputError: no batch, the folder cannot be written; Interrupted.
 nlohmann::json write_report(const ReportRequest& request);
 
 }  // namespace tessera

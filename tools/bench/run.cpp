@@ -25,8 +25,8 @@ using nlohmann::json;
 
 constexpr Split kSplits[] = {Split::kTest, Split::kVal, Split::kTrain};
 
-/// Names and sizes of the files of a folder, and what its JSON files say: the same on machines that
-/// have copies of it.
+/// Names and sizes of the files of a folder, and what its JSON files say: the same on machines
+/// that have copies of it.
 std::string folder_fingerprint(const fs::path& folder) {
   std::vector<std::string> lines;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
@@ -56,8 +56,8 @@ std::string folder_name(const fs::path& path) {
   return whole.filename().string();
 }
 
-}  // namespace
-
+/// PATH or PATH:split. Without a split: test, else val. Errors: InputError: load_scene's; a split
+/// without frames.
 BenchScene open_bench_scene(const std::string& text) {
   BenchScene scene;
   scene.path = text;
@@ -86,6 +86,8 @@ BenchScene open_bench_scene(const std::string& text) {
   scene.fingerprint = folder_fingerprint(scene.path);
   return scene;
 }
+
+}  // namespace
 
 std::vector<BenchScene> open_bench_scenes(const std::vector<std::string>& texts) {
   std::vector<BenchScene> scenes;

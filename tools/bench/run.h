@@ -22,9 +22,6 @@ struct BenchScene {
   std::string fingerprint;  // of the folder
 };
 
-/// PATH or PATH:split. Without a split: test, else val. Errors: InputError: load_scene's; a split
-/// without frames.
-BenchScene open_bench_scene(const std::string& text);
 /// Errors: InputError: two scenes of one name, which would share folders.
 std::vector<BenchScene> open_bench_scenes(const std::vector<std::string>& texts);
 

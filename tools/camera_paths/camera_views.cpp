@@ -19,6 +19,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Normalised time of `axis` → normalised time of the model, through the capture's own clock.
+double model_time(const GaussianModel& model, const TimeAxis& axis, double time) {
+  const TimeAxis& model_axis = model.time_axis;
+  if (axis.origin == model_axis.origin && axis.duration == model_axis.duration) return time;
+  return (axis.origin + time * axis.duration - model_axis.origin) / model_axis.duration;
+}
+
+/// A camera of a file into the model's world. A prepared scene says how its world comes from the
+/// source's (`prepared_from_source`); any other file is in the source's world: the identity.
+Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
+                    const Camera& camera) {
+  if (prepared_from_source == model.prepared_from_source) return camera;
+  return camera_in_world(compose(model.prepared_from_source, inverse(prepared_from_source)),
+                         camera);
+}
+
 std::vector<NamedView> views_of_scene(const CameraChoice& choice, const GaussianModel& model) {
   SceneOptions options;
   options.allow_static = true;
@@ -127,19 +143,6 @@ Split parse_split(const std::string& name) {
   if (name == "val") return Split::kVal;
   if (name == "test") return Split::kTest;
   throw InputError(fmt::format("unknown split '{}'; choose train, val or test", name));
-}
-
-double model_time(const GaussianModel& model, const TimeAxis& axis, double time) {
-  const TimeAxis& model_axis = model.time_axis;
-  if (axis.origin == model_axis.origin && axis.duration == model_axis.duration) return time;
-  return (axis.origin + time * axis.duration - model_axis.origin) / model_axis.duration;
-}
-
-Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
-                    const Camera& camera) {
-  if (prepared_from_source == model.prepared_from_source) return camera;
-  return camera_in_world(compose(model.prepared_from_source, inverse(prepared_from_source)),
-                         camera);
 }
 
 Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,

@@ -42,14 +42,6 @@ std::vector<KeyFrame> read_key_frames(const std::filesystem::path& file, const s
 /// "train", "val" or "test". Errors: InputError.
 Split parse_split(const std::string& name);
 
-/// Normalised time of `axis` → normalised time of the model, through the capture's own clock.
-double model_time(const GaussianModel& model, const TimeAxis& axis, double time);
-
-/// A camera of a file into the model's world. A prepared scene says how its world comes from the
-/// source's (`prepared_from_source`); any other file is in the source's world: the identity.
-Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
-                    const Camera& camera);
-
 /// The scene with its images on the model's background, times and cameras those of the model.
 /// `held_out`: as SceneOptions. Errors: as load_scene.
 Scene scene_for(const GaussianModel& model, const std::filesystem::path& path,

@@ -22,8 +22,8 @@ struct PathChoice {
   bool for_video = false;               // sizes must be even
 };
 
-/// What can be said before a model is read. Errors: InputError naming the option: no such path,
-/// rate or size, odd sizes for a video, too many frames, a rig for a file.
+/// What can be said before a model is read. Errors: InputError naming the option: no such
+/// path, rate or size, odd sizes for a video, too many frames, a rig for a file.
 void check_path_choice(const PathChoice& choice);
 
 /// Views named frame_0000 … (more digits when needed), all of one size.

@@ -79,6 +79,26 @@ std::string value_in(const TrainOption& option, const std::string& preset,
   return short_text(option_value(options, option));
 }
 
+/// A value that several presets share.
+struct PresetDefault {
+  std::string value;
+  std::vector<std::string> presets;
+};
+
+/// The default in each preset, the value of `balanced` first. Values that presets use for rigs only
+/// are not among them.
+std::vector<PresetDefault> preset_defaults(const TrainOption& option) {
+  std::vector<PresetDefault> defaults{{value_in(option, "balanced"), {}}};
+  for (const Preset& preset : presets()) {
+    const std::string value = value_in(option, preset.name);
+    auto place = std::find_if(defaults.begin(), defaults.end(),
+                              [&](const PresetDefault& d) { return d.value == value; });
+    if (place == defaults.end()) place = defaults.insert(place, {value, {}});
+    place->presets.push_back(preset.name);
+  }
+  return defaults;
+}
+
 }  // namespace
 
 std::string first_line(const std::string& doc) {
@@ -152,18 +172,6 @@ std::string option_range(const TrainOption& option) {
       std::holds_alternative<std::string TrainOptions::*>(option.member))
     return "";
   return fmt::format("{} to {}", limit_text(option.low), limit_text(option.high));
-}
-
-std::vector<PresetDefault> preset_defaults(const TrainOption& option) {
-  std::vector<PresetDefault> defaults{{value_in(option, "balanced"), {}}};
-  for (const Preset& preset : presets()) {
-    const std::string value = value_in(option, preset.name);
-    auto place = std::find_if(defaults.begin(), defaults.end(),
-                              [&](const PresetDefault& d) { return d.value == value; });
-    if (place == defaults.end()) place = defaults.insert(place, {value, {}});
-    place->presets.push_back(preset.name);
-  }
-  return defaults;
 }
 
 std::string rig_default(const TrainOption& option) {

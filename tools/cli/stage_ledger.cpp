@@ -13,10 +13,14 @@
 #include "kernels/base/errors.h"
 
 namespace tessera {
+namespace {
 
 namespace fs = std::filesystem;
+
 // File names need not be UTF-8.
 constexpr auto kReplaceInvalid = nlohmann::json::error_handler_t::replace;
+
+}  // namespace
 
 StageLedger::StageLedger(fs::path file) : file_(std::move(file)) {
   if (!fs::exists(file_)) return;

@@ -22,7 +22,7 @@
 #include "tools/player/page_words.h"
 #include "tools/player/player_page.h"
 #include "tools/session/run_folder.h"
-#include "tools/video/jpeg.h"
+#include "tools/video/video_encoder.h"
 
 namespace tessera {
 namespace {
@@ -121,6 +121,37 @@ std::string image_address(const Image8& image) {
   return data_address("image/png", read_text_file(folder.path() / "truth.png"));
 }
 
+/// By the first bytes. Errors: InputError naming `path`: unreadable, empty, none of the three
+/// types.
+Poster poster_of_file(const std::string& path) {
+  Poster poster{read_text_file(path), ""};
+  poster.type = type_of(poster.bytes);
+  if (poster.type.empty())
+    throw InputError(
+        fmt::format("{}: is no PNG, JPEG or WebP image; pass another --poster, or auto", path));
+  return poster;
+}
+
+/// [{name, camera (as a manifest has it), t, image (data address of a JPEG or PNG file)}]: at most
+/// six frames of the scene's test split, else of its val split, else of its train split, evenly
+/// over them, at most 960 pixels wide. `model`: as exported, in the world of the cameras.
+/// Errors: InputError: the scene of the model or of `request.cameras` cannot be read.
+nlohmann::json truth_views(const ExportRequest& request, const GaussianModel& model) {
+  const std::filesystem::path place =
+      request.cameras.empty() ? scene_of_model(request.model) : request.cameras;
+  if (place.empty())
+    throw InputError(
+        "export: --truth needs the scene's images, and the model's scene is not there; pass the "
+        "scene as --cameras");
+  nlohmann::json views = nlohmann::json::array();
+  for (const Frame& frame : scene_for(model, place, kMostViews).frames)
+    views.push_back({{"name", frame.name},
+                     {"camera", camera_json({frame.name, frame.camera})},
+                     {"t", frame.time},
+                     {"image", image_address(frame.image)}});
+  return views;
+}
+
 }  // namespace
 
 std::string Poster::file() const {
@@ -129,15 +160,6 @@ std::string Poster::file() const {
     if (type == image.type) return image.file;
   check(false, "poster: its type is none of the known ones");
   return "";
-}
-
-Poster poster_of_file(const std::string& path) {
-  Poster poster{read_text_file(path), ""};
-  poster.type = type_of(poster.bytes);
-  if (poster.type.empty())
-    throw InputError(
-        fmt::format("{}: is no PNG, JPEG or WebP image; pass another --poster, or auto", path));
-  return poster;
 }
 
 PageHead page_head(const ExportRequest& request, const GaussianModel& model) {
@@ -157,22 +179,6 @@ std::string with_head(std::string page, const PageHead& head, bool beside) {
          fmt::format(R"(<img id="poster" alt="" src="{}" />)",
                      data_address(head.poster.type.c_str(), head.poster.bytes)));
   return page;
-}
-
-nlohmann::json truth_views(const ExportRequest& request, const GaussianModel& model) {
-  const std::filesystem::path place =
-      request.cameras.empty() ? scene_of_model(request.model) : request.cameras;
-  if (place.empty())
-    throw InputError(
-        "export: --truth needs the scene's images, and the model's scene is not there; pass the "
-        "scene as --cameras");
-  nlohmann::json views = nlohmann::json::array();
-  for (const Frame& frame : scene_for(model, place, kMostViews).frames)
-    views.push_back({{"name", frame.name},
-                     {"camera", camera_json({frame.name, frame.camera})},
-                     {"t", frame.time},
-                     {"image", image_address(frame.image)}});
-  return views;
 }
 
 }  // namespace tessera

@@ -17,10 +17,6 @@ struct Poster {
   std::string file() const;
 };
 
-/// By the first bytes. Errors: InputError naming `path`: unreadable, empty, none of the three
-/// types.
-Poster poster_of_file(const std::string& path);
-
 struct PageHead {
   std::string title, description;  // plain text; empty: the player's own title, no description
   Poster poster;
@@ -35,11 +31,5 @@ PageHead page_head(const ExportRequest& request, const GaussianModel& model);
 /// The player's page with title, description and poster in their places. `beside`: the poster lies
 /// as a file beside the page, too, and the tags for other sites name it.
 std::string with_head(std::string page, const PageHead& head, bool beside);
-
-/// [{name, camera (as a manifest has it), t, image (data address of a JPEG or PNG file)}]: at most
-/// six frames of the scene's test split, else of its val split, else of its train split, evenly
-/// over them, at most 960 pixels wide. `model`: as exported, in the world of the cameras.
-/// Errors: InputError: the scene of the model or of `request.cameras` cannot be read.
-nlohmann::json truth_views(const ExportRequest& request, const GaussianModel& model);
 
 }  // namespace tessera

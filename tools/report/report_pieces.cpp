@@ -34,6 +34,13 @@ std::string decibels(const ScoredView& view) {
   return text;
 }
 
+std::string image_tag(const EncodedImage& image, const std::string& description, int width,
+                      int height, const std::string& more = "") {
+  return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\"{} src=\"{}\">",
+                     html_text(description), width, height, more,
+                     data_address(image.type.c_str(), image.bytes));
+}
+
 }  // namespace
 
 std::string time_words(double seconds) {
@@ -57,13 +64,6 @@ std::string fact_html(const std::string& name, const std::string& html) {
 
 std::string fact(const std::string& name, const std::string& value) {
   return fact_html(name, html_text(value));
-}
-
-std::string image_tag(const EncodedImage& image, const std::string& description, int width,
-                      int height, const std::string& more) {
-  return fmt::format("<img alt=\"{}\" width=\"{}\" height=\"{}\"{} src=\"{}\">",
-                     html_text(description), width, height, more,
-                     data_address(image.type.c_str(), image.bytes));
 }
 
 std::string compared_view(const ShownView& view) {

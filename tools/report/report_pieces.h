@@ -18,8 +18,6 @@ std::string fact(const std::string& name, const std::string& value);
 /// The same with HTML as the value.
 std::string fact_html(const std::string& name, const std::string& html);
 
-std::string image_tag(const EncodedImage& image, const std::string& description, int width,
-                      int height, const std::string& more = "");
 /// A view with a slider between truth and result, its error map and its scores.
 std::string compared_view(const ShownView& view);
 /// The frames of one camera: truth, result and error of each below one another.

@@ -16,7 +16,7 @@
 #include "recon4d/evaluation/metrics.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/training/scene_scale.h"
-#include "tools/video/jpeg.h"
+#include "tools/video/video_encoder.h"
 
 namespace tessera {
 namespace {

@@ -1,6 +1,4 @@
-// What: Evaluates split by split, joins the scores in one object and describes them in a few
-// lines.
-// Not: printing.
+// Evaluates split by split, joins the scores in one object and formats them in a few lines.
 #include "tools/session/held_out_scores.h"
 
 #include <fmt/format.h>

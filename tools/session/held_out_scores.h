@@ -1,6 +1,6 @@
-// What: The scores of a model on the held-out splits of a scene, as the JSON and the text that
-// `evaluate`, `train` and `run` share.
-// Not: the metrics (recon4d/evaluation/evaluate.h).
+// The scores of a model on the held-out splits of a scene, as the JSON and the text that
+// `evaluate`, `train` and `run` share, and their mean and standard deviation over several runs.
+// recon4d/evaluation/evaluate.h computes the metrics.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 #include <optional>

@@ -9,8 +9,8 @@
 namespace tessera {
 
 /// Holds an flock on FOLDER/lock, which says who has it: the kernel gives it back when the program
-/// ends in whatever way. Makes the folder where there is none; what it made and nobody filled goes
-/// with it.
+/// ends in whatever way. Makes the folder where there is none; what it made and no program filled
+/// goes with it.
 class RunLock {
  public:
   /// Errors: InputError: another program has the lock (says which), the folder cannot be written.

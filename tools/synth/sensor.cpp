@@ -22,6 +22,11 @@ bool is_reference(const SynthOptions& options, int view) {
   return view == 0 && options.cameras > 1;
 }
 
+/// The light at a frame of a camera, 1 or SynthOptions::light_step.
+double light_factor(const SynthOptions& options, int view, int frame) {
+  return frame + shift_of(options, view) < 0.5 * options.frames ? 1 : options.light_step;
+}
+
 }  // namespace
 
 double exposure_gain(const SynthOptions& options, int view, int frame) {
@@ -35,10 +40,6 @@ std::array<double, 3> camera_gain(const SynthOptions& options, int view) {
   const uint32_t seed = hash(uint32_t(options.seed ^ (options.seed >> 32)), view, 10);
   for (size_t k = 0; k < 3; ++k) gain[k] += 0.2 * signed_unit(hash(seed, int64_t(k)));
   return gain;
-}
-
-double light_factor(const SynthOptions& options, int view, int frame) {
-  return frame + shift_of(options, view) < 0.5 * options.frames ? 1 : options.light_step;
 }
 
 Image8 expose(const RenderedImage& image, const SynthOptions& options, int channels, int view,

@@ -19,9 +19,6 @@ double exposure_gain(const SynthOptions& options, int view, int frame);
 /// cam00.
 std::array<double, 3> camera_gain(const SynthOptions& options, int view);
 
-/// The light at a frame of a camera, 1 or SynthOptions::light_step.
-double light_factor(const SynthOptions& options, int view, int frame);
-
 /// RGBA with straight alpha, or RGB over black. Noise touches colour only, and only where there is
 /// something (alpha > 0).
 Image8 expose(const RenderedImage& image, const SynthOptions& options, int channels, int view,

@@ -1,18 +1,35 @@
-// VideoEncoder by libavformat, libavcodec (libx264) and libswscale; every handle has an owner.
+// Video by libavformat, libavcodec (libx264) and libswscale, JPEG by libavcodec in the colours that
+// JFIF states. Every handle has an owner.
 #include "tools/video/video_encoder.h"
 
 extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
 #include <libavutil/opt.h>
+#include <libswscale/swscale.h>
 }
 
+#include <memory>
 #include <string>
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
-#include "tools/video/av_handles.h"
 
 namespace tessera {
 namespace {
+
+struct AvRelease {
+  void operator()(AVFormatContext* c) const {
+    if (c->pb != nullptr) avio_closep(&c->pb);
+    avformat_free_context(c);
+  }
+  void operator()(AVCodecContext* c) const { avcodec_free_context(&c); }
+  void operator()(AVFrame* f) const { av_frame_free(&f); }
+  void operator()(AVPacket* p) const { av_packet_free(&p); }
+  void operator()(SwsContext* c) const { sws_freeContext(c); }
+};
+template <class T>
+using Owned = std::unique_ptr<T, AvRelease>;
 
 constexpr int kHighDefinitionLines = 720;  // from here on players assume BT.709
 constexpr int kEncoderThreads = 4;         // fixed: x264's bytes depend on it
@@ -22,6 +39,28 @@ std::string reason(int error) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
   av_strerror(error, text, sizeof(text));
   return text;
+}
+
+constexpr AVPixelFormat kJpegFormat = AV_PIX_FMT_YUVJ444P;  // full range
+
+/// The image in the colours of JFIF: BT.601, full range.
+Owned<AVFrame> jpeg_frame(const Image8& image) {
+  Owned<AVFrame> frame(av_frame_alloc());
+  Owned<SwsContext> to_yuv(sws_getContext(
+      image.width, image.height, AV_PIX_FMT_RGB24, image.width, image.height, kJpegFormat,
+      SWS_POINT | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr));
+  check(frame != nullptr && to_yuv != nullptr, "FFmpeg is out of memory");
+  frame->width = image.width;
+  frame->height = image.height;
+  frame->format = kJpegFormat;
+  frame->color_range = AVCOL_RANGE_JPEG;
+  check(av_frame_get_buffer(frame.get(), 0) >= 0, "FFmpeg is out of memory");
+  const int* matrix = sws_getCoefficients(SWS_CS_ITU601);
+  sws_setColorspaceDetails(to_yuv.get(), matrix, 1, matrix, 1, 0, 1 << 16, 1 << 16);
+  const uint8_t* from[] = {image.data.data()};
+  const int stride[] = {3 * image.width};
+  sws_scale(to_yuv.get(), from, stride, 0, image.height, frame->data, frame->linesize);
+  return frame;
 }
 
 }  // namespace
@@ -180,6 +219,31 @@ void VideoEncoder::finish() {
 
 bool video_encoder_available() {
   return true;
+}
+
+std::optional<std::string> jpeg_bytes(const Image8& image, int quantiser) {
+  check(image.channels == 3 && image.width > 0 && image.height > 0, "a JPEG of an RGB image");
+  av_log_set_level(AV_LOG_FATAL);  // of the process: libraries do not print
+  const AVCodec* encoder = avcodec_find_encoder(AV_CODEC_ID_MJPEG);
+  if (encoder == nullptr) return std::nullopt;
+  Owned<AVCodecContext> codec(avcodec_alloc_context3(encoder));
+  Owned<AVPacket> packet(av_packet_alloc());
+  check(codec != nullptr && packet != nullptr, "FFmpeg is out of memory");
+  codec->width = image.width;
+  codec->height = image.height;
+  codec->pix_fmt = kJpegFormat;
+  codec->color_range = AVCOL_RANGE_JPEG;
+  codec->time_base = {1, 25};
+  codec->thread_count = 1;  // slices would change the bytes
+  codec->flags |= AV_CODEC_FLAG_QSCALE | AV_CODEC_FLAG_BITEXACT;
+  codec->global_quality = quantiser * FF_QP2LAMBDA;
+  if (avcodec_open2(codec.get(), encoder, nullptr) < 0) return std::nullopt;
+  const Owned<AVFrame> frame = jpeg_frame(image);
+  frame->quality = codec->global_quality;
+  if (avcodec_send_frame(codec.get(), frame.get()) < 0 ||
+      avcodec_receive_packet(codec.get(), packet.get()) < 0)
+    return std::nullopt;
+  return std::string(reinterpret_cast<const char*>(packet->data), size_t(packet->size));
 }
 
 }  // namespace tessera

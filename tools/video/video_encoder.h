@@ -1,9 +1,11 @@
-// Encodes 8-bit RGB images to one H.264 mp4 file, with colour tags by which a correct decoder
-// returns the same colours. A build without FFmpeg has video_encoder_absent.cpp, whose constructor
-// throws.
+// Encodes 8-bit RGB images with FFmpeg: to one H.264 mp4 file, with colour tags by which a correct
+// decoder returns the same colours, or to a JPEG file in memory. A build without FFmpeg has
+// video_encoder_absent.cpp, which encodes nothing.
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "ingest/scene.h"
 #include "tools/video/frame_rate.h"
@@ -41,5 +43,10 @@ class VideoEncoder {
 
 /// Whether this build can encode video.
 bool video_encoder_available();
+
+/// The bytes of a JFIF file without chroma subsampling; nothing in a build without FFmpeg, or with
+/// one that has no JPEG encoder. `quantiser`: from 2 (best) to 31. The same image gives the same
+/// bytes. `image` is RGB and not empty.
+std::optional<std::string> jpeg_bytes(const Image8& image, int quantiser);
 
 }  // namespace tessera

@@ -1,4 +1,5 @@
-// Replaces the encoder in a build without FFmpeg: an error that names the build option to set.
+// Replaces the encoders in a build without FFmpeg: a video is an error that names the build option
+// to set, and an image has no JPEG bytes.
 #include "kernels/base/errors.h"
 #include "tools/video/video_encoder.h"
 
@@ -22,6 +23,10 @@ void VideoEncoder::finish() {
 
 bool video_encoder_available() {
   return false;
+}
+
+std::optional<std::string> jpeg_bytes(const Image8&, int) {
+  return std::nullopt;
 }
 
 }  // namespace tessera

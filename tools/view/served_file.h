@@ -1,15 +1,40 @@
 // Which files of the folder the view serves, how a path of a request leads to one of them, and
 // which part of it a Range header asks for. Source: RFC 9110 §14.
 #pragma once
+#include <unistd.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "tools/view/open_file.h"
-
 namespace tessera {
+
+/// A file descriptor that is closed with its owner.
+class OpenFile {
+ public:
+  OpenFile() = default;
+  /// Takes ownership of `descriptor`; a negative one is no file.
+  explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
+  OpenFile(OpenFile&& other) noexcept : descriptor_(other.release()) {}
+  OpenFile& operator=(OpenFile&& other) noexcept {
+    std::swap(descriptor_, other.descriptor_);
+    return *this;
+  }
+  ~OpenFile() {
+    if (is_open()) ::close(descriptor_);
+  }
+
+  bool is_open() const { return descriptor_ >= 0; }
+  int descriptor() const { return descriptor_; }
+  /// Gives the descriptor to the caller, who closes it.
+  int release() { return std::exchange(descriptor_, -1); }
+
+ private:
+  int descriptor_ = -1;
+};
 
 /// The names of folders and file in the path of a request, as it was received: it begins with a
 /// slash, and `%XX` is decoded once. An empty last name, of a path that ends with a slash, becomes

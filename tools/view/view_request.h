@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/view/open_file.h"
+#include "tools/view/served_file.h"
 
 namespace tessera {
 

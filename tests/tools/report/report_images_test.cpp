@@ -4,7 +4,7 @@
 #include <set>
 
 #include "tools/report/run_images.h"
-#include "tools/video/jpeg.h"
+#include "tools/video/video_encoder.h"
 
 namespace tessera {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/view/open_file.h"
+#include "tools/view/served_file.h"
 
 namespace tessera::testing {
 
