@@ -103,7 +103,7 @@ std::vector<fs::path> captures_of_glob(const std::string& pattern, const fs::pat
   return captures;
 }
 
-/// Errors: InputError: none of them is a capture; says of the first why.
+/// Errors: InputError: none of them is a capture; with the reason of the first.
 void check_any(const std::vector<Dataset>& datasets) {
   std::string why;
   for (const Dataset& dataset : datasets) {
@@ -219,7 +219,7 @@ bool has_test_views_of_its_own(const fs::path& capture, const IngestOptions& opt
         return false;
     }
   } catch (const InputError&) {
-    return false;  // its preparation says why
+    return false;  // its preparation reports why
   }
 }
 

@@ -34,7 +34,7 @@ struct BatchConfig {
   std::vector<std::string> ingest;             // words of `tessera ingest`
   std::vector<std::string> presets;            // of `tessera train`
   std::map<std::string, std::string> options;  // of every preset: key → text, as typed
-  std::vector<int64_t> budgets;                // most Gaussians; none: as the presets say
+  std::vector<int64_t> budgets;                // most Gaussians; none: those of the presets
   std::vector<int64_t> seeds;
   std::vector<std::string> exports;
   int64_t threads = 1, gpus = 0;  // of a job; of the machine, 0: trains on the CPU

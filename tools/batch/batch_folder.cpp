@@ -58,7 +58,7 @@ std::vector<BatchFailure> read_failures(const fs::path& folder, std::vector<std:
         word_of(entry, "message"), log_below(folder.parent_path(), word_of(entry, "log"))};
     const json exit = entry.value("exit_code", json());
     if (exit.is_number_integer()) failure.exit = exit.get<int64_t>();
-    if (!failure.exit && failure.rule == "report") continue;  // it is who asks
+    if (!failure.exit && failure.rule == "report") continue;  // the report is being written
     failures.push_back(std::move(failure));
   }
   return failures;

@@ -36,7 +36,7 @@ struct BatchRun {
 struct BatchFolder {
   std::filesystem::path root;
   nlohmann::json asked = nlohmann::json::object();  // asked.json; empty before the first start
-  std::vector<BatchRun> runs;                       // scene by scene, as asked for
+  std::vector<BatchRun> runs;                       // scene by scene, in the order of the request
   std::vector<BatchFailure> failures;               // by file name
   std::vector<std::string> notes;                   // what could not be read, one line each
 

@@ -121,7 +121,7 @@ std::string code(const std::string& text) {
   return fmt::format("<code>{}</code>", html_text(text));
 }
 
-/// What was asked for, so that it can be asked for again.
+/// The options of the batch, by which it can be repeated.
 std::string settings(const json& report) {
   std::string rows = fact_html("folder", code(report["title"])) +
                      fact_html("versions", list_of(report["versions"])) +

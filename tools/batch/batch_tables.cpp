@@ -53,7 +53,7 @@ constexpr Metric kMetrics[] = {kPsnr,
 
 using Medians = std::vector<std::optional<double>>;  // by preset
 
-/// In the order in which they were asked for.
+/// In the order of the request.
 std::vector<std::string> presets_of(const json& report) {
   std::vector<std::string> presets;
   for (const json& run : report["runs"])

@@ -39,7 +39,7 @@ void BatchWatch::look() {
     const BatchFolder batch = read_batch(out_);
     tell_runs(batch);
     tell_failures(batch);
-  } catch (const InputError&) {  // a file that is being replaced: the next look sees it
+  } catch (const InputError&) {  // a file that is being replaced: it is read at the next look
   }
   looked_ = std::chrono::steady_clock::now();
 }

@@ -11,7 +11,7 @@ namespace tessera {
 
 class BatchWatch {
  public:
-  /// What is there already is not told again.
+  /// Results that exist already are not printed.
   explicit BatchWatch(std::filesystem::path out);
   /// Looks every two seconds, however often it is called.
   void tick();

@@ -25,7 +25,7 @@ std::vector<std::string> engine_arguments(const EngineRequest& request);
 /// As it would be typed into a shell.
 std::string shell_line(const std::vector<std::string>& arguments);
 
-/// Errors: InputError: no engine in PATH; says how to install it.
+/// Errors: InputError: no engine in PATH, with how to install it.
 void check_engine();
 
 /// Runs it to its end; its words go where ours go. It has a process group of its own, which gets

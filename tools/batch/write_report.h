@@ -12,7 +12,7 @@ struct ReportRequest {
   std::string backend = "auto";
 };
 
-/// What report.json holds. What cannot be drawn is said in the page. Errors:
+/// The contents of report.json. Views that cannot be rendered are named in the page. Errors:
 /// InputError: no batch, the folder cannot be written; Interrupted.
 nlohmann::json write_report(const ReportRequest& request);
 

@@ -33,7 +33,7 @@ BenchPlan plan_table(const BenchAxes& axes, const std::vector<BenchScene>& scene
 BenchPlan plan_counted_rows(const BenchAxes& axes, const std::vector<BenchScene>& scenes,
                             const BenchTable& table, const nlohmann::json& records);
 
-/// scene × preset × seed, each as long as its preset or the typed options say.
+/// scene × preset × seed, each with the steps of its preset or of the typed options.
 BenchPlan plan_sizes(const BenchAxes& axes, const std::vector<BenchScene>& scenes);
 /// scene × share × seed of the last preset, with max_gaussians the share of what the first preset's
 /// run of that seed ended with, by the `records` of plan_sizes; runs whose count is not known yet

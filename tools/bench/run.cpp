@@ -25,7 +25,7 @@ using nlohmann::json;
 
 constexpr Split kSplits[] = {Split::kTest, Split::kVal, Split::kTrain};
 
-/// Names and sizes of the files of a folder, and what its JSON files say: the same on machines
+/// Names and sizes of the files of a folder, and the values in its JSON files: the same on machines
 /// that have copies of it.
 std::string folder_fingerprint(const fs::path& folder) {
   std::vector<std::string> lines;

@@ -16,7 +16,7 @@ struct BenchRunOptions {
   int64_t shard = 0, shards = 1;  // runs with turn % shards = shard are run here
 };
 
-/// Runs the runs of this shard that are not done, in order; says how each went. A run that
+/// Runs the runs of this shard that are not done, in order, and prints how each ended. A run that
 /// fails is recorded, and the others continue; one that was interrupted resumes from its
 /// checkpoint. Every run as recorded_run gives it, with this call's errors. Errors: Interrupted.
 nlohmann::json complete_runs(const BenchRunOptions& options, const std::vector<BenchRun>& runs);

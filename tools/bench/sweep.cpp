@@ -182,7 +182,7 @@ int finish(const SweepRequest& request, const Sweep& done) {
   return failed > 0 ? kExitFailed : kExitDone;
 }
 
-/// Writes what is done and which runs are next, so that --plot knows them.
+/// Writes what is done and which runs are next, so that --plot includes them.
 void announce(const SweepRequest& request, Sweep done, const std::vector<BenchRun>& next) {
   for (const BenchRun& run : next)
     done.runs.push_back(recorded_run(request.out, describe_run(run)));

@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-/// Figures that somebody else measured, on other hardware.
+/// Figures that others measured, on other hardware.
 struct Published {
   std::string source;                     // method, whose measurement, over what, device
   std::string scene;                      // a dataset's name of the scene; empty: a mean

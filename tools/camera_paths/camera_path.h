@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-/// What an orbit needs to know of a scene, world units.
+/// The facts of a scene that an orbit depends on, world units.
 struct OrbitFrame {
   glm::dvec3 centre{0.0};
   glm::dvec3 up{0, 0, 1};     // unit

@@ -26,7 +26,7 @@ double model_time(const GaussianModel& model, const TimeAxis& axis, double time)
   return (axis.origin + time * axis.duration - model_axis.origin) / model_axis.duration;
 }
 
-/// A camera of a file into the model's world. A prepared scene says how its world comes from the
+/// A camera of a file into the model's world. A prepared scene states how its world comes from the
 /// source's (`prepared_from_source`); any other file is in the source's world: the identity.
 Camera model_camera(const GaussianModel& model, const Similarity& prepared_from_source,
                     const Camera& camera) {
@@ -177,7 +177,7 @@ Rig rig_of(const std::string& cameras, const std::string& model_path, const Gaus
     views = read_views(choice, model);
   } catch (const InputError&) {
     if (!cameras.empty()) throw;
-    return {};  // nobody asked for a scene that has changed since
+    return {};  // a scene that has changed since is not required
   }
   return rig_of_views(views, model.time_axis);
 }

@@ -15,8 +15,8 @@ namespace tessera {
 namespace {
 
 constexpr double kDefaultFps = 24;     // frames per unit of the capture's clock, if it is not known
-constexpr int64_t kMostDefault = 300;  // frames that nobody asked for
-constexpr int64_t kMostFrames = 100000;  // frames that anybody may ask for
+constexpr int64_t kMostDefault = 300;  // frames by default
+constexpr int64_t kMostFrames = 100000;  // frames on request
 constexpr double kRounding = 1e-6;  // of a frame: a last timestep that rounding puts past the end
 
 /// `count` timesteps from the first to the last.

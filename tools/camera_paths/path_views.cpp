@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char *kOrbit = "orbit", *kSpiral = "spiral";
-constexpr double kShortest = 6, kLongest = 60;  // seconds of a video that nobody asked for
+constexpr double kShortest = 6, kLongest = 60;  // seconds of a video by default
 constexpr double kMostFrames = 100000;
 constexpr int kSmallest = 16, kLargest = 8192;                // pixels
 constexpr int kWidth = 1280, kHeight = 720;                   // without any camera
@@ -54,7 +54,7 @@ Size parse_size(const PathChoice& choice) {
   return size;
 }
 
-/// The camera in the size that was asked for, else in its own, made even for a video.
+/// The camera in the requested size, else in its original one, made even for a video.
 Camera lens_of(const PathChoice& choice, const Camera& camera) {
   Size size{camera.width, camera.height};
   if (!choice.size.empty()) {
@@ -79,7 +79,7 @@ PointCloud points_of(const GaussianModel& model) {
 }
 
 std::vector<Camera> rig_of(const PathChoice& choice, const ModelInput& input) {
-  CameraChoice rig{choice.cameras, choice.split, 0.0};  // timesteps are not asked for
+  CameraChoice rig{choice.cameras, choice.split, 0.0};  // timesteps are not needed
   if (rig.cameras.empty()) {
     rig.cameras = scene_of_model(input.file);
     if (rig.cameras.empty()) return {};

@@ -22,7 +22,7 @@ struct PathChoice {
   bool for_video = false;               // sizes must be even
 };
 
-/// What can be said before a model is read. Errors: InputError naming the option: no such
+/// Checks what can be checked before a model is read. Errors: InputError naming the option: no such
 /// path, rate or size, odd sizes for a video, too many frames, a rig for a file.
 void check_path_choice(const PathChoice& choice);
 

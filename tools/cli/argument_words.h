@@ -12,7 +12,7 @@
 
 namespace tessera {
 
-/// `words` in reverse order, as CLI11 wants them, with "--carve true" joined into "--carve=true"
+/// `words` in reverse order, as CLI11 parses them, with "--carve true" joined into "--carve=true"
 /// for the switches of the option table, so that commands of earlier versions still work.
 /// Underscores in the names of options become dashes.
 std::vector<std::string> joined_switches(const std::vector<std::string>& words);

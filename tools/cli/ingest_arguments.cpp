@@ -115,7 +115,7 @@ void add_image_options(CLI::App& command, IngestArguments& arguments) {
       ->capture_default_str();
 }
 
-/// What tells a version of the file or folder apart; null where none is named.
+/// The stamp of the current version of a file or folder; null where none is named.
 nlohmann::json stamps_of(const std::filesystem::path& path) {
   if (path.empty() || !std::filesystem::exists(path)) return nullptr;
   return {path.string(), file_stamps(path)};

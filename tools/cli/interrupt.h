@@ -6,7 +6,7 @@
 
 namespace tessera {
 
-/// What leaves work that has no other way to stop; main turns it into stop_code().
+/// Thrown by work that has no other way to stop; main() converts it into stop_code().
 class Interrupted : public std::exception {
  public:
   const char* what() const noexcept override { return "interrupted"; }
@@ -24,7 +24,7 @@ enum ExitCode : int {
   kExitFailed = 1,
   kExitBadInput = 2,
   kExitCheckpointRefused = 65,  // train --resume: the checkpoint does not fit this scene or program
-  kExitNotFinished = 75,        // asked to leave by a scheduler or a time limit: run again to go on
+  kExitNotFinished = 75,        // stopped by a scheduler or a time limit: run again to resume
   kExitInterrupted = 130
 };
 

@@ -39,7 +39,7 @@ std::string duration_text(double seconds);
 /// "4.8 MB", "12.0 kB"; units of 1000.
 std::string size_text(int64_t bytes);
 
-/// Columns of the terminal on stderr; COLUMNS where the terminal does not tell, else 80.
+/// Columns of the terminal on stderr; COLUMNS where the terminal reports none, else 80.
 int terminal_columns();
 
 /// A bar for the stages of one command: its clock restarts where counting does. `update` may be

@@ -86,7 +86,7 @@ std::string option_advice(const CLI::App& app, const CLI::App& command, const st
   return fmt::format("; see tessera {} --help", command.get_name());
 }
 
-/// Where the output is asked for by an option, and not given: "write -o OUT, or ".
+/// Where the output is a required option that is not given: "write -o OUT, or ".
 std::string output_advice(const CLI::App& command, const std::string& typed) {
   const CLI::Option* const out = command.get_option_no_throw("--out");
   if (out == nullptr || out->count() > 0 || typed.empty()) return "";

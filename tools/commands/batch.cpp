@@ -176,7 +176,7 @@ int batch(const CLI::App& command, BatchRequest& request) {
   const int code = run_engine(arguments, interrupted, [&] { watch.tick(); });
   if (engine.dry_run && !request.datasets.empty()) fs::remove(engine.out / engine.file);
   if (interrupted() && engine.dry_run) return stop_code();
-  if (code == kExitBadInput || engine.dry_run) return code;  // the workflow has said why
+  if (code == kExitBadInput || engine.dry_run) return code;  // the workflow has printed why
   watch.look();
   return finish(engine.out, code);
 }

@@ -11,7 +11,7 @@ namespace tessera {
 
 /// `kind` and `path`, then what belongs to that kind; of models their accounts (model_size),
 /// `with_shipped` that of the Tessera 4D file which export would write, too. Errors: InputError:
-/// missing, damaged, nothing that is known, or no model where `with_shipped` asks for one.
+/// missing, damaged, nothing that is known, or no model where `with_shipped` requires one.
 nlohmann::json describe(const std::filesystem::path& path, bool with_shipped);
 
 /// Of a folder with transforms files, or with videos.

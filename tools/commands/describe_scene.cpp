@@ -45,7 +45,7 @@ json sizes_json(const Sizes& sizes) {
   return list;
 }
 
-/// What the `tessera` object says, without its long lists.
+/// The `tessera` object without its long lists.
 void put_preparation(const fs::path& folder, json& info) {
   const json object = read_json(folder / "transforms.json").at("tessera");
   for (const auto& [key, value] : object.items())

@@ -83,7 +83,7 @@ struct DoctorRequest {
   bool json = false;
 };
 
-/// Whether the folder is looked at as it is; a COLMAP model beside images knows more than a
+/// Whether the folder is looked at as it is; a COLMAP model beside images holds more than a
 /// transforms file.
 bool is_scene(const fs::path& folder) {
   return is_prepared_scene(folder) || (opens_as_scene(folder) && find_colmap_model(folder).empty());

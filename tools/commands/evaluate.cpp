@@ -132,7 +132,7 @@ json score_at(Scoring& scoring, double scale, const Scene& scene) {
       options);
 }
 
-/// The scores at scale 1, or at the first where it is not asked for; those of each under `scales`.
+/// The scores at scale 1, or at the first where 1 is not requested; those of each under `scales`.
 json score(const EvaluateRequest& request, const ModelInput& input, const Scene& scene,
            const std::vector<Split>& splits, Lpips* lpips, Backend& backend) {
   Scoring scoring{request, input, splits, lpips, backend, {}, {}};
@@ -217,7 +217,7 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   return scores;
 }
 
-/// What can be said before a model is read.
+/// Checks what can be checked before a model is read.
 void check_request(const EvaluateRequest& request) {
   for (const double scale : request.scales)
     if (!(scale > 0 && std::isfinite(scale)))

@@ -134,7 +134,7 @@ void say_small(const PathChoice& path, const Camera& lens) {
                   lens.width, lens.height, even(lens.width), even(lens.height)));
 }
 
-/// What can be said before a model is read.
+/// Checks what can be checked before a model is read.
 void check_request(RenderRequest& request) {
   if (request.mp4 && !video_encoder_available())
     throw InputError(

@@ -26,7 +26,7 @@ struct RunRequest {
 /// Runs what is to be done and returns the results of all stages: those of evaluate at the top
 /// level, the others under `training`, `export` and `player`; the seconds of the stages that ran
 /// under `stage_seconds`. Nothing when it was interrupted; what is done is kept.
-/// `view`: filled where the request wants one and something was trained.
+/// `view`: filled where the request has one and something was trained.
 std::optional<nlohmann::json> run_stages(const RunRequest& request,
                                          std::unique_ptr<ViewChild>& view);
 

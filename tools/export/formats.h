@@ -12,7 +12,7 @@
 
 namespace tessera {
 
-/// What `tessera export` was asked for.
+/// The options of `tessera export`.
 struct ExportRequest {
   std::string model, out, format = "ply";
   ExportTimes times;  // of frames; its fps also of formats that hold time

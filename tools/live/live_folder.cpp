@@ -57,7 +57,7 @@ void LiveFolder::make() const {
                                             std::error_code(errno, std::system_category()));
 }
 
-/// Under another name first: those who watch may write into it meanwhile, which would keep it.
+/// Renamed first: a viewer may write into it meanwhile, which would keep it.
 void LiveFolder::remove() const {
   std::error_code ignored;
   const std::filesystem::path removed = root_.string() + ".removed";

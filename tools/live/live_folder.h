@@ -27,9 +27,9 @@ struct LiveState {
 /// As state.json has it.
 std::string text_of(const LiveState& state);
 
-/// Of those who watch.
+/// A request of a viewer.
 struct LiveRequest {
-  int64_t counter = 0;        // grows while somebody looks
+  int64_t counter = 0;        // grows while a viewer is connected
   int64_t seen = 0;           // newest snapshot that was shown
   std::string stop_training;  // id of the training that is to stop; "": none
 };

@@ -18,7 +18,7 @@ namespace tessera {
 namespace {
 
 constexpr auto kLookEvery = std::chrono::seconds(1);
-constexpr auto kWatchedFor = std::chrono::seconds(10);  // after the last sign of somebody
+constexpr auto kWatchedFor = std::chrono::seconds(10);  // after the last request
 constexpr double kLeastPause = 3;                       // seconds
 constexpr double kShareOfCopies = 0.01;                 // of the time, that copies may take
 constexpr double kShareBesideDevice = 0.1;              // of the cores

@@ -48,7 +48,7 @@ class SnapshotWriter {
 
 /// Passes what it observes on to another observer. Snapshots come no faster than every three
 /// seconds, than they are seen, and than they cost 1 % of the training for the copy and 1 % of the
-/// cores for the file (10 % beside a GPU, whose training leaves most of the cores alone).
+/// cores for the file (10 % beside a GPU, whose training uses few of the cores).
 class LiveTraining final : public SessionObserver, public SnapshotSink {
  public:
   /// `begun` is called once the run folder is there.

@@ -84,7 +84,7 @@ void LiveWatch::ask(int64_t seen) {
   try {
     if (!fs::exists(folder_.root(), absent) && is_run_locked(run_.root)) folder_.make();
     if (fs::exists(folder_.root(), absent)) folder_.write(request_);
-  } catch (const fs::filesystem_error&) {  // a folder of somebody else: nothing can be asked
+  } catch (const fs::filesystem_error&) {  // a folder of another user: no request can be written
   }
 }
 

@@ -31,7 +31,7 @@ class LiveWatch {
   LiveWatch& operator=(const LiveWatch&) = delete;
   ~LiveWatch();
 
-  /// Also tells the training that somebody looks, at most twice a second. JSON: name, alive, state
+  /// Also renews the request to the training, at most twice a second. JSON: name, alive, state
   /// (as live_folder.h has it, or null), snapshot (address or ""), page (address of the finished
   /// player or ""), views (as tools/export/page_head.h has them), scores [[step, PSNR
   /// in dB]], resume (a command; "" where it runs or has no checkpoint).

@@ -13,7 +13,7 @@
 namespace tessera {
 namespace {
 
-/// OpenCV says on stderr what it throws; here only the exception counts.
+/// OpenCV prints its errors on stderr, too; only the exception is used here.
 int say_nothing(int, const char*, const char*, const char*, int, void*) {
   return 0;
 }

@@ -4,7 +4,7 @@
 
 namespace tessera {
 
-/// The element of the page that says what it plays, as it stands there, once:
+/// The element of the page that names its scene, which the page contains once:
 /// `{"scene":"manifest.json"}`, or `{"data":"<a .t4d in base64>","encoding":"base64"}` in its
 /// place; each may have "truth", the images to compare with (tools/export/page_head.h).
 constexpr std::string_view kPlayerConfig =

@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// Null where the file is missing or damaged: a report says what there is.
+/// Null where the file is missing or damaged: a report contains what is there.
 json read_json(const fs::path& file) {
   if (!fs::is_regular_file(file)) return nullptr;
   json content = json::parse(read_text_file(file), nullptr, false);

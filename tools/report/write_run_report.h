@@ -16,12 +16,12 @@ struct RunReportRequest {
   std::function<std::unique_ptr<Backend>()> backend;
 };
 
-/// Whether the folder holds a run, as `run` of a request says.
+/// Whether the folder holds a run, as for `run` of a request.
 bool is_run(const std::filesystem::path& folder);
 
 /// Writes the files and returns what run.json holds, with `page`, the path of index.html. A run
 /// without metrics.json is scored for it. What cannot be rendered, for example because the scene is
-/// gone, is said in the page. Errors: InputError: no run, the folder cannot be written.
+/// gone, is named in the page. Errors: InputError: no run, the folder cannot be written.
 nlohmann::json write_run_report(const RunReportRequest& request);
 
 }  // namespace tessera

@@ -141,7 +141,7 @@ SceneLock::SceneLock(const fs::path& scene, Use use) {
   const int kind = (use == Use::kRead ? LOCK_SH : LOCK_EX) | LOCK_NB;
   for (fs::path file; !(file = description_of(scene)).empty();) {
     descriptor_ = open_description(file);
-    if (descriptor_ < 0) return;  // the scene's reader says why
+    if (descriptor_ < 0) return;  // the scene's reader reports why
     if (::flock(descriptor_, kind) != 0) {
       if (errno != EWOULDBLOCK) return;  // no locks here
       const std::string who = holders_of(descriptor_);

@@ -8,13 +8,13 @@
 
 namespace tessera {
 
-/// Holds an flock on FOLDER/lock, which says who has it: the kernel gives it back when the program
+/// Holds an flock on FOLDER/lock, which names its holder: the kernel releases it when the program
 /// ends in whatever way. Makes the folder where there is none; what it made and no program filled
 /// goes with it.
 class RunLock {
  public:
-  /// Errors: InputError: another program has the lock (says which), the folder cannot be written.
-  /// A file system that knows no locks is a warning.
+  /// Errors: InputError: another program has the lock (names it), the folder cannot be written.
+  /// A file system without locks is a warning.
   RunLock(const std::filesystem::path& folder, SessionObserver& observer);
   RunLock(const RunLock&) = delete;
   RunLock& operator=(const RunLock&) = delete;
@@ -30,7 +30,7 @@ class RunLock {
 };
 
 /// Whether a program has the lock of this folder, so that a training writes it now; where the file
-/// system knows no locks, whether the lock's file is there.
+/// system has no locks, whether the lock's file is there.
 bool is_run_locked(const std::filesystem::path& folder);
 
 /// The kernel gives the lock back when the program ends in whatever way.

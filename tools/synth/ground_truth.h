@@ -33,11 +33,11 @@ struct TrueView {
 
 /// Instant `frame` of a clip, normalised to [0, 1] (0 for a clip of one frame).
 double normalised_time(const SynthOptions& options, double frame);
-/// Whether the part of the image in which anything moves is asked for by its size.
+/// Whether the share of the image in which anything moves is an option of the scene.
 inline bool has_moving_region(const SynthOptions& options) {
   return options.scene == SynthScene::kPatch;
 }
-/// Frames by which that camera films later than its stamps say.
+/// Frames by which that camera records later than its timestamps.
 double shift_of(const SynthOptions& options, int camera);
 /// Normalised time to seconds from the first frame.
 double seconds(const SynthOptions& options, double normalised);

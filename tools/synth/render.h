@@ -63,7 +63,7 @@ struct RenderedImage {
   std::map<std::string, PixelBox> boxes = {};  // of the pixels that show each solid that changes
 };
 
-/// What a camera sees of the unchanging part; valid for the world and camera it was made with.
+/// The image of the static part for one camera; valid for the world and camera it was made with.
 struct StaticLayer {
   int grid = 0;                   // samples per pixel: grid × grid, regular
   std::vector<float> depth;       // [height, width, grid²] camera z; infinite where nothing is

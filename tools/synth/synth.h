@@ -16,7 +16,7 @@ namespace tessera {
 enum class SynthScene { kRoom, kRoomStatic, kObject, kPatch, kFigure, kFast };
 enum class SynthLayout { kDnerf, kN3dv, kVideos };
 
-/// One row of what can be asked for: its name on the command line and one line of explanation.
+/// One choice of the command line: its name and one line of explanation.
 struct SynthSceneRow {
   SynthScene scene;
   std::string_view name, doc;

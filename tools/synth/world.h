@@ -28,7 +28,7 @@ struct Solid {
   Motion motion;
   std::vector<Joint> joints;  // that carry the motion, the root first
   Lifetime lifetime;
-  bool moves = false;    // false: shown as at t = 0, whatever the motion says
+  bool moves = false;    // false: shown as at t = 0, whatever the motion is
   bool shadows = false;  // casts and receives the light's shadow; only for what never moves
 };
 

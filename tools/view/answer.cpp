@@ -97,7 +97,7 @@ ViewResponse with_cookie(const ViewState& state, const std::string& rest) {
 }
 
 /// One range of a GET; several Range headers are several ranges. No answer of this server has a
-/// validator, so that none can match If-Range, which asks for the whole file then.
+/// validator, so that none can match If-Range, which requests the whole file then.
 ViewResponse file_answer(const ViewRequest& request, std::string_view type, ServedFile served) {
   ViewResponse response = with_headers(200);
   response.headers.emplace_back("Accept-Ranges", "bytes");

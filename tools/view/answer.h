@@ -26,7 +26,7 @@ struct LiveHooks {
   std::function<bool()> resume;
 };
 
-/// What the server knows; constant while it runs.
+/// The state of the server; constant while it runs.
 struct ViewState {
   OpenFile folder;                         // whose files are served
   std::string token;                       // make_view_token()

@@ -4,7 +4,7 @@
 
 namespace tessera {
 
-/// One HTML file. It has the player, `/api/player`, in a frame, and asks `/api/state`
+/// One HTML file. It has the player, `/api/player`, in a frame, and polls `/api/state`
 /// every second and `/api/charts` every third one.
 std::string live_page();
 
