@@ -1,5 +1,5 @@
-// What: private words of earlier versions, and what the field says in their place.
-// Not: a dictionary: a word is banned when its last use is gone.
+// Private words of earlier versions and the field's words in their place. A word is added when its
+// last use is gone.
 #pragma once
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
-// What: what comments cite exists: files by name, sections of the formula sheet, failure modes.
-// Not: whether the cited text says what the comment claims.
+// Tests that the citations in comments exist: names of files, sections of the formula sheet,
+// failure modes.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,6 +1,5 @@
-// What: links and anchors of the documentation lead to something, and the navigation of the site
-//       has all pages.
-// Not: addresses on the web, and whether a page says what a link promises.
+// Tests that links and anchors of the documentation have a target and that the navigation of the
+// site contains all pages. Addresses on the web are not tested.
 #include <gtest/gtest.h>
 
 #include <cctype>

@@ -1,7 +1,5 @@
-// What: the rules of the source tree, on lines of text: includes, first comments, who speaks,
-//       which types are defined.
-// Not: reading files, nor the tests (layering_test.cpp). Source: the table of layers in
-//      ARCHITECTURE.md.
+// The rules of the source tree, applied to lines of text: includes, head comments, output to a
+// terminal, and defined types. Source: the table of layers in ARCHITECTURE.md.
 #pragma once
 #include <algorithm>
 #include <map>

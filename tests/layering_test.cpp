@@ -1,6 +1,6 @@
-// What: the source tree keeps its rules: who may include whom, how long files are, what each begins
-//       with, that only tools/ speaks to a terminal, and that types are defined once.
-// Not: a compiler: lines are read as text. The rules: layering_rules.h.
+// Tests the rules of the source tree (layering_rules.h): includes between layers, lengths of files,
+// head comments, output to a terminal only in tools/, and types defined once. Lines are read as
+// text, without a compiler.
 #include <gtest/gtest.h>
 
 #include <algorithm>

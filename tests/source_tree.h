@@ -1,5 +1,4 @@
-// What: where the source tree is, and which of its files are sources, pages, or of the player.
-// Not: what is in them.
+// The root of the source tree, and which of its files are sources, pages, or part of the player.
 #pragma once
 #include <filesystem>
 #include <string>

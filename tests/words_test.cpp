@@ -1,6 +1,6 @@
-// What: sources, with them help and messages, and the documentation use the field's words
-//       (tests/banned_words.h).
-// Not: keys of JSON files, which users have; research/, which keeps what was written then.
+// Tests that sources (with their help and messages) and the documentation use the words of the
+// field (tests/banned_words.h). Keys of JSON files, which users have, and research/, which keeps
+// its original text, are exempt.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,6 +1,5 @@
-// What: our files through splat-transform and its files through us, compared number by number within
-//       the quantum of each format.
-// Not: pictures (players.test.mjs). Source: docs/splat_formats.md.
+// Files of Tessera through splat-transform and files of splat-transform through Tessera, compared
+// number by number within the quantum of each format. Source: docs/reference/splat-formats.md.
 import assert from 'node:assert/strict';
 import {readdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';

@@ -1,7 +1,6 @@
-// What: the models and the cameras that the browser tests look at: a textured torus and boxes that
-//       stay, a swarm that moves for three seconds; the same with torus and boxes carried by motion
-//       nodes; equal bytes on every run.
-// Not: a reconstruction, and nothing that is drawn here. Usage: fixture_model FOLDER
+// Writes the models and cameras of the browser tests: static torus and boxes with texture and a
+// swarm that moves for three seconds, and the same scene with torus and boxes carried by motion
+// nodes. The bytes are equal on every run. Usage: fixture_model FOLDER.
 #include <fmt/format.h>
 
 #include <cmath>

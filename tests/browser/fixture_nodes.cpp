@@ -1,4 +1,5 @@
-// Nodes by farthest-point sampling, and splines whose quaternions have either sign.
+// Motion nodes at points chosen by farthest-point sampling, and splines whose quaternions have
+// either sign.
 #include "tests/browser/fixture_nodes.h"
 
 #include <algorithm>

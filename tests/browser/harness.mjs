@@ -1,6 +1,5 @@
-// What: what every browser test needs: the program, one Chromium, a file server of our own origin,
-//       pictures and their differences, and a list of all that went wrong on a page.
-// Not: a test, and nothing of one player.
+// Shared parts of the browser tests: the program, one Chromium, a file server, screenshots and
+// their differences, and a list of the errors of a page.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {createReadStream, mkdirSync, readFileSync, rmSync, statSync} from 'node:fs';

@@ -1,5 +1,5 @@
-// What: the harness itself: pages are seen, faults are noticed, parts of files are served.
-// Not: a player.
+// Tests of the harness: pages are rendered, errors of a page are recorded, and byte ranges of files
+// are served.
 import assert from 'node:assert/strict';
 import {writeFileSync} from 'node:fs';
 import {join} from 'node:path';

@@ -1,5 +1,5 @@
-// `tessera view` of a real training: its model is shown and renewed, PSNR rises, and the page stops
-// it. Source: docs/reference/run-folder.md.
+// `tessera view` of a training in progress: the page shows and updates the model, PSNR rises, and
+// the page stops the training. Source: docs/reference/run-folder.md.
 import assert from 'node:assert/strict';
 import {spawn} from 'node:child_process';
 import {existsSync, writeFileSync} from 'node:fs';

@@ -1,6 +1,6 @@
-// What: the player's page in Chromium: its pictures against frames baked by the program and against
-//       the program's own; time, keys, pointer and touch; files that are broken; phones; file://.
-// Not: parts that need no browser (player_reader.test.mjs, player_parts.test.mjs).
+// The player's page in Chromium: its images against frames baked by the program and against the
+// program's renderings; time, keys, pointer and touch; broken files; phones; and file:// addresses.
+// Parts that need no browser are tested in player_reader.test.mjs and player_parts.test.mjs.
 import assert from 'node:assert/strict';
 import {cpSync, readFileSync, rmSync, truncateSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';

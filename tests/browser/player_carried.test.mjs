@@ -1,6 +1,6 @@
-// What: the player's pictures of Gaussians that motion nodes carry, beside static and dynamic ones,
-//       against frames baked by the program and against the program's own; time, play, one file.
-// Not: reading and splines (player_nodes.test.mjs) nor the page itself (player.test.mjs).
+// The player's images of Gaussians carried by motion nodes, beside static and dynamic ones, against
+// frames baked by the program and against the program's renderings. Time, playback and the page as
+// one file are tested too.
 import assert from 'node:assert/strict';
 import {cpSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';

@@ -1,5 +1,5 @@
-// Flight through the scene of the player's page: its easing, which is the same at any rate of
-// images, its keys, and its limits.
+// Flight through the scene of the player's page: easing that does not depend on the frame rate,
+// keys, and limits.
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {join} from 'node:path';

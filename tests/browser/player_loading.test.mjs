@@ -1,6 +1,5 @@
-// What: what the player's page shows before its first image: a line of text at all times, gone when
-//       the image is there.
-// Not: the image itself (player.test.mjs) nor the words of the line (player_parts.test.mjs).
+// The player's page before its first image: a line of text is shown at all times and removed when
+// the image is drawn.
 import assert from 'node:assert/strict';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';

@@ -1,6 +1,5 @@
-// What: modules of the web player, compiled for Node, so that what needs no browser is tested
-//       without one.
-// Not: a test.
+// Compiles modules of the web player for Node, so that parts which need no browser are tested
+// without one.
 import {mkdtempSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {tmpdir} from 'node:os';

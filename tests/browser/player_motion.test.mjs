@@ -1,5 +1,5 @@
-// How the camera of the player's page moves by itself: eased from view to view, to the point of a
-// double click, and at once where less motion is preferred.
+// Camera motions of the player's page: an eased change from view to view, a move to the point of a
+// double click, and an immediate change where reduced motion is preferred.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {expectClean, openPage} from './harness.mjs';

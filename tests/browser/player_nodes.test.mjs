@@ -1,7 +1,5 @@
-// What: motion nodes in the player: the reader of canonical blocks against a writer made from the
-//       specification and against blocks as they should not be; splines and poses against answers
-//       that are known.
-// Not: the shader, whose pictures player_carried.test.mjs compares.
+// Motion nodes in the player: the reader of canonical blocks against a writer made from the
+// specification and against invalid blocks, and splines and poses against known answers.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {playerModules} from './player_modules.mjs';

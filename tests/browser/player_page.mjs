@@ -1,5 +1,4 @@
-// The page of the fixture's model, exported, served, and a browser to open it in, for the time of a
-// test file's tests.
+// Exports and serves the page of the fixture's model and opens a browser for the tests of one file.
 import {join} from 'node:path';
 import {after, before} from 'node:test';
 import {fixture, launchBrowser, scratchFolder, serve, tessera} from './harness.mjs';

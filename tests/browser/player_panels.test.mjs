@@ -1,5 +1,5 @@
-// The panels of the player's page: the clock with units and frame number, the full-screen button
-// where a page may not use it, and the sound that waits for a tap.
+// Panels of the player's page: the clock with units and frame number, the full-screen button where
+// a page may not use it, and sound that starts after a tap.
 import assert from 'node:assert/strict';
 import {writeFileSync} from 'node:fs';
 import {join} from 'node:path';

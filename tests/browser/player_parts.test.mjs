@@ -1,6 +1,5 @@
-// What: parts of the player that need no browser: which blocks are here, what time it is, keys and
-//       the address.
-// Not: reading files (player_reader.test.mjs) nor pictures (player.test.mjs).
+// Parts of the player that need no browser: the blocks that are loaded, the clock, keys and the
+// address.
 import assert from 'node:assert/strict';
 import {setImmediate as turn} from 'node:timers/promises';
 import {test} from 'node:test';

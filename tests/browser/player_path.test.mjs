@@ -1,5 +1,5 @@
-// The path that the camera of the player's page moves along by itself: the order of the cameras,
-// the curve through them, and what starts and ends it.
+// The automatic camera path of the player's page: the order of the cameras, the curve through them,
+// and the events that start and end it.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {expectClean, openPage} from './harness.mjs';

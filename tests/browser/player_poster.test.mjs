@@ -1,5 +1,5 @@
-// Title, description and poster of an exported page: all text is shown as it was given, other sites
-// find their tags, and the poster is seen before any part of the scene has arrived.
+// Title, description and poster of an exported page: text is shown as it was given, link previews
+// find their tags, and the poster is shown before any part of the scene has been loaded.
 import assert from 'node:assert/strict';
 import {readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';

@@ -1,6 +1,5 @@
-// What: the player's reader of Tessera 4D files against a writer made from the specification, and
-//       against files as they should not be: each gives one line that names file and remedy.
-// Not: a browser (player.test.mjs).
+// The player's reader of Tessera 4D files against a writer made from the specification and against
+// invalid files; each invalid file gives one line with the file and the remedy.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {gzipSync} from 'node:zlib';

@@ -1,5 +1,5 @@
-// The settings of the player's page, and the limits that keep the view where the cameras have
-// filmed.
+// The settings of the player's page, and the limits that keep the view within the region covered by
+// the cameras.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {differing, expectClean, openPage, readPng} from './harness.mjs';

@@ -1,4 +1,4 @@
-// A free view in the address of the player's page: as a word and back, in a page that is opened
+// A free view in the address of the player's page: encoded and decoded, in a page that is opened
 // with it, and through the Share button.
 import assert from 'node:assert/strict';
 import {test} from 'node:test';

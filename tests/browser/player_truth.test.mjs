@@ -1,5 +1,5 @@
-// Test images within a page of the player: they lie on what the model shows of them, at their camera
-// and their time, until either is left. The scene's images are renderings of the model itself.
+// Test images within a page of the player: they are drawn over the model at their camera and their
+// time and removed when either changes. The scene's images are renderings of the model itself.
 import assert from 'node:assert/strict';
 import {mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';

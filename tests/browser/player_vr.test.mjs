@@ -1,5 +1,5 @@
-// The player's page in a headset, which Meta's emulation of WebXR stands in for: where the scene is
-// put, the session's begin and end, and time that plays on.
+// The player's page in a headset, emulated by Meta's WebXR emulator: the place of the scene, begin
+// and end of the session, and playback during it.
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {join} from 'node:path';

@@ -1,6 +1,5 @@
-// What: every static export in the players that its name promises: as many splats as were written,
-//       and the picture that `tessera render` makes.
-// Not: numbers (converters.test.mjs) nor our own player. Source: docs/splat_formats.md.
+// Every static export in the players it is written for: the number of splats and the image against
+// that of `tessera render`. Source: docs/reference/splat-formats.md.
 import assert from 'node:assert/strict';
 import {copyFileSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {dirname, join} from 'node:path';

@@ -1,5 +1,5 @@
-// The report of a run in Chromium, opened from the disk: it fits wide and narrow windows, asks for
-// nothing outside of itself, and its sliders and tables work.
+// The report of a run in Chromium, opened from the disk: it fits wide and narrow windows, loads
+// nothing from elsewhere, and its sliders and tables work.
 import assert from 'node:assert/strict';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';

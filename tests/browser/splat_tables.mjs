@@ -1,6 +1,6 @@
-// What: files of splats as columns of numbers, and how far two of them are apart: 3DGS .ply and .glb
-//       read here from their layouts, everything else by splat-transform.
-// Not: a test. Source: formats of docs/splat_formats.md.
+// Splat files as columns of numbers and the differences between two of them. 3DGS .ply and .glb are
+// read from their layouts, all other formats by splat-transform. Source:
+// docs/reference/splat-formats.md.
 import assert from 'node:assert/strict';
 import {readFileSync} from 'node:fs';
 import {join} from 'node:path';

@@ -1,6 +1,6 @@
-// What: a small writer of Tessera 4D files by docs/reference/tessera4d.md alone, written apart from the program's
-//       own: for files as they should not be.
-// Not: a good one: no order, no levels.
+// A small writer of Tessera 4D files, made from docs/reference/tessera4d.md alone and independent
+// of the program's writer, for invalid files. It neither orders Gaussians nor writes levels of
+// detail.
 import zlib from 'node:zlib';
 
 const kWidth = {u8: 1, u16: 2, u24: 3, u32: 4, f32: 4};

@@ -1,5 +1,5 @@
-# What: the cards that CUDA code is compiled for by default, by what an nvcc knows.
-# Not: a compilation. Run by `cmake -P` with -DSOURCE_DIR.
+# Tests the CUDA architectures that a build chooses by default from those that nvcc supports. Run by
+# `cmake -P` with -DSOURCE_DIR.
 # Bugs put back, each seen to fail: one architecture as the default; preset gpu with sm_90 alone.
 cmake_minimum_required(VERSION 3.25)
 include(${SOURCE_DIR}/cmake/cuda_architectures.cmake)

@@ -1,5 +1,4 @@
-// What: the Tessera 4D .ply, out of any bytes.
-// Not: a unit test; see scripts/fuzz.sh.
+// Fuzz target: the reader of the Tessera 4D .ply on arbitrary bytes. See scripts/fuzz.sh.
 #include "recon4d/model/model_file.h"
 #include "tests/fuzz/hostile_file.h"
 

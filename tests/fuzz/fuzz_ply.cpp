@@ -1,5 +1,4 @@
-// What: 3DGS and compressed .ply, out of any bytes.
-// Not: a unit test; see scripts/fuzz.sh.
+// Fuzz target: the readers of 3DGS and compressed .ply on arbitrary bytes. See scripts/fuzz.sh.
 #include "static3d/formats/splat_file.h"
 #include "tests/fuzz/hostile_file.h"
 

@@ -1,6 +1,5 @@
-// What: the first files of each fuzzed reader, from our own writers: fuzz_seeds FOLDER writes
-//       FOLDER/READER/NAME.
-// Not: third-party data.
+// Writes the seed files of each fuzzed reader with the project's writers: fuzz_seeds FOLDER writes
+// FOLDER/READER/NAME.
 #ifdef TESSERA_HAS_ZSTD
 #include <zstd.h>
 #endif

@@ -1,5 +1,4 @@
-// What: .splat, out of any bytes.
-// Not: a unit test; see scripts/fuzz.sh.
+// Fuzz target: the reader of .splat on arbitrary bytes. See scripts/fuzz.sh.
 #include "static3d/formats/splat_file.h"
 #include "tests/fuzz/hostile_file.h"
 

@@ -1,5 +1,5 @@
-// What: .spz of versions 2 to 4, out of any bytes; packed ones are changed inside.
-// Not: a unit test; see scripts/fuzz.sh.
+// Fuzz target: the reader of .spz, versions 2 to 4, on arbitrary bytes. Compressed files are
+// mutated after decompression. See scripts/fuzz.sh.
 #include <algorithm>
 
 #include "ingest/files/gzip.h"

@@ -1,6 +1,6 @@
-// What: the Tessera 4D file (one file), out of any bytes; manifest and streams are changed inside,
-//       so that lengths and checksums fit.
-// Not: a unit test; see scripts/fuzz.sh.
+// Fuzz target: the reader of the Tessera 4D file (one file) on arbitrary bytes. Manifest and
+// streams are mutated inside the container, so that lengths and checksums stay valid. See
+// scripts/fuzz.sh.
 #include <zlib.h>
 
 #include <algorithm>

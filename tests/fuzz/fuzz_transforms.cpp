@@ -1,5 +1,4 @@
-// What: transforms.json as a path of cameras, out of any bytes.
-// Not: a unit test; see scripts/fuzz.sh.
+// Fuzz target: transforms.json as a camera path, on arbitrary bytes. See scripts/fuzz.sh.
 #include "ingest/prepared/transforms_json.h"
 #include "tests/fuzz/hostile_file.h"
 

@@ -1,5 +1,5 @@
-// Requests to `tessera view`, out of any bytes: METHOD PATH QUERY in the first line, then a header
-// a line. See scripts/fuzz.sh.
+// Fuzz target: requests to `tessera view` on arbitrary bytes, with METHOD PATH QUERY in the first
+// line and one header per line after it. See scripts/fuzz.sh.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>

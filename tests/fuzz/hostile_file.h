@@ -1,5 +1,4 @@
-// What: bytes that may be anything as a file for one reader, and what a reader may answer.
-// Not: the bytes (libFuzzer's mutations of what fuzz_seeds writes).
+// Writes arbitrary bytes as a file for one reader and accepts the errors that a reader may throw.
 #pragma once
 #include <unistd.h>
 

@@ -1,5 +1,4 @@
-// What: what the pages of all players share.
-// Not: a player.
+// The camera and messages that the pages of all players share.
 
 /** Degrees of a pinhole camera's height. */
 export function verticalFov(camera) {

@@ -1,5 +1,4 @@
-// What: scenes of a known ring of cameras, and clouds painted into their images.
-// Not: textured images; those are made by tools/synth.
+// Scenes of a known ring of cameras, and point clouds drawn into their images.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,5 @@
-// What: the checks of scenes that need no features: times, leakage, cloud, coverage; each with its
-//       fault and without.
-// Not: checks of features (feature_checks_test.cpp).
+// The scene checks that need no features (times, leakage, cloud, coverage), each on a scene with
+// its fault and on one without. Checks with features are tested in feature_checks_test.cpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What: checks of features on a textured rig: a turned camera, changed exposure, blur, no texture.
-// Not: checks without features (checks_test.cpp).
+// The scene checks that use features, on a textured rig: a rotated camera, changed exposure, blur,
+// no texture.
 #include <gtest/gtest.h>
 
 #include <algorithm>

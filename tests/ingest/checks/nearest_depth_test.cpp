@@ -1,4 +1,4 @@
-// How near a scene comes to its cameras, by its cloud.
+// The nearest depth of a scene before its cameras, from its cloud.
 #include "ingest/checks/cloud_health.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// What: which frames a window keeps, with answers counted by hand.
-// Not: decoding (video_seek_test.cpp).
+// The frames that a window keeps, against answers counted by hand.
 #include "ingest/clocks/frame_window.h"
 
 #include <gtest/gtest.h>

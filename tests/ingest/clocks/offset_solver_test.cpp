@@ -1,5 +1,5 @@
-// What: clocks from measured pairs and shifts from epipolar misses, against closed forms.
-// Not: measurements on images (sync_motion_test.cpp).
+// Clock offsets from measured pairs and time shifts from epipolar errors, against closed forms.
+// Measurements on images are tested in sync_motion_test.cpp.
 #include "ingest/clocks/offset_solver.h"
 
 #include <gtest/gtest.h>

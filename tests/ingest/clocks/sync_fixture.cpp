@@ -1,5 +1,4 @@
-// What: clips for tests of the clocks.
-// Not: assertions.
+// Clips for the tests of clock synchronisation.
 #include "tests/ingest/clocks/sync_fixture.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// What: a folder of videos as the clips of a rig, with the poses that lie beside them.
-// Not: assertions.
+// A folder of videos as the clips of a rig, with the poses stored beside them.
 #pragma once
 #include <filesystem>
 #include <string>

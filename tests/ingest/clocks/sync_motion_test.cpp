@@ -1,6 +1,4 @@
-// What: clocks of rigs whose shifts are known, found from motion, end to end.
-// Not: stated offsets and sound alone (sync_sources_test.cpp), or the solver
-// (offset_solver_test.cpp).
+// Clock offsets of rigs with known shifts, found from motion, end to end.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,4 @@
-// What: stated offsets, container times and sound as sources of clocks, and the choice among them.
-// Not: motion (sync_motion_test.cpp).
+// Stated offsets, container times and sound as sources of clock offsets, and the choice among them.
 #include <gtest/gtest.h>
 
 #include <cmath>

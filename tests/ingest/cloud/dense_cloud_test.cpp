@@ -1,6 +1,5 @@
-// What: clouds of the plane sweep: limits, repeatability, what is kept once, whose images count,
-//       and what a prepared scene gets.
-// Not: the depths of points (plane_sweep_test.cpp). Source: failure modes B12, B18.
+// Point clouds of the plane sweep: limits, repeatability, removal of duplicates, the images that
+// count, and the cloud of a prepared scene. Source: failure modes B12, B18.
 #include "ingest/cloud/dense_cloud.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: the plane sweep on a textured wall whose depth is known; which frames share a timestep.
-// Not: how many points make a cloud (dense_cloud_test.cpp).
+// The plane sweep on a textured wall of known depth, and the frames that share a timestep.
 #include "ingest/cloud/plane_sweep.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What: velocities of points on a textured wall that slides and retreats, and what has none.
-// Not: solids before a background (tests/recon4d/modes/modes_velocity_test.cpp).
+// Velocities of points on a textured wall that slides and recedes, and points without a velocity.
+// Solids before a background are tested in tests/recon4d/modes/modes_velocity_test.cpp.
 #include "ingest/cloud/point_velocities.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// What: initial clouds: found, checked, and refused when they are something else.
-// Not: PLY itself (ply_test.cpp).
+// Initial clouds: how they are found and checked, and the files that are refused.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

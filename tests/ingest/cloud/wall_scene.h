@@ -1,5 +1,4 @@
-// What: a textured wall of known depth seen by a row of cameras, part of which moves with time.
-// Not: a test.
+// A textured wall of known depth seen by a row of cameras; part of the wall moves with time.
 #pragma once
 #include <cmath>
 #include <glm/geometric.hpp>

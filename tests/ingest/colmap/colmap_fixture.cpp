@@ -1,5 +1,5 @@
-// What: the writers of the small models.
-// Not: of use for real models: ids and tracks are made up.  Source: COLMAP 3.8's formats.
+// Writers of small COLMAP models with made-up ids and tracks. Source: the file formats of COLMAP
+// 3.8.
 #include "tests/ingest/colmap/colmap_fixture.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: small COLMAP models, written as binary and as text from one description.
-// Not: the readers under test: bytes are put down from the description of the format.
+// Small COLMAP models, written as binary and as text from one description. The bytes follow the
+// description of the format and do not use the readers under test.
 #pragma once
 #include <array>
 #include <cstdint>

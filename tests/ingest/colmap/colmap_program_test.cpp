@@ -1,5 +1,5 @@
-// What: the program `colmap` as a child: stand-ins that fail, sleep, are old or are not there.
-// Not: poses (rig_poses_test.cpp).
+// The program `colmap` as a child process, with substitutes that fail, sleep, are too old or are
+// absent.
 #include "ingest/colmap/colmap_program.h"
 
 #include <gtest/gtest.h>

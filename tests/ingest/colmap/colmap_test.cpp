@@ -1,6 +1,4 @@
-// What: COLMAP models as .bin and .txt: what they hold, and what is refused; two real ones.
-// Not: pixels or the prepared scene (colmap_capture_test.cpp), nor the lens equations
-// (lens_test.cpp).
+// COLMAP models as .bin and .txt: their contents, the files that are refused, and two real models.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,5 +1,4 @@
-// What: AtomicFile, PNG and NPY: round trips, and every way in which a file can be bad.
-// Not: PLY (ply_test.cpp).
+// AtomicFile, PNG and NPY: round trips and every kind of invalid file.
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/npy.h"
 #include "ingest/files/png.h"

@@ -1,5 +1,4 @@
-// What: PLY in its three encodings, with lists, and every way in which one can be bad.
-// Not: what the columns mean (scene_reader_test.cpp has the clouds).
+// PLY in its three encodings, with lists, and every kind of invalid file.
 #include "ingest/files/ply.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What: source images of all formats → 8-bit sRGB, and EXIF orientation.
-// Not: what becomes of a capture with bad images (damaged_capture_test.cpp).
+// Conversion of source images of all formats to 8-bit sRGB, and EXIF orientation. Captures with
+// invalid images are tested in damaged_capture_test.cpp.
 #include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 

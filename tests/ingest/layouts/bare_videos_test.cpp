@@ -1,5 +1,4 @@
-// What: rigs as bare videos: poses by `colmap` against their ground truth. Slow.
-// Not: training on them.
+// Rigs as bare videos: poses by `colmap` against their ground truth. The test is slow.
 #include <gtest/gtest.h>
 
 #include <fstream>

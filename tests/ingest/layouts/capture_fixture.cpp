@@ -1,5 +1,4 @@
-// What: the shared parts of the ingest tests.
-// Not: a user of the transforms writer or of pose code under test.
+// The shared parts of the ingest tests, independent of the writers and the pose code under test.
 #include "tests/ingest/layouts/capture_fixture.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// What: what the ingest tests share: temporary folders, small captures, the real data's place.
-// Not: a test, and not the code under test: captures are written by hand, from the conventions.
+// Shared parts of the ingest tests: temporary folders, small captures and the place of real data.
+// Captures are written by hand from the conventions and do not use the code under test.
 #pragma once
 #include <gtest/gtest.h>
 

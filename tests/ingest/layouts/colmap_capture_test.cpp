@@ -1,5 +1,5 @@
-// What: photo sets with a COLMAP model → prepared scene → Scene, undistorted on the way.
-// Not: the model's files (colmap_test.cpp) or the lens equations (lens_test.cpp).
+// Photo sets with a COLMAP model are converted to a prepared scene, undistorted, and loaded as a
+// Scene.
 #include <fmt/format.h>
 
 #include <algorithm>

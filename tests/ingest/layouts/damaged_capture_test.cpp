@@ -1,5 +1,4 @@
-// What: every file of small photo captures, damaged in every way, one at a time.
-// Not: what single readers say (image_test.cpp, colmap_test.cpp, transforms_test.cpp).
+// Every file of small photo captures damaged in every way, one at a time.
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>

@@ -1,6 +1,5 @@
-// What: one broken file among a rig's videos, in each position: one line that names it, nothing
-//       half-written.
-// Not: broken images (damaged_capture_test.cpp) or the decoder alone (video_file_test.cpp).
+// One broken file among a rig's videos, in each position: the message is one line that names the
+// file, and nothing is left half-written.
 #include <fmt/format.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
-// What: numbered images of several cameras → prepared scene → Scene, as from videos.
-// Not: which names are a rig's (image_sequences_test.cpp), poses by COLMAP (rig_poses_test.cpp).
+// Numbered images of several cameras are converted to a prepared scene and loaded as a Scene, equal
+// to that of videos. The names that make a rig are tested in image_sequences_test.cpp.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: names of images and folders → what a capture is taken for: a rig, photos, or not clear.
-// Not: pixels (image_rig_test.cpp).
+// The kind of a capture from the names of its images and folders: a rig, photos, or ambiguous.
 #include "ingest/layouts/image_sequences.h"
 
 #include <fmt/format.h>

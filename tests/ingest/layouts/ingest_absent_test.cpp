@@ -1,5 +1,5 @@
-// What: the trainer-only build says which build prepares captures.
-// Not: linked where FFmpeg and friends are there.
+// A build without ingest reports which build prepares captures. It is linked only where FFmpeg and
+// the image libraries are absent.
 #include "ingest/ingest.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 

@@ -1,5 +1,4 @@
-// What: masks of a capture: their names, sizes, polarity, lenses, and the prepared scene they make.
-// Not: the masks that a transforms file states (transforms_test.cpp); of videos (n3dv_test.cpp).
+// Masks of a capture: names, sizes, polarity, lenses, and the prepared scene made from them.
 // Source: failure mode B17.
 #include "ingest/layouts/mask_source.h"
 

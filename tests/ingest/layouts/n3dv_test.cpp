@@ -1,5 +1,5 @@
-// What: N3DV captures of small videos → prepared scene → Scene, and what is refused.
-// Not: the decoder (video_test.cpp).
+// N3DV captures of small videos are converted to a prepared scene and loaded as a Scene; invalid
+// captures are refused.
 #include <fmt/format.h>
 
 #include <gmock/gmock.h>

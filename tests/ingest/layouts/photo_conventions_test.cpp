@@ -1,7 +1,6 @@
-// What: axes, names and colours of photo captures through the whole ingest: a cube with coloured
-//       faces in every layout (B6), real models whose points lie on their colours, .bin = .txt
-//       (B3).
-// Not: single readers (pose_test.cpp, colmap_test.cpp).
+// Axes, names and colours of photo captures through the whole ingest: a cube with coloured faces in
+// every layout (B6), real models whose points project onto their colours, and equality of .bin and
+// .txt (B3).
 #include <fmt/format.h>
 
 #include <algorithm>

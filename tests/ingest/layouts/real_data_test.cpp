@@ -1,5 +1,5 @@
-// What: the loaders on captures of other people, against what is known of them.
-// Not: run where the data is absent; each test says so and is skipped.
+// The loaders on third-party captures, against known facts about them. Tests whose data is absent
+// are skipped with a message.
 #include <array>
 #include <cmath>
 #include <cstring>

@@ -1,5 +1,5 @@
-// What: boxes with noise on their faces, 2 × 2 rays a pixel.
-// Not: light or shadow: a surface has one colour from everywhere, as matching supposes.
+// Boxes with noise on their faces, ray-traced with 2 × 2 rays per pixel. Surfaces have the same
+// colour from all directions, as feature matching requires.
 #include "tests/ingest/layouts/rendered_rig.h"
 
 #include <fmt/format.h>

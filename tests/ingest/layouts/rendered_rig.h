@@ -1,5 +1,5 @@
-// What: videos of a textured room by cameras that stand still, with their true poses, ray by ray.
-// Not: the program's own renderer; and no video of a real lens.
+// Videos of a textured room by cameras that do not move, ray-traced without the program's renderer,
+// with their true poses.
 #pragma once
 #include <filesystem>
 #include <vector>

@@ -1,5 +1,5 @@
-// What: rigs of videos with a file of cameras: who has no pose, whose lens cannot be removed.
-// Not: the file's formats (rig_poses_file_test.cpp) or the lens equations (lens_test.cpp).
+// Rigs of videos with a file of cameras: cameras without a pose, and lenses whose distortion cannot
+// be removed.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: the sentence that says what will be scored.
-// Not: which views are held out (the converters' tests).
+// The sentence that states which views will be scored.
 #include "ingest/test_views.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What: eight cameras in two rows before two textured planes, rendered exactly by ray casting.
-// Not: motion; every camera has one timestep.
+// Eight cameras in two rows before two textured planes, rendered exactly by ray casting. Every
+// camera has one timestep.
 #pragma once
 #include <cmath>
 #include <glm/glm.hpp>

@@ -1,5 +1,5 @@
-// What: transforms captures → prepared scene → the Scene that the capture itself gives.
-// Not: the parser (transforms_test.cpp) or the loader (scene_reader_test.cpp).
+// The Scene of a transforms capture that was converted to a prepared scene equals the Scene loaded
+// from the capture itself.
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>

@@ -1,5 +1,4 @@
-// What: the lens equations against COLMAP's formulas written out, and the pinhole camera chosen.
-// Not: resampling (colmap_capture_test.cpp).
+// The lens equations against COLMAP's formulas written out, and the pinhole camera that is chosen.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>

@@ -1,5 +1,5 @@
-// What: lenses of transforms files: read, removed at ingest, recorded; and what a wrong one costs.
-// Not: the lens equations (lens_test.cpp) or COLMAP's captures (colmap_capture_test.cpp).
+// Lenses of transforms files: they are read, removed at ingest and recorded; the error caused by a
+// wrong lens is measured.
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>

@@ -1,5 +1,5 @@
-// What: axes and poses: transforms.json, poses_bounds.npy and images agree; bad poses are
-// refused. Not: intrinsics or the rest of a transforms file (transforms_test.cpp).
+// Axes and poses: transforms.json, poses_bounds.npy and images agree, and invalid poses are
+// refused.
 #include "ingest/poses/pose_matrix.h"
 
 #include <cmath>

@@ -1,5 +1,4 @@
-// What: files of cameras → a rig's cameras, by name.
-// Not: their use by the converters.
+// Files of cameras, and the assignment of their cameras to a rig by name.
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>

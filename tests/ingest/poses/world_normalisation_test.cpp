@@ -1,5 +1,5 @@
-// What: up, centre and scale of rigs whose answer is known; outliers; degenerate rigs.
-// Not: models in that world (tests/static3d/transform/world_change_test.cpp).
+// Up direction, centre and scale of rigs with known answers, with outliers, and of degenerate rigs.
+// Models in the normalised world are tested in tests/static3d/transform/world_change_test.cpp.
 #include "ingest/poses/world_normalisation.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What: the prepared scene's contract: written, loaded, equal; folders that appear whole.
-// Not: conversion of captures (transforms_capture_test.cpp, n3dv_test.cpp).
+// Prepared scenes: a scene that is written and loaded is equal to the original, and folders appear
+// only when they are complete.
 #include "ingest/prepared/prepared_scene.h"
 
 #include <fmt/format.h>

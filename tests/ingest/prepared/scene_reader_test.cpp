@@ -1,5 +1,4 @@
-// What: load_scene: times, compositing, sizes, and every bad input it must name.
-// Not: poses, intrinsics, clouds, or real captures (real_data_test.cpp).
+// The function load_scene: times, compositing, sizes, and every invalid input it must name.
 #include "ingest/prepared/scene_reader.h"
 
 #include <cmath>

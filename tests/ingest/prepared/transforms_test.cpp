@@ -1,5 +1,4 @@
-// What: intrinsics, splits and names of transforms files; what is refused and how it says so.
-// Not: poses (pose_test.cpp), pixels and times (scene_reader_test.cpp).
+// Intrinsics, splits and names of transforms files, and the messages for invalid files.
 #include "ingest/prepared/transforms_json.h"
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// What: encoders set to be lossless or nearly so, through libavcodec and libavformat.
-// Not: robust; every failure is a test failure by exception.
+// Encoders set to be lossless or nearly so, through libavcodec and libavformat. Every failure is an
+// exception, which fails the test.
 #include "tests/ingest/video/test_video.h"
 
 extern "C" {

@@ -1,5 +1,5 @@
-// What: small lossless videos for tests, with colours converted by the textbook formula.
-// Not: an encoder for users, and no use of swscale, which the decoder under test uses.
+// Small lossless videos for tests, with colours converted by the textbook formula and without
+// swscale, which the decoder under test uses.
 #pragma once
 #include <array>
 #include <filesystem>

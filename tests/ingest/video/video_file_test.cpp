@@ -1,5 +1,5 @@
-// What: files that are no videos, one clear line each; the real clips, whole and at their times.
-// Not: synthetic clips of known content (video_format_test.cpp).
+// Files that are no videos give one clear line each; the real clips are decoded completely and at
+// their times.
 #include <unistd.h>
 
 #include "ingest/video/video_decoder.h"

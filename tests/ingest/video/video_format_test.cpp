@@ -1,5 +1,5 @@
-// What: codecs, bit depths, chroma, ranges, matrices, odd sizes and turned images: the right
-//       frame, upright, in the right colours. Not: times and order alone (video_test.cpp).
+// Codecs, bit depths, chroma, ranges, matrices, odd sizes and rotated images: the decoded frame is
+// the right one, upright, and has the right colours.
 #include <fmt/format.h>
 
 #include "ingest/video/video_decoder.h"

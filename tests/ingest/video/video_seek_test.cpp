@@ -1,5 +1,4 @@
-// What: decode_frames hands over what decoding everything does, whatever is jumped over.
-// Not: speed; and not which frames are wanted (frame_window_test.cpp).
+// The frames of decode_frames equal those of decoding everything, whichever frames are skipped.
 #include <fmt/format.h>
 
 #include "ingest/video/frame_decoder.h"

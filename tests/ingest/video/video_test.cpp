@@ -1,5 +1,4 @@
-// What: the decoder: order, times, colours, and what it says of files that are damaged.
-// Not: captures of several videos (n3dv_test.cpp).
+// The decoder: order, times, colours, and the messages for damaged files.
 #include "ingest/video/video_decoder.h"
 
 #include <cstdlib>

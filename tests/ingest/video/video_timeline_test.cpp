@@ -1,5 +1,4 @@
-// What: timelines from packets alone: times, gaps, duplicates, truncation, container clocks.
-// Not: images (video_test.cpp).
+// Timelines from packets alone: times, gaps, duplicates, truncation, container clocks.
 #include "ingest/video/video_timeline.h"
 
 #include <gmock/gmock.h>
