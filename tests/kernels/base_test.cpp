@@ -1,4 +1,4 @@
-// What: Buffer, parallel_for, Camera. Not: errors' texts.
+// Tests of Buffer, parallel_for and Camera.
 #include "kernels/base/buffer.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What: instances: counted = filled, every place written, lists by tile and depth, slots inverse.
-// failure_modes C8. Not: the tile test itself (bounds_test.cpp).
+// Instances: the count equals the number that is written, every place is written, lists are ordered
+// by tile and depth, and slots are the inverse. Source: failure mode C8.
 #include <set>
 
 #include "kernels/load_gaussian.h"

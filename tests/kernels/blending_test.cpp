@@ -1,5 +1,5 @@
-// What: blend_backward by every field of a splat against duals through a plain blending loop.
-// Not: where splats come from; they are written by hand here.
+// The function blend_backward by every field of a splat, against dual numbers through a plain
+// blending loop. The splats are written by hand.
 #include "kernels/cpu_backend.h"
 #include "tests/support/dual.h"
 #include "tests/support/random.h"

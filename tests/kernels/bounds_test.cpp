@@ -1,6 +1,5 @@
-// What: the tile rectangle, and the least response in a rectangle, against brute force over pixel
-// centres; looser bounds.
-// Not: counting or writing instances (bin stage; validity_test.cpp).
+// The tile rectangle and the least response in a rectangle against brute force over pixel centres,
+// and looser bounds.
 #include "kernels/math/bounds.h"
 
 #include <algorithm>

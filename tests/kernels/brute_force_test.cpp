@@ -1,5 +1,5 @@
-// What: the CPU backend's images, in double and in float, against the brute-force renderer.
-// Not: gradients (gradient_test.cpp).
+// The CPU backend's images, in double and in float, against the brute-force renderer. Source:
+// failure mode C5 for Gaussians of zero scale.
 #include "tests/support/brute_force.h"
 
 #include "tests/support/compare.h"

@@ -1,6 +1,5 @@
-// What: scenes whose image is known in closed form: one splat, two, many coincident, nearly
-// transparent, at the near and far plane, over two backgrounds. failure_modes C1–C4, C9, C10, C14.
-// Not: random scenes (brute_force_test.cpp).
+// Scenes whose image is known in closed form: no splat, one, two, many coincident, nearly
+// transparent, at the near plane, over two backgrounds. Source: failure modes C1, C2, C3, C4, C9.
 #include "tests/support/front_scene.h"
 
 namespace tessera::testing {

@@ -1,5 +1,6 @@
-// What: the same bits on every run, with any number of threads, in reused memory; the fused
-// optimizer equals the separate one. failure_modes C18. Not: equality of different machines.
+// Every run gives the same bits, with any number of threads and in reused memory, and the fused
+// optimizer equals the separate one. Equality between different machines is not tested. Source:
+// failure mode C18.
 #include "kernels/base/parallel.h"
 #include "tests/support/render.h"
 

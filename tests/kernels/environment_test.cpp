@@ -1,6 +1,5 @@
-// What: where directions fall in the map of an environment; the whole chain's gradient by its
-//       texels and, through the light that Gaussians leave, by opacities.
-// Not: a training (tests/recon4d/training/train_environment_test.cpp). Source: method D.8, A.11.
+// The place of directions in the environment map, and the gradient of the whole chain by its texels
+// and, through the remaining transmittance, by opacities. Source: method D.8, A.11.
 #include "kernels/math/environment.h"
 
 #include <utility>

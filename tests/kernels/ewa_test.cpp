@@ -1,6 +1,5 @@
-// What: the projection of a 3D Gaussian to a 2D one against a plain formula, and its gradient
-// against duals, inside and outside the margin where the Jacobian is clamped.
-// Not: tiles (bounds_test.cpp).
+// The projection of a 3D Gaussian to a 2D one against a plain formula, and its gradient against
+// dual numbers, inside and outside the margin where the Jacobian is clamped.
 #include "kernels/math/ewa.h"
 
 #include "tests/support/dual.h"

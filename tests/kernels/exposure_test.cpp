@@ -1,6 +1,5 @@
-// What: maps of the colours of images in the loss, in double: their gradient and those of opacities
-//       behind them against central differences of the whole chain; the identity is no map.
-// Not: what a training makes of them (tests/recon4d/model/train_exposure_test.cpp). Source: B10.
+// Colour maps of images in the loss, in double: their gradient and that of opacities against
+// central differences of the whole chain; the identity changes nothing. Source: failure mode B10.
 #include "tests/support/colour_maps.h"
 #include "tests/support/difference.h"
 

@@ -1,7 +1,5 @@
-// What: the filters against aliasing beyond what oracle and differences show: the detached
-// gradient, opacity 0, the size of the 3D filter, what it does to stored parameters. Not: images
-// and full gradients of the modes (brute_force_test.cpp, gradient_test.cpp), nor a device
-// (backend_filter_test.cpp).
+// Properties of the anti-aliasing filters that the oracle and differences do not show: the detached
+// gradient, opacity 0, the size of the 3D filter, and its effect on stored parameters.
 #include "tests/support/brute_force.h"
 #include "tests/support/compare.h"
 #include "tests/support/render.h"

@@ -1,6 +1,5 @@
-// What: the gradient of the whole chain (render, L1, D-SSIM, batch of three views) by every
-// parameter of static and dynamic Gaussians against central differences in double. C17.
-// Not: single equations (rotation_test.cpp, spacetime_test.cpp, ewa_test.cpp).
+// The gradient of the whole chain (render, L1, D-SSIM, batch of three views) by every parameter of
+// static and dynamic Gaussians against central differences in double. Source: failure mode C17.
 #include "tests/support/difference.h"
 
 namespace tessera::testing {

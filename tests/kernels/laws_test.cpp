@@ -1,5 +1,5 @@
-// What: laws that hold for any scene: batch, static = lifted dynamic, permutation, rigid motion,
-// shift and scale of time. Not: determinism (determinism_test.cpp).
+// Laws that hold for any scene: batch, a static set equals its lifted dynamic set, permutation,
+// rigid motion, shift and scale of time.
 #include "kernels/math/rotation3.h"
 #include "kernels/math/rotation4.h"
 #include "tests/support/compare.h"

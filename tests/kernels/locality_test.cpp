@@ -1,5 +1,4 @@
-// What: the locality key bit by bit, and the order of a set by it. Source: method A.14, D.7.
-// Not: what the order saves, nor the rows that follow it (recon4d).
+// The locality key bit by bit, and the order of a set by it. Source: method A.14, D.7.
 #include "kernels/math/sort_keys.h"
 
 #include <numeric>

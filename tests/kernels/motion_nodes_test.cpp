@@ -1,5 +1,5 @@
-// Canonical sets through the whole chain on the CPU: laws with a known answer, and gradients of
-// everything that is stored of Gaussians and nodes against central differences in double.
+// Canonical sets through the whole chain on the CPU: laws with a known answer, and gradients of all
+// stored values of Gaussians and nodes against central differences in double.
 #include "kernels/load_gaussian.h"
 #include "tests/support/carried_scene.h"
 #include "tests/support/compare.h"

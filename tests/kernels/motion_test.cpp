@@ -1,5 +1,5 @@
-// Poses of motion nodes and the Gaussians that they carry: the spline, motions with a known answer,
-// gradients against dual numbers.
+// Poses of motion nodes and the Gaussians carried by them: the spline, motions with a known answer,
+// and gradients against dual numbers.
 #include <gtest/gtest.h>
 
 #include <numbers>

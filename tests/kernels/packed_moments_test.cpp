@@ -1,5 +1,5 @@
-// What: two moments in a word: what it holds exactly, how it rounds, and the optimizer on it
-// against one that rounds nothing. Not: Adam's equation (scalar_test.cpp).
+// Two of Adam's moments packed in a word: the values that are exact, the rounding, and the
+// optimizer with packed moments against one that does not round.
 #include "kernels/math/adam.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// What: parallel_for on std::thread where the system gives no threads, or too few.
-// Not: what any parallel_for does (base_test.cpp).
+// The function parallel_for on std::thread where the system provides no threads or too few.
 #include <gtest/gtest.h>
 #include <pthread.h>
 #include <sys/resource.h>

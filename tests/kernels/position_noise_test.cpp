@@ -1,5 +1,4 @@
-// What: the noise of means: its moments, its gate, and that draws do not repeat.
-// Not: its size over a training (tests/recon4d/density/train_mcmc_test.cpp).
+// The noise of means: its mean and variance, its gate, and the independence of draws.
 #include "kernels/edits/mcmc.h"
 
 #include "kernels/base/parallel.h"

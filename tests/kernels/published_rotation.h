@@ -1,5 +1,4 @@
-// What: our pairs of quaternions ↔ those of the published 4D kernels.
-// Not: rotations themselves (kernels/math/rotation4.h).
+// Conversion between Tessera's pairs of quaternions and those of the published 4D kernels.
 #pragma once
 #include "kernels/math/rotation4.h"
 

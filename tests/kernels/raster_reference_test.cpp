@@ -1,8 +1,8 @@
-// What: projection, images and gradients against a third party's rasteriser, from its own files.
-// Not: our formulas again; nothing of its code is here. The data is optional, tests skip without.
+// Projection, images and gradients against the stored output of a third party's rasteriser. The
+// data is optional, and tests are skipped without it.
 // Conventions found in the files: `scales` are logarithms (−3.7 … 0.83), `quats` are w x y z and
-// not normalised, `opacities` are logits (0.5 … 1), `coeffs` are [N, 16, 3], `conics` are
-// (xx, xy, yy), `out_img` is RGB and 1 − transmittance; gradients are by these stored values.
+// not normalised, `opacities` are logits (0.5 … 1), `coeffs` are [N, 16, 3], `conics` are (xx, xy,
+// yy), `out_img` is RGB and 1 − transmittance; gradients are by these stored values.
 #include "kernels/load_gaussian.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/render.h"

@@ -1,5 +1,4 @@
-// What: what regularisers add to the gradients, against differences of the terms themselves.
-// Not: that it helps; nor a device (backend_mcmc_test.cpp).
+// The terms that regularisers add to the gradients, against differences of the terms themselves.
 #include "kernels/stages/splat_gradient.h"
 
 #include <array>

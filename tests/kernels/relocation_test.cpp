@@ -1,7 +1,6 @@
-// What: n Gaussians in place of one: opacity and size against the source's double sum, against the
-// integral they come from and in images; who is drawn, and how often.
-// Not: rows of a training (tests/recon4d/density/train_mcmc_test.cpp), nor a device
-// (backend_mcmc_test.cpp).
+// Replacement of one Gaussian by n: opacity and size against the double sum of the source, against
+// the integral it is derived from, and in images; the choice and frequency of the drawn Gaussians.
+// Rows of a training are tested in tests/recon4d/density/train_mcmc_test.cpp.
 #include "kernels/edits/mcmc.h"
 
 #include "tests/support/render.h"

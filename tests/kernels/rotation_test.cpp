@@ -1,5 +1,5 @@
-// What: rotations of space and space-time, their covariance, their gradients and the conversion to
-// the published convention. Not: slicing (spacetime_test.cpp).
+// Rotations of space and space-time, their covariance, their gradients and the conversion to the
+// published convention.
 #include "kernels/math/rotation4.h"
 
 #include "kernels/math/rotation3.h"

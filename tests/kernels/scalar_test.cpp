@@ -1,5 +1,4 @@
-// What: fast_exp over the range that blending uses; Adam against a plain loop in double.
-// Not: the Adam stage (update_test.cpp).
+// The function fast_exp over the range used by blending, and Adam against a plain loop in double.
 #include "kernels/math/adam.h"
 #include "tests/support/random.h"
 

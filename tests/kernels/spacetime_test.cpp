@@ -1,5 +1,4 @@
-// What: slicing a 4D Gaussian at a moment, in closed form and through its gradients.
-// Not: the rotation itself (rotation_test.cpp).
+// The slice of a 4D Gaussian at a time, in closed form and through its gradients.
 #include "kernels/math/spacetime.h"
 
 #include "tests/support/dual.h"

@@ -1,5 +1,5 @@
-// What: colour from spherical harmonics against the published polynomials, and its gradient by
-// coefficients and by the mean that the direction comes from. Not: the clamp at 0 (project stage).
+// Colour from spherical harmonics against the published polynomials, and its gradient by
+// coefficients and by the mean that determines the direction.
 #include "kernels/math/splat.h"
 #include "tests/support/brute_force_colour.h"
 #include "tests/support/dual.h"

@@ -1,6 +1,6 @@
-// What: the levels of time: weights and slopes against the cosine, laws of the whole chain (levels
-// of zeros, levels that are not active, another clock), and who may reach a level.
-// Not: images and gradients by formula (brute_force_test.cpp, gradient_test.cpp).
+// The levels of time-varying colours: weights and slopes against the cosine, laws of the whole
+// chain (levels of zeros, inactive levels, another clock), and the Gaussians that may use a level.
+// Images and gradients are tested in brute_force_test.cpp and gradient_test.cpp.
 #include "kernels/math/spherindrical.h"
 
 #include "tests/support/compare.h"

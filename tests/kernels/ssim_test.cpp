@@ -1,5 +1,5 @@
-// What: SSIM at one pixel, its partials, the window, and the photometric stage against a loop
-// written from the definition. Not: SSIM as a metric (recon4d/metrics).
+// SSIM at one pixel, its partial derivatives, the window, and the photometric stage against a loop
+// written from the definition.
 #include "kernels/math/photometric.h"
 
 #include "kernels/cpu_backend.h"

@@ -1,5 +1,4 @@
-// What: the clock of the stages: timers that nest, a clock that fails; what must not be copied.
-// Not: the device's events (only a device has them).
+// The clock of the stages: nested timers, a clock that fails, and types that must not be copied.
 #include "kernels/stage_clock.h"
 
 #include <gtest/gtest.h>

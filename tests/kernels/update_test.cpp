@@ -1,5 +1,5 @@
-// What: the Adam stage against a plain loop, gathered rows, and the statistics of density control
-// against a computation by hand. Not: Adam's equation (scalar_test.cpp).
+// The Adam stage against a plain loop, gathered rows, and the statistics of density control against
+// a computation by hand.
 #include "tests/support/render.h"
 
 namespace tessera::testing {

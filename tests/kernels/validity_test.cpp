@@ -1,5 +1,4 @@
-// What: broken parameters and broken gradients: culled and counted, other pixels unchanged, the
-// group named. failure_modes C5, C20. Not: what a trainer does about it.
+// Gaussians of zero scale on the CPU against the brute-force renderer.
 #include "tests/support/brute_force.h"
 #include "tests/support/compare.h"
 #include "tests/support/render.h"

@@ -1,5 +1,5 @@
-// What: the float backends that a test runs on: "cpu" always, "cuda" where there is a device.
-// Not: the oracle: what is expected comes from the CPU in double.
+// The float backends of a test: "cpu" always, "cuda" where there is a device. Expected values come
+// from the CPU in double.
 #pragma once
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
-// What: a renderer written as plain loops from the formulas: every pixel meets every Gaussian,
-// sorted by depth, in double. The truth that backends are compared with.
-// Not: fast, and not built from kernels/math: rotations are quaternion products, covariances are
-// arrays, there are no tiles and no bounds. Source: method A.5, A.10, C.1–C.3, D.1.
+// A renderer written as plain loops from the formulas: every pixel visits every Gaussian, sorted by
+// depth, in double. Backends are compared with it. It does not use kernels/math: rotations are
+// quaternion products, covariances are arrays, there are no tiles and no bounds. Source: method
+// A.5, A.10, C.1–C.3, D.1.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
-// What: spherical harmonics to degree 3 as the 3DGS paper's code publishes the polynomials.
-// Not: those of kernels/math, which use that the direction has length 1.
+// Spherical harmonics to degree 3, with the polynomials as published in the code of the 3DGS paper.
+// The polynomials of kernels/math differ, because they assume a direction of length 1.
 #pragma once
 #include <array>
 

@@ -1,5 +1,5 @@
-// What: the header of a checkpoint in its bytes, read and replaced.
-// Not: the reader that is tested (recon4d/model/checkpoint_file.h, where the layout is described).
+// Reads and replaces the header of a checkpoint in its bytes. The layout is described in
+// recon4d/model/checkpoint_file.h, whose reader is not used here.
 #pragma once
 #include <zlib.h>
 

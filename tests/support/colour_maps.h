@@ -1,5 +1,4 @@
-// What: affine maps of colours for tests, and their numbers one by one.
-// Not: what a map does to a colour (kernels/math/colour_map.h).
+// Affine colour maps for tests, and access to their numbers one by one.
 #pragma once
 #include <array>
 

@@ -1,6 +1,5 @@
-// What: how an image or a gradient of a backend may differ from the truth: per element, over all,
-// and how many pixels at a cut-off may decide otherwise.
-// Not: PSNR; these bounds are for equal formulas.
+// Bounds for the difference of an image or a gradient from the truth: per element, over all, and
+// for the number of pixels at a cut-off that may differ.
 #pragma once
 #include <gtest/gtest.h>
 

@@ -1,5 +1,4 @@
-// What: sets with a Gaussian for every case of density control, and backends beside the CPU's.
-// Not: what becomes of them.
+// Sets with a Gaussian for every case of density control, and backends to compare with the CPU's.
 #pragma once
 #include "tests/support/backends.h"
 #include "tests/support/random.h"

@@ -1,4 +1,4 @@
-// What: finds third-party test data outside the project. Not: a download; tests skip without it.
+// Finds third-party test data outside the project. Tests are skipped without it.
 #pragma once
 #include <cstdlib>
 #include <filesystem>

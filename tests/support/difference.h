@@ -1,6 +1,5 @@
-// What: the loss of a TestScene as a function of its parameters, in double, with its central
-// differences; steps that cross a cut-off are detected and shortened, never tolerated.
-// Not: an approximation of gradients for use; only tests call it.
+// The loss of a TestScene as a function of its parameters, in double, with its central differences.
+// Steps that cross a cut-off are detected and shortened.
 #pragma once
 #include <optional>
 

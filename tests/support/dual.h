@@ -1,6 +1,6 @@
-// What: Dual, a forward-mode derivative number on which the headers of kernels/math instantiate,
-// and the gradient of a scalar function by it. Not: reverse mode; one pass per input.
-// Source: value + ε·derivative with ε² = 0: exact derivatives, no step size.
+// Dual, a forward-mode derivative number with which the headers of kernels/math are instantiated,
+// and the gradient of a scalar function by one pass per input. Source: value + ε·derivative with ε²
+// = 0, which gives exact derivatives without a step size.
 #pragma once
 #include <array>
 #include <cmath>

@@ -1,5 +1,4 @@
-// What: the CPU backend with one value spoilt at one step: what a broken kernel or frame would do.
-// Not: a mock: every stage runs as it is.
+// The CPU backend with one value changed at one step, as by a faulty kernel or frame.
 #pragma once
 #include <limits>
 #include <memory>

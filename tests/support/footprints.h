@@ -1,5 +1,5 @@
-// What: random splats' footprints, and what they draw in a tile by brute force over pixel centres.
-// Not: the bounds under test (kernels/math/bounds.h).
+// Footprints of random splats and the pixels that they cover in a tile, by brute force over pixel
+// centres.
 #pragma once
 #include "kernels/math/bounds.h"
 #include "tests/support/random.h"

@@ -1,5 +1,4 @@
-// What: the forms of a set of Gaussians, to run a test over, and their names.
-// Not: sets of Gaussians (test_scene.h).
+// The forms of a set of Gaussians over which a test runs, and their names.
 #pragma once
 #include "kernels/gaussians.h"
 

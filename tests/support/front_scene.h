@@ -1,5 +1,5 @@
-// What: a camera at the origin that looks along +z, and round Gaussians put before it one by one:
-// scenes whose image is known in closed form. Not: random scenes (test_scene.h).
+// A camera at the origin that looks along +z, with round Gaussians added before it one by one:
+// scenes whose image is known in closed form.
 #pragma once
 #include "tests/support/render.h"
 

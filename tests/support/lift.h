@@ -1,6 +1,5 @@
-// What: the two ways between static and dynamic: a Dim 3 set as Dim 4 by two quaternions that undo
-//       each other in time; a model at a timestep as Dim 3.
-// Not: the arithmetic of a slice (static3d/transform/slicer.h).
+// Conversions between static and dynamic: a static set as a dynamic one whose two quaternions
+// cancel in time, and a model at a timestep as a static set.
 #pragma once
 #include <algorithm>
 

@@ -1,5 +1,5 @@
-// What: parameters with Adam's moments in a backend's memory, and the arguments that update them.
-// Not: a trainer: rates are made up, one per group.
+// Parameters with Adam's moments in a backend's memory, and the arguments of an update, with
+// made-up rates, one per group.
 #pragma once
 #include <bit>
 #include <type_traits>

@@ -1,5 +1,5 @@
-// What: reproducible random numbers and the comparison that the exact tests share.
-// Not: <random>'s distributions, whose values differ between standard libraries.
+// Reproducible random numbers and the comparison of the exact tests. The distributions of <random>
+// are not used, because their values differ between standard libraries.
 #pragma once
 #include <gtest/gtest.h>
 

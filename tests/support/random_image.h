@@ -1,5 +1,4 @@
-// What: an RGB image of uniform noise.
-// Not: a scene (tiny_capture.h).
+// An RGB image of uniform noise.
 #pragma once
 #include <cstdint>
 #include <vector>

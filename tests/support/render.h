@@ -1,5 +1,5 @@
-// What: one call that renders a TestScene on any backend, one that also goes backward.
-// Not: a second pipeline: both run kernels/pipeline.h. Without a backend it is the CPU's.
+// One call that renders a TestScene on any backend and one that also computes gradients, both by
+// kernels/pipeline.h. The default backend is the CPU's.
 #pragma once
 #include <functional>
 #include <limits>

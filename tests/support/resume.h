@@ -1,5 +1,4 @@
-// What: a training that goes on from a checkpoint, against one that was never stopped.
-// Not: what a checkpoint's file is made of (tests/recon4d/model/train_checkpoint_test.cpp).
+// A training resumed from a checkpoint, compared with one that was not interrupted.
 #pragma once
 #include <gtest/gtest.h>
 

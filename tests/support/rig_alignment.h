@@ -1,7 +1,7 @@
-// What: how far estimated camera poses are from the true ones, after the best similarity: the
-//       world of an estimate has its own place, turn and scale.
-// Not: an estimate of poses. Source: Umeyama, Least-Squares Estimation of Transformation
-//      Parameters Between Two Point Patterns, 1991; the turn as Horn's quaternion, 1987.
+// The distance of estimated camera poses from the true ones after the best similarity, because the
+// world of an estimate has its own origin, rotation and scale. Source: Umeyama, Least-Squares
+// Estimation of Transformation Parameters Between Two Point Patterns, 1991; the rotation as Horn's
+// quaternion, 1987.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -1,5 +1,4 @@
-// What: reads the float tensors of a safetensors file: 8 bytes of length, a JSON header, raw data.
-// Not: a writer, and no other element type than F32.
+// Reads the float tensors (F32) of a safetensors file: 8 bytes of length, a JSON header, raw data.
 #pragma once
 #include <cstdint>
 #include <cstring>

@@ -1,5 +1,5 @@
-// What: an empty folder for one test, removed with all in it.
-// Not: shared between tests; the name holds the process and a counter.
+// An empty folder for one test, removed with its contents. Its name contains the process and a
+// counter.
 #pragma once
 #include <unistd.h>
 

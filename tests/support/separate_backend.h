@@ -1,6 +1,6 @@
-// What: the CPU backend in a memory of its own that the rest of the program cannot touch, as a
-//       device's: pages are closed but while a stage or a copy is under way.
-// Not: a device: nothing runs behind. A touch from outside ends the test with a segmentation fault.
+// The CPU backend with a memory of its own that the rest of the program cannot access, like a
+// device's: its pages are protected except during a stage or a copy. An access from outside ends
+// the test with a segmentation fault.
 #pragma once
 #include <sys/mman.h>
 

@@ -1,6 +1,5 @@
-// What: sets whose rows differ in SH degree, made from sets whose rows are alike, and back.
-// Not: the functions of the trainer that do it (recon4d/model/element_edits.h): this is what they
-// are held against.
+// Sets whose rows differ in SH degree, made from sets of uniform rows, and back. The functions of
+// the trainer (recon4d/model/element_edits.h) are compared with them.
 #pragma once
 #include <algorithm>
 

@@ -1,5 +1,5 @@
-// What: a disk of a few pages that fills up: a tmpfs that this process alone sees.
-// Not: on machines that allow no mounts, where `works()` is false.
+// A disk of a few pages that fills up: a tmpfs that only this process sees. Where mounts are not
+// allowed, `works()` is false.
 #pragma once
 #include <fcntl.h>
 #include <sched.h>

@@ -1,6 +1,6 @@
-// What: the stages of a step called one by one on any backend, with all that flows between them
-// copied to the host. What a stage writes is poisoned first, so that nothing is left unwritten.
-// Not: the pipeline (render.h), whose order this repeats.
+// The stages of a step called one by one on any backend, with all data between them copied to the
+// host, in the order of the pipeline. All bits of a stage's output are set before it, so that
+// unwritten values are found.
 #pragma once
 #include <map>
 #include <utility>

@@ -1,5 +1,4 @@
-// What: the values of a test in the memory of a backend, and back: arrays, Gaussians, scenes.
-// Not: for one device: Memory::copy takes pointers of either side, the host's is the trivial case.
+// The values of a test copied to the memory of a backend and back: arrays, Gaussians, scenes.
 #pragma once
 #include "kernels/pipeline.h"
 #include "tests/support/test_scene.h"

@@ -1,4 +1,5 @@
-// Motion nodes of tests: owned arrays of any scalar, random ones, and sets that are bound to them.
+// Motion nodes of tests: owned arrays of any scalar type, random ones, and sets that are bound to
+// them.
 #pragma once
 #include <vector>
 

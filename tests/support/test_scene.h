@@ -1,5 +1,4 @@
-// What: small scenes for tests: owned parameters of both sets, cameras, ground truth; random ones.
-// Not: the model (recon4d/) nor a scene on disk (ingest/).
+// Small scenes for tests: owned parameters of both sets, cameras, ground truth; and random scenes.
 #pragma once
 #include <glm/geometric.hpp>
 #include <vector>

@@ -1,5 +1,4 @@
-// What: the blobs, the ring of cameras, a training with its observer.
-// Not: assertions; those are the tests'.
+// The blobs, the ring of cameras, and a training with its observer.
 #include "tests/support/tiny_capture.h"
 
 #include <bit>

@@ -1,6 +1,5 @@
-// What: captures of a few known Gaussians, rendered by the CPU backend into a Scene in memory, and
-//       trainings of them that tests can look into.
-// Not: files; nothing is read or written.
+// Captures of a few known Gaussians, rendered by the CPU backend into a Scene in memory, and
+// trainings on them whose state tests can read.
 #pragma once
 #include <memory>
 #include <string>

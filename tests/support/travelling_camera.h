@@ -1,5 +1,5 @@
 // Captures by one camera that travels around a moving body: every timestep is one image, as in a
-// monocular video, and what all other cameras would have seen is held out.
+// monocular video, and the views of all other cameras are held out.
 #pragma once
 #include "tests/recon4d/model/small_models.h"
 #include "tests/support/carried_scene.h"

@@ -1,5 +1,5 @@
-// What: one Gaussian of a random scene to be spoilt, and what the others must be then.
-// Not: how it is spoilt.
+// Spoils one Gaussian of a random scene and tests that the images and gradients of the others are
+// unchanged.
 #pragma once
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
-// What: sets whose elements differ in SH degree, on every backend, against sets of full elements
-// whose missing bands are zero and held at zero: bit for bit, because the arithmetic is the same.
-// Not: how elements come into blocks (tests/recon4d/model/train_blocks_test.cpp).
+// Sets whose elements differ in SH degree, on every backend, against sets of full elements whose
+// missing bands are zero and held at zero. Results are equal bit for bit, because the arithmetic is
+// the same. The arrangement of elements in blocks is tested in
+// tests/recon4d/model/train_blocks_test.cpp.
 #include "tests/support/backends.h"
 #include "tests/support/optimised.h"
 #include "tests/support/sh_degrees.h"

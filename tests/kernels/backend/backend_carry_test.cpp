@@ -1,6 +1,6 @@
-// Canonical sets on every backend against the oracle: what nodes make of Gaussians in each view,
-// the images, and the gradients of Gaussians and nodes. The oracle is held against differences in
-// motion_nodes_test.cpp.
+// Canonical sets on every backend against the oracle: the Gaussians carried by motion nodes in each
+// view, the images, and the gradients of Gaussians and nodes. The oracle is compared with central
+// differences in motion_nodes_test.cpp.
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/carried_scene.h"

@@ -1,7 +1,6 @@
-// What: sums of splats per Gaussian on every backend, against loops over what that backend drew;
-//       equal inputs give equal bits; squares of residuals.
-// Not: sums over the pixels of a splat (backend_sensitivity_test.cpp), nor what is decided by them
-// (tests/recon4d/reduction).
+// Sums over splats per Gaussian on every backend, against loops over what that backend rendered,
+// and squares of residuals. Equal inputs give equal bits. Sums over the pixels of a splat are
+// tested in backend_sensitivity_test.cpp.
 #include <cmath>
 
 #include "kernels/load_gaussian.h"

@@ -1,5 +1,6 @@
-// What: dynamic Gaussians as static ones on every backend, against the double template on the CPU.
-// Not: that what they draw is the slice (tests/recon4d/reduction/static_demotion_test.cpp).
+// Demotion of dynamic Gaussians to static ones on every backend, against the template in double on
+// the CPU. The equality of the image with that of the slice is tested in
+// tests/recon4d/reduction/static_demotion_test.cpp.
 #include <cmath>
 
 #include "kernels/cpu_backend.h"

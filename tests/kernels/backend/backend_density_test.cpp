@@ -1,5 +1,5 @@
-// What: the stages of density control and ordering of every backend against the CPU's.
-// Not: that the CPU's are right: tests/recon4d/density/train_density_test.cpp, locality_test.cpp.
+// The stages of density control and ordering of every backend against those of the CPU, which are
+// tested in tests/recon4d/density/train_density_test.cpp and locality_test.cpp.
 #include <numeric>
 
 #include "kernels/cpu_backend.h"

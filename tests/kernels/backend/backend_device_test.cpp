@@ -1,5 +1,5 @@
-// What: what the probe tells of the devices here, against what they do.
-// Not: what is made of it (tests/tools/session/device_choice_test.cpp).
+// The report of the device probe, against the behaviour of the devices of this machine. The choice
+// of a device is tested in tests/tools/session/device_choice_test.cpp.
 #include "kernels/device_probe.h"
 #include "tests/support/backends.h"
 #include "tests/support/render.h"

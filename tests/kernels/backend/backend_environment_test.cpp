@@ -1,6 +1,6 @@
-// What: an environment behind the images of every backend, against the oracle: what is drawn, the
-//       gradient by texels and through the light that is left; equal inputs give equal bits.
-// Not: gradients against differences (environment_test.cpp). Source: method D.8.
+// An environment behind the images of every backend, against the oracle: the image, and the
+// gradient by texels and through the remaining transmittance. Equal inputs give equal bits. Source:
+// method D.8.
 #include <limits>
 
 #include "kernels/math/adam.h"

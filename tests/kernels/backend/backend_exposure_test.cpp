@@ -1,7 +1,6 @@
-// What: maps of the colours of images in the loss of every backend, against the oracle and against
-//       the loss of images that were mapped by hand; on images that span many tiles of the loss,
-//       with masks and without; equal inputs give equal bits.
-// Not: their gradient against differences (exposure_test.cpp). Source: B10.
+// Colour maps of images in the loss of every backend, against the oracle and against the loss of
+// images that were mapped by hand, on images that span many tiles of the loss, with and without
+// masks. Equal inputs give equal bits. Source: failure mode B10.
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/colour_maps.h"

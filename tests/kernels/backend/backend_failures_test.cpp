@@ -1,6 +1,6 @@
-// What: broken, extreme and degenerate Gaussians on every backend: right, or culled and counted,
-// other pixels unchanged. failure_modes C3–C5, C9, C10, C14, C15, C20.
-// Not: sizes that a device cannot hold (backend_limits_test.cpp).
+// Invalid, extreme and degenerate Gaussians on every backend: they are rendered correctly or culled
+// and counted, and all other pixels are unchanged. The groups of a non-finite gradient are named.
+// Source: failure modes C3, C4, C5, C9, C10, C14, C15, C20.
 #include "tests/support/backends.h"
 #include "tests/support/front_scene.h"
 #include "tests/support/stage_run.h"

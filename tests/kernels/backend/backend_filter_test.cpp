@@ -1,6 +1,6 @@
-// What: filters against aliasing and other truncations on every backend against the CPU oracle in
-// double: images, gradients, opacity 0; sizes and edits of the 3D filter.
-// Not: that the oracle is right (brute_force_test.cpp, gradient_test.cpp, filter_test.cpp).
+// Anti-aliasing filters and non-default truncations on every backend against the CPU oracle in
+// double: images, gradients, opacity 0, and sizes and edits of the 3D filter. The oracle is tested
+// in brute_force_test.cpp, gradient_test.cpp and filter_test.cpp.
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"

@@ -1,5 +1,5 @@
-// What: splats, instance lists and images of every backend against the CPU oracle in double and
-// against the formulas. failure_modes C1, C8. Not: gradients (backend_gradient_test.cpp).
+// Splats, instance lists and images of every backend against the CPU oracle in double and against
+// the formulas. Source: failure modes C1, C8.
 #include <set>
 
 #include "kernels/math/sort_keys.h"

@@ -1,8 +1,7 @@
-// What: loss, dL/d image, gradients by splats and by parameters, and the statistic of density
-// control of every backend against the CPU oracle in double. failure_modes C17, C18: the oracle
-// itself is held against central differences (gradient_test.cpp), so that a backend's gradient in
-// float against the oracle's in double is a test against differences at float's precision.
-// Not: optimizers (backend_update_test.cpp).
+// Loss, dL/d image, gradients by splats and by parameters, and the statistic of density control of
+// every backend against the CPU oracle in double. The oracle is compared with central differences
+// in gradient_test.cpp, so these tests compare each backend with differences at the precision of
+// float. Source: failure modes C17, C18.
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"

@@ -1,5 +1,6 @@
 // The largest blending weight of every Gaussian on every backend, against images in which one
-// Gaussian is white, all others are black and the background is: these images are its weights.
+// Gaussian is white and all others and the background are black: such an image holds the weights of
+// that Gaussian.
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/stage_run.h"

@@ -1,5 +1,5 @@
-// What: laws that hold for any scene, on every backend: batch, permutation, static = lifted
-// dynamic, memory used again. failure_modes C16. Not: what the images are (backend_forward_test).
+// Laws that hold for any scene, on every backend: batch, permutation, a static set equals its
+// lifted dynamic set, reused memory. Source: failure mode C16.
 #include "tests/support/backends.h"
 #include "tests/support/compare.h"
 #include "tests/support/render.h"

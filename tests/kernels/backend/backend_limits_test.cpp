@@ -1,5 +1,5 @@
-// What: what a device cannot hold: refused by name, with the number, and the backend works on.
-// failure_modes C6, C21. Not: forecasts (recon4d).
+// Requests that a device cannot hold are refused by name with the number, and the backend stays
+// usable. Source: failure modes C6, C21.
 #include "kernels/base/errors.h"
 #include "tests/support/backends.h"
 #include "tests/support/compare.h"

@@ -1,7 +1,5 @@
-// What: masks in the loss of every backend: what is ignored has no gradient and no say, what
-//       is used keeps its own; against the oracle on images that span many tiles.
-// Not: the loss's definition (ssim_test.cpp), nor where masks come from (tests/ingest).
-// Source: failure mode B17.
+// Masks in the loss of every backend, against the oracle on images that span many tiles: ignored
+// pixels have no gradient and no effect, used pixels keep their gradient. Source: failure mode B17.
 #include "kernels/math/photometric.h"
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"

@@ -1,6 +1,5 @@
-// What: relocation, noise and regularisers of every backend against the CPU's.
-// Not: that the CPU's are right: relocation_test.cpp, position_noise_test.cpp,
-// regulariser_test.cpp.
+// Relocation, noise and regularisers of every backend against those of the CPU, which are tested in
+// relocation_test.cpp, position_noise_test.cpp and regulariser_test.cpp.
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/crowd.h"
 #include "tests/support/optimised.h"

@@ -1,5 +1,5 @@
-// What: the random scenes that every backend is compared on, and the bounds for its images and
-// gradients. Not: the comparison (tests/support/compare.h).
+// The random scenes on which all backends are compared, and the bounds for their images and
+// gradients.
 #pragma once
 #include "tests/support/brute_force.h"
 #include "tests/support/compare.h"

@@ -1,7 +1,7 @@
-// What: what every backend says of its splats: the change of the squared error where one is really
-// taken out, weights that add up to the light, images by weight, the gradient's equations; and
-// the residual that it is asked about. Against the oracle, which is held against taking Gaussians
-// out. Not: sums over the views of a Gaussian.
+// Measures of splats on every backend: the change of the squared error against images from which a
+// splat is removed, weights that add up to the opacity of the pixel, images by weight, the
+// equations of the gradient, and the residual. The reference is the oracle, which is compared with
+// the removal of Gaussians.
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/front_scene.h"

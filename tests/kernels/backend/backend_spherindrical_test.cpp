@@ -1,7 +1,6 @@
-// What: colours that follow time, of every backend: images and gradients against the oracle's,
-// the fused optimizer against the separate one, and sets without levels against sets whose levels
-// are not active.
-// Not: that the oracle is right (brute_force_test.cpp, gradient_test.cpp).
+// Time-varying colours on every backend: images and gradients against the oracle, the fused
+// optimizer against the separate one, and sets without levels against sets whose levels are not
+// active.
 #include "tests/kernels/backend/backend_scenes.h"
 #include "tests/support/backends.h"
 #include "tests/support/optimised.h"

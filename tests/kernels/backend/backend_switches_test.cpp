@@ -1,5 +1,5 @@
-// What: no kernel switch changes what is computed: each one's images equal the default's and its
-// gradients the oracle's; looser bounds list supersets. Not: what a switch saves in time.
+// No kernel switch changes the result: the images of each equal those of the default, its gradients
+// equal the oracle's, and looser bounds list supersets of the instances.
 #include <map>
 
 #include "tests/kernels/backend/backend_scenes.h"

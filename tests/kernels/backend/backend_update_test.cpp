@@ -1,5 +1,5 @@
-// What: the optimizer of every backend: fused and separate, dense and skipping, against each other
-// and against the oracle. Not: Adam's equation.
+// The optimizer of every backend: fused and separate, dense and skipping, against each other and
+// against the oracle.
 #include "tests/support/backends.h"
 #include "tests/support/compare.h"
 #include "tests/support/optimised.h"

@@ -1,5 +1,5 @@
-// What: a hundred million keys sorted on the device equal std::sort, stable, for every key width.
-// failure_modes C7. Not: the lists made of them (backend_forward_test.cpp).
+// The sort of a hundred million keys on the device is stable and equals that of std::sort, for
+// every key width. Source: failure mode C7.
 #include <algorithm>
 
 #include "kernels/cuda/cuda_backend.h"
