@@ -150,6 +150,17 @@ TEST(BruteForceShape, NeedlesAndDisksAtAnyAngle) {
   expect_brute<float>(scene, kFloatBand, kFloat);
 }
 
+TEST(BruteForceShape, ZeroScaleIsADotOfTheDilation) {  // C5
+  constexpr int64_t kThin = 4;
+  TestScene<double> scene = random_scene(10, 10, 0.3, 3);
+  std::fill_n(scene.fixed.at(kLogScale, kThin), 3, -60.0);  // e^{2·−60} vanishes in float
+  const Backward<float> result = backward(scene.as<float>());
+  EXPECT_EQ(result.rendered.report.invalid_gaussians, 0);
+  EXPECT_EQ(result.bad, 0u);
+  const BruteImage expected = render_brute(scene, scene.views[0], kFloatBand);
+  expect_image(result.rendered.colour.data(), expected.colour, expected.critical, kFloat, "colour");
+}
+
 TEST(BruteForceShape, EveryDegreeAndFewerStoredBands) {
   for (int degree = 0; degree <= 3; ++degree) {
     TestScene<double> scene = random_scene(0, 20, 0.2, 8);

@@ -1,5 +1,5 @@
-// Scenes whose image is known in closed form: no splat, one, two, many coincident, nearly
-// transparent, at the near plane, over two backgrounds. Source: failure modes C1, C2, C3, C4, C9.
+// Scenes whose image is known in closed form: no splat, one splat, two over a background, and one
+// that crosses the near plane. Source: failure modes C1, C2, C9.
 #include "tests/support/front_scene.h"
 
 namespace tessera::testing {
@@ -71,63 +71,6 @@ TEST(ClosedForm, TwoSplatsBlendFrontToBackWhateverTheirOrder) {
   }
 }
 
-TEST(ClosedForm, CoincidentDuplicatesMultiplyTransmittance) {  // C3
-  // Bug put back: T reduced by 0.999·α; seen to fail.
-  TestScene<float> scene = front_scene();
-  for (int n = 1; n <= 12; ++n) {
-    add_round(scene, {0, 0, 5}, 0.3, 0.3, {0.6, 0.6, 0.6});
-    const Rendered<float> once = render(scene), again = render(scene);
-    const double left = std::pow(0.7, n);
-    EXPECT_NEAR(once.transmittance[kMiddle * kSize + kMiddle], left, 1e-6);
-    EXPECT_NEAR(front_pixel(once, 0, kMiddle, kMiddle), 0.6 * (1 - left), 1e-6);
-    EXPECT_EQ(once.colour, again.colour);
-  }
-}
-
-TEST(ClosedForm, OpacityBelowTheCutoffContributesNothing) {  // C4
-  for (const double opacity : {1e-90, 1e-9, 1.0 / 256}) {
-    TestScene<float> scene = front_scene();
-    add_round(scene, {0, 0, 5}, 0.3, opacity, {1, 1, 1});
-    const Backward<float> result = backward(scene);
-    EXPECT_EQ(result.rendered.report.splats, 0);
-    EXPECT_EQ(result.rendered.report.invalid_gaussians, 0);
-    EXPECT_EQ(result.bad, 0u);
-    for (const float c : result.rendered.colour) ASSERT_EQ(c, 0.0f);
-    EXPECT_EQ(*result.fixed.at(kOpacityLogit, 0), 0.0f);
-  }
-}
-
-TEST(ClosedForm, NearAndFarPlaneAreInclusive) {  // C9, C10
-  // Bugs put back, seen to fail: no far plane; near plane exclusive.
-  const auto drawn = [](float z) {
-    TestScene<float> scene = front_scene();
-    scene.options.near_plane = 0.25;
-    scene.options.far_plane = 1024;
-    add_round(scene, {0, 0, z}, 0.01 * z, 0.8, {1, 1, 1});
-    const Rendered<float> r = render(scene);
-    if (r.report.splats == 0) {
-      EXPECT_EQ(r.colour, render(front_scene()).colour);
-    }
-    return r.report.splats == 1 && std::abs(front_pixel(r, 0, kMiddle, kMiddle) - 0.8f) < 1e-5f;
-  };
-  EXPECT_TRUE(drawn(0.25f));
-  EXPECT_FALSE(drawn(std::nextafter(0.25f, 0.0f)));
-  EXPECT_TRUE(drawn(1024.0f));
-  EXPECT_FALSE(drawn(std::nextafter(1024.0f, 2000.0f)));
-  EXPECT_FALSE(drawn(-1.0f));
-  EXPECT_FALSE(drawn(1e6f));
-}
-
-TEST(ClosedForm, GaussianBesideTheCameraDoesNotFlash) {  // C9
-  // Bug put back: Jacobian not clamped; seen to fail: σ grows by x/z = 12 and covers the image.
-  for (double z = 1.0; z >= 0.2; z -= 0.05) {
-    TestScene<float> scene = front_scene();
-    add_round(scene, {12 * z, 0, z}, 0.1 * z / 0.25, 0.99, {1, 1, 1});
-    const Rendered<float> r = render(scene);
-    for (const float c : r.colour) ASSERT_EQ(c, 0.0f) << "z " << z;
-  }
-}
-
 TEST(ClosedForm, CrossingTheNearPlaneRemovesOneSplatAndNoMore) {  // C9
   TestScene<float> scene = front_scene();
   add_round(scene, {0.02, 0, 5}, 0.3, 0.5, {0.2, 0.9, 0.4});
@@ -138,19 +81,6 @@ TEST(ClosedForm, CrossingTheNearPlaneRemovesOneSplatAndNoMore) {  // C9
   EXPECT_EQ(render(scene).colour, alone.colour);
   // at z = near: centre 36.5 px is outside the image, σ² = (40·0.004/0.2)²(1 + 0.25) + 0.3
   EXPECT_LE(worst_difference(before.colour, alone.colour), 0.6 * std::exp(-0.5 * 16 / 1.1));
-}
-
-TEST(ClosedForm, BackgroundsDifferByTransmittance) {  // C14
-  // Bug put back: the background added without T; seen to fail.
-  TestScene<float> scene = front_scene();
-  add_round(scene, {0, 0, 5}, 0.5, 0.7, {0.9, 0.1, 0.4});
-  add_round(scene, {0.3, 0.1, 4}, 0.2, 0.4, {0.1, 0.8, 0.3});
-  const Rendered<float> black = render(scene);
-  for (double& b : scene.options.background) b = 1;
-  const Rendered<float> white = render(scene);
-  EXPECT_EQ(black.transmittance, white.transmittance);
-  for (size_t i = 0; i < black.colour.size(); ++i)
-    ASSERT_NEAR(white.colour[i] - black.colour[i], black.transmittance[i % (kSize * kSize)], 1e-6);
 }
 
 }  // namespace
