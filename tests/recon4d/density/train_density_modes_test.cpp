@@ -1,7 +1,5 @@
-// What: what density control does to a whole training: a reset of opacities, Gaussians that no
-//       camera sees, a wall without texture.
-// Not: the rule for one Gaussian (kernels_test) and its lists (train_density_test.cpp).
-// Source: failure modes C11, C12, C19.
+// Effects of density control on a whole training: a reset of opacities, Gaussians that no camera
+// sees, a wall without texture. Source: failure modes C11, C12, C19.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
-// What: which Gaussians density control clones, splits and prunes, in which order, with which
-//       attributes, on sets and statistics made by hand.
-// Not: where the children of a split fall (train_split_test.cpp). Source: method A.13, D.7.
+// The Gaussians that density control clones, splits and prunes, their order and their attributes,
+// on sets and statistics made by hand. The children of a split are tested in train_split_test.cpp.
+// Source: method A.13, D.7.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,6 @@
-// What: MCMC densification on sets made by hand, and trainings by it: exact counts,
-//       what copies inherit, the size of the noise, the same again after a pause.
-// Not: what n copies look like and who is drawn (tests/kernels/relocation_test.cpp).
+// MCMC densification on sets made by hand, and trainings with it: exact counts, attributes of
+// copies, the size of the noise, and equality after a resume. The choice and images of n copies are
+// tested in tests/kernels/relocation_test.cpp.
 #include "recon4d/density/mcmc.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
-// What: the children of a split: shrunk copies, distributed as their parent; and the order of a set
-//       for locality.
-// Not: which Gaussians are split (train_density_test.cpp). Source: method A.13, A.14, D.7.
+// The children of a split, which are shrunk copies distributed like their parent, and the order of
+// a set for locality. Source: method A.13, A.14, D.7.
 #include <gtest/gtest.h>
 
 #include <algorithm>

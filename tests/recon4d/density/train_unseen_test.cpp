@@ -1,4 +1,5 @@
-// Gaussians that no training view shows: which they are, and that they go, alone and in a training.
+// Gaussians that no training view shows: how they are found, and their removal, alone and in a
+// training.
 #include <gtest/gtest.h>
 
 #include <set>

@@ -1,4 +1,4 @@
-// The colour fit and the scores of timesteps, from images whose answers are known, and in a report.
+// The colour fit and the scores of timesteps, from images with known answers, and in a report.
 #include "recon4d/evaluation/pixel_sums.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,4 @@
-// What: models remember how they are to be drawn, in files and copies.
-// Not: what these do to an image (tests/kernels), nor the rest of a checkpoint
-// (train_checkpoint_test.cpp).
+// Models keep the render options of their training, in files and copies.
 #include <map>
 
 #include "recon4d/model/model_file.h"

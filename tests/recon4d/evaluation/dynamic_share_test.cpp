@@ -1,5 +1,4 @@
-// What: how much of a pixel's light is of dynamic Gaussians, and where it lies.
-// Not: what of a scene moves (tests/tools/synth/synth_patch_test.cpp).
+// The share of a pixel's colour that comes from dynamic Gaussians, and its place in the image.
 #include "recon4d/evaluation/dynamic_share.h"
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
-// What: evaluation of a model on a small scene, its groups, its JSON, and after a reload.
-// Not: the metrics themselves (metrics_test.cpp). Failure modes A9, B20, D3, D5.
+// Evaluation of a model on a small scene, its groups, its JSON, and after a reload. Source: failure
+// modes A9, B20, D3, D5.
 #include "recon4d/evaluation/evaluate.h"
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,4 @@
-// What: the order of frames in a scoring pass: what the first sweeps of it have seen.
-// Not: what is drawn (reduction/contributions_test.cpp).
+// The order of frames in a scoring pass, and the frames that its first sweeps contain.
 #include "recon4d/evaluation/frame_sample.h"
 
 #include <gtest/gtest.h>

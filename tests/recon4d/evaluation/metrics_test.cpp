@@ -1,5 +1,5 @@
-// What: known answers of PSNR and SSIM, against sums written out here.
-// Not: the window's convolution (tests/kernels). Failure modes D1–D3, B20.
+// Known values of PSNR and SSIM, against sums written out here. Source: failure modes D1, D2, D3,
+// B20.
 #include "recon4d/evaluation/metrics.h"
 #include "tests/support/random_image.h"
 

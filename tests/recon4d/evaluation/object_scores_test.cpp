@@ -1,4 +1,4 @@
-// The scores of boxes about objects, of images whose errors are known.
+// The scores of the boxes around objects, from images whose errors are known.
 #include "recon4d/evaluation/timestep_scores.h"
 
 #include <gtest/gtest.h>

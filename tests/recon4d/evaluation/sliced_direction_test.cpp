@@ -1,5 +1,5 @@
-// What: the option sliced_direction of a model: in images, in its file, in slices.
-// Not: its gradient (tests/kernels), nor the checkpoint (train_checkpoint_test.cpp).
+// The option sliced_direction of a model: in images, in its file, in slices. Its gradient is tested
+// in tests/kernels.
 #include "recon4d/model/model_file.h"
 #include "tests/ingest/layouts/capture_fixture.h"
 #include "tests/recon4d/model/small_models.h"

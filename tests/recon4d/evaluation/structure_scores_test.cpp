@@ -1,5 +1,5 @@
-// What: SSIM under its several definitions: scikit-image's numbers, direct sums over windows.
-// Not: the two paddings of `ssim` (metrics_test.cpp). Failure modes D1, B20.
+// SSIM under its several definitions: the values of scikit-image, and direct sums over windows.
+// Source: failure modes D1, B20.
 #include "recon4d/evaluation/structure_scores.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// What: flicker and moving pixels of images whose answers are known.
-// Not: rendering. Failure mode A14.
+// Flicker and moving pixels of images with known answers. Source: failure mode A14.
 #include "recon4d/evaluation/temporal_scores.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// What: how much memory reading a large checkpoint takes.
-// Not: what is read (train_checkpoint_test.cpp).
+// The memory used to read a large checkpoint. Its contents are tested in train_checkpoint_test.cpp.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>

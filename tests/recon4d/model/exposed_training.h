@@ -1,6 +1,5 @@
-// What: trainings whose images tell of colours alone: the Gaussians stand at their places with
-//       brighter colours than the images have.
-// Not: what is learnt of cameras (train_exposure_test.cpp, train_colour_maps_test.cpp).
+// Trainings for tests of exposure: the Gaussians are at their true places and their colours are
+// brighter than those of the images.
 #pragma once
 #include "tests/support/tiny_capture.h"
 

@@ -1,6 +1,5 @@
-// What: a set of Gaussians in which every number is known and each Gaussian carries a tag, with
-//       moments and statistics, for tests of density control.
-// Not: anything that could be drawn.
+// A set of Gaussians in which every number is known and each Gaussian carries a tag, with Adam's
+// moments and statistics, for tests of density control. The set is not meant to be rendered.
 #pragma once
 #include <cmath>
 #include <vector>

@@ -1,6 +1,5 @@
-// What: files that were made to break readers: each is refused in one line, and none makes a reader
-//       take memory that the file does not fill.
-// Not: every damage there is: that is searched for by scripts/fuzz.sh.
+// Files made to break readers: each is refused in one line, and no reader allocates memory beyond
+// the size of the file. A search for further files is made by scripts/fuzz.sh.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,5 +1,5 @@
-// What: the Tessera 4D .ply: bit-equal reload, refusals, writes that fail; facts of a model.
-// Not: the 3DGS file (ply_3dgs_test.cpp). Failure modes C1, E2, E6.
+// The Tessera 4D .ply: bit-equal reload, refusals, failed writes, and the facts of a model. Source:
+// failure modes C1, E2, E6.
 #include "recon4d/model/model_file.h"
 #include "ingest/files/atomic_file.h"
 

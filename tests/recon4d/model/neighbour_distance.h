@@ -1,5 +1,5 @@
-// What: mean squared distance to the three nearest neighbours by looking at all pairs, in double.
-// Not: fast; the truth for recon4d/training/nearest_points.h.
+// Mean squared distance to the three nearest neighbours from all pairs, in double. It is the
+// reference for recon4d/training/nearest_points.h.
 #pragma once
 #include <algorithm>
 #include <glm/vec3.hpp>

@@ -1,6 +1,5 @@
-// What: Gaussians put by hand into a model, round and of one colour, for tests of what each is
-//       contribution to the images of a scene.
-// Not: the cameras (tests/support/tiny_capture.h).
+// Round Gaussians of one colour, put by hand into a model, for tests of the contribution of each to
+// the images of a scene.
 #pragma once
 #include <algorithm>
 #include <array>

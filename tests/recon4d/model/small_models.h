@@ -1,5 +1,5 @@
-// What: small random models, cameras and scenes for the tests of models and their files.
-// Not: parameters in double (tests/support/test_scene.h, from which these are made).
+// Small random models, cameras and scenes for the tests of models and their files, made from
+// tests/support/test_scene.h.
 #pragma once
 #include <cstring>
 #include <string>

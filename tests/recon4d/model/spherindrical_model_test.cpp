@@ -1,6 +1,5 @@
-// What: colours that follow time outside of a training: in files, slices, other worlds, the other
-//       form of motion, selections and facts of a model.
-// Not: what they look like (tests/kernels), nor trainings of them (train_spherindrical_test.cpp).
+// Time-varying colours outside of a training: in files, slices, other worlds, the other form of
+// motion, selections and facts of a model. Trainings are tested in train_spherindrical_test.cpp.
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/ply.h"

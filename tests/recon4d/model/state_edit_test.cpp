@@ -1,5 +1,5 @@
-// State edits carried out on sets in which every number is known: which elements are left and in
-// which order, in the host's memory and in one of its own, and edits that are refused.
+// State edits on sets in which every number is known: the elements that remain and their order, in
+// host memory and in a separate memory, and edits that are refused.
 #include "recon4d/model/train_state.h"
 
 #include <gtest/gtest.h>

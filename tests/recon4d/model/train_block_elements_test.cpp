@@ -1,8 +1,5 @@
-// What: elements of a training sorted into blocks of one SH degree, kept, added, put in order,
-// pruned,
-//       on every backend.
-// Not: steps (train_blocks_test.cpp), nor what the stages do
-// (tests/kernels/backend/backend_blocks_test.cpp).
+// Elements of a training sorted into blocks of one SH degree, kept, added, reordered and pruned, on
+// every backend.
 #include <algorithm>
 #include <numeric>
 

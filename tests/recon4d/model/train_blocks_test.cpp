@@ -1,5 +1,4 @@
-// What: trainings whose elements differ in SH degree: checkpoints, what leaves them, other
-// memories. Not: how elements move (train_block_elements_test.cpp).
+// Trainings whose elements differ in SH degree: checkpoints, exported models, other memories.
 #include <gtest/gtest.h>
 
 #include <fstream>

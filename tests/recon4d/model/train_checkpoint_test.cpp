@@ -1,6 +1,5 @@
-// What: a checkpoint brings back every bit, and a damaged or foreign file is refused with its name
-//       and the reason.
-// Not: that resuming trains the same (train_loop_test.cpp). Source: failure modes E5, E6.
+// A checkpoint restores every bit, and a damaged or foreign file is refused with its name and the
+// reason. Source: failure modes E5, E6.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 

@@ -1,7 +1,5 @@
-// What: affine maps of the colours of cameras learnt in a training: recovered, gauge fixed, drawn
-//       towards the identity, kept by a checkpoint, written to a file.
-// Not: gains (train_exposure_test.cpp), the gradient of either (tests/kernels/exposure_test.cpp).
-// Source: failure mode B10.
+// Affine colour maps of cameras learnt in a training: recovered, with a fixed gauge, regularised
+// towards the identity, kept by a checkpoint, written to a file. Source: failure mode B10.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,7 +1,5 @@
-// What: gains of cameras and of images learnt in a training: recovered, gauge fixed, kept by a
-//       checkpoint, refused where they mean nothing.
-// Not: affine maps (train_colour_maps_test.cpp), the gradient of either
-//      (tests/kernels/exposure_test.cpp). Source: failure mode B10.
+// Gains of cameras and of images learnt in a training: recovered, with a fixed gauge, kept by a
+// checkpoint, refused where they have no meaning. Source: failure mode B10.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

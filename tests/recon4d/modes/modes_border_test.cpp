@@ -1,7 +1,6 @@
-// What: that a still background shows no border between timesteps, drawn whole or exported by
-// frames. Not: flicker of a set without time terms (evaluate_test.cpp). The clip is trained whole:
-// there
-//      are no chunks, so every pair of neighbouring frames is a border. Source: failure mode A13.
+// A static background shows no border between timesteps, rendered as a whole or exported by frames.
+// The clip is trained without chunks, so every pair of neighbouring frames is a border. Source:
+// failure mode A13.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

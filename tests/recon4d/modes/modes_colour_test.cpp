@@ -1,5 +1,4 @@
-// What: a surface that stays and changes its colour alone.
-// Not: moving surfaces. Source: failure mode A17.
+// A surface that does not move and changes only its colour. Source: failure mode A17.
 #include <gtest/gtest.h>
 
 #include <algorithm>

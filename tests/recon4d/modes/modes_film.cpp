@@ -1,5 +1,4 @@
-// What: worlds → images → scenes; presets cut short; numbers out of images.
-// Not: assertions.
+// Made-up worlds as images and scenes, shortened presets, and measurements in images.
 #include "tests/recon4d/modes/modes_film.h"
 
 #include <algorithm>

@@ -1,7 +1,6 @@
-// What: short films of made-up worlds by ray casting, trainings of presets on them that take
-//       seconds, and what is measured in images of the result.
-// Not: assertions; those are the tests'. The images are exact but for 8 bits: no splats drew
-// them.
+// Short films of made-up worlds by ray casting, trainings of presets on them that take seconds, and
+// measurements in the resulting images. The images are exact up to 8-bit rounding and are not
+// rendered from splats.
 #pragma once
 #include <functional>
 #include <string>

@@ -1,5 +1,4 @@
-// What: a background that never changes behind something that moves.
-// Not: what moves and then rests (modes_rest_test.cpp). Source: failure mode A14.
+// A background that never changes behind a moving object. Source: failure mode A14.
 #include <gtest/gtest.h>
 
 #include <algorithm>

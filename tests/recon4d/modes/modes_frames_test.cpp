@@ -1,5 +1,5 @@
-// What: the same motion filmed with fewer frames, and with ten times as many.
-// Not: a held-out timestep in closed form (evaluate_test.cpp). Source: failure modes A15, A16.
+// The same motion filmed with fewer frames and with ten times as many. Source: failure modes A15,
+// A16.
 #include <gtest/gtest.h>
 
 #include <cmath>

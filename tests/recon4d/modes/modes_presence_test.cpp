@@ -1,5 +1,5 @@
-// What: a thing that is there for a fifth of the clip, and one that is hidden for a while.
-// Not: what one camera never sees. Source: failure modes A7, A8.
+// An object that is visible for a fifth of the clip, and one that is hidden for a while. Source:
+// failure modes A7, A8.
 #include <gtest/gtest.h>
 
 #include <cmath>

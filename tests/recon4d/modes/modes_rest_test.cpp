@@ -1,5 +1,4 @@
-// What: a thing that moves, rests for most of the clip, and moves again.
-// Not: what never moves (slice_test.cpp). Source: failure mode A5.
+// An object that moves, rests for most of the clip, and moves again. Source: failure mode A5.
 #include <gtest/gtest.h>
 
 #include <algorithm>

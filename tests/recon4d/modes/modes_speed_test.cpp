@@ -1,5 +1,4 @@
-// What: how fast a thing may move and still be where it was filmed.
-// Not: timesteps between frames (evaluate_test.cpp, modes_frames_test.cpp). Source: failure mode
+// The highest speed at which an object is still reconstructed in its place. Source: failure mode
 // A4.
 #include <gtest/gtest.h>
 

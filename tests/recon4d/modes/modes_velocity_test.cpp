@@ -1,6 +1,5 @@
-// What: velocities of the sweep's points on solids that fly past a background and before each
-//       other.
-// Not: the search of one displacement (tests/ingest/cloud/point_velocities_test.cpp).
+// Velocities of the plane sweep's points on solids that pass before a background and before each
+// other.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// What: a wall without texture in all images, from first Gaussians anywhere and all dynamic.
-// Not: growth alone (train_density_modes_test.cpp). Source: failure mode C19.
+// A wall without texture in all images, from initial Gaussians at any place and all dynamic.
+// Source: failure mode C19.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Models with motion nodes in files, as slices and in another world: nothing of the motion is lost,
-// and what no node has is refused.
+// Models with motion nodes in files, as slices and in another world: the motion is kept exactly,
+// and invalid nodes are refused.
 #include <gtest/gtest.h>
 
 #include "ingest/files/atomic_file.h"

@@ -1,4 +1,4 @@
-// Where motion nodes come from and how they get more control points.
+// The initial motion nodes and the refinement of their control points.
 #include <gtest/gtest.h>
 
 #include "kernels/load_gaussian.h"

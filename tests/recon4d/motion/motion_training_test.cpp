@@ -1,5 +1,5 @@
-// Trainings in which motion nodes carry the scene: they see around a body that one travelling
-// camera filmed, resume bit by bit, and do nothing where nothing can move.
+// Trainings with motion nodes: they reconstruct a body around which one camera travels, resume bit
+// by bit, and have no effect on static scenes.
 #include <gtest/gtest.h>
 
 #include "tests/support/resume.h"

@@ -1,5 +1,5 @@
-// What decides between motion nodes and dynamic Gaussians: scenes of which it is known who explains
-// them, scenes without a trial, and a stop.
+// The choice between motion nodes and dynamic Gaussians: scenes with a known answer, scenes without
+// a trial, and a stop.
 #include <gtest/gtest.h>
 
 #include "recon4d/training/motion_trial.h"

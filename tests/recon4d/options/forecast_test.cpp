@@ -1,5 +1,5 @@
-// What: forecasts of memory and time in 64 bits.
-// Not: their truth, which only trainings show (research/results_history.md).
+// Forecasts of memory and time in 64 bits. Their accuracy was measured on trainings
+// (research/results_history.md).
 #include "recon4d/options/forecast.h"
 #include "recon4d/options/presets.h"
 

@@ -1,4 +1,4 @@
-// What presets use for several cameras that film at the same time, and for one that films alone.
+// The values of presets for several cameras that film at the same time and for a single camera.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,5 @@
-// What: the rows of the ablation table: each is known, each changes an option, a technique taken
-//       out of full or added to basis differs from it in what its name says.
-// Not: what the techniques do.
+// The rows of the ablation table: each is known and changes an option, and a technique removed from
+// full or added to basis changes the options of its name.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

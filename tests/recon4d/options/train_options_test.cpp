@@ -1,5 +1,4 @@
-// What: the option table: setting by JSON and by text, messages, round trip, presets.
-// Not: what options do to a training (train_switches_test.cpp).
+// The option table: setting by JSON and by text, messages, round trip, presets.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

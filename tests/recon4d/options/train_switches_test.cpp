@@ -1,6 +1,5 @@
-// What: no dead switch: for every row of the option table, another legal value trains another
-//       model. A row without an entry below fails.
-// Not: what a switch does; that is the subject of the other tests.
+// Every row of the option table has an effect: another legal value trains another model. A row
+// without an entry below fails.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

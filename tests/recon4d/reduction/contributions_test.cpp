@@ -1,9 +1,8 @@
-// What: what each Gaussian contributes over all views and timesteps: sums of light, removal and
-// cuts
-//       against models that really are without, the change of what is left in closed form; and
-//       which frames are looked at.
-// Not: the sums of a splat over its pixels (tests/kernels/backend/backend_sensitivity_test.cpp).
-// Source: failure modes, "Modelling no more than a scene needs".
+// The contribution of each Gaussian over all views and timesteps: sums of blending weights, removal
+// and SH cuts against models without it, the change of the remaining model in closed form, and the
+// frames that are used. Sums over the pixels of a splat are tested in
+// tests/kernels/backend/backend_sensitivity_test.cpp. Source: failure modes, "Modelling no more
+// than a scene needs".
 #include "recon4d/reduction/contributions.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Steps of decisions as they follow from the options, and what is due at each of them. That a
-// training decides there is tested in model_reduction_test.cpp.
+// The steps of decisions, derived from the options, and the decisions due at each of them. Their
+// use in a training is tested in model_reduction_test.cpp.
 #include "recon4d/reduction/decision_schedule.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,6 @@
-// What: where dynamic Gaussians are born: never of noise alone, and where a colour changes, at the
-//       timestep and with the colour of the change.
-// Not: when (model_reduction_test.cpp). Source: failure modes, "Modelling no more than a scene
-// needs".
+// Promotion to dynamic Gaussians: none from noise alone, and where a colour changes, one at the
+// timestep and with the colour of the change. Source: failure modes, "Modelling no more than a
+// scene needs".
 #include "recon4d/reduction/dynamic_promotion.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Prices of motion, verdicts on trials of demotion and choices of promotion, of numbers that are
-// known. What is measured is tested in static_demotion_test.cpp and dynamic_promotion_test.cpp.
+// Prices of motion, results of demotion trials and choices of promotion, from known numbers. The
+// measurements are tested in static_demotion_test.cpp and dynamic_promotion_test.cpp.
 #include "recon4d/reduction/motion_choice.h"
 
 #include <gtest/gtest.h>

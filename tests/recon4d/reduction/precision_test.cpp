@@ -1,5 +1,4 @@
-// What: what a decision by half of the frames costs, by hand, and when a pass ends.
-// Not: what the errors are (contributions_test.cpp).
+// The error of a decision from half of the frames, computed by hand, and the end of a pass.
 #include "recon4d/reduction/contributions.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
-// Goals of pruning for each kind of request, cuts on the way there, and the SH degrees that remain,
-// of numbers that are known. The order of removal is tested in pruning_test.cpp.
-// Source: failure mode C13.
+// Targets of pruning for each kind of request, intermediate cuts, and the remaining SH degrees,
+// from known numbers. The order of removal is tested in pruning_test.cpp. Source: failure mode C13.
 #include "recon4d/reduction/pruning_choice.h"
 
 #include <gtest/gtest.h>

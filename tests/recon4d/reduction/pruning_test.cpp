@@ -1,5 +1,6 @@
-// The order in which Gaussians go, exact counts of those that are left, and the knee of curves that
-// are known. What a removal costs is tested in contributions_test.cpp. Source: failure mode C13.
+// The order in which Gaussians are pruned, exact counts of the remaining ones, and the knee of
+// known curves. The cost of a removal is tested in contributions_test.cpp. Source: failure mode
+// C13.
 #include "recon4d/reduction/pruning.h"
 
 #include <gtest/gtest.h>

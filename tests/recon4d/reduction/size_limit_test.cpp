@@ -1,6 +1,5 @@
-// What: the exact size of what is shipped: counts, bytes, decibels; and what no training frame
-//       sees.
-// Not: thinning during training (model_reduction_test.cpp). Source: failure modes C12, C13.
+// The exact size of the final model by count, bytes and decibels, and Gaussians that no training
+// frame sees. Source: failure modes C12, C13.
 #include "recon4d/reduction/size_limit.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,6 @@
-// What: dynamic Gaussians that may be static, tried on scenes where it is known which may; and the
-//       static form, held against the slice that it stands for.
-// Not: when it is tried (model_reduction_test.cpp).
-// Source: failure modes, "Modelling no more than a scene needs".
+// Demotion of dynamic Gaussians to static ones on scenes with a known answer, and the static form
+// against the slice that it replaces. Source: failure modes, "Modelling no more than a scene
+// needs".
 #include "recon4d/reduction/static_demotion.h"
 
 #include <gtest/gtest.h>

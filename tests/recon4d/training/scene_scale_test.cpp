@@ -1,5 +1,4 @@
-// What: smaller images of a scene: means of areas, cameras that see the same, masks.
-// Not: the program's --scales (tests/tools/commands/cli_scales_test.cpp).
+// Smaller images of a scene: means of areas, cameras with the same field of view, masks.
 #include "recon4d/training/scene_scale.h"
 
 #include <gtest/gtest.h>

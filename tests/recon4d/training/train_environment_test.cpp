@@ -1,7 +1,6 @@
-// What: an environment learnt in a training: the sky behind Gaussians found, kept by checkpoints
-// and
-//       models, turned with the world, refused where the background is known.
-// Not: its gradient (tests/kernels/environment_test.cpp). Source: method D.8.
+// An environment learnt in a training: the sky behind Gaussians is recovered, kept by checkpoints
+// and models, rotated with the world, and refused where the background is known. Source: method
+// D.8.
 #include <gtest/gtest.h>
 
 #include "kernels/base/errors.h"

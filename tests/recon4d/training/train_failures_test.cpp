@@ -1,6 +1,5 @@
-// What: trainings that go wrong or have next to nothing to do: NaN, zero Gaussians, an interrupt,
-//       limits.
-// Not: files that are damaged (train_checkpoint_test.cpp). Source: failure modes C1, C13, C20.
+// Trainings that fail or are nearly empty: NaN, zero Gaussians, an interrupt, limits. Source:
+// failure modes C1, C13, C20.
 #include <gtest/gtest.h>
 
 #include <cmath>

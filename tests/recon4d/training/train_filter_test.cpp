@@ -1,7 +1,5 @@
-// What: the 3D filter in a training: its sizes travel with the set and through checkpoints, models
-//       that leave the trainer have it baked in, scales are kept above it.
-// Not: its arithmetic (tests/kernels/filter_test.cpp) or when it is measured
-//      (train_schedule_test.cpp).
+// The 3D filter in a training: its sizes follow the set and are kept by checkpoints, exported
+// models include it in their scales, and scales stay above it.
 #include <gtest/gtest.h>
 
 #include <cmath>

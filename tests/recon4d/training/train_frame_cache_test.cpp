@@ -1,5 +1,5 @@
-// What: the frame feed: frames of the host as they are, all at once, or by a ring ahead of steps.
-// Not: training with it (train_separate_test.cpp).
+// The supply of frames to a training: from host memory, all at once, or by a ring buffer ahead of
+// the steps.
 #include <gtest/gtest.h>
 
 #include "kernels/base/errors.h"

@@ -1,6 +1,5 @@
-// What: the first Gaussians: scales from neighbours, attributes, shares of the sets, carving,
-//       and the small cases.
-// Not: how a point cloud is read. Source: method A.2, D.4.
+// The initial Gaussians: scales from neighbours, attributes, shares of the sets, carving, and small
+// clouds. Source: method A.2, D.4.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,4 @@
-// What: the training loop as a whole: it learns, and the same inputs give the same bytes.
-// Not: single rules of it (train_schedule_test.cpp, train_density_test.cpp).
+// The training loop as a whole: the loss falls, and equal inputs give equal bytes.
 #include <gtest/gtest.h>
 #include <bit>
 

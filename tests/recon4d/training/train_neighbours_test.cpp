@@ -1,5 +1,4 @@
-// What: neighbour distances against all pairs.
-// Not: what is made of them (train_initialise_test.cpp).
+// Neighbour distances against all pairs.
 #include <gtest/gtest.h>
 
 #include "recon4d/training/nearest_points.h"

@@ -1,5 +1,4 @@
-// What: an object that few of very many views see keeps its opacity under the regularisers of MCMC.
-// Not: the gradients of the regularisers (tests/kernels/regulariser_test.cpp).
+// An object that few of very many views see keeps its opacity under the regularisers of MCMC.
 // Source: failure mode F16 (gsplat #542, #778).
 #include <gtest/gtest.h>
 

@@ -1,6 +1,5 @@
-// What: when steps are reported: late enough not to wait for the backend, early enough to stand
-//       before what came after, and all of them before run() returns.
-// Not: what a report says (train_failures_test.cpp).
+// The time of step reports: late enough not to wait for the backend, in the order of events, and
+// all before run() returns.
 #include <gtest/gtest.h>
 
 #include <algorithm>

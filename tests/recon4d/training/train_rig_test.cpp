@@ -1,5 +1,5 @@
-// What: scene extent, focus and view of a camera rig, and the rigs that tell nothing.
-// Not: initial points (train_initialise_test.cpp). Source: method A.2; failure mode B13.
+// Scene extent, focus and view of a camera rig, and degenerate rigs. Source: method A.2; failure
+// mode B13.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,5 @@
-// What: when events happen and how large steps are, against the numbers of the method; the order
-//       in which frames are drawn.
-// Not: what the events do. Source: method A.3, A.4, D.5, D.6.
+// The steps of events and the learning rates against the numbers of the method, and the order in
+// which frames are drawn. Source: method A.3, A.4, D.5, D.6.
 #include <gtest/gtest.h>
 
 #include <algorithm>

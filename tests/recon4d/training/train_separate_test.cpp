@@ -1,6 +1,5 @@
-// What: training and rendering on a backend whose memory is not the host's: nothing of it is
-//       touched from outside, and the bytes are those of the CPU.
-// Not: a device (tests/kernels has those); the feed alone is train_frame_cache_test.cpp's subject.
+// Training and rendering on a backend with separate memory: nothing accesses it from outside, and
+// the bytes equal those of the CPU.
 #include <gtest/gtest.h>
 
 #include <cmath>

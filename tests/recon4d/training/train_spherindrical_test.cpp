@@ -1,6 +1,5 @@
-// What: trainings of colours that follow time: a known answer, when levels become active, resumed
-//       checkpoints.
-// Not: gradients (tests/kernels), nor how models of them are stored (spherindrical_model_test.cpp).
+// Trainings of time-varying colours: a known answer, the steps at which levels become active, and
+// resumed checkpoints.
 #include <gtest/gtest.h>
 
 #include <cmath>

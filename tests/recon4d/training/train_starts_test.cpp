@@ -1,6 +1,5 @@
-// What: trainings that start poorly: from the first moment's points, from none, with few cameras.
-// Not: what the first Gaussians are (train_initialise_test.cpp).
-// Source: failure modes B11, B12.
+// Trainings with a poor start: from the points of the first timestep, without points, with few
+// cameras. Source: failure modes B11, B12.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,5 @@
-// What: validation frames, the best model by their score, the end that they decide;
-//       and that none of it reads the held-out splits.
-// Not: the run folder of a training (tests/tools). Source: failure modes A10, D4, E5.
+// Validation frames, the best model by their score, and the early stop that they decide; the
+// held-out splits are not read. Source: failure modes A10, D4, E5.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
-// What: failure modes E1 to E4, E6 and E7 of every format that is written: what a player of the
-//       files sees, what a second export is, what is never written, names, interrupted writes.
-// Not: quanta of single numbers (splat_files_test.cpp, tessera4d_test.cpp); E5 is train_checkpoint.
+// Failure modes of every format that is written: the values that a player reads, a second export,
+// values that are never written, names, and interrupted writes. Source: failure modes E1, E2, E3,
+// E4, E6, E7.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>

@@ -1,5 +1,4 @@
-// What: a model's file and copies of it in which one text is replaced by another.
-// Not: what a reader says of them.
+// A model's file, and copies of it in which one text is replaced by another.
 #pragma once
 #include "recon4d/model/model_file.h"
 #include "tests/ingest/layouts/capture_fixture.h"

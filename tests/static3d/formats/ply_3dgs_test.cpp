@@ -1,5 +1,5 @@
-// What: 3DGS .ply: other people's files in, ours out; compressed .ply in.
-// Not: sequences (sequence_test.cpp). Failure modes C1, C5, E2.
+// The 3DGS .ply format: third-party files are read, written files are read back, and compressed
+// .ply is read. Source: failure modes C1, C5, E2.
 #include "static3d/formats/splat_file.h"
 
 #include <fmt/format.h>

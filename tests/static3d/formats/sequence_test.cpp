@@ -1,5 +1,5 @@
-// What: the numbered sequence: names, validity, manifest, and that its frames render as the model.
-// Not: the slice (slice_test.cpp). Failure modes E1, E3, E4, E7.
+// The numbered sequence: names, validity, manifest, and frames that render as the model does.
+// Source: failure modes E1, E3, E4, E7.
 #include "static3d/formats/frame_sequence.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
-// What: compressed .ply, .spz and .splat: ours read back within their quanta, other people's files,
-//       broken ones.
-// Not: 3DGS .ply (ply_3dgs_test.cpp). Failure modes E2, E6.
+// Compressed .ply, .spz and .splat: written files are read back within their quanta, third-party
+// files are read, broken ones are refused. Source: failure modes E2, E6.
 #include "static3d/formats/splat_file.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// What: .splatv: what players compute from its words at a timestep is what the model shows there.
-// Not: images in players (tests/browser). Source: formats 2: the layout and the player's shader.
+// The .splatv format: the values that players compute from its words at a timestep are those of the
+// model. Source: formats 2: the layout and the player's shader.
 #include "static3d/formats/splatv.h"
 
 #include <gtest/gtest.h>

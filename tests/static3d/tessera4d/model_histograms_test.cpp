@@ -1,5 +1,4 @@
-// What: counts by SH degree and by temporal extent.
-// Not: bytes (size_breakdown_test.cpp).
+// Counts by SH degree and by temporal extent.
 #include "static3d/tessera4d/model_histograms.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,5 @@
-// What: the accounts of a model: every byte of memory and of the shipped file in one component.
-// Not: the file (tessera4d_test.cpp) or the commands that print accounts
-// (cli_size_breakdown_test.cpp).
+// The size breakdown of a model: every byte of memory and of the exported file belongs to one
+// component.
 #include "static3d/tessera4d/size_breakdown.h"
 
 #include <gtest/gtest.h>

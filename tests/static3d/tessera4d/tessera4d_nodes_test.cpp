@@ -1,5 +1,5 @@
-// Motion nodes in the Tessera 4D file: what is drawn stays what it was, lossless files lose
-// nothing, and what no node has is refused.
+// Motion nodes in the Tessera 4D file: rendered images are unchanged, lossless files are exact, and
+// invalid nodes are refused.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

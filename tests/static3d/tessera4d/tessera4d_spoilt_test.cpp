@@ -1,5 +1,5 @@
-// What: Tessera 4D files that are cut, damaged, hostile or of the future: one line, exit code 2.
-// Not: files as they should be (tessera4d_test.cpp).
+// Tessera 4D files that are cut, damaged, hostile or of a later version are refused with one line
+// and exit code 2.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,6 @@
-// What: the Tessera 4D file: bit-equal without loss, within its stated steps with it, every
-//       Gaussian in the blocks of the timesteps at which it is drawn.
-// Not: hostile files (tessera4d_spoilt_test.cpp) or players.
-// Source: docs/reference/tessera4d.md; failure modes E1, E2, E3.
+// The Tessera 4D file: bit-equal when lossless, within its stated steps when lossy, and every
+// Gaussian is in the blocks of the timesteps at which it is rendered. Source:
+// docs/reference/tessera4d.md; failure modes E1, E2, E3.
 #include "static3d/tessera4d/tessera4d.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,5 @@
-// What: pair and velocity are one family: converted sets render as before; files, worlds, slices
-// and
-//       checkpoints of velocity sets.
-// Not: the gradients (tests/kernels/gradient_test.cpp) or the training of either.
+// The pair and velocity forms describe the same family of Gaussians: converted sets render as
+// before. Files, worlds, slices and checkpoints of velocity sets are tested too.
 #include "static3d/transform/motion_form.h"
 
 #include "recon4d/model/checkpoint.h"

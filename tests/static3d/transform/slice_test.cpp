@@ -1,5 +1,5 @@
-// What: 4D → 3D at a timestep and back against the renderer itself; eigen-decomposition.
-// Not: the slice's formula (tests/kernels). Failure modes A6, B13, C14, C15, E1.
+// Slices of a 4D model at a timestep as 3D models, and back, against the renderer;
+// eigendecomposition. Source: failure modes A6, B13, C14, C15, E1.
 #include "kernels/math/eigen3.h"
 #include "kernels/math/rotation3.h"
 #include "static3d/transform/slicer.h"

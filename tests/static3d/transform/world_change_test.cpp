@@ -1,6 +1,6 @@
-// What: models moved to another world draw as before from moved cameras; SH turned exactly; files
-//       carry the world.
-// Not: how the world is chosen (tests/ingest/poses/world_normalisation_test.cpp).
+// Models moved to another world render as before from moved cameras, SH is rotated exactly, and
+// files keep the world. The choice of the world is tested in
+// tests/ingest/poses/world_normalisation_test.cpp.
 #include <nlohmann/json.hpp>
 
 #include "kernels/math/environment.h"
