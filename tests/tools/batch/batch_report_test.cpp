@@ -1,5 +1,5 @@
-// The folder of a batch → its report and page: medians, failures, missing pieces, escaping. Images
-// are in cli_report_test.cpp.
+// The report and page made from the folder of a batch: medians, failures, missing parts, escaping.
+// Images are tested in cli_report_test.cpp.
 #include "tools/batch/batch_report.h"
 
 #include <gtest/gtest.h>

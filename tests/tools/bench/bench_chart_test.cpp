@@ -1,5 +1,5 @@
-// Charts of benchmarks: which points, lines and labels they hold, and at which places; published
-// figures and how their file is checked.
+// Charts of benchmarks: their points, lines and labels and the positions of these; published
+// figures and the checks of their file.
 #include <gtest/gtest.h>
 
 #include <algorithm>

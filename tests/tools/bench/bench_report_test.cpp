@@ -1,5 +1,4 @@
-// What: results of runs → points, CSV and tables; which records of a run are believed.
-// Not: running runs (cli_chart_test.cpp).
+// Results of runs as points, CSV and tables, and the records of a run that are accepted.
 #include "tools/bench/report.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// What: median and spread, frontier and knee on points with known answers.
-// Not: where points come from.
+// Median and spread, Pareto front and knee on points with known answers.
 #include "tools/bench/report.h"
 
 #include <gtest/gtest.h>

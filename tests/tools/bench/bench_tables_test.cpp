@@ -1,5 +1,4 @@
-// What: the rows of the paper's tables: every option is known, rows differ, columns are measured.
-// Not: what a row shows.
+// The rows of the paper's tables: every option is known, rows differ, and columns are measured.
 #include "tools/bench/tables.h"
 
 #include <gtest/gtest.h>

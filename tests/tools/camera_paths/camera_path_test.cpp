@@ -1,5 +1,4 @@
-// What: the paths of a camera: closed forms of circle, spiral and spline, in a turned world.
-// Not: files and timesteps (cli_path_test.cpp).
+// Camera paths: closed forms of circle, spiral and spline, in a rotated world.
 #include "tools/camera_paths/camera_path.h"
 
 #include <gtest/gtest.h>

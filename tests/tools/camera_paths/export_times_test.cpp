@@ -1,5 +1,4 @@
-// What: the timesteps of an export: closed forms of each option, and what is refused.
-// Not: the export (tests/static3d/formats/sequence_test.cpp).
+// The timesteps of an export: closed forms of each option, and invalid options.
 #include "tools/camera_paths/export_times.h"
 
 #include <gtest/gtest.h>

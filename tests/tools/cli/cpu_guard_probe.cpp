@@ -1,6 +1,5 @@
-// What: a program that was compiled for every feature in the list, which no CPU has together (AMD
-// dropped xop before it had avx512f). It reports when anything of its own runs.
-// Not: a test (cpu_guard_test.cpp).
+// A program compiled for every feature in the list, which no CPU supports together (AMD removed xop
+// before it had avx512f). It reports when any of its code runs. See cpu_guard_test.cpp.
 #include <cstdio>
 
 #include "kernels/base/cpu_features.h"

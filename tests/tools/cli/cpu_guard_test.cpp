@@ -1,5 +1,5 @@
-// What: a program on another CPU than it was compiled for: the message, and when it comes.
-// Not: which instructions a compiler uses.
+// A program on another CPU than it was compiled for: the message, and the time at which it is
+// printed.
 #include <gtest/gtest.h>
 
 #include <algorithm>

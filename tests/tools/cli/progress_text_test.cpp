@@ -1,6 +1,5 @@
-// What: Counts, share and time left of a stage of known and of unknown length, and the bar made of
-// them.
-// Not: what is drawn on a terminal, and when (terminal_test.cpp).
+// Counts, share and time left of a stage of known and of unknown length, and the progress bar made
+// from them.
 #include "tools/cli/terminal.h"
 
 #include <gtest/gtest.h>

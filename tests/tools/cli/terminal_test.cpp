@@ -1,5 +1,4 @@
-// What: What messages and bars write to a terminal: a pseudo-terminal stands for stderr.
-// Not: the text of a bar (progress_text_test.cpp).
+// The bytes that messages and progress bars write to a terminal, with a pseudo-terminal as stderr.
 #include "tools/cli/terminal.h"
 
 #include <fcntl.h>

@@ -1,5 +1,5 @@
-// What: fork, exec and wait; output goes to files, so that nothing can block on a pipe.
-// Not: portable beyond POSIX.
+// Child processes by fork, exec and wait (POSIX). Output is written to files, so that no pipe can
+// block.
 #include "tests/tools/commands/child_process.h"
 
 #include <fcntl.h>

@@ -1,5 +1,5 @@
-// What: the built `tessera` program run as a child: arguments in; exit code, stdout and stderr out.
-// Not: a shell; arguments go to the program as they are.
+// Runs the built `tessera` program as a child process with arguments and returns exit code, stdout
+// and stderr. No shell is involved.
 #pragma once
 #include <sys/types.h>
 

@@ -1,5 +1,5 @@
-// What: --ablation at the command line: over the preset, under what is typed.
-// Not: the rows (tests/recon4d/options/train_ablations_test.cpp).
+// The option --ablation on the command line: it overrides the preset, and explicit options override
+// it.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

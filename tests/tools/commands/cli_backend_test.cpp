@@ -1,5 +1,5 @@
-// What: --backend and --gpu: what is refused in words, what --json tells of the choice.
-// Not: the cases of a machine (device_choice_test.cpp).
+// The options --backend and --gpu: messages for refused values, and the choice reported by --json.
+// The cases of a machine are tested in device_choice_test.cpp.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

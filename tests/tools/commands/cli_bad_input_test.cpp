@@ -1,5 +1,4 @@
-// What: what a person gets for input that cannot work: exit code 2 and one line with the remedy.
-// Not: the readers' own tests (tests/ingest); here the whole program is asked.
+// Invalid input to the whole program gives exit code 2 and one line with the remedy.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,5 @@
-// What: files that are no models, cut off, of the future or hostile, given to the program: exit
-// code
-//       2, one line that names the file and says what to do, and nothing written.
-// Not: every damage of each format (tests/recon4d, scripts/fuzz.sh).
+// Files that are no models, cut off, of a later version or hostile, given to the program: exit code
+// 2, one line with the file and the remedy, and nothing is written.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

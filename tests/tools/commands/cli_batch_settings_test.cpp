@@ -1,5 +1,4 @@
-// What: what `tessera batch` writes into batch.yaml for captures of several kinds.
-// Not: the workflow (tools/batch/test).
+// The settings that `tessera batch` writes into batch.yaml for captures of several kinds.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

@@ -1,6 +1,5 @@
-// What: `tessera ingest` on a folder of captures: bad ones in every position, odd names, what is
-//       done already; `tessera run` there.
-// Not: the readers of captures (tests/ingest).
+// `tessera ingest` and `tessera run` on a folder of captures: invalid captures in every position,
+// unusual names, and captures that are already done.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
-// What: `tessera bench`: the keys of its JSON, the load it makes, what it refuses.
-// Not: any time; those are a machine's.
+// `tessera bench`: the keys of its JSON, the load it makes, and invalid options. Times are not
+// tested.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-// What: `tessera bench --chart`, `--curve` and `--table` on a tiny capture: what they write, what
-//       they do not do twice, what they make of failures.
-// Not: quality or time; the capture has 32 × 32 pixels and trainings have a few steps.
+// `tessera bench --chart`, `--curve` and `--table` on a tiny capture: their output, the reuse of
+// finished runs, and failed runs.
 #include <gtest/gtest.h>
 
 #include <algorithm>

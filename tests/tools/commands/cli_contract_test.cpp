@@ -1,7 +1,5 @@
-// What: the size that is asked for on the command line is the size that is shipped: Gaussians,
-//       bytes, decibels.
-// Not: how it is met (tests/recon4d/reduction/size_limit_test.cpp, model_reduction_test.cpp).
-// Source: failure mode C13.
+// The size requested on the command line (Gaussians, bytes, decibels) is the size of the exported
+// model. Source: failure mode C13.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,4 @@
-// What: `tessera doctor` as a program: exit codes, one JSON object, nothing left behind.
-// Not: the checks (tests/ingest).
+// `tessera doctor` as a program: exit codes, one JSON object, and no remaining files.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

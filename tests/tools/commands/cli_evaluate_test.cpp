@@ -1,6 +1,5 @@
-// What: `tessera evaluate` beyond one model's PSNR and SSIM: several runs, LPIPS, frames per
-// second. Not: the metrics (tests/recon4d), nor the network's runner (lpips_test.cpp). Source:
-// failure modes D1, D8.
+// `tessera evaluate` beyond one model's PSNR and SSIM: several runs, LPIPS, frames per second.
+// Source: failure modes D1, D8.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// What: gains of the training images as the program learns them: options, file, resume.
-// Not: what is learnt (tests/recon4d/model/train_exposure_test.cpp). Source: B10.
+// Gains of the training images learnt by the program: options, file, resume. Source: failure mode
+// B10.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,8 +1,6 @@
-// What: every command on a disk that fills up, after each of several amounts of room: exit code 1,
-//       one line that names a file, the reason and the remedy; the output of before is there, byte
-//       for byte; with room the same command gives what it gives elsewhere.
-// Not: each writer's own errors (tests/ingest), and no network file system.
-// Source: failure mode F17.
+// Every command on a disk that becomes full after each of several amounts: exit code 1, one line
+// with a file, the reason and the remedy, and the previous output unchanged byte for byte. With
+// enough space the same command gives the usual result. Source: failure mode F17.
 #include <gtest/gtest.h>
 
 #include <map>

@@ -1,6 +1,5 @@
-// What: images and files that `render` and `export` leave: they agree with each other, and older
-//       results make room.
-// Not: the renderer's numbers (tests/kernels) or the export's (tests/recon4d).
+// Images and files written by `render` and `export`: they agree with each other and replace older
+// results.
 #include <gtest/gtest.h>
 
 #include <cmath>

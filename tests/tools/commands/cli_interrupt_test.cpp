@@ -1,6 +1,5 @@
-// What: Ctrl-C during render, export and synth: exit code 130, whole files only, and the same
-//       command works afterwards.
-// Not: training (cli_resume_test.cpp).
+// Ctrl-C during render, export and synth: exit code 130, complete files only, and the same command
+// succeeds afterwards. Training is tested in cli_resume_test.cpp.
 #include <gtest/gtest.h>
 
 #include <csignal>

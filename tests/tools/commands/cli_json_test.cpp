@@ -1,5 +1,4 @@
-// What: --json: one JSON object on stdout with the keys that other programs rely on.
-// Not: the values, which the libraries' tests check.
+// The option --json: one JSON object on stdout with the keys that other programs use.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,5 @@
-// What: the masks of `synth patch`, the images of `render --dynamic-share` and the numbers of
-//       `evaluate --moving-masks` fit each other.
-// Not: how good a training is.
+// The masks of `synth patch`, the images of `render --dynamic-share` and the numbers of `evaluate
+// --moving-masks` agree.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
-// What: a video in which nothing moves needs nothing dynamic: against the same training that is
-//       told so; with sensor noise, and with an exposure that changes from frame to frame, too.
-// Not: what moves (cli_moving_test.cpp). Source: failure mode A6.
+// A video without motion gives a model without dynamic Gaussians, against the same training with
+// this stated; also with sensor noise and with an exposure that changes from frame to frame.
+// Source: failure mode A6.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,7 +1,5 @@
-// What: no command writes into what it reads, whatever the name of the place is, and nothing that
-//       took hours is replaced without --overwrite; a refusal leaves nothing behind.
-// Not: how files are replaced (cli_full_disk_test.cpp).
-// Source: failure mode F18.
+// No command writes into its input, whatever the path is, and no result of hours is replaced
+// without --overwrite; a refusal leaves no files. Source: failure mode F18.
 #include <gtest/gtest.h>
 
 #include <map>

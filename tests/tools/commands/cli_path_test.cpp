@@ -1,6 +1,5 @@
-// What: `tessera render --path`: images and the video of them, which is decoded again; timesteps;
-//       what is refused.
-// Not: the curves (camera_path_test.cpp).
+// `tessera render --path`: images and their video, which is decoded again; timesteps; and invalid
+// options.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,4 @@
-// What: what a preset means for a moving and for a still scene.
-// Not: the rows (tests/recon4d/options/train_options_test.cpp).
+// The values of a preset for a dynamic and for a static scene.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

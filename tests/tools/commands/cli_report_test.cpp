@@ -1,6 +1,6 @@
-// What: `tessera report` on runs that were trained: charts, held-out views beside the truth, drawn
-//       once; files beside the page; the report of one run.
-// Not: what the pages say (batch_report_test.cpp, report_page_test.cpp).
+// `tessera report` on trained runs: charts, held-out views beside the truth, rendered once; files
+// beside the page; the report of one run. The text of pages is tested in batch_report_test.cpp and
+// report_page_test.cpp.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

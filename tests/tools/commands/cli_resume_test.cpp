@@ -1,7 +1,5 @@
-// What: a training that stops for whatever reason goes on as if it had not: by plan, by Ctrl-C, by
-//       SIGKILL while saving, by a full disk.
-// Not: the bytes of the checkpoint (tests/recon4d).
-// Source: failure modes E5, E6.
+// A training that was stopped (as planned, by Ctrl-C, by SIGKILL while saving, by a full disk)
+// resumes with the result of one that was not. Source: failure modes E5, E6.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>

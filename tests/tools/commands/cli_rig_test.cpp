@@ -1,5 +1,4 @@
-// What: rigs of videos through the whole program, where all layers share one address space.
-// Not: the converter alone (tests/ingest/layouts/rig_clips_test.cpp).
+// Rigs of videos through the whole program, where all layers share one address space.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,4 @@
-// What: `tessera run`: every stage once, again only what changed or is gone; what it prints.
-// Not: the stages (their own commands' tests).
+// `tessera run`: every stage once, only changed or missing stages again, and its output.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,5 +1,4 @@
-// What: training on smaller images, and scores at several sizes against truth of each.
-// Not: the averaging (tests/recon4d/training/scene_scale_test.cpp).
+// Training on smaller images, and scores at several sizes against the truth of each.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,5 @@
-// What: a scene is not replaced while a program reads it, nor read while one replaces it.
-// Not: two trainings in one run folder (cli_resume_test.cpp).
-// Source: failure mode F19.
+// A scene is not replaced while a program reads it and not read while one replaces it. Source:
+// failure mode F19.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>

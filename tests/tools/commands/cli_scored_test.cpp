@@ -1,5 +1,5 @@
-// What: `train` and `ingest` say what will be scored before a training begins, and do that.
-// Not: the scores.
+// `train` and `ingest` state which views will be scored before a training begins, and these views
+// are scored.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

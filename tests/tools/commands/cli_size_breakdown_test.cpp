@@ -1,6 +1,5 @@
-// What: bits by component and counts in `info` and `evaluate --json`: the same of a model, of the
-//       file that it would be, and of the file that it is.
-// Not: the sums (tests/static3d/tessera4d/size_breakdown_test.cpp).
+// Bits by component and counts in `info` and `evaluate --json` are equal for a model, for the file
+// it would give, and for the written file.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

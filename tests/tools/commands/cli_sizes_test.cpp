@@ -1,6 +1,5 @@
-// What: `tessera bench --sizes` on a tiny capture: budgets are shares of what the reference ended
-//       with; what it writes, does not do twice and makes of a reference that failed.
-// Not: quality; the capture has 32 × 32 pixels and trainings have a few steps.
+// `tessera bench --sizes` on a tiny capture: budgets are shares of the reference's final size; its
+// output, the reuse of finished runs, and a failed reference.
 #include <gtest/gtest.h>
 
 #include <algorithm>

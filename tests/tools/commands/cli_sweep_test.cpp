@@ -1,5 +1,4 @@
-// What: `train` on a scene without a cloud: the sweep before it, and the switch of the sweep.
-// Not: the points it finds (tests/ingest/cloud/dense_cloud_test.cpp).
+// `train` on a scene without a cloud: the plane sweep before it, and the option that turns it off.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

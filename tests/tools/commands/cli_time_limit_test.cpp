@@ -1,6 +1,6 @@
-// What: a training that is taken off its machine, by a limit or by a scheduler's signal, leaves
-//       with exit code 75 and goes on as if it had not; two trainings never share a run folder.
-// Not: Ctrl-C and full disks (cli_resume_test.cpp), nor the plan of a limit (time_limit_test.cpp).
+// A training that is stopped by a time limit or by a scheduler's signal ends with exit code 75 and
+// resumes with the same result; two trainings never share a run folder. The plan of a limit is
+// tested in time_limit_test.cpp.
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -1,6 +1,5 @@
-// What: command lines that cannot work: names that do not exist, values that cannot be read, a file
-//       in place of a folder; and what explains the program: help, version.
-// Not: files that are broken (cli_bad_input_test.cpp).
+// Invalid command lines (unknown names, values that cannot be read, a file in place of a folder),
+// help and version.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,7 +1,6 @@
-// What: a training that chooses its model by validation frames, as the program does it: what it
-//       ships, what it says, what it does not read, and how it goes on after a stop.
-// Not: the rule itself (tests/recon4d/training/train_validation_test.cpp).
-// Source: failure modes D4, D5, D7, E5.
+// A training of the program that selects its model by validation frames: the exported model, the
+// messages, the splits that are not read, and the resume after a stop. Source: failure modes D4,
+// D5, D7, E5.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
-// What: `tessera batch`: what it writes for its engine, how it calls it and what it makes of its
-//       end; a bad configuration is one line and exit code 2 before anything runs.
-// Not: the workflow (tools/batch/test): the engine here is a script that does as it is told.
+// `tessera batch`: the files for its engine, the call of the engine and the handling of its exit;
+// an invalid configuration gives one line and exit code 2 before anything runs. The engine is
+// replaced by a script.
 #include <gtest/gtest.h>
 
 #include <csignal>

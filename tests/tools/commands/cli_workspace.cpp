@@ -1,5 +1,4 @@
-// What: calls of the program and what every test expects of them.
-// Not: a test.
+// Calls of the program and the expectations that all tests share.
 #include "tests/tools/commands/cli_workspace.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// What: a scratch folder with a tiny made capture, and the program run in it.
-// Not: a test.
+// A scratch folder with a tiny synthetic capture, and the program run in it.
 #pragma once
 #include <functional>
 #include <map>

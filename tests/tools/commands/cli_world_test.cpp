@@ -1,5 +1,4 @@
-// What: a capture whose world is normalised: exports, camera files and scores through the program.
-// Not: the transformation of Gaussians (tests/static3d/transform/world_change_test.cpp).
+// A capture whose world is normalised: exports, camera files and scores through the program.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// A training that is watched: what it leaves in RUN/live, and that it is the same training.
-// Source: docs/reference/run-folder.md.
+// A training that is viewed while it runs: the files in RUN/live, and equality with a training that
+// is not viewed. Source: docs/reference/run-folder.md.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 

@@ -1,7 +1,5 @@
-// What: LPIPS by networks made here, whose answers are known, and files that are not what is asked
-//       for.
-// Not: the published network, whose weights are not ours.
-// Source: method 0.25; failure mode D1.
+// LPIPS by networks made here, with known answers, and invalid network files. The published network
+// is not used. Source: method 0.25; failure mode D1.
 #include "tools/lpips/lpips.h"
 #include "tests/support/random_image.h"
 

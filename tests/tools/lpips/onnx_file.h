@@ -1,7 +1,6 @@
-// What: tiny networks as ONNX files, written field by field: factor · mean |a − b| of two images,
-//       one that looks at places and colours, and files that differ from these in one thing.
-// Not: a writer of any other network.
-// Source: onnx.proto3, protocol buffers' wire format.
+// Tiny networks as ONNX files, written field by field: factor · mean |a − b| of two images, one
+// that depends on positions and colours, and files that differ from these in one field. Source:
+// onnx.proto3, protocol buffers' wire format.
 #pragma once
 #include <bit>
 #include <cstdint>

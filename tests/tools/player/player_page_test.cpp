@@ -1,5 +1,4 @@
-// What: the player's page as the program carries it: whole, one file, with one place for a scene.
-// Not: what it does in a browser (tests/browser/player.test.mjs).
+// The player's page in the program: complete, one file, with one place for a scene.
 #include "tools/player/player_page.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Help, reference pages, man pages and completion, as they are made from the option table.
+// Help, reference pages, man pages and completion made from the option table.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

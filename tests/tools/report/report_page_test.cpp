@@ -1,5 +1,4 @@
-// The page of a run from data that is written here: its sections, its size, and text that is no
-// markup.
+// The page of a run from data written here: its sections, its size, and escaped text.
 #include "tools/report/report_page.h"
 
 #include <gtest/gtest.h>

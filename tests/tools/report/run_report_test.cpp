@@ -1,5 +1,5 @@
-// The data of a run's report from records that are written here: curves, decisions in sentences,
-// scores, warnings, and records that are damaged or missing.
+// The data of a run's report from records written here: curves, decisions in sentences, scores,
+// warnings, and records that are damaged or missing.
 #include "tools/report/run_report.h"
 
 #include <gtest/gtest.h>

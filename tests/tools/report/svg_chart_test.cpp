@@ -1,4 +1,4 @@
-// Charts of reports: what a chart contains and where, and names that are no markup.
+// Charts of reports: the elements of a chart and their positions, and escaped names.
 #include "tools/report/svg_chart.h"
 
 #include <gtest/gtest.h>

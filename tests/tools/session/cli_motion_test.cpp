@@ -1,5 +1,5 @@
-// `train` decides between motion nodes and dynamic Gaussians where one camera films, says why, and
-// a training that is stopped before it knows decides when it is resumed.
+// `train` chooses between motion nodes and dynamic Gaussians for a single camera and states the
+// reason; a training that is stopped before the choice makes it after the resume.
 #include <gtest/gtest.h>
 
 #include <csignal>

@@ -1,4 +1,5 @@
-// `evaluate --boxes` with the boxes of a made rig, and files of boxes that do not fit the scene.
+// `evaluate --boxes` with the boxes of a synthetic rig, and files of boxes that do not fit the
+// scene.
 #include <gtest/gtest.h>
 
 #include <cmath>

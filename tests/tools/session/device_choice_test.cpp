@@ -1,5 +1,5 @@
-// What: every case of what a machine may have of CUDA: which backend, which words, which errors.
-// Not: the look at the machine (kernels/cuda/device_probe.cu, backend_device_test.cpp).
+// Every state of CUDA on a machine: the chosen backend, the messages and the errors. The probe is
+// tested in backend_device_test.cpp.
 #include "tools/session/device_choice.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// What: The scores of an evaluation in words.
-// Not: the scores themselves (tests/recon4d/evaluation).
+// The scores of an evaluation in words.
 #include "tools/session/held_out_scores.h"
 
 #include <gtest/gtest.h>

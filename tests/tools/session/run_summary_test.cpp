@@ -1,5 +1,4 @@
-// What: The text that a run ends with, also of builds that carry the player page.
-// Not: the run (cli_run_test.cpp).
+// The summary text of a run, also in builds that contain the player page.
 #include "tools/commands/run_summary.h"
 
 #include <gtest/gtest.h>

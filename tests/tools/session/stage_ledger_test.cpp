@@ -1,5 +1,4 @@
-// What: the stamps of a capture's files, by which a stage knows that its input has changed.
-// Not: the stages (cli_run_test.cpp).
+// The stamps of a capture's files, by which a stage detects that its input has changed.
 #include "tools/cli/stage_ledger.h"
 
 #include <gtest/gtest.h>

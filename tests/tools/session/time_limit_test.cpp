@@ -1,5 +1,4 @@
-// What: durations as typed, and how early a training leaves before its limit.
-// Not: a training that leaves (cli_time_limit_test.cpp).
+// Durations on the command line, and the time before its limit at which a training stops.
 #include "tools/session/time_limit.h"
 
 #include <gtest/gtest.h>

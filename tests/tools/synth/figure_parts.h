@@ -1,5 +1,5 @@
-// What: the parts of the figure by name, where their ends are, and the times at which it is
-// defined. Not: expectations.
+// The parts of the figure by name, the positions of their ends, and the times at which it is
+// defined.
 #pragma once
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// What: captures on disk: D-NeRF folders, truth, refusals, whole or not at all, bytes by seed.
-// Not: images themselves (synth_test.cpp) or video (synth_video_test.cpp).
+// Captures on disk: D-NeRF folders, truth, refusals, complete output or none, equal bytes for equal
+// seeds.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

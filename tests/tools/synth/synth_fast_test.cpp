@@ -1,5 +1,5 @@
-// The fast scene: how far its movers come from frame to frame, the boxes of what they cover, and
-// the light and the gains of cameras in the images and in ground_truth.json.
+// The fast scene: the distance that its objects move from frame to frame, the boxes around them,
+// and the light and the gains of cameras in the images and in ground_truth.json.
 #include <gtest/gtest.h>
 
 #include <algorithm>

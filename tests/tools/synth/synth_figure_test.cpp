@@ -1,6 +1,4 @@
-// What: the figure: closed joints, a body that moves as a whole within the image, its truth and
-//       its seed.
-// Not: joints and round cones themselves (synth_joint_test.cpp), the skirt (synth_skirt_test.cpp).
+// The figure: closed joints, a body that moves as a whole within the image, its truth and its seed.
 #include <gtest/gtest.h>
 
 #include <algorithm>

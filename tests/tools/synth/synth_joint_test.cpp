@@ -1,5 +1,4 @@
-// What: chains of joints: where they carry a solid, and round cones that end in them.
-// Not: a figure made of them (synth_figure_test.cpp).
+// Chains of joints: the poses of the solids they carry, and round cones that end in joints.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,6 +1,5 @@
-// What: the scene whose moving region covers a given share of the image, its masks, and which
-//       images of a capture have the exact exposure.
-// Not: the other scenes (synth_test.cpp), files in general (synth_capture_test.cpp).
+// The scene whose moving region covers a given share of the image, its masks, and the images of a
+// capture that have the exact exposure.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: the skirt of the figure: over the thighs at all times, and where rays meet it.
-// Not: the rest of the figure (synth_figure_test.cpp).
+// The skirt of the figure: it covers the thighs at all times, and its intersections with rays.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// What: the rendered image against its truth: cameras, masks, lifetimes, anti-aliasing, texture.
-// Not: files (synth_capture_test.cpp) or video (synth_video_test.cpp).
+// The rendered image against its truth: cameras, masks, temporal extents, anti-aliasing, texture.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-// What: the mp4 files decoded again (libav, by the file's own colour tags) against what was
-//       rendered; poses_bounds.npy against the rig.
-// Not: Tessera's own video reader, which is tested with ingest.
+// The mp4 files, decoded with libav and the file's colour tags, against the rendered images, and
+// poses_bounds.npy against the rig.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

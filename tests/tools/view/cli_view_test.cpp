@@ -1,4 +1,4 @@
-// `tessera view` as a program: what it prints, what it serves, how it ends, what it refuses.
+// `tessera view` as a program: its output, the files it serves, its end, and invalid arguments.
 #include <chrono>
 #include <csignal>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// A socket of a test to a server of this machine.
+// A socket of a test, connected to a server on this machine.
 #pragma once
 #include <arpa/inet.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Who may ask: tokens and cookies, names of the server, other pages, methods.
+// Access control of the server: tokens and cookies, names of the server, other pages, methods.
 #include "tests/tools/view/view_fixture.h"
 #include "tools/view/view_request.h"
 

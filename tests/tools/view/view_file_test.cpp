@@ -1,4 +1,4 @@
-// What is served: names of files, their kinds, links, and parts of files.
+// The files that are served: names, content types, links, and parts of files.
 #include <sys/stat.h>
 
 #include "tests/tools/view/view_fixture.h"

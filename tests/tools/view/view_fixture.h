@@ -1,4 +1,4 @@
-// A folder with a page, a scene and what must not be served, and requests for its files.
+// A folder with a page, a scene and files that must not be served, and requests for its files.
 #pragma once
 #include <fcntl.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Addresses of a training that is watched: who may ask, numbers in queries, the request to stop.
+// Addresses of a training in progress: access, numbers in queries, the request to stop.
 #include "tests/tools/view/view_fixture.h"
 
 namespace tessera::testing {

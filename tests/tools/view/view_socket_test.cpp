@@ -1,4 +1,4 @@
-// The server over a real socket: what arrives is what answer() decides, and limits hold.
+// The server over a real socket: responses equal those of answer(), and limits hold.
 #include <chrono>
 #include <cstdlib>
 #include <random>
