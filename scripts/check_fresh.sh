@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Runs the README's two commands on a bare system: a root folder made by debootstrap
-# (--variant=minbase), a clone of HEAD in it and nothing else of this machine but its names of hosts
-# and its certificates. Needs root, debootstrap and about 12 GB below build/fresh.
+# (--variant=minbase) with a clone of HEAD and, of this machine, only host names and certificates.
+# Needs root, debootstrap and about 12 GB below build/fresh.
 # Usage: check_fresh.sh [bookworm|trixie] [COMMAND]
 #   COMMAND  one shell command in the clone, in place of the two, such as 'CXX=clang++ scripts/test.sh'
-# Prints one line a command: exit code, seconds, installed packages; keeps the logs and
-# build/fresh/SUITE.json (version, commit, command, seconds, machine). Exit code 1 where one failed.
+# Prints one line per command: exit code, seconds, installed packages; keeps the logs and
+# build/fresh/SUITE.json (version, commit, command, seconds, machine). Exit code 1 where a command failed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 suite=${1:-bookworm}

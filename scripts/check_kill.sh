@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# Kills `tessera run` and `tessera batch` (with all they have started) by SIGKILL at random instants and
-# gives the same command again: the model must be that of a run that nobody disturbed, byte for byte,
-# and nothing that an older run has left in the folder may pass for a result of the new one, neither
-# right after the kill nor in the end.
+# Kills `tessera run` and `tessera batch` with their child processes by SIGKILL at random instants and
+# runs the same command again. The model must equal that of a run without kills byte for byte, and no
+# file of an older run may be taken for a result of the new one, neither right after the kill nor at
+# the end.
 # Usage: check_kill.sh [N]     N kills of each, default 20
-# TESSERA: the program (default: that of build/release, else of build/ci); SEED: of the instants (default: a new one, printed).
-# Exit code 1 where something differs; 77 without the program. Batches are left out without snakemake.
+# TESSERA: the program (default: that of build/release, else of build/ci)
+# SEED: seed of the instants (default: a new one, printed)
+# Exit code 1 where something differs; 77 without the program. Batches are skipped without snakemake.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 built=build/release/tessera

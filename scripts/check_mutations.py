@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What: puts known bugs (mutations.json) back into a copy of the source, one at a time; after each the
-tests that .ci/run runs must fail. Not: a search for bugs that nobody has thought of, and never an edit
-of the tree that it is called from.
+"""Puts known bugs (mutations.json) back into a copy of the source, one at a time; after each the tests
+that .ci/run runs must fail. The tree from which it is called is not changed.
 
-A row's own tests run first, alone; where they pass, everything is built and ctest runs, of which only
-counts what passes without a bug. Exit code 1: more than one row survives, or one does not compile.
+The tests named in a row run first, alone. Where they pass, everything is built and ctest runs; tests
+that fail without a bug are not counted. Exit code 1: more than one row survives, or one does not
+compile.
 """
 import argparse
 import contextlib

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Reads hostile files with every reader of other people's files, under libFuzzer and sanitizers.
-# Usage: fuzz.sh [executions of each reader, default 20000] [reader…]
-# Prints a line a reader; inputs that crash it stay in build/fuzz/crashes. Exit code 1 where there
-# is one. Executions are counted from the first inputs on, which our own writers make; with the same
-# seed and executions the inputs are the same (FUZZ_SEED, default 1).
+# Fuzzes every reader of third-party files under libFuzzer and sanitizers.
+# Usage: fuzz.sh [EXECUTIONS per reader, default 20000] [READER…]
+# Prints a line per reader and keeps inputs that crash it in build/fuzz/crashes, with exit code 1.
+# Executions include the seed inputs, which the project's writers make. Equal seeds (FUZZ_SEED, default
+# 1) and executions give equal inputs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """test_garden.npz (points, colours, three cameras of Mip-NeRF360 garden) -> prepared scene.
 
-The pictures are grey: the scene is a load for `tessera bench`, not something to reconstruct.
+The images are grey, because the scene is only a load for `tessera bench`.
 usage: garden_scene.py test_garden.npz OUT
 """
 import ast

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes the moving picture of a test camera: recorded images on the left, the reconstruction beside
-# them on the right, with labels.
+# Makes the animation of a test camera: recorded images on the left, the reconstruction on the right,
+# with labels.
 # Usage: make_picture.sh RUN SCENE OUT.webp [FRAMES_PER_SECOND]
 #   RUN: run folder or model; SCENE: its prepared scene, of which the first test camera is shown.
 set -euo pipefail

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""States what it costs a training to be watched.
+"""Measures the cost of viewing a training while it runs.
 
     measure_live_view.py SCENE [--tessera build/release/tessera] [--runs 5] [--out FILE.json]
                          [-- OPTION...]
 
-Trains in pairs, alone and watched: a `tessera view` beside it, of which every snapshot is taken as
-soon as it is there, as the page does. The browser itself is not part of it. Options after -- are
+Trains in pairs: alone, and with a `tessera view` from which every snapshot is fetched as soon as it
+exists, as the page does. No browser is involved. Options after -- are
 passed to every training. Prints the seconds of each and the medians; the models must be equal.
 """
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Trains scenes with presets and seeds and states where the seconds went.
+"""Trains scenes with presets and seeds and measures the time of each part.
 
     measure_training.py [--tessera build/release/tessera] [--seeds 3] [--jobs 1] [--split val]
                         [--boxes ground_truth.json] [--out FILE.jsonl]

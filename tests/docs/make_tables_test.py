@@ -1,5 +1,5 @@
-"""scripts/make_tables.py and scripts/measure_results.py on a small tree: what is right passes, and
-each planted mistake is reported in one line."""
+"""Tests of scripts/make_tables.py and scripts/measure_results.py on a small tree: correct files pass,
+and each planted mistake is reported in one line."""
 
 import json
 import pathlib
