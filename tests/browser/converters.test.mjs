@@ -14,7 +14,7 @@ const kSh0 = 0.28209479177387814;
 const kHalfByte = 0.5 / 255 + 1e-6;
 const kTenBits = 0.0025;  // four parts, the largest from three that are off by √½/1022
 
-/** The file of one exported moment. */
+/** The file of one exported timestep. */
 function exported(model, format, extension, ...more) {
   const out = join(folder, `${format}${more.join('')}${exported.count++}`);
   tessera('export', model, '--format', format, '-o', out, ...more);

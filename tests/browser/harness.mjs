@@ -119,7 +119,7 @@ export async function launchBrowser() {
 }
 
 /**
- * A page of its own, and what goes wrong there: problems.errors (exceptions nobody caught, console
+ * A page of its own, and what goes wrong there: problems.errors (uncaught exceptions, console
  * errors, failed loads) and problems.foreign (requests that leave `origin`, which are blocked).
  */
 export async function openPage(browser, {origin, width = 320, height = 240, ...more}) {
@@ -153,7 +153,7 @@ export async function shot(page, selector = 'canvas') {
   return readPng(await page.locator(selector).first().screenshot({animations: 'disabled'}));
 }
 
-/** Peak signal to noise of the colours of two pictures of one size, dB; Infinity when equal. */
+/** Peak signal to noise of the colours of two images of one size, dB; Infinity when equal. */
 export function psnr(a, b) {
   assert.deepEqual([a.width, a.height], [b.width, b.height]);
   let sum = 0;

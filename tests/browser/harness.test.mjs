@@ -27,9 +27,9 @@ after(async () => {
 test('a canvas is seen with its colours, and WebGL2 is there', async () => {
   const {page, problems} = await openPage(browser, server);
   await page.goto(`${server.origin}/grey.html`);
-  const picture = await shot(page);
-  assert.deepEqual([picture.width, picture.height], [64, 48]);
-  assert.deepEqual([...picture.data.slice(0, 4)], [128, 128, 128, 255]);
+  const image = await shot(page);
+  assert.deepEqual([image.width, image.height], [64, 48]);
+  assert.deepEqual([...image.data.slice(0, 4)], [128, 128, 128, 255]);
   assert.ok(await page.evaluate(
       () => document.createElement('canvas').getContext('webgl2') !== null));
   expectClean(problems);
@@ -60,7 +60,7 @@ test('ranges of files are served, and nothing beside the roots', async () => {
   assert.equal((await get('/..%2f..%2fCMakeCache.txt')).status, 404);
 });
 
-test('the program draws the fixture, and pictures are told apart', () => {
+test('the program renders the fixture, and differences of images are found', () => {
   const info = JSON.parse(tessera('info', fixture.model, '--json'));
   assert.equal(info.num_gaussians, fixture.fixed + fixture.moving);
   const drawn = (time) => {

@@ -80,7 +80,7 @@ test('the model of a running training is renewed, and PSNR rises', async () => {
   const early = await until(() => psnrOf(page), 'a first score');
   await until(async () => (await shownStep(page)) > step, 'the next model');
   await until(async () => (await psnrOf(page)) > early, 'a better score');
-  assert.ok(differing(first, await pictureOf(page, 'later_1280.png')) > 0, 'another picture');
+  assert.ok(differing(first, await pictureOf(page, 'later_1280.png')) > 0, 'another image');
   const inside = page.frameLocator('#player');
   await inside.locator('#compare').click();
   await page.waitForFunction(() => document.getElementById('player').contentDocument

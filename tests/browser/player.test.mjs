@@ -26,7 +26,7 @@ function brokenPage(name, spoil) {
   return name;
 }
 
-/** The fixture's cameras and one whose picture is so small that splats are smaller than pixels. */
+/** The fixture's cameras and one whose image is so small that splats are smaller than pixels. */
 function rig() {
   const transforms = JSON.parse(readFileSync(fixture.cameras));
   transforms.frames.push({...transforms.frames[0], file_path: 'small', fl_x: 60, fl_y: 60});
@@ -56,7 +56,7 @@ async function lineOn(page) {
   return page.locator('#trouble-line').textContent();
 }
 
-/** Opens a page; `ready`: its first picture is complete. */
+/** Opens a page; `ready`: its first image is complete. */
 async function open(path, {ready = true, origin = server.origin, ...more} = {}) {
   const opened = await openPage(browser, {origin, ...more});
   await opened.page.goto(`${origin}/${path}`);
@@ -67,7 +67,7 @@ async function open(path, {ready = true, origin = server.origin, ...more} = {}) 
   return opened;
 }
 
-/** The picture at a moment (0 to 1), panels aside. */
+/** The image at a time (0 to 1) without panels. */
 async function pictureAt(page, t) {
   await page.evaluate((share) => {
     window.tessera.seek(share * window.tessera.duration());
@@ -76,7 +76,7 @@ async function pictureAt(page, t) {
   return shot(page);
 }
 
-/** Pictures of one page at all five times. */
+/** Images of one page at all five times. */
 async function filmOf(path) {
   const {page, problems} = await open(path);
   const film = [];
@@ -126,7 +126,7 @@ test('sequences of compressed .ply, .spz and .splat', async () => {
 });
 
 // Bug put back: the version of blocks not counted up when time changes; seen to fail.
-test('seeking away and back gives the same picture to the last bit', async () => {
+test('seeking away and back gives the same image to the last bit', async () => {
   const {page, problems} = await open(`page/${view}`);
   const first = await pictureAt(page, 0.4);
   const away = await pictureAt(page, 0.6);  // the same blocks
@@ -140,14 +140,14 @@ test('seeking away and back gives the same picture to the last bit', async () =>
 // Bug put back: the block's offset without the manifest's length; seen to fail.
 test('one file by ranges shows what the folder shows', async () => {
   cpSync(place('single', 'scene.t4d'), place('page', 'scene.t4d'));
-  const pictures = [];
+  const images = [];
   for (const path of [`page/${view}&t=1.2`, `page/${view}&t=1.2&scene=scene.t4d`]) {
     const {page, problems} = await open(path);
-    pictures.push(await shot(page));
+    images.push(await shot(page));
     await page.close();
     expectClean(problems);
   }
-  assert.equal(differing(...pictures), 0);
+  assert.equal(differing(...images), 0);
 });
 
 const wide = {width: 640, height: 480};
@@ -168,7 +168,7 @@ test('time line, keys and pointer', async () => {
     line.dispatchEvent(new Event('input'));
   });
   assert.equal(await timeOf(page), 1.5);
-  assert.ok(differing(start, await middle(page)) > 1000, 'the time line moves the picture');
+  assert.ok(differing(start, await middle(page)) > 1000, 'the time line moves the image');
   await page.keyboard.press('ArrowRight');
   assert.ok(Math.abs(await timeOf(page) - 1.5 - 1 / 30) < 1e-9);
   await page.keyboard.press('ArrowLeft');
@@ -212,7 +212,7 @@ test('play follows the wall clock', async () => {
   assert.equal(await page.locator('#camera').inputValue(), '1');
   const first = await middle(page);
   await page.keyboard.press('Space');
-  await page.locator('#play[aria-label="Pause (space)"]').waitFor();  // with the next picture
+  await page.locator('#play[aria-label="Pause (space)"]').waitFor();  // with the next image
   const ran = await page.evaluate(async () => {
     const [clip, wall] = [window.tessera.time(), performance.now()];
     await new Promise((done) => setTimeout(done, 1500));
@@ -223,7 +223,7 @@ test('play follows the wall clock', async () => {
   const stopped = await timeOf(page);
   assert.ok(differing(first, await middle(page)) > 1000);
   assert.equal(await timeOf(page), stopped);
-  assert.match(page.url(), new RegExp(`t=${stopped.toFixed(3)}`), 'the address says the moment');
+  assert.match(page.url(), new RegExp(`t=${stopped.toFixed(3)}`), 'the address holds the time');
   await page.close();
   expectClean(problems);
 });
@@ -238,14 +238,14 @@ const kBroken = {
 
 // Bugs put back: failures taken for blocks on their way (play stands still); the banner left hidden;
 // each seen to fail.
-test('play goes on with what is there, and says what is not', async () => {
+test('playback continues with the loaded blocks and lists the missing ones', async () => {
   for (const [name, [spoil, line]] of Object.entries(kBroken)) {
     const path = `${brokenPage(name, spoil)}/index.html?t=0.9&cam=front`;
     const {page} = await open(path, {ready: false});
     assert.match(await lineOn(page), line, name);
     const early = await timeOf(page);
     await page.waitForTimeout(300);
-    assert.notEqual(early, await timeOf(page), `${name}: time goes on`);
+    assert.notEqual(early, await timeOf(page), `${name}: time advances`);
     await page.evaluate(() => { window.tessera.pause(); window.tessera.seek(1.5);
                                 return window.tessera.settle(); });
     assert.ok(brightness(await shot(page)) > 5, `${name}: the rest is drawn`);
@@ -266,7 +266,7 @@ function brightness({data}) {
   return data.reduce((sum, value, i) => (i % 4 === 3 ? sum : sum + value), 0) / (0.75 * data.length);
 }
 // Bugs put back: the rejection of open() not shown; versions not compared; each seen to fail.
-test('what cannot be opened says why', async () => {
+test('files that cannot be opened are refused with a reason', async () => {
   for (const [name, [spoil, line]] of Object.entries(kUseless)) {
     const {page} = await open(`${brokenPage(name, spoil)}/index.html`, {ready: false});
     assert.match(await lineOn(page), line, name);
@@ -288,10 +288,10 @@ test('what cannot be opened says why', async () => {
 // Bugs put back: the scene within the page looked for as a file; the message of a server that does
 // not answer; the decoder as a module in a worker, which no browser starts there, and no other way;
 // each seen to fail.
-test('from a disk: one file plays, a folder says what to do', async () => {
+test('from a disk: one file plays, a folder gives a message with the remedy', async () => {
   const origin = `file://${folder}`;
   const {page, problems} = await open(`html/index.html?ui=0&paused&t=1.5&cam=front`, {origin});
-  assert.ok(psnr(await shot(page), rendered(0.5)) >= 35, 'the picture is there');
+  assert.ok(psnr(await shot(page), rendered(0.5)) >= 35, 'the image is drawn');
   await page.close();
   expectClean(problems);
   const closed = await open('page/index.html', {origin, ready: false});

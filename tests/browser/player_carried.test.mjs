@@ -39,7 +39,7 @@ async function open(path, origin = server.origin) {
   return opened;
 }
 
-/** The picture at a moment (0 to 1). */
+/** The image at a time (0 to 1). */
 async function pictureAt(page, t) {
   await page.evaluate((share) => {
     window.tessera.seek(share * window.tessera.duration());
@@ -50,7 +50,7 @@ async function pictureAt(page, t) {
 
 const rendered = (t, camera = 'front') => readPng(place(`render${t}`, `${camera}.png`));
 
-/** Pictures of a page at all times. */
+/** Images of a page at all times. */
 async function filmOf(path) {
   const {page, problems} = await open(path);
   const film = [];
@@ -78,23 +78,23 @@ test('canonical, static and dynamic Gaussians look as the program renders them',
 });
 
 // Bug put back: signs of quaternions ignored; seen to fail.
-test('a frame baked at its time is the same picture', async () => {
+test('a frame baked at its time is the same image', async () => {
   tessera('export', fixture.carried, '--format', 'ply', '--frames', 5, '--page',
           '--cameras', fixture.cameras, '-o', place('ply'));
-  const pictures = [];
+  const images = [];
   for (const name of ['page', 'ply']) {
     const {page, problems} = await open(`${name}/${view}`);
-    pictures.push(await pictureAt(page, 0.75));
+    images.push(await pictureAt(page, 0.75));
     await page.close();
     expectClean(problems);
   }
-  const value = psnr(...pictures);
+  const value = psnr(...images);
   console.log(`${value.toFixed(1)} dB to the frame`);
   assert.ok(value >= 45, `${value} dB`);
 });
 
 // Bug put back: poses of the time that was drawn before; seen to fail.
-test('seeking away and back, and playing over the end, gives the same picture', async () => {
+test('seeking away and back, and playing over the end, gives the same image', async () => {
   const {page, problems} = await open(`page/${view}`);
   const first = await pictureAt(page, 0.4);
   assert.ok(differing(first, await pictureAt(page, 0.6)) > 1000, 'nodes move');
@@ -160,15 +160,15 @@ test('half a turn of a node is a static scene that is known', async () => {
     position: floats([[-0.2, 0.2, 1], [0.2, 0, -1], [-0.6, -0.4, 0]]),
     rotation: floats([[0, s, c, 0], [0, 0, 1, 0], [1, 0, 0, 0]]),
   }});
-  const pictures = [];
+  const images = [];
   for (const name of [handmade('turning', turning, 2), handmade('still', still, 1)]) {
     const {page, problems} = await open(`${name}/${view}&t=0.3`);
-    pictures.push(await shot(page));
+    images.push(await shot(page));
     await page.close();
     expectClean(problems);
   }
-  const value = psnr(...pictures);
+  const value = psnr(...images);
   console.log(`${value.toFixed(1)} dB to the static scene`);
   assert.ok(value >= 60, `${value} dB`);
-  assert.ok(pictures[0].data.filter((v, i) => i % 4 !== 3 && v > 100).length > 2000, 'it is there');
+  assert.ok(images[0].data.filter((v, i) => i % 4 !== 3 && v > 100).length > 2000, 'it is there');
 });

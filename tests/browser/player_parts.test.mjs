@@ -43,7 +43,7 @@ function cacheOf({budget = 1e9, loads = () => ({memory: 10})} = {}) {
 const here = (cache) => [...Array(11).keys()].filter((i) => cache.get(i) !== undefined);
 
 // Bug put back: `later` sorted the other way round, at(t) not first; each seen to fail.
-test('the blocks of the moment come first, then those ahead', async () => {
+test('the blocks of the current time are loaded first, then those ahead', async () => {
   const {cache, asked, finish} = cacheOf();
   cache.update({t: 0.25, ahead: 0.25, loop: true});
   assert.deepEqual(asked(), [0, 3, 4, 5]);  // four at once
@@ -66,7 +66,7 @@ test('around the end of a loop, and backwards', async () => {
 });
 
 // Bug put back: abort() left away; seen to fail.
-test('what nobody waits for any more is given up', async () => {
+test('requests that are no longer needed are cancelled', async () => {
   const {cache, log, finish} = cacheOf();
   cache.update({t: 0.25, ahead: 0, loop: false});
   cache.update({t: 0.75, ahead: 0, loop: false});
@@ -75,7 +75,7 @@ test('what nobody waits for any more is given up', async () => {
   assert.deepEqual(here(cache), [0, 8]);
 });
 
-// Bug put back: eviction of the newest; blocks of the moment not spared; each seen to fail.
+// Bug put back: eviction of the newest; blocks of the current time not kept; each seen to fail.
 test('the least recently used goes when memory is short', async () => {
   const {cache, finish} = cacheOf({budget: 30});
   for (const t of [0.05, 0.15, 0.25, 0.35]) {
@@ -104,7 +104,7 @@ test('a damaged block is named and not asked for again, a network is', async (t)
     await finish();
     assert.equal(cache.trouble(0.25), 'a.bin: is damaged; copy it again');
     assert.equal(cache.trouble(0.75), null);
-    assert.ok(!cache.waiting(0.25), 'play goes on with what is there');
+    assert.ok(!cache.waiting(0.25), 'playback continues with the loaded blocks');
     now += 6000;
     cache.update({t: 0.25, ahead: 0, loop: false});
     assert.equal(asked().filter((i) => i === 3).length, times, trouble);
@@ -165,7 +165,7 @@ test('sound is the clock where there is sound', async () => {
   assert.equal(clock.now(), 1.8);
   clock.seek(5);
   assert.equal(sound.currentTime, 5);
-  sound.ended = true;  // shorter than the clip: the wall goes on
+  sound.ended = true;  // shorter than the clip: the wall clock continues
   wall.now += 1;
   assert.equal(clock.now(), 6);
   clock.pause();

@@ -75,7 +75,7 @@ test('what goes to the card', () => {
     velocity: none, timeMean: none, logTimeScale: none, carried: null});
   assert.deepEqual(packed.shCounts, [2, 1, 0]);
   assert.equal(packed.sh[0].words[4] >>> 16, halfBits(100));      // ninth half: degree 2 begins
-  assert.equal(packed.sh[1].words[0] & 0xffff, halfBits(107));    // and goes on
+  assert.equal(packed.sh[1].words[0] & 0xffff, halfBits(107));    // and continues
   assert.equal(packed.sh[0].words[8] & 0xffff, halfBits(9));      // the second Gaussian
   assert.equal(new Float32Array(packed.place.words.buffer)[4], 4);
 });

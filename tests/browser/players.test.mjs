@@ -33,7 +33,7 @@ const kPlayers = {
 let browser, server, count;
 const drawn = {}, cameras = {};
 
-/** Our picture of a file seen by every camera of `path` → drawn[name]. */
+/** Our image of a file seen by every camera of `path` → drawn[name]. */
 function render(model, path, name, time) {
   const out = join(folder, name);
   tessera('render', model, '--cameras', path, '--time', time, '-o', out);
@@ -45,8 +45,8 @@ function render(model, path, name, time) {
 function withHarmonics(bytes, factor) {
   const mark = 'end_header\n', start = bytes.indexOf(mark) + mark.length, result = Buffer.from(bytes);
   const names = bytes.toString('latin1', 0, start).match(/(?<=property float )\w+/g);
-  for (let at = start, k = 0; at < bytes.length; at += 4, k = (k + 1) % names.length)
-    if (names[k].startsWith('f_rest')) result.writeFloatLE(factor * bytes.readFloatLE(at), at);
+  for (let place = start, k = 0; place < bytes.length; place += 4, k = (k + 1) % names.length)
+    if (names[k].startsWith('f_rest')) result.writeFloatLE(factor * bytes.readFloatLE(place), place);
   return result;
 }
 
@@ -123,14 +123,14 @@ async function openPlayer(name) {
   return opened;
 }
 
-/** {count, picture} of a file in a page. */
+/** {count, image} of a file in a page. */
 async function shown(page, request) {
   const splats = await page.evaluate((asked) => window.show(asked), request);
-  return {splats, picture: await shot(page)};
+  return {splats, image: await shot(page)};
 }
 
-function expectAlike(context, picture, other, what) {
-  const db = psnr(picture, other);
+function expectAlike(context, image, other, what) {
+  const db = psnr(image, other);
   context.diagnostic(`${what}: ${db.toFixed(1)} dB`);
   assert.ok(db >= kLeast, `${what}: ${db.toFixed(1)} dB, wanted ${kLeast}`);
 }
@@ -142,27 +142,27 @@ for (const [player, {narrow, files: shows}] of Object.entries(kPlayers))
     const ply = {}, {page, problems} = await openPlayer(player);
     for (const [name, turn] of Object.entries(shows))
       for (const camera of ['front', 'side']) {
-        const {splats, picture} = await shown(
+        const {splats, image} = await shown(
             page, {url: `/files/${name}${kExtensions[name]}`, camera: cameras[camera], turn});
         const plain = name === 'splat';  // no colours that depend on the view
         const ours = `${narrow ? 'narrow_' : ''}${plain ? 'plain' : 'ply'}/${camera}`;
         assert.equal(splats, count, name);
-        expectAlike(context, picture, drawn[ours], `${name} ${camera} against our renderer`);
+        expectAlike(context, image, drawn[ours], `${name} ${camera} against our renderer`);
         if (plain) continue;
-        ply[camera] ??= picture;
-        expectAlike(context, picture, ply[camera], `${name} ${camera} against .ply here`);
+        ply[camera] ??= image;
+        expectAlike(context, image, ply[camera], `${name} ${camera} against .ply here`);
       }
     expectClean(problems);
     await page.close();
   });
 
-test('axes: without the turn that the formats ask for, the picture is another', async () => {
+test('axes: without the turn that the formats ask for, the image is another', async () => {
   for (const [player, names] of Object.entries({spark: ['spz3'], three: ['spz4', 'glb']})) {
     const {page} = await openPlayer(player);
     for (const name of names) {
-      const {picture} = await shown(page, {url: `/files/${name}${kExtensions[name]}`,
+      const {image} = await shown(page, {url: `/files/${name}${kExtensions[name]}`,
                                            camera: cameras.front, turn: kAsIs});
-      assert.ok(psnr(picture, drawn['ply/front']) < 25, `${player} ${name}`);
+      assert.ok(psnr(image, drawn['ply/front']) < 25, `${player} ${name}`);
     }
     await page.close();
   }
@@ -171,14 +171,14 @@ test('axes: without the turn that the formats ask for, the picture is another', 
 // Bugs put back: velocity per second; the width of the falloff without √2; words 8 and 9 swapped;
 // alpha in the lowest byte. Seen to fail.
 // gsplat.js takes no x into account when it sorts a .splatv, hence the camera, which the file brings.
-test('gsplat.js: splatv at three moments, from its own camera', async (context) => {
+test('gsplat.js: splatv at three times, from its camera', async (context) => {
   const {page, problems} = await openPlayer('gsplat');
   for (const time of [0, 0.3, 0.9]) {
-    const {splats, picture} = await shown(
+    const {splats, image} = await shown(
         page, {url: '/files/model.splatv', focal: cameras.straight.fx, time});
     const ours = drawn[`at_${time}/straight`];
     assert.equal(splats, Math.ceil((fixture.fixed + fixture.moving) / 1024) * 1024, 'whole rows');
-    expectAlike(context, picture, ours, `t = ${time} against our renderer`);
+    expectAlike(context, image, ours, `t = ${time} against our renderer`);
     await page.reload();
     await page.waitForFunction(() => window.ready);
   }

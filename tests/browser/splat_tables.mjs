@@ -37,10 +37,10 @@ export function plyColumns(bytes) {
   });
   assert.equal(bytes.length, end + 4 * rows * names.length);
   const columns = Object.fromEntries(names.map((name) => [name, new Float32Array(rows)]));
-  for (let row = 0, at = end; row < rows; ++row)
+  for (let row = 0, place = end; row < rows; ++row)
     for (const name of names) {
-      columns[name][row] = bytes.readFloatLE(at);
-      at += 4;
+      columns[name][row] = bytes.readFloatLE(place);
+      place += 4;
     }
   return {rows, columns};
 }
@@ -54,8 +54,8 @@ export function glbAttributes(bytes) {
   for (const [name, index] of Object.entries(primitive.attributes)) {
     const accessor = document.accessors[index], view = document.bufferViews[accessor.bufferView];
     const width = {SCALAR: 1, VEC3: 3, VEC4: 4}[accessor.type];
-    const at = start + (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0);
-    const read = {5126: (i) => bytes.readFloatLE(at + 4 * i), 5121: (i) => bytes[at + i] / 255};
+    const place = start + (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0);
+    const read = {5126: (i) => bytes.readFloatLE(place + 4 * i), 5121: (i) => bytes[place + i] / 255};
     assert.ok(!view.byteStride || accessor.componentType === 5126, 'packed columns');
     attributes[name] = Array.from({length: width * accessor.count}, (_, i) =>
         read[accessor.componentType](i));

@@ -52,7 +52,7 @@ export function floatRows(rows) {
 export function makeBlock({kind = 'static', count, visible = [0, 1], file, offset, streams,
                            ...more}) {
   const parts = [], infos = [];
-  let at = 0;
+  let place = 0;
   for (const [name, stream] of Object.entries(streams)) {
     const components = stream.components ?? stream.rows[0].length;
     const rows = stream.type === 'f32' ? floatRows(stream.rows) : stream.rows;
@@ -62,9 +62,9 @@ export function makeBlock({kind = 'static', count, visible = [0, 1], file, offse
     const scaled = /^u\d/.test(stream.type) && {
       scale: stream.scale ?? Array(components).fill(1), bias: stream.bias ?? Array(components).fill(0)};
     infos.push({name, type: stream.type, components, count: rows.length, codec, ...scaled,
-                delta: stream.delta ?? false, offset: at, bytes: bytes.length});
+                delta: stream.delta ?? false, offset: place, bytes: bytes.length});
     parts.push(bytes);
-    at += bytes.length;
+    place += bytes.length;
   }
   const bytes = Buffer.concat(parts);
   const where = file === undefined ? {offset: offset ?? 0} : {file};
