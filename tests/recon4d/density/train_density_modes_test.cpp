@@ -100,10 +100,11 @@ double largest_difference(const GaussianModel& a, const GaussianModel& b,
   return largest;
 }
 
-// C12: what no training image of any moment shows can go, and images stay equal to the bit;
-// what one moment does not show cannot. A held-out camera may see one that was just too faint for
-// the others, 1/255; the failure mode's 1e-4 holds where α has no such threshold.
-TEST(DensityModes, OnlyWhatNoMomentShowsCanGo) {
+// C12: Gaussians that no training image of any timestep shows can be removed, and images stay equal
+// to the bit; those that one timestep does not show cannot. A held-out camera may see one that was
+// just too faint for the others, 1/255; the failure mode's 1e-4 holds where α has no such
+// threshold.
+TEST(DensityModes, OnlyWhatNoTimestepShowsIsRemoved) {
   TinyCapture capture;
   capture.timesteps = 6;
   Scene scene = tiny_capture(capture);
