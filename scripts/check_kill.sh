@@ -133,7 +133,7 @@ def whole_run(job, out, new, log):
     begin = time.monotonic()
     process = start(job.command(out, new), log)
     if process.wait() != 0:
-        sys.exit(f"{job.name}: ends with {process.returncode} though nobody disturbs it: {log.name}")
+        sys.exit(f"{job.name}: ends with {process.returncode} without a kill: {log.name}")
     return time.monotonic() - begin
 
 

@@ -121,18 +121,18 @@ class Build:
         return set(re.findall(r"^\s*\d+ - (\S+) \((?!Skipped|Disabled)", said, re.MULTILINE))
 
     def own_tests(self, rows: list[Row]) -> dict[str, list[Test]]:
-        """By row, those of its own tests that this build has; without a bug they pass."""
-        there = self.programs()
-        own = {row["id"]: [test for test in row["tests"] if test["target"] in there] for row in rows}
-        self.make([test for tests in own.values() for test in tests], has_bug=False)
-        for name, tests in own.items():
+        """The tests of each row that this build has; without a bug they pass."""
+        built = self.programs()
+        chosen = {row["id"]: [test for test in row["tests"] if test["target"] in built] for row in rows}
+        self.make([test for tests in chosen.values() for test in tests], has_bug=False)
+        for name, tests in chosen.items():
             for test in list(tests):
                 failed, passed = self.run(test)
                 if failed:
                     sys.exit(f"{name}: without a bug, too, {failed}; correct mutations.json")
                 if passed == 0:
                     tests.remove(test)
-        return own
+        return chosen
 
     def result(self, tree: Path, row: Row, tests: list[Test]) -> list[str]:
         """caught, survives or does not compile; then which tests catch the bug."""
@@ -179,15 +179,15 @@ def main() -> None:
     cmake += ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] * bool(shutil.which("ccache"))
     cmake += ["-DTESSERA_INGEST=OFF", "-DTESSERA_PLAYER=OFF"] * args.trainer_only
     build = Build(tree.parent / "build", tree, cmake + [f"-D{value}" for value in args.D], args.jobs)
-    own = build.own_tests(rows)
+    chosen = build.own_tests(rows)
     table = []
     try:
-        for row in [row for row in rows if own[row["id"]] or not args.trainer_only]:
+        for row in [row for row in rows if chosen[row["id"]] or not args.trainer_only]:
             start = time.monotonic()
-            result, *by = build.result(tree, row, own[row["id"]])
+            result, *by = build.result(tree, row, chosen[row["id"]])
             seconds = round(time.monotonic() - start, 1)
             shown = f"caught by {', '.join(by[:3])}" if by else result.upper()
-            shown += "" if own[row["id"]] else " (no test of its own runs here)"
+            shown += "" if chosen[row["id"]] else " (no test of its own runs here)"
             print(f"{row['id']:22} {row['file']:42} {shown}  {seconds} s", flush=True)
             table.append({key: row[key] for key in ("id", "group", "mode", "file", "what")} |
                          {"result": result, "by": by, "seconds": seconds})

@@ -233,11 +233,11 @@ def figure_complaints(text, results, place):
     for index, match in enumerate(figures):
         end = figures[index + 1].start() if index + 1 < len(figures) else len(prose)
         end = min(end, (prose + "\n\n").find("\n\n", match.end()))
-        own = next((one for one in sources if match.end() <= one.start() < end), None)
-        if own is not None and own.group(2):
+        named = next((one for one in sources if match.end() <= one.start() < end), None)
+        if named is not None and named.group(2):
             continue  # a setting, not a measurement
         around = surroundings(text, match.start())
-        reason = figure_complaint(match, own and own.group(1), results, around)
+        reason = figure_complaint(match, named and named.group(1), results, around)
         if reason:
             line = prose.count("\n", 0, match.start()) + 1
             complaints.append(f"{place}:{line}: {' '.join(match.group(0).split())}: {reason}")

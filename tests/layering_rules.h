@@ -191,13 +191,9 @@ inline std::string heading_complaint(const std::string& file, const Lines& lines
     heading += line.substr(2);
   }
   if (heading.empty()) return file + " does not begin with a comment";
-  // older files begin with "What: … Not: …"
-  const bool is_old = heading.starts_with(" What: ");
-  if (is_old && heading.find("Not: ") == std::string::npos)
-    return file + " does not say '// Not: ' in its first comment";
   const char first = heading.size() > 1 ? heading[1] : ' ';
   const bool is_sentence = first >= 'A' && first <= 'Z' && heading.ends_with('.');
-  if (!is_old && !is_sentence && first != '`') return file + " does not begin with full sentences";
+  if (!is_sentence && first != '`') return file + " does not begin with full sentences";
   return "";
 }
 
@@ -212,7 +208,7 @@ inline std::string speech_complaint(const std::string& file, const std::string& 
 }
 
 /// Structs, classes, unions and enums that the file defines with external linkage, by their whole
-/// names, as clang-format writes them: at the beginning of a line. Not: specialisations.
+/// names, as clang-format writes them: at the beginning of a line. Specialisations are left out.
 inline std::vector<std::string> defined_types(const Lines& lines) {
   static const std::regex kOpens(R"re(^(?:inline )?namespace\s*([\w:]*)\s*\{)re");
   static const std::regex kType(

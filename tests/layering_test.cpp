@@ -39,9 +39,10 @@ std::map<std::string, Lines> sources() {
   return files;
 }
 
-// Each was seen to fail: recon4d/training/schedule.cpp with an include of tools/, an include of
-// nothing, std::cout, 600 lines more, no first line; a .cu file in recon4d/; a header without its
-// pragma; stages/bin.cu with 600 lines more, cuda/tile_block.cuh without its first line.
+// Bugs put back, each seen to fail: recon4d/training/schedule.cpp with an include of tools/, an
+// include of nothing, std::cout, 600 lines more, no first line; a .cu file in recon4d/; a header
+// without its pragma; stages/bin.cu with 600 lines more, cuda/tile_block.cuh without its first
+// line.
 class Layering : public ::testing::Test {
  protected:
   const std::map<std::string, Lines> sources_ = sources();
@@ -121,7 +122,7 @@ TEST_F(Layering, FilesAreShort) {
   }
 }
 
-TEST_F(Layering, FilesSayWhatTheyAre) {
+TEST_F(Layering, FilesBeginWithSentences) {
   for (const auto& [file, lines] : sources_) EXPECT_EQ(heading_complaint(file, lines), "");
 }
 
@@ -132,14 +133,14 @@ TEST_F(Layering, HeadersAreIncludedOnce) {
         << file;
 }
 
-TEST_F(Layering, OnlyToolsSpeak) {
+TEST_F(Layering, OnlyToolsWriteToTheTerminal) {
   for (const auto& [file, lines] : sources_)
     for (const std::string& line : lines) EXPECT_EQ(speech_complaint(file, line), "");
 }
 
-/// One definition rule: two types of one name in one program are undefined behaviour without a word
-/// from the linker. Fast; scripts/check_odr.sh asks the compiler, about the whole program.
-/// Bug put back: PlayerCamera named RigCamera, as the one of ingest/; seen to fail.
+/// One definition rule: two types of one name in one program are undefined behaviour, and the
+/// linker does not report it. This test is fast; scripts/check_odr.sh checks the whole program by
+/// the compiler. Bug put back: PlayerCamera named RigCamera, as the one of ingest/; seen to fail.
 TEST_F(Layering, TypesAreDefinedOnce) {
   std::map<std::string, std::string> first;
   for (const auto& [file, lines] : sources_)
@@ -225,9 +226,7 @@ TEST(LayeringRules, AreSeenToRefuse) {
   EXPECT_NE(include_complaint("ingest/checks/m.cpp", "#include \"kernels/batch.h\"", media), "");
 
   EXPECT_NE(heading_complaint("a.h", {}), "");
-  EXPECT_NE(heading_complaint("a.h", {"#pragma once", "// What: a", "// Not: b"}), "");
-  EXPECT_NE(heading_complaint("a.h", {"// What: a", "#pragma once", "// Not: b"}), "");
-  EXPECT_EQ(heading_complaint("a.h", {"// What: a", "// Not: b"}), "");
+  EXPECT_NE(heading_complaint("a.h", {"#pragma once", "// Rays of a camera."}), "");
   EXPECT_EQ(heading_complaint("a.h", {"// Rays of a camera in", "// world space.", "code"}), "");
   EXPECT_NE(heading_complaint("a.h", {"// rays of a camera", "code"}), "");
   EXPECT_NE(heading_complaint("a.h", {"// Rays of a camera", "code"}), "");

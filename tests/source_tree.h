@@ -12,6 +12,12 @@ inline bool is_source(const std::filesystem::path& path) {
   return kind == ".h" || kind == ".cpp" || kind == ".cu" || kind == ".cuh";
 }
 
+/// A source of the tests and scripts that is not C++.
+inline bool is_script(const std::filesystem::path& path) {
+  const std::string kind = path.extension();
+  return kind == ".mjs" || kind == ".py" || kind == ".sh" || kind == ".cmake";
+}
+
 /// A page of the documentation.
 inline bool is_page(const std::filesystem::path& path) {
   return path.extension() == ".md";

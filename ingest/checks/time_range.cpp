@@ -53,7 +53,7 @@ void judge_cameras(SceneTimes& range) {
           {Severity::kWarning, "time", camera.camera,
            fmt::format("{} timesteps are missing between its {} frames", camera.missing,
                        camera.frames),
-           "frames were dropped: check the video; training goes on without them"});
+           "frames were dropped: check the video; training continues without them"});
   }
 }
 

@@ -119,7 +119,7 @@ class Buffer {
     size_ = count;
   }
 
-  /// Becomes a copy of a buffer that lives here or in another memory.
+  /// Becomes a copy of a buffer in the same or in another memory.
   void copy_from(const Buffer& from) {
     resize(from.size_);
     if (size_ == 0) return;

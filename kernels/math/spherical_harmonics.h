@@ -93,7 +93,7 @@ TESSERA_HD inline Vec3<Real> sh_colour(int degree, const Vec3<Real>& direction,
 
 /// How the un-clamped colour of a Gaussian follows its mean through the viewing direction
 /// d = (mean − eye)/‖mean − eye‖. By the coefficients the gradient is Y_k(d) ⊗ d_colour: rank 1, so
-/// nobody stores it.
+/// it is not stored.
 template <class Real>
 struct alignas(16) ColourSlope {
   Vec3<Real> channel[3];  // ∂ of channel c by the mean, per world unit

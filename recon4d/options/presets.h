@@ -75,7 +75,7 @@ const std::vector<Preset>& presets();
 void apply_preset(TrainOptions& options, const std::string& name, const SceneFacts& facts = {});
 
 /// Each technique taken out of the full method, and each added alone to a basis without any. An
-/// ablation goes on top of any preset.
+/// ablation is applied on top of any preset.
 using Ablation = NamedOptions;
 const std::vector<Ablation>& ablations();
 

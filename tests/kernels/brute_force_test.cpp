@@ -105,7 +105,7 @@ TEST(BruteForceTimeFilter, EqualsTheFormulasInBothForms) {
     scene.options.time_filter = 0.04;
     expect_brute<double>(scene, 1e-9, kDouble);
     expect_brute<float>(scene, kFloatBand, kFloat);
-    EXPECT_GT(render(scene).report.splats, without) << "more of them last until a view's moment";
+    EXPECT_GT(render(scene).report.splats, without) << "more of them reach a view's time";
   }
 }
 

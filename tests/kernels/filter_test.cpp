@@ -108,7 +108,7 @@ TEST(Truncation, TheDefaultIsOneInTwoHundredFiftyFiveToTheBit) {
   }
 }
 
-/// The scene's views again at other moments, from nearer and from farther, one of them from behind.
+/// The scene's views again at other times, from nearer and from farther, one of them from behind.
 std::vector<View> many_views() {
   std::vector<View> views = three_views();
   views.push_back({look_at({0.3, 0.5, -1.2}, {0, 0, 0}, 30, 20, 60), 0.9});
@@ -117,7 +117,7 @@ std::vector<View> many_views() {
 }
 
 // Method C.1. Bugs put back, each seen to fail: the farthest view taken; images not enlarged;
-// means at time 0.5; the temporal filter left out; moments at which a Gaussian is not drawn taken
+// means at time 0.5; the temporal filter left out; times at which a Gaussian is not drawn taken
 // too.
 TEST(Filter3d, SizeIsThatOfTheNearestViewThatSamples) {
   constexpr double kTimeFilter = 0.01;
@@ -196,7 +196,7 @@ TEST(Filter3d, LimitedOpacityIsThatAfterTheFilter) {
     for (int64_t n = 0; n < set->count; ++n) {
       TestGaussians<double> old = *set;
       old.group[kOpacityLogit] = before;
-      // at its own moment in 4D
+      // at its own time in 4D
       const double t = set->dim() == 4 ? *set->at(kMeanTime, n) : 0;
       EXPECT_NEAR(slice_brute(*set, n, t).opacity, std::min(0.01, slice_brute(old, n, t).opacity),
                   1e-12);

@@ -17,8 +17,8 @@ namespace {
 
 constexpr size_t kStack = size_t{256} << 20;
 
-/// While it lives a thread needs 256 MiB of addresses, and there are `room` bytes of them: what
-/// pthread_create then returns (EAGAIN) is what it returns at a limit of processes.
+/// During its lifetime a thread needs 256 MiB of addresses, of which there are `room` bytes. The
+/// error of pthread_create (EAGAIN) is then the same as at a limit of processes.
 class LittleRoom {
  public:
   explicit LittleRoom(size_t room) {
@@ -73,7 +73,7 @@ class FewThreads : public ::testing::TestWithParam<size_t> {
 };
 INSTANTIATE_TEST_SUITE_P(Rooms, FewThreads, ::testing::Values(kStack / 4, 5 * kStack / 2));
 
-// Bug put back: the error of std::thread goes on its way past threads that run; seen to terminate.
+// Bug put back: the error of std::thread leaves the function while threads run; seen to terminate.
 TEST_P(FewThreads, DoTheWorkOfAll) {
   std::vector<std::atomic<int>> hits(1000);
   const LittleRoom room(GetParam());

@@ -177,8 +177,8 @@ TEST(Relocation, UniformBelowIsTheHighHalfOfAProduct) {
 }
 
 TEST(Relocation, OnlyTheDeadMoveAndOnlyToTheLiving) {
-  // Failure mode C13: as many as were dead. Bugs put back, each seen to fail: ≥ in place of > for
-  // who lives; a quaternion of no length lives.
+  // Failure mode C13: as many as were dead. Bugs put back, each seen to fail: ≥ in place of > in
+  // the test for living Gaussians; a quaternion of length 0 counts as living.
   TestGaussians<double> set(SetForm::kStatic, 300);
   for (int64_t n = 0; n < set.count; ++n) {
     *set.at(kRotation, n) = n % 10 == 7 ? 0 : 1;

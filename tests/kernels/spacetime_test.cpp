@@ -114,8 +114,8 @@ TEST(Spacetime, SliceIsTheConditionalOfTheFourDimensionalGaussian) {
   }
 }
 
-/// A Gaussian of 1 to 3 hundredths that moves 20 units per unit of time, askew, and lives for 0.4
-/// of it: w‖v‖² = 64 against variances of 1e-4.
+/// A Gaussian of 1 to 3 hundredths that moves 20 units per unit of time, oblique, with an extent of
+/// 0.4 of it: w‖v‖² = 64 against variances of 1e-4.
 template <class Real>
 struct Fast {
   Vec4<Real> l, r;

@@ -28,7 +28,7 @@ inline Quaternion unit_quaternion(const double* q) {
   return {q[0] / length, q[1] / length, q[2] / length, q[3] / length};
 }
 
-/// A Gaussian at a moment: mean, 3×3 covariance, opacity after the marginal.
+/// A Gaussian at a time: mean, 3×3 covariance, opacity after the marginal.
 struct BruteGaussian {
   std::array<double, 3> mean{};
   double covariance[3][3] = {};

@@ -142,7 +142,7 @@ std::array<uint8_t, 3> repeating(int camera, double x, double y, double) {
 }
 
 // At half the wall's depth its neighbours on either side agree with the third camera, by half a
-// period each. They themselves do not: there the others speak against it.
+// period each. They themselves do not, because the other cameras contradict it.
 // Bug put back: confirmed() always true; seen to fail.
 TEST(PlaneSweep, TheOtherCameraMustConsent) {
   const Scene scene = wall_scene({.timesteps = 1, .focus = 3.6, .colour = repeating});

@@ -140,7 +140,7 @@ TEST_P(BackendContribution, SumsOfAGaussianAreThoseOfItsSplats) {
 }
 
 // Bugs put back, each seen to fail on the CPU: a timestep that is not closed; the peak of the last;
-// a series that goes on in the next.
+// a series that continues in the next.
 TEST_P(BackendContribution, VariationIsByTimestep) {
   TestScene<float> scene = random_scene(60, 30, 0.15, 92).as<float>();
   scene.options.kernels.deterministic = true;  // the sums of two passes are compared to 1e-9

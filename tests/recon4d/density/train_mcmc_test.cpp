@@ -85,7 +85,7 @@ TEST(Mcmc, WhatIsAddedIsSharedByOpacity) {
   EXPECT_EQ(shares_of(10, {3, 1}), (std::array<int64_t, 2>{8, 2}));  // 7.5
   EXPECT_EQ(shares_of(7, {0, 5}), (std::array<int64_t, 2>{0, 7}));
   EXPECT_EQ(shares_of(7, {5, 0}), (std::array<int64_t, 2>{7, 0}));
-  EXPECT_EQ(shares_of(7, {0, 0}), (std::array<int64_t, 2>{0, 0})) << "nobody to copy";
+  EXPECT_EQ(shares_of(7, {0, 0}), (std::array<int64_t, 2>{0, 0})) << "no Gaussian to copy";
   TrainState state = handmade_state(100, 100);
   for (float& logit : state.model.static_set.group(kOpacityLogit).value) logit = 0;  // 0.5
   for (float& logit : state.model.dynamic_set.group(kOpacityLogit).value) logit = -2.944439f;
@@ -152,8 +152,8 @@ TEST(Mcmc, WhatIsAddedHasNoMoments) {
   EXPECT_LE(zeroed, 5) << "the sources";
 }
 
-// Bug put back: a set without anyone alive goes on; seen to fail.
-TEST(Mcmc, SetsWithoutAnyoneAlive) {
+// Bug put back: a set of dead Gaussians is relocated; seen to fail.
+TEST(Mcmc, SetsOfDeadGaussians) {
   TrainState state = handmade_state(30, 40, 1);  // all dead
   try {
     control(state, mcmc_options(1000));

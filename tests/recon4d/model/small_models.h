@@ -59,7 +59,7 @@ inline GaussianModel clone(const GaussianModel& model) {
   return copy;
 }
 
-/// The model at a moment as a static one.
+/// The model at a timestep as a static one.
 inline GaussianModel static_model(const GaussianModel& like, GaussianSet set) {
   GaussianModel model = clone(like);
   model.static_set = std::move(set);
@@ -116,8 +116,8 @@ inline double coverage(const RenderedImage& image) {
   return sum / double(image.alpha.size());
 }
 
-/// Frames of noise seen by `cameras` training cameras at `times` moments, plus a held-out camera
-/// and, from the first camera, a held-out moment.
+/// Frames of noise seen by `cameras` training cameras at `times` timesteps, plus a held-out camera
+/// and, from the first camera, a held-out timestep.
 inline Scene noise_scene(int width, int height, uint64_t seed = 3) {
   Random random(seed);
   Scene scene;

@@ -201,7 +201,7 @@ TEST_F(CheckpointFile, ImpossibleHeaders) {
   expect_says(refusal(with_header(drawing)), "damaged checkpoint");
 }
 
-/// Files may grow to `bytes` only while this lives: a full disk.
+/// Limits the size of files to `bytes` during its lifetime, like a full disk.
 class FullDisk {
  public:
   explicit FullDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -86,7 +86,7 @@ TEST(TrainExposure, OneCameraThatDiffersIsFoundAndColoursAreLeft) {
 // B10. Bug put back: rows of cameras for those of frames; seen to fail.
 TEST(TrainExposure, WobbleOfEveryImageIsFound) {
   TinyCapture capture = exposed_ring();
-  capture.moving = false;  // of one moment there are five images: a blob's life explains a wobble
+  capture.moving = false;  // five images a timestep: temporal extents would explain a wobble
   Random random(5);
   Gains truth;
   for (int f = 0; f < capture.cameras * capture.timesteps; ++f)

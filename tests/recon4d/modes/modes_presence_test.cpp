@@ -44,12 +44,12 @@ double mean(const std::vector<double>& values, int first, int last) {
 
 // Falls short of the row in the frame right before and the one right after the cube, which show 36
 // and 11 steps of it (11 and 26 after 4,000 steps): all others are the same to 2 steps.
-// Bug put back: lives do not learn; seen to fail, the cube is never drawn.
+// Bug put back: temporal extents are not trained; seen to fail, the cube is never drawn.
 TEST(Presence, WhatAppearsIsGoneBeforeAndAfter) {
   Scene scene = shoot(cube_film());
   scene.points = surface_cloud(cube_film(), 200, 200);
   TrainOptions options = short_training("balanced", 500);
-  options.lr_scale_time = 0.02;  // lives come as far as in the preset's own steps
+  options.lr_scale_time = 0.02;  // extents change as much as in the preset's steps
   const GaussianModel model = trained(scene, options);
   const std::vector<RenderedImage> images = middle_images(model, scene);
   EXPECT_GT(mean(psnr_by_timestep(images, scene), kFirst, kLast), 30);

@@ -31,7 +31,7 @@ Film resting_film() {
   return film;
 }
 
-/// Lives: where the marginal is at least a half, 2.355 σ_t.
+/// Counts Gaussians with a short temporal extent (marginal of at least a half, 2.355 σ_t).
 int short_lives_in_the_rest(const GaussianModel& model) {
   constexpr double kLife = 2.3548, kFrame = 1.0 / (kMoments - 1);
   int count = 0;
@@ -54,8 +54,8 @@ double unrest(const std::vector<RenderedImage>& images) {
 
 // What rests for most of the clip becomes static. The row demands no variance in the rest; 0.03 of
 // a step is seen, 0.17 without decisions: what comes and goes fades, and a Gaussian in time never
-// ends. Bug put back: lives start at a hundredth of the clip and nothing becomes static; seen to
-// fail by short lives in the rest.
+// ends. Bug put back: temporal extents start at a hundredth of the clip and no Gaussian becomes
+// static; seen to fail by short extents in the rest.
 TEST(LongRest, IsHeldByLongLives) {
   const Film film = resting_film();
   Scene scene = shoot(film);

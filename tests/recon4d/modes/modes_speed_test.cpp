@@ -54,7 +54,7 @@ TEST(FastMotion, BalancedFollowsAFifthOfTheSizeAFrame) {
     EXPECT_LT(worst_error(speed, short_training("balanced", 500)), 1) << speed << " px/frame";
 }
 
-// Where lives start as long as the time between two frames there is no limit up to 64 px a frame:
+// Where temporal extents start at the time between two frames, all speeds up to 64 px a frame work:
 // 0.36 and 0.27 px.
 // Bug put back: init_time_scale not read; seen to fail by 45 and 74 px.
 TEST(FastMotion, LivesOfAFrameFollowAnySpeed) {

@@ -294,7 +294,7 @@ TEST(Contributions, CountsTheTimestepsAtWhichItIsSeen) {
   const SetContributions::Change change =
       contributions_of(ramp.model, ramp.scene).sets[0].change[0];
   EXPECT_EQ(change.timesteps, 3);
-  EXPECT_LT(change.gain, 1e-5f * change.peak_gain) << "what nobody sees does not change";
+  EXPECT_LT(change.gain, 1e-5f * change.peak_gain) << "what no view shows does not change";
 }
 
 // Bug put back: sums divided by a constant; seen to fail.

@@ -63,7 +63,7 @@ TEST(Precision, APassEndsWhenItsHalvesDecideAlike) {
   EXPECT_EQ(sweeps_drawn({0, 8, 4, 4, 4, 4, 4, 4}, 24), 4) << "halves of two do not agree";
   EXPECT_EQ(sweeps_drawn({0, 8, 0, 0, 0, 0, 0, 40}, 32), 4);
   EXPECT_EQ(sweeps_drawn({0, 9, 9, 9, 0, 9, 0, 0}, 40), 8) << "nor of four";
-  EXPECT_EQ(sweeps_drawn({1, 1, 1, 1, 1, 1, 1, 1}, 16, false), 8) << "nobody asks";
+  EXPECT_EQ(sweeps_drawn({1, 1, 1, 1, 1, 1, 1, 1}, 16, false), 8) << "not requested";
 }
 
 // Bugs put back, each seen to fail: the squared error of both halves; that of all frames; the

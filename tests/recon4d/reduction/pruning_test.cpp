@@ -81,9 +81,9 @@ Contributions partly_seen(double share) {
   return contributions;
 }
 
-// A pass over a part of the frames knows nothing of what none of them shows: with one camera that
-// is what lives between two of its frames. Bug put back: unseen ones first whatever was drawn; seen
-// to fail.
+// A pass over a part of the frames measures nothing of Gaussians that none of them shows: with one
+// camera, those that are visible only between two of its frames. Bug put back: unseen ones first
+// whatever was drawn; seen to fail.
 TEST(Thinning, WhatAPartOfTheFramesDidNotShowStays) {
   const std::vector<Removal> order = made_order(partly_seen(0.5));
   EXPECT_EQ(seen_count(order), kSeen);

@@ -67,7 +67,7 @@ TEST(StaticDemotion, AChangeOfColourIsMotion) {
   for (const SetForm form : kForms)
     EXPECT_EQ(tried(model_with(form, {before, still, after}), kAllowed).elements,
               (std::vector<int64_t>{1}));
-  // nobody moves, but the light does
+  // nothing moves, but the light changes
   Plain dims = still;
   dims.mean_time = -0.5;
   dims.sigma_time = 0.7;

@@ -51,14 +51,14 @@ int64_t copies_of(const Scene& scene, const std::vector<int64_t>& indices) {
 
 // Bugs put back, each seen to fail: masks of a slot not copied; masks taken from the batch's first
 // frame; the place of a frame in a slot counted without the masks before it.
-void expect_frames(SeparateMemory& memory, const Scene& scene, const TargetImages& fed,
+void expect_frames(SeparateMemory& memory, const Scene& scene, const TargetImages& supplied,
                    const std::vector<int64_t>& indices) {
-  ASSERT_EQ(fed.images.size(), indices.size());
-  ASSERT_EQ(fed.masks.size(), indices.size());
+  ASSERT_EQ(supplied.images.size(), indices.size());
+  ASSERT_EQ(supplied.masks.size(), indices.size());
   memory.inside([&] {
     for (size_t b = 0; b < indices.size(); ++b) {
       const Frame& frame = frame_of(scene, indices[b]);
-      const Span<const uint8_t>&image = fed.images[b], &mask = fed.masks[b];
+      const Span<const uint8_t>&image = supplied.images[b], &mask = supplied.masks[b];
       EXPECT_EQ(std::vector<uint8_t>(image.begin(), image.end()), frame.image.data) << b;
       EXPECT_EQ(std::vector<uint8_t>(mask.begin(), mask.end()), frame.mask.data) << b;
       EXPECT_EQ(mask.data == nullptr, frame.mask.data.empty()) << b;
@@ -69,11 +69,11 @@ void expect_frames(SeparateMemory& memory, const Scene& scene, const TargetImage
 TEST(FrameCache, OnTheHostNothingIsCopied) {
   const Scene scene = patterned();
   FrameCache feed(host_memory(), scene, trained(), 0, 2);
-  const TargetImages fed = feed.truth({3, 0, 1});
-  EXPECT_EQ(fed.images[0].data, scene.frames[4].image.data.data());
-  EXPECT_EQ(fed.images[1].data, scene.frames[0].image.data.data());
-  EXPECT_EQ(fed.masks[1].data, scene.frames[0].mask.data.data());
-  EXPECT_TRUE(fed.masks[2].empty());
+  const TargetImages supplied = feed.truth({3, 0, 1});
+  EXPECT_EQ(supplied.images[0].data, scene.frames[4].image.data.data());
+  EXPECT_EQ(supplied.images[1].data, scene.frames[0].image.data.data());
+  EXPECT_EQ(supplied.masks[1].data, scene.frames[0].mask.data.data());
+  EXPECT_TRUE(supplied.masks[2].empty());
   EXPECT_EQ(feed.ahead(), 0);
 }
 
@@ -98,11 +98,11 @@ TEST(FrameCache, GivenMasksTakeThePlaceOfTheFrames) {
     SeparateMemory memory;
     FrameCache feed(memory, scene, trained(), budget, 3, masks);
     EXPECT_EQ(feed.is_resident(), budget == 0);
-    const TargetImages fed = feed.truth({5, 0, 3});
+    const TargetImages supplied = feed.truth({5, 0, 3});
     memory.inside([&] {
-      EXPECT_EQ(std::vector<uint8_t>(fed.masks[0].begin(), fed.masks[0].end()), masks[5]);
-      EXPECT_EQ(std::vector<uint8_t>(fed.masks[2].begin(), fed.masks[2].end()), masks[3]);
-      EXPECT_EQ(std::vector<uint8_t>(fed.images[2].begin(), fed.images[2].end()),
+      EXPECT_EQ(std::vector<uint8_t>(supplied.masks[0].begin(), supplied.masks[0].end()), masks[5]);
+      EXPECT_EQ(std::vector<uint8_t>(supplied.masks[2].begin(), supplied.masks[2].end()), masks[3]);
+      EXPECT_EQ(std::vector<uint8_t>(supplied.images[2].begin(), supplied.images[2].end()),
                 frame_of(scene, 3).image.data);
     });
   }
@@ -185,12 +185,12 @@ TEST(FrameCache, TheRingIsAlwaysAhead) {
     for (int step = 0; step < 30; ++step) {
       const std::vector<int64_t> indices = sampler.next(batch);
       const int64_t before = memory.async_copies;
-      const TargetImages fed = feed.truth(indices);
+      const TargetImages supplied = feed.truth(indices);
       asked += copies_of(scene, indices);
       EXPECT_EQ(memory.async_copies - before, step == 0 ? asked : 0) << "step " << step;
       feed.prefetch({sampler.peek(0, batch), sampler.peek(1, batch)});
       memory.wait_copies();  // even when all copies are done, this step's frames are still there
-      expect_frames(memory, scene, fed, indices);
+      expect_frames(memory, scene, supplied, indices);
       EXPECT_LE(memory.async_copies, asked + copies_of(scene, sampler.peek(0, batch)) +
                                          copies_of(scene, sampler.peek(1, batch)))
           << "nothing is brought over twice";

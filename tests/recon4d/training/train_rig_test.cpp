@@ -23,7 +23,7 @@ TEST(CameraRig, ExtentAndFocus) {
   // look_at keeps +y up, so none of them looks along it
   for (const glm::dvec3& eye : eyes)
     cameras.push_back(look_at(eye + glm::dvec3(0, 0, 1), focus, 20, 10, 25));
-  cameras.push_back(cameras[1]);  // another moment of the same camera counts once
+  cameras.push_back(cameras[1]);  // another timestep of the same camera counts once
   const CameraRig rig = make_camera_rig(cameras);
   EXPECT_EQ(rig.cameras.size(), 3u);
   EXPECT_NEAR(glm::distance(rig.focus, focus), 0, 1e-9);

@@ -24,7 +24,7 @@ using testing::Training;
 
 constexpr double kBase[] = {0.5, 0.4, 0.55}, kSwing[] = {0.3, -0.2, 0.1};
 
-/// Two cameras at eight moments before a wall of colour base + swing·cos(2πt).
+/// Two cameras at eight timesteps before a wall of colour base + swing·cos(2πt).
 Scene changing_wall() {
   TinyCapture capture;
   capture.cameras = 2;
@@ -38,7 +38,7 @@ Scene changing_wall() {
   return scene;
 }
 
-/// One opaque Gaussian that fills every image and lives the whole clip; only colours learn.
+/// One opaque Gaussian that fills every image for the whole clip; only colours are trained.
 TrainOptions wall_options(int64_t levels) {
   TrainOptions options;
   options.iterations = options.schedule_iterations = 300;

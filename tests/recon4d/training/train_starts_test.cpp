@@ -21,11 +21,11 @@ GaussianModel late_truth(const TinyCapture& capture) {
   return truth;
 }
 
-/// `count` points inside what `truth` shows at each of the moments, coloured.
-PointCloud points_of(const GaussianModel& truth, const std::vector<double>& moments, int count) {
+/// `count` points inside the Gaussians of `truth` at each of the times, coloured.
+PointCloud points_of(const GaussianModel& truth, const std::vector<double>& times, int count) {
   PointCloud cloud;
   Random random(3);
-  for (const double t : moments)
+  for (const double t : times)
     for (const GaussianSet* set : {&truth.static_set, &truth.dynamic_set})
       for (int64_t n = 0; n < set->count(); ++n) {
         const GaussianSpans<const float> v = set->values();
@@ -77,8 +77,8 @@ double psnr_from(Scene scene, const PointCloud& points) {
   return training.run().psnr();
 }
 
-// B11: points of all moments ≥ of the first moment > at random; what appears late costs the second
-// its place. Bug put back: points of later moments are dropped; seen to fail.
+// B11: points of all timesteps ≥ of the first timestep > at random; what appears late costs the
+// second its place. Bug put back: points of later timesteps are dropped; seen to fail.
 TEST(TrainStarts, PointsOfAllMomentsBeatTheFirstAndThatBeatsNone) {
   TinyCapture capture;
   capture.timesteps = 6;

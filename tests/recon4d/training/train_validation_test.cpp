@@ -31,14 +31,14 @@ using testing::TinyCapture;
 using testing::Training;
 
 /// Frames without images.
-Scene bare_scene(int cameras, int moments) {
+Scene bare_scene(int cameras, int timesteps) {
   Scene scene;
   scene.path = "bare";
   for (int c = 0; c < cameras; ++c)
-    for (int m = 0; m < moments; ++m) {
+    for (int m = 0; m < timesteps; ++m) {
       Frame frame;
       frame.camera_name = "cam" + std::to_string(100 + c);
-      frame.time = moments > 1 ? double(m) / (moments - 1) : 0;
+      frame.time = timesteps > 1 ? double(m) / (timesteps - 1) : 0;
       scene.frames.push_back(frame);
     }
   return scene;

@@ -146,7 +146,7 @@ TEST_F(CliBatch, RunNamesTheCapturesAndTheRemedy) {
                        {"b plain", "name one of them", "tessera ingest"});
 }
 
-// Ctrl-C keeps what is done; the next run goes on from there.
+// Ctrl-C keeps finished captures; the next run continues from there.
 // Bug put back: Interrupted taken for a scene's error; seen to fail.
 TEST_F(CliBatch, CtrlCKeepsWhatIsDone) {
   for (const std::string& name : bad_) fs::remove_all(place(name));

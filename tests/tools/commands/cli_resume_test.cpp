@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 class CliResume : public ::testing::Test {
  protected:
-  /// Goes on with a run. Density control and re-ordering lie on both sides of the stop.
+  /// Resumes a run. Density control and re-ordering lie on both sides of the stop.
   ChildResult resume(const std::string& run, const std::vector<std::string>& more = {},
                      const ChildLimits& limits = {}) {
     std::vector<std::string> arguments{"train", work.at("capture"), "-o", work.at(run), "--resume"};

@@ -29,7 +29,7 @@ class CliRun : public ::testing::Test {
         "ingest train evaluate export " + std::string(plays() ? "page " : "") + "report ";
     return all.substr(all.find(stage));
   }
-  /// The stages that ran, in order, from what the program says of each.
+  /// The stages that ran, in order, from the output of the program.
   static std::string begun(const ChildResult& result) {
     std::string stages;
     int number = 0;

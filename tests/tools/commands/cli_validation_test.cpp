@@ -65,7 +65,7 @@ TEST_F(CliValidation, ShipsTheBestModelAndSaysWhenItWas) {
   const json last = work.run_json({"evaluate", work.at("run/checkpoint.ckpt")});
   EXPECT_EQ(scores["psnr"], trained["scores"]["psnr"]) << "as in memory, so after a reload";
   EXPECT_EQ(scores["splits"]["val"]["ssim"], trained["scores"]["splits"]["val"]["ssim"]);
-  EXPECT_NE(scores["psnr"], last["psnr"]) << "the checkpoint goes on from the last step";
+  EXPECT_NE(scores["psnr"], last["psnr"]) << "the checkpoint resumes from the last step";
   EXPECT_TRUE(last["bytes"].is_null()) << "it has the optimizer in it";
   EXPECT_EQ(trained["bytes"], fs::file_size(work / "run/model.ply"));
   EXPECT_EQ(scores["bytes"], trained["bytes"]);

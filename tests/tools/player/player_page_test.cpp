@@ -13,7 +13,7 @@ namespace {
 
 #if TESSERA_HAS_PLAYER
 
-/// Where npm had no network, AUTO goes on without a page.
+/// Where npm had no network, AUTO builds without a page.
 class PlayerPage : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -37,7 +37,7 @@ double middle(const PixelBox& box) {
   return 0.5 * (box.x0 + box.x1);
 }
 
-// Bugs put back, each seen to fail: no launch; a throw that goes on after its end.
+// Bugs put back, each seen to fail: no launch; a throw that continues after its end.
 TEST(SynthFast, TheBallCrossesAThirdOfTheImageInTenFrames) {
   const SynthOptions options = small_fast(1, 48);
   const World world = build_world(options.scene, options.seed, 0);
