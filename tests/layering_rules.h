@@ -13,8 +13,8 @@ namespace tessera {
 using Lines = std::vector<std::string>;
 
 /// What each layer may include of the tree, by prefix; the longest folder that fits decides.
-/// Between the rooms of one layer, and between a folder and those in it, the rule is that there is
-/// no circle.
+/// Between the folders of one layer, and between a folder and its subfolders, includes must have no
+/// cycle.
 inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"kernels/base/", {"kernels/base/"}},
     {"kernels/math/", {"kernels/base/", "kernels/math/"}},
@@ -27,12 +27,12 @@ inline const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"recon4d/options/", {"kernels/", "ingest/scene.h", "recon4d/options/"}},
     {"recon4d/", {"kernels/", "ingest/scene.h", "ingest/files/", "recon4d/"}},
     {"static3d/", {"kernels/", "ingest/scene.h", "ingest/files/", "recon4d/", "static3d/"}},
-    // a library: whoever runs a session prints
+    // a library: the caller of a session prints
     {"tools/session/",
      {"kernels/", "ingest/", "ingest_media/", "recon4d/", "static3d/", "tools/session/"}},
-    // what answers requests from outside sees files and nothing of the program
+    // the code that answers requests from outside depends on files alone
     {"tools/view/", {"kernels/base/", "tools/view/"}},
-    // reports are made of files and images, by the commands and by batches alike
+    // reports are made from files and images, by commands and by batches
     {"tools/report/",
      {"kernels/", "ingest/", "recon4d/", "tools/camera_paths/", "tools/player/", "tools/session/",
       "tools/report/", "tools/video/"}},

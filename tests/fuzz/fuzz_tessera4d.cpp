@@ -43,7 +43,7 @@ bool split(const std::string& file, SingleFile& parts) {
          parts.manifest["blocks"].is_array() && !parts.manifest["blocks"].empty();
 }
 
-/// The bytes that a block or a stream says it has in `all`; false where it cannot.
+/// The bytes of a block or a stream in `all` by its stated range; false where the range is invalid.
 bool range_of(const json& info, const std::string& all, size_t& offset, size_t& bytes) {
   if (!info.is_object() || !info.contains("offset") || !info.contains("bytes")) return false;
   if (!info["offset"].is_number_unsigned() || !info["bytes"].is_number_unsigned()) return false;

@@ -64,7 +64,7 @@ void expect_same(const Backward<Real>& a, const Backward<Real>& b) {
   EXPECT_EQ(a.fixed.group[kMean], b.fixed.group[kMean]);
 }
 
-// Bug put back: levels evaluated whatever sh_time_degree says; seen to fail.
+// Bug put back: levels evaluated beyond sh_time_degree; seen to fail.
 TEST(Levels, OfZerosOrNotActiveAreAsNone) {
   for (const SetForm form : kDynamicForms) {
     TestScene<float> scene = levelled_scene(form, 2, 11).as<float>(), none = scene;

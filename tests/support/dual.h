@@ -66,6 +66,6 @@ std::array<double, N> dual_gradient(const std::array<double, N>& x, Function&& f
 
 }  // namespace tessera::testing
 
-// glm asks these of a scalar
+// glm requires these of a scalar
 template <>
 class std::numeric_limits<tessera::testing::Dual> : public std::numeric_limits<double> {};

@@ -38,7 +38,7 @@ struct Optimised {
   static TestGaussians<Real> empty(const TestGaussians<Real>& set) {
     return TestGaussians<Real>(set.form, set.count, set.coefficients, set.time_levels, set.blocks);
   }
-  /// As they begin; a packed word holds them exactly.
+  /// Initial values; a packed word holds them exactly.
   static TestGaussians<Real> moments(const TestGaussians<Real>& set, int order) {
     TestGaussians<Real> out = empty(set);
     Random random(uint64_t(100 * order + int(set.form)));

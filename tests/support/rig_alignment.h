@@ -111,7 +111,7 @@ inline double degrees_between(const glm::dmat3& one, const glm::dmat3& other) {
   return std::atan2(glm::length(axis) / 2, cosine) * 180 / M_PI;
 }
 
-/// What an alignment goes by: a rig whose centres lie nearly in a plane or a line leaves the turn
+/// The data of an alignment: a rig whose centres lie nearly in a plane or a line leaves the turn
 /// of the world to small errors of the centres; the cameras' axes settle it.
 enum class AlignBy { kPoses, kCentres };
 

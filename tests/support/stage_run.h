@@ -109,7 +109,7 @@ void fetch_lists(const Splats<Real>& splats, const TileInstances<Real>& instance
   out.depth_order = fetched(instances.depth_order, memory);
 }
 
-/// Whether blending may read these lists: what it would do with a poisoned one is anybody's guess.
+/// Whether blending may read these lists: its result with a poisoned one is undefined.
 template <class Real>
 bool lists_are_sound(const StageRun<Real>& run) {
   const auto all_in = [](const auto& values, int64_t low, int64_t high) {

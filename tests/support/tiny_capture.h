@@ -31,7 +31,7 @@ void add_noise(Scene& scene, double most, uint64_t seed);
 /// Short enough for a test, with every event of the schedule in it.
 TrainOptions tiny_options();
 
-/// A trainer with all it refers to, and what it told its observer.
+/// A trainer with all it refers to, and the reports to its observer.
 class Training : private Observer {
  public:
   Training(const Scene& scene, const TrainOptions& options);

@@ -129,7 +129,7 @@ TEST(OffsetSolver, ARateIsFoundWithTheShift) {
   EXPECT_TRUE(std::isinf(instant->rate_sigma)) << "all at one time: nothing tells the rate";
 }
 
-// Points that stand still, and matches of which any shift would be right, say nothing of time.
+// Points that stand still, and matches that fit any shift, contain no information on time.
 // Bugs put back: no least slope; no least share of agreement; each seen to fail.
 TEST(OffsetSolver, NoShiftWithoutEvidence) {
   std::vector<EpipolarMiss> still(200, {0.02, 0.5}), noise;  // would agree on 0.04 s

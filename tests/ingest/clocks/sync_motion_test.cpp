@@ -163,7 +163,7 @@ TEST(SyncMotion, AClockThatDriftsIsRefused) {
   EXPECT_NE(refusal.find("ffmpeg -itsscale 1.1"), std::string::npos);
 }
 
-// A room in which nothing moves: no clock is touched, and each camera's warning says so.
+// A room in which nothing moves: no clock is changed, and each camera gets a warning.
 // Clocks that were not determined passed as measured: seen to fail.
 TEST(SyncMotion, AStaticSceneTellsNothing) {
   const ScratchFolder folder;

@@ -73,7 +73,7 @@ TEST(DenseCloud, SameSeedSamePointsOnAnyNumberOfThreads) {
   EXPECT_NE(dense_cloud(scene, {300, 8, {}}).position[0], first.position[0]);
 }
 
-// Bug put back: still points told apart by their timestep; seen to fail.
+// Bug put back: static points distinguished by their timestep; seen to fail.
 TEST(DenseCloud, StillPointsOnceMovingOnesAtTheirTimesteps) {
   // images so small that most pixels are tried several times
   const PointCloud cloud = dense_cloud(wall_scene({.timesteps = 4, .size = 40}), {4000, 1, {}});

@@ -78,7 +78,7 @@ TEST(PointVelocities, FromOneSide) {
   EXPECT_LT(median_error(found({.timesteps = 15, .size = 160}, 14, {13}), {-1, 0, 0}), 0.05);
 }
 
-// Along the cameras' axes, where only their distance to each other tells.
+// Along the cameras' axes, where only the baseline determines the velocity.
 // Bug put back: derivatives by the camera's axes taken as those of the world; seen to fail.
 TEST(PointVelocities, OfAWallThatRetreats) {
   const auto still = [](int, double x, double y, double) { return testing::wall_colour(x, y, 0); };

@@ -19,7 +19,7 @@ namespace {
 
 const IngestProgress kQuiet = [](std::string_view, int64_t, int64_t) {};
 
-/// A shell script that TESSERA_COLMAP names until this goes away.
+/// A shell script that TESSERA_COLMAP names during the lifetime of this object.
 class StandIn {
  public:
   explicit StandIn(const std::string& script) {
@@ -68,7 +68,7 @@ TEST(ColmapProgram, LeavesNoProcessBehindWhenProgressThrows) {
   stop = true;
   EXPECT_THROW(program.run("mapper", {{(colmap / "pid").string(), ""}}, "doing"), Stop);
   const int sleeper = std::stoi(read_text_file(colmap / "pid="));
-  for (int i = 0; i < 50 && ::kill(sleeper, 0) == 0; ++i)  // whoever inherits it reaps it
+  for (int i = 0; i < 50 && ::kill(sleeper, 0) == 0; ++i)  // the process that inherits it reaps it
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   const auto status = "/proc/" + std::to_string(sleeper) + "/stat";
   if (::kill(sleeper, 0) == 0) {

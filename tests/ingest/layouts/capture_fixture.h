@@ -17,7 +17,7 @@
 
 namespace tessera::testing {
 
-/// A folder of its own that goes away with the test.
+/// A folder that is removed with the test.
 class TemporaryFolder {
  public:
   TemporaryFolder();

@@ -184,7 +184,7 @@ TEST(DamagedCapture, MissingImagesAreListed) {
   strict.strict = true;
   expect_input_error([&] { ingest_capture(folder / "capture", folder / "strict", strict, {}); },
                      {"2 photos", "--strict"});
-  // What was prepared is ours: an image that is gone from it is an error.
+  // The prepared scene is written by the program: a missing image in it is an error.
   std::filesystem::remove(folder / "scene/train/r_002.png");
   expect_input_error([&] { load_scene(folder / "scene", {}); }, {"r_002"});
 }

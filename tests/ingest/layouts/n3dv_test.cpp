@@ -99,7 +99,7 @@ TEST_F(N3dv, TheWorldIsNormalisedAndRecorded) {
   }
   ASSERT_EQ(scene.points.position.size(), 2u);
   EXPECT_LT(glm::distance(glm::dvec3(scene.points.position[1]), world({0.5, 0.25, -1})), 1e-6);
-  // A prepared scene that is prepared again stays where it is and says the same.
+  // A prepared scene that is prepared again stays in its place and gives the same messages.
   ingest_capture(folder_ / "scene", folder_ / "again", {}, {});
   const Scene again = load_scene(folder_ / "again", {});
   EXPECT_NEAR(again.prepared_from_source.scale, world.scale, 1e-14);

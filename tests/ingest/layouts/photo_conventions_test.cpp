@@ -303,7 +303,7 @@ void move_points(PointCloud& points, const std::vector<Camera>& here,
 TEST(RealConventions, N3dvPointsLieOnTheirColours) {
   TESSERA_NEED_DATA(data, "n3dv_one_instant");
   const TemporaryFolder folder;
-  // The model knows files 1 to 5 under these names.
+  // The model has files 1 to 5 under these names.
   const std::array<const char*, 5> names{"0.jpg", "3.jpg", "5.jpg", "8.jpg", "14.jpg"};
   std::filesystem::create_directories(folder / "capture/images");
   for (size_t i = 0; i < 5; ++i)

@@ -156,8 +156,8 @@ TEST(PhotoDistortion, AGridComesBackWithThePrincipalPointOutsideOfTheImage) {
 }
 
 // B8: the same image through each model of COLMAP, then undistorted as if it were a pinhole: the
-// corner is shifted by what the equation says, f·|distorted(ray) − ray|. A dot marks the corner's
-// ray in the distorted image.
+// corner is shifted by the value of the equation, f·|distorted(ray) − ray|. A dot marks the
+// corner's ray in the distorted image.
 TEST(PhotoDistortion, TheWrongModelShiftsTheCornerAsPredicted) {
   const std::vector<std::pair<std::string, std::vector<double>>> models{
       {"SIMPLE_RADIAL", {150, 100, 80, -0.1}},

@@ -39,12 +39,12 @@ inline constexpr int64_t kTestTicksPerFrame = 512;  // 25 frames/s in 1/12800 s
 bool can_encode_video(const std::string& encoder = "libx264");
 /// Frames before tick 0 are cut off by an edit list where the container has such (mp4, mov).
 void write_video(const std::filesystem::path& path, const TestVideo& video);
-/// `count` frames of 32×24 whose grey says which frame of which camera it is.
+/// `count` frames of 32×24 whose grey value encodes frame and camera.
 TestVideo numbered_video(int count, int camera = 0);
 /// The grey that numbered_video gives to a frame.
 int numbered_grey(int frame, int camera = 0);
 
-/// An image that says which one it is: ten bits as black or white blocks in the upper half, the
+/// An image that encodes its number: ten bits as black or white blocks in the upper half, the
 /// first one left, and coded_colours() as patches in the lower half.
 Image8 coded_image(int width, int height, int number);
 int coded_number(const Image8& image);

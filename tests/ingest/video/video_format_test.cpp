@@ -77,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(Codecs, VideoFormat, ::testing::ValuesIn(kCodecs), [](c
   return name;
 });
 
-/// The image that the coded one is shown as: each pixel goes where the display matrix says.
+/// The image that the coded one is shown as: each pixel moves to its place by the display matrix.
 Image8 shown(const Image8& coded, const std::array<int, 4>& matrix) {
   const auto& [a, b, c, d] = matrix;
   const bool lies = a == 0;

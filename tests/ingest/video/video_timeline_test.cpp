@@ -97,7 +97,7 @@ TEST_F(Timeline, TruncationIsNamedAndWhatIsThereCanBeKept) {
   }
 }
 
-// A frame in the middle whose bytes are wrong is an error that says where, not an image.
+// A frame in the middle whose bytes are wrong is an error with its place, not an image.
 TEST_F(Timeline, DamageInTheMiddleNamesCameraAndTime) {
   TestVideo video;
   for (int i = 0; i < 40; ++i) video.frames.push_back(patterned_image(64, 48, 3, i));

@@ -152,7 +152,7 @@ struct OnBackend {
 };
 
 /// Seven steps, one of three views at a time, so that most Gaussians are idle in most of them.
-/// `hold`: the blocks that full elements are held to.
+/// `hold`: the blocks whose bands full elements keep at zero.
 std::vector<Trained> train(const TestScene<float>& scene, Backend& backend, bool fused,
                            IdleUpdate idle, const ShBlocks* hold) {
   Memory& memory = backend.memory();

@@ -28,7 +28,7 @@ TestScene<double> scene_before_a_map(uint64_t seed) {
   return scene;
 }
 
-// For a device's kernels; environment_test.cpp holds the CPU's to account.
+// For a device's kernels; environment_test.cpp tests the CPU's.
 // Bug put back: what a part's sum held before is kept; seen to fail on the CPU.
 TEST_P(BackendEnvironment, ImagesAndGradientsEqualTheOracles) {
   const TestScene<double> scene = scene_before_a_map(91);

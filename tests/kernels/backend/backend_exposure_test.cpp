@@ -109,7 +109,7 @@ TEST_P(BackendExposure, IsTheLossOfTheProduct) {
 }
 
 // For a device's kernels; the oracle is the CPU's own code, which the test above and
-// exposure_test.cpp hold to account.
+// exposure_test.cpp test.
 // Bug put back: sums that begin where those of the last call ended; seen to fail on the CPU.
 TEST_P(BackendExposure, LossAndGradientsEqualTheOracles) {
   for (const bool masked : {false, true}) {

@@ -75,7 +75,7 @@ TEST_P(DeviceOnly, MoreInstancesThan31BitsAreCountedAndRefused) {  // C6
   EXPECT_EQ(render(scene, backend()).colour.size(), size_t(3 * (37 * 29 + 24 * 35 + 45 * 18)));
 }
 
-/// What an InputError says; "" if there is none.
+/// The message of an InputError; "" without one.
 template <class Work>
 std::string refusal(Work&& work) {
   try {

@@ -125,7 +125,7 @@ void expect_oracles(const TestScene<double>& scene, Backend& backend) {
                  group_name(Group(g), SetForm::kPair));
 }
 
-// For a device's kernels; the oracle is the CPU's own code, which ssim_test.cpp holds to account.
+// For a device's kernels; the oracle is the CPU's code, which ssim_test.cpp tests.
 TEST_P(BackendMask, LossAndGradientsEqualTheOracles) {
   TestScene<double> scene = large_scene(63);
   Random random(64);

@@ -179,7 +179,7 @@ class BackendSensitivity : public EveryBackend {
 };
 TESSERA_ON_EVERY_BACKEND(BackendSensitivity);
 
-// For a device's kernels; the oracle is the CPU's own code, which the tests above hold to account.
+// For a device's kernels; the oracle is the CPU's code, which the tests above test.
 // Bugs put back, each seen to fail on the CPU: sums that begin where those of the last call ended;
 // masks of the next view in the residual.
 TEST_P(BackendSensitivity, EqualsTheOracles) {
@@ -294,7 +294,7 @@ TEST_P(BackendSensitivity, ResidualIsTheImageLessItsTruth) {
   }
 }
 
-// Bug put back: lists walked to their end, whatever `used` says; seen to fail on the CPU.
+// Bug put back: lists walked to their end, beyond `used`; seen to fail on the CPU.
 TEST_P(BackendSensitivity, WhatIsHiddenIsNothing) {
   TestScene<float> scene = front_scene();
   add_round(scene, {0, 0, 5}, 200, 1 - 1e-5, {0.8, 0.4, 0.2});

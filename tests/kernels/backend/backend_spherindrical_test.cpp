@@ -61,7 +61,7 @@ TEST_P(BackendSpherindrical, ReportsLevelsThatAreNotFinite) {  // C20
 
 /// Bit for bit: sets that store levels which are not active are drawn and trained as those without.
 TEST_P(BackendSpherindrical, NotActiveIsAsNone) {
-  // Bug put back: levels evaluated whatever sh_time_degree says; seen to fail.
+  // Bug put back: levels evaluated beyond sh_time_degree; seen to fail.
   for (const SetForm form : kDynamicForms) {
     TestScene<float> scene = levelled_scene(form, 2, 87).as<float>();
     scene.options.kernels.deterministic = true;

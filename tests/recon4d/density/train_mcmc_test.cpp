@@ -111,7 +111,7 @@ TEST(Mcmc, TheDeadBecomeCopiesAndKeepTheirMoments) {
     const GaussianSet& old = before.set(k);
     std::vector<int64_t> source(size_t(set.count()));
     std::vector<int> copies(size_t(set.count()), 1);
-    for (int64_t n = 0; n < set.count(); ++n) {  // the tag tells who it was
+    for (int64_t n = 0; n < set.count(); ++n) {  // the tag identifies the Gaussian
       source[size_t(n)] = int64_t(*set.values().at(kSh, n));
       EXPECT_EQ(source[size_t(n)] != n, n % 5 == 4) << n;
       if (n % 5 == 4) ++copies[size_t(source[size_t(n)])];
@@ -164,7 +164,7 @@ TEST(Mcmc, SetsOfDeadGaussians) {
   }
   state = handmade_state(0, 0);
   EXPECT_EQ(control(state, mcmc_options(1000))[0].added, 0) << "nothing to lose";
-  state = handmade_state(30, 40, 1);  // the static set dies out, the dynamic one grows
+  state = handmade_state(30, 40, 1);  // the static set is empty at the end, the dynamic one grows
   for (float& logit : state.model.dynamic_set.group(kOpacityLogit).value) logit = 0;
   EXPECT_EQ(control(state, mcmc_options(1000))[1].added, 3);
   EXPECT_EQ(state.model.static_set.count(), 30);
@@ -299,7 +299,7 @@ TEST(McmcTraining, BeatsASetThatDoesNotGrow) {
   options.init_points = 20;
   options.max_gaussians = 60;
   options.init_opacity = 0.5;
-  options.mcmc_noise = 5e3;  // means learn for 400 steps, not 30,000
+  options.mcmc_noise = 5e3;  // means are trained for 400 steps, not 30,000
   Training grown(scene, options);
   options.densify_until = 0;
   Training still(scene, options);

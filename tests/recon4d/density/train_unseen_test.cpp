@@ -18,7 +18,7 @@ void set_value(GaussianSet& set, Group group, int64_t n, std::vector<float> valu
             set.group(group).value.data() + n * int64_t(values.size()));
 }
 
-/// A training state of that model, with moments and statistics that tell its elements apart.
+/// A training state of that model, with moments and statistics that identify its elements.
 TrainState state_of(GaussianModel model) {
   TrainState state;
   state.model = std::move(model);

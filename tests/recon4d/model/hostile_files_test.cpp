@@ -133,7 +133,7 @@ std::string spz_header(uint32_t version, uint32_t count, uint8_t streams) {
 }
 
 // Bugs put back, each seen to fail: gunzip without the header's limit (the bomb inflates whole);
-// streams of version 4 as long as they say (no memory).
+// streams of version 4 as long as stated (no memory).
 TEST_F(HostileFiles, PackedSplatsAreAsManyAsTheHeaderSays) {
   const std::string bomb = gzip(spz_header(3, 1, 0) + std::string(300 << 20, '\0'), 1);
   expect_splats_refused("bomb.spz", bomb, {"bomb.spz", "holds more"});

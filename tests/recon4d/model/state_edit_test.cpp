@@ -86,7 +86,7 @@ TEST(StateEdit, IsTheSameInAMemoryOfItsOwn) {
   EXPECT_EQ(backend.strays, 0);
 }
 
-// Bug put back: statistics begun anew, so that the next density control saw none; seen to fail.
+// Bug put back: statistics reset, so that the next density control had none; seen to fail.
 TEST(StateEdit, KeptElementsKeepTheirValuesMomentsAndStatistics) {
   for (const SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     const TrainState before = tagged_state(form);

@@ -53,7 +53,7 @@ class CheckpointFile : public ::testing::Test {
   }
   std::filesystem::path path() const { return folder_ / "run.ckpt"; }
 
-  /// What loading such a file says; "" when it loads, which the caller then fails on.
+  /// The error of loading such a file; "" when it loads, which the caller reports as a failure.
   std::string refusal(const std::string& bytes) const {
     const std::filesystem::path damaged = folder_ / "damaged.ckpt";
     std::ofstream(damaged, std::ios::binary) << bytes;  // no fsync: thousands of these

@@ -157,8 +157,8 @@ TEST(TrainExposure, MeanIsOneWhateverIsLearnt) {
   }
 }
 
-// Adam by hand for the one row that is seen, whose log gain is told by its distance to the other's:
-// the gauge moves both alike. Bugs put back, each seen to fail: t counted from 0; from 2.
+// Adam by hand for the one row that is seen, whose log gain is measured by its distance to the
+// other's: the gauge moves both alike. Bugs put back, each seen to fail: t counted from 0; from 2.
 TEST(TrainExposure, StepsAreAdams) {
   constexpr double kRate = 0.01;
   ExposureState state;

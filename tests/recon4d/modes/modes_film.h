@@ -36,7 +36,7 @@ PointCloud surface_cloud(const Film& film, int still, int moving);
 std::vector<const Frame*> held_out(const Scene& scene);
 /// One light all around, so that colours are those of the textures × 0.85 where normals are level.
 synth::World even_world();
-/// Added to `world`: a solid that stands at `place` and is seen anew at each timestep.
+/// Added to `world`: a solid at `place` that differs at each timestep.
 synth::Solid& add_solid(synth::World& world, synth::ShapeKind kind, glm::dvec3 half,
                         glm::dvec3 place, const synth::Texture& texture, bool moves = true);
 /// Textures of three colours, warm and cold; `gain` dims them.

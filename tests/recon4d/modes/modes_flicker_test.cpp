@@ -10,7 +10,7 @@
 namespace tessera::testing {
 namespace {
 
-/// A ball goes up and down in front of the left half of a wall.
+/// A ball moves up and down in front of the left half of a wall.
 Film wall_film() {
   Film film;
   film.timesteps = 21;

@@ -53,9 +53,9 @@ double unrest(const std::vector<RenderedImage>& images) {
 }
 
 // What rests for most of the clip becomes static. The row demands no variance in the rest; 0.03 of
-// a step is seen, 0.17 without decisions: what comes and goes fades, and a Gaussian in time never
-// ends. Bug put back: temporal extents start at a hundredth of the clip and no Gaussian becomes
-// static; seen to fail by short extents in the rest.
+// a step is seen, 0.17 without decisions: dynamic Gaussians fade in and out, and their marginals
+// never reach zero. Bug put back: temporal extents start at a hundredth of the clip and no Gaussian
+// becomes static; seen to fail by short extents in the rest.
 TEST(LongRest, IsHeldByLongLives) {
   const Film film = resting_film();
   Scene scene = shoot(film);

@@ -15,7 +15,7 @@ double zigzag(double way, double span) {
   return position < span ? position : 2 * span - position;
 }
 
-/// A ball of 20 pixels that goes to and fro over 68 pixels, `speed` pixels a frame.
+/// A ball of 20 pixels that moves to and fro over 68 pixels, `speed` pixels a frame.
 Film ball_film(double speed) {
   Film film;
   film.width = 96;

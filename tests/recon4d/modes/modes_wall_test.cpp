@@ -45,7 +45,7 @@ double depth_deviation(const GaussianModel& model, const Scene& scene) {
   return std::sqrt(squares / light - sum / light * sum / light);
 }
 
-// Nothing says how deep they are: they stay where they were put, 2.6 units for 2.4. Medians of nine
+// Nothing determines their depth: they stay where they were put, 2.6 units for 2.4. Medians of nine
 // seeds, because single trainings differ by more than what is tested: the number of Gaussians is
 // 160 to 360 (medians of five: 230 to 310), the PSNR 42 to 55 dB, and the worst flicker 0.1 to 2
 // steps (medians: 0.6 by g++ 12, 1.0 by g++ 14; falls short of A14, which has 0.5). Bugs put back,

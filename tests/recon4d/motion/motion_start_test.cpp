@@ -82,7 +82,7 @@ TEST(MotionStart, OneSpotHasOneNodeAndNothingHasNone) {
   EXPECT_TRUE(faint.plan(3).position.empty());
 }
 
-/// A state of static Gaussians whose optimizer state tells them apart.
+/// A state of static Gaussians that the optimizer state identifies.
 TrainState static_state() {
   TrainState state;
   state.model = random_model(60, 0);

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What the call says when it refuses; empty when it does not.
+/// The message of a refused call; empty when the call succeeds.
 template <class Call>
 std::string refusal(Call&& call) {
   try {
@@ -158,7 +158,7 @@ TEST(TrainOptions, JsonRoundTripsEveryBit) {
   EXPECT_EQ(back.lr_mean, options.lr_mean);
 }
 
-// Bug put back: what a still scene wants before what the preset wants; seen to fail.
+// Bug put back: values of a static scene set before those of the preset; seen to fail.
 TEST(TrainOptions, PresetsApplyAndAreValid) {
   for (const Preset& preset : presets())
     for (const bool still : {false, true}) {

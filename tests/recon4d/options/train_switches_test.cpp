@@ -137,7 +137,7 @@ const char* const kBeforeTraining[] = {"sweep", "train_scale"};
 /// MotionTraining.ControlPointsFollowTheOptions.
 const char* const kOfLongClips[] = {"node_knots", "node_knot_interval"};
 
-/// Rows that list splats in more tiles: the instances of a step say so.
+/// Rows that list splats in more tiles, which the instances of a step show.
 const char* const kBounds[] = {"rectangular_bounds", "opacity_bounds"};
 
 /// Rows that decide which model is kept and when training ends; with what makes that seen.
@@ -218,7 +218,7 @@ int64_t some_instances(const std::string& key, bool value) {
 
 class Switch : public ::testing::TestWithParam<std::string> {};
 
-// Bug put back: rotations learn at a fixed rate (lr_rotation); seen to fail.
+// Bug put back: rotations are trained at a fixed rate (lr_rotation); seen to fail.
 TEST_P(Switch, ChangesTheModel) {
   TrainOptions options = usual_options();
   for (const Alternative& row : same_models())

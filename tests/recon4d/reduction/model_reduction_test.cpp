@@ -77,7 +77,7 @@ struct Thrifty {
   const std::vector<ReductionReport>& decisions() const { return training->decisions(); }
 };
 
-// Bug put back: the goal found anew at every round; seen to fail.
+// Bug put back: the goal computed again in every round; seen to fail.
 TEST(ModelReduction, TheLastRoundLeavesTheKneeOfTheFirst) {
   const Thrifty run = std::move(Thrifty(thrifty_options()).run(180));
   ASSERT_EQ(run.decisions().size(), 7u);

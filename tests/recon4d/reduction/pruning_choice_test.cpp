@@ -65,11 +65,11 @@ TEST(PruningChoice, DecibelsThatTheValidationViewsHaveLeft) {
 TEST(PruningChoice, BytesScaleFromTheRatesToTheFile) {
   SizeRequest request;
   request.bytes = 1005;
-  request.file_bytes = 2000;  // twice what the rates say
+  request.file_bytes = 2000;  // twice the size by the rates
   EXPECT_EQ(chosen(request).goal, 52) << "1040 of 1045 bytes";
 }
 
-// Bug put back: the goal found anew where an earlier one holds; seen to fail.
+// Bug put back: the goal computed again where an earlier one is valid; seen to fail.
 TEST(PruningChoice, WithoutARequestTheKneeAndThenItsGoal) {
   std::vector<Removal> order = equal_removals();
   for (size_t n = 0; n < order.size(); ++n) order[n].error = n < 60 ? 1e-6 : 0.01 * double(n);

@@ -41,7 +41,7 @@ int64_t hide(GaussianModel& model) {
   return 7;
 }
 
-// C12. Bug put back: one more than the unseen gone; seen to fail.
+// C12. Bug put back: one more than the unseen removed; seen to fail.
 TEST(SizeLimit, WhatNoTrainingFrameSeesGoesAndNoImageChanges) {
   Contracted c;
   const int64_t hidden = hide(c.model);
@@ -111,7 +111,7 @@ TEST(SizeLimit, TheSmallestThatIsGoodEnough) {
   EXPECT_EQ(c.count(limit), 65) << "none is good enough: as it is";
 }
 
-// Bug put back: the dearest gone first; seen to fail.
+// Bug put back: the largest contribution removed first; seen to fail.
 TEST(SizeLimit, IsMetByWhatIsWorthLeastInTheTrainingFrames) {
   Contracted c;
   c.model = empty_model();

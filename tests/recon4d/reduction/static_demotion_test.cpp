@@ -57,7 +57,8 @@ TEST(StaticDemotion, WhatLastsAndDoesNotMoveIsAccepted) {
   }
 }
 
-// Colour that changes at rest: one goes as the other comes, each alone might last. Bug put back:
+// A colour that changes at rest: one Gaussian fades out as the other fades in, and each alone could
+// be static. Bug put back:
 // one round, whatever is left; seen to fail.
 TEST(StaticDemotion, AChangeOfColourIsMotion) {
   Plain before{{0, 0.6, 0}, {0.9, 0.1, 0.1}, 0.12, 0.9, 0, 0.35}, after = before;

@@ -148,7 +148,7 @@ TEST(FrameCache, TheBudgetDecides) {
   EXPECT_TRUE(ring(int64_t{1} << 40, 100));
 }
 
-// Bug put back: the feed is made before anyone looks; seen to fail: a crash with a separate memory.
+// Bug put back: the supply is made before it is used; seen to fail: a crash with a separate memory.
 TEST(FrameCache, WithoutFramesIsRefused) {
   Scene scene = patterned();
   scene.path = "patterned";
@@ -171,7 +171,7 @@ TEST(FrameCache, WithoutFramesIsRefused) {
 }
 
 /// As the trainer drives it: truth, then the two batches to come.
-// Bug put back: slots filled in turn, whoever uses them; seen to fail.
+// Bug put back: slots filled in turn, even while they are in use; seen to fail.
 TEST(FrameCache, TheRingIsAlwaysAhead) {
   const Scene scene = patterned();
   for (int64_t batch : {1, 3, 5}) {

@@ -145,7 +145,7 @@ TEST(Initialise, TimesAndStaticPointsOfACloudAreTaken) {
   options.carve = false;
   const Initialisation made = initialise(scene, options);
   EXPECT_NE(made.source.find("3 at random"), std::string::npos) << made.source;
-  // dynamic: the ten that move. Static: ten still ones, ten of whom nothing is known, by the share
+  // dynamic: the ten that move. Static: ten still ones, ten without a velocity, by the share
   ASSERT_EQ(made.model.dynamic_set.count(), 10);
   ASSERT_EQ(made.model.static_set.count(), 20 + 3);
   for (int64_t n = 0; n < 10; ++n) {

@@ -21,7 +21,7 @@ using testing::SeparateBackend;
 using testing::tiny_capture;
 using testing::tiny_options;
 
-/// What the observer was told, in order: "step 3", "density 6 static".
+/// The calls of the observer, in order: "step 3", "density 6 static".
 struct Diary final : Observer {
   std::vector<std::string> lines;
   double seconds = 0;

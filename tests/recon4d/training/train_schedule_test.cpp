@@ -176,7 +176,7 @@ TEST(TrainSchedule, LearningRatesOfTheMethod) {
 // Bug put back: it decays as the means do; seen to fail.
 TEST(TrainSchedule, TemporalMeansKeepTheirRate) {
   const TrainOptions options;
-  const auto rate = [&](int64_t i) {  // the bias of the moments is gone at the end
+  const auto rate = [&](int64_t i) {  // the bias of the moments vanishes at the end
     const AdamScalars<float> kept = adam_scalars<float>(1, i + 1);
     const AdamGroups<float> groups = Schedule(options, kExtent).adam(i, SetForm::kVelocity);
     return groups.group[kMeanTime].step_size / kept.step_size;

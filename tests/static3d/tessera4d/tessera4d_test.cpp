@@ -23,7 +23,8 @@
 namespace tessera::testing {
 namespace {
 
-/// A clip of eight seconds whose dynamic Gaussians live for a quarter of a second to for ever.
+/// A clip of eight seconds whose dynamic Gaussians have extents from a quarter of a second to
+/// infinity.
 GaussianModel clip_model(uint64_t seed = 7, int64_t moving = 300) {
   GaussianModel model = random_model(60, moving, seed, 16, SetForm::kVelocity);
   model.time_axis = {0, 8};

@@ -91,7 +91,7 @@ TEST_F(BatchReport, HasMediansOverSeeds) {
   EXPECT_NE(csv_of(all["scenes"]).find("room,test,fast,100,2,21.0,20.0,22.0"), std::string::npos);
 }
 
-// A scene that holds nothing out. Bugs put back, each seen to fail: its table without a word; the
+// A scene without held-out views. Bugs put back, each seen to fail: its table without a remark; the
 // views of another scene.
 TEST_F(BatchReport, TellsTrainingViewsFromHeldOutOnes) {
   EXPECT_EQ(page().find("raining views"), std::string::npos);

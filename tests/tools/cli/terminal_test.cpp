@@ -120,7 +120,7 @@ TEST_F(Terminal, WarningsAreYellowOnATerminalUnlessNoColorIsSet) {
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "warning: low light\n");
 }
 
-// Bug put back: say does not ask for the verbosity; seen to fail.
+// Bug put back: say ignores the verbosity; seen to fail.
 TEST_F(Terminal, QuietLeavesWarningsAndErrors) {
   set_verbosity(Verbosity::kQuiet);
   PseudoTerminal terminal(80);

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-/// `tessera bench capture` with few steps of a small load, over which `more` goes.
+/// `tessera bench capture` with few steps of a small load, overridden by `more`.
 std::vector<std::string> bench(const CliWorkspace& work, const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"bench", work.at("capture")};
   const std::pair<const char*, const char*> tiny[] = {

@@ -87,7 +87,7 @@ TEST_F(CliTrainings, ACellIsTheTrainingThatItsOptionsMake) {
   EXPECT_EQ(metrics["bytes"], fs::file_size(work / "run/model.ply"));
 }
 
-// Bugs put back: every cell is run anew; a result.json that is cut off counts as done; seen to
+// Bugs put back: every cell is run again; a result.json that is cut off counts as done; seen to
 // fail.
 TEST_F(CliTrainings, WhatIsDoneIsNotDoneAgain) {
   ASSERT_EQ(work.run(chart()).exit_code, 0);
@@ -102,7 +102,7 @@ TEST_F(CliTrainings, WhatIsDoneIsNotDoneAgain) {
   for (const auto& [file, time] : results()) EXPECT_NE(time, first.at(file)) << "other options";
 }
 
-// Bug put back: every cell is run anew; seen to fail.
+// Bug put back: every cell is run again; seen to fail.
 TEST_F(CliTrainings, AKilledOneGoesOnWithWhatIsLeft) {
   const Words longer =
       bench({"--chart", "--presets", "fast,balanced", "--budgets", "150", "--seeds", "1,2"});
@@ -121,7 +121,7 @@ TEST_F(CliTrainings, AKilledOneGoesOnWithWhatIsLeft) {
   for (const auto& [file, time] : first) EXPECT_EQ(results().at(file), time) << file;
 }
 
-// Bug put back: a half-done cell starts anew; seen to fail.
+// Bug put back: a half-done cell starts from the beginning; seen to fail.
 TEST_F(CliTrainings, AHalfDoneCellGoesOnFromItsCheckpoint) {
   const Words half{"train",
                    work.at("capture"),
@@ -145,7 +145,7 @@ TEST_F(CliTrainings, AHalfDoneCellGoesOnFromItsCheckpoint) {
   const std::string log = work.read("out/runs/capture/fast/6/1/log.jsonl");
   EXPECT_NE(log.find("\"initialisation\":\"checkpoint\",\"iteration\":4"), std::string::npos)
       << log;
-  // one of other options starts anew, one with a damaged checkpoint too
+  // one with other options restarts, as does one with a damaged checkpoint
   fs::remove(cell("fast/6/1") / "result.json");
   ASSERT_EQ(work.run(half).exit_code, 2) << "holds a run";
   Words other = half;
@@ -164,7 +164,7 @@ TEST_F(CliTrainings, AHalfDoneCellGoesOnFromItsCheckpoint) {
   EXPECT_TRUE(work.read("out/runs/capture/fast/6/1/model.ply") == model);
   EXPECT_EQ(fs::file_size(cell("fast/6/1") / "checkpoint.refused"), 100u);
 
-  // a checkpoint stays that was not refused. Bug put back: anew after whatever failure; seen to
+  // a checkpoint stays that was not refused. Bug put back: restarted after any failure; seen to
   // fail
   fs::remove(cell("fast/6/1") / "result.json");
   ASSERT_EQ(work.run(same).exit_code, 0);

@@ -127,10 +127,10 @@ TEST_F(CliResume, AFullDiskKeepsThePreviousCheckpoint) {
   EXPECT_EQ(work.read("run/model.ply"), work.read("whole/model.ply"));
 }
 
-// What a resumed training fails for says nothing of its checkpoint, with an exception: one that is
+// The failure of a resumed training is not taken for one of its checkpoint, except for one that is
 // refused has an exit code of its own. Bugs put back, one each: refused checkpoints as any other
-// input (exit code 2); other frames likewise; a run without a checkpoint trained anew in its place;
-// each seen to fail.
+// input (exit code 2); other frames likewise; a run without a checkpoint trained from the beginning
+// in its place; each seen to fail.
 TEST_F(CliResume, ARefusedCheckpointHasAnExitCodeOfItsOwn) {
   ASSERT_EQ(train("run", {"--stop-after", "9"}).exit_code, 0);
   const std::string before = work.read("run/checkpoint.ckpt");

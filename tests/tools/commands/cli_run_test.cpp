@@ -181,7 +181,7 @@ TEST_F(CliRun, NeverGoesOnWithTheCheckpointOfAnotherTraining) {
   EXPECT_EQ(work.read("out/run/model.ply"), model);
 }
 
-// Bug put back: what a refused checkpoint says ends the run, every time; seen to fail.
+// Bug put back: the error of a refused checkpoint ends the run, every time; seen to fail.
 TEST_F(CliRun, SetsARefusedCheckpointAside) {
   ASSERT_EQ(run({"--checkpoint-every", "1"}).exit_code, 0);
   const std::string model = work.read("out/run/model.ply");

@@ -96,7 +96,7 @@ TEST_F(CliValidation, NeverReadsHeldOutImages) {
 }
 
 // E5. Bugs put back, each seen to fail: the best model not brought back; the record not saved; a
-// best model that is gone not asked for.
+// best model that is missing not detected.
 TEST_F(CliValidation, TwoHalvesAreTheWhole) {
   const json whole = train("whole");
   const int64_t best = whole["validation"]["best_iteration"];

@@ -132,7 +132,7 @@ TEST_F(CliWorkflow, DatasetsAreCapturesFoldersAndGlobs) {
   EXPECT_EQ(yaml["presets"], json::array({"balanced"})) << "a name where there are no options";
 }
 
-// Bug put back: the engine told where it is by its own folder, not by --directory; seen to fail.
+// Bug put back: the engine's folder set by its working folder, not by --directory; seen to fail.
 TEST_F(CliWorkflow, CallsTheEngineAsAPersonCould) {
   engine(done("fast", 1));
   const ChildResult result = work.run(arguments({"--preset", "fast"}));
@@ -194,7 +194,7 @@ TEST_F(CliWorkflow, WhatTheWorkflowRefusesIsBadInput) {
   EXPECT_EQ(result.out, "");
 }
 
-// Bug put back: the signal goes to the engine alone, not to its jobs; seen to fail.
+// Bug put back: the signal is sent to the engine alone, not to its jobs; seen to fail.
 TEST_F(CliWorkflow, AnInterruptReachesTheJobs) {
   // the job is a child of the engine
   work.write("job", "#!/bin/sh\ntrap 'echo saved > " + work.at("saved") + "; exit 130' INT\n: > " +

@@ -55,7 +55,7 @@ double largest_difference(const json& a, const json& b) {
   return largest;
 }
 
-// Bugs put back: the model exported as it is; its size told in the prepared scene's world; each
+// Bugs put back: the model exported as it is; its size stated in the prepared scene's world; each
 // seen to fail.
 TEST_F(CliWorld, ExportsComeOutWhereTheCaptureIs) {
   const json truth = bounds_of_points(work_ / "room");
@@ -90,14 +90,14 @@ TEST_F(CliWorld, ExportsComeOutWhereTheCaptureIs) {
   EXPECT_EQ(info["account"]["shipped"]["bytes"], fs::file_size(work_ / "single/scene.t4d"));
 }
 
-// Bug put back: cameras taken for the model's world whatever their file says; seen to fail.
+// Bug put back: cameras taken as in the model's world against their file; seen to fail.
 TEST_F(CliWorld, CamerasOfEitherWorldSeeTheSame) {
   ASSERT_EQ(work_.run({"export", work_.at("run"), "-o", work_.at("model"), "--format", "model"})
                 .exit_code,
             0);
   ASSERT_EQ(
       work_.run({"ingest", work_.at("room"), "-o", work_.at("kept"), "--keep-world"}).exit_code, 0);
-  // The kept scene's cameras without what says whose they are: a foreign file.
+  // The kept scene's cameras without the field that names their scene: a foreign file.
   json foreign = json::parse(work_.read("kept/transforms.json"));
   foreign.erase("tessera");
   for (json& frame : foreign["frames"]) frame.erase("tessera");

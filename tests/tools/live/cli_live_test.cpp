@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Somebody who looks at a run all the time.
+/// A viewer that requests the state of a run continuously.
 class Watcher {
  public:
   explicit Watcher(const fs::path& run) : run_(run), live(run) {}
@@ -35,7 +35,8 @@ class Watcher {
   LiveRequest request;
 };
 
-// Bugs put back: stop_training of another training is obeyed; RUN/live stays; each seen to fail.
+// Bugs put back: stop_training of another training stops this one; RUN/live stays; each seen to
+// fail.
 TEST(CliLive, ATrainingThatIsWatchedShowsItselfAndStopsWhenAsked) {
   const CliWorkspace work;
   const ScratchFolder scratch;

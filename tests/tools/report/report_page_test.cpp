@@ -75,7 +75,7 @@ TEST(ReportPage, HasAllSections) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
 }
 
-// Bug put back: headings of sections that have nothing to say; seen to fail.
+// Bug put back: headings of empty sections; seen to fail.
 TEST(ReportPage, SectionsWithoutDataAreLeftOut) {
   RunPage page;
   page.title = "empty";

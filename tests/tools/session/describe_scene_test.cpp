@@ -22,7 +22,7 @@ void write_names(const std::filesystem::path& folder, const std::vector<std::str
   }
 }
 
-// `info` said of such a folder: "holds no files of a known type".
+// `info` reported of such a folder: "holds no files of a known type".
 TEST(DescribeSequences, CamerasAndFramesOfARig) {
   const ScratchFolder folder;
   write_names(folder / "rig", {"cam00", "cam01", "cam02"});
