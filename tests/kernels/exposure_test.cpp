@@ -61,7 +61,7 @@ TEST(Exposure, GradientsEqualDifferences) {
 }
 
 // Bugs put back, each seen to fail: the sums of the next view; the offset left out of the image.
-TEST(Exposure, WhatAMaskIgnoresHasNoSay) {
+TEST(Exposure, MaskedPixelsHaveNoEffect) {
   TestScene<double> scene = mapped_scene();
   scene.weights = {1, 0};  // as Gradient.WithMasksEqualsDifferences
   for (const View& view : scene.views)

@@ -156,7 +156,7 @@ TEST(Filter3d, SizeIsThatOfTheNearestViewThatSamples) {
   }
 }
 
-TEST(Filter3d, NobodySeenMeansNoFilter) {
+TEST(Filter3d, WithoutAViewThereIsNoFilter) {
   TestScene<double> scene = random_scene(3, 0, 0.1, 8);
   for (double& x : scene.fixed.group[kMean]) x += 500;
   const ViewBatch<double> batch = make_view_batch<double>(scene.views);

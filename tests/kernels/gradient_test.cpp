@@ -180,7 +180,7 @@ TEST(Gradient, WithMasksEqualsDifferences) {
 }
 
 // Bug put back: the weight left out of the gradient; seen to fail.
-TEST(Gradient, WithMoreWeightWhereThingsMoveEqualsDifferences) {
+TEST(Gradient, WithMoreWeightOnMovingPixelsEqualsDifferences) {
   TestScene<double> scene = gradient_scene(1, 3);
   scene.mask = chequered(scene.views);
   for (std::vector<uint8_t>& mask : scene.mask)

@@ -73,7 +73,7 @@ TEST(PositionNoise, IsShutOffFromOpaqueOnes) {
   EXPECT_FALSE(moves(0.99));
 }
 
-TEST(PositionNoise, IsDrawnAnewForEveryGaussianStepAndSet) {
+TEST(PositionNoise, IsDrawnAgainForEveryGaussianStepAndSet) {
   // Correlations of 60,000 numbers: five standard errors. Bug put back: the step left out of the
   // counter; seen to fail.
   const TestGaussians<double> fixed = equal_gaussians(SetForm::kStatic, 0.004);

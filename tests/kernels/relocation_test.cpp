@@ -176,7 +176,7 @@ TEST(Relocation, UniformBelowIsTheHighHalfOfAProduct) {
   }
 }
 
-TEST(Relocation, OnlyTheDeadMoveAndOnlyToTheLiving) {
+TEST(Relocation, OnlyDeadGaussiansMoveAndOnlyToLivingOnes) {
   // Failure mode C13: as many as were dead. Bugs put back, each seen to fail: ≥ in place of > in
   // the test for living Gaussians; a quaternion of length 0 counts as living.
   TestGaussians<double> set(SetForm::kStatic, 300);
@@ -212,7 +212,7 @@ TEST(Relocation, OnlyTheDeadMoveAndOnlyToTheLiving) {
   }
 }
 
-TEST(Relocation, NobodyIsMovedWhereNobodyLives) {
+TEST(Relocation, NoGaussianIsMovedWhereAllAreDead) {
   for (const int64_t count : {0, 1, 5}) {
     TestGaussians<double> set(SetForm::kPair, count);
     std::fill(set.group[kOpacityLogit].begin(), set.group[kOpacityLogit].end(), -9.0);

@@ -165,7 +165,7 @@ TEST(SyncMotion, AClockThatDriftsIsRefused) {
 
 // A room in which nothing moves: no clock is changed, and each camera gets a warning.
 // Clocks that were not determined passed as measured: seen to fail.
-TEST(SyncMotion, AStaticSceneTellsNothing) {
+TEST(SyncMotion, AStaticSceneGivesNoClock) {
   const ScratchFolder folder;
   SynthOptions still = room();
   still.scene = SynthScene::kRoomStatic;

@@ -79,7 +79,7 @@ std::string container_error(const std::vector<std::optional<double>>& clocks) {
 
 // Bugs put back: dates of whole seconds taken; clips that do not overlap taken; the sign turned;
 // each seen to fail.
-TEST(ContainerTimes, AreTakenWhereTheyTellTheClipsApart) {
+TEST(ContainerTimes, AreTakenWhereTheyDistinguishTheClips) {
   const auto found =
       synchronise(clips_with_clocks({{1000.0}, {1000.25}, {999.5}}), SyncOptions{}, {});
   const double expected[] = {0, 0.25, -0.5};

@@ -43,7 +43,7 @@ TEST(PlaneSweep, FindsTheWallBetweenPlanes) {
 }
 
 // Bug put back: `still` compares the image with itself; seen to fail.
-TEST(PlaneSweep, TellsWhatMoves) {
+TEST(PlaneSweep, DetectsMovingPoints) {
   int64_t moving = 0;
   for (const SweptPoint& point : swept(wall_scene())) {
     moving += !point.still;
@@ -113,7 +113,7 @@ void fill_mask(Frame& frame, int used_from_x) {
 }
 
 // B17. Bug put back: ignored pixels searched for; seen to fail.
-TEST(PlaneSweep, WhatMasksIgnoreGivesNoPointAndHasNoSay) {
+TEST(PlaneSweep, MaskedPixelsGiveNoPointAndHaveNoEffect) {
   Scene scene = wall_scene({.timesteps = 1});
   fill_mask(scene.frames[2], 48);
   const PlaneSweep sweep(scene);

@@ -136,7 +136,7 @@ TEST(ColmapProgram, LogFilesStayBesideTheLog) {
   EXPECT_EQ(read_text_file(folder / "work/glog/INFO"), "said\n");
 }
 
-TEST(ColmapProgram, AbsentProgramSaysWhatToInstall) {
+TEST(ColmapProgram, AbsentProgramGivesTheNameOfThePackage) {
   const TemporaryFolder folder;
   ::setenv("TESSERA_COLMAP", "/nowhere/colmap", 1);
   expect_input_error([&] { ColmapProgram(folder / "log", kQuiet); },
@@ -145,7 +145,7 @@ TEST(ColmapProgram, AbsentProgramSaysWhatToInstall) {
 }
 
 // Failure mode B1. Catches: the first model taken, as sparse/0 often is the smallest.
-TEST(ColmapWorkspace, TakesTheLargestModelAndSaysSo) {
+TEST(ColmapWorkspace, TakesTheLargestModelAndReportsIt) {
   const TemporaryFolder folder;
   write_colmap_bin(folder / "0", small_colmap_model(3));
   write_colmap_bin(folder / "1", small_colmap_model(12));

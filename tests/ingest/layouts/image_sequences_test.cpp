@@ -95,7 +95,7 @@ TEST(ImageSequences, PosesDecideWhatImagesAre) {
 }
 
 // Bug put back: one of the two readings chosen without a word; seen to fail.
-TEST(ImageSequences, WhatIsNotClearIsAsked) {
+TEST(ImageSequences, AmbiguousNamesAreRefused) {
   for (const char* pattern : {"kitchen{c}x/{t:04}.jpg", "take_{c}_{t:04}.png", "{c}0a/{t}.png"}) {
     const TemporaryFolder folder;
     write_names(folder.path(), pattern, 2, 9);

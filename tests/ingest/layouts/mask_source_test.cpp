@@ -59,7 +59,7 @@ TEST_F(MaskSource, FoundByTheNameWithOrWithoutTheImagesExtension) {
 }
 
 // Bugs put back, each seen to fail: no inversion; the mask of the first frame stated for all.
-TEST_F(MaskSource, PreparedSceneHasThemAndSaysSo) {
+TEST_F(MaskSource, PreparedSceneHasThemAndReportsIt) {
   const Image8 first = right_half(8, 6);
   const Image8 second = mask_where(8, 6, [](int x, int y) { return (x + 2 * y) % 3 > 0; });
   write("train/r_000.png", first);

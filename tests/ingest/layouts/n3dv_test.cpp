@@ -240,7 +240,7 @@ TEST_F(N3dv, AnotherShapeIsRefused) {
   expect_input_error([&] { ingest(); }, {"cam00.mp4", "32x24", "64x60"});
 }
 
-TEST_F(N3dv, ScaleKeepsRaysAndSaysSo) {
+TEST_F(N3dv, ScaleKeepsRaysAndIsReported) {
   IngestOptions options;
   options.scale = 0.5;
   ingest(options);
@@ -295,7 +295,7 @@ TEST_F(N3dv, OutputThatIsNoSceneIsNotOverwritten) {
       {"ot a directory"});
 }
 
-TEST_F(N3dv, VideosWithoutPosesSayWhatIsNeeded) {
+TEST_F(N3dv, VideosWithoutPosesGiveTheRemedy) {
   std::filesystem::remove(folder_ / "capture/poses_bounds.npy");
   EXPECT_EQ(detect_layout(folder_ / "capture"), CaptureLayout::kVideos);
   setenv("TESSERA_COLMAP", "/nowhere/colmap", 1);

@@ -86,7 +86,7 @@ TEST(RigPosesFile, TransformsByNameWithSharedIntrinsics) {
   EXPECT_EQ(cameras[1].lens.k1, 0.1);
 }
 
-TEST(RigPosesFile, SayWhatIsWrong) {
+TEST(RigPosesFile, ReportTheError) {
   const TemporaryFolder folder;
   const auto refused = [&](const json& file, const std::vector<std::string>& parts) {
     write_bytes(folder / "c.json", file.dump());

@@ -85,7 +85,7 @@ TEST(PreparedScene, WrittenAndLoadedIsEqual) {
   }
 }
 
-TEST(PreparedScene, SaysWhatWasDone) {
+TEST(PreparedScene, ReportsItsOptions) {
   const TemporaryFolder folder;
   write_prepared_scene(folder.path(), example_scene());
   const json file = json::parse(read_bytes(folder / "transforms.json"));

@@ -159,7 +159,7 @@ TEST(Transforms, MasksThatDoNotFitAreNamed) {
   refused({"m.png", "largest value is 1", "255"});
 }
 
-TEST(Transforms, AlphaOfAMaskCountsWhereItSaysAnything) {
+TEST(Transforms, AlphaOfAMaskCountsWhereItVaries) {
   Image8 image = constant_image(2, 1, {0, 255, 0, 255});
   EXPECT_EQ(mask_of_image(image, "m").data, (std::vector<uint8_t>{255, 255}));
   image.data[3] = 0;

@@ -134,7 +134,7 @@ std::string refused_with(const TestScene<float>& scene, Backend& backend, int64_
   return text;
 }
 
-TEST_P(DeviceOnly, OutOfMemorySaysNeedAndHaveAndLeavesTheBackendUsable) {  // C21
+TEST_P(DeviceOnly, OutOfMemoryReportsNeedAndFreeAndLeavesTheBackendUsable) {  // C21
   TestScene<float> scene = random_scene(3000, 3000, 0.3, 92).as<float>();
   for (View& view : scene.views)
     view.camera = view.camera.resized(10 * view.camera.width, 10 * view.camera.height);

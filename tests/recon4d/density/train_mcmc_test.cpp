@@ -260,7 +260,7 @@ TEST(McmcTraining, ReachesTheLimitExactlyAndKeepsIt) {
 }
 
 // Bug put back: the noise named by the steps of this trainer; seen to fail.
-TEST(McmcTraining, GoesOnAsIfItHadNotStopped) {
+TEST(McmcTraining, ResumeEqualsAnUninterruptedTraining) {
   const Scene scene = tiny_capture();
   Training whole(scene, tiny_mcmc());
   whole.run();

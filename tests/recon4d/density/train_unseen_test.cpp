@@ -47,7 +47,7 @@ std::array<DensityReport, 2> prune(TrainState& state, const Scene& scene) {
 
 // Bugs put back, each seen to fail: weights of the dynamic set read from the start of the list; the
 // last batch of views left out; those kept that should go.
-TEST(TrainUnseen, WhatNoViewShowsGoes) {
+TEST(TrainUnseen, AGaussianInNoViewIsRemoved) {
   const TinyCapture capture{.cameras = 5, .timesteps = 4};
   const Scene scene = tiny_capture(capture);
   GaussianModel model = tiny_truth(capture);
@@ -74,7 +74,7 @@ TEST(TrainUnseen, WhatNoViewShowsGoes) {
   EXPECT_EQ(state.model.static_set.group(kOpacityLogit).moment1[0], 11.0f);
 }
 
-TEST(TrainUnseen, AGaussianBehindAnOpaqueOneGoes) {
+TEST(TrainUnseen, AGaussianBehindAnOpaqueOneIsRemoved) {
   const TinyCapture capture{.cameras = 1, .timesteps = 1};
   GaussianModel model = tiny_truth(capture);
   const Scene scene = tiny_capture(capture);

@@ -131,7 +131,7 @@ TEST(Evaluate, AStaticSetDoesNotFlicker) {
 }
 
 // Bug put back: the image given where the mask ignores; seen to fail.
-TEST(Evaluate, AsksTheGivenNetwork) {
+TEST(Evaluate, UsesTheGivenNetwork) {
   const GaussianModel model = random_model(30, 30);
   Scene scene = noise_scene(24, 20);
   const int masked = scene.split_indices(Split::kTest)[0];
@@ -269,7 +269,7 @@ TEST(Evaluate, RefusesAnEmptySplitAndAnotherBackground) {
                      {"some/scene", "255,255,255", "10,200,77"});
 }
 
-TEST(Evaluate, HandsOutImagesInOrderAndStopsWhenTold) {
+TEST(Evaluate, PassesImagesInOrderAndStopsOnRequest) {
   const GaussianModel model = random_model(3, 2);
   const Scene scene = noise_scene(12, 12);
   const auto backend = make_cpu_backend();

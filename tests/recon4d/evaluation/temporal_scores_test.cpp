@@ -71,7 +71,7 @@ TEST(Flicker, IsTheErrorOfChanges) {
 }
 
 // Bugs put back, each seen to fail: a camera's place and the order of time not looked at.
-TEST(Flicker, WantsACameraThatStandsStill) {
+TEST(Flicker, RequiresAStaticCamera) {
   const auto none = [](int, int) { return 0.0; };
   Scene moving = two_halves(4);
   moving.frames[2].camera = look_at({0, 0.1, -4}, {0, 0, 0}, kWidth, kHeight, 5);

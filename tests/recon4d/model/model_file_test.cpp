@@ -63,7 +63,7 @@ TEST(ModelFile, AnEmptyModelIsAFile) {
   EXPECT_TRUE(info["bounds"].is_null());
 }
 
-TEST(ModelFile, TellsItselfFromOtherFiles) {
+TEST(ModelFile, IsDistinguishedFromOtherFiles) {
   const TemporaryFolder folder;
   save_model(folder / "model.ply", random_model(2, 2));
   EXPECT_TRUE(is_tessera_model(folder / "model.ply"));

@@ -26,7 +26,7 @@ GaussianModel without_levels(const GaussianModel& model) {
 
 // Bugs put back, each seen to fail: levels left out of a slice; all that are stored, not those that
 // are active; T ignored.
-TEST(SpherindricalModel, ASliceHasTheCoefficientsOfItsMoment) {
+TEST(SpherindricalModel, ASliceHasTheCoefficientsOfItsTime) {
   GaussianModel model = random_model_in_time(0, 1, 2);
   *model.dynamic_set.values().at(kMeanTime, 0) = 0.4f;
   const GaussianSpans<const float> from = std::as_const(model).dynamic_set.values();

@@ -76,7 +76,7 @@ TEST(StateEdit, ElementsStandInTheOrderOfTheEdit) {
 }
 
 // Bug put back: statistics of added elements on the host; seen to fail.
-TEST(StateEdit, IsTheSameInAMemoryOfItsOwn) {
+TEST(StateEdit, IsTheSameInASeparateMemory) {
   SeparateBackend backend;
   TrainState state = tagged_state().clone_to(backend.memory());
   apply_edit(backend, both_ways(SetForm::kPair), state);

@@ -38,7 +38,7 @@ TrainState sorted_state(const Scene& scene, const TrainOptions& options) {
   return state;
 }
 
-TEST(TrainingOfBlocks, GoesOnFromACheckpointBitForBit) {
+TEST(TrainingOfBlocks, ResumeIsBitEqual) {
   // Bugs put back, each seen to fail: the blocks left out of the header; elements of equal widths
   // read.
   const Scene scene = tiny_capture();

@@ -120,7 +120,7 @@ TEST(TrainColourMaps, CamerasThatDifferAreFoundAndColoursAreTheMeanCameras) {
 
 // E5. Bugs put back, each seen to fail: rows of three numbers read from a checkpoint; moments not
 // stored.
-TEST(TrainColourMaps, ResumeGoesOnBitForBit) {
+TEST(TrainColourMaps, ResumeIsBitEqual) {
   const Scene scene = tiny_capture();
   const TrainOptions options = affine_options(tiny_options());
   Training whole(scene, options);

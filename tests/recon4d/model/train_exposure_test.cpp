@@ -112,7 +112,7 @@ TEST(TrainExposure, WobbleOfEveryImageIsFound) {
 }
 
 // E5. Bug put back: moments not in the checkpoint; seen to fail.
-TEST(TrainExposure, ResumeGoesOnBitForBit) {
+TEST(TrainExposure, ResumeIsBitEqual) {
   const Scene scene = tiny_capture();
   for (const ExposureGains by : {ExposureGains::kCamera, ExposureGains::kFrame}) {
     TrainOptions options = tiny_options();
@@ -125,7 +125,7 @@ TEST(TrainExposure, ResumeGoesOnBitForBit) {
 }
 
 // Bug put back: gains kept in the backend's memory; seen to fail.
-TEST(TrainExposure, IsTheSameInAMemoryOfItsOwn) {
+TEST(TrainExposure, IsTheSameInASeparateMemory) {
   const Scene scene = tiny_capture();
   TrainOptions options = tiny_options();
   options.exposure = ExposureGains::kCamera;

@@ -56,7 +56,7 @@ double unrest(const std::vector<RenderedImage>& images) {
 // a step is seen, 0.17 without decisions: dynamic Gaussians fade in and out, and their marginals
 // never reach zero. Bug put back: temporal extents start at a hundredth of the clip and no Gaussian
 // becomes static; seen to fail by short extents in the rest.
-TEST(LongRest, IsHeldByLongLives) {
+TEST(LongRest, IsHeldByLongExtents) {
   const Film film = resting_film();
   Scene scene = shoot(film);
   scene.points = surface_cloud(film, 200, 400);

@@ -57,7 +57,7 @@ TEST(FastMotion, BalancedFollowsAFifthOfTheSizeAFrame) {
 // Where temporal extents start at the time between two frames, all speeds up to 64 px a frame work:
 // 0.36 and 0.27 px.
 // Bug put back: init_time_scale not read; seen to fail by 45 and 74 px.
-TEST(FastMotion, LivesOfAFrameFollowAnySpeed) {
+TEST(FastMotion, ExtentsOfAFrameFollowAnySpeed) {
   TrainOptions options = short_training("balanced", 500);
   options.init_time_scale = 0.06;
   for (const double speed : {16.0, 64.0})

@@ -113,7 +113,7 @@ TEST(MotionTrial, WhereNoneIsMade) {
   EXPECT_EQ(reason(still), "the scene has one timestep");
 }
 
-TEST(MotionTrial, StopsWhenItIsTold) {
+TEST(MotionTrial, StopsOnRequest) {
   const std::unique_ptr<Backend> backend = make_cpu_backend();
   const Scene scene = travelling_camera(turning_truth(0.5, {0.1, 0, 0}), 24, 8);
   for (const int64_t last : {0, 100, 2100}) {

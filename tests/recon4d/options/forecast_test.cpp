@@ -29,7 +29,7 @@ TEST(Forecast, DoesNotOverflow) {
 }
 
 // Bugs put back: nodes counted as pairs; no time for the trials; each seen to fail.
-TEST(Forecast, KnowsMotionNodesAndTheirTrials) {
+TEST(Forecast, CountsMotionNodesAndTheirTrials) {
   const ForecastLoad load{50, 800 * 800, 50LL * 3 * 800 * 800, 2};
   TrainOptions options;
   options.max_gaussians = 1000;

@@ -278,7 +278,7 @@ TEST_P(Switch, ChangesTheModel) {
 
 /// Each row of KernelSwitches reaches its own member, and defaults are the kernels'.
 // Bug put back: separate_sort read from balanced_instances; seen to fail.
-TEST(KernelOptions, EachSwitchIsItsOwn) {
+TEST(KernelOptions, EachSwitchHasItsOwnField) {
   const auto bits = [](const TrainOptions& options) {
     const KernelSwitches k = kernel_switches(options);
     return std::vector<int>{k.bounds.rectangular, k.bounds.opacity_aware, k.balanced_instances,

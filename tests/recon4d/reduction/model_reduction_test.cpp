@@ -158,7 +158,7 @@ TEST(ModelReduction, DecidesOnceAtAStepAlsoAfterAResume) {
 }
 
 // Bug put back: images of the host handed to the stages; seen to fail.
-TEST(ModelReduction, IsTheSameInAMemoryOfItsOwn) {
+TEST(ModelReduction, IsTheSameInASeparateMemory) {
   const Thrifty here = std::move(Thrifty(thrifty_options()).run(200));
   testing::SeparateBackend backend;
   Thrifty separate(thrifty_options(), {}, &backend);
@@ -184,7 +184,7 @@ TEST(ModelReduction, MeasuresWithoutTheBuffersOfAStep) {
 }
 
 // E5. Bug put back: the goal not read from the checkpoint; seen to fail.
-TEST(ModelReduction, ResumeGoesOnBitForBit) {
+TEST(ModelReduction, ResumeIsBitEqual) {
   for (const IdleUpdate updates : {IdleUpdate::kDense, IdleUpdate::kSkip}) {
     TrainOptions options = thrifty_options();
     options.idle_updates = updates;

@@ -42,7 +42,7 @@ std::vector<Removal> made_order(const Contributions& contributions) {
 }
 
 // Bug put back: by error alone (a dynamic one frees more bytes); seen to fail.
-TEST(Thinning, TheCheapestByteGoesFirst) {
+TEST(Thinning, TheCheapestByteIsRemovedFirst) {
   const ByteRates rates;
   EXPECT_GT(rates.bytes_of(true, 0), rates.bytes_of(false, 0));
   EXPECT_NEAR(rates.bytes_of(false, 3) - rates.bytes_of(false, 0), 45 * rates.band, 1e-12);
@@ -192,7 +192,7 @@ TEST(Thinning, TheKneeOfWhatDoesNothingIsTheLeastShare) {
 }
 
 // Bug put back: the price of the first that stays; seen to fail.
-TEST(Thinning, AByteIsWorthWhatTheLastOneGoneCost) {
+TEST(Thinning, ThePriceOfAByteIsThatOfTheLastRemoval) {
   const std::vector<Removal> order = made_order(made_worth({1, 2, 4}));
   const double bytes = ByteRates{}.bytes_of(false, 0);
   EXPECT_EQ(error_per_byte_at(order, 3), 0);

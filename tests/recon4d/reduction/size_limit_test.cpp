@@ -42,7 +42,7 @@ int64_t hide(GaussianModel& model) {
 }
 
 // C12. Bug put back: one more than the unseen removed; seen to fail.
-TEST(SizeLimit, WhatNoTrainingFrameSeesGoesAndNoImageChanges) {
+TEST(SizeLimit, UnseenGaussiansAreRemovedAndNoImageChanges) {
   Contracted c;
   const int64_t hidden = hide(c.model);
   const GaussianModel fitted = c.fitted({});

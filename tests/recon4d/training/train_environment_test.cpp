@@ -131,7 +131,7 @@ TEST(TrainEnvironment, StepsAreAdams) {
 }
 
 // E5. Bug put back: moments of the map not in the checkpoint; seen to fail.
-TEST(TrainEnvironment, ResumeGoesOnBitForBit) {
+TEST(TrainEnvironment, ResumeIsBitEqual) {
   GaussianModel truth;
   const Scene scene = before_sky({}, truth);
   const TrainOptions options = sky_options();
@@ -143,7 +143,7 @@ TEST(TrainEnvironment, ResumeGoesOnBitForBit) {
 }
 
 // Bug put back: the map of the model on the host drawn; seen to fail.
-TEST(TrainEnvironment, IsTheSameInAMemoryOfItsOwn) {
+TEST(TrainEnvironment, IsTheSameInASeparateMemory) {
   GaussianModel truth;
   const Scene scene = before_sky({}, truth);
   const TrainOptions options = sky_options();

@@ -173,7 +173,7 @@ TEST(TrainFailures, BothSetsTogetherKeepToTheLimit) {
   EXPECT_EQ(most, 100) << "without a limit there would be hundreds";
 }
 
-TEST(TrainFailures, ReportsTellWhatHappened) {
+TEST(TrainFailures, ReportsContainTheEvents) {
   const Scene scene = tiny_capture();
   const TrainOptions options = tiny_options();
   Training training(scene, options);

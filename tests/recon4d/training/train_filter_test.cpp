@@ -21,7 +21,7 @@ TrainOptions filtered_options(Filter3d filter) {
 }
 
 // Bugs put back, each seen to fail: sizes not in the checkpoint; not permuted by `reorder`.
-TEST(TrainFilter, ResumeGoesOnBitForBit) {
+TEST(TrainFilter, ResumeIsBitEqual) {
   const Scene scene = tiny_capture();
   for (const Filter3d filter : {Filter3d::kMip, Filter3d::kClamp}) {
     const TrainOptions options = filtered_options(filter);

@@ -254,7 +254,7 @@ TEST(Initialise, RandomPointsSurroundTheFocusOrFillTheViews) {
     for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(v.at(kMean, n)[k] - rig.focus[k]), 0.25 + 1e-6);
 }
 
-TEST(Initialise, AllCarvedAwaySaysWhatToDo) {
+TEST(Initialise, AllCarvedAwayGivesTheRemedy) {
   Scene scene = scene_with_cloud(0);
   TrainOptions options;
   options.near_plane = 90;  // nothing of the box is that far away

@@ -106,7 +106,7 @@ TEST(TrainLoop, ThreadsDoNotChangeBytes) {
 }
 
 // Bug put back: the sampler is not restored from the checkpoint; seen to fail. (E5)
-TEST(TrainLoop, ResumeGoesOnBitForBit) {
+TEST(TrainLoop, ResumeIsBitEqual) {
   const Scene scene = tiny_capture();
   const TrainOptions options = tiny_options();
   Training whole(scene, options);

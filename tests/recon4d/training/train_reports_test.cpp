@@ -70,7 +70,7 @@ TEST(TrainReports, AreCompleteAfterAStop) {
 }
 
 // Bug put back: outcome() right after backward(); seen to fail.
-TEST(TrainReports, TheBackendIsAskedOnlyWhenTheNextForwardIsUnderWay) {
+TEST(TrainReports, TheBackendIsReadOnlyDuringTheNextForward) {
   const Scene scene = tiny_capture();
   SeparateBackend backend;
   Diary diary;

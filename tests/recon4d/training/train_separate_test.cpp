@@ -115,7 +115,7 @@ TEST(SeparateMemoryTest, TheHostsCopyIsMadeOnce) {
 }
 
 // Bug put back: refresh() does nothing; seen to fail.
-TEST(SeparateRenderer, UploadsOnceAndWhenTold) {
+TEST(SeparateRenderer, UploadsOnceAndOnRequest) {
   GaussianModel model = tiny_truth({});
   const Scene scene = tiny_capture();
   const std::vector<View> views = {{scene.frames[1].camera, scene.frames[1].time},

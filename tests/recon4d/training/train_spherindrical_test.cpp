@@ -114,7 +114,7 @@ TrainOptions levelled_options() {
 }
 
 // Bugs put back, each seen to fail: sh_time_degree not restored; nor the moments of the levels.
-TEST(TrainSpherindrical, ResumeGoesOnBitForBit) {
+TEST(TrainSpherindrical, ResumeIsBitEqual) {
   const Scene scene = tiny_capture();
   for (const IdleUpdate idle : {IdleUpdate::kDense, IdleUpdate::kSkip}) {
     TrainOptions options = levelled_options();
@@ -131,7 +131,7 @@ TEST(TrainSpherindrical, ResumeGoesOnBitForBit) {
   }
 }
 
-TEST(TrainSpherindrical, ACheckpointSaysWhichLevelsThereAre) {
+TEST(TrainSpherindrical, ACheckpointHasTheNumberOfLevels) {
   const Scene scene = tiny_capture();
   Training training(scene, levelled_options());
   training.run(3);

@@ -79,7 +79,7 @@ double psnr_from(Scene scene, const PointCloud& points) {
 
 // B11: points of all timesteps ≥ of the first timestep > at random; what appears late costs the
 // second its place. Bug put back: points of later timesteps are dropped; seen to fail.
-TEST(TrainStarts, PointsOfAllMomentsBeatTheFirstAndThatBeatsNone) {
+TEST(TrainStarts, PointsOfAllTimestepsBeatTheFirstAndThatBeatsNone) {
   TinyCapture capture;
   capture.timesteps = 6;
   const GaussianModel truth = late_truth(capture);

@@ -53,7 +53,7 @@ std::vector<int> aside_frames(Scene scene, double share, uint64_t seed) {
 
 // Bugs put back, each seen to fail: every k-th frame of the file (all of one camera); ends taken
 // as any other.
-TEST(SetAside, SpreadsOverCamerasAndMoments) {
+TEST(SetAside, SpreadsOverCamerasAndTimesteps) {
   constexpr int kCameras = 5, kMoments = 20;
   for (const uint64_t seed : {1, 2, 3}) {
     std::map<int, int> of_camera, of_moment;
@@ -70,7 +70,7 @@ TEST(SetAside, SpreadsOverCamerasAndMoments) {
 }
 
 // Bug put back: random frames; seen to fail by a gap of 15.
-TEST(SetAside, SpreadsTheMomentsOfOneCamera) {
+TEST(SetAside, SpreadsTheTimestepsOfOneCamera) {
   const std::vector<int> frames = aside_frames(bare_scene(1, 50), 0.2, 1);
   ASSERT_EQ(frames.size(), 10u);
   for (size_t i = 1; i < frames.size(); ++i) {
@@ -145,7 +145,7 @@ TEST(ValidationRecord, WithinSoManyDecibelsTheSmallestIsTheBest) {
 
 // What is lost is lost: a model above the size that is asked for is not shipped however good. Bug
 // put back: the best PSNR of before still to be beaten; seen to fail.
-TEST(ValidationRecord, AfterARestartTheBestIsFoundAnew) {
+TEST(ValidationRecord, AfterARestartTheBestIsFoundAgain) {
   ValidationRecord record;
   for (int64_t i = 1; i <= 5; ++i) record.add(i, 1, 31 - double(i), 1000, 4);
   EXPECT_TRUE(record.stopped);
@@ -297,7 +297,7 @@ nlohmann::json untimed(const ValidationRecord& record) {
 }
 
 // E5. Bug put back: the record not written to the checkpoint; seen to fail.
-TEST(Stopping, ResumeGoesOnBitForBit) {
+TEST(Stopping, ResumeIsBitEqual) {
   Scene scene = tiny_capture();
   const TrainOptions options = checked_options();
   hold_out_validation(scene, options.validation_share, 1);

@@ -68,7 +68,7 @@ TEST(Ply3dgs, NamesWhatIsMissingOrOdd) {
 }
 
 // Failure mode C5. Bug put back: is_valid_element without the test for finite values; seen to fail.
-TEST(Ply3dgs, DropsBrokenRowsNormalisesAndSaysSo) {
+TEST(Ply3dgs, DropsBrokenRowsNormalisesAndReportsIt) {
   const TemporaryFolder folder;
   PlyFile file = foreign_file(9, 6);
   column(file, "y").values[1] = NAN;

@@ -110,7 +110,7 @@ TEST(Sequence, NamesSortByTimeWithoutAGap) {
 }
 
 // Failure mode E7. Bug put back: constant_ids left out of the manifest; seen to fail.
-TEST(Sequence, ManifestSaysRateTimesAndThatIdsChange) {
+TEST(Sequence, ManifestHasRateTimesAndChangingIds) {
   const TemporaryFolder folder;
   GaussianModel model = random_model(3, 3);
   model.time_axis = {2, 4};

@@ -333,7 +333,7 @@ TEST(Tessera4d, WhatIsNotFiniteOrNeverDrawnIsLeftOutAndCounted) {
 }
 
 // Bug put back: SH rows counted before sorting; seen to fail.
-TEST(Tessera4d, DegreesThatNobodyNeedsCostNothing) {
+TEST(Tessera4d, UnusedDegreesTakeNoBytes) {
   GaussianModel model = clip_model();
   const GaussianSpans<float> set = model.static_set.values();
   for (int64_t n = 0; n < set.count; ++n)

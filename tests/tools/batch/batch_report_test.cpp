@@ -93,7 +93,7 @@ TEST_F(BatchReport, HasMediansOverSeeds) {
 
 // A scene without held-out views. Bugs put back, each seen to fail: its table without a remark; the
 // views of another scene.
-TEST_F(BatchReport, TellsTrainingViewsFromHeldOutOnes) {
+TEST_F(BatchReport, DistinguishesTrainingViewsFromHeldOutOnes) {
   EXPECT_EQ(page().find("raining views"), std::string::npos);
   finish("solo", "fast", 1, 40, 2, "train");
   BatchImages images;
@@ -132,7 +132,7 @@ TEST_F(BatchReport, PresetsAreColumnsAndTheBestIsBold) {
 
 // Bugs put back: a failure of a whole scene matched by its empty preset alone; a log outside of the
 // batch is linked; failures below the scores; each seen to fail.
-TEST_F(BatchReport, SaysWhatHasFailed) {
+TEST_F(BatchReport, ReportsWhatHasFailed) {
   fail("one", "room", "big", 2, 1, "loss is not finite");
   fail("scene", "lego", nullptr, nullptr, 2, "no poses");
   fail("far", "room", "fast", 9, 3, "x", (folder / "asked.json").string());
@@ -176,7 +176,7 @@ TEST_F(BatchReport, EscapesWhatItShows) {
 }
 
 // Bug put back: a damaged file ends the report; seen to fail.
-TEST_F(BatchReport, GoesOnPastDamage) {
+TEST_F(BatchReport, ContinuesPastDamagedRuns) {
   write_text_file(folder / "runs/room/fast/seed-1/metrics.json", "{\"psnr\": 2");
   write_text_file(folder / "failures", "");
   const json all = report();
@@ -187,7 +187,7 @@ TEST_F(BatchReport, GoesOnPastDamage) {
 }
 
 // Bug put back: only what is asked for is shown; seen to fail.
-TEST_F(BatchReport, KnowsRunsThatNobodyAsksFor) {
+TEST_F(BatchReport, ReportsRunsThatWereNotRequested) {
   write_text_file(folder / "asked.json", "{ torn");
   const json all = report();
   EXPECT_EQ(all["counts"]["runs"], 3);

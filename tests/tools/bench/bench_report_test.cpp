@@ -109,7 +109,7 @@ TEST(BenchReport, SeveralScenesHaveAMean) {
 }
 
 // Bug put back: a result of any fingerprint is believed; seen to fail.
-TEST(BenchRun, OnlyAWholeResultOfTheSameCellIsBelieved) {
+TEST(BenchRun, OnlyACompleteResultOfTheSameCellIsUsed) {
   const testing::ScratchFolder folder;
   BenchRun wanted;
   wanted.scene.name = "lego";
@@ -135,7 +135,7 @@ TEST(BenchRun, OnlyAWholeResultOfTheSameCellIsBelieved) {
 }
 
 // Bug put back: the split left out of the fingerprint; seen to fail.
-TEST(BenchRun, TheFingerprintKnowsWhatTheResultDependsOn) {
+TEST(BenchRun, TheFingerprintCoversAllThatTheResultDependsOn) {
   const BenchRun run;
   const auto changed = [&](auto change) {
     BenchRun other;

@@ -12,7 +12,7 @@ namespace {
 using nlohmann::json;
 
 // Seen to fail with the ablation applied after what is typed.
-TEST(CliAblation, GoesOverThePresetAndUnderWhatIsTyped) {
+TEST(CliAblation, OverridesThePresetAndIsOverriddenByOptions) {
   const CliWorkspace work;
   const ChildResult trained = work.train(
       "run",

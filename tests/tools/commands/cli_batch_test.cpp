@@ -48,7 +48,7 @@ class CliBatch : public ::testing::Test {
 };
 
 // Bug put back: the first error ends the batch; seen to fail.
-TEST_F(CliBatch, GoesOnPastBadOnesAndSaysWhichInATable) {
+TEST_F(CliBatch, ContinuesPastInvalidCapturesAndListsThem) {
   const ChildResult result = ingest();
   EXPECT_EQ(result.exit_code, 1) << result.err;
   EXPECT_EQ(lines(result.out), 1 + 7 + 1) << result.out;  // heading, a line a scene, the sum

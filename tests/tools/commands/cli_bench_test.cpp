@@ -26,7 +26,7 @@ std::vector<std::string> bench(const CliWorkspace& work, const std::vector<std::
 }
 
 // Bug put back: the stages of the warm-up are counted; seen to fail.
-TEST(CliBench, SaysWhatWasMeasured) {
+TEST(CliBench, ReportsWhatWasMeasured) {
   const CliWorkspace work;
   const json result = work.run_json(bench(work, {"--gaussians", "777"}));
   EXPECT_EQ(result["device"].get<std::string>().substr(0, 5), "cpu, ");
@@ -51,7 +51,7 @@ TEST(CliBench, SaysWhatWasMeasured) {
 }
 
 // Bug put back: both sets rounded down; seen to fail.
-TEST(CliBench, MakesAsManyGaussiansAsWanted) {
+TEST(CliBench, MakesTheRequestedNumberOfGaussians) {
   const CliWorkspace work;
   const auto count = [&](const char* gaussians, const char* static_fraction) {
     return work

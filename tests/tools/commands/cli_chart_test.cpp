@@ -103,7 +103,7 @@ TEST_F(CliTrainings, WhatIsDoneIsNotDoneAgain) {
 }
 
 // Bug put back: every cell is run again; seen to fail.
-TEST_F(CliTrainings, AKilledOneGoesOnWithWhatIsLeft) {
+TEST_F(CliTrainings, AKilledOneResumesWithTheRest) {
   const Words longer =
       bench({"--chart", "--presets", "fast,balanced", "--budgets", "150", "--seeds", "1,2"});
   ChildProcess killed(longer, work.path());
@@ -122,7 +122,7 @@ TEST_F(CliTrainings, AKilledOneGoesOnWithWhatIsLeft) {
 }
 
 // Bug put back: a half-done cell starts from the beginning; seen to fail.
-TEST_F(CliTrainings, AHalfDoneCellGoesOnFromItsCheckpoint) {
+TEST_F(CliTrainings, AHalfDoneCellResumesFromItsCheckpoint) {
   const Words half{"train",
                    work.at("capture"),
                    "-o",

@@ -124,7 +124,7 @@ TEST_F(CliFullDisk, Ingest) {
 }
 
 // Bug put back: the run that is there removed before there is anything in its place; seen to fail.
-TEST_F(CliFullDisk, TrainingAnew) {
+TEST_F(CliFullDisk, TrainingFromTheBeginning) {
   ASSERT_EQ(work.train("disk/run").exit_code, 0);
   const Tree before = tree("disk/run");
   const Words anew = work.train_arguments("disk/run", {"--seed", "2", "--overwrite"});

@@ -51,7 +51,7 @@ TEST(CliJson, TrainAndEvaluateKeepTheContract) {
   EXPECT_EQ(resumed["psnr"], scores["psnr"]);
 }
 
-TEST(CliJson, InfoTellsEveryKindApart) {
+TEST(CliJson, InfoDistinguishesEveryKind) {
   const CliWorkspace work;
   ASSERT_EQ(work.train("run").exit_code, 0);
   const auto info = [&](const std::string& name) { return work.run_json({"info", work.at(name)}); };
@@ -71,7 +71,7 @@ TEST(CliJson, InfoTellsEveryKindApart) {
   EXPECT_GT(cloud["points"], 0);
 }
 
-TEST(CliJson, IngestRenderAndExportSayWhatTheyWrote) {
+TEST(CliJson, IngestRenderAndExportReportTheirOutput) {
   TESSERA_SKIP_WITHOUT_INGEST();
   const CliWorkspace work;
   ASSERT_EQ(work.train("run").exit_code, 0);

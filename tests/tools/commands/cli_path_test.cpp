@@ -157,7 +157,7 @@ TEST_F(CliPath, WithoutFfmpegVideoIsRefused) {
 
 // The rig is one camera of 32 × 32. Bugs put back, each seen to fail: neither
 // line.
-TEST_F(CliPath, SaysWhatAnOrbitCannotShowAndHowLargeItIs) {
+TEST_F(CliPath, ReportsTheSizeAndTheLimitsOfAnOrbit) {
   const std::string one_way = "the rig looks one way", small = "render: draws 32x32";
   const auto said = [&](const std::vector<std::string>& more) {
     const ChildResult result = work.run(arguments("out", more));

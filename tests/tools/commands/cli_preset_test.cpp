@@ -18,7 +18,7 @@ json options_of(const CliWorkspace& work, const std::string& run,
 }
 
 // Bug put back: presets resolved before the scene is looked at; seen to fail.
-TEST(CliPreset, LooksAtTheSceneAndWhatIsTypedGoesOverIt) {
+TEST(CliPreset, DependsOnTheSceneAndIsOverriddenByOptions) {
   const CliWorkspace work;
   const std::vector<std::string> best = {"--preset", "best", "--iterations", "2"};
   const json moving = options_of(work, "moving", best);

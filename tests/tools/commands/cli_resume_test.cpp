@@ -70,7 +70,7 @@ TEST_F(CliResume, SameSeedSameBytes) {
 
 // Seen to fail with SIGINT left to its default, which ends the program at once, and without the
 // last line.
-TEST_F(CliResume, CtrlCLeavesACheckpointThatGoesOn) {
+TEST_F(CliResume, CtrlCLeavesACheckpointThatResumes) {
   ChildProcess training(work.train_arguments("run", {"--iterations", "1000000"}), work.path());
   ASSERT_TRUE(training.wait_until([&] { return fs::exists(work / "run/log.jsonl"); }));
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -178,7 +178,7 @@ TEST_F(CliResume, LeftoversOfAKilledProgramGo) {
 // What a kill or a full disk before the first checkpoint leaves is no run. Bugs put back: a folder
 // with config.json alone is a run; --resume without a checkpoint starts another training; a
 // config.json of other programs is ours; each seen to fail.
-TEST_F(CliResume, WithoutACheckpointTheFirstCommandBeginsAnew) {
+TEST_F(CliResume, WithoutACheckpointTheFirstCommandRestarts) {
   ASSERT_EQ(train("whole", {"--seed", "7"}).exit_code, 0);
   ASSERT_EQ(train("run", {"--seed", "7", "--stop-after", "1"}).exit_code, 0);
   fs::remove(work / "run/checkpoint.ckpt");

@@ -151,7 +151,7 @@ TEST_F(CliRun, TrainRoundsThePsnrThatItPrints) {
 }
 
 // Bug put back: a begun stage starts over instead of resuming; seen to fail.
-TEST_F(CliRun, GoesOnWithABegunTraining) {
+TEST_F(CliRun, ResumesAStartedTraining) {
   ASSERT_EQ(run({"--checkpoint-every", "1"}).exit_code, 0);
   const std::string whole = work.read("out/run/model.ply");
   nlohmann::json stages = nlohmann::json::parse(work.read("out/stages.json"));
@@ -165,7 +165,7 @@ TEST_F(CliRun, GoesOnWithABegunTraining) {
 
 // A kill between the note that a training begins and its first file leaves the checkpoint of the
 // training before. Bug put back: resumed by the note alone; seen to fail.
-TEST_F(CliRun, NeverGoesOnWithTheCheckpointOfAnotherTraining) {
+TEST_F(CliRun, NeverResumesTheCheckpointOfAnotherTraining) {
   ASSERT_EQ(run({"--checkpoint-every", "1"}).exit_code, 0);
   const std::string noted = work.read("out/stages.json");
   fs::rename(work / "out", work / "old");

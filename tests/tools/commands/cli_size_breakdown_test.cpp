@@ -20,7 +20,7 @@ json shipped_of(const json& info) {
 
 // Bugs put back: encoded without the cameras of the run's scene; the shipped account of a model
 // that was not asked for; each seen to fail.
-TEST(CliAccount, InfoSaysWhatTheExportedFileWeighs) {
+TEST(CliAccount, InfoReportsTheSizeOfTheExportedFile) {
   TESSERA_SKIP_WITHOUT_INGEST();
   const CliWorkspace work;
   work.film_object("film", 3, 24);
@@ -54,7 +54,7 @@ TEST(CliAccount, InfoSaysWhatTheExportedFileWeighs) {
 }
 
 // Bug put back: accounts in the splits of one evaluation alone; seen to fail.
-TEST(CliAccount, EvaluateSaysTheSame) {
+TEST(CliAccount, EvaluateReportsTheSame) {
   const CliWorkspace work;
   ASSERT_EQ(work.train("run").exit_code, 0);
   const json scores = work.run_json({"evaluate", work.at("run")}),

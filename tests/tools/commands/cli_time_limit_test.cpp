@@ -30,7 +30,7 @@ class CliTimeLimit : public ::testing::Test {
 };
 
 // Bug put back: a stop by the limit leaves the checkpoint of the last pause; seen to fail.
-TEST_F(CliTimeLimit, LeavesInTimeAndGoesOnToTheSameModel) {
+TEST_F(CliTimeLimit, StopsInTimeAndResumesToTheSameModel) {
   // on a device they would take less than the limit
   const std::vector<std::string> options{"--iterations",       "2500", "--backend", "cpu",
                                          "--checkpoint-every", "0"};

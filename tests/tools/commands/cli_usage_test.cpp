@@ -178,7 +178,7 @@ TEST(CliUsage, ArgumentsAreCheckedBeforeTheModelIsRead) {
 }
 
 // Bugs put back, each seen to fail: neither said.
-TEST(CliUsage, SaysWhatIsNotCountedAndWhatIsNotRead) {
+TEST(CliUsage, ReportsUncountedAndUnreadOptions) {
   const CliWorkspace work;
   fs::create_directories(work / "capture/sparse/0");
   work.write("capture/sparse/0/cameras.txt", "");

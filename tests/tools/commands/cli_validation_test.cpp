@@ -47,7 +47,7 @@ class CliValidation : public ::testing::Test {
 // D5, D6, D7. Bugs put back, each seen to fail: the last model shipped; the last model scored; best
 // models of earlier steps left behind; the size of a checkpoint given as the model's; evaluation on
 // the clock of training.
-TEST_F(CliValidation, ShipsTheBestModelAndSaysWhenItWas) {
+TEST_F(CliValidation, ShipsTheBestModelAndReportsItsStep) {
   const json trained = train("run", {"--stop-patience", "4"});
   const json& checks = trained["validation"];
   EXPECT_EQ(checks["frames"], 2);

@@ -68,7 +68,7 @@ bool has_words(const std::vector<std::string>& words, const std::vector<std::str
 
 // Bugs put back: a file of --masks left relative to where the command was typed; options of the
 // training among ingest's; seen to fail.
-TEST_F(CliWorkflow, BatchYamlSaysWhatWasTyped) {
+TEST_F(CliWorkflow, BatchYamlHasTheGivenOptions) {
   fs::create_directory(work / "masks");
   const ChildResult result = work.run(arguments({"--preset",
                                                  "fast,best",
@@ -162,7 +162,7 @@ TEST_F(CliWorkflow, CallsTheEngineAsAPersonCould) {
 }
 
 // Bug put back: the exit code is the engine's alone; seen to fail.
-TEST_F(CliWorkflow, TheLastLineSaysWhatBecameOfIt) {
+TEST_F(CliWorkflow, TheLastLineReportsTheOutcome) {
   const std::string asked =
       "{\"scenes\": [{\"name\": \"capture\"}], \"variants\": [{\"name\": \"fast\"}], "
       "\"seeds\": [1, 2, 3]}";

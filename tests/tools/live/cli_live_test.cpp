@@ -37,7 +37,7 @@ class Watcher {
 
 // Bugs put back: stop_training of another training stops this one; RUN/live stays; each seen to
 // fail.
-TEST(CliLive, ATrainingThatIsWatchedShowsItselfAndStopsWhenAsked) {
+TEST(CliLive, AViewedTrainingIsShownAndStopsOnRequest) {
   const CliWorkspace work;
   const ScratchFolder scratch;
   ChildProcess child(work.train_arguments("run", {"--iterations", "1000000"}), scratch.path());
@@ -94,7 +94,7 @@ TEST(CliLive, WatchedOrNotItIsTheSameTraining) {
   EXPECT_EQ(work.read("watched/model.ply"), work.read("alone/model.ply"));
 }
 
-TEST(CliLive, NobodyLooksNothingIsLeft) {
+TEST(CliLive, WithoutAViewerNoFilesAreLeft) {
   const CliWorkspace work;
   ASSERT_EQ(work.train("run").exit_code, 0);
   EXPECT_FALSE(fs::exists(work / "run/live"));

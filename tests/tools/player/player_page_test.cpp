@@ -71,7 +71,7 @@ TEST_F(PlayerPage, CarriesTheLicencesOfWhatIsInIt) {
 
 #else
 
-TEST(PlayerPage, SaysWhatToInstall) {
+TEST(PlayerPage, GivesTheNameOfThePackage) {
   try {
     player_page();
     FAIL() << "there is a page in a build without one";

@@ -34,7 +34,7 @@ class CliMotion : public ::testing::Test {
 
 // Bugs put back: a wrong choice kept after the stop; the options of nodes forgotten by the
 // checkpoint; each seen to fail.
-TEST_F(CliMotion, AStopBeforeItIsKnownLosesNothing) {
+TEST_F(CliMotion, AStopBeforeTheChoiceLosesNothing) {
   // each writes into a folder of its own, so that no line is taken for the other's
   const auto stop_in_trial = [&](const char* output, const std::vector<std::string>& arguments) {
     std::filesystem::create_directory(work / output);

@@ -38,7 +38,7 @@ TEST(DescribeSequences, CamerasAndFramesOfARig) {
             std::string::npos);
 }
 
-TEST(DescribeSequences, SayWhatDecidesWhereItIsNotClear) {
+TEST(DescribeSequences, ReportTheRuleForAmbiguousNames) {
   const ScratchFolder folder;
   write_names(folder / "shots", {"left", "right"});
   const std::optional<json> info = describe_sequences(folder / "shots");

@@ -56,7 +56,7 @@ TEST(DeviceChoice, ADeviceThatCanBeUsedIs) {
   EXPECT_EQ(cpu.reason, "--backend cpu");
 }
 
-TEST(DeviceChoice, WhereThereIsNothingOfNvidiaNobodyIsWarned) {
+TEST(DeviceChoice, WithoutAnNvidiaDeviceThereIsNoWarning) {
   EXPECT_EQ(reason_on_cpu({}, true), "this build has no CUDA backend");
   DeviceFacts bare;
   bare.cuda.failure = CudaFailure::kNoDriver;

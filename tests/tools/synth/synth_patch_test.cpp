@@ -100,7 +100,7 @@ TEST(SynthPatch, OutlineAndTextureMoveAtEveryStep) {
 
 // Bug put back: levels of 255 by the share alone, so that what moves at other timesteps is 0; seen
 // to fail.
-TEST(SynthPatch, MasksSayNowAndEver) {
+TEST(SynthPatch, MasksAreByFrameAndOverTheClip) {
   const ScratchFolder folder;
   SynthOptions options = small_patch(0.05);
   options.layout = SynthLayout::kDnerf;
