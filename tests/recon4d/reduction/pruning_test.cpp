@@ -42,7 +42,7 @@ std::vector<Removal> made_order(const Contributions& contributions) {
 }
 
 // Bug put back: by error alone (a dynamic one frees more bytes); seen to fail.
-TEST(Thinning, TheCheapestByteIsRemovedFirst) {
+TEST(Pruning, TheCheapestByteIsRemovedFirst) {
   const ByteRates rates;
   EXPECT_GT(rates.bytes_of(true, 0), rates.bytes_of(false, 0));
   EXPECT_NEAR(rates.bytes_of(false, 3) - rates.bytes_of(false, 0), 45 * rates.band, 1e-12);
@@ -62,7 +62,7 @@ TEST(Thinning, TheCheapestByteIsRemovedFirst) {
 }
 
 // Bug put back: by price alone; seen to fail.
-TEST(Thinning, EqualsGoInTheOrderOfElementsAndWhatHasNoLightFirst) {
+TEST(Pruning, EqualsGoInTheOrderOfElementsAndWhatHasNoLightFirst) {
   Contributions contributions = made_worth({2, 2, 0, 2, 0});
   contributions.sets[0].weight[4] = 0;
   std::vector<int64_t> elements;
@@ -84,7 +84,7 @@ Contributions partly_seen(double share) {
 // A pass over a part of the frames measures nothing of Gaussians that none of them shows: with one
 // camera, those that are visible only between two of its frames. Bug put back: unseen ones first
 // whatever was drawn; seen to fail.
-TEST(Thinning, WhatAPartOfTheFramesDidNotShowStays) {
+TEST(Pruning, WhatAPartOfTheFramesDidNotShowStays) {
   const std::vector<Removal> order = made_order(partly_seen(0.5));
   EXPECT_EQ(seen_count(order), kSeen);
   const StateEdit cut = cut_to(order, 80);
@@ -99,7 +99,7 @@ TEST(Thinning, WhatAPartOfTheFramesDidNotShowStays) {
 // Most of what a part of the frames does not show is of no use to the others, either: it must not
 // take the place of what they do show.
 // Bug put back: unseen ones counted among those that are left; seen to fail.
-TEST(Thinning, TheKneeIsThatOfWhatWasSeen) {
+TEST(Pruning, TheKneeIsThatOfWhatWasSeen) {
   for (const double share : {0.5, 1.0}) {
     const Contributions contributions = partly_seen(share);
     const int64_t knee = knee_count(made_order(contributions), contributions);
@@ -109,7 +109,7 @@ TEST(Thinning, TheKneeIsThatOfWhatWasSeen) {
 }
 
 // C13. Bug put back: one more kept; seen to fail.
-TEST(Thinning, LeavesExactlySoMany) {
+TEST(Pruning, LeavesExactlySoMany) {
   const Contributions contributions = made_worth({5, 1, 3, 2, 8, 0, 0}, {1, 9, 4, 0});
   const GaussianModel model = made_model(contributions);
   const std::vector<Removal> order = removal_order(model, contributions);
@@ -138,7 +138,7 @@ TEST(Thinning, LeavesExactlySoMany) {
 }
 
 // Bug put back: the point after the last of the most; seen to fail.
-TEST(Thinning, TheKneeKeepsTheHalfThatDoesSomething) {
+TEST(Pruning, TheKneeKeepsTheHalfThatDoesSomething) {
   for (const float each : {1e-4f, 0.01f, 1.0f}) {
     std::vector<float> removal(200, 0.0f);
     for (size_t i = 0; i < removal.size(); i += 2) removal[i] = each;
@@ -152,7 +152,7 @@ TEST(Thinning, TheKneeKeepsTheHalfThatDoesSomething) {
 }
 
 // The k-th of N costs e^(−λ k/N): the curve bends once.
-TEST(Thinning, TheKneeLiesFarthestAboveTheLine) {
+TEST(Pruning, TheKneeLiesFarthestAboveTheLine) {
   const int64_t count = 500;
   std::vector<float> removal;
   for (int64_t n = 0; n < count; ++n) removal.push_back(float(std::exp(-0.03 * double(n))));
@@ -178,7 +178,7 @@ TEST(Thinning, TheKneeLiesFarthestAboveTheLine) {
 }
 
 // Bug put back: no least share; seen to fail.
-TEST(Thinning, TheKneeOfWhatDoesNothingIsTheLeastShare) {
+TEST(Pruning, TheKneeOfWhatDoesNothingIsTheLeastShare) {
   const auto knee = [](const Contributions& contributions, double share) {
     return knee_count(made_order(contributions), contributions, share);
   };
@@ -192,7 +192,7 @@ TEST(Thinning, TheKneeOfWhatDoesNothingIsTheLeastShare) {
 }
 
 // Bug put back: the price of the first that stays; seen to fail.
-TEST(Thinning, ThePriceOfAByteIsThatOfTheLastRemoval) {
+TEST(Pruning, ThePriceOfAByteIsThatOfTheLastRemoval) {
   const std::vector<Removal> order = made_order(made_worth({1, 2, 4}));
   const double bytes = ByteRates{}.bytes_of(false, 0);
   EXPECT_EQ(error_per_byte_at(order, 3), 0);
