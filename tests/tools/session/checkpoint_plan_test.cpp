@@ -1,5 +1,4 @@
-// What: when a checkpoint is due: by steps, by the clock, after slow ones.
-// Not: what is in it (tests/recon4d/model).
+// The steps at which a checkpoint is due: by steps, by the clock, after slow checkpoints.
 #include "tools/session/session_events.h"
 
 #include <gtest/gtest.h>
