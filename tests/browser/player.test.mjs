@@ -285,7 +285,7 @@ test('files that cannot be opened are refused with a reason', async () => {
   expectClean(problems);
 });
 
-// Bugs put back: the scene within the page looked for as a file; the message of a server that does
+// Bugs put back: the scene within the page looked up as a file; the message of a server that does
 // not answer; the decoder as a module in a worker, which no browser starts there, and no other way;
 // each seen to fail.
 test('from a disk: one file plays, a folder gives a message with the remedy', async () => {

@@ -127,8 +127,8 @@ function refuses(error, pattern) {
   return true;
 }
 
-// Bugs put back: numbers of nodes not looked at; rows of control points not compared; values not
-// looked at; each seen to fail.
+// Bugs put back: numbers of nodes ignored; rows of control points not compared; values not
+// checked; each seen to fail.
 test('canonical blocks as they should not be', async (t) => {
   for (const [name, [make, pattern]] of Object.entries(kWrong))
     await t.test(name, () => assert.rejects(decoded(make()), (e) => refuses(e, pattern)));

@@ -51,8 +51,8 @@ struct Served {
   }
 };
 
-/// Whatever is asked, the only file that is sent is the page, to those who have the token; who has
-/// it and comes from the server's page may change the training.
+/// For any request, the only file that is sent is the page, and only with the token; requests with
+/// it that come from the server's page may change the training.
 void check_answer(const ViewRequest& request, const Served& served) {
   const int changes = served.changes;
   const ViewResponse response = answer(request, served.state);

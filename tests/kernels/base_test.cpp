@@ -104,7 +104,7 @@ TEST(ParallelFor, ExceptionsReachTheCaller) {
                std::runtime_error);
 }
 
-// Bug put back: the section is not looked at; seen to fail.
+// Bug put back: the section is ignored; seen to fail.
 TEST(ParallelFor, OfASerialSectionStaysOnItsThread) {
   const auto threads = [] {
     std::mutex lock;

@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(Form, LocalityOrder, ::testing::ValuesIn(kForms),
                          [](const auto& form) { return form_name(form.param); });
 
 TEST_P(LocalityOrder, IsTheStableOrderOfTheKeys) {
-  // Bugs put back, each seen to fail: time not looked at; the order not stable.
+  // Bugs put back, each seen to fail: time ignored; the order not stable.
   const SetForm form = GetParam();
   constexpr int64_t kCount = 500;
   Random random(3);

@@ -122,7 +122,7 @@ TEST(Regulariser, LeavesAloneWhatNoViewDraws) {
 }
 
 TEST(Regulariser, AnOverflowIsReported) {
-  // Bug put back: gradients looked at before the terms are added; seen to fail.
+  // Bug put back: gradients checked before the terms are added; seen to fail.
   TestScene<double> scene = scene_with_hidden();
   scene.regulariser = {0, 1e308};
   for (int k = 0; k < 3; ++k) scene.moving.at(kLogScale, 3)[k] = std::log(100.0);

@@ -18,7 +18,7 @@ static_assert(!std::is_move_constructible_v<Pipeline<float>>);
 static_assert(!std::is_move_assignable_v<Pipeline<float>>);
 static_assert(!std::is_copy_constructible_v<Pipeline<float>>);
 
-/// As a device's after an error that stays: nothing can be measured any more.
+/// Like a device's clock after a permanent error: no time can be measured.
 class BrokenClock final : public StageClock {
  public:
   void begin(Stage) override { ++begun; }

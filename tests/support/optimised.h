@@ -83,7 +83,7 @@ struct Optimised {
   }
 };
 
-/// What has changed since, element by element.
+/// The differences since then, element by element.
 template <class Real>
 std::vector<double> change(const std::vector<Real>& after, const std::vector<Real>& before) {
   std::vector<double> out(after.size());

@@ -139,7 +139,7 @@ struct StoredScene {
     for (const auto& bytes : scene.mask) mask.push_back(stored(bytes, memory));
   }
 
-  /// What the map of a test is turned by.
+  /// The rotation of the map of a test.
   static Mat3<Real> turned() {
     const Real c = Real(0.8), s = Real(0.6);
     return Mat3<Real>(1, 0, 0, 0, c, s, 0, -s, c);

@@ -19,12 +19,12 @@ struct TinyCapture {
   std::array<uint8_t, 3> background{0, 0, 0};
 };
 
-/// What the images show: three static blobs, and two dynamic ones when `moving`.
+/// The content of the images: three static blobs, and two dynamic ones when `moving`.
 GaussianModel tiny_truth(const TinyCapture& capture);
 /// Frames ordered by camera, then time; all of the training split. `had_alpha` is set, so initial
 /// points fill a box.
 Scene tiny_capture(const TinyCapture& capture = {});
-/// The same ring around Gaussians of one's own.
+/// The same ring around given Gaussians.
 Scene tiny_capture(const TinyCapture& capture, const GaussianModel& truth);
 /// Uniform noise on every value of every image, at most `most` in 8-bit units.
 void add_noise(Scene& scene, double most, uint64_t seed);

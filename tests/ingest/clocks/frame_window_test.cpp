@@ -104,7 +104,7 @@ TEST(FrameWindow, RateTakesNoFrameTwiceAndNoneTooFar) {
 }
 
 // A11: a tenth of the frames is missing, the others keep their times, a point moves with v. A frame
-// taken by its index i is believed to show the instant i / 30, which misses v · (t − i / 30).
+// taken by its index i is taken as showing the instant i / 30, which misses v · (t − i / 30).
 TEST(FrameWindow, DroppedFramesKeepTheirOwnTimes) {
   std::vector<double> seconds;
   std::vector<int> dropped_before;

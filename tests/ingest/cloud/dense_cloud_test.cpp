@@ -47,7 +47,7 @@ void expect_equal(const PointCloud& one, const PointCloud& other) {
   EXPECT_EQ(one.velocity, other.velocity);
 }
 
-// Bug put back: the limit looked at once a round; seen to fail.
+// Bug put back: the limit checked once a round; seen to fail.
 TEST(DenseCloud, AsManyPointsAsAllowed) {
   const Scene scene = wall_scene();
   for (int64_t limit : {0, 1, 100, 257}) {
@@ -95,7 +95,7 @@ TEST(DenseCloud, StillPointsOnceMovingOnesAtTheirTimesteps) {
   EXPECT_EQ(timesteps, (std::set<float>{0, float(1 / 3.0), float(2 / 3.0), 1}));
 }
 
-// Bug put back: `part` is not looked at; seen to fail.
+// Bug put back: `part` is ignored; seen to fail.
 TEST(DenseCloud, OneOfTheParts) {
   const Scene scene = wall_scene({.timesteps = 4});
   for (const CloudPart part : {CloudPart::kStill, CloudPart::kMoving}) {
@@ -175,7 +175,7 @@ TEST(InitialCloud, FromTrainingImagesOfTimestepsSpreadOverTheClip) {
   EXPECT_EQ(moving.size(), motion_keys.size());
 }
 
-// Bug put back: a stated density is not looked at; seen to fail.
+// Bug put back: a stated density is ignored; seen to fail.
 TEST(InitialCloud, DensityIsAChoice) {
   const Scene scene = wall_scene({.size = 48});
   const PointCloud sparse{{{1, 2, 3}}, {{{9, 8, 7}}}, {}, {}, {}};

@@ -85,7 +85,7 @@ TEST(ColmapProgram, FailureNamesCommandLastLineAndLog) {
                      {"mapper", "7", "no space left", (folder / "log").string(), "--poses"});
 }
 
-// Catches: a version that is not looked at; a comparison as text (3.10 < 3.6).
+// Catches: a version that is ignored; a comparison as text (3.10 < 3.6).
 TEST(ColmapProgram, OldVersionsAreRefusedNewOnesHaveTheirOptions) {
   const TemporaryFolder folder;
   {

@@ -117,7 +117,7 @@ TEST(RenderedImage, CmykAndOddChannelsAreRefused) {
   refused("five.exr", "5 channels");
 }
 
-// B16. Bug put back: the decoder's complaints not looked at; seen to fail (grey pixels).
+// B16. Bug put back: the decoder's complaints ignored; seen to fail (grey pixels).
 TEST(RenderedImage, DamagedAndMisnamedFilesAreNamed) {
   const TemporaryFolder folder;
   const Image8 image = patterned_image(64, 48, 3);

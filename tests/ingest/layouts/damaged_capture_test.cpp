@@ -135,7 +135,7 @@ TEST(DamagedCapture, ColmapPhotos) {
 
 TEST(DamagedCapture, LlffPhotos) {
   // Bugs put back: is_regular_file() without an error code, which throws at a link loop; --strict
-  // not looked at; each seen to fail.
+  // ignored; each seen to fail.
   for (const char* name : {"b00", "b03"})  // a missing image would shift the rows: an error
     for (const Damage& damage : damages()) {
       const bool is_gone =

@@ -27,7 +27,7 @@ void write_names(const path& folder, const std::string& pattern, int cameras, in
 }
 
 // Bugs put back, each seen to fail: "0001_cam0" taken for cameras "0001_cam"; "img" kept in the
-// camera's name; folders not looked for in `images` and `ims`.
+// camera's name; folders not searched for in `images` and `ims`.
 TEST(ImageSequences, CommonRigLayoutsAreRigs) {
   for (const char* pattern :
        {"{c}/{t:06}.jpg", "ims/{c}/{t:06}.jpg", "images/{c:02}/{t:06}.png", "cam{c:02}/{t:04}.png",

@@ -133,7 +133,7 @@ TEST_F(N3dv, OneMaskACamera) {
   EXPECT_EQ(file["tessera"]["applied"]["masks"], "black ignored");
 }
 
-// Bug put back: the folder of masks is looked at when all frames are decoded; seen to fail.
+// Bug put back: the folder of masks is checked when all frames are decoded; seen to fail.
 TEST_F(N3dv, AMissingFolderOfMasksIsNamedBeforeDecoding) {
   IngestOptions options;
   options.masks = folder_ / "nowhere";

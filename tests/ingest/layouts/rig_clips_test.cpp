@@ -89,7 +89,7 @@ TEST_F(RigOfVideos, AVideoWithoutAPoseIsLeftOutAndNamed) {
   expect_refused(false, {"no camera for cam01, cam02, cam03, cam04", "rename"});
 }
 
-// Bugs put back: the lens looked at when its video is converted; one bad lens stops all; each seen
+// Bugs put back: the lens checked when its video is converted; one bad lens stops all; each seen
 // to fail.
 TEST_F(RigOfVideos, ALensThatCannotBeRemovedIsLeftOutAndNamed) {
   cameras_[1]["k1"] = -5000;

@@ -194,7 +194,7 @@ TEST(RenderedImage, SixteenBitIsReducedWithRounding) {
 }
 
 // Bug put back: colours averaged without their alpha; seen to fail (green 191).
-// B16. Bug put back: the marker not looked for, so that libjpeg fills the rest with grey; seen to
+// B16. Bug put back: the marker not searched for, so that libjpeg fills the rest with grey; seen to
 // fail.
 TEST(RenderedImage, TruncatedJpegIsNamed) {
   // clang-format off

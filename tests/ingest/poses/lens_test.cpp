@@ -172,7 +172,7 @@ TEST(Lens, UndistortedCameraHasNoBlankPixels) {
 // length about the axis shows what lies below the image, too. The corners of the undistorted
 // image fall on its border (the focal length is no longer than needed) and not outside. A lens
 // that turns back where the image has no pixels is no fault of it. Bugs put back: the principal
-// point kept; a turn looked for from the axis on; each seen to fail.
+// point kept; a turn searched for from the axis on; each seen to fail.
 TEST(Lens, PrincipalPointOutsideOfTheImage) {
   const Camera camera{1920, 1048, 1400, 1400, 950, 1560, glm::dmat3(1), glm::dvec3(0)};
   const auto hangs_over = [&](const Lens& lens, const Camera& pinhole) {

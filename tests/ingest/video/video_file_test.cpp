@@ -21,7 +21,7 @@ void expect_refused(const std::filesystem::path& path, const std::vector<std::st
   expect_input_error([&] { decode_frames(path, {0}, [](VideoFrame) { return true; }); }, named);
 }
 
-// Bug put back: the path not looked at before libavformat; seen to fail (the folder, the loop).
+// Bug put back: the path ignored before libavformat; seen to fail (the folder, the loop).
 TEST(BadVideo, OneLineNamesFileAndRemedy) {
   const TemporaryFolder folder;
   write_bytes(folder / "empty.mp4", "");
@@ -80,7 +80,7 @@ void expect_whole(const std::filesystem::path& folder, const RealClip& clip) {
   ASSERT_EQ(timeline.ticks.size(), clip.frames) << clip.name;
   EXPECT_EQ(timeline.ticks.front(), clip.first) << clip.name;
   EXPECT_EQ(timeline.ticks.back(), clip.last) << clip.name;
-  DecodeOptions small;  // times are what is looked at here
+  DecodeOptions small;  // only times are checked
   small.width = clip.width / 8;
   small.height = clip.height / 8;
   std::vector<int64_t> decoded;

@@ -15,7 +15,7 @@ namespace {
 class BackendContribution : public EveryBackend {};
 TESSERA_ON_EVERY_BACKEND(BackendContribution);
 
-/// What a backend found out about two timesteps of a scene, and the splats that it drew in the
+/// The measures of a backend for two timesteps of a scene, and the splats that it drew in the
 /// second.
 struct Found {
   std::vector<ElementSums<float>> elements;

@@ -105,7 +105,7 @@ TEST_P(BackendDensity, ChildrenAreTheCpus) {
 }
 
 TEST_P(BackendDensity, OrderIsTheCpus) {
-  // Bugs put back, seen to fail: time not looked at; not stable.
+  // Bugs put back, seen to fail: time ignored; not stable.
   for (const SetForm form : kForms)
     for (const int64_t count : {int64_t{0}, int64_t{1}, kCrowd}) {
       TestGaussians<float> set = crowd(form, 86, count);

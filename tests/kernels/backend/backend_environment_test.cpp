@@ -44,7 +44,7 @@ TEST_P(BackendEnvironment, ImagesAndGradientsEqualTheOracles) {
                  group_name(Group(g), SetForm::kPair));
 }
 
-// Whatever the order in which pixels come to a texel, and with the default switches.
+// In any order of the pixels of a texel, and with the default switches.
 // Bug put back: what a part's sum held before is kept; seen to fail on the CPU.
 TEST_P(BackendEnvironment, EqualInputsGiveEqualBits) {
   const TestScene<float> scene = scene_before_a_map(94).as<float>();

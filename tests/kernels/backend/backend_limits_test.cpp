@@ -121,7 +121,7 @@ TEST(ViewLimits, TilesOfAViewFitTheirNumbers) {
   EXPECT_NE(made(1000000, 1000000).find("is too large"), std::string::npos);
 }
 
-/// What is thrown when a step runs with `more` bytes above what is in use; "" if nothing is.
+/// The error of a step with `more` bytes above those in use; "" without one.
 std::string refused_with(const TestScene<float>& scene, Backend& backend, int64_t bytes) {
   backend.memory().set_limit(bytes);
   std::string text;

@@ -37,7 +37,7 @@ inline void set_views(TestScene<double>& scene, std::vector<View> views, uint64_
   fill_truth(scene, random);
 }
 
-/// What comes nearer to a cut-off than this, relatively, may be decided otherwise.
+/// Values nearer to a cut-off than this, relatively, may fall on either side of it.
 inline constexpr double kCutoffBand = 1e-4;
 
 /// Positions of up to 50 pixels are rounded to 4e-6 and ½ dᵀ conic d ≤ ln 255 has a gradient of at

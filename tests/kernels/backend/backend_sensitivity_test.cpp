@@ -18,7 +18,7 @@ struct Sensed {
   std::vector<Real> image;  // x: the residual, but for `edit`
 };
 
-/// What a scene's splats are to its residual; what a stage writes is poisoned first.
+/// The measures of a scene's splats; the output of a stage is poisoned first.
 template <class Real>
 Sensed<Real> sense(const TestScene<Real>& scene, BackendOf<Real>& backend,
                    const EditImageGradient<Real>& edit = {}) {
@@ -329,7 +329,7 @@ TEST_P(BackendSensitivity, EqualInputsGiveEqualBits) {
 }
 
 // The pipeline does what the stages did here, with the masks and gains of its last residual.
-// Bug put back: the pipeline forgets masks; seen to fail on the CPU.
+// Bug put back: the pipeline drops masks; seen to fail on the CPU.
 TEST_P(BackendSensitivity, OfThePipelineIsThatOfTheStages) {
   TestScene<double> scene = random_scene(60, 60, 0.2, 86);
   add_masks_and_gains(scene, 87);

@@ -8,7 +8,7 @@
 namespace tessera::testing {
 namespace {
 
-/// A model with all that could lend light of its own.
+/// A model with all that could add light.
 GaussianModel bright_model() {
   GaussianModel model = random_model_in_time(30, 30, 2);
   model.environment.height = 4;

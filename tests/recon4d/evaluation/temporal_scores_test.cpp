@@ -70,7 +70,7 @@ TEST(Flicker, IsTheErrorOfChanges) {
   EXPECT_NEAR(wobble[0].still_deviation.value(), 3, 1e-3);
 }
 
-// Bugs put back, each seen to fail: a camera's place and the order of time not looked at.
+// Bugs put back, each seen to fail: a camera's place and the order of time ignored.
 TEST(Flicker, RequiresAStaticCamera) {
   const auto none = [](int, int) { return 0.0; };
   Scene moving = two_halves(4);
@@ -84,7 +84,7 @@ TEST(Flicker, RequiresAStaticCamera) {
   EXPECT_TRUE(flicker(single, none).empty());
 }
 
-// Bug put back: masks not looked at; seen to fail.
+// Bug put back: masks ignored; seen to fail.
 TEST(Flicker, LeavesIgnoredPixelsOut) {
   Scene scene = two_halves(4);
   for (Frame& frame : scene.frames) {

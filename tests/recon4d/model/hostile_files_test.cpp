@@ -105,7 +105,7 @@ TEST_F(HostileFiles, RowsWithoutPropertiesAreNotBelieved) {
 }
 
 // A row of a byte is not the 236 of a Gaussian. Bug put back: memory taken before the columns are
-// looked for; seen to fail (no memory).
+// searched for; seen to fail (no memory).
 TEST_F(HostileFiles, ColumnsAreLookedForBeforeMemoryIsTaken) {
   expect_splats_refused(
       "a.ply", ply_header("element vertex 4000000\nproperty uchar x\n") + std::string(4000000, 'a'),

@@ -139,7 +139,7 @@ TEST(SpherindricalModel, LevelsStayInTheOtherFormOfMotion) {
   }
 }
 
-// Bugs put back, each seen to fail: a selection without levels; levels not looked at by
+// Bugs put back, each seen to fail: a selection without levels; levels ignored by
 // is_valid_element; sh_time_period not copied.
 TEST(SpherindricalModel, CopiesSelectionsAndFactsHaveThem) {
   GaussianModel model = random_model_in_time(2, 6, 2, 35, 4);

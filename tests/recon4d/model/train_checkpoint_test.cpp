@@ -163,7 +163,7 @@ TEST_F(CheckpointFile, ForeignFiles) {
   EXPECT_THROW(load_checkpoint(folder_.path()), InputError);
 }
 
-// Bug put back: the numbers of the header are believed; seen to fail.
+// Bug put back: the numbers of the header are used unchecked; seen to fail.
 TEST_F(CheckpointFile, ImpossibleHeaders) {
   ASSERT_EQ(refusal(with_header(header())), "") << "the helper itself makes a good file";
   const json numbers[] = {-1, int64_t{1} << 50, int64_t{1} << 39, INT64_MAX, 1e30, "12", nullptr};

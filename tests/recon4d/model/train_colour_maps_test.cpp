@@ -61,7 +61,7 @@ Scene filmed(const TinyCapture& capture, const Maps& maps) {
   return scene;
 }
 
-/// What exposure_json wrote of a camera.
+/// The entry of a camera in the output of exposure_json.
 ColourMap<double> written_map(const nlohmann::json& json, const std::string& camera) {
   const nlohmann::json& written = json["maps"][camera];
   ColourMap<double> map;

@@ -36,7 +36,7 @@ double level(const RenderedImage& image, int channel) {
 }
 
 // Light that grows by three quarters, and by a seventh, which hardly changes the contrast, on a
-// part of the view. Bug put back: brightness not looked at; seen to fail.
+// part of the view. Bug put back: brightness ignored; seen to fail.
 TEST(ColourChange, IsNotStill) {
   for (const double from : {0.25, 0.85}) {
     const Scene scene = shoot(lamp_film(from, 1, 0.6));

@@ -15,7 +15,7 @@ namespace {
 constexpr double kMoves = 0.1;  // clip lengths at either end: one second of ten
 constexpr int kMoments = 51;
 
-/// A ball comes 16 pixels in the first second and goes as far in the last, over a shelf.
+/// A ball moves 16 pixels in the first second and as far in the last, over a shelf.
 Film resting_film() {
   Film film;
   film.timesteps = kMoments;
@@ -68,7 +68,7 @@ TEST(LongRest, IsHeldByLongExtents) {
   EXPECT_GT(middle_psnr(model, scene), 28);
 }
 
-// Bug put back: the last eighth of the clip not looked at; seen to fail by 50 of 79 points.
+// Bug put back: the last eighth of the clip ignored; seen to fail by 50 of 79 points.
 TEST(LongRest, WhatLeavesAtTheEndIsNotStill) {
   Film film;
   film.timesteps = kMoments;

@@ -46,9 +46,8 @@ double worst_error(double speed, TrainOptions options) {
 
 // The stated limit of the preset as it is: 4 pixels a frame, a fifth of the ball; worst errors 0.01
 // and 0.24 px. Falls short of the row at 16 and 64 pixels a frame: 45 and 74 px, at 16 also after
-// 4,000 steps: what starts with a life of half the clip is wrong in most frames and fades out
-// before its life is short.
-// Bug put back: velocities stay 0; seen to fail by 2.8 px.
+// 4,000 steps: Gaussians that start with an extent of half the clip are wrong in most frames and
+// fade out before their extent is short. Bug put back: velocities stay 0; seen to fail by 2.8 px.
 TEST(FastMotion, BalancedFollowsAFifthOfTheSizeAFrame) {
   for (const double speed : {1.0, 4.0})
     EXPECT_LT(worst_error(speed, short_training("balanced", 500)), 1) << speed << " px/frame";

@@ -51,7 +51,7 @@ TEST(MotionFiles, AModelWithoutNodesHasTheVersionOfBefore) {
   EXPECT_EQ(text.find("node"), std::string::npos);
 }
 
-/// What loading the file states; `change` works on its bytes.
+/// The error of loading the file after `change` of its bytes.
 template <class Change>
 std::string refusal(Change&& change) {
   const ScratchFolder folder;

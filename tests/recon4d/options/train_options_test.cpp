@@ -131,7 +131,7 @@ TEST(TrainOptions, UnknownKeysSuggestTheNearest) {
 }
 
 // Bugs put back, each seen to fail: any distance is near; neighbours that changed places are two
-// mistakes; prefixes are not looked at.
+// mistakes; prefixes are ignored.
 TEST(TrainOptions, OnlyWhatIsNearIsSuggested) {
   const std::vector<std::string> presets{"fast", "balanced", "faster-gs"};
   EXPECT_EQ(did_you_mean("fats", presets), "; did you mean 'fast'?");
@@ -208,7 +208,7 @@ TEST(TrainOptions, ValidateLooksAtPairs) {
   options = {};
   options.background = "purple";
   expect_says(refusal([&] { validate(options); }), {"'purple'", "black, white or r,g,b"});
-  // Bug put back: not looked at; seen to fail.
+  // Bug put back: ignored; seen to fail.
   options = {};
   options.truncation_sigma = 2;  // 0.135
   expect_says(refusal([&] { validate(options); }),

@@ -26,7 +26,7 @@ void add_white_noise(Scene& scene, double deviation, uint64_t seed) {
     }
 }
 
-/// A crowd of small grey Gaussians before grey.
+/// Many small grey Gaussians before grey.
 GaussianModel grey_crowd(int64_t count) {
   GaussianModel model = empty_model();
   Random random(11);
@@ -113,8 +113,8 @@ TEST(DynamicPromotion, WhereAColourChangesAtThatTimestepWithThatColour) {
   }
 }
 
-// What becomes dynamic looks as it did, all over the clip. Bug put back: a life of a tenth of the
-// clip; seen to fail.
+// A promoted Gaussian is rendered as before over the clip. Bug put back: an extent of a tenth of
+// the clip; seen to fail.
 TEST(DynamicPromotion, WhatBecomesDynamicLooksAsItDid) {
   for (const SetForm form : {SetForm::kPair, SetForm::kVelocity}) {
     const Spots spots(form, 1);
@@ -135,7 +135,7 @@ TEST(DynamicPromotion, WhatBecomesDynamicLooksAsItDid) {
   }
 }
 
-// Bugs put back, each seen to fail: those with the least gain; `least` not looked at.
+// Bugs put back, each seen to fail: those with the least gain; `least` ignored.
 TEST(DynamicPromotion, AtMostSoManyAndOnlyWhereTheErrorJustifiesTheirBytes) {
   Contributions contributions;
   contributions.squared_error = 100;

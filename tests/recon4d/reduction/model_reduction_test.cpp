@@ -137,7 +137,7 @@ TEST(ModelReduction, AFewDecibelsAreTakenFromWhatTheImagesPredict) {
   EXPECT_LT(far, near);
 }
 
-// Bug put back: `decided` not looked at; seen to fail.
+// Bug put back: `decided` ignored; seen to fail.
 TEST(ModelReduction, DecidesOnceAtAStepAlsoAfterAResume) {
   Thrifty run = std::move(Thrifty(thrifty_options()).run(101));
   ASSERT_EQ(run.decisions().size(), 4u);
@@ -229,7 +229,7 @@ TEST(ModelReduction, NoGaussiansAreNothingToThin) {
   EXPECT_TRUE(run.training->state().finished);
 }
 
-// Of one timestep nothing can be said of motion. Bug put back: looked at all the same; seen to
+// One timestep contains no information on motion. Bug put back: checked all the same; seen to
 // fail.
 TEST(ModelReduction, OneTimestepDecidesNothingOfMotion) {
   TinyCapture capture;

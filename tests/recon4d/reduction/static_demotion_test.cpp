@@ -14,7 +14,7 @@ namespace {
 
 constexpr SetForm kForms[] = {SetForm::kPair, SetForm::kVelocity};
 
-/// What try_demotion makes of a model whose own images are the truth.
+/// The result of try_demotion for a model whose images are the truth.
 DemotionTrial tried(const GaussianModel& model, double allowed, int rounds = 4) {
   const Scene scene = tiny_capture({6, 6, 24}, model);
   const std::unique_ptr<Backend> backend = make_cpu_backend();
@@ -33,7 +33,7 @@ GaussianModel model_with(SetForm form, const std::vector<Plain>& moving) {
 
 constexpr double kAllowed = 0.05;  // squared error; each of these adds at least ten times that
 
-// Bug put back: the limit not looked at; seen to fail.
+// Bug put back: the limit ignored; seen to fail.
 TEST(StaticDemotion, WhatLastsAndDoesNotMoveIsAccepted) {
   const Plain still{{0, -0.4, 0}, {0.9, 0.4, 0.1}, 0.1, 0.8};
   Plain moves = still, half = still;

@@ -188,7 +188,7 @@ TEST(Initialise, VelocitiesOfACloudAreTaken) {
   EXPECT_EQ(resting.dynamic_set.values().at(kVelocity, 0)[2], 0);
 }
 
-// Bug put back: max_gaussians is not looked at before the first step; seen to fail.
+// Bug put back: max_gaussians is ignored before the first step; seen to fail.
 TEST(Initialise, NeverMoreThanTheLimit) {
   TrainOptions options;
   options.init_points = 300;

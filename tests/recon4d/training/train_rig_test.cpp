@@ -89,7 +89,7 @@ TEST(CameraRig, OneCameraOneFrameTrains) {
   }
 }
 
-// Bug put back: the rig is made before the training split is looked at; seen to crash.
+// Bug put back: the rig is made before the training split is checked; seen to crash.
 TEST(CameraRig, NoTrainingFrameIsAnInputError) {
   Scene scene = tiny_capture();
   const TrainOptions options = tiny_options();

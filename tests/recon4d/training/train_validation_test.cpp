@@ -143,7 +143,7 @@ TEST(ValidationRecord, WithinSoManyDecibelsTheSmallestIsTheBest) {
   EXPECT_EQ(record.best_seconds, 6);
 }
 
-// What is lost is lost: a model above the size that is asked for is not shipped however good. Bug
+// A model above the requested size is never shipped, however good. Bug
 // put back: the best PSNR of before still to be beaten; seen to fail.
 TEST(ValidationRecord, AfterARestartTheBestIsFoundAgain) {
   ValidationRecord record;

@@ -289,7 +289,7 @@ End write_limited(const std::function<void()>& write, rlim_t limit, bool kill) {
 
 using Writer = std::function<void(const fs::path&, const GaussianModel&)>;
 
-/// All that write models; each makes the one file at the path that is looked at.
+/// All that write models; each makes the one file at the path that is checked.
 std::vector<std::pair<std::string, Writer>> all_writers() {
   std::vector<std::pair<std::string, Writer>> writers;
   for (const auto& [name, format] : all_formats())

@@ -199,7 +199,7 @@ double exact_psnr(const RenderedImage& a, const RenderedImage& b) {
   return -10 * std::log10(sum / double(a.rgb.size()));
 }
 
-/// What a value may be off by when two files round it differently: uniform over both steps.
+/// The largest difference of a value that two files round differently: uniform over both steps.
 class Jitter {
  public:
   double operator()(double step, double other_step) {

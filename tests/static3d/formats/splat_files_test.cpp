@@ -123,7 +123,7 @@ TEST(SplatFiles, AreReadBackWithinTheirQuanta) {
     }
 }
 
-// What was written by hand of a quaternion and a colour is what is meant by them. Values at the
+// A quaternion and a colour written by hand are read with the intended values. Values at the
 // ends of their ranges, opacities that round to 0 and 255, an empty set.
 TEST(SplatFiles, HoldWhatIsExtreme) {
   const ScratchFolder folder;
@@ -230,7 +230,7 @@ TEST(SplatFiles, GlbHasChunksAndColumnsOfTheExtension) {
 }
 
 // Bytes as nianticlabs/spz documents them. Bugs put back, each seen to fail: w first in the
-// quaternion; the header's fractional bits not looked at.
+// quaternion; the header's fractional bits ignored.
 TEST(SplatFiles, SpzOfVersionTwoByItsBytes) {
   const unsigned char bytes[] = {
       'N', 'G', 'S', 'P',  2,    0,    0,    0, 1, 0, 0, 0,  // magic, version, splats
@@ -278,7 +278,7 @@ void expect_beginnings_refused(const std::filesystem::path& path, const std::str
   }
 }
 
-// Bug put back: the length of .spz's columns not looked at; seen to fail.
+// Bug put back: the length of .spz's columns ignored; seen to fail.
 TEST(SplatFiles, CutOffAnywhereAreRefused) {
   const ScratchFolder folder;
   const GaussianSet set = set_to_write(3);

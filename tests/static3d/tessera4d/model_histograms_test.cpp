@@ -21,7 +21,7 @@ void cut(const GaussianSpans<float>& set, int64_t n, int degree) {
     if (i % all >= kept) set.at(kShTime, n)[i] = 0;
 }
 
-// Bugs put back: a band counted by its first coefficient alone; levels of time not looked at; each
+// Bugs put back: a band counted by its first coefficient alone; levels of time ignored; each
 // seen to fail.
 TEST(ModelHistograms, DegreesAreThoseThatHoldSomething) {
   GaussianModel model = random_model_in_time(4, 4, 2);

@@ -106,7 +106,7 @@ TEST(Tessera4dNodes, OnlyFilesWithThemAreOfVersionTwo) {
   EXPECT_GT(likeness(load_tessera4d(folder / "scene.t4d").model, through_folder(file).model), 100);
 }
 
-/// What loading states where `change` has worked on the manifest.
+/// The error of loading after `change` of the manifest.
 template <class Change>
 std::string manifest_refusal(Change&& change) {
   Tessera4dFile file = encode_tessera4d(carried_model(4), {});

@@ -44,7 +44,7 @@ class SpoiltFile : public ::testing::Test {
   Tessera4dFile file_;
 };
 
-// Bugs put back: a version not compared, counts and offsets without a limit, names not looked at;
+// Bugs put back: a version not compared, counts and offsets without a limit, names ignored;
 // each seen to fail.
 TEST_F(SpoiltFile, ManifestsThatCannotBe) {
   const std::vector<std::pair<std::function<void(json&)>, std::vector<std::string>>> cases = {

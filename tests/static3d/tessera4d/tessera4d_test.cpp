@@ -62,7 +62,7 @@ std::vector<std::string> sorted_rows(const GaussianSet& set) {
   return rows;
 }
 
-/// What of a dynamic set is drawn within the clip.
+/// The Gaussians of a dynamic set that are rendered within the clip.
 GaussianSet drawn_rows(const GaussianModel& model) {
   const GaussianSpans<const float> set = model.dynamic_set.values();
   std::vector<int64_t> rows;

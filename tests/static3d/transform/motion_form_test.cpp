@@ -100,7 +100,7 @@ TEST(MotionForm, SlicesWorldsAndLiftsOfVelocitySets) {
   expect_same_image(render_one(lifted, three_views()[1]), render_one(still, three_views()[1]));
 }
 
-// Bug put back: the file's form not looked at; seen to fail.
+// Bug put back: the file's form ignored; seen to fail.
 TEST(MotionForm, FilesKeepTheForm) {
   const TemporaryFolder folder;
   const GaussianModel model = random_model(4, 7, 37, 4, SetForm::kVelocity);

@@ -118,7 +118,7 @@ TEST(Slice, OneFrameAsDim4IsTheSameAsDim3) {
                     render_one(model, three_views()[0]));
 }
 
-// Bug put back: the sign of Σ2 not looked at in project_ewa; seen to crash in bin.
+// Bug put back: the sign of Σ2 ignored in project_ewa; seen to crash in bin.
 TEST(Render, VeryFastGaussiansWhoseCovarianceIsRoundingAreSafe) {
   GaussianModel model = random_model(0, 200);
   for (float& s : model.dynamic_set.group(kLogScaleTime).value) s = 8;

@@ -46,7 +46,7 @@ class PseudoTerminal {
   int reader_ = -1, stderr_ = -1;
 };
 
-/// What was drawn each time after the line was cleared.
+/// The text drawn after each clearing of the line.
 std::vector<std::string> redraws(const std::string& text) {
   const std::string clear = "\r\033[K";
   std::vector<std::string> lines;

@@ -34,7 +34,7 @@ TEST(CliBackend, ADeviceThatIsNotThereIsAnError) {
   EXPECT_EQ(result.out, "");
 }
 
-// Bug put back: the backend is looked at when the training begins; seen to fail: a scene is there.
+// Bug put back: the backend is checked when the training begins; seen to fail: a scene is there.
 TEST(CliBackend, RunRefusesBeforeItIngests) {
   const CliWorkspace work;
   const ChildResult result =

@@ -56,7 +56,7 @@ TEST(CliBadInput, TruncatedImage) {
   expect_capture_refused(work, {"r_000.png", "is not a PNG"});
 }
 
-// Seen to fail with the PNG header's size not looked at.
+// Seen to fail with the PNG header's size ignored.
 TEST(CliBadInput, ZeroSizeImage) {
   const CliWorkspace work;
   std::string bytes = work.read(kPicture);
@@ -138,7 +138,7 @@ TEST(CliBadInput, TruncatedCheckpoint) {
     EXPECT_NE(resumed.err.find(part), std::string::npos) << resumed.err;
 }
 
-// Seen to fail with the errors of making folders not looked at.
+// Seen to fail with the errors of making folders ignored.
 TEST(CliBadInput, PathBelowAFileCannotBeWritten) {
   const CliWorkspace work;
   work.write("file", "");

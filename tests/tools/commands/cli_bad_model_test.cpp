@@ -136,7 +136,7 @@ TEST_F(CliBadModel, PromisesMoreThanItHas) {
   refused("many.spz", spz_with(whole("spz"), 8, 0xffffffff), {"fetch it again"});
 }
 
-// What is looked at: HostileFiles.NumbersOfAModelAreFinite, which was seen to fail.
+// The checks are tested in HostileFiles.NumbersOfAModelAreFinite, which was seen to fail.
 TEST_F(CliBadModel, HoldsNaN) {
   refused("model.ply", replaced(whole("model"), "comment near_plane ", "comment near_plane nan "),
           {"near_plane", "export again"});

@@ -64,7 +64,7 @@ TEST(CliMoving, SharesMasksAndScoresFit) {
   EXPECT_FALSE(work.run_json({"evaluate", work.at("run")}).contains("moving_pixels_covered"));
 }
 
-// Bug put back: sizes not looked at; seen to fail.
+// Bug put back: sizes ignored; seen to fail.
 TEST(CliMoving, MasksThatDoNotFitAreNamed) {
   const CliWorkspace work;
   ASSERT_EQ(work.train("run").exit_code, 0);

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFrames = "30";
 
-/// What a training of the room gives.
+/// The result of a training of the room.
 struct Trained {
   json scores;
   int64_t bytes = 0;           // of the exported Tessera 4D file

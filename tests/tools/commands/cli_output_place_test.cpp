@@ -61,7 +61,7 @@ TEST_F(CliOutputPlace, RunAndIngestNeverWriteIntoTheCapture) {
   EXPECT_EQ(work.run(run("beside")).exit_code, 0) << "a sibling is no such place";
 }
 
-// Bugs put back: stages.json made before the capture is looked at; the engine looked for after the
+// Bugs put back: stages.json made before the capture is checked; the engine searched for after the
 // batch was written; seen to fail.
 TEST_F(CliOutputPlace, WhatIsNoCaptureLeavesNothing) {
   fs::create_directory(work / "empty");
@@ -102,7 +102,7 @@ TEST_F(CliOutputPlace, WhatIsMadeOfAModelNeither) {
 }
 
 // Bugs put back, one each: a prepared scene replaced without a word; a made capture likewise; the
-// record of what `ingest` has made of several captures not looked at; each seen to fail.
+// record of what `ingest` has made of several captures ignored; each seen to fail.
 TEST_F(CliOutputPlace, WhatTookHoursIsReplacedWithOverwriteOnly) {
   TESSERA_SKIP_WITHOUT_INGEST();
   const Words ingest{"ingest", work.at("capture"), "-o", work.at("scene")};

@@ -17,7 +17,7 @@ json options_of(const CliWorkspace& work, const std::string& run,
   return json::parse(work.read(run + "/config.json")).at("options");
 }
 
-// Bug put back: presets resolved before the scene is looked at; seen to fail.
+// Bug put back: presets resolved before the scene is checked; seen to fail.
 TEST(CliPreset, DependsOnTheSceneAndIsOverriddenByOptions) {
   const CliWorkspace work;
   const std::vector<std::string> best = {"--preset", "best", "--iterations", "2"};

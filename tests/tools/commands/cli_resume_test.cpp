@@ -107,7 +107,7 @@ TEST_F(CliResume, KilledWhileSavingTheCheckpointStaysWhole) {
 }
 
 // E6. Seen to fail with save_checkpoint writing straight to its target, and with the results of
-// fwrite, fflush and fsync not looked at.
+// fwrite, fflush and fsync ignored.
 TEST_F(CliResume, AFullDiskKeepsThePreviousCheckpoint) {
   // as many Gaussians in the end as on the way: the file gets no smaller
   ASSERT_EQ(train("whole", {"--size", "grown"}).exit_code, 0);
@@ -166,7 +166,7 @@ TEST_F(CliResume, ARefusedCheckpointHasAnExitCodeOfItsOwn) {
   EXPECT_EQ(work.read("run/model.ply"), model);
 }
 
-// What a killed program leaves of a file is removed by the next training, and by no other's.
+// Partial files of a killed program are removed by the next training of the run, and by no other.
 // Bug put back: leftovers stay; seen to fail.
 TEST_F(CliResume, LeftoversOfAKilledProgramGo) {
   ASSERT_EQ(train("run", {"--stop-after", "9"}).exit_code, 0);
@@ -175,8 +175,8 @@ TEST_F(CliResume, LeftoversOfAKilledProgramGo) {
   EXPECT_FALSE(fs::exists(work / "run/.checkpoint.ckpt.1234567-0.partial"));
 }
 
-// What a kill or a full disk before the first checkpoint leaves is no run. Bugs put back: a folder
-// with config.json alone is a run; --resume without a checkpoint starts another training; a
+// The files left by a kill or a full disk before the first checkpoint are no run. Bugs put back: a
+// folder with config.json alone is a run; --resume without a checkpoint starts another training; a
 // config.json of other programs is ours; each seen to fail.
 TEST_F(CliResume, WithoutACheckpointTheFirstCommandRestarts) {
   ASSERT_EQ(train("whole", {"--seed", "7"}).exit_code, 0);

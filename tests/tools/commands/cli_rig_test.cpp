@@ -42,7 +42,7 @@ TEST(CliRig, AVideoWithoutAPose) {
   EXPECT_NE(report["warnings"].dump().find("no camera for cam01"), std::string::npos);
 }
 
-// Bug put back: `run` looked at the folder without the options of ingest; seen to fail.
+// Bug put back: `run` checked the folder without the options of ingest; seen to fail.
 TEST(CliRig, RunTakesWhatDecidesBetweenRigAndPhotos) {
   const CliWorkspace work;
   for (const char* camera : {"kitchen0x", "kitchen1x"})

@@ -68,7 +68,7 @@ TEST_F(CliRun, MakesModelScoresAndFrames) {
 }
 
 // Bugs put back, one at a time: `done` always false; the key of `train` without the options; the
-// key of `ingest` without the files' stamps; products not looked at. Each seen to fail.
+// key of `ingest` without the files' stamps; products ignored. Each seen to fail.
 TEST_F(CliRun, RepeatsOnlyWhatChanged) {
   const auto again = [&](const std::string& frames, const std::string& seed = "0") {
     return begun(run({"--export-frames", frames, "--seed", seed}));

@@ -23,7 +23,7 @@ void write_wall(const std::filesystem::path& folder,
   write_prepared_scene(folder, prepared);
 }
 
-/// What `train` reports of the scene in folder `scene`.
+/// The report of `train` on the scene in folder `scene`.
 std::string trained(const CliWorkspace& work, const std::string& scene, const std::string& run,
                     const std::string& sweep) {
   std::vector<std::string> arguments =
@@ -34,7 +34,7 @@ std::string trained(const CliWorkspace& work, const std::string& scene, const st
   return result.err;
 }
 
-// Bugs that fail it: complete_cloud not called ("on"); options.sweep not looked at ("off").
+// Bugs that fail it: complete_cloud not called ("on"); options.sweep ignored ("off").
 TEST(CliSweep, CompletesAScene) {
   const CliWorkspace work;
   write_wall(work / "wall");

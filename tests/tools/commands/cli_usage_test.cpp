@@ -145,7 +145,7 @@ TEST(CliUsage, TheFolderOfARunStandsForItsModel) {
 }
 
 #if TESSERA_HAS_INGEST
-// Bug put back: the scene beside the run is not looked for; seen to fail.
+// Bug put back: the scene beside the run is not searched for; seen to fail.
 TEST(CliUsage, AMovedOutputHasItsScene) {
   const CliWorkspace work;
   run_once(work, {"--scale", "0.5"});  // which needs a prepared scene of its own

@@ -79,7 +79,7 @@ TEST_F(LpipsFile, PlacesAndColoursAreTheNetworks) {
   EXPECT_NEAR(Lpips(write(onnx_edges()), false).distance(a, b), sum, 1e-5);
 }
 
-// Bug put back: fixed sides not looked at; seen to fail.
+// Bug put back: fixed sides ignored; seen to fail.
 TEST_F(LpipsFile, OtherSidesAreRefusedOrResized) {
   OnnxNetwork fixed;
   fixed.width = 10;

@@ -144,7 +144,7 @@ TEST(CliHelp, ManPages) {
   EXPECT_EQ(read_text_file(work / "said"), "");
 }
 
-/// What bash completes `line` to, where the last word is being typed.
+/// The completions of bash for the last word of `line`.
 std::string completed(const CliWorkspace& work, const std::string& words, int word) {
   work.write("complete.sh", fmt::format("source {}\nCOMP_WORDS=({})\nCOMP_CWORD={}\n_tessera\n"
                                         "echo \"${{COMPREPLY[*]}}\"\n",

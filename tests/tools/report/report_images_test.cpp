@@ -52,7 +52,7 @@ TEST(ErrorMap, IsTheMeanOverChannelsUpToTheEndOfTheScale) {
   }
 }
 
-// Bug put back: the mask is not looked at; seen to fail.
+// Bug put back: the mask is ignored; seen to fail.
 TEST(ErrorMap, IgnoredPixelsAreGrey) {
   const Image8 mask{2, 1, 1, {0, 255}};
   const Image8 map = error_map(flat(2, 1, 255, 255, 255), flat(2, 1, 0, 0, 0), mask);

@@ -73,7 +73,7 @@ TEST_F(CliObjects, AreScoredInTheirBoxes) {
   EXPECT_NE(text.out.find("thrown ball"), std::string::npos) << text.out;
 }
 
-// Bug put back: numbers of frames not looked at; seen to fail.
+// Bug put back: numbers of frames ignored; seen to fail.
 TEST_F(CliObjects, BoxesThatDoNotFitAreNamed) {
   const auto refused = [&](const std::string& file, const std::vector<std::string>& parts) {
     work.expect_refused({"evaluate", work.at("run"), "--boxes", work.at(file)}, parts);

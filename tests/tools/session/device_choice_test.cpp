@@ -27,7 +27,7 @@ DeviceFacts failing(CudaFailure failure) {
   return facts;
 }
 
-/// What is given out as the reason where the user has no wish.
+/// The stated reason where the user made no choice.
 std::string reason_on_cpu(const DeviceFacts& facts, bool is_expected = false) {
   const DeviceChoice choice = choose_device({}, facts);
   EXPECT_FALSE(choice.cuda);

@@ -38,7 +38,7 @@ bool same_pixel(const RenderedImage& a, const RenderedImage& b, size_t p) {
   return std::equal(&a.rgba[4 * p], &a.rgba[4 * p] + 4, &b.rgba[4 * p]);
 }
 
-/// What a camera of the patch sees over the clip.
+/// The image of a camera of the patch over the clip.
 struct Filmed {
   std::vector<RenderedImage> images;
   std::vector<uint8_t> ever;

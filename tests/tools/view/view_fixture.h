@@ -57,7 +57,7 @@ class ViewFolder : public ::testing::Test {
     const auto values = header_values(response.headers, name);
     return values.size() == 1 ? std::string(values[0]) : "";
   }
-  /// What a client reads.
+  /// The bytes that a client reads.
   static std::string body(const ViewResponse& response) {
     if (!response.file.is_open()) return response.body;
     std::string text(response.bytes, '\0');
