@@ -40,7 +40,7 @@ def start(command, log):
 
 
 def living(session):
-    """Processes of the session, eldest first: parents are killed before they could tell how a child
+    """Processes of the session, eldest first: parents are killed before they can report how a child
     of theirs has ended."""
     found = []
     for name in filter(str.isdigit, os.listdir("/proc")):
@@ -84,7 +84,7 @@ class Run:
                 "--checkpoint-every", "10", *more]
 
     def claimed(self, out, whole):
-        """What the folder says is done for the new command: pairs of files there and in `whole`."""
+        """The results that the folder marks as done for the new command: pairs of files there and in `whole`."""
         stages, new = records.read(f"{out}/stages.json"), records.read(f"{whole}/stages.json")
         return [(f"{whole}/{file}", f"{out}/{file}") for stage, file in self.products.items()
                 if stage in new and stages.get(stage, {}).get("done") and

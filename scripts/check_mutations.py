@@ -23,7 +23,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 USUAL = "-DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE=-O1 -DTESSERA_CUDA=OFF"
 LEFT_OUT = "nightly|cuda|batch|browser"  # labels
-LIMIT = 300  # seconds, of a test of a row's own
+LIMIT = 300  # seconds, for a test named in a row
 Row = dict[str, Any]  # id, group, mode (of the failure modes), file, old, new, what, tests
 Test = dict[str, str]  # target; and filter, where it is not all of its cases
 

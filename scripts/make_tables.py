@@ -110,7 +110,7 @@ def seeds_of(result):
 
 
 def table(result):
-    """The block's text: the table and the line that says where its figures come from."""
+    """The block's text: the table and the line with the source of its figures."""
     labels = [label for label in result.get("labels", ("scene", "preset"))
               if any(row.get(label) for row in result["rows"])]
     columns = columns_of(result)

@@ -91,7 +91,7 @@ const rendered = (t, camera = 'front') => readPng(place(`render${t}`, `${camera}
 
 // 48 dB and 51 dB were seen. Bugs put back: velocity three times too large, the rotation's parts in
 // another order, SH of the opposite direction, the principal point moved; each seen to fail.
-test('the 4D page shows what frames baked at that time show, and what the program renders',
+test('the 4D page shows the same as frames baked at that time and as the program',
      async () => {
   exportFrames('ply');
   const [moving, baked] = [await filmOf(`page/${view}`), await filmOf(`ply/${view}`)];
@@ -138,7 +138,7 @@ test('seeking away and back gives the same image to the last bit', async () => {
 });
 
 // Bug put back: the block's offset without the manifest's length; seen to fail.
-test('one file by ranges shows what the folder shows', async () => {
+test('one file by ranges shows the same as the folder', async () => {
   cpSync(place('single', 'scene.t4d'), place('page', 'scene.t4d'));
   const images = [];
   for (const path of [`page/${view}&t=1.2`, `page/${view}&t=1.2&scene=scene.t4d`]) {

@@ -17,7 +17,7 @@ const kSide = poseOfWord(`2,0,0,${Math.SQRT1_2},0,${-Math.SQRT1_2},0,50`, kInfo)
 
 // Bugs put back: positions blended in a straight line; the exact pose not set at the end; motion
 // although less is preferred; each seen to fail.
-test('a move goes around the scene and ends exactly', () => {
+test('a move leads around the scene and ends exactly', () => {
   const half = poseBetween(kFront, kSide, 0.5);
   assert.ok(Math.abs(half.position.length() - 2) < 1e-6, `${half.position.length()}`);
   const wall = {now: 5};
@@ -40,7 +40,7 @@ test('a move goes around the scene and ends exactly', () => {
 
 // Bugs put back: the nearest Gaussian taken however faint; Gaussians behind the ray counted; each
 // seen to fail.
-test('a ray meets what covers what is behind it', () => {
+test('a ray stops at the first opaque surface', () => {
   const vector = (x, y, z) => ({x, y, z});
   const ray = {origin: vector(0, 0, 0), direction: vector(0, 0, 1)};
   const hits = [[0, 0, 5, 0.1, 0.9], [0, 0, 1, 0.1, 0.2], [0, 0, -1, 0.1, 0.9],

@@ -60,7 +60,7 @@ test('the clock has units, and numbers of frames where they are known', () => {
 });
 
 // Bug put back: every failure of play() taken for a refusal; seen to fail.
-test('a refused sound is told apart from one that is missing or was paused', async () => {
+test('a refused sound is distinguished from one that is missing or was paused', async () => {
   for (const [name, blocked] of [['NotAllowedError', true], ['NotSupportedError', false],
                                  ['AbortError', false]]) {
     const sound = {currentTime: 0, playbackRate: 1, paused: true, ended: false, seeking: false,

@@ -76,7 +76,7 @@ test('requests that are no longer needed are cancelled', async () => {
 });
 
 // Bug put back: eviction of the newest; blocks of the current time not kept; each seen to fail.
-test('the least recently used goes when memory is short', async () => {
+test('the least recently used block is evicted when memory is short', async () => {
   const {cache, finish} = cacheOf({budget: 30});
   for (const t of [0.05, 0.15, 0.25, 0.35]) {
     cache.update({t, ahead: 0, loop: false});

@@ -55,7 +55,7 @@ test('title and description are text, whatever they hold', async () => {
 
 // Bugs put back: the poster left hidden; left on the canvas for good; rendered at the last
 // timestep; each seen to fail.
-test('the poster is seen within two seconds, before the scene, and goes when it is drawn',
+test('the poster is seen within two seconds, before the scene, and removed when it is drawn',
      async () => {
   const {page, problems} = await openPage(browser, {origin: server.origin});
   let release;

@@ -59,7 +59,7 @@ test('lossless blocks hold logits and quaternions of any length', async () => {
 
 // Bugs put back: halves cut off instead of rounded, the sign of the largest part ignored; each seen
 // to fail.
-test('what goes to the card', () => {
+test('the data uploaded to the device', () => {
   for (const [value, bits] of [[1, 0x3c00], [-2, 0xc000], [65504, 0x7bff], [1e9, 0x7bff],
                                [2 ** -24, 1], [1.0004887, 0x3c01], [0.1, 0x2e66], [NaN, 0]])
     assert.equal(halfBits(value), bits, `${value}`);

@@ -78,7 +78,7 @@ const viewOf = async (page) => (await page.evaluate(() => window.tessera.view())
 
 // Bugs put back: a degree that the shader does not use; a resolution that is not applied; settings
 // that are not kept; limits that cannot be switched off; each seen to fail.
-test('the panel changes what is drawn, and is remembered', async () => {
+test('the panel changes the image, and its settings are stored', async () => {
   const {page, problems} = await openPage(site.browser, {origin: site.origin, width: 640, height: 480});
   const open = async () => {
     await page.goto(`${site.address}?paused&cam=front`);

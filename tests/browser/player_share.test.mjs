@@ -77,7 +77,7 @@ test('a view that was dragged is in the address, and the copied link shows it', 
 });
 
 // Bug put back: the clipboard used where the system has a sheet; seen to fail.
-test('the sheet of the system is used where there is one, and closing it says nothing', async () => {
+test('the sheet of the system is used where there is one, and closing it gives no message', async () => {
   const {page, problems} = await open('?paused&cam=side', () => {
     navigator.share = async (data) => {
       window.shared = data;

@@ -54,7 +54,7 @@ async function shown(page, share) {
 
 // Bugs put back: the time of the view not taken; the camera not taken; the image over the whole
 // window (object-fit: fill); each seen to fail.
-test('each test image lies on what the model shows of it', async () => {
+test('each test image lies on the image of the model', async () => {
   const {page, problems} = await opened({width: 900, height: 560});
   await page.keyboard.press('t');
   const options = await page.locator('#truth-view option').allInnerTexts();
