@@ -27,11 +27,8 @@ inline const std::vector<std::string> kOfAdam = {"kernels/",
                                                  "docs/development/",
                                                  "docs/explanation/size.md"};
 
-/// Folders whose comments may still have the form "What: … Not: …".
-inline const std::vector<std::string> kWithOldHeads = {"tools/"};
-
 inline const std::vector<BannedWord> kBannedWords = {
-    {R"(^\s*(//|#|"+).*\b(What|Not): )", "full sentences", kWithOldHeads},
+    {R"(^\s*(//|#|"+).*\b(What|Not): )", "full sentences"},
     {R"(\bworths?\b)", "contribution"},
     {R"(parsimony)", "reduction, model reduction"},
     {R"(stillness)", "demotion to static"},

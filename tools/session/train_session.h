@@ -1,6 +1,5 @@
-// What: a training with its run folder: resolved options, log, checkpoints, model, evaluations.
-// Not: the training itself (recon4d/training/trainer.h) nor option parsing (commands/train.cpp).
-// Run folder: config.json, log.jsonl, checkpoint.ckpt, model.ply, metrics.json; with validation
+// A training with its run folder: resolved options, log, checkpoints, model, evaluations. The run
+// folder has config.json, log.jsonl, checkpoint.ckpt, model.ply, metrics.json; with validation
 // also best_<step>.ply: the best model so far as it was, and model.ply then is that model.
 #pragma once
 #include <filesystem>
