@@ -81,7 +81,8 @@ function tell(answer) {
   $("resume").querySelector("code").textContent = resume;
   if (alive) $("go").disabled = false;
   else $("stop").disabled = false;
-  const share = state ? (100 * state.step) / Math.max(1, state.total) : 0;
+  if (!alive && (state || page)) $("empty").textContent = `${status[0].toUpperCase()}${status.slice(1)}.`;
+  const share = page ? 100 : state ? (100 * state.step) / Math.max(1, state.total) : 0;
   $("bar").firstElementChild.style.width = `${share}%`;
   $("bar").setAttribute("aria-valuenow", share.toFixed(0));
 }
