@@ -6,7 +6,7 @@ function(tessera_configure target)
     -fno-math-errno -fno-trapping-math)
   # 20012: GLM's defaulted members carry an annotation that nvcc ignores
   set(cuda_flags --expt-relaxed-constexpr --extended-lambda -diag-suppress 20012)
-  if(TESSERA_NATIVE)
+  if(TESSERA_NATIVE AND NOT TESSERA_PACKAGE)
     list(APPEND cxx_flags -march=native)
   endif()
   list(LENGTH CMAKE_CUDA_ARCHITECTURES cards)
@@ -33,15 +33,18 @@ function(tessera_for_any_cpu)
   endif()
 endfunction()
 
-# tessera_library(NAME kernels SOURCES a.cpp … PUBLIC targets… PRIVATE targets…)
+# tessera_library(NAME kernels [TYPE SHARED] SOURCES a.cpp … PUBLIC targets… PRIVATE targets…)
 function(tessera_library)
-  cmake_parse_arguments(LIB "" "NAME" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
-  add_library(tessera_${LIB_NAME} STATIC ${LIB_SOURCES})
+  cmake_parse_arguments(LIB "" "NAME;TYPE" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  if(NOT LIB_TYPE)
+    set(LIB_TYPE STATIC)
+  endif()
+  add_library(tessera_${LIB_NAME} ${LIB_TYPE} ${LIB_SOURCES})
   target_link_libraries(tessera_${LIB_NAME} PUBLIC ${LIB_PUBLIC} PRIVATE ${LIB_PRIVATE})
   tessera_configure(tessera_${LIB_NAME})
 endfunction()
 
-# tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS slow] [SHARDS 4] [EXACT]): one
+# tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS nightly] [SHARDS 4] [EXACT]): one
 # program, run in as many parts, each of every SHARDS-th case: starting a process for each case costs
 # more than most cases. EXACT: compiled as the product is and file by file, for comparisons to the bit.
 function(tessera_test)
