@@ -129,7 +129,7 @@ void score(const BenchRunOptions& options, const BenchRun& run, const RunFolder&
   for (const char* key :
        {"psnr", "ssim", "psnr_float", "bytes", "num_gaussians", "num_static", "num_dynamic"})
     metrics[key] = scores.at(key);
-  metrics["shipped_bytes"] = shipped_size_of(folder.root.string(), model).bytes;
+  metrics["shipped_bytes"] = shipped_bytes(folder.root.string(), model);
   for (const char* key : {"width", "height", "views"}) result[key] = scores.at(key);
   std::vector<View> views;
   for (int i : scene.split_indices(split))

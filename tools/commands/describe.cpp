@@ -15,9 +15,9 @@
 #include "kernels/base/errors.h"
 #include "recon4d/model/checkpoint.h"
 #include "recon4d/model/model_info.h"
-#include "static3d/tessera4d/model_histograms.h"
 #include "static3d/tessera4d/tessera4d.h"
 #include "tools/export/formats.h"
+#include "tools/session/model_input.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
@@ -39,7 +39,7 @@ json describe_model(const char* kind, const fs::path& path, bool with_shipped) {
   info["file"] = input.file.string();
   info["bytes"] = input.bytes;
   info.update(model_info(input.model));
-  info.update(model_size(path.string(), input, with_shipped));
+  if (with_shipped) info["shipped_bytes"] = shipped_bytes(path.string(), input.model);
   if (!input.warnings.empty()) info["warnings"] = input.warnings;
   return info;
 }
@@ -53,7 +53,7 @@ json describe_checkpoint(const fs::path& path, bool with_shipped) {
 }
 
 /// `path`: the single file, or the manifest of a folder.
-json describe_tessera4d(const fs::path& path) {
+json describe_tessera4d(const fs::path& path, bool with_shipped) {
   const bool folder = path.filename() == kTessera4dManifest;
   Tessera4dInput input = load_tessera4d(folder ? path.parent_path() : path);
   json info = described("Tessera 4D file", folder ? path.parent_path() : path);
@@ -62,10 +62,7 @@ json describe_tessera4d(const fs::path& path) {
   info["generator"] = input.manifest.generator;
   info["blocks"] = input.manifest.blocks.size();
   info.update(model_info(input.model));
-  ModelInput model;
-  model.shipped = shipped_breakdown(input.manifest, input.bytes);
-  model.model = std::move(input.model);
-  info.update(model_size(path.string(), model, false));
+  if (with_shipped) info["shipped_bytes"] = shipped_bytes(path.string(), input.model);
   if (!input.warnings.empty()) info["warnings"] = input.warnings;
   return info;
 }
@@ -106,7 +103,7 @@ json describe_file(const fs::path& path, bool with_shipped) {
     case ModelKind::kTesseraPly:
       return describe_model("Tessera 4D model", path, with_shipped);
     case ModelKind::kTessera4d:
-      return describe_tessera4d(path);
+      return describe_tessera4d(path, with_shipped);
     case ModelKind::kSplats: {
       const std::string text = read_text_file(path);
       if (!text.starts_with("ply")) return describe_model("splats", path, with_shipped);
@@ -148,7 +145,7 @@ json describe_folder(const fs::path& path, bool with_shipped) {
     return describe_run(run, with_shipped);
   if (has_transforms(path)) return describe_transforms(path);
   if (!videos_in(path).empty()) return describe_videos(path);
-  if (is_tessera4d_folder(path)) return describe_tessera4d(path / kTessera4dManifest);
+  if (is_tessera4d_folder(path)) return describe_tessera4d(path / kTessera4dManifest, with_shipped);
   if (fs::exists(path / "manifest.json")) return describe_splat_sequence(path);
   if (fs::exists(path / "model.ply")) return describe_file(path / "model.ply", with_shipped);
   if (const std::optional<json> sequences = describe_sequences(path)) return *sequences;
@@ -162,21 +159,10 @@ json describe(const fs::path& path, bool with_shipped) {
     throw InputError(fmt::format("{}: no such file or folder; {}", path.string(), kKnown));
   json info = fs::is_directory(path) ? describe_folder(path, with_shipped)
                                      : describe_file(path, with_shipped);
-  if (with_shipped && !info.contains("account"))
+  if (with_shipped && !info.contains("shipped_bytes"))
     throw InputError(fmt::format("{}: is no model but a {}; leave --shipped out", path.string(),
                                  info["kind"].get<std::string>()));
   return info;
-}
-
-nlohmann::json model_size(const std::string& path, const ModelInput& input, bool with_shipped) {
-  nlohmann::json result = to_json(histograms_of(input.model), input.model.time_axis);
-  result["account"]["memory"] = to_json(memory_breakdown(input.model));
-  if (!input.shipped && !with_shipped) return result;
-  nlohmann::json shipped =
-      to_json(input.shipped ? *input.shipped : shipped_size_of(path, input.model).account);
-  shipped["encoded_for_this"] = !input.shipped;
-  result["account"]["shipped"] = std::move(shipped);
-  return result;
 }
 
 }  // namespace tessera

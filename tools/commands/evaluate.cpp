@@ -21,13 +21,14 @@
 #include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/training_terminal.h"
-#include "tools/commands/describe.h"
 #include "tools/commands/object_boxes.h"
+#include "tools/export/formats.h"
 #include "tools/export/image_files.h"
 #include "tools/export/output_folder.h"
 #include "tools/lpips/lpips.h"
 #include "tools/session/held_out_scores.h"
 #include "tools/session/locks.h"
+#include "tools/session/model_input.h"
 #include "tools/session/run_folder.h"
 
 namespace tessera {
@@ -201,7 +202,7 @@ json evaluate_model(const EvaluateRequest& request, const std::string& path, Lpi
   scores["model"] = input.file.string();
   scores["scene"] = scene.path;
   scores["backend"] = backend.name();
-  if (request.as_json) scores.update(model_size(path, input, true));
+  if (request.as_json) scores["shipped_bytes"] = shipped_bytes(path, input.model);
   text = fmt::format("{}\n{} Gaussians ({} static, {} dynamic), {}", scores_lines(request, scores),
                      input.model.count(), input.model.static_set.count(),
                      input.model.dynamic_set.count(),

@@ -79,9 +79,10 @@ void add_info_command(CLI::App& app, Work& work) {
           "model, splat or cloud .ply, checkpoint, output of `tessera run`, run folder, scene or "
           "capture")
       ->required();
-  command->add_flag("--shipped", request->shipped,
-                    "of a model: what its Tessera 4D file would weigh, part by part; encodes it, "
-                    "three seconds of a core for 100,000 Gaussians");
+  command->add_flag(
+      "--shipped", request->shipped,
+      "of a model: the bytes of the Tessera 4D file that export would write; encodes it, "
+      "three seconds of a core for 100,000 Gaussians");
   command->add_flag("--json", request->json, "print one JSON object");
   command->callback([&work, request] {
     work = [request] {

@@ -165,15 +165,16 @@ const TimeFormat* find_time_format(const std::string& name) {
   return nullptr;
 }
 
-ShippedSize shipped_size_of(const std::string& path, const GaussianModel& model) {
+int64_t shipped_bytes(const std::string& path, const GaussianModel& model) {
   ExportRequest request;
   request.model = path;
   const GaussianModel exported = model_in_source_world(model);
-  return shipped_size(exported, options_of(request, exported));
+  const Tessera4dFile file = encode_tessera4d(exported, options_of(request, exported));
+  return int64_t(single_tessera4d(file).size());
 }
 
 ShippedBytes shipped_bytes_of(const std::string& path) {
-  return [path](const GaussianModel& model) { return shipped_size_of(path, model).bytes; };
+  return [path](const GaussianModel& model) { return shipped_bytes(path, model); };
 }
 
 nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model) {

@@ -79,7 +79,6 @@ ModelInput load_model_input(const fs::path& path) {
       input.model = std::move(read.model);
       input.warnings = std::move(read.warnings);
       input.bytes = read.bytes;
-      input.shipped = shipped_breakdown(read.manifest, read.bytes);
       return input;
     }
     case ModelKind::kSplats:

@@ -3,21 +3,19 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "static3d/tessera4d/size_breakdown.h"
+#include "recon4d/model/gaussian_set.h"
 
 namespace tessera {
 
 struct ModelInput {
   GaussianModel model;
-  std::filesystem::path file;            // what was read
-  int64_t bytes = 0;                     // its size
-  bool with_optimizer = false;           // a checkpoint: its size is not the model's
-  std::vector<std::string> warnings;     // one line each
-  std::optional<SizeBreakdown> shipped;  // of a Tessera 4D file
+  std::filesystem::path file;         // what was read
+  int64_t bytes = 0;                  // its size
+  bool with_optimizer = false;        // a checkpoint: its size is not the model's
+  std::vector<std::string> warnings;  // one line each
 };
 
 /// By the first bytes; kSplats: a .ply without Tessera's comment, which may be a point cloud, .spz,

@@ -5,7 +5,6 @@
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/model_file.h"
-#include "static3d/tessera4d/size_breakdown.h"
 #include "static3d/transform/slicer.h"
 #include "static3d/transform/world_change.h"
 #include "tests/support/scratch_folder.h"
@@ -131,14 +130,6 @@ TEST(MotionFiles, AnotherWorldMovesAlike) {
   const auto a = render_views(*backend, moved, other), b = render_views(*backend, model, views);
   EXPECT_LT(largest_difference(a, b), 1.2 / 255);  // a splat at its cut-off may gain a pixel
   EXPECT_LT(mean_difference(a, b), 1e-5);
-}
-
-// Bug put back: the groups of bindings in no component; seen to fail.
-TEST(MotionFiles, BytesOfBindingsAreAccountedFor) {
-  const GaussianModel model = turning_truth(1, {0, 0, 0});
-  const ComponentBytes bytes = memory_breakdown(model).fixed;
-  EXPECT_EQ(bytes.total(), model.static_set.value_bytes());
-  EXPECT_EQ(bytes.bytes[size_t(Component::kTime)], model.static_set.count() * 16 * 4);
 }
 
 }  // namespace
