@@ -3,6 +3,9 @@
 # which a second copy uses AVX2 and FMA (x86-64-v3); the dynamic loader takes the best one that the
 # CPU can execute (ld.so(8), glibc-hwcaps).
 option(TESSERA_PACKAGE "Build what a Debian package holds" OFF)
+if(TESSERA_PACKAGE)
+  set(TESSERA_NATIVE OFF)  # whatever was asked for
+endif()
 set(TESSERA_MAINTAINER "Tessera maintainers <tessera@example.org>" CACHE STRING
     "Who a package names as its maintainer")
 include(GNUInstallDirs)

@@ -6,7 +6,7 @@ function(tessera_configure target)
     -fno-math-errno -fno-trapping-math)
   # 20012: GLM's defaulted members carry an annotation that nvcc ignores
   set(cuda_flags --expt-relaxed-constexpr --extended-lambda -diag-suppress 20012)
-  if(TESSERA_NATIVE AND NOT TESSERA_PACKAGE)
+  if(TESSERA_NATIVE)
     list(APPEND cxx_flags -march=native)
   endif()
   list(LENGTH CMAKE_CUDA_ARCHITECTURES cards)

@@ -71,6 +71,12 @@ Image8 averaged_image(const Image8& image, int width, int height) {
   return out;
 }
 
+Image8 narrowed_image(const Image8& image, int width) {
+  if (image.width <= width) return image;
+  const double height = double(width) * image.height / image.width;
+  return averaged_image(image, width, std::max(1, int(std::lround(height))));
+}
+
 Frame scaled_frame(const Frame& frame, double scale) {
   check(scale > 0 && scale <= 1, "scaled_frame: a scale of at most 1");
   if (scale == 1) return frame;

@@ -8,6 +8,8 @@ namespace tessera {
 /// Mean of the area that each new pixel covers, per channel as stored, rounded to nearest.
 /// `width`, `height`: at most the image's.
 Image8 averaged_image(const Image8& image, int width, int height);
+/// The same of the image's proportions, at most `width` wide; a narrower image stays as it is.
+Image8 narrowed_image(const Image8& image, int width);
 
 /// A frame at `scale` times its size, 0 < scale ≤ 1, as of scaled_scene.
 Frame scaled_frame(const Frame& frame, double scale);

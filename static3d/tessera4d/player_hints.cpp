@@ -25,6 +25,13 @@ nlohmann::json camera_json(const PlayerCamera& rig) {
           {"cy", camera.cy}};
 }
 
+nlohmann::json truth_json(const Frame& frame, const std::string& image) {
+  return {{"name", frame.name},
+          {"camera", camera_json({frame.name, frame.camera})},
+          {"t", frame.time},
+          {"image", image}};
+}
+
 nlohmann::json splat_json(const GaussianModel& rules) {
   const Cutoff<double> cutoff = rules.cutoff<double>();
   return {{"dilation", rules.drawing.filter_2d ? kFilter2d<double> : kDilation<double>},

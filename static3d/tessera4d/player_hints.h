@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ingest/scene.h"
 #include "kernels/base/camera.h"
 #include "recon4d/model/gaussian_set.h"
 
@@ -19,6 +20,8 @@ struct PlayerCamera {
 };
 
 nlohmann::json camera_json(const PlayerCamera& rig);
+/// {name, camera, t, image}: a frame that the player compares with the model; `image`: its address.
+nlohmann::json truth_json(const Frame& frame, const std::string& image);
 /// Dilation, cut-offs and clip planes.
 nlohmann::json splat_json(const GaussianModel& rules);
 /// Unit length: the mean direction against the cameras' down, or that of the axes (−y).

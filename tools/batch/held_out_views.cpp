@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
@@ -46,14 +44,8 @@ std::vector<HeldOutView> kept_views(const fs::path& folder, const json& key) {
   return views;
 }
 
-Image8 small(const Image8& image) {
-  if (image.width <= kWidth) return image;
-  const double height = double(kWidth) * image.height / image.width;
-  return averaged_image(image, kWidth, std::max(1, int(std::lround(height))));
-}
-
 std::string keep(const fs::path& file, const Image8& image) {
-  write_png(file, small(image));
+  write_png(file, narrowed_image(image, kWidth));
   return read_text_file(file);
 }
 

@@ -110,11 +110,7 @@ constexpr int kMostWidth = 960;  // pixels
 constexpr int kQuantiser = 4;    // of JPEG
 
 std::string image_address(const Image8& image) {
-  Image8 small = image;
-  if (image.width > kMostWidth) {
-    const double height = double(kMostWidth) * image.height / image.width;
-    small = averaged_image(image, kMostWidth, std::max(1, int(std::lround(height))));
-  }
+  const Image8 small = narrowed_image(image, kMostWidth);
   if (const auto bytes = jpeg_bytes(small, kQuantiser)) return data_address("image/jpeg", *bytes);
   const TemporaryFolder folder("truth");
   write_png(folder.path() / "truth.png", small);
@@ -145,10 +141,7 @@ nlohmann::json truth_views(const ExportRequest& request, const GaussianModel& mo
         "scene as --cameras");
   nlohmann::json views = nlohmann::json::array();
   for (const Frame& frame : scene_for(model, place, kMostViews).frames)
-    views.push_back({{"name", frame.name},
-                     {"camera", camera_json({frame.name, frame.camera})},
-                     {"t", frame.time},
-                     {"image", image_address(frame.image)}});
+    views.push_back(truth_json(frame, image_address(frame.image)));
   return views;
 }
 

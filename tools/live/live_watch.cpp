@@ -113,11 +113,7 @@ std::string LiveWatch::state(int64_t seen) {
   result["resume"] = !alive && can_resume() ? shell_line(resume_) : "";
   result["views"] = json::array();
   for (size_t i = 0; i < views_.size(); ++i)
-    result["views"].push_back(
-        {{"name", scene_.frames[i].name},
-         {"camera", camera_json({scene_.frames[i].name, scene_.frames[i].camera})},
-         {"t", scene_.frames[i].time},
-         {"image", fmt::format("/api/truth?view={}", i)}});
+    result["views"].push_back(truth_json(scene_.frames[i], fmt::format("/api/truth?view={}", i)));
   result["scores"] = scores_;
   return json_text(result);
 }

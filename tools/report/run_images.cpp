@@ -32,12 +32,6 @@ struct Triple {
   Image8 truth, result, error;
 };
 
-Image8 narrowed(const Image8& image, int width) {
-  if (image.width <= width) return image;
-  const double height = double(width) * image.height / image.width;
-  return averaged_image(image, width, std::max(1, int(std::lround(height))));
-}
-
 class ImageMaker {
  public:
   ImageMaker(Backend& backend, const GaussianModel& model, const Scene& scene,
@@ -69,11 +63,11 @@ class ImageMaker {
   }
 
   EncodedImage encoded(const Image8& image, int width, ShownView& shown) {
-    Image8 small = narrowed(image, width);
+    Image8 small = narrowed_image(image, width);
     shown.width = small.width;
     shown.height = small.height;
     if (auto bytes = jpeg_bytes(small, kQuantiser)) return {"image/jpeg", std::move(*bytes)};
-    small = narrowed(small, kStripWidth);
+    small = narrowed_image(small, kStripWidth);
     write_png(scratch_, small);
     EncodedImage png{"image/png", read_text_file(scratch_)};
     fs::remove(scratch_);

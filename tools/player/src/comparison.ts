@@ -1,6 +1,7 @@
 // Compares test images with the model: selects one, and shows a slider between the two.
 import { Fields } from "./json_fields";
 import { readCamera, type Camera } from "./manifest";
+import { element } from "./ui";
 
 /** An image of the scene that the model can be compared with. */
 export interface TruthView {
@@ -20,10 +21,6 @@ export function readTruth(list: unknown): TruthView[] {
     t: f.number("t"),
     image: f.text("image"),
   }));
-}
-
-function element<T extends HTMLElement>(id: string): T {
-  return document.getElementById(id) as T;
 }
 
 export class Comparison {

@@ -8,7 +8,7 @@ export const RATES = [0.1, 0.25, 0.5, 1, 2, 4];
 const IDLE_MS = 3000; // without a pointer or a key, panels of a playing scene fade
 const NOTICE_MS = 3000;
 
-function element<T extends HTMLElement>(id: string): T {
+export function element<T extends HTMLElement>(id: string): T {
   const found = document.getElementById(id);
   if (found === null) throw new Error(`the page has no #${id}`);
   return found as T;
