@@ -12,6 +12,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/output_place.h"
 #include "tools/cli/terminal.h"
+#include "tools/export/clean_model.h"
 #include "tools/export/formats.h"
 #include "tools/session/model_input.h"
 
@@ -51,8 +52,8 @@ void check_options(const ExportRequest& request, const TimeFormat* in_time) {
       {"--lossless", request.lossless, tessera4d, "tessera, page and html"},
       {"--segment", request.segment_seconds != 1, tessera4d, "tessera, page and html"},
       {"--cameras", !request.cameras.empty(),
-       tessera4d || request.page || request.format == "splatv",
-       "tessera, page, html, splatv and frames with --page"},
+       tessera4d || request.page || request.format == "splatv" || request.clean.value_or(false),
+       "tessera, page, html, splatv, and frames with --page or --clean"},
       {"--title", !request.title.empty(), has_page, "pages: page, html and frames with --page"},
       {"--description", !request.description.empty(), has_page,
        "pages: page, html and frames with --page"},
@@ -108,6 +109,7 @@ int export_command(const ExportRequest& request) {
   ModelInput input = load_model_input(request.model);
   for (const std::string& warning : input.warnings) warn(warning);
   check_places(request, input.file);
+  const nlohmann::json floaters = clean_if_asked(request, input.model);
   if (!request.keep_world) input.model = model_in_source_world(input.model);
   nlohmann::json result = in_time != nullptr ? in_time->write(request, input.model)
                                              : export_frames(request, input.model);
@@ -116,10 +118,14 @@ int export_command(const ExportRequest& request) {
   result["format"] = request.format;
   result["model"] = input.file.string();
   result["num_gaussians"] = input.model.count();
+  result["floaters"] = floaters;
   const int64_t frames = result["frames"], bytes = result["bytes"];
   print_result(request.json, result,
-               fmt::format("{}: {} file{}, {:.1f} MB", request.out, frames, frames == 1 ? "" : "s",
-                           double(bytes) / 1e6));
+               fmt::format("{}: {} file{}, {:.1f} MB{}", request.out, frames,
+                           frames == 1 ? "" : "s", double(bytes) / 1e6,
+                           floaters.is_null()
+                               ? ""
+                               : fmt::format(", {} floaters left out", floaters.get<int64_t>())));
   return kExitDone;
 }
 
@@ -175,8 +181,8 @@ void add_export_command(CLI::App& app, Work& work) {
   command->add_option("--segment", request->segment_seconds, "Tessera 4D: seconds of a segment");
   command->add_option(
       "--cameras", request->cameras,
-      "Tessera 4D, splatv, --page: scene folder or transforms file whose cameras players offer; "
-      "default: of the scene that the run was trained on");
+      "Tessera 4D, splatv, --page, --clean: scene folder or transforms file whose cameras players "
+      "offer; default: of the scene that the run was trained on");
   command->add_option("--audio", request->audio, "Tessera 4D: sound, which becomes the clock");
   command->add_option("--title", request->title, "pages: title");
   command->add_option("--description", request->description,
@@ -187,6 +193,9 @@ void add_export_command(CLI::App& app, Work& work) {
                       "or auto: a held-out camera's view of the first timestep; default: none");
   command->add_flag("--truth", request->truth,
                     "pages: put six test images of the scene into the page, to compare with");
+  command->add_flag("--clean,!--no-clean", request->clean,
+                    "leave out floaters: faint, large Gaussians that one training camera alone "
+                    "shows; default: of a page whose scene is there");
   command->add_flag("--keep-world", request->keep_world,
                     "stay in the world of the prepared scene; default: back in the capture's own");
   command->add_flag("--overwrite", request->overwrite,

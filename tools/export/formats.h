@@ -2,6 +2,7 @@
 // files of one timestep each.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct ExportRequest {
   std::string title, description;  // of a page; empty: none
   std::string poster;              // of a page: an image file, or "auto"; empty: none
   bool truth = false;              // test images of the scene in the page
+  std::optional<bool> clean;       // floaters leave; by default of a page whose scene is there
   int threads = 0;
   bool keep_world = false, overwrite = false, json = false;
 };

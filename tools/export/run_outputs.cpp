@@ -11,6 +11,7 @@
 #include "tools/camera_paths/export_times.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
+#include "tools/export/clean_model.h"
 #include "tools/export/formats.h"
 #include "tools/export/output_folder.h"
 
@@ -48,7 +49,7 @@ json write_run_frames(const RunFolder& run, const fs::path& folder, int64_t coun
 json write_run_player(const RunFolder& run, const fs::path& folder, const std::string& title,
                       const std::string& description) {
   constexpr int64_t kMostInside = int64_t{64} << 20;  // bytes
-  GaussianModel model = model_in_source_world(load_model(run.model()));
+  GaussianModel model = load_model(run.model());
   ExportRequest page;
   page.model = run.root.string();
   page.out = folder.string();
@@ -60,6 +61,8 @@ json write_run_player(const RunFolder& run, const fs::path& folder, const std::s
     page.poster = "auto";
     page.truth = true;
   }
+  const json floaters = clean_if_asked(page, model);
+  model = model_in_source_world(model);
   json written = find_time_format(page.format)->write(page, model);
   if (written["scene_bytes"] > kMostInside) {
     page.format = "page";
@@ -67,6 +70,7 @@ json write_run_player(const RunFolder& run, const fs::path& folder, const std::s
   }
   written["folder"] = folder.string();
   written["format"] = page.format;
+  written["floaters"] = floaters;
   return written;
 }
 

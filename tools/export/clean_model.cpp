@@ -1,0 +1,49 @@
+// Draws the model for the cameras of its training, wherever the backend of this machine is.
+#include "tools/export/clean_model.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "kernels/base/errors.h"
+#include "recon4d/reduction/floaters.h"
+#include "tools/camera_paths/camera_views.h"
+#include "tools/cli/backend_options.h"
+#include "tools/session/run_folder.h"
+
+namespace tessera {
+
+std::optional<int64_t> clean_model(const std::filesystem::path& scene, GaussianModel& model) {
+  CameraChoice choice;
+  choice.cameras = scene;
+  choice.split = "train";
+  std::vector<View> training;
+  for (const NamedView& named : read_views(choice, model)) training.push_back(named.view);
+  const CameraViews cameras = views_of_support(training);
+  if (int(cameras.size()) < kLeastPlaces) return std::nullopt;
+  const std::unique_ptr<Backend> backend = make_backend("auto");
+  return remove_marked(find_floaters(model, measure_support(*backend, model, cameras)), model);
+}
+
+nlohmann::json clean_if_asked(const ExportRequest& request, GaussianModel& model) {
+  const bool page = request.page || request.format == "page" || request.format == "html";
+  if (!request.clean.value_or(page)) return nullptr;
+  const std::filesystem::path scene =
+      request.cameras.empty() ? scene_of_model(request.model) : request.cameras;
+  if (scene.empty()) {
+    if (!request.clean) return nullptr;
+    throw InputError(
+        "export: --clean needs the cameras of the training, and the model's scene is not there; "
+        "pass the scene as --cameras");
+  }
+  const std::optional<int64_t> removed = clean_model(scene, model);
+  if (removed) return *removed;
+  if (!request.clean) return nullptr;
+  throw InputError(
+      fmt::format("{}: its cameras stand in fewer than {} places, so that no Gaussian is known to "
+                  "be a floater; "
+                  "leave --clean out",
+                  scene.string(), kLeastPlaces));
+}
+
+}  // namespace tessera
