@@ -1,5 +1,7 @@
 // Implements ingest_capture: checks the options, finds the layout, stages the folder and calls the
 // converter.
+#include "ingest/layouts/conversion.h"
+
 extern "C" {
 #include <libavutil/avutil.h>
 }
@@ -17,7 +19,6 @@ extern "C" {
 #include "ingest/images/alpha_and_mask.h"
 #include "ingest/images/resampling.h"
 #include "ingest/layouts/capture_layout.h"
-#include "ingest/layouts/conversion.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"

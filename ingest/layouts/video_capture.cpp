@@ -13,6 +13,7 @@
 #include "ingest/files/fnv1a.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/layouts/conversion.h"
+#include "ingest/layouts/image_sequences.h"
 #include "ingest/layouts/rig_clips.h"
 #include "ingest/test_views.h"
 #include "ingest/video/clip_frames.h"
