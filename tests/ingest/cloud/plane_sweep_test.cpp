@@ -179,6 +179,22 @@ TEST(Timesteps, CamerasMayBeApartByPartsOfAFrame) {
   EXPECT_EQ(timesteps[2].frames, (std::vector<int>{2})) << "0.9 is too far from 0.4";
 }
 
+// Bug put back: a whole distance as the limit; seen to fail.
+TEST(Timesteps, NoneReachesFartherThanHalfTheSmallestDistance) {
+  const auto timesteps = group_timesteps(frame_times({{"a", 0.0},
+                                                      {"a", 0.2},
+                                                      {"a", 0.6},
+                                                      {"b", -0.09},
+                                                      {"b", 0.35},
+                                                      {"b", 0.69},
+                                                      {"c", -0.11},
+                                                      {"c", 0.71}}));
+  ASSERT_EQ(timesteps.size(), 3u);
+  EXPECT_EQ(timesteps[0].frames, (std::vector<int>{0, 3})) << "without -0.11";
+  EXPECT_EQ(timesteps[1].frames, (std::vector<int>{1})) << "0.35 is 0.15 from 0.2";
+  EXPECT_EQ(timesteps[2].frames, (std::vector<int>{2, 5})) << "without 0.71";
+}
+
 TEST(Timesteps, WithoutASecondFrameOfACameraOnlyEqualTimesShareOne) {
   const auto timesteps = group_timesteps(frame_times({{"a", 0.5}, {"b", 0.5}, {"c", 0.501}}));
   ASSERT_EQ(timesteps.size(), 2u);

@@ -66,6 +66,21 @@ TEST(Intrinsics, FrameWinsOverFileWinsOverAngle) {
   EXPECT_EQ(camera.cx, 51);
 }
 
+// Bug put back: the vertical angle taken across the width; seen to fail.
+TEST(Intrinsics, EachAngleIsAcrossItsOwnSide) {
+  StatedIntrinsics stated;
+  stated.camera_angle_x = 2 * std::atan(0.5);
+  stated.camera_angle_y = 2 * std::atan(0.2);
+  Camera camera;
+  set_intrinsics(camera, stated, 100, 50, "angles");
+  EXPECT_NEAR(camera.fl_x, 50 / 0.5, 1e-12);
+  EXPECT_NEAR(camera.fl_y, 25 / 0.2, 1e-12);
+  stated.fl_x = 200;
+  set_intrinsics(camera, stated, 100, 50, "a focal length and angles");
+  EXPECT_EQ(camera.fl_x, 200);
+  EXPECT_EQ(camera.fl_y, 200) << "a focal length replaces both angles";
+}
+
 TEST(Intrinsics, NoneOrNonsenseIsRefused) {
   Camera camera;
   StatedIntrinsics stated;
