@@ -120,5 +120,19 @@ TEST(PruningChoice, DegreesThatCostLeast) {
       << "no bands are added";
 }
 
+// Bug put back: bands that are not there among the bytes that are saved; seen to fail.
+TEST(PruningChoice, OnlyBandsThatAreThereFreeBytes) {
+  SetContributions contributions;
+  contributions.resize(3);
+  contributions.truncation_error = {{10, 0, 0}, {30, 10, 0}, {30, 10, 0}};
+  for (const bool dynamic : {false, true}) {
+    // degree 1 has 4.95 bytes, degree 2 has 8.25 more, degree 3 another 11.55
+    EXPECT_EQ(choose_degrees({1, 2, 3}, contributions, dynamic, 3, 1),
+              (std::vector<uint8_t>{1, 2, 2}));
+    EXPECT_EQ(choose_degrees({1, 2, 3}, contributions, dynamic, 3, 2.1),
+              (std::vector<uint8_t>{0, 1, 1}));
+  }
+}
+
 }  // namespace
 }  // namespace tessera::testing
