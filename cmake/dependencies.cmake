@@ -8,6 +8,8 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_path(ZSTD_INCLUDE_DIR zstd.h)  # for .spz of version 4
 find_library(ZSTD_LIBRARY zstd)
+find_path(WEBP_INCLUDE_DIR webp/encode.h)  # for .sog
+find_library(WEBP_LIBRARY webp)
 find_package(TBB QUIET)  # oneTBB; std::thread is used where it is absent
 
 if(NOT TESSERA_INGEST STREQUAL "OFF")

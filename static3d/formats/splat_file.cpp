@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "ingest/files/stored_zip.h"
 #include "kernels/base/errors.h"
 #include "recon4d/model/element_edits.h"
 #include "recon4d/options/nearest_name.h"
@@ -59,6 +60,7 @@ struct Reader {
 Reader reader_of(const std::filesystem::path& path, std::string_view head) {
   if (head.starts_with("ply")) return {load_ply_splats, false};
   if (is_spz(head)) return {load_spz, true};
+  if (is_zip(head)) return {load_sog, true};
   if (path.extension() == ".splat") return {load_splat_rows, true};
   return {nullptr, false};
 }
@@ -74,6 +76,7 @@ const std::vector<SplatFormat>& splat_formats() {
        [](const std::filesystem::path& path, const GaussianSet& set, int degree) {
          save_spz(path, set, degree);
        }},
+      {"sog", ".sog", "a twentieth of ply; SuperSplat, PlayCanvas, Spark", save_sog},
       {"splat", ".splat", "no view-dependent colour; older viewers",
        [](const std::filesystem::path& path, const GaussianSet& set, int) {
          save_splat_rows(path, set);
@@ -113,8 +116,8 @@ SplatFile load_splat_file(const std::filesystem::path& path) {
   const Reader reader = reader_of(path, head_of(path));
   if (reader.load == nullptr)
     throw InputError(
-        fmt::format("{}: no splats; expected a .ply, .spz or .splat (splat-transform converts "
-                    ".ksplat and .sog)",
+        fmt::format("{}: no splats; expected a .ply, .spz, .sog or .splat (splat-transform "
+                    "converts .ksplat)",
                     path.string()));
   SplatFile file = reader.load(path);
   drop_invalid(path, file);

@@ -33,7 +33,7 @@ SplatFormat spz_format(int version);
 
 /// Whether load_splat_file reads a file with that name and these first bytes.
 bool is_splat_file(const std::filesystem::path& path, std::string_view head);
-/// 3DGS .ply, compressed .ply, .spz of versions 2 to 4, .splat. Only sound Gaussians, unit
+/// 3DGS .ply, compressed .ply, .spz of versions 2 to 4, .sog, .splat. Only sound Gaussians, unit
 /// quaternions. Errors: InputError naming the file, what is wrong and the remedy.
 SplatFile load_splat_file(const std::filesystem::path& path);
 

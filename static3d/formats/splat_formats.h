@@ -42,6 +42,13 @@ SplatFile load_spz(const std::filesystem::path& path);
 void save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree,
               int version = 3);
 
+/// By its first bytes a zip archive with the images. Errors: InputError: another version, cut off,
+/// damaged, compressed entries, a build without libwebp.
+SplatFile load_sog(const std::filesystem::path& path);
+/// Logarithms of means to 1/65535 of their range, ln scales and colours by codebooks of 256
+/// numbers, opacities to 1/255, SH by a palette. Errors: InputError: a build without libwebp.
+void save_sog(const std::filesystem::path& path, const GaussianSet& set, int sh_degree);
+
 /// Exact but for exp(ln scale) and σ(logit). Errors: InputError: more bytes than 32 bits count.
 void save_glb(const std::filesystem::path& path, const GaussianSet& set, int sh_degree);
 

@@ -59,6 +59,9 @@ GaussianModel model_with_nodes() {
 void write_splats(const fs::path& folder) {
   for (const SplatFormat& format : splat_formats()) {
     if (!format.is_read) continue;
+#ifndef TESSERA_HAS_WEBP
+    if (std::string(format.name) == "sog") continue;
+#endif
     const bool is_ply = std::string(format.extension).ends_with(".ply");
     const fs::path place = folder / (is_ply ? "ply" : format.name);
     for (const int degree : {0, 1, 3})

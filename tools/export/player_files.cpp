@@ -37,10 +37,13 @@ std::string page_with(std::string_view tessera4d, const PageHead& head) {
 }
 
 void check_page_plays(const SplatFormat& format) {
-  if (std::string_view(format.name) != "glb") return;
+  const std::string_view name = format.name;
+  if (name != "glb" && name != "sog") return;
   throw InputError(
-      "export: the player cannot read .glb frames; leave --page out or choose ply, "
-      "compressed, spz or splat");
+      fmt::format("export: the player cannot read {} frames; leave --page out or choose ply, "
+                  "compressed, spz or "
+                  "splat",
+                  format.extension));
 }
 
 std::string page_bytes_note(int64_t max_bytes) {

@@ -20,8 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr const char* kAccepted =
     "expected a run folder, a checkpoint, a Tessera 4D .ply, .t4d or folder, or splats (.ply, "
-    ".spz, "
-    ".splat)";
+    ".spz, .sog, .splat)";
 
 fs::path model_file_of(const fs::path& path) {
   if (!fs::exists(path))

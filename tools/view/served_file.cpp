@@ -40,6 +40,7 @@ constexpr MediaType kMediaTypes[] = {
     {".t4d", "application/octet-stream"},
     {".ply", "application/octet-stream"},
     {".spz", "application/octet-stream"},
+    {".sog", "application/octet-stream"},
     {".splat", "application/octet-stream"},
 };
 
