@@ -43,7 +43,9 @@ inline const std::vector<BannedWord> kBannedWords = {
     {R"(\bbegins anew\b)", "restarts"},
     {R"(\bfrontiers?\b)", "Pareto front", {"tools/bench/", "tests/tools/bench/"}},  // a JSON key
     {R"(\b(own|mine|there|at|of) = )", "a noun"},
-    {R"(\bpictures?\b)", "image (file), frame (of a video), view (rendered)"},
+    {R"(\bpictures?\b)",
+     "image (file), frame (of a video), view (rendered)",
+     {"static3d/formats/lossless_webp"}},  // a type of libwebp
     {R"(\bborn\b)", "added, spawned"},
     {R"(\blives\b)", "is, lies; temporal extent"},
     {R"(\bstilled\b)", "demoted"},

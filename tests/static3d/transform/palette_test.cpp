@@ -50,13 +50,13 @@ TEST(VectorPalette, IsExactWhereItCanBe) {
   constexpr int kWidth = 9;
   std::vector<float> vectors(64 * kWidth);
   for (float& x : vectors) x = normal(random);
-  const VectorPalette own = vector_palette(vectors, kWidth, 64);
-  EXPECT_EQ(own.count(), 64);
+  const VectorPalette exact = vector_palette(vectors, kWidth, 64);
+  EXPECT_EQ(exact.count(), 64);
   std::vector<float> repeated;
   for (int i = 0; i < 50; ++i) repeated.insert(repeated.end(), vectors.begin(), vectors.end());
   const VectorPalette groups = vector_palette(repeated, kWidth, 1000);
   EXPECT_EQ(groups.count(), 64);
-  for (const auto& [palette, of] : {std::pair(&own, &vectors), std::pair(&groups, &repeated)})
+  for (const auto& [palette, of] : {std::pair(&exact, &vectors), std::pair(&groups, &repeated)})
     for (size_t n = 0; n < of->size() / kWidth; ++n)
       for (size_t k = 0; k < kWidth; ++k)
         EXPECT_FLOAT_EQ(palette->entries[size_t(palette->labels[n]) * kWidth + k],
