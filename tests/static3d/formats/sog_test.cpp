@@ -39,7 +39,7 @@ std::string with_meta(const std::string& archive,
 // 256 splats have a palette of 256, so that SH have the error of the codebook alone: 11,520 values
 // within ±0.9. Means: range of ln(1 + |x|) about 3, times 1 + |x|.
 // Bugs put back, each seen to fail: low and high bytes of means exchanged; the index of the largest
-// part counted from x; palette entries beside each other by channel.
+// part counted from x; red and blue of palette entries exchanged.
 TEST(Sog, IsReadBackWithinItsQuanta) {
   const ScratchFolder folder;
   const GaussianSet set = set_to_write(256);
@@ -54,7 +54,8 @@ TEST(Sog, IsReadBackWithinItsQuanta) {
 }
 
 // Of at most 256 different values nothing is lost but the rounding of means and opacities, and each
-// Gaussian is written once. Bug put back: the last row of the images left out; seen to fail.
+// Gaussian is written once. Bug put back: the first Gaussian in the place of each other; seen to
+// fail.
 TEST(Sog, KeepsFewDifferentValuesAndEachGaussian) {
   const ScratchFolder folder;
   GaussianSet set = set_to_write(1000);
@@ -71,8 +72,7 @@ TEST(Sog, KeepsFewDifferentValuesAndEachGaussian) {
   EXPECT_EQ(std::set<int64_t>(rows.begin(), rows.end()).size(), 1000u);
 }
 
-// Bug put back: labels counted from the first row of another palette width ("bands" one too low);
-// seen to fail.
+// Bug put back: "bands" one too low; seen to fail.
 TEST(Sog, HasMetaOfTheSpecification) {
   const ScratchFolder folder;
   save_splat_file(sog(), folder / "a.sog", set_to_write(300), 2);
@@ -96,7 +96,7 @@ TEST(Sog, HasMetaOfTheSpecification) {
   EXPECT_EQ(names.size(), contents.size());
 }
 
-// Bug put back: the mean over an empty range divided by 0; seen to fail.
+// Bug put back: the infinite range of no means; seen to fail.
 TEST(Sog, OneSplatAndNone) {
   const ScratchFolder folder;
   const GaussianSet one = set_to_write(1);
