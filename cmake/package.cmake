@@ -9,7 +9,8 @@ endif()
 set(TESSERA_MAINTAINER "Tessera maintainers <tessera@example.org>" CACHE STRING
     "Who a package names as its maintainer")
 include(GNUInstallDirs)
-set(TESSERA_PRIVATE_LIBRARIES ${CMAKE_INSTALL_LIBDIR}/tessera)
+# in the architecture's folder: below lib itself CPack takes it for a library of the system's
+set(TESSERA_PRIVATE_LIBRARIES ${CMAKE_INSTALL_LIBDIR}/${CMAKE_LIBRARY_ARCHITECTURE}/tessera)
 
 # Makes `target`, a library of the layer's sources, shared, with a copy for newer CPUs.
 function(tessera_package_library target)
@@ -38,26 +39,50 @@ function(tessera_package_library target)
   install(TARGETS ${target} LIBRARY DESTINATION ${TESSERA_PRIVATE_LIBRARIES})
 endfunction()
 
-# Files that Debian's policy asks for: changelog and copyright, manual pages compressed.
-function(tessera_package_documents)
-  set(documents ${CMAKE_INSTALL_DOCDIR})
+# The revision of the package, which tells the releases of distributions apart: 1~debian12.
+function(tessera_package_revision result)
+  cmake_host_system_information(RESULT system QUERY DISTRIB_INFO)
+  string(TOLOWER "1~${system_ID}${system_VERSION_ID}" revision)
+  set(${result} ${revision} PARENT_SCOPE)
+endfunction()
+
+# Files that Debian's policy asks for: changelogs and copyright, manual pages compressed.
+function(tessera_package_documents name revision)
+  set(documents ${CMAKE_INSTALL_DATAROOTDIR}/doc/${name})
+  string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
+  set(debian ${PROJECT_BINARY_DIR}/changelog.Debian)
+  file(WRITE ${debian}
+    "${name} (${PROJECT_VERSION}-${revision}) unstable; urgency=medium\n\n"
+    "  * Package of this release; changelog.gz has its changes.\n\n"
+    " -- ${TESSERA_MAINTAINER}  ${date}\n")
   install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright ${PROJECT_SOURCE_DIR}/README.md
           DESTINATION ${documents})
   install(CODE "
     set(root \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
     file(COPY \"${PROJECT_SOURCE_DIR}/CHANGELOG.md\" DESTINATION \"\${root}/${documents}\")
     file(RENAME \"\${root}/${documents}/CHANGELOG.md\" \"\${root}/${documents}/changelog\")
+    file(COPY \"${debian}\" DESTINATION \"\${root}/${documents}\")
     file(GLOB pages \"\${root}/share/man/man1/tessera*.1\")
-    execute_process(COMMAND gzip -9nf \"\${root}/${documents}/changelog\" \${pages}
+    execute_process(COMMAND gzip -9nf \"\${root}/${documents}/changelog\"
+                            \"\${root}/${documents}/changelog.Debian\" \${pages}
                     COMMAND_ERROR_IS_FATAL ANY)")
 endfunction()
 
 # To be called after all install rules.
 function(tessera_package)
-  tessera_package_documents()
+  tessera_package_revision(revision)
+  if(TESSERA_HAS_CUDA)
+    set(name tessera-cuda)
+    set(CPACK_DEBIAN_PACKAGE_PROVIDES tessera)
+    set(CPACK_DEBIAN_PACKAGE_CONFLICTS tessera)
+  else()
+    set(name tessera)
+  endif()
+  tessera_package_documents(${name} ${revision})
   set(CPACK_GENERATOR DEB)
-  set(CPACK_PACKAGE_NAME tessera)
+  set(CPACK_PACKAGE_NAME ${name})
   set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+  set(CPACK_DEBIAN_PACKAGE_RELEASE ${revision})
   set(CPACK_PACKAGE_CONTACT "${TESSERA_MAINTAINER}")
   set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR})
   set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
@@ -74,10 +99,5 @@ function(tessera_package)
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
   set(CPACK_DEBIAN_PACKAGE_RECOMMENDS colmap)  # for captures without poses
   set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ffmpeg, snakemake")
-  if(TESSERA_HAS_CUDA)
-    set(CPACK_DEBIAN_PACKAGE_NAME tessera-cuda)
-    set(CPACK_DEBIAN_PACKAGE_PROVIDES tessera)
-    set(CPACK_DEBIAN_PACKAGE_CONFLICTS tessera)
-  endif()
   include(CPack)
 endfunction()

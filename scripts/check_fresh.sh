@@ -17,50 +17,24 @@ fi
 
 work=$PWD/build/fresh
 root=$work/$suite
-mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
-mkdir -p "$work/archives"
-unmount() {
-  for point in proc dev sys var/cache/apt/archives; do
-    if mountpoint -q "$root/$point"; then
-      umount -R -l "$root/$point"  # lazily: what a killed command left running may still hold it
-    fi
-  done
-}
-trap unmount EXIT
-unmount
-rm -rf --one-file-system "$root"
-debootstrap --variant=minbase "$suite" "$root" "$mirror" >"$work/$suite.debootstrap.log"
-mkdir -p "$root/var/cache/apt/archives" "$root/opt/certificates"
-mount --bind "$work/archives" "$root/var/cache/apt/archives"  # downloads are not what is timed
-mount -t proc proc "$root/proc"
-mount -t sysfs sys "$root/sys" 2>/dev/null || true
-mount --rbind --make-slave /dev "$root/dev" 2>/dev/null || mount --bind /dev "$root/dev"
-cp /etc/resolv.conf /etc/hosts "$root/etc/"
-if [ -f /etc/ssl/certs/ca-certificates.crt ]; then
-  cp /etc/ssl/certs/ca-certificates.crt "$root/opt/certificates/"
-fi
+. scripts/bare_root.sh
+trap 'unmount_root "$root"' EXIT
+make_root "$suite" "$root" "$work"
 git clone -q --no-hardlinks . "$root/root/tessera"
 commit=$(git -C "$root/root/tessera" rev-parse HEAD)
 
 # git, which fetches the clone on a real machine, comes with the first command
-inside() {
-  env -i HOME=/root PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
-    NODE_EXTRA_CA_CERTS=/opt/certificates/ca-certificates.crt \
-    chroot "$root" bash -c "cd /root/tessera && $1"
-}
-installed() { inside "dpkg-query -W -f='x\n' | wc -l"; }
-
 status=0
 records=()
 for i in "${!commands[@]}"; do
   command=${commands[$i]}
   log=$work/$suite.$i.log
-  before=$(installed)
+  before=$(packages_in "$root")
   start=$(date +%s)
   code=0
-  inside "$command" >"$log" 2>&1 </dev/null || code=$?
+  in_root "$root" "cd /root/tessera && $command" >"$log" 2>&1 </dev/null || code=$?
   seconds=$(($(date +%s) - start))
-  packages=$(($(installed) - before))
+  packages=$(($(packages_in "$root") - before))
   echo "$suite: $command: exit $code, $seconds s, $packages packages installed; log: $log"
   records+=("{\"command\": \"${command//\"/\\\"}\", \"exit\": $code, \"seconds\": $seconds, \"packages_installed\": $packages}")
   if [ "$code" -ne 0 ]; then

@@ -111,8 +111,7 @@ function sogBounds(path, table) {
   });
 }
 
-// Bugs put back: low and high bytes of means exchanged; the index of the largest part counted from x.
-// Seen to fail. SH have a palette of half of the splats: their mean error is compared, not the worst.
+// SH have a palette of half of the splats: their mean error is compared, not the worst.
 test('sog: ours by splat-transform', async () => {
   const path = exported(fixture.model, 'sog', '.sog', '--time', 0.5);
   const theirs = plyColumns(await transformed(path, 'a.ply'));

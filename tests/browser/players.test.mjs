@@ -13,7 +13,7 @@ const folder = scratchFolder(), files = join(folder, 'files');
 const kTime = 0.5, kShine = 3;  // the fixture's view-dependent colours are faint
 const kExtensions = {
   ply: '.ply', compressed: '.compressed.ply', spz3: '.spz', spz4: '.spz', splat: '.splat',
-  glb: '.glb',
+  glb: '.glb', sog: '.sog',
 };
 // x, y, z, w of the rotation that shows a file in the world of the .ply
 const kAsIs = [0, 0, 0, 1], kAboutX = [1, 0, 0, 0], kAboutZ = [0, 0, 1, 0];
@@ -22,8 +22,8 @@ const kLeast = 35;  // dB
 
 /** Which files a player shows and how each is turned. */
 const kPlayers = {
-  spark: {files: {ply: kAsIs, compressed: kAsIs, spz3: kAboutX, splat: kAsIs}},
-  playcanvas: {files: {ply: kAsIs, compressed: kAsIs}},
+  spark: {files: {ply: kAsIs, compressed: kAsIs, spz3: kAboutX, splat: kAsIs, sog: kAsIs}},
+  playcanvas: {files: {ply: kAsIs, compressed: kAsIs, sog: kAsIs}},
   // ends splats at 2σ, where others go to 1/255: `narrow` has our renderer do the same
   three: {narrow: true,
           files: {ply: kAsIs, spz3: kAboutX, spz4: kAboutX, splat: kAsIs, glb: kAboutZ}},

@@ -1,5 +1,6 @@
-// Shows a Tessera 4D file on a stage: blocks of the current time are in the scene, and the shader
-// moves them.
+// Shows a Tessera 4D file in a scene of three.js: blocks of the current time are children of one
+// object, and the shader moves them.
+import type { Object3D } from "three";
 import { blockHits } from "./block_hits";
 import { BlockCache } from "./blocks";
 import type { BlockSource } from "./container";
@@ -11,7 +12,6 @@ import { memoryBudget } from "./memory_budget";
 import type { Hit, Ray } from "./pick";
 import type { OnProgress, Play, SceneInfo } from "./scene_view";
 import { BlockSplats, SliceUniforms } from "./splat4d_shader";
-import type { Stage } from "./stage";
 
 const MOST_SH_DEGREE = 3;
 
@@ -26,7 +26,7 @@ export class BlocksContent implements Content {
 
   constructor(
     private readonly source: BlockSource,
-    private readonly stage: Stage,
+    private readonly parent: Object3D,
     private readonly eye: () => Triple,
     onProgress: OnProgress,
     onChange: () => void,
@@ -92,9 +92,9 @@ export class BlocksContent implements Content {
 
   /** Exactly these are in the scene, in the file's order: depth ties fall as they always do. */
   private place(present: BlockSplats[]): void {
-    for (const child of [...this.stage.scene.children])
+    for (const child of [...this.parent.children])
       if (child instanceof BlockSplats) child.removeFromParent();
-    for (const block of present) this.stage.add(block);
+    for (const block of present) this.parent.add(block);
   }
 
   waiting(t: number): boolean {

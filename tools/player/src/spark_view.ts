@@ -65,7 +65,7 @@ export class SparkView implements SceneView {
     const eye = () => this.head ?? this.camera.position;
     const content =
       source.kind === "4d"
-        ? new BlocksContent(source.blocks, this.stage, eye, onProgress, changed)
+        ? new BlocksContent(source.blocks, this.stage.scene, eye, onProgress, changed)
         : new FramesContent(source.sequence, this.stage, onProgress, changed);
     this.stage.near = nearOf(content.info.bounds, drawn.splat);
     if (this.content === null) {

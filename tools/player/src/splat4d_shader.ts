@@ -1,7 +1,7 @@
 // A block on the GPU: its textures, and the program that computes Gaussian `index` as a splat at
 // time t: mean, rotation, opacity, and colour towards the sliced mean. Spark projects and sorts
 // splats. Source: docs/reference/tessera4d.md, 1; SH: [3DGS].
-import { dyno, SplatGenerator } from "@sparkjsdev/spark";
+import { dyno, SplatGenerator, SplatTransformer } from "@sparkjsdev/spark";
 import * as THREE from "three";
 import { CARRY_GLSL } from "./carry_shader";
 import { writePoses, type MotionNodes } from "./motion_nodes";
@@ -159,11 +159,15 @@ export class BlockSplats extends SplatGenerator {
       when: slice.when,
       eye: slice.eye,
     };
+    const transform = new SplatTransformer(); // of the object in the scene
+    this.frameUpdate = () => {
+      if (transform.update(this)) this.updateVersion();
+    };
     this.generator = dyno.dynoBlock(
       { index: "int" },
       { gsplat: dyno.Gsplat },
-      ({ index }) =>
-        new dyno.Dyno({
+      ({ index }) => {
+        const { gsplat } = new dyno.Dyno({
           inTypes: {
             index: "int",
             place: "usampler2DArray",
@@ -185,7 +189,9 @@ export class BlockSplats extends SplatGenerator {
           globals: () => [dyno.defineGsplat, GLSL, CARRY_GLSL],
           statements: ({ inputs, outputs }) =>
             statements(inputs as Record<string, string>, outputs.gsplat!).split("\n"),
-        }).outputs,
+        }).outputs;
+        return { gsplat: transform.applyGsplat(gsplat) };
+      },
     );
   }
 
