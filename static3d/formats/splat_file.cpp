@@ -76,7 +76,7 @@ const std::vector<SplatFormat>& splat_formats() {
        [](const std::filesystem::path& path, const GaussianSet& set, int degree) {
          save_spz(path, set, degree);
        }},
-      {"sog", ".sog", "a twentieth of ply; SuperSplat, PlayCanvas, Spark", save_sog},
+      {"sog", ".sog", "an eighth of ply; SuperSplat, PlayCanvas, Spark", save_sog},
       {"splat", ".splat", "no view-dependent colour; older viewers",
        [](const std::filesystem::path& path, const GaussianSet& set, int) {
          save_splat_rows(path, set);
