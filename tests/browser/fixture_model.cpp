@@ -12,6 +12,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/math/spherical_harmonics.h"
+#include "recon4d/model/element_edits.h"
 #include "recon4d/model/model_file.h"
 #include "tests/browser/fixture_nodes.h"
 #include "tests/support/random.h"
@@ -169,6 +170,24 @@ nlohmann::json cameras() {
             frame_of("above", {-1.6, -4.0, -1.4})}}};
 }
 
+/// Every `step`-th Gaussian of each set, for files that a person can look through.
+GaussianModel few_of(const GaussianModel& model, int64_t step) {
+  GaussianModel few = model.clone_values();
+  for (GaussianSet* set : {&few.static_set, &few.dynamic_set}) {
+    std::vector<int64_t> rows;
+    for (int64_t n = step / 2; n < set->count(); n += step) rows.push_back(n);
+    *set = select_elements(*set, rows);
+  }
+  return few;
+}
+
+/// Without its dynamic set.
+GaussianModel still_part_of(const GaussianModel& model) {
+  GaussianModel still = model.clone_values();
+  still.dynamic_set.resize(0);
+  return still;
+}
+
 }  // namespace
 }  // namespace tessera::testing
 
@@ -182,9 +201,13 @@ int main(int count, char** words) {
     tessera::make_folder(folder);
     tessera::GaussianModel model = tessera::testing::fixture_model();
     tessera::save_model(folder / "model.ply", model);
+    const tessera::GaussianModel few = tessera::testing::few_of(model, 120);
+    tessera::save_model(folder / "few_static.ply", tessera::testing::still_part_of(few));
+    tessera::save_model(folder / "few_moving.ply", few);
     tessera::testing::Random random(7);
     tessera::testing::carry_by_nodes(model, random);
     tessera::save_model(folder / "carried.ply", model);
+    tessera::save_model(folder / "few_carried.ply", tessera::testing::few_of(model, 120));
     tessera::write_text_file(folder / "transforms.json", tessera::testing::cameras().dump(1));
   } catch (const std::exception& error) {
     std::fputs(fmt::format("fixture_model: {}\n", error.what()).c_str(), stderr);

@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+"""Writes the test vectors of the Tessera 4D file, docs/reference/vectors: three small files, and for
+each a .json of the Gaussians that the program finds in it at some times.
+
+Usage: make_vectors.py TESSERA FIXTURE_FOLDER     (of tests/browser/fixture_model.cpp)
+To be run where the version of the format changes; files of earlier versions stay.
+"""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+VECTORS = pathlib.Path(__file__).resolve().parents[2] / "docs" / "reference" / "vectors"
+TIMES = (0, 0.25, 0.7, 1)
+
+
+def columns(ply):
+    """{name: [N]} of a 3DGS .ply."""
+    data = ply.read_bytes()
+    end = data.index(b"end_header\n") + len(b"end_header\n")
+    names = [line.split()[-1] for line in data[:end].decode().splitlines() if line.startswith("property")]
+    rows = np.frombuffer(data[end:], "<f4").reshape(-1, len(names)).astype(np.float64)
+    return dict(zip(names, rows.T))
+
+
+def gaussians(program, file, t):
+    """Those of a Tessera 4D file that are drawn at t, by the program: means ascend in x."""
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([program, "export", file, "--format", "ply", "--time", str(t), "-o", folder],
+                       check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        c = columns(pathlib.Path(folder) / "frame_0000.ply")
+    order = np.argsort(c["x"])
+    stacked = lambda *names: np.stack([c[name][order] for name in names], 1)
+    rest = sorted((name for name in c if name.startswith("f_rest_")), key=lambda name: int(name[7:]))
+    rotation = stacked("rot_0", "rot_1", "rot_2", "rot_3")
+    rotation /= np.linalg.norm(rotation, axis=1, keepdims=True)
+    return {
+        "mean": stacked("x", "y", "z"),
+        "rotation": rotation * np.where(rotation[:, :1] < 0, -1, 1),
+        "scale": np.exp(stacked("scale_0", "scale_1", "scale_2")),
+        "opacity": 1 / (1 + np.exp(-c["opacity"][order])),
+        "colour": stacked("f_dc_0", "f_dc_1", "f_dc_2"),
+        "sh_sum": sum((np.abs(c[name][order]) for name in rest), np.zeros(len(order))),
+    }
+
+
+def main(program, fixture):
+    VECTORS.mkdir(exist_ok=True)
+    for name in ("static", "moving", "carried"):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([program, "export", fixture / f"few_{name}.ply", "--format", "tessera", "--single",
+                            "-o", folder], check=True, stdout=subprocess.DEVNULL)
+            file = VECTORS / f"{name}.t4d"
+            file.write_bytes((pathlib.Path(folder) / "scene.t4d").read_bytes())
+        at = [{"t": t, **{key: np.round(value, 6).tolist() for key, value in gaussians(program, file, t).items()}}
+              for t in TIMES]
+        lines = ",\n".join(" " + json.dumps(row) for row in at)
+        (VECTORS / f"{name}.json").write_text(f"[\n{lines}\n]\n")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    main(sys.argv[1], pathlib.Path(sys.argv[2]))
