@@ -15,7 +15,7 @@ packages=$work/packages
 . scripts/bare_root.sh
 trap 'unmount_root "$built"; unmount_root "$root"' EXIT
 
-scripts/check_fresh.sh "$suite" 'scripts/install_packages.sh && cmake --workflow --preset package'
+scripts/check_fresh.sh "$suite" 'scripts/install_packages.sh package && cmake --workflow --preset package'
 mkdir -p "$packages"
 file=$(ls "$built"/root/tessera/build/package/tessera_*.deb)
 cp "$file" "$packages/"

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Installs what Tessera needs on Debian 12, Debian 13 or Ubuntu 24.04.
-# Usage: install_packages.sh [build|test|check]
-#   build  to build and run (default); test  also what scripts/test.sh needs; check  also what the
-#   other checks of .ci/run and .ci/nightly need (clang, formatters, debootstrap, mkdocs).
+# Usage: install_packages.sh [build|package|test|check]
+#   build  to build and run (default); package  also what a Debian package is made with; test  what
+#   scripts/test.sh needs; check  also what the other checks of .ci/run and .ci/nightly need (clang,
+#   formatters, debootstrap, mkdocs).
 set -euo pipefail
 purpose=${1:-build}
 . /etc/os-release
@@ -24,7 +25,9 @@ case "$ID ${VERSION_ID:-}" in
     exit 2
     ;;
 esac
-if [ "$purpose" != build ]; then
+if [ "$purpose" = package ]; then
+  packages+=(dpkg-dev file)
+elif [ "$purpose" != build ]; then
   packages+=(libgtest-dev libgmock-dev ccache ffmpeg python3-numpy $browser snakemake slurmctld slurmd
     slurm-client munge)
 fi

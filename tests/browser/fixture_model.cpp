@@ -201,13 +201,13 @@ int main(int count, char** words) {
     tessera::make_folder(folder);
     tessera::GaussianModel model = tessera::testing::fixture_model();
     tessera::save_model(folder / "model.ply", model);
-    const tessera::GaussianModel few = tessera::testing::few_of(model, 120);
+    const tessera::GaussianModel few = tessera::testing::few_of(model, 121);
     tessera::save_model(folder / "few_static.ply", tessera::testing::still_part_of(few));
     tessera::save_model(folder / "few_moving.ply", few);
     tessera::testing::Random random(7);
     tessera::testing::carry_by_nodes(model, random);
     tessera::save_model(folder / "carried.ply", model);
-    tessera::save_model(folder / "few_carried.ply", tessera::testing::few_of(model, 120));
+    tessera::save_model(folder / "few_carried.ply", tessera::testing::few_of(model, 121));
     tessera::write_text_file(folder / "transforms.json", tessera::testing::cameras().dump(1));
   } catch (const std::exception& error) {
     std::fputs(fmt::format("fixture_model: {}\n", error.what()).c_str(), stderr);

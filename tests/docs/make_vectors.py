@@ -27,6 +27,16 @@ def columns(ply):
     return dict(zip(names, rows.T))
 
 
+def covariance(rotation, scale):
+    """[N, 6] xx, xy, xz, yy, yz, zz: the same of every order and sign of the axes."""
+    w, x, y, z = rotation.T
+    axes = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
+                     2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+                     2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], 1)
+    scaled = axes.reshape(-1, 3, 3) * scale[:, None]
+    return (scaled @ scaled.transpose(0, 2, 1))[:, [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]]
+
+
 def gaussians(program, file, t):
     """Those of a Tessera 4D file that are drawn at t, by the program: means ascend in x."""
     with tempfile.TemporaryDirectory() as folder:
@@ -40,8 +50,7 @@ def gaussians(program, file, t):
     rotation /= np.linalg.norm(rotation, axis=1, keepdims=True)
     return {
         "mean": stacked("x", "y", "z"),
-        "rotation": rotation * np.where(rotation[:, :1] < 0, -1, 1),
-        "scale": np.exp(stacked("scale_0", "scale_1", "scale_2")),
+        "covariance": covariance(rotation, np.exp(stacked("scale_0", "scale_1", "scale_2"))),
         "opacity": 1 / (1 + np.exp(-c["opacity"][order])),
         "colour": stacked("f_dc_0", "f_dc_1", "f_dc_2"),
         "sh_sum": sum((np.abs(c[name][order]) for name in rest), np.zeros(len(order))),
@@ -56,7 +65,7 @@ def main(program, fixture):
                             "-o", folder], check=True, stdout=subprocess.DEVNULL)
             file = VECTORS / f"{name}.t4d"
             file.write_bytes((pathlib.Path(folder) / "scene.t4d").read_bytes())
-        at = [{"t": t, **{key: np.round(value, 6).tolist() for key, value in gaussians(program, file, t).items()}}
+        at = [{"t": t, **{key: np.round(value, 8).tolist() for key, value in gaussians(program, file, t).items()}}
               for t in TIMES]
         lines = ",\n".join(" " + json.dumps(row) for row in at)
         (VECTORS / f"{name}.json").write_text(f"[\n{lines}\n]\n")
