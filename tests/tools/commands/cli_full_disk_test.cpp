@@ -180,8 +180,9 @@ TEST_F(CliFullDisk, Render) {
 
 TEST_F(CliFullDisk, Export) {
   train_two();
-  std::vector<Words> formats{{"ply"},     {"compressed"},          {"spz"},    {"splat"}, {"glb"},
-                             {"tessera"}, {"tessera", "--single"}, {"splatv"}, {"model"}};
+  std::vector<Words> formats{
+      {"ply"},     {"compressed"},          {"spz"},    {"splat"},      {"glb"},
+      {"tessera"}, {"tessera", "--single"}, {"splatv"}, {"moving-glb"}, {"model"}};
   if (carries_player_page()) formats.insert(formats.end(), {{"page"}, {"html"}, {"ply", "--page"}});
   for (const Words& format : formats) {
     std::string name = "export";
