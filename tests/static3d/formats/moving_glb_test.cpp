@@ -191,11 +191,11 @@ TEST(MovingGlb, DynamicGaussiansAreAtTheirMeansWhileTheyLast) {
   int64_t seen = 0, exact = 0;
   for (const MovingGaussian& g : slicer.moving()) {
     const float time = g.spacetime.mean_time;
-    if (time < 0 || time > 1) continue;
+    if (g.source % 8 != 0 || time < 0 || time > 1) continue;  // reading takes its time
     ++seen;
     exact += nearest(read.means(2 * time), &g.mean[0]) < 1e-5;
   }
-  EXPECT_GT(seen, 100);
+  EXPECT_GT(seen, 20);
   // all but those whose group appears later or has disappeared before
   EXPECT_GT(double(exact), 0.95 * double(seen));
 }
