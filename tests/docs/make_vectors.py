@@ -57,6 +57,11 @@ def gaussians(program, file, t):
     }
 
 
+def listed(arrays):
+    """For JSON."""
+    return {key: np.round(array, 8).tolist() for key, array in arrays.items()}
+
+
 def main(program, fixture):
     VECTORS.mkdir(exist_ok=True)
     for name in ("static", "moving", "carried"):
@@ -65,9 +70,8 @@ def main(program, fixture):
                             "-o", folder], check=True, stdout=subprocess.DEVNULL)
             file = VECTORS / f"{name}.t4d"
             file.write_bytes((pathlib.Path(folder) / "scene.t4d").read_bytes())
-        at = [{"t": t, **{key: np.round(value, 8).tolist() for key, value in gaussians(program, file, t).items()}}
-              for t in TIMES]
-        lines = ",\n".join(" " + json.dumps(row) for row in at)
+        rows = [{"t": t} | listed(gaussians(program, file, t)) for t in TIMES]
+        lines = ",\n".join(" " + json.dumps(row) for row in rows)
         (VECTORS / f"{name}.json").write_text(f"[\n{lines}\n]\n")
 
 
