@@ -2,7 +2,6 @@
 #include "recon4d/reduction/floaters.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "kernels/base/errors.h"
@@ -11,6 +10,7 @@
 #include "recon4d/evaluation/render.h"
 #include "recon4d/evaluation/scoring_pass.h"
 #include "recon4d/model/element_edits.h"
+#include "recon4d/training/scene_scale.h"
 
 namespace tessera {
 namespace {
@@ -63,13 +63,6 @@ std::vector<T> evenly(const std::vector<T>& all, int64_t most) {
   return some;
 }
 
-Camera of_size(const Camera& camera, int longest) {
-  const double scale = double(longest) / std::max(camera.width, camera.height);
-  if (scale >= 1) return camera;
-  const auto side = [&](int pixels) { return std::max(1, int(std::lround(scale * pixels))); };
-  return camera.resized(side(camera.width), side(camera.height));
-}
-
 }  // namespace
 
 CameraViews views_of_support(const std::vector<View>& training, int64_t most, int longest) {
@@ -90,7 +83,8 @@ CameraViews views_of_support(const std::vector<View>& training, int64_t most, in
   CameraViews cameras;
   for (const Camera& place : places) {
     cameras.emplace_back();
-    for (const double time : times) cameras.back().push_back({of_size(place, longest), time});
+    for (const double time : times)
+      cameras.back().push_back({limited_camera(place, longest), time});
   }
   return cameras;
 }

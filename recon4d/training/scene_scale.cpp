@@ -77,6 +77,12 @@ Image8 narrowed_image(const Image8& image, int width) {
   return averaged_image(image, width, std::max(1, int(std::lround(height))));
 }
 
+Camera limited_camera(const Camera& camera, int longest) {
+  const double scale = double(longest) / std::max(camera.width, camera.height);
+  if (scale >= 1) return camera;
+  return camera.resized(scaled_side(camera.width, scale), scaled_side(camera.height, scale));
+}
+
 Frame scaled_frame(const Frame& frame, double scale) {
   check(scale > 0 && scale <= 1, "scaled_frame: a scale of at most 1");
   if (scale == 1) return frame;

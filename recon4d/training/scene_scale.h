@@ -10,6 +10,8 @@ namespace tessera {
 Image8 averaged_image(const Image8& image, int width, int height);
 /// The same of the image's proportions, at most `width` wide; a narrower image stays as it is.
 Image8 narrowed_image(const Image8& image, int width);
+/// The same of the camera of an image: no side is longer than `longest`.
+Camera limited_camera(const Camera& camera, int longest);
 
 /// A frame at `scale` times its size, 0 < scale ≤ 1, as of scaled_scene.
 Frame scaled_frame(const Frame& frame, double scale);

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -78,13 +77,6 @@ View first_view(CameraChoice choice, const GaussianModel& model) {
   }
 }
 
-Camera poster_camera(const Camera& camera) {
-  const double scale = double(kLongestSide) / std::max(camera.width, camera.height);
-  if (scale >= 1) return camera;
-  const auto side = [&](int pixels) { return std::max(1, int(std::lround(scale * pixels))); };
-  return camera.resized(side(camera.width), side(camera.height));
-}
-
 /// A PNG file, at most 800 pixels wide and high. The camera is the first of the scene's test split,
 /// or its first one where it has none. `model`: as exported, in the world of `request`'s cameras.
 /// Errors: InputError where the export has no camera.
@@ -97,7 +89,7 @@ std::string poster_view(const ExportRequest& request, const GaussianModel& model
         "export: --poster auto needs a camera, and the model's scene is not there; pass --cameras, "
         "or an image file as --poster");
   View view = first_view(choice, model);
-  view.camera = poster_camera(view.camera);
+  view.camera = limited_camera(view.camera, kLongestSide);
   const std::unique_ptr<Backend> backend = make_backend("auto");
   const RenderedImage image = render_views(*backend, model, {view}).front();
   const TemporaryFolder folder("poster");
