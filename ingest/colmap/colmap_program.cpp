@@ -6,10 +6,11 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <regex>
+#include <optional>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/child_process.h"
+#include "ingest/files/text_scan.h"
 #include "kernels/base/errors.h"
 
 namespace tessera {
@@ -33,10 +34,17 @@ ChildCommand command_of(const std::filesystem::path& program, const std::filesys
 /// How many lines like this one there will be, by its own counts: n of "Matching image [1/n]", n·m
 /// of "Matching block [1/n, 1/m]"; 0 where it states none.
 int64_t stated_steps(std::string_view line) {
-  static const std::regex kCounts(R"(\[\d{1,9}/(\d{1,9})(?:, \d{1,9}/(\d{1,9}))?\])");
-  std::match_results<std::string_view::const_iterator> match;
-  if (!std::regex_search(line.begin(), line.end(), match, kCounts)) return 0;
-  return std::stoll(match[1]) * (match[2].matched ? std::stoll(match[2]) : 1);
+  const auto steps_of = [](std::string_view& text) -> std::optional<int64_t> {
+    return take_number(text, 9) && take(text, "/") ? take_number(text, 9) : std::nullopt;
+  };
+  for (size_t place = line.find('['); place != line.npos; place = line.find('[', place + 1)) {
+    std::string_view text = line.substr(place + 1);
+    const auto first = steps_of(text);
+    if (first && take(text, "]")) return *first;
+    if (!first || !take(text, ", ")) continue;
+    if (const auto second = steps_of(text); second && take(text, "]")) return *first * *second;
+  }
+  return 0;
 }
 
 }  // namespace
@@ -55,14 +63,8 @@ ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& pr
   make_folder(glog_folder(log_));
   ChildCommand command = command_of(program_, {});
   command.arguments.emplace_back("help");
-  static const std::regex kVersion(R"(COLMAP (\d{1,4})\.(\d{1,4}))");
   run_child(command, [&](std::string_view line) {
-    std::match_results<std::string_view::const_iterator> match;
-    if (version_.empty() && std::regex_search(line.begin(), line.end(), match, kVersion)) {
-      major_ = std::stoi(match[1]);
-      minor_ = std::stoi(match[2]);
-      version_ = fmt::format("{}.{}", major_, minor_);
-    }
+    if (version_.empty()) read_version(line);
     if (line.empty()) progress_("starting colmap", 0, 0);
   });
   if (version_.empty())
@@ -71,6 +73,21 @@ ColmapProgram::ColmapProgram(std::filesystem::path log, const IngestProgress& pr
   if (major_ < 3 || (major_ == 3 && minor_ < 6))
     throw InputError(fmt::format("{}: is COLMAP {}, expected 3.6 or later; {}", program_.string(),
                                  version_, kRemedy));
+}
+
+void ColmapProgram::read_version(std::string_view line) {
+  constexpr std::string_view kName = "COLMAP ";
+  for (size_t place = line.find(kName); place != line.npos; place = line.find(kName, place + 1)) {
+    std::string_view text = line.substr(place + kName.size());
+    const auto major = take_number(text, 4);
+    if (!major || !take(text, ".")) continue;
+    const auto minor = take_number(text, 4);
+    if (!minor) continue;
+    major_ = int(*major);
+    minor_ = int(*minor);
+    version_ = fmt::format("{}.{}", major_, minor_);
+    return;
+  }
 }
 
 void ColmapProgram::run(const std::string& command, const ColmapOptions& options,

@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,9 @@ class ColmapProgram {
  private:
   /// 3.12 renamed what holds for all kinds of features.
   bool has_feature_groups() const { return major_ > 3 || (major_ == 3 && minor_ >= 12); }
+
+  /// Takes the version from a line that states it: "COLMAP 3.8 -- Structure-from-Motion".
+  void read_version(std::string_view line);
 
   std::filesystem::path program_, log_;
   const IngestProgress& progress_;

@@ -1,17 +1,15 @@
-// Parses camera and number from file names, groups the files, and rates how much the groups
-// resemble a rig.
+// Groups files by the cameras in their names, and rates how much the groups resemble a rig.
 #include "ingest/layouts/image_sequences.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
-#include <optional>
-#include <regex>
 #include <set>
 
 #include "ingest/images/image_paths.h"
 #include "ingest/layouts/capture_layout.h"
+#include "ingest/layouts/image_names.h"
 #include "ingest/prepared/transforms_json.h"
 #include "ingest/test_views.h"
 
@@ -19,50 +17,6 @@ namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct NumberedName {
-  std::string camera;  // may be empty
-  int64_t number = 0;
-};
-
-constexpr auto kNoCase = std::regex::ECMAScript | std::regex::icase | std::regex::optimize;
-
-/// "cam00", "Camera_B1", "3", "00_12": what folders or names of cameras are called.
-bool is_camera_name(const std::string& name) {
-  static const std::regex kCamera(
-      R"((?:(?:cam|camera|kinect|gopro|view|device|sensor|cn|hd|vga)[ _-]?[a-z]?|c|v)?)"
-      R"(\d{1,5}(?:[_-]\d{1,3})?)",
-      kNoCase);
-  return std::regex_match(name, kCamera);
-}
-
-/// The stem's last number, and what stands before it without separators and the word "frame" or
-/// the like; nothing where the stem ends with no number, or one that is no frame's.
-std::optional<NumberedName> parse_stem(const std::string& stem) {
-  static const std::regex kCameraLast(
-      R"((?:(?:frame|img|image|f|t)[_-]?)?(\d{1,9})[_-]((?:cam|camera|view)[_-]?[a-z]?\d{1,4}))",
-      kNoCase);
-  static const std::regex kNumberLast(R"((.*?)(\d{1,9}))", kNoCase);
-  static const std::regex kWordOfFrames(R"((?:(.*\d)|(?:(.*)[ ._-])|)(?:img|image|frame|f|t))",
-                                        kNoCase);
-  std::smatch match;
-  if (std::regex_match(stem, match, kCameraLast))
-    return NumberedName{match[2], std::stoll(match[1])};
-  if (!std::regex_match(stem, match, kNumberLast)) return std::nullopt;
-  NumberedName name{match[1], std::stoll(match[2])};
-  const auto strip = [&] {
-    while (!name.camera.empty() &&
-           std::string(" ._-").find(name.camera.back()) != std::string::npos)
-      name.camera.pop_back();
-  };
-  strip();
-  const std::string words = name.camera;
-  if (std::regex_match(words, match, kWordOfFrames)) {
-    name.camera = match[1].matched ? match[1] : match[2];
-    strip();
-  }
-  return name;
-}
 
 /// The images by camera; nothing where one is not numbered or a number comes twice.
 std::map<std::string, ImageSequence> sequences_by_name(const fs::path& folder) {
