@@ -33,15 +33,33 @@ function(tessera_for_any_cpu)
   endif()
 endfunction()
 
-# tessera_library(NAME kernels [TYPE SHARED] SOURCES a.cpp … PUBLIC targets… PRIVATE targets…)
+# tessera_library(NAME kernels [TYPE SHARED] [ALL_LOOPS] SOURCES a.cpp … [LOOPS b.cpp …] PUBLIC targets…
+# PRIVATE targets…): SOURCES are files, words and decisions, for which -O1 does; -O3 would take half as
+# long again to compile them. LOOPS are those over pixels, points and Gaussians, and optimised in full;
+# ALL_LOOPS: all sources are.
 function(tessera_library)
-  cmake_parse_arguments(LIB "" "NAME;TYPE" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(LIB "ALL_LOOPS" "NAME;TYPE" "SOURCES;LOOPS;PUBLIC;PRIVATE" ${ARGN})
   if(NOT LIB_TYPE)
     set(LIB_TYPE STATIC)
   endif()
-  add_library(tessera_${LIB_NAME} ${LIB_TYPE} ${LIB_SOURCES})
-  target_link_libraries(tessera_${LIB_NAME} PUBLIC ${LIB_PUBLIC} PRIVATE ${LIB_PRIVATE})
-  tessera_configure(tessera_${LIB_NAME})
+  set(target tessera_${LIB_NAME})
+  add_library(${target} ${LIB_TYPE} ${LIB_SOURCES})
+  target_link_libraries(${target} PUBLIC ${LIB_PUBLIC} PRIVATE ${LIB_PRIVATE})
+  tessera_configure(${target})
+  if(NOT LIB_ALL_LOOPS)
+    tessera_light(${target})
+  endif()
+  if(LIB_LOOPS)
+    add_library(${target}_loops OBJECT ${LIB_LOOPS})
+    target_link_libraries(${target}_loops PRIVATE ${LIB_PUBLIC} ${LIB_PRIVATE})
+    tessera_configure(${target}_loops)
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_loops>)
+  endif()
+endfunction()
+
+# Less optimisation for the C++ of a target, except in a debug build, whose flags say how much.
+function(tessera_light target)
+  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:$<$<NOT:$<CONFIG:Debug>>:-O1>>)
 endfunction()
 
 # tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS nightly] [SHARDS 4] [EXACT]): one

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cstdint>
 
+#include "kernels/base/seconds_since.h"
+
 namespace tessera {
 
 enum Stage : int {
@@ -60,8 +62,7 @@ class HostStageClock final : public StageClock {
 
  private:
   void measure(Stage stage) override {
-    totals_[size_t(stage)].seconds +=
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_[stage]).count();
+    totals_[size_t(stage)].seconds += seconds_since(begin_[stage]);
   }
 
   std::chrono::steady_clock::time_point begin_[kStages];

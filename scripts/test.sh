@@ -13,10 +13,6 @@ if [ $# -eq 0 ]; then
 fi
 
 scripts/install_packages.sh test
-launcher=()
-if command -v ccache >/dev/null; then
-  launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_CUDA_COMPILER_LAUNCHER=ccache)
-fi
-cmake --preset "$preset" -DTESSERA_TESTS=ON "${launcher[@]}"
+cmake --preset "$preset" -DTESSERA_TESTS=ON
 cmake --build --preset "$preset"
 ctest --preset "$preset" -j "$(nproc)" "${selection[@]}"

@@ -11,6 +11,7 @@
 #include "ingest/clocks/timesteps.h"
 #include "ingest/files/point_cloud.h"
 #include "ingest/prepared/scene_reader.h"
+#include "kernels/base/seconds_since.h"
 
 namespace tessera {
 namespace {
@@ -18,10 +19,6 @@ namespace {
 constexpr int64_t kFewestCameras = 3;  // that a depth is agreed on by
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 Scene load(const std::filesystem::path& folder,
            std::optional<std::vector<int64_t>> timesteps = std::nullopt) {

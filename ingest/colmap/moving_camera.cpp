@@ -14,8 +14,8 @@
 namespace tessera {
 namespace {
 
-constexpr size_t kExhaustive = 500;        // images; beyond, all pairs take hours
-constexpr const char* kNeighbours = "20";  // of an image in order, that it is matched with
+constexpr size_t kExhaustive = 500;     // images; beyond, all pairs take hours
+constexpr const char* kOverlap = "20";  // of an image in order, that it is matched with
 
 std::vector<std::filesystem::path> images_below(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> files;
@@ -56,7 +56,7 @@ MovingCameraModel estimate_moving_camera(const std::filesystem::path& images, bo
     colmap.extract_features(reading, int64_t(files.size()));
     if (in_order || files.size() > kExhaustive)
       colmap.match_features("sequential_matcher", {{"--database_path", database},
-                                                   {"--SequentialMatching.overlap", kNeighbours}});
+                                                   {"--SequentialMatching.overlap", kOverlap}});
     else
       colmap.match_features("exhaustive_matcher", {{"--database_path", database}});
     make_folder(work.sparse);

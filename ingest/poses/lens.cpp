@@ -72,13 +72,13 @@ double shortest_ray(const Camera& camera) {
 /// the length `from`: the image has none shorter, and its lens was never fitted to those.
 bool meets_image(const Camera& camera, const Lens& lens, const glm::dvec2& ray, double from) {
   constexpr int kSteps = 16;
-  constexpr double kStep = 1e-4;
+  constexpr double kProbe = 1e-4;
   const glm::dvec2 middle = lens.distorted({0, 0});
   const auto reach = [&](double part) { return glm::length(lens.distorted(ray * part) - middle); };
   const double first = from > 0 ? std::min(1.0, from / glm::length(ray)) : 0;
   for (int i = 1; i <= kSteps; ++i) {
     const double part = first + (1 - first) * double(i) / kSteps;
-    if (!(reach(part) > reach(part - kStep))) return false;  // NaN too
+    if (!(reach(part) > reach(part - kProbe))) return false;  // NaN too
   }
   const glm::dvec2 pixel = in_pixels(camera, lens.distorted(ray));
   return pixel.x >= 0 && pixel.y >= 0 && pixel.x <= camera.width && pixel.y <= camera.height;

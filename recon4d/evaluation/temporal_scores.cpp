@@ -10,7 +10,7 @@
 namespace tessera {
 namespace {
 
-constexpr int64_t kGrain = 1 << 14;  // pixels of a task
+constexpr int64_t kPixelsOfTask = 1 << 14;  // pixels of a task
 
 float steps_of(float value) {
   return value > 0.0f ? 255.0f * std::min(value, 1.0f) : 0.0f;  // NaN counts as 0
@@ -114,7 +114,7 @@ const std::vector<uint8_t>& DynamicRegions::median_of(const Frame& frame) {
     chosen.push_back(
         frames[size_t(even_spread(int64_t(i), int64_t(count), int64_t(frames.size())))]);
   median.resize(frame.image.data.size());
-  parallel_for(int64_t(median.size()), kGrain, [&](int64_t begin, int64_t end) {
+  parallel_for(int64_t(median.size()), kPixelsOfTask, [&](int64_t begin, int64_t end) {
     std::vector<uint8_t> values(count);
     for (int64_t i = begin; i < end; ++i) {
       for (size_t k = 0; k < count; ++k) values[k] = chosen[k]->image.data[size_t(i)];

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "kernels/base/seconds_since.h"
 #include "recon4d/model/element_edits.h"
 #include "recon4d/reduction/dynamic_promotion.h"
 #include "recon4d/reduction/motion_choice.h"
@@ -160,7 +161,7 @@ std::optional<ReductionReport> ModelReduction::act(Trainer& trainer,
   }
   report.static_after = state.model.static_set.count();
   report.dynamic_after = state.model.dynamic_set.count();
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  report.seconds = seconds_since(begin);
   trainer.record(report.goal > 0 ? report.goal : state.goal, report.seconds);
   return report;
 }

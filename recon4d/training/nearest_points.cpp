@@ -12,8 +12,8 @@
 namespace tessera {
 namespace {
 
-constexpr int64_t kLeaf = 8;      // points that are scanned rather than split
-constexpr int64_t kGrain = 1024;  // points per task
+constexpr int64_t kLeaf = 8;             // points that are scanned rather than split
+constexpr int64_t kPointsOfTask = 1024;  // points per task
 
 /// The nearest met so far: their squared distances, ascending.
 struct Nearest {
@@ -101,7 +101,7 @@ class Tree {
 std::vector<float> mean_squared_neighbour_distance(const std::vector<glm::vec3>& points) {
   std::vector<float> result(points.size(), 0.0f);
   const Tree tree(points);
-  parallel_for(int64_t(points.size()), kGrain, [&](int64_t begin, int64_t end) {
+  parallel_for(int64_t(points.size()), kPointsOfTask, [&](int64_t begin, int64_t end) {
     for (int64_t k = begin; k < end; ++k) {
       const Nearest nearest = tree.query(tree.at(k));
       float sum = 0;

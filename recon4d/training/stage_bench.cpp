@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/seconds_since.h"
 #include "kernels/math/random.h"
 #include "recon4d/density/density.h"
 #include "recon4d/training/frame_cache.h"
@@ -18,10 +19,6 @@ namespace tessera {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 void check_options(const StageBenchOptions& bench) {
   if (bench.gaussians < 0) throw InputError("--gaussians is negative; 0 keeps the initial ones");

@@ -12,6 +12,7 @@
 
 #include "ingest/files/atomic_file.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/seconds_since.h"
 #include "recon4d/evaluation/evaluate.h"
 #include "recon4d/evaluation/render.h"
 #include "recon4d/model/model_file.h"
@@ -33,10 +34,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 Split split_of(const std::string& name) {
   for (Split split : {Split::kTest, Split::kVal})

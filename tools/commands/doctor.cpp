@@ -12,6 +12,7 @@
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
+#include "kernels/base/seconds_since.h"
 #include "tools/cli/command.h"
 #include "tools/cli/ingest_arguments.h"
 #include "tools/cli/interrupt.h"
@@ -123,7 +124,7 @@ int doctor(const DoctorRequest& request) {
     report.kind = "a sample of the capture";
     examine_capture(request.path, resolve_ingest(request.ingest), report);
   }
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  report.seconds = seconds_since(begin);
   print_result(request.json, doctor_json(report), doctor_text(report));
   return has_errors(report) ? kExitFailed : kExitDone;
 }

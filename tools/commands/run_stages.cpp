@@ -14,6 +14,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/ingest.h"
 #include "ingest/prepared/scene_reader.h"
+#include "kernels/base/seconds_since.h"
 #include "recon4d/model/model_file.h"
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
@@ -41,10 +42,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point begin) {
-  return std::chrono::duration<double>(Clock::now() - begin).count();
-}
 
 IngestOptions defaults_for(const IngestOptions& options) {
   IngestOptions defaults;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "kernels/base/parallel.h"
+#include "kernels/base/seconds_since.h"
 #include "tools/camera_paths/camera_views.h"
 #include "tools/live/live_folder.h"
 
@@ -23,10 +24,6 @@ constexpr double kLeastPause = 3;                       // seconds
 constexpr double kShareOfCopies = 0.01;                 // of the time, that copies may take
 constexpr double kShareBesideDevice = 0.1;              // of the cores
 constexpr int kFastGzip = 1;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 std::string random_id() {
   std::random_device random;

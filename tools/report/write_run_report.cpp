@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// Null where the file is missing or damaged: a report contains what is there.
-json read_json(const fs::path& file) {
+json json_if_sound(const fs::path& file) {
   if (!fs::is_regular_file(file)) return nullptr;
   json content = json::parse(read_text_file(file), nullptr, false);
   return content.is_discarded() ? json() : content;
@@ -114,8 +114,9 @@ json write_run_report(const RunReportRequest& request) {
                     "`tessera run` or a run folder",
                     request.run.string()));
   const RunPlaces places(request);
-  RunRecords records{read_json(places.run.config()), read_json(places.run.metrics()), {}, {}};
-  if (!places.out.empty()) records.stages = read_json(places.stages());
+  RunRecords records{
+      json_if_sound(places.run.config()), json_if_sound(places.run.metrics()), {}, {}};
+  if (!places.out.empty()) records.stages = json_if_sound(places.stages());
   if (fs::exists(places.run.log())) records.log = read_text_file(places.run.log());
   RunPage page;
   std::optional<RenderedRun> rendered;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/seconds_since.h"
 #include "recon4d/options/option_value.h"
 
 namespace tessera {
@@ -21,9 +22,7 @@ double parse_duration(const std::string& text) {
 
 Stopwatch running_stopwatch() {
   const auto begin = std::chrono::steady_clock::now();
-  return [begin] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  };
+  return [begin] { return seconds_since(begin); };
 }
 
 TimeLimit::TimeLimit(double seconds, Stopwatch now) : seconds_(seconds), now_(std::move(now)) {}

@@ -12,7 +12,7 @@ namespace {
 using glm::dvec3;
 using Chain = std::vector<Joint>;
 
-constexpr double kSteps = 2;  // of each leg, over the clip
+constexpr double kStrides = 2;  // of each leg, over the clip
 // Positive angles about these turn what hangs down forward, backward and to the figure's left.
 constexpr dvec3 kForward(-1, 0, 0), kBackward(1, 0, 0), kOutLeft(0, -1, 0), kUp(0, 0, 1);
 
@@ -80,10 +80,10 @@ void add_leg(WorldBuilder& b, const Chain& pelvis, int side) {
   const std::string name = side > 0 ? "left " : "right ";
   const double x = 0.095 * side, phase = side > 0 ? 0 : 0.5;
   const End hip{{x, 0, -0.03}, 0.1}, knee{{x, 0, -0.52}, 0.076}, ankle{{x, 0, -0.98}, 0.056};
-  const Chain thigh = with_joint(pelvis, hip.centre, {swing(kForward, 18, 24, kSteps, phase)});
+  const Chain thigh = with_joint(pelvis, hip.centre, {swing(kForward, 18, 24, kStrides, phase)});
   const Chain shin =
-      with_joint(thigh, knee.centre, {swing(kBackward, 44, 43, kSteps, phase + 0.1)});
-  const Chain foot = with_joint(shin, ankle.centre, {swing(kBackward, 0, 12, kSteps, phase)});
+      with_joint(thigh, knee.centre, {swing(kBackward, 44, 43, kStrides, phase + 0.1)});
+  const Chain foot = with_joint(shin, ankle.centre, {swing(kBackward, 0, 12, kStrides, phase)});
   const Texture leggings = b.texture(TextureKind::kBrick, 0.13, {.22f, .30f, .52f},
                                      {.34f, .46f, .70f}, {.88f, .84f, .66f});
   PartBuilder(b, thigh).limb(name + "thigh", hip, knee, leggings);
@@ -102,11 +102,11 @@ void add_arm(WorldBuilder& b, const Chain& chest, int side) {
   const std::string name = side > 0 ? "left " : "right ";
   const double x = 0.24 * side, phase = side > 0 ? 0.5 : 0;  // an arm goes against its leg
   const End shoulder{{x, 0, 0.47}, 0.085}, elbow{{x, 0, 0.14}, 0.06}, wrist{{x, 0, -0.14}, 0.045};
-  const Chain upper = with_joint(
-      chest, shoulder.centre,
-      {swing(double(side) * kOutLeft, 16, 4, 2 * kSteps), swing(kForward, 4, 38, kSteps, phase)});
-  const Chain lower = with_joint(upper, elbow.centre, {swing(kForward, 52, 38, kSteps, phase)});
-  const Chain hand = with_joint(lower, wrist.centre, {swing(kUp, 0, 25, kSteps, phase + 0.25)});
+  const Chain upper = with_joint(chest, shoulder.centre,
+                                 {swing(double(side) * kOutLeft, 16, 4, 2 * kStrides),
+                                  swing(kForward, 4, 38, kStrides, phase)});
+  const Chain lower = with_joint(upper, elbow.centre, {swing(kForward, 52, 38, kStrides, phase)});
+  const Chain hand = with_joint(lower, wrist.centre, {swing(kUp, 0, 25, kStrides, phase + 0.25)});
   const Texture sleeve = side > 0 ? b.texture(TextureKind::kPlanks, 0.07, {.88f, .62f, .24f},
                                               {.96f, .80f, .44f}, {.46f, .20f, .16f})
                                   : b.texture(TextureKind::kPlanks, 0.07, {.30f, .58f, .60f},
@@ -121,7 +121,7 @@ void add_arm(WorldBuilder& b, const Chain& chest, int side) {
 
 void add_head(WorldBuilder& b, const Chain& chest) {
   const Chain head = with_joint(chest, {0, 0, 0.68},
-                                {swing(kBackward, 0, 5, 2 * kSteps), swing(kUp, 0, 24, 1, 0.25)});
+                                {swing(kBackward, 0, 5, 2 * kStrides), swing(kUp, 0, 24, 1, 0.25)});
   PartBuilder parts(b, head);
   parts.limb("neck", {{0, -0.01, 0.78}, 0.065}, {{0, 0, 0.62}, 0.075}, skin(b));
   parts.ball("head", {{0, -0.01, 0.89}, 0.165}, skin(b), {0.92, 1, 1.16});
@@ -151,11 +151,11 @@ void add_scarf(WorldBuilder& b, const Chain& chest) {
   constexpr double kHalfLength = 0.27;
   const dvec3 knot(0, 0.09, 0.68);
   const Chain flight = with_joint(
-      chest, knot, {swing(kBackward, 30, 12, 2 * kSteps, 0.1), swing(kUp, 0, 14, 1, 0.6)});
+      chest, knot, {swing(kBackward, 30, 12, 2 * kStrides, 0.1), swing(kUp, 0, 14, 1, 0.6)});
   Solid& scarf = PartBuilder(b, flight).solid("scarf", ShapeKind::kCloth, {0.11, kHalfLength, 0.05},
                                               knot - dvec3(0, 0, kHalfLength), weave);
   scarf.motion.rest_rotation = turn_z(180) * turn_x(90);  // local y is up, local z backward
-  scarf.shape.wave_cycles = 2 * kSteps;
+  scarf.shape.wave_cycles = 2 * kStrides;
 }
 
 void add_trunk(WorldBuilder& b, const Chain& pelvis, const Chain& chest) {
@@ -172,7 +172,7 @@ void add_trunk(WorldBuilder& b, const Chain& pelvis, const Chain& chest) {
   Solid& skirt =
       hips.solid("skirt", ShapeKind::kSkirt, {0.185, 0.375, 0.195}, {0, 0, -0.07}, gores);
   skirt.motion.rest_rotation = glm::dmat3(1, 0, 0, 0, 0.85, 0, 0, 0, 1);
-  skirt.shape.wave_cycles = kSteps;
+  skirt.shape.wave_cycles = kStrides;
   const Texture shirt = b.texture(TextureKind::kPatches, 0.1, {.24f, .52f, .44f},
                                   {.44f, .70f, .54f}, {.95f, .90f, .72f});
   PartBuilder(b, chest).limb("chest", {{0, 0, 0.42}, 0.26}, {{0, 0, 0.14}, 0.165}, shirt, 0.6);
@@ -182,10 +182,10 @@ void add_trunk(WorldBuilder& b, const Chain& pelvis, const Chain& chest) {
 
 World build_figure(uint32_t seed) {
   WorldBuilder builder(seed);
-  const Joint root{{0, 0, 0}, {swing(kUp, 0, 20, 1)}, kUp, {0, 0.02, 2 * kSteps}};
-  const Chain pelvis = with_joint({root}, {0, 0, 0.05}, {swing(kUp, 0, -7, kSteps)});
-  const Chain chest = with_joint(pelvis, {0, 0, 0.14},
-                                 {swing(kBackward, 5, 4, 2 * kSteps), swing(kUp, 0, 19, kSteps)});
+  const Joint root{{0, 0, 0}, {swing(kUp, 0, 20, 1)}, kUp, {0, 0.02, 2 * kStrides}};
+  const Chain pelvis = with_joint({root}, {0, 0, 0.05}, {swing(kUp, 0, -7, kStrides)});
+  const Chain chest = with_joint(
+      pelvis, {0, 0, 0.14}, {swing(kBackward, 5, 4, 2 * kStrides), swing(kUp, 0, 19, kStrides)});
   add_trunk(builder, pelvis, chest);
   for (const int side : {1, -1}) {
     add_leg(builder, pelvis, side);

@@ -25,15 +25,15 @@ using nlohmann::json;
 using std::filesystem::path;
 
 constexpr int kWidth = 64, kHeight = 48;
-constexpr double kFocal = 60;
+constexpr double kPhotoFocal = 60;
 
 /// The cube [-1, 1]³ from `stand`: red at +x, green at +y, blue at +z, white elsewhere.
 Image8 image_of_cube(const Stand& stand) {
   Image8 image = constant_image(kWidth, kHeight, {0, 0, 0});
   for (int y = 0; y < kHeight; ++y)
     for (int x = 0; x < kWidth; ++x) {
-      const glm::dvec3 ray = stand.forward + stand.right * ((x + 0.5 - kWidth / 2) / kFocal) -
-                             stand.up * ((y + 0.5 - kHeight / 2) / kFocal);
+      const glm::dvec3 ray = stand.forward + stand.right * ((x + 0.5 - kWidth / 2) / kPhotoFocal) -
+                             stand.up * ((y + 0.5 - kHeight / 2) / kPhotoFocal);
       double enter = 0, leave = 1e9;
       int axis = 0;
       for (int a = 0; a < 3; ++a) {
@@ -70,7 +70,7 @@ void write_images(const path& folder) {
 
 void write_cube_transforms(const path& capture) {
   write_images(capture / "images");
-  json file{{"camera_angle_x", 2 * std::atan(kWidth / 2 / kFocal)}, {"frames", json::array()}};
+  json file{{"camera_angle_x", 2 * std::atan(kWidth / 2 / kPhotoFocal)}, {"frames", json::array()}};
   const auto stands = cube_stands();
   for (size_t i = 0; i < stands.size(); ++i)
     file["frames"].push_back({{"file_path", fmt::format("./images/b{:02}", i)},
@@ -86,7 +86,7 @@ void write_cube_llff(const path& capture) {
   for (size_t i = 0; i < stands.size(); ++i)
     for (int r = 0; r < 3; ++r) {
       const Stand& s = stands[i];
-      const double size_and_focal[3] = {kHeight, kWidth, kFocal};
+      const double size_and_focal[3] = {kHeight, kWidth, kPhotoFocal};
       const double row[5] = {-s.up[r], s.right[r], -s.forward[r], s.centre[r], size_and_focal[r]};
       for (int c = 0; c < 5; ++c) rows(int64_t(i), 5 * r + c) = row[c];
     }
@@ -95,7 +95,8 @@ void write_cube_llff(const path& capture) {
 
 WrittenModel cube_model() {
   WrittenModel model = small_colmap_model(int(cube_stands().size()));
-  model.cameras[0] = {1, 1, "PINHOLE", kWidth, kHeight, {kFocal, kFocal, kWidth / 2, kHeight / 2}};
+  model.cameras[0] = {1,      1,       "PINHOLE",
+                      kWidth, kHeight, {kPhotoFocal, kPhotoFocal, kWidth / 2, kHeight / 2}};
   for (WrittenImage& image : model.images)
     stand_at(image, cube_stands()[size_t(std::stoi(image.name.substr(1, 2)))]);
   return model;

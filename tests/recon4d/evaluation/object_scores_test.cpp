@@ -8,21 +8,23 @@
 namespace tessera::testing {
 namespace {
 
-constexpr int kWidth = 8, kHeight = 6;
+constexpr int kBoxedWidth = 8, kBoxedHeight = 6;
 
 Frame frame_at(int timestep) {
   Frame frame;
   frame.camera_name = "cam00";
   frame.frame_number = timestep;
   frame.time = timestep / 3.0;
-  frame.image = {kWidth, kHeight, 3, std::vector<uint8_t>(3 * kWidth * kHeight, 100)};
+  frame.image = {kBoxedWidth, kBoxedHeight, 3,
+                 std::vector<uint8_t>(3 * kBoxedWidth * kBoxedHeight, 100)};
   return frame;
 }
 
 /// The truth, with `error` added to each value of pixel (x, y).
 Image8 drawn_with(const Frame& frame, int x, int y, int error) {
   Image8 drawn = frame.image;
-  for (size_t c = 0; c < 3; ++c) drawn.data[3 * size_t(y * kWidth + x) + c] = uint8_t(100 + error);
+  for (size_t c = 0; c < 3; ++c)
+    drawn.data[3 * size_t(y * kBoxedWidth + x) + c] = uint8_t(100 + error);
   return drawn;
 }
 
@@ -44,8 +46,9 @@ TEST(ObjectScores, AreOfThePixelsInTheBox) {
   EXPECT_EQ(score(5, 1, box), 100);
   EXPECT_EQ(score(2, 3, box), 100);
   EXPECT_NEAR(score(0, 0, {-3, -3, 2, 1}), psnr_of_error(900, 2), 1e-9) << "beyond the image";
-  frame.mask = {kWidth, kHeight, 1, std::vector<uint8_t>(kWidth * kHeight, 255)};
-  frame.mask.data[1 * kWidth + 2] = 0;
+  frame.mask = {kBoxedWidth, kBoxedHeight, 1,
+                std::vector<uint8_t>(kBoxedWidth * kBoxedHeight, 255)};
+  frame.mask.data[1 * kBoxedWidth + 2] = 0;
   EXPECT_EQ(score(2, 1, box), 100);
   EXPECT_NEAR(score(3, 1, box), psnr_of_error(900, 5), 1e-9);
 }
