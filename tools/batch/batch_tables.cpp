@@ -56,9 +56,11 @@ using Medians = std::vector<std::optional<double>>;  // by preset
 /// In the order of the request.
 std::vector<std::string> presets_of(const json& report) {
   std::vector<std::string> presets;
-  for (const json& run : report["runs"])
-    if (std::find(presets.begin(), presets.end(), run["preset"]) == presets.end())
-      presets.push_back(run["preset"]);
+  for (const json& run : report["runs"]) {
+    const auto& preset = run["preset"].get_ref<const std::string&>();
+    if (std::find(presets.begin(), presets.end(), preset) == presets.end())
+      presets.push_back(preset);
+  }
   return presets;
 }
 

@@ -44,9 +44,10 @@ void read_starts(const std::vector<json>& events, RunReport& report) {
 
 void add_warning(const std::string& stage, const json& text, RunReport& report) {
   if (!text.is_string()) return;
-  const auto is_same = [&](const RunWarning& known) { return known.text == text; };
+  const auto& words = text.get_ref<const std::string&>();
+  const auto is_same = [&](const RunWarning& known) { return known.text == words; };
   if (std::none_of(report.warnings.begin(), report.warnings.end(), is_same))
-    report.warnings.push_back({stage, text});
+    report.warnings.push_back({stage, words});
 }
 
 void read_warnings(const RunRecords& records, const std::vector<json>& events, RunReport& report) {
