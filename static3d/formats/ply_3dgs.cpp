@@ -6,12 +6,17 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 #include "kernels/base/errors.h"
+#include "kernels/math/spherical_harmonics.h"
 #include "recon4d/model/splat_columns.h"
 
 namespace tessera {
 namespace {
+
+constexpr std::array<std::string_view, 3> kColourNames = {"red", "green", "blue"};
 
 /// Properties of `vertex` that mean nothing here.
 std::vector<std::string> unknown_properties(const PlyElement& vertex, int coefficients) {
@@ -22,6 +27,18 @@ std::vector<std::string> unknown_properties(const PlyElement& vertex, int coeffi
                      [&](const SplatColumn& k) { return k.name == column.name; }))
       unknown.push_back(column.name);
   return unknown;
+}
+
+/// Colours of bytes in place of the first harmonics, as Nerfstudio's `ns-export gaussian-splat
+/// --ply-color-mode rgb` writes them, become harmonics of degree 0.
+void colours_to_harmonics(PlyElement& vertex) {
+  if (vertex.find("f_dc_0") != nullptr) return;
+  for (PlyColumn& column : vertex.columns) {
+    const auto channel = std::find(kColourNames.begin(), kColourNames.end(), column.name);
+    if (channel == kColourNames.end() || column.type != PlyType::kUint8) continue;
+    column.name = fmt::format("f_dc_{}", channel - kColourNames.begin());
+    for (double& value : column.values) value = (value / 255 - 0.5) / kSh0;
+  }
 }
 
 GaussianSet read_plain(const std::filesystem::path& path, const PlyFile& file,
@@ -45,7 +62,9 @@ GaussianSet read_plain(const std::filesystem::path& path, const PlyFile& file,
 }  // namespace
 
 SplatFile load_ply_splats(const std::filesystem::path& path) {
-  const PlyFile file = read_ply(path);
+  PlyFile file = read_ply(path);
+  for (PlyElement& element : file.elements)
+    if (element.name == "vertex") colours_to_harmonics(element);
   SplatFile result;
   result.set = is_compressed_splat(file) ? decode_compressed_splat(path, file)
                                          : read_plain(path, file, result.warnings);

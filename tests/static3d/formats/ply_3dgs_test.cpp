@@ -4,7 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "ingest/files/ply.h"
+#include "kernels/math/spherical_harmonics.h"
 #include "recon4d/model/element_edits.h"
 #include "static3d/transform/splat_quanta.h"
 #include "tests/ingest/layouts/capture_fixture.h"
@@ -48,6 +51,25 @@ TEST(Ply3dgs, TakesEveryDegreeAnyOrderAndAnyScalarType) {
         for (int c = 0; c < 3; ++c)
           EXPECT_EQ(read.set.values().at(kSh, 1)[3 * k + c], float(c * rest + k - 1));
     }
+}
+
+// As `ns-export gaussian-splat --ply-color-mode rgb` of Nerfstudio writes them. Bug put back:
+// bytes not divided by 255; seen to fail.
+TEST(Ply3dgs, ColoursOfBytesAreHarmonicsOfDegreeZero) {
+  const TemporaryFolder folder;
+  PlyFile file = foreign_file(0, 1);
+  for (int c = 0; c < 3; ++c) {
+    PlyColumn& colour = column(file, fmt::format("f_dc_{}", c));
+    colour = {std::array{"red", "green", "blue"}[size_t(c)], PlyType::kUint8, {100.0 * c}};
+  }
+  write_ply(folder / "a.ply", file);
+  const SplatFile read = load_splat_file(folder / "a.ply");
+  EXPECT_TRUE(read.warnings.empty());
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(0.5 + kSh0 * double(read.set.values().at(kSh, 0)[c]), 100.0 * c / 255, 1e-6);
+  column(file, "green").type = PlyType::kFloat32;
+  write_ply(folder / "a.ply", file);
+  expect_input_error([&] { load_splat_file(folder / "a.ply"); }, {"a.ply", "vertex", "f_dc_1"});
 }
 
 TEST(Ply3dgs, NamesWhatIsMissingOrOdd) {

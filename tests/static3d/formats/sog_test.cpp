@@ -106,6 +106,7 @@ TEST(Sog, OneSplatAndNone) {
   EXPECT_EQ(load_splat_file(folder / "a.sog").set.count(), 0);
 }
 
+// Bug put back: all elements written; seen to fail.
 TEST(Sog, LeavesOutWhatIsNotFinite) {
   const ScratchFolder folder;
   GaussianSet set = set_to_write(5);
