@@ -30,9 +30,9 @@ std::vector<std::string> unknown_properties(const PlyElement& vertex, int coeffi
 }
 
 /// Colours of bytes in place of the first harmonics, as Nerfstudio's `ns-export gaussian-splat
-/// --ply-color-mode rgb` writes them, become harmonics of degree 0.
+/// --ply-color-mode rgb` writes them, become harmonics of degree 0. Clouds of points stay clouds.
 void colours_to_harmonics(PlyElement& vertex) {
-  if (vertex.find("f_dc_0") != nullptr) return;
+  if (vertex.find("f_dc_0") != nullptr || vertex.find("opacity") == nullptr) return;
   for (PlyColumn& column : vertex.columns) {
     const auto channel = std::find(kColourNames.begin(), kColourNames.end(), column.name);
     if (channel == kColourNames.end() || column.type != PlyType::kUint8) continue;
