@@ -33,4 +33,4 @@ says "threads: expected a whole number from 1" "captures: [../captures/*/]" "thr
 says "no scenes: give" "presets: [fast]"
 says "cannot name a folder of results" "scenes: [{path: 'my capture'}]"
 says "out: is /elsewhere" "captures: [../captures/*/]" "out: /elsewhere"
-says "/no/tessera train --help does not run" "tessera: /no/tessera" "captures: [../captures/*/]"
+says "/no/tessera reference json does not run" "tessera: /no/tessera" "captures: [../captures/*/]"
