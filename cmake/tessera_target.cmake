@@ -57,9 +57,10 @@ function(tessera_library)
   endif()
 endfunction()
 
-# Less optimisation for the C++ of a target, except in a debug build, whose flags say how much.
+# Less optimisation for the C++ of a target than a release build has by itself.
 function(tessera_light target)
-  target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:$<$<NOT:$<CONFIG:Debug>>:-O1>>)
+  target_compile_options(${target} PRIVATE
+    $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CONFIG:Release,RelWithDebInfo>>:-O1>)
 endfunction()
 
 # tessera_test(NAME kernels SOURCES a_test.cpp … LINKS targets… [LABELS nightly] [SHARDS 4] [EXACT]): one
@@ -75,7 +76,8 @@ function(tessera_test)
   else()
     # What a test checks is optimised as in the product; the test itself need not be. Beside each
     # other in a unity build, tests shadow each other's names.
-    target_compile_options(${TEST_NAME}_test PRIVATE -O1 -Wno-shadow)
+    tessera_light(${TEST_NAME}_test)
+    target_compile_options(${TEST_NAME}_test PRIVATE -Wno-shadow)
   endif()
   if(TESSERA_SANITIZE)
     target_compile_options(${TEST_NAME}_test PRIVATE -O0)

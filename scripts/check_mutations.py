@@ -176,7 +176,6 @@ def main() -> None:
         sys.exit(f"no such row, or its old text is not in its file once: {wrong}")
     cmake = shlex.split(args.build) if args.build.startswith("-") else ["--preset", args.build]
     cmake += ["-DTESSERA_TESTS=ON"] + ["-GNinja"] * bool(shutil.which("ninja"))
-    cmake += ["-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"] * bool(shutil.which("ccache"))
     cmake += ["-DTESSERA_INGEST=OFF", "-DTESSERA_PLAYER=OFF"] * args.trainer_only
     build = Build(tree.parent / "build", tree, cmake + [f"-D{value}" for value in args.D], args.jobs)
     chosen = build.own_tests(rows)

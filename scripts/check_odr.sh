@@ -9,13 +9,9 @@ targets=("$@")
 if [ ${#targets[@]} -eq 0 ]; then
   targets=(tessera)
 fi
-launcher=()
-if command -v ccache >/dev/null; then
-  launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-fi
 checks="-flto=auto -Werror=odr -Werror=lto-type-mismatch"
 cmake -S . -B build/odr -G Ninja -DCMAKE_BUILD_TYPE=None -DTESSERA_NATIVE=OFF -DTESSERA_CUDA=OFF \
   -DTESSERA_TESTS=ON -DCMAKE_CXX_FLAGS="-O0 $checks -fno-fat-lto-objects" \
   -DCMAKE_EXE_LINKER_FLAGS="$checks" -DCMAKE_AR="$(command -v gcc-ar)" \
-  -DCMAKE_RANLIB="$(command -v gcc-ranlib)" "${launcher[@]}" >/dev/null
+  -DCMAKE_RANLIB="$(command -v gcc-ranlib)" >/dev/null
 ninja -C build/odr "${targets[@]}"

@@ -42,19 +42,28 @@ bool is_after_word(string_view text, string_view word, string_view separators, R
   return rest(text);
 }
 
-/// "0012_cam00", "frame_12-view1" in lower case; the camera as `stem` spells it.
-std::optional<NumberedName> camera_last(const std::string& stem, string_view text) {
-  for (const string_view word : {string_view(""), kFrameWords[0], kFrameWords[1], kFrameWords[2],
-                                 kFrameWords[3], kFrameWords[4]}) {
+/// Takes "0012" or "frame_12"; nothing where `text` begins otherwise.
+std::optional<int64_t> take_frame_number(string_view& text) {
+  if (const auto number = take_number(text, 9)) return number;
+  for (const string_view word : kFrameWords) {
     string_view rest = text;
     if (!take(rest, word)) continue;
-    if (!word.empty()) take_one_of(rest, "_-");
+    take_one_of(rest, "_-");
     const auto number = take_number(rest, 9);
-    if (!number || !take_one_of(rest, "_-")) continue;
-    for (const string_view camera : {"cam", "camera", "view"})
-      if (is_after_word(rest, camera, "_-", [](string_view n) { return is_number(n, 4); }))
-        return NumberedName{stem.substr(stem.size() - rest.size()), *number};
+    if (!number) continue;
+    text = rest;
+    return number;
   }
+  return std::nullopt;
+}
+
+/// "0012_cam00", "frame_12-view1" in lower case; the camera as `stem` spells it.
+std::optional<NumberedName> camera_last(const std::string& stem, string_view text) {
+  const auto number = take_frame_number(text);
+  if (!number || !take_one_of(text, "_-")) return std::nullopt;
+  for (const string_view camera : {"cam", "camera", "view"})
+    if (is_after_word(text, camera, "_-", [](string_view n) { return is_number(n, 4); }))
+      return NumberedName{stem.substr(stem.size() - text.size()), *number};
   return std::nullopt;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kernels/base/errors.h"
+#include "kernels/base/seconds_since.h"
 
 namespace tessera {
 namespace {
@@ -106,11 +107,9 @@ RenderRate measure_render_rate(Backend& backend, const GaussianModel& model,
   check(!views.empty() && options.frames > 0, "measure_render_rate: views and frames");
   Renderer renderer(backend, model);
   const auto draw = [&](int64_t i) { renderer.draw({views[size_t(i) % views.size()]}); };
-  const auto since = [](Clock::time_point begin) {
-    return std::chrono::duration<double>(Clock::now() - begin).count();
-  };
   const Clock::time_point start = Clock::now();
-  for (int64_t i = 0; i < options.warm_up && (i == 0 || since(start) < options.seconds / 4); ++i)
+  for (int64_t i = 0; i < options.warm_up && (i == 0 || seconds_since(start) < options.seconds / 4);
+       ++i)
     draw(i);
   RenderRate rate;
   rate.width = views.front().camera.width;
@@ -118,10 +117,11 @@ RenderRate measure_render_rate(Backend& backend, const GaussianModel& model,
   rate.num_gaussians = model.count();
   const double before = stage_seconds(backend);
   const Clock::time_point begin = Clock::now();
-  while (rate.frames < options.frames && (rate.frames == 0 || since(begin) < options.seconds))
+  while (rate.frames < options.frames &&
+         (rate.frames == 0 || seconds_since(begin) < options.seconds))
     draw(rate.frames++);
   rate.seconds = stage_seconds(backend) - before;
-  rate.wall_seconds = since(begin);
+  rate.wall_seconds = seconds_since(begin);
   return rate;
 }
 

@@ -14,6 +14,7 @@
 #include "ingest/layouts/capture_layout.h"
 #include "ingest/prepared/transforms_json.h"
 #include "kernels/base/errors.h"
+#include "kernels/base/seconds_since.h"
 #include "tools/cli/ingest_arguments.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/output_place.h"
@@ -72,7 +73,7 @@ class Batch {
     } catch (const std::exception& error) {
       scene.error = error.what();
     }
-    scene.seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    scene.seconds = seconds_since(begin);
     if (!scene.error.empty()) report_error(fmt::format("{}: failed: {}", scene.name, scene.error));
     return scene;
   }

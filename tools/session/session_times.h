@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "kernels/backend.h"
+#include "kernels/base/seconds_since.h"
 
 namespace tessera {
 
@@ -27,7 +28,7 @@ class WallSplit {
   struct Span {
     explicit Span(double& seconds) : sum(seconds), begin(Clock::now()) {}
     Span(const Span&) = delete;
-    ~Span() { sum += std::chrono::duration<double>(Clock::now() - begin).count(); }
+    ~Span() { sum += seconds_since(begin); }
     double& sum;
     Clock::time_point begin;
   };
