@@ -28,7 +28,8 @@ COLUMNS = {  # key in a row: (heading, digits after the point, divisor)
     "ssim": ("SSIM", 4, 1),
     "seconds": ("training, s", 1, 1),
     "num_gaussians": ("Gaussians", 0, 1),
-    "shipped_bytes": ("size, MiB", 2, 2**20),
+    "shipped_bytes": ("size, MiB", 1, 2**20),
+    "peak_bytes": ("device memory, GiB", 2, 2**30),
 }
 UNITS = {  # unit in the text: (beginnings of the keys that have it, size of the unit in theirs)
     "dB": (("psnr",), 1),

@@ -2,15 +2,16 @@
 """Turns records of trainings into a results file, which scripts/make_tables.py reads.
 
     measure_results.py RECORDS.jsonl --id quality_rigs --scenes basketball,studio
-                       --presets fast,balanced,best --commit HASH -o results/
+                       --presets fast,balanced,best -o results/
 
 A line of RECORDS.jsonl is a JSON object per training: name, scene, preset, seed, options, seconds,
 device, n (Gaussians), psnr, ssim, moving, static (PSNR in dB), bytes (of the exported Tessera 4D
-file), version, command. psnr, ssim, moving, static and bytes may be null; psnr_val (of the split
-val), fit (PSNR after the best gain and offset of each camera), lowest (PSNR at the lowest timestep)
-and object (of the worst object at its lowest timestep) may be absent. scripts/measure_training.py
-writes such lines. Trainings are grouped by scene and preset; docs/development/results.md describes
-the result.
+file), version, commit, command. psnr, ssim, moving, static and bytes may be null; psnr_val (of the
+split val), fit (PSNR after the best gain and offset of each camera), lowest (PSNR at the lowest
+timestep), object (of the worst object at its lowest timestep) and peak_bytes (of device memory) may
+be absent. scripts/measure_training.py writes such lines. Trainings are grouped by scene and preset;
+docs/development/results.md describes the result. Where the file is there, its labels, columns, note
+and source stay: a measurement that is repeated changes figures only.
 """
 
 import argparse
@@ -21,11 +22,12 @@ import re
 import sys
 
 FIELDS = ("name", "scene", "preset", "seed", "options", "seconds", "device", "n", "psnr", "ssim",
-          "moving", "static", "bytes", "version", "command")
+          "moving", "static", "bytes", "version", "commit", "command")
 KEYS = {"psnr": "psnr", "psnr_val": "psnr_val", "psnr_moving": "moving", "psnr_static": "static", "ssim": "ssim",
         "seconds": "seconds", "num_gaussians": "n", "shipped_bytes": "bytes",
-        "psnr_fit": "fit", "psnr_lowest": "lowest", "psnr_object": "object"}
-MAY_BE_ABSENT = {"psnr_val", "psnr_fit", "psnr_lowest", "psnr_object"}
+        "psnr_fit": "fit", "psnr_lowest": "lowest", "psnr_object": "object", "peak_bytes": "peak_bytes"}
+MAY_BE_ABSENT = {"psnr_val", "psnr_fit", "psnr_lowest", "psnr_object", "peak_bytes"}
+SAID_BY_HAND = ("source", "note", "labels", "columns")
 
 
 def read_records(path):
@@ -90,14 +92,30 @@ def row_of(scene, preset, records):
     return row
 
 
-def results(records, name, scenes, presets, commit, date):
-    """The results file as an object."""
+def results(records, name, scenes, presets, date):
+    """The results file as an object; where no presets are asked for, of those that a scene has."""
+    asked = presets is not None
     scenes = scenes or list(dict.fromkeys(record["scene"] for record in records))
     presets = presets or list(dict.fromkeys(record["preset"] for record in records))
     chosen = [one for one in records if one["scene"] in scenes and one["preset"] in presets]
-    rows = [row_of(scene, preset, chosen) for scene in scenes for preset in presets]
-    return {"id": name, "version": shared(chosen, "version"), "commit": commit, "date": date,
+    for scene in scenes:
+        if all(one["scene"] != scene for one in chosen):
+            raise ValueError(f"no training of {scene} with {', '.join(presets)}")
+    rows = [row_of(scene, preset, chosen) for scene in scenes for preset in presets
+            if asked or any((one["scene"], one["preset"]) == (scene, preset) for one in chosen)]
+    return {"id": name, "version": shared(chosen, "version"), "commit": shared(chosen, "commit"),
+            "date": date,
             "device": shared(chosen, "device"), "command": command_of(chosen), "rows": rows}
+
+
+def with_words_of(path, result):
+    """The result with what a person has written into the file that it replaces."""
+    if not path.exists():
+        return result
+    before = json.loads(path.read_text(encoding="utf-8"))
+    said = {key: before[key] for key in SAID_BY_HAND if key in before}
+    rows = result.pop("rows")
+    return result | said | {"rows": rows}
 
 
 def text_of(result):
@@ -116,7 +134,6 @@ def main():
     parser.add_argument("--id", required=True, help="name of the results file and of its table")
     parser.add_argument("--scenes", type=words, help="default: all, in the order of the records")
     parser.add_argument("--presets", type=words, help="default: all, in the order of the records")
-    parser.add_argument("--commit", required=True, help="of the program that trained")
     parser.add_argument("--date", help="of the trainings; default: when RECORDS.jsonl was written")
     parser.add_argument("-o", "--out", type=pathlib.Path, required=True, metavar="DIR")
     arguments = parser.parse_args()
@@ -124,11 +141,12 @@ def main():
         written = arguments.records.stat().st_mtime
         date = arguments.date or datetime.date.fromtimestamp(written).isoformat()
         result = results(read_records(arguments.records), arguments.id, arguments.scenes,
-                         arguments.presets, arguments.commit, date)
+                         arguments.presets, date)
+        path = arguments.out / f"{arguments.id}.json"
+        result = with_words_of(path, result)
     except (OSError, ValueError) as error:
         sys.exit(f"measure_results.py: {error}")
     arguments.out.mkdir(parents=True, exist_ok=True)
-    path = arguments.out / f"{arguments.id}.json"
     path.write_text(text_of(result), encoding="utf-8")
     print(path)
 

@@ -60,12 +60,18 @@ def decisions_of(log):
     return [event for event in events if event.get("event") == "decision"]
 
 
+def program_of(tessera):
+    """Version and commit of the program, as its records state them."""
+    said = run_json([tessera, "env", "--json"])
+    return {"version": said["version"], "commit": said["commit"]}
+
+
 def measure(tessera, scene, preset, seed, options, split, boxes):
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "run"
         command = [tessera, "train", scene, "-o", str(out), "--preset", preset, "--seed", str(seed),
-                   *options, "--json"]
-        trained = run_json(command)
+                   *options]
+        trained = run_json([*command, "--json"])
         boxed = ["--boxes", boxes] if boxes else []
         scores = run_json([tessera, "evaluate", str(out), "--scene", scene, "--json", *boxed])
         decisions = decisions_of(out / "log.jsonl")
@@ -79,7 +85,7 @@ def measure(tessera, scene, preset, seed, options, split, boxes):
         "name": preset, "scene": pathlib.Path(scene).name, "preset": preset, "seed": seed,
         "options": options,
         "command": " ".join(command[:3] + ["-o", "RUN"] + command[5:]),
-        "device": trained["device"],
+        "device": trained["device"].removeprefix("cuda, "),
         "seconds": trained["seconds"], "stages": stages,
         "ratio": trained["seconds"] / stages if stages > 0 else None,
         "stage_ms": trained["stage_ms"], "stage_gbytes": trained["stage_gbytes"],
@@ -87,7 +93,7 @@ def measure(tessera, scene, preset, seed, options, split, boxes):
         "looked_at": statistics.median([event["looked_at"] for event in decisions] or [0]),
         "load": trained["wall_seconds"]["load"],
         "n": trained["num_gaussians"], "dynamic": trained["num_dynamic"],
-        "peak_gib": trained["peak_device_bytes"] / 2**30,
+        "peak_bytes": trained["peak_device_bytes"], "peak_gib": trained["peak_device_bytes"] / 2**30,
         "psnr": scores["psnr"], "ssim": scores["ssim"], "bytes": scores["bytes"],
         "moving": views.get("psnr_dynamic"), "static": views.get("psnr_static"),
         "fit": scores["psnr_fit"], "lowest": lowest.get("psnr"),
@@ -123,14 +129,13 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--tessera", default="build/release/tessera")
     parser.add_argument("--seeds", type=int, default=3)
-    parser.add_argument("--commit", help="of the program; default: what git says")
     parser.add_argument("--out", type=pathlib.Path)
     parser.add_argument("loads", nargs="+", metavar="SCENE:PRESET[,PRESET]")
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--split")
     parser.add_argument("--boxes", help="ground_truth.json of a scene with movers")
     asked = parser.parse_args(arguments)
-    version = asked.commit or output_of(["git", "rev-parse", "--short", "HEAD"])
+    program = program_of(asked.tessera)
     work = []
     for load in asked.loads:
         scene, colon, presets = load.rpartition(":")
@@ -143,8 +148,7 @@ def main():
         runs = [pool.submit(measure, asked.tessera, *one, options, asked.split, asked.boxes)
                 for one in work]
         for run in concurrent.futures.as_completed(runs):
-            record = run.result()
-            record["version"] = version
+            record = run.result() | program
             records.append(record)
             print(f"{record['scene']} {record['preset']} seed {record['seed']}:",
                   ", ".join(f"{heading} {form.format(record[key])}"

@@ -55,7 +55,7 @@ class MakeTables(unittest.TestCase):
     def test_fills_blocks_with_median_and_range(self):
         page = (self.root / "docs/results.md").read_text()
         self.assertIn("| `room` | `fast` | 27.20 (27.10–27.30) | 61.0 (60.0–62.0) |", page)
-        self.assertIn("| 5.00 |", page)
+        self.assertIn("| 5.0 |", page)
         self.assertIn("Version 0.1.0 (commit abc), a device, 2026-11-24, seeds 1, 2, 3:", page)
         self.assertEqual(self.complaints(), [])
 
@@ -107,16 +107,18 @@ class MeasureResults(unittest.TestCase):
     def record(self, seed, **changes):
         return {"name": "r", "scene": "DATA/room", "preset": "fast", "seed": seed, "options": [],
                 "seconds": 60 + seed, "device": "a device", "n": 10, "psnr": 27 + seed / 10,
-                "ssim": 0.9, "moving": None, "static": None, "bytes": 100, "version": "0.1.0",
+                "ssim": 0.9, "moving": None, "static": None, "bytes": 100, "version": "0.1.0", "commit": "abc",
                 "command": f"tessera train DATA/room -o r{seed} --preset fast --seed {seed}",
                 **changes}
 
-    def measure(self, records, *options):
+    def measure(self, records, *options, before=None):
         with tempfile.TemporaryDirectory() as folder:
+            if before:
+                (pathlib.Path(folder) / "q.json").write_text(json.dumps(before))
             path = pathlib.Path(folder) / "records.jsonl"
             path.write_text("\n".join(json.dumps(record) for record in records) + "\n")
             result = subprocess.run([sys.executable, SCRIPTS / "measure_results.py", path, "--id", "q",
-                                     "--commit", "abc", "-o", folder, *options],
+                                     "-o", folder, *options],
                                     capture_output=True, text=True, check=False)
             if result.returncode != 0:
                 return result.stderr
@@ -131,9 +133,20 @@ class MeasureResults(unittest.TestCase):
              "psnr_moving": None, "psnr_static": None, "ssim": [0.9] * 3, "seconds": [61, 62, 63],
              "num_gaussians": [10] * 3, "shipped_bytes": [100] * 3}])
 
+    def test_scenes_may_have_been_trained_with_different_presets(self):
+        rows = self.measure([self.record(1), self.record(1, scene="yard", preset="best")])["rows"]
+        self.assertEqual([(row["scene"], row["preset"]) for row in rows],
+                         [("room", "fast"), ("yard", "best")])
+
+    def test_repeated_measurement_keeps_the_words_of_the_file(self):
+        before = {"id": "q", "version": "0.0.1", "commit": "old", "note": "A note.", "columns": ["psnr"], "rows": []}
+        result = self.measure([self.record(1)], before=before)
+        self.assertEqual((result["note"], result["columns"]), ("A note.", ["psnr"]))
+        self.assertEqual((result["version"], result["commit"], len(result["rows"])), ("0.1.0", "abc", 1))
+
     def test_refuses_what_does_not_belong_together(self):
         self.assertIn("a seed occurs twice", self.measure([self.record(1), self.record(1)]))
-        for field in ("version", "device", "options"):
+        for field in ("version", "commit", "device", "options"):
             self.assertIn(f"differ in {field}",
                           self.measure([self.record(1), self.record(2, **{field: "other"})]))
         self.assertIn("no training of yard with fast",
