@@ -105,14 +105,17 @@ std::vector<PlayerCamera> places_of(const std::vector<NamedView>& views) {
 
 }  // namespace
 
-std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianModel& model) {
+std::vector<NamedView> find_views(const CameraChoice& choice, const GaussianModel& model) {
   if (!fs::exists(choice.cameras))
     throw InputError(
         fmt::format("{}: no such file or folder; expected a scene or a transforms.json",
                     choice.cameras.string()));
-  const std::vector<NamedView> views = fs::is_directory(choice.cameras)
-                                           ? views_of_scene(choice, model)
-                                           : views_of_path(choice, model);
+  return fs::is_directory(choice.cameras) ? views_of_scene(choice, model)
+                                          : views_of_path(choice, model);
+}
+
+std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianModel& model) {
+  std::vector<NamedView> views = find_views(choice, model);
   if (views.empty())
     throw InputError(fmt::format("{}: no frame in split '{}'; choose another of train, val, test",
                                  choice.cameras.string(), choice.split));

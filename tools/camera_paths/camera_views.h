@@ -22,8 +22,10 @@ struct CameraChoice {
   std::optional<double> time;     // normalised; instead of the frames' own
 };
 
-/// Times and world are those of the model. Errors: InputError: unreadable, no frame left, no size,
-/// a frame without a time for a model that moves.
+/// Times and world are those of the model; none where no frame is of the split. Errors: InputError:
+/// unreadable, no size, a frame without a time for a model that moves.
+std::vector<NamedView> find_views(const CameraChoice& choice, const GaussianModel& model);
+/// The same, and at least one. Errors: InputError: no frame of the split, too.
 std::vector<NamedView> read_views(const CameraChoice& choice, const GaussianModel& model);
 
 /// A pose of a transforms file, in the model's world.

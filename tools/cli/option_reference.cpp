@@ -41,6 +41,7 @@ std::string default_of(const CLI::Option& option) {
   const bool ends_program =
       option.check_lname("help") || option.check_lname("help-all") || option.check_lname("version");
   if (option.get_required() || ends_program) return "";
+  if (!option.get_fnames().empty()) return "";  // "--no-…" is there: its text says the default
   if (!takes_value(option)) return "no";
   // lists come in brackets, empty ones differently from version to version of CLI11
   std::string text = option.get_default_str();

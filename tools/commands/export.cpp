@@ -195,9 +195,10 @@ void add_export_command(CLI::App& app, Work& work) {
                       "or auto: a held-out camera's view of the first timestep; default: none");
   command->add_flag("--truth", request->truth,
                     "pages: put six test images of the scene into the page, to compare with");
-  command->add_flag("--clean,!--no-clean", request->clean,
-                    "leave out floaters: faint, large Gaussians that one training camera alone "
-                    "shows; default: of a page whose scene is there");
+  command->add_flag_function(
+      "--clean,!--no-clean", [request](int64_t count) { request->clean = count > 0; },
+      "leave out floaters: faint, large Gaussians that one training camera alone shows; default: "
+      "of a page whose scene is there");
   command->add_flag("--keep-world", request->keep_world,
                     "stay in the world of the prepared scene; default: back in the capture's own");
   command->add_flag("--overwrite", request->overwrite,

@@ -69,12 +69,10 @@ constexpr int kLongestSide = 800;  // pixels
 
 View first_view(CameraChoice choice, const GaussianModel& model) {
   choice.split = "test";
-  try {
-    return read_views(choice, model).front().view;
-  } catch (const InputError&) {  // no test split; what cannot be read fails again
-    choice.split.clear();
-    return read_views(choice, model).front().view;
-  }
+  if (const std::vector<NamedView> views = find_views(choice, model); !views.empty())
+    return views.front().view;
+  choice.split.clear();
+  return read_views(choice, model).front().view;
 }
 
 /// A PNG file, at most 800 pixels wide and high. The camera is the first of the scene's test split,
