@@ -279,6 +279,7 @@ class Page {
       view: () => this.viewpoint.word,
       settle: () => {
         this.viewpoint.finish();
+        if (!this.view.inVr) this.frame(); // a key or a seek of just now
         return this.view.settle();
       },
       time: () => this.clock.now(),
