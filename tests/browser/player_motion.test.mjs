@@ -118,8 +118,8 @@ test('a double click turns to the point that was clicked', async () => {
 // Bug put back: settle() that waits for the time of the last frame; seen to fail (20 dB).
 test('settle() waits for a seek of just now, also where frames are slow', async () => {
   const {page, problems} = await open('');
-  const picture = async () => readPng(await page.screenshot({style: '.panel { visibility: hidden; }'}));
-  const before = await picture();
+  const shown = async () => readPng(await page.screenshot({style: '.panel { visibility: hidden; }'}));
+  const before = await shown();
   await page.evaluate(async () => {
     const request = window.requestAnimationFrame.bind(window);
     window.requestAnimationFrame = (call) => setTimeout(() => request(call), 3000);
@@ -127,10 +127,10 @@ test('settle() waits for a seek of just now, also where frames are slow', async 
     window.tessera.seek(2);
     await window.tessera.settle();
   });
-  const settled = await picture();
+  const settled = await shown();
   await page.waitForTimeout(4000);
   await page.evaluate(() => window.tessera.settle());
-  const later = await picture();
+  const later = await shown();
   assert.ok(psnr(before, later) < 35, 'nothing moves');
   assert.ok(psnr(settled, later) > 30, `${psnr(settled, later)} dB`);
   expectClean(problems);
