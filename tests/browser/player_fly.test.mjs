@@ -76,11 +76,13 @@ const turn = (a, b) =>
     2 * Math.acos(Math.min(1, Math.abs([3, 4, 5, 6].reduce((sum, k) => sum + a[k] * b[k], 0))));
 /** The view once it stands. */
 async function standing(page) {
-  for (let last = '', round = 0; round < 30; ++round) {
+  for (let last = '', round = 0; round < 100; ++round) {
     const word = await wordOf(page);
     if (word === last) return viewOf(page);
     last = word;
-    await page.waitForTimeout(700);  // longer than an image of a busy machine takes
+    await page.evaluate(() => new Promise((resolve) => {  // two steps of the page, however slow
+      requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(resolve, 50)));
+    }));
   }
   assert.fail('the camera does not come to rest');
 }
