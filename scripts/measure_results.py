@@ -104,8 +104,8 @@ def results(records, name, scenes, presets, date):
     rows = [row_of(scene, preset, chosen) for scene in scenes for preset in presets
             if asked or any((one["scene"], one["preset"]) == (scene, preset) for one in chosen)]
     return {"id": name, "version": shared(chosen, "version"), "commit": shared(chosen, "commit"),
-            "date": date,
-            "device": shared(chosen, "device"), "command": command_of(chosen), "rows": rows}
+            "date": date, "device": shared(chosen, "device"), "command": command_of(chosen),
+            "rows": rows}
 
 
 def with_words_of(path, result):
@@ -113,9 +113,7 @@ def with_words_of(path, result):
     if not path.exists():
         return result
     before = json.loads(path.read_text(encoding="utf-8"))
-    said = {key: before[key] for key in SAID_BY_HAND if key in before}
-    rows = result.pop("rows")
-    return result | said | {"rows": rows}
+    return result | {key: before[key] for key in SAID_BY_HAND if key in before}
 
 
 def text_of(result):
