@@ -14,6 +14,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/base/parallel.h"
 #include "kernels/math/environment.h"
+#include "kernels/math/pair_at_velocity.h"
 #include "kernels/math/random.h"
 #include "recon4d/options/train_options.h"
 #include "recon4d/training/nearest_points.h"
@@ -129,16 +130,23 @@ void place(const InitialPoint& point, float squared_distance, const TrainOptions
   *v.at(kOpacityLogit, n) = logit(options.init_opacity);
   if (set.dim() != 4) return;
   std::fill_n(v.at(kShTime, n), set.width(kShTime), 0.0f);
-  if (set.form() == SetForm::kPair) {
-    std::copy_n(identity, 4, v.at(kRotationRight, n));
-  } else {
+  *v.at(kLogScaleTime, n) = float(std::log(options.init_time_scale));
+  if (set.form() == SetForm::kVelocity) {
     std::copy_n(&point.velocity[0], 3, v.at(kVelocity, n));
+  } else {
+    const MovingPair pair = pair_at_velocity(std::exp(double(log_scale)), options.init_time_scale,
+                                             Vec3<double>(point.velocity));
+    for (int k = 0; k < 3; ++k) v.at(kLogScale, n)[k] = float(pair.log_scale[k]);
+    *v.at(kLogScaleTime, n) = float(pair.log_scale_time);
+    for (int k = 0; k < 4; ++k) {
+      v.at(kRotation, n)[k] = float(pair.left[k]);
+      v.at(kRotationRight, n)[k] = float(pair.right[k]);
+    }
   }
   // when it was seen, else uniform over the clip and a tenth beyond either end  [method D.4]
   const RandomBlock random =
       philox(uint64_t(options.seed), RandomStream::kInitialise, uint64_t(n), 1);
   *v.at(kMeanTime, n) = point.time.value_or(1.2f * uniform(random.word[0]) - 0.1f);
-  *v.at(kLogScaleTime, n) = float(std::log(options.init_time_scale));
 }
 
 /// Share of the points of which nothing is known that start static: that of still ones among those

@@ -1,6 +1,8 @@
 // The slice of a 4D Gaussian at a time, in closed form and through its gradients.
 #include "kernels/math/spacetime.h"
 
+#include "kernels/math/pair_at_velocity.h"
+
 #include "tests/support/dual.h"
 #include "tests/support/random.h"
 
@@ -183,6 +185,34 @@ TEST(Spacetime, StaticIsTheSameAtAnyTime) {
     EXPECT_EQ(slice.marginal, 1.0f);
     for (int i = 0; i < 3; ++i) EXPECT_EQ(slice.mean[i], float(i + 1));
   }
+}
+
+// Bugs put back, each seen to fail: half of the angle; the quaternion that turns d to x; scales
+// that change places where space is the longer axis.
+TEST(Spacetime, APairAtAVelocityIsABallThatMoves) {
+  const Vec3<double> velocities[] = {{0, 0, 0},    {0.7, 0, 0},  {-0.7, 0, 0}, {0.1, -2, 0.4},
+                                     {30, 40, -5}, {0, 0, 1e-6}, {-1e-9, 0, 0}};
+  for (const double radius : {0.002, 0.2, 3.0})
+    for (const double extent : {0.01, 0.2, 1.0})
+      for (const Vec3<double>& velocity : velocities) {
+        const MovingPair pair = pair_at_velocity(radius, extent, velocity);
+        const Spacetime<double> s =
+            pair_spacetime(pair.left, pair.right, pair.log_scale, pair.log_scale_time, 0.25);
+        const double speed = std::sqrt(dot(velocity, velocity)), variance = radius * radius;
+        for (int k = 0; k < 3; ++k)
+          EXPECT_NEAR(s.velocity[k], velocity[k], 1e-9 * (1 + speed)) << radius << " " << extent;
+        EXPECT_NEAR(s.precision_time * extent * extent, 1, 1e-9);
+        for (const double axis : {s.covariance.xx, s.covariance.yy, s.covariance.zz})
+          EXPECT_NEAR(axis / variance, 1, 1e-6) << radius << " " << extent << " " << speed;
+        for (const double mixed : {s.covariance.xy, s.covariance.xz, s.covariance.yz})
+          EXPECT_NEAR(mixed / variance, 0, 1e-6);
+        EXPECT_NEAR(dot(pair.left, pair.left), 1, 1e-12);
+        EXPECT_NEAR(dot(pair.right, pair.right), 1, 1e-12);
+      }
+  const MovingPair rest = pair_at_velocity(0.3, 0.1, {0, 0, 0}),
+                   slow = pair_at_velocity(0.3, 0.1, {1e-7, 0, 0});
+  EXPECT_EQ(rest.left[0], 1);
+  EXPECT_NEAR(slow.log_scale_time, rest.log_scale_time, 1e-6) << "no change of axes near rest";
 }
 
 }  // namespace

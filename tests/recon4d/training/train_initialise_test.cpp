@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "kernels/base/errors.h"
+#include "kernels/load_gaussian.h"
 #include "recon4d/training/initialise.h"
 #include "tests/recon4d/model/neighbour_distance.h"
 #include "tests/support/random.h"
@@ -183,9 +184,22 @@ TEST(Initialise, VelocitiesOfACloudAreTaken) {
   }
   for (int64_t n = taken; n < moving.dynamic_set.count(); ++n)
     EXPECT_EQ(v.at(kVelocity, n)[2], 0) << "random points have none";
+  // Bug put back: pairs that start at rest; seen to fail.
+  options.motion = Motion::kPair;
+  const GaussianModel pairs = initialise(scene, options).model;
+  const GaussianSpans<const float> p = pairs.dynamic_set.values();
+  for (int64_t n = 0; n < taken; ++n) {
+    const Spacetime<double> s = pair_spacetime(
+        Vec4<double>(load4(p.at(kRotation, n))), Vec4<double>(load4(p.at(kRotationRight, n))),
+        Vec3<double>(load3(p.at(kLogScale, n))), double(*p.at(kLogScaleTime, n)), 0.0);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(s.velocity[k], v.at(kVelocity, n)[k], 1e-3 * (1 + std::abs(s.velocity[k]))) << n;
+    EXPECT_NEAR(1 / std::sqrt(s.precision_time), options.init_time_scale, 1e-4);
+  }
   scene.points.velocity.clear();
   const GaussianModel resting = initialise(scene, options).model;
-  EXPECT_EQ(resting.dynamic_set.values().at(kVelocity, 0)[2], 0);
+  EXPECT_EQ(resting.dynamic_set.values().at(kRotationRight, 0)[0], 1) << "at rest";
+  EXPECT_EQ(resting.dynamic_set.values().at(kRotation, 0)[0], 1);
 }
 
 // Bug put back: max_gaussians is ignored before the first step; seen to fail.
