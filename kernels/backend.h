@@ -204,8 +204,9 @@ class BackendOf {
   /// What each splat is to the images; written, zeros for a splat that draws no pixel. After a
   /// forward pass with for_backward. Masks and responses are in removal1 and removal2 alone.
   virtual void sensitivity(const SensitivityArgs<Real>& args, Span<SplatSensitivity<Real>> out) = 0;
-  /// Raises the value of each Gaussian, [N] static set first, to its largest blending weight T·α
-  /// over the pixels of the batch; masks are not looked at. After a forward pass with for_backward.
+  /// Raises the value of each Gaussian that has a splat, [N] static set first, to its largest
+  /// blending weight T·α over the pixels of the batch; masks are not looked at. After a forward
+  /// pass with for_backward.
   virtual void largest_weights(const BlendArgs<Real>& forward, const Images<Real>& images,
                                Span<Real> elements) = 0;
   /// Adds the sums of splats to those of their Gaussians, view by view. The last timestep of the

@@ -3,6 +3,7 @@
 // The order of maxima does not matter, so the result is the same in every run.
 #include "kernels/base/errors.h"
 #include "kernels/cuda/cuda_backend.h"
+#include "kernels/cuda/launch.cuh"
 #include "kernels/cuda/splat_sums.cuh"
 
 namespace tessera {
@@ -45,6 +46,11 @@ struct PixelWeight {
   }
 };
 
+__global__ void raise_to_zero(const int32_t* gaussian, int64_t splats, float* largest) {
+  const int64_t s = linear_index();
+  if (s < splats && largest[gaussian[s]] < 0) largest[gaussian[s]] = 0;
+}
+
 }  // namespace
 
 void CudaBackend::largest_weights(const BlendArgs<float>& forward, const Images<float>& images,
@@ -54,6 +60,9 @@ void CudaBackend::largest_weights(const BlendArgs<float>& forward, const Images<
   WeightPass a;
   static_cast<BlendBackward&>(a) = pass_of({forward, &images, {}}, elements.data);
   a.gaussian = forward.splats->gaussian.data();
+  // a splat that draws no pixel is not visited below
+  launch_linear<128>(stream_, "largest_weights", raise_to_zero, forward.splats->count, a.gaussian,
+                     forward.splats->count, elements.data);
   launch_sums<PixelWeight, 2, true, false, false>(a, a.tiles, stream_);
   check_launch("largest_weights");
 }

@@ -3,31 +3,48 @@
 #include "recon4d/density/unseen.h"
 
 #include <algorithm>
+#include <map>
+#include <string>
 
 #include "kernels/base/errors.h"
-#include "recon4d/evaluation/frame_sample.h"
 #include "recon4d/model/element_edits.h"
 
 namespace tessera {
 
-std::vector<View> views_of_training(const Scene& scene, int64_t enough) {
-  const FrameSample sample = sample_training_frames(scene);
-  std::vector<View> views;
-  for (const std::vector<FrameRange>& sweep : sample.sweeps) {
-    if (int64_t(views.size()) >= enough) break;
-    for (const FrameRange& series : sweep)
-      for (int64_t i = series.begin; i < series.end; ++i)
-        views.push_back({sample.frame(i).camera, sample.frame(i).time});
+SampledViews views_of_training(const Scene& scene, int64_t enough, int64_t turn) {
+  std::map<int64_t, std::vector<const Frame*>> timesteps;
+  std::map<std::string, int64_t> cameras;  // with their place in the order of names
+  int64_t count = 0;
+  for (const int i : scene.split_indices(Split::kTrain)) {
+    const Frame& frame = scene.frames[size_t(i)];
+    check(frame.timestep >= 0, "views_of_training: timesteps have no numbers");
+    timesteps[frame.timestep].push_back(&frame);
+    cameras[frame.camera_name] = 0;
+    ++count;
   }
-  return views;
+  int64_t place = 0;
+  for (auto& [name, camera] : cameras) camera = place++;
+  const int64_t apart = std::max<int64_t>(1, count / enough);
+  SampledViews sampled{{}, apart == 1};
+  int64_t timestep = turn;
+  for (const auto& [number, frames] : timesteps) {
+    for (const Frame* frame : frames)
+      if ((timestep + cameras.at(frame->camera_name)) % apart == 0)
+        sampled.views.push_back({frame->camera, frame->time});
+    ++timestep;
+  }
+  return sampled;
 }
 
 Buffer<float> largest_weights(Backend& backend, Pipeline<float>& pipeline,
-                              ForwardArgs<float> forward, const std::vector<View>& views,
+                              ForwardArgs<float> forward, const SampledViews& sampled,
                               int64_t batch) {
-  Buffer<float> largest(forward.sets[0].count + forward.sets[1].count, backend.memory());
-  backend.fill_zero(largest.span());
+  Buffer<float> none(forward.sets[0].count + forward.sets[1].count);
+  std::fill_n(none.data(), none.size(), sampled.all ? 0.0f : -1.0f);
+  Buffer<float> largest(backend.memory());
+  largest.copy_from(none);
   forward.for_backward = true;
+  const std::vector<View>& views = sampled.views;
   for (size_t first = 0; first < views.size(); first += size_t(batch)) {
     const size_t last = std::min(views.size(), first + size_t(batch));
     forward.views.assign(views.begin() + ptrdiff_t(first), views.begin() + ptrdiff_t(last));
@@ -51,7 +68,7 @@ std::array<DensityReport, 2> prune_unseen(Backend& backend, const Buffer<float>&
     report.before = set.count();
     std::vector<int64_t> seen;
     for (int64_t n = 0; n < report.before; ++n)
-      if (double(weights[first + n]) >= least) seen.push_back(n);
+      if (weights[first + n] < 0 || double(weights[first + n]) >= least) seen.push_back(n);
     first += report.before;
     report.after = int64_t(seen.size());
     report.pruned = report.before - report.after;

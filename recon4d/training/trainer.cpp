@@ -56,9 +56,9 @@ std::vector<View> filter_views(const Scene& scene, const std::vector<int>& frame
 }
 
 int64_t count_timesteps(const Scene& scene, const std::vector<int>& frames) {
-  std::set<double> times;
-  for (const int i : frames) times.insert(scene.frames[size_t(i)].time);
-  return int64_t(times.size());
+  std::set<int64_t> timesteps;
+  for (const int i : frames) timesteps.insert(scene.frames[size_t(i)].timestep);
+  return int64_t(timesteps.size());
 }
 
 }  // namespace
@@ -112,8 +112,6 @@ Trainer::Trainer(Backend& backend, const Scene& scene, const TrainOptions& optio
   if (options_.filter_3d != Filter3d::kNone)
     for (int k = 0; k < 2; ++k)
       filter_views_[k] = make_view_batch<float>(filter_views(scene, train_frames_, k == 1));
-  constexpr int64_t kEnough = 1024;  // frames of a rig, spread over its cameras and timesteps
-  if (options_.min_blending_weight > 0) unseen_views_ = views_of_training(scene, kEnough);
   if (&backend.memory() != &host_memory()) state_ = state_.clone_to(backend.memory());
 }
 
@@ -254,9 +252,12 @@ ForwardArgs<float> Trainer::forward_args() const {
 }
 
 void Trainer::prune_unseen() {
-  complete_pending();  // the pass takes the place of its images
+  constexpr int64_t kEnough = 1024;  // frames of a rig, spread over its cameras and timesteps
+  complete_pending();                // the pass takes the place of its images
+  const SampledViews sampled =
+      views_of_training(scene_, kEnough, state_.iteration / options_.unseen_interval);
   const std::array<DensityReport, 2> reports = tessera::prune_unseen(
-      backend_, largest_weights(backend_, pipeline_, forward_args(), unseen_views_, options_.batch),
+      backend_, largest_weights(backend_, pipeline_, forward_args(), sampled, options_.batch),
       options_.min_blending_weight, state_);
   for (int k = 0; k < 2; ++k)
     if (reports[size_t(k)].before > 0)

@@ -115,9 +115,8 @@ class Trainer {
   GaussianSet gradients_[2];  // only with a separate optimizer
   /// Only with a 3D filter: of the static set every camera once, of the dynamic one every frame.
   ViewBatch<float> filter_views_[2];
-  std::vector<View> unseen_views_;  // only where those are removed that no view shows
-  int64_t timesteps_;               // of the training frames
-  MotionNodes d_nodes_;             // gradients
+  int64_t timesteps_;    // of the training frames
+  MotionNodes d_nodes_;  // gradients
   Buffer<float> d_environment_;
   ExposureRows exposed_;
   std::vector<ColourMap<double>> maps_;  // [R] of the next step

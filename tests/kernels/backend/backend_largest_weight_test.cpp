@@ -80,6 +80,24 @@ TEST_P(BackendLargestWeight, OfABatchIsTheLargestOfItsViews) {
   EXPECT_EQ(batch, single);
 }
 
+// Bug put back: a splat that draws no pixel passed over by the CPU's maximum; seen to fail.
+TEST_P(BackendLargestWeight, OfAGaussianWithoutASplatStaysAsItWas) {
+  TestScene<double> scene = random_scene(60, 60, 0.2, 95);
+  for (int64_t n = 0; n < 10; ++n) scene.fixed.at(kMean, n)[1] = 500;  // in no view
+  const TestScene<float> stated = scene.as<float>();
+  const std::vector<float> unknown(120, -1.0f), none(120, 0.0f);
+  const std::vector<float> found = weights_of(stated, backend(), unknown),
+                           from_none = weights_of(stated, backend(), none);
+  CpuBackend<float> cpu;
+  const std::vector<float> expected = weights_of(stated, cpu, unknown);
+  for (size_t n = 0; n < 120; ++n) EXPECT_NEAR(found[n], expected[n], kTolerance) << n;
+  for (size_t n = 0; n < 120; ++n) {
+    EXPECT_TRUE(n >= 10 || found[n] == -1.0f) << n;
+    EXPECT_TRUE(found[n] == -1.0f || found[n] == from_none[n]) << n;
+  }
+  EXPECT_LT(std::count(found.begin(), found.end(), -1.0f), 60);
+}
+
 TEST_P(BackendLargestWeight, NeedsAForwardPassForItAndOneValueAGaussian) {
   const TestScene<float> scene = random_scene(5, 5, 0.2, 94).as<float>();
   const StoredScene<float> in(scene, memory());
