@@ -25,7 +25,10 @@ struct Frame {
   std::string name;          // unique in the scene, e.g. "train/r_003" or "cam02/00017"
   std::string camera_name;   // physical camera: "cam02"; for monocular captures the split's name
   int64_t frame_number = 0;  // index of the frame in that camera
-  double time = 0;           // normalised to [0, 1] over all splits
+  double time = 0;           // normalised to [0, 1] over all splits; by its camera's own clock
+  /// Number of its timestep over the whole clip (ingest/clocks/timesteps.h); −1: not numbered yet.
+  /// Frames of one timestep have the same, whatever their clocks.
+  int64_t timestep = -1;
   Split split = Split::kTrain;
   Camera camera;
   Image8 image;  // RGB, composited once on Scene::background

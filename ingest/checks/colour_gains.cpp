@@ -76,8 +76,16 @@ bool is_measurable(const Patch& patch) {
                      [](float mean) { return mean > kDarkest && mean < kBrightest; });
 }
 
-/// Colours of one point: every other camera against the one whose patch most others resemble.
-void add_pairs(const glm::dvec3& point, const Scene& scene, const std::vector<int>& frames,
+/// Where point i of the cloud is at a time, as far as its own time and velocity are known.
+glm::dvec3 point_at(const PointCloud& cloud, size_t i, double time) {
+  const glm::dvec3 point(cloud.position[i]);
+  if (cloud.velocity.empty() || cloud.time.empty() || !std::isfinite(cloud.time[i])) return point;
+  return point + (time - double(cloud.time[i])) * glm::dvec3(cloud.velocity[i]);
+}
+
+/// Colours of a point of the cloud: every other camera against the one whose patch most others
+/// resemble.
+void add_pairs(size_t point, const Scene& scene, const std::vector<int>& frames,
                const std::map<std::string, int>& index, std::vector<ColourPair>& pairs) {
   constexpr float kLeastTexture = 2, kMostDifference = 12, kMostUnlike = 0.7f;  // as plane_sweep
   struct Seen {
@@ -87,7 +95,7 @@ void add_pairs(const glm::dvec3& point, const Scene& scene, const std::vector<in
   std::vector<Seen> seen;
   for (int i : frames) {
     const Frame& frame = scene.frames[size_t(i)];
-    const std::optional<Patch> patch = patch_of(frame, point);
+    const std::optional<Patch> patch = patch_of(frame, point_at(scene.points, point, frame.time));
     if (patch && is_measurable(*patch) && texture(*patch) >= kLeastTexture)
       seen.push_back({index.at(frame.camera_name), *patch});
   }
@@ -172,8 +180,7 @@ std::vector<CameraGain> measured_gains(const Scene& scene) {
     const Timestep& timestep = is_timed
                                    ? *std::min_element(timesteps.begin(), timesteps.end(), nearest)
                                    : timesteps[k % timesteps.size()];
-    if (timestep.frames.size() > 1)
-      add_pairs(glm::dvec3(cloud.position[i]), scene, timestep.frames, index, pairs);
+    if (timestep.frames.size() > 1) add_pairs(i, scene, timestep.frames, index, pairs);
   }
   return fit_gains(cameras, pairs);
 }

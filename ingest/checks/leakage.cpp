@@ -52,12 +52,12 @@ bool same_pose(const Camera& a, const Camera& b) {
 
 /// First training frame of the same timestep and pose for each held-out frame that has such.
 std::map<size_t, size_t> equal_views(const Scene& scene) {
-  std::map<double, std::vector<size_t>> training;
+  std::map<int64_t, std::vector<size_t>> training;  // by timestep
   for (size_t i = 0; i < scene.frames.size(); ++i)
-    if (trains(scene.frames[i])) training[scene.frames[i].time].push_back(i);
+    if (trains(scene.frames[i])) training[scene.frames[i].timestep].push_back(i);
   std::map<size_t, size_t> equal;
   for (size_t i = 0; i < scene.frames.size(); ++i) {
-    const auto timestep = training.find(scene.frames[i].time);
+    const auto timestep = training.find(scene.frames[i].timestep);
     if (trains(scene.frames[i]) || timestep == training.end()) continue;
     for (const size_t other : timestep->second)
       if (same_pose(scene.frames[i].camera, scene.frames[other].camera)) {

@@ -77,10 +77,10 @@ std::map<std::string, double> frame_seconds_of(const Scene& scene) {
 
 SceneTimes check_times(const Scene& scene) {
   SceneTimes range;
-  std::set<double> timesteps;
+  std::set<int64_t> timesteps;
   std::map<std::string, std::set<double>> of_camera;
   for (const Frame& frame : scene.frames) {
-    timesteps.insert(frame.time);
+    timesteps.insert(frame.timestep);
     of_camera[frame.camera_name].insert(frame.time);
   }
   range.timesteps = int64_t(timesteps.size());

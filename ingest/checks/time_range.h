@@ -17,7 +17,7 @@ struct CameraTimes {
 };
 
 struct SceneTimes {
-  int64_t timesteps = 0;   // distinct times
+  int64_t timesteps = 0;   // of the clip, whatever the clocks
   double duration = 0;     // in the capture's own unit
   bool is_static = false;  // one timestep
   std::vector<CameraTimes> cameras;

@@ -1,4 +1,4 @@
-// The timesteps are those of a reference camera; every frame belongs to the nearest of them.
+// The timesteps are those of a reference camera; the frames of the others belong to the nearest.
 #include "ingest/clocks/timesteps.h"
 
 #include <fmt/format.h>
@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
+#include <optional>
 
 #include "kernels/base/errors.h"
 #include "kernels/base/median.h"
@@ -14,42 +14,166 @@
 namespace tessera {
 namespace {
 
-using Times = std::set<double>;
+constexpr double kEqual = 1e-6;  // of the clip: closer times are one; clips have fewer frames
 
-Times reference_times(const std::vector<FrameTime>& frames) {
-  std::map<std::string, Times> cameras;
-  Times all, most;
-  for (const FrameTime& frame : frames) {
-    cameras[frame.camera].insert(frame.time);
-    all.insert(frame.time);
+/// A time of a camera with its frames: several where one name stands for several cameras.
+struct Moment {
+  double time = 0;
+  std::vector<int> frames;
+  bool trains = false;
+};
+
+struct Group {
+  double time = 0;
+  std::vector<int> frames;
+};
+
+using Moments = std::vector<Moment>;  // ascending
+
+/// Neighbours in time that are equal become one.
+Moments merged(Moments moments) {
+  std::stable_sort(moments.begin(), moments.end(),
+                   [](const Moment& a, const Moment& b) { return a.time < b.time; });
+  Moments kept;
+  for (Moment& moment : moments) {
+    if (kept.empty() || moment.time - kept.back().time > kEqual) {
+      kept.push_back(std::move(moment));
+      continue;
+    }
+    kept.back().frames.insert(kept.back().frames.end(), moment.frames.begin(), moment.frames.end());
+    kept.back().trains = kept.back().trains || moment.trains;
   }
-  for (const auto& [name, times] : cameras)
-    if (times.size() > most.size()) most = times;
-  return most.size() > 1 ? most : all;
+  return kept;
 }
 
-double smallest_gap(const std::vector<double>& times) {
-  double gap = INFINITY;
-  for (size_t i = 1; i < times.size(); ++i) gap = std::min(gap, times[i] - times[i - 1]);
-  return gap;
+/// By camera, in the order of names.
+std::vector<Moments> moments_of(const std::vector<FrameTime>& frames) {
+  std::map<std::string, Moments> cameras;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const bool trains = frames[i].split == Split::kTrain || frames[i].split == Split::kValidation;
+    cameras[frames[i].camera].push_back({frames[i].time, {int(i)}, trains});
+  }
+  std::vector<Moments> list;
+  for (auto& [name, moments] : cameras) list.push_back(merged(std::move(moments)));
+  return list;
+}
+
+bool trains(const Moments& camera) {
+  return std::any_of(camera.begin(), camera.end(), [](const Moment& m) { return m.trains; });
+}
+
+/// Whether clocks may differ: several training cameras with several times.
+bool is_rig(const std::vector<Moments>& cameras) {
+  return std::count_if(cameras.begin(), cameras.end(), [](const Moments& camera) {
+           return trains(camera) && camera.size() > 1;
+         }) > 1;
+}
+
+/// Ascending times of the camera that has most of them, or of all cameras where none has two.
+std::vector<double> reference_times(const std::vector<Moments>& cameras) {
+  const bool any_trains = std::any_of(cameras.begin(), cameras.end(), trains);
+  const Moments* most = nullptr;
+  Moments all;
+  for (const Moments& camera : cameras) {
+    all.insert(all.end(), camera.begin(), camera.end());
+    if (any_trains && !trains(camera)) continue;
+    if (most == nullptr || camera.size() > most->size()) most = &camera;
+  }
+  all = merged(std::move(all));
+  std::vector<double> times;
+  for (const Moment& moment : most->size() > 1 ? *most : all) times.push_back(moment.time);
+  return times;
+}
+
+double median_gap(const std::vector<double>& times) {
+  std::vector<double> gaps;
+  for (size_t i = 1; i < times.size(); ++i) gaps.push_back(times[i] - times[i - 1]);
+  return gaps.empty() ? INFINITY : lower_median(std::move(gaps));
+}
+
+/// The place of the time within `reach` that is nearest, the earlier of two: what lies half a gap
+/// before the first belongs to none, as its like further on do to the time before.
+std::optional<size_t> nearest(const std::vector<double>& times, double reach, double time) {
+  const auto above = size_t(std::lower_bound(times.begin(), times.end(), time) - times.begin());
+  const double after = above < times.size() ? times[above] - time : INFINITY;
+  const double before = above > 0 ? time - times[above - 1] : INFINITY;
+  if (before <= std::min(after, reach) + kEqual) return above - 1;
+  if (after <= std::max(reach - kEqual, kEqual)) return above;
+  return std::nullopt;
+}
+
+/// Moves the frames of one camera that are near one of `times` into `groups`, those of training
+/// first; one moment of the camera for each.
+void join(const std::vector<double>& times, double reach, Moments& camera,
+          std::vector<Group>& groups) {
+  std::map<size_t, Moment*> taken;
+  const auto apart = [&](const Moment& moment, size_t k) {
+    return std::abs(times[k] - moment.time);
+  };
+  for (Moment& moment : camera) {
+    const std::optional<size_t> k = nearest(times, reach, moment.time);
+    if (!k) continue;
+    Moment*& place = taken[*k];
+    const bool better =
+        place == nullptr || moment.trains > place->trains ||
+        (moment.trains == place->trains && apart(moment, *k) + kEqual < apart(*place, *k));
+    if (better) place = &moment;
+  }
+  for (auto& [k, moment] : taken) {
+    std::vector<int>& frames = groups[k].frames;
+    frames.insert(frames.end(), moment->frames.begin(), moment->frames.end());
+    moment->frames.clear();
+  }
+  std::erase_if(camera, [](const Moment& moment) { return moment.frames.empty(); });
+}
+
+/// All frames, ascending in time.
+std::vector<Group> group_moments(std::vector<Moments> cameras) {
+  std::vector<Group> groups;
+  double reach = is_rig(cameras) ? INFINITY : 0;
+  while (!cameras.empty()) {
+    const std::vector<double> times = reference_times(cameras);
+    reach = std::min(reach, 0.5 * median_gap(times));
+    std::vector<Group> found;
+    for (double time : times) found.push_back({time, {}});
+    for (Moments& camera : cameras) join(times, reach, camera, found);
+    groups.insert(groups.end(), found.begin(), found.end());
+    std::erase_if(cameras, [](const Moments& camera) { return camera.empty(); });
+  }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group& a, const Group& b) { return a.time < b.time; });
+  return groups;
 }
 
 }  // namespace
 
-std::vector<Timestep> group_timesteps(const std::vector<FrameTime>& frames) {
-  const Times reference = reference_times(frames);
-  const std::vector<double> times(reference.begin(), reference.end());
+std::vector<int64_t> timestep_numbers(const std::vector<FrameTime>& frames) {
+  std::vector<int64_t> numbers(frames.size(), 0);
+  int64_t number = 0;
+  for (const Group& group : group_moments(moments_of(frames))) {
+    for (const int i : group.frames) numbers[size_t(i)] = number;
+    ++number;
+  }
+  return numbers;
+}
+
+void number_timesteps(Scene& scene) {
+  std::vector<FrameTime> frames;
+  for (const Frame& frame : scene.frames)
+    frames.push_back({frame.camera_name, frame.time, frame.split});
+  const std::vector<int64_t> numbers = timestep_numbers(frames);
+  for (size_t i = 0; i < numbers.size(); ++i) scene.frames[i].timestep = numbers[i];
+}
+
+std::vector<Timestep> training_timesteps(const Scene& scene) {
+  std::map<int64_t, Timestep> found;
+  for (int i : scene.split_indices(Split::kTrain))
+    found[scene.frames[size_t(i)].timestep].frames.push_back(i);
   std::vector<Timestep> timesteps;
-  for (double time : times) timesteps.push_back({time, {}});
-  const double reach = 0.5 * smallest_gap(times);
-  for (const FrameTime& frame : frames) {
-    const auto above =
-        size_t(std::lower_bound(times.begin(), times.end(), frame.time) - times.begin());
-    size_t nearest = std::min(above, times.size() - 1);
-    if (above > 0 && frame.time - times[above - 1] < std::abs(times[nearest] - frame.time))
-      nearest = above - 1;
-    if (std::abs(times[nearest] - frame.time) <= reach)
-      timesteps[nearest].frames.push_back(frame.index);
+  for (auto& [number, timestep] : found) {
+    std::vector<double> times;
+    for (int i : timestep.frames) times.push_back(scene.frames[size_t(i)].time);
+    timesteps.push_back({number, lower_median(std::move(times)), std::move(timestep.frames)});
   }
   return timesteps;
 }
@@ -72,15 +196,6 @@ std::vector<int64_t> motion_timesteps(int64_t timesteps) {
   for (int64_t number = 0; number < last; number += apart) chosen.push_back(number);
   if (timesteps > 0) chosen.push_back(last);
   return chosen;
-}
-
-std::vector<Timestep> training_timesteps(const Scene& scene) {
-  std::vector<FrameTime> times;
-  for (int i : scene.split_indices(Split::kTrain)) {
-    const Frame& frame = scene.frames[size_t(i)];
-    times.push_back({frame.camera_name, frame.time, i});
-  }
-  return group_timesteps(times);
 }
 
 NormalisedTimes normalise_times(const std::vector<double>& source_times, bool allow_static,

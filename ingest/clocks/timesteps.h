@@ -1,5 +1,6 @@
-// Normalises the times of a capture to [0, 1], groups the frames of several cameras into timesteps,
-// and chooses evenly spread timesteps. Times of cameras may differ by parts of a frame.
+// Normalises the times of a capture to [0, 1], numbers its timesteps, and chooses evenly spread
+// ones. Clocks are real: the times of cameras may differ by parts of a frame, so that a frame's
+// timestep is a number, given once over the whole clip, and times are never compared for equality.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -13,18 +14,31 @@ namespace tessera {
 struct FrameTime {
   std::string camera;
   double time = 0;  // normalised
-  int index = 0;    // the caller's
+  Split split = Split::kTrain;
 };
+
+/// The number of each frame's timestep, from 0 on in the order of time; as many as `frames`.
+///
+/// The timesteps are the times of a reference: of the cameras that have training frames the one
+/// with the most times, the first by name. Every other camera's frames join the nearest of them, as
+/// far as half of the reference's median frame gap, with one time a camera; what is left is grouped
+/// alone in the same way, no wider. Where no second training camera has several times (a moving
+/// camera, photos) there are no clocks to differ: only equal times go together. Times count as
+/// equal within a millionth of the clip.
+std::vector<int64_t> timestep_numbers(const std::vector<FrameTime>& frames);
+
+/// Sets Frame::timestep of all frames, which must be those of the whole clip.
+void number_timesteps(Scene& scene);
 
 struct Timestep {
-  double time = 0;          // of the camera with the most timesteps
-  std::vector<int> frames;  // FrameTime::index, in the order given
+  int64_t number = 0;       // Frame::timestep
+  double time = 0;          // the median of its frames
+  std::vector<int> frames;  // numbers of Scene::frames, in their order
 };
 
-/// Timesteps in order of time: those of the camera that has the most (the first by name), each with
-/// the frames nearest to it, as far as half of that camera's smallest frame gap. Where no camera
-/// has two timesteps, frames of equal times go together.
-std::vector<Timestep> group_timesteps(const std::vector<FrameTime>& frames);
+/// The timesteps that training frames have, ascending, with these frames. Images need not be
+/// loaded.
+std::vector<Timestep> training_timesteps(const Scene& scene);
 
 /// Numbers of the key timesteps of a clip, ascending: about every tenth of its `timesteps`, evenly
 /// spread, the first and the last among them; at least 8, at most 16 and `most` (2 or more), and no
@@ -34,9 +48,6 @@ std::vector<int64_t> key_timesteps(int64_t timesteps, int64_t most);
 /// Numbers of the timesteps at which moving points are searched, ascending: every second of a clip,
 /// the last among them; of long clips every third, fourth … so that there are at most 48.
 std::vector<int64_t> motion_timesteps(int64_t timesteps);
-
-/// Timestep::frames are numbers of scene.frames; images need not be loaded.
-std::vector<Timestep> training_timesteps(const Scene& scene);
 
 struct NormalisedTimes {
   std::vector<double> time;  // as many as were given, in [0, 1]

@@ -17,19 +17,18 @@ namespace {
 /// Cells of one to two pixels where the point was found: 2^level world units wide.
 class Voxels {
  public:
-  /// Whether nothing was there before.
-  bool take(const SweptPoint& point) {
+  /// Whether nothing was there before. `timestep`: of the frame that it was found in.
+  bool take(const SweptPoint& point, int64_t timestep) {
     const int level = int(std::floor(std::log2(point.pixel))) + 1;
     const auto cell = [&](float x) { return int64_t(std::floor(std::ldexp(double(x), -level))); };
-    const float time = point.still ? -1 : point.time;
     return taken_
         .emplace(level, cell(point.position.x), cell(point.position.y), cell(point.position.z),
-                 time)
+                 point.still ? -1 : timestep)
         .second;
   }
 
  private:
-  std::set<std::tuple<int, int64_t, int64_t, int64_t, float>> taken_;
+  std::set<std::tuple<int, int64_t, int64_t, int64_t, int64_t>> taken_;
 };
 
 /// The first of a few random pixels that belongs to the part.
@@ -68,7 +67,8 @@ std::vector<SweptPoint> dense_points(const PlaneSweep& sweep, const CloudOptions
     });
     for (const std::optional<SweptPoint>& point : found) {
       if (int64_t(points.size()) == options.points) return points;
-      if (point && voxels.take(*point)) points.push_back(*point);
+      if (point && voxels.take(*point, sweep.scene().frames[size_t(point->frame)].timestep))
+        points.push_back(*point);
     }
   }
   return points;

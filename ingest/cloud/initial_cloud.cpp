@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <set>
 
 #include "ingest/clocks/timesteps.h"
@@ -44,28 +45,43 @@ int64_t timesteps_in_memory(const Scene& scene, const std::vector<Timestep>& tim
   return std::max(kBytes / largest, kFewest);
 }
 
-/// The numbers before and after, as far as there are any.
-std::vector<int64_t> beside(int64_t number, int64_t count) {
-  std::vector<int64_t> numbers;
-  if (number > 0) numbers.push_back(number - 1);
-  if (number + 1 < count) numbers.push_back(number + 1);
-  return numbers;
+/// The training timesteps at which half of the cameras that film together do so, or more: where
+/// clocks differ by frames, fewer have the first and the last ones.
+std::vector<Timestep> shared_timesteps(const Scene& scene) {
+  std::vector<Timestep> timesteps = training_timesteps(scene);
+  size_t most = 0;
+  for (const Timestep& timestep : timesteps) most = std::max(most, timestep.frames.size());
+  std::erase_if(timesteps,
+                [&](const Timestep& timestep) { return 2 * timestep.frames.size() < most; });
+  return timesteps;
 }
 
-/// A scene on disk by its timesteps.
+/// A scene on disk by its shared timesteps, which count from 0 here.
 class Clip {
  public:
   explicit Clip(const std::filesystem::path& folder)
-      : folder_(folder), listed_(load(folder)), timesteps_(training_timesteps(listed_)) {}
+      : folder_(folder), listed_(load(folder)), timesteps_(shared_timesteps(listed_)) {}
   bool has_rig() const {
     return std::any_of(timesteps_.begin(), timesteps_.end(), [](const Timestep& timestep) {
       return int64_t(timestep.frames.size()) >= kFewestCameras;
     });
   }
   std::vector<int64_t> keys() const {
-    return key_timesteps(int64_t(timesteps_.size()), timesteps_in_memory(listed_, timesteps_));
+    return key_timesteps(count(), timesteps_in_memory(listed_, timesteps_));
   }
-  Scene loaded(const std::vector<int64_t>& numbers) const { return load(folder_, numbers); }
+  /// The frames of these timesteps.
+  Scene loaded(const std::vector<int64_t>& places) const {
+    std::vector<int64_t> numbers;
+    for (const int64_t place : places) numbers.push_back(timesteps_.at(size_t(place)).number);
+    return load(folder_, std::move(numbers));
+  }
+  /// Those before and after, as far as there are any.
+  std::vector<int64_t> beside(int64_t place) const {
+    std::vector<int64_t> places;
+    if (place > 0) places.push_back(place - 1);
+    if (place + 1 < count()) places.push_back(place + 1);
+    return places;
+  }
   int64_t count() const { return int64_t(timesteps_.size()); }
 
  private:
@@ -83,16 +99,16 @@ class MovingPoints {
     options_.part = CloudPart::kMoving;
     options_.progress = nullptr;
   }
-  std::vector<SweptPoint> at(int64_t number, int64_t most) {
+  std::vector<SweptPoint> at(int64_t place, int64_t most) {
     options_.points = most;
     options_.seed += 1;
     Clock::time_point start = Clock::now();
-    const Scene scene = clip_.loaded({number});
+    const Scene scene = clip_.loaded({place});
     const PlaneSweep sweep(scene, still_pixels_);
     std::vector<SweptPoint> points = dense_points(sweep, options_);
     cloud_.sweep_seconds += seconds_since(start);
     start = Clock::now();
-    const std::vector<int64_t> around = beside(number, clip_.count());
+    const std::vector<int64_t> around = clip_.beside(place);
     if (!points.empty() && !around.empty()) {
       std::vector<SweptPoint*> all;
       for (SweptPoint& point : points) all.push_back(&point);
@@ -111,23 +127,17 @@ class MovingPoints {
   RigCloud& cloud_;
 };
 
-std::vector<Timestep> training_timesteps(const PreparedScene& scene) {
-  std::vector<FrameTime> times;
-  for (size_t i = 0; i < scene.frames.size(); ++i) {
-    const Frame& frame = scene.frames[i].frame;
-    if (frame.split == Split::kTrain) times.push_back({frame.camera_name, frame.time, int(i)});
-  }
-  return group_timesteps(times);
-}
-
 /// Cameras of the training split that share the scene's fullest timestep; 1 for monocular captures.
 int64_t cameras_of_a_timestep(const PreparedScene& scene) {
+  std::vector<FrameTime> times;
+  for (const PreparedFrame& prepared : scene.frames)
+    times.push_back({prepared.frame.camera_name, prepared.frame.time, prepared.frame.split});
+  const std::vector<int64_t> numbers = timestep_numbers(times);
+  std::map<int64_t, std::set<std::string>> cameras;  // of each timestep
+  for (size_t i = 0; i < numbers.size(); ++i)
+    if (times[i].split == Split::kTrain) cameras[numbers[i]].insert(times[i].camera);
   size_t most = 0;
-  for (const Timestep& timestep : training_timesteps(scene)) {
-    std::set<std::string> names;
-    for (int i : timestep.frames) names.insert(scene.frames[size_t(i)].frame.camera_name);
-    most = std::max(most, names.size());
-  }
+  for (const auto& [number, names] : cameras) most = std::max(most, names.size());
   return int64_t(most);
 }
 

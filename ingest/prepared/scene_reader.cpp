@@ -54,16 +54,30 @@ bool load_frame(const TransformsFrame& listed, const SceneOptions& options, Fram
   return had_alpha;
 }
 
+/// What is known of the listed frames together.
+struct Clocks {
+  std::vector<double> time;       // normalised
+  std::vector<int64_t> timestep;  // Frame::timestep
+};
+
+Clocks clocks_of(const TransformsCapture& capture, std::vector<double> time) {
+  std::vector<FrameTime> frames;
+  for (size_t i = 0; i < time.size(); ++i)
+    frames.push_back({capture.frames[i].camera_name, time[i], capture.frames[i].split});
+  return {std::move(time), timestep_numbers(frames)};
+}
+
 /// Leaves these frames, with their times.
-void keep(TransformsCapture& capture, std::vector<double>& time, const std::vector<int>& kept) {
+void keep(TransformsCapture& capture, Clocks& clocks, const std::vector<int>& kept) {
   std::vector<TransformsFrame> frames;
-  std::vector<double> times;
+  Clocks of_kept;
   for (int i : kept) {
     frames.push_back(std::move(capture.frames[size_t(i)]));
-    times.push_back(time[size_t(i)]);
+    of_kept.time.push_back(clocks.time[size_t(i)]);
+    of_kept.timestep.push_back(clocks.timestep[size_t(i)]);
   }
   capture.frames = std::move(frames);
-  time = std::move(times);
+  clocks = std::move(of_kept);
 }
 
 std::vector<int> frames_of(const TransformsCapture& capture, Split split) {
@@ -73,7 +87,7 @@ std::vector<int> frames_of(const TransformsCapture& capture, Split split) {
   return found;
 }
 
-void keep_held_out(TransformsCapture& capture, std::vector<double>& time, int64_t count) {
+void keep_held_out(TransformsCapture& capture, Clocks& clocks, int64_t count) {
   std::vector<int> all;
   for (Split split : {Split::kTest, Split::kVal, Split::kTrain})
     if (all.empty()) all = frames_of(capture, split);
@@ -81,22 +95,17 @@ void keep_held_out(TransformsCapture& capture, std::vector<double>& time, int64_
   std::vector<int> kept;
   for (int64_t i = 0; i < number; ++i)
     kept.push_back(all[size_t((2 * i + 1) * int64_t(all.size()) / (2 * number))]);
-  keep(capture, time, kept);
+  keep(capture, clocks, kept);
 }
 
-/// Leaves the training frames of the timesteps of these numbers.
-void keep_timesteps(TransformsCapture& capture, std::vector<double>& time,
+/// Leaves the training frames of the timesteps of these numbers, in their order.
+void keep_timesteps(TransformsCapture& capture, Clocks& clocks,
                     const std::vector<int64_t>& numbers) {
-  std::vector<FrameTime> training;
-  for (int i : frames_of(capture, Split::kTrain))
-    training.push_back({capture.frames[size_t(i)].camera_name, time[size_t(i)], i});
-  const std::vector<Timestep> timesteps = group_timesteps(training);
   std::vector<int> kept;
-  for (int64_t number : numbers) {
-    const std::vector<int>& frames = timesteps.at(size_t(number)).frames;
-    kept.insert(kept.end(), frames.begin(), frames.end());
-  }
-  keep(capture, time, kept);
+  for (const int64_t number : numbers)
+    for (const int i : frames_of(capture, Split::kTrain))
+      if (clocks.timestep[size_t(i)] == number) kept.push_back(i);
+  keep(capture, clocks, kept);
 }
 
 /// All frames in parallel; the error that is reported is the first in file order.
@@ -135,13 +144,17 @@ Scene load_scene(const std::filesystem::path& folder, const SceneOptions& option
   scene.warnings = std::move(capture.warnings);
   scene.points = find_points(folder, capture.points_file, scene.warnings);
   NormalisedTimes times = times_of(capture, options.allow_static);
-  if (options.timesteps) keep_timesteps(capture, times.time, *options.timesteps);
-  if (options.held_out) keep_held_out(capture, times.time, *options.held_out);
+  Clocks clocks = clocks_of(capture, std::move(times.time));
+  if (options.timesteps) keep_timesteps(capture, clocks, *options.timesteps);
+  if (options.held_out) keep_held_out(capture, clocks, *options.held_out);
   load_frames(capture, options, scene);
   scene.time_axis = times.axis;
   scene.prepared_from_source = capture.prepared_from_source;
   scene.is_static = times.is_static;
-  for (size_t i = 0; i < scene.frames.size(); ++i) scene.frames[i].time = times.time[i];
+  for (size_t i = 0; i < scene.frames.size(); ++i) {
+    scene.frames[i].time = clocks.time[i];
+    scene.frames[i].timestep = clocks.timestep[i];
+  }
   if (!options.held_out) check_splits(scene);
   return scene;
 }

@@ -15,8 +15,8 @@ struct SceneOptions {
   std::array<uint8_t, 3> background{0, 0, 0};  // RGBA frames are composited on it, once, here
   bool allow_static = false;                   // accept times that are all equal as one timestep
   bool load_pixels = true;                     // false: cameras, times and points only
-  // Times stay those of the whole scene with any of these.
-  // Only the training frames of these timesteps, by their numbers in order of time (timesteps.h).
+  // Times and numbers of timesteps stay those of the whole scene with any of these.
+  // Only the training frames of these timesteps, by Frame::timestep.
   std::optional<std::vector<int64_t>> timesteps = {};
   std::optional<int64_t> held_out = {};  // N frames of the first split that has some of test, val,
                                          // train

@@ -43,6 +43,7 @@ struct Camera {
 struct View {
   Camera camera;
   double time = 0;
+  int32_t timestep = 0;  // its number in a clip, where measures go by timesteps
 };
 
 }  // namespace tessera

@@ -19,7 +19,7 @@ struct ElementSums {
 /// Where a splat stands in a scoring pass. A series is drawn in the order of its timesteps, all of
 /// them by the same cameras: what a camera misses in its own way does not look like a change there.
 struct SeriesTime {
-  int32_t series;  // from 0 on
+  int32_t series, timestep;  // each from 0 on; cameras of one timestep may differ in their time
   float time;
 };
 
@@ -86,7 +86,7 @@ TESSERA_HD inline void close_series(TimeVariation& v) {
 TESSERA_HD inline void advance(SeriesTime now, TimeVariation& v) {
   if (now.series != v.last.series)
     close_series(v);
-  else if (now.time != v.last.time)
+  else if (now.timestep != v.last.timestep)
     close_timestep(v);
   v.last = now;
 }

@@ -22,7 +22,7 @@ TESSERA_HD inline void add_splat(const ViewArgs<Real>& view, const ColourRules<R
   sums.time += sum.weight * view.time;
   sums.opacity += sum.weight * splat.opacity;
   if (variation != nullptr) {
-    advance({series, float(view.time)}, *variation);
+    advance({series, view.timestep, float(view.time)}, *variation);
     variation->timestep.residual += Vec3<double>(sum.image);
     variation->timestep.light += Vec3<double>(splat.colour) * double(sum.weight);
     variation->timestep.weight2 += double(sum.weight2);

@@ -22,19 +22,15 @@ class TrainingCoverage {
   explicit TrainingCoverage(const Scene& scene) {
     for (const Frame& frame : scene.frames) {
       if (frame.split != Split::kTrain && frame.split != Split::kValidation) continue;
-      times_.insert(frame.time);
+      timesteps_.insert(frame.timestep);
       cameras_.insert(frame.camera_name);
     }
   }
-  bool has_time(double time) const {
-    constexpr double kSameMoment = 1e-9;  // of the normalised range
-    const auto next = times_.lower_bound(time - kSameMoment);
-    return next != times_.end() && *next <= time + kSameMoment;
-  }
+  bool has_timestep(int64_t timestep) const { return timesteps_.count(timestep) > 0; }
   bool has_camera(const std::string& camera) const { return cameras_.count(camera) > 0; }
 
  private:
-  std::set<double> times_;
+  std::set<int64_t> timesteps_;
   std::set<std::string> cameras_;
 };
 
@@ -200,7 +196,7 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
       const RenderedImage& image = images[i - begin];
       pixels.add(frame, image, score);
       const bool held_out = split == Split::kVal || split == Split::kTest;
-      score.held_out_view = held_out && training.has_time(frame.time);
+      score.held_out_view = held_out && training.has_timestep(frame.timestep);
       score.held_out_time = held_out && training.has_camera(frame.camera_name);
       report.views.push_back(score);
       if (scored) scored(frame, image, score, int64_t(i + 1), int64_t(indices.size()));

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
+
+#include "kernels/base/errors.h"
 
 namespace tessera {
 namespace {
@@ -17,12 +20,12 @@ int64_t reversed(int64_t value, int bits) {
 
 /// Where a training frame is drawn.
 struct Place {
-  int64_t sweep, series;
-  double time;
+  int64_t sweep, series, timestep;
   int frame;  // in the scene
 
   bool operator<(const Place& b) const {
-    return std::tie(sweep, series, time, frame) < std::tie(b.sweep, b.series, b.time, b.frame);
+    return std::tie(sweep, series, timestep, frame) <
+           std::tie(b.sweep, b.series, b.timestep, b.frame);
   }
 };
 
@@ -30,12 +33,17 @@ struct Place {
 
 FrameSample sample_training_frames(const Scene& scene, int64_t least_frames) {
   std::map<std::string, std::vector<int>> cameras;  // frames of each, by time
-  for (const int frame : scene.split_indices(Split::kTrain))
+  std::set<int64_t> numbers;                        // of the timesteps
+  for (const int frame : scene.split_indices(Split::kTrain)) {
+    const int64_t timestep = scene.frames[size_t(frame)].timestep;
+    check(timestep >= 0, "sample_training_frames: timesteps have no numbers");
     cameras[scene.frames[size_t(frame)].camera_name].push_back(frame);
+    numbers.insert(timestep);
+  }
   int64_t count = 0, longest = 0;
   for (auto& [name, frames] : cameras) {
     std::stable_sort(frames.begin(), frames.end(), [&](int a, int b) {
-      return scene.frames[size_t(a)].time < scene.frames[size_t(b)].time;
+      return scene.frames[size_t(a)].timestep < scene.frames[size_t(b)].timestep;
     });
     count += int64_t(frames.size());
     longest = std::max(longest, int64_t(frames.size()));
@@ -52,14 +60,18 @@ FrameSample sample_training_frames(const Scene& scene, int64_t least_frames) {
   while (gap_bits > 0 && int64_t(cameras.size()) >> (bits - gap_bits + 1) > 0) --gap_bits;
   const int64_t gap = int64_t{1} << gap_bits;
 
+  std::map<int64_t, int64_t> rank;  // of a timestep among those of training frames
+  for (const int64_t number : numbers) rank.emplace(number, int64_t(rank.size()));
   std::vector<Place> places;
   int64_t camera = 0;
   for (const auto& [name, frames] : cameras) {
     const int64_t series = camera % sweeps, phase = reversed(series, bits);
     for (size_t i = 0; i < frames.size(); ++i) {
-      const int64_t shift = (int64_t(i) + phase) % sweeps;
-      places.push_back({shift / gap * gap + reversed(shift % gap, gap_bits), series,
-                        scene.frames[size_t(frames[i])].time, frames[i]});
+      const int64_t timestep = rank.at(scene.frames[size_t(frames[i])].timestep);
+      // a frame that is missing must not shift a camera against the others of its series
+      const int64_t shift = ((is_rig ? timestep : int64_t(i)) + phase) % sweeps;
+      places.push_back(
+          {shift / gap * gap + reversed(shift % gap, gap_bits), series, timestep, frames[i]});
     }
     ++camera;
   }

@@ -31,7 +31,8 @@ struct FrameSample {
   const Frame& frame(int64_t i) const { return scene->frames[size_t(frames[size_t(i)])]; }
 };
 
-/// All training frames. Of C cameras with T frames each, frame τ of camera c is in sweep
+/// All training frames, which have numbers of timesteps. Of C cameras with T frames each, timestep
+/// τ of camera c is in sweep
 /// (τ + c′) mod S and there in series c mod S, where c′ is c mod S with its bits reversed: a sweep
 /// has every timestep and every camera, where both are at least S. S is a power of two: as many
 /// sweeps as leave each `least_frames`, and a series of several cameras three timesteps. Sweeps

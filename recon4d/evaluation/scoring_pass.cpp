@@ -57,7 +57,7 @@ void ScoringPass::draw(const FrameSample& sample, int64_t begin, int64_t end) {
   }
   for (int64_t i = begin; i < end; ++i) {
     const Frame& frame = sample.frame(i);
-    views_.push_back({frame.camera, frame.time});
+    views_.push_back({frame.camera, frame.time, int32_t(frame.timestep)});
     if (sample.images.empty()) {
       target_.truth.push_back(bring(frame.image.data, truth_[size_t(i - begin)]));
       target_.mask.push_back(bring(frame.mask.data, mask_[size_t(i - begin)]));

@@ -24,20 +24,18 @@ ViewPixelSums box_sums(const Frame& frame, const Image8& drawn, const ObjectBox&
 }  // namespace
 
 void TimestepMeter::add(const Frame& frame, const ViewPixelSums& sums) {
-  constexpr double kSameTimestep = 1e-9;  // of the normalised range
-  auto place =
-      std::lower_bound(timesteps_.begin(), timesteps_.end(), frame.time - kSameTimestep,
-                       [](const Timestep& timestep, double time) { return timestep.time < time; });
-  if (place == timesteps_.end() || place->time > frame.time + kSameTimestep)
-    place = timesteps_.insert(place, {frame.time, frame.frame_number, 0, {}, {}});
-  ++place->views;
-  place->moving += sums.moving;
-  place->all += sums.all();
+  Timestep& timestep = timesteps_[frame.timestep];
+  if (timestep.views++ == 0) {
+    timestep.time = frame.time;
+    timestep.frame_number = frame.frame_number;
+  }
+  timestep.moving += sums.moving;
+  timestep.all += sums.all();
 }
 
 std::vector<TimestepScore> TimestepMeter::scores() const {
   std::vector<TimestepScore> scores;
-  for (const Timestep& timestep : timesteps_) {
+  for (const auto& [number, timestep] : timesteps_) {
     TimestepScore score{timestep.time,
                         timestep.frame_number,
                         timestep.views,

@@ -12,8 +12,8 @@
 namespace tessera {
 
 struct TimestepScore {
-  double time = 0;           // normalised
-  int64_t frame_number = 0;  // of the first view of the timestep
+  double time = 0;           // normalised, of the first view of the timestep
+  int64_t frame_number = 0;  // likewise
   int64_t views = 0;
   /// dB, of the mean squared error over the pixels of all views, 8-bit images.
   double psnr = 0;
@@ -28,11 +28,11 @@ class TimestepMeter {
 
  private:
   struct Timestep {
-    double time;
-    int64_t frame_number, views;
+    double time = 0;
+    int64_t frame_number = 0, views = 0;
     PixelSums moving, all;
   };
-  std::vector<Timestep> timesteps_;  // ascending
+  std::map<int64_t, Timestep> timesteps_;  // by Frame::timestep
 };
 
 /// The timestep of lowest PSNR, the first one of several; nothing where there is none.

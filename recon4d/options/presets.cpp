@@ -180,12 +180,13 @@ SceneFacts facts_of(const Scene& scene) {
   for (const Camera& camera : rig.cameras)
     facts.camera_pixels += int64_t(camera.width) * camera.height;
   std::map<std::string, int64_t> frames;  // by camera
-  std::set<double> times;
+  std::set<int64_t> timesteps;
   for (int i : scene.split_indices(Split::kTrain)) {
     ++frames[scene.frames[size_t(i)].camera_name];
-    times.insert(scene.frames[size_t(i)].time);
+    timesteps.insert(scene.frames[size_t(i)].timestep);
   }
-  facts.single_view = times.size() > 1 && times.size() == scene.split_indices(Split::kTrain).size();
+  facts.single_view =
+      timesteps.size() > 1 && timesteps.size() == scene.split_indices(Split::kTrain).size();
   for (const auto& [camera, count] : frames) facts.timesteps = std::max(facts.timesteps, count);
   facts.cameras = std::count_if(frames.begin(), frames.end(), [&](const auto& camera) {
     return 2 * camera.second >= facts.timesteps;

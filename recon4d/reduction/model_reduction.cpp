@@ -19,7 +19,7 @@ namespace {
 
 bool has_timesteps(const FrameSample& sample) {
   for (int64_t i = 1; i < sample.count(); ++i)
-    if (sample.frame(i).time != sample.frame(0).time) return true;
+    if (sample.frame(i).timestep != sample.frame(0).timestep) return true;
   return false;
 }
 

@@ -61,13 +61,13 @@ std::optional<GaussianModel> trained_model(Backend& backend, const Scene& scene,
 }  // namespace
 
 std::string reason_against_trial(const Scene& scene, const TrainOptions& options) {
-  std::set<double> times;
+  std::set<int64_t> timesteps;
   int64_t frames = 0;
   bool shared = false;
   for (const Frame& frame : scene.frames) {
     if (frame.split != Split::kTrain && frame.split != Split::kValidation) continue;
     ++frames;
-    shared = !times.insert(frame.time).second || shared;
+    shared = !timesteps.insert(frame.timestep).second || shared;
   }
   if (scene.is_static) return "the scene has one timestep";
   if (shared) return "several cameras see a timestep";

@@ -92,6 +92,7 @@ Frame scaled_frame(const Frame& frame, double scale) {
                frame.camera_name,
                frame.frame_number,
                frame.time,
+               frame.timestep,
                frame.split,
                frame.camera.resized(width, height),
                averaged_image(frame.image, width, height),

@@ -84,6 +84,7 @@ Scene tiny_capture(const TinyCapture& capture, const GaussianModel& truth) {
       frame.name = frame.camera_name + "/" + std::to_string(m);
       frame.frame_number = m;
       frame.time = capture.timesteps == 1 ? 0 : double(m) / (capture.timesteps - 1);
+      frame.timestep = m;
       views.push_back({frame.camera, frame.time});
       scene.frames.push_back(std::move(frame));
     }

@@ -45,6 +45,11 @@ json sizes_json(const Sizes& sizes) {
   return list;
 }
 
+/// `moments` is the key of versions before 0.3.
+void put_timesteps(size_t count, json& info) {
+  info["timesteps"] = info["moments"] = count;
+}
+
 /// The `tessera` object without its long lists.
 void put_preparation(const fs::path& folder, json& info) {
   const json object = read_json(folder / "transforms.json").at("tessera");
@@ -72,7 +77,11 @@ json describe_transforms(const fs::path& folder) {
   info["camera_names"] = cameras;
   const NormalisedTimes times = times_of(capture, true);
   info["is_static"] = times.is_static;
-  info["moments"] = std::set<double>(times.time.begin(), times.time.end()).size();
+  std::vector<FrameTime> frames;
+  for (size_t i = 0; i < times.time.size(); ++i)
+    frames.push_back({capture.frames[i].camera_name, times.time[i], capture.frames[i].split});
+  const std::vector<int64_t> numbers = timestep_numbers(frames);
+  put_timesteps(std::set<int64_t>(numbers.begin(), numbers.end()).size(), info);
   info["time_axis"] = {{"origin", times.axis.origin}, {"duration", times.axis.duration}};
   const Sizes sizes = image_sizes(capture);
   info["sizes"] = sizes_json(sizes);
@@ -139,7 +148,7 @@ std::optional<json> describe_sequences(const fs::path& folder) {
   }
   info["camera_names"] = names;
   info["frames"] = frames;
-  info["moments"] = numbers.size();
+  put_timesteps(numbers.size(), info);
   return info;
 }
 

@@ -100,7 +100,8 @@ void add_times(const ThinnedScene& scene, DoctorReport& report) {
                      {"first", camera.first},
                      {"last", camera.last},
                      {"missing", camera.missing}});
-  report.tables["time"] = {{"moments", times.timesteps},
+  report.tables["time"] = {{"timesteps", times.timesteps},
+                           {"moments", times.timesteps},  // the key of versions before 0.3
                            {"duration", times.duration},
                            {"dynamic_share", moving},
                            {"cameras", std::move(table)}};

@@ -96,9 +96,9 @@ Scene load_training_scene(const std::filesystem::path& path, const TrainOptions&
 
 std::vector<std::string> training_warnings(const Scene& scene, const TrainOptions& options) {
   std::vector<std::string> warnings = scene.warnings;
-  std::set<double> timesteps;
+  std::set<int64_t> timesteps;
   for (const int i : scene.split_indices(Split::kTrain))
-    timesteps.insert(scene.frames[size_t(i)].time);
+    timesteps.insert(scene.frames[size_t(i)].timestep);
   if (options.motion == Motion::kNone && timesteps.size() > 1)
     warnings.push_back(fmt::format(
         "{}: has {} timesteps, and --motion none makes one static scene of them all, in which what "

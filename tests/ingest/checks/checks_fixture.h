@@ -29,6 +29,7 @@ inline Scene ring_scene(const RingScene& ring) {
       frame.name = frame.camera_name + "/" + std::to_string(m);
       frame.frame_number = m;
       frame.time = ring.timesteps == 1 ? 0 : double(m) / (ring.timesteps - 1);
+      frame.timestep = m;
       Camera& camera = frame.camera;
       camera.width = camera.height = ring.size;
       camera.fl_x = camera.fl_y = ring.size;

@@ -133,7 +133,7 @@ TEST(Checks, Leakage) {
   same.frames[0].camera = same.frames[2].camera;  // timestep 0 of cam0 and cam1
   EXPECT_EQ(check_leakage(same, files).same_views, 1);
   EXPECT_NE(check_leakage(same, files).training_manifest, "");
-  same.frames[0].time = 0.5;  // another timestep is no leak
+  same.frames[0].timestep = 7;  // another timestep is no leak
   EXPECT_EQ(check_leakage(same, files).same_views, 0);
 }
 

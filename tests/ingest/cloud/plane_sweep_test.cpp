@@ -1,11 +1,10 @@
-// The plane sweep on a textured wall of known depth, and the frames that share a timestep.
+// The plane sweep on a textured wall of known depth.
 #include "ingest/cloud/plane_sweep.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "ingest/clocks/timesteps.h"
 #include "tests/ingest/cloud/wall_scene.h"
 
 namespace tessera {
@@ -161,73 +160,6 @@ TEST(PlaneSweep, NeedsThreeTrainingCamerasOfATimestep) {
   for (Frame& frame : scene.frames)
     if (frame.camera_name == "cam0") frame.split = Split::kTest;
   EXPECT_TRUE(PlaneSweep(scene).frames().empty());
-}
-
-std::vector<FrameTime> frame_times(const std::vector<std::pair<std::string, double>>& rows) {
-  std::vector<FrameTime> frames;
-  for (const auto& [camera, time] : rows) frames.push_back({camera, time, int(frames.size())});
-  return frames;
-}
-
-// Bug put back: only equal times go together; seen to fail.
-TEST(Timesteps, CamerasMayBeApartByPartsOfAFrame) {
-  const auto timesteps = group_timesteps(frame_times(
-      {{"a", 0.0}, {"a", 0.2}, {"a", 0.4}, {"b", 0.09}, {"b", 0.29}, {"c", 0.11}, {"c", 0.9}}));
-  ASSERT_EQ(timesteps.size(), 3u);
-  EXPECT_EQ(timesteps[0].frames, (std::vector<int>{0, 3}));
-  EXPECT_EQ(timesteps[1].frames, (std::vector<int>{1, 4, 5})) << "0.11 is nearer to 0.2";
-  EXPECT_EQ(timesteps[2].frames, (std::vector<int>{2})) << "0.9 is too far from 0.4";
-}
-
-// Bug put back: a whole distance as the limit; seen to fail.
-TEST(Timesteps, NoneReachesFartherThanHalfTheSmallestDistance) {
-  const auto timesteps = group_timesteps(frame_times({{"a", 0.0},
-                                                      {"a", 0.2},
-                                                      {"a", 0.6},
-                                                      {"b", -0.09},
-                                                      {"b", 0.35},
-                                                      {"b", 0.69},
-                                                      {"c", -0.11},
-                                                      {"c", 0.71}}));
-  ASSERT_EQ(timesteps.size(), 3u);
-  EXPECT_EQ(timesteps[0].frames, (std::vector<int>{0, 3})) << "without -0.11";
-  EXPECT_EQ(timesteps[1].frames, (std::vector<int>{1})) << "0.35 is 0.15 from 0.2";
-  EXPECT_EQ(timesteps[2].frames, (std::vector<int>{2, 5})) << "without 0.71";
-}
-
-TEST(Timesteps, WithoutASecondFrameOfACameraOnlyEqualTimesShareOne) {
-  const auto timesteps = group_timesteps(frame_times({{"a", 0.5}, {"b", 0.5}, {"c", 0.501}}));
-  ASSERT_EQ(timesteps.size(), 2u);
-  EXPECT_EQ(timesteps[0].frames, (std::vector<int>{0, 1}));
-  EXPECT_EQ(timesteps[1].frames, (std::vector<int>{2}));
-  EXPECT_TRUE(group_timesteps({}).empty());
-}
-
-// Bug put back: the number of steps of ten rounded down; seen to fail.
-TEST(Timesteps, KeysAreAboutTenApart) {
-  using Numbers = std::vector<int64_t>;
-  EXPECT_EQ(key_timesteps(36, 100), (Numbers{0, 5, 10, 15, 20, 25, 30, 35})) << "eight at least";
-  EXPECT_EQ(key_timesteps(101, 100), (Numbers{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100}));
-  EXPECT_EQ(key_timesteps(102, 100).size(), 12u);
-  EXPECT_EQ(key_timesteps(1000, 100).size(), 16u) << "sixteen at most";
-  EXPECT_EQ(key_timesteps(1000, 3), (Numbers{0, 499, 999})) << "what memory allows";
-  EXPECT_EQ(key_timesteps(2, 100), (Numbers{0, 1}));
-  EXPECT_EQ(key_timesteps(1, 100), Numbers{0});
-}
-
-TEST(Timesteps, OfMotionAreEverySecondAndFewerOfLongClips) {
-  using Numbers = std::vector<int64_t>;
-  EXPECT_EQ(motion_timesteps(0), Numbers{});
-  EXPECT_EQ(motion_timesteps(1), Numbers{0});
-  EXPECT_EQ(motion_timesteps(2), (Numbers{0, 1}));
-  EXPECT_EQ(motion_timesteps(7), (Numbers{0, 2, 4, 6}));
-  EXPECT_EQ(motion_timesteps(8), (Numbers{0, 2, 4, 6, 7}));
-  EXPECT_EQ(motion_timesteps(95).size(), 48u);
-  for (const int64_t many : {96, 97, 300, 10000}) {
-    EXPECT_LE(motion_timesteps(many).size(), 48u) << many;
-    EXPECT_GT(motion_timesteps(many).size(), 31u) << many;
-    EXPECT_EQ(motion_timesteps(many).back(), many - 1);
-  }
 }
 
 }  // namespace

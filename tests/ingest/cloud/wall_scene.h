@@ -51,6 +51,7 @@ inline Scene wall_scene(const WallRig& rig = {}) {
       frame.name = frame.camera_name + "/" + std::to_string(m);
       frame.frame_number = m;
       frame.time = rig.timesteps > 1 ? double(m) / (rig.timesteps - 1) : 0;
+      frame.timestep = m;
       frame.image = {rig.size, rig.size, 3, {}};
       for (int v = 0; v < rig.size; ++v)
         for (int u = 0; u < rig.size; ++u) {

@@ -28,7 +28,7 @@ struct Rig {
         Frame frame = noise.frames[size_t(camera)];
         frame.name = frame.camera_name + "/" + std::to_string(t);
         frame.time = double(t) / (kTimesteps - 1);
-        frame.frame_number = t;
+        frame.frame_number = frame.timestep = t;
         frame.split = Split::kTest;
         const RenderedImage image = render_one(model, {frame.camera, frame.time});
         frame.image = quantise(image.planar(), kWidth, kHeight);

@@ -90,6 +90,7 @@ TEST(Evaluate, MovingPixelsAndFlickerOfAStandingCamera) {
     frame.camera_name = "standing";
     frame.name = "standing/" + std::to_string(m);
     frame.time = m / 3.0;
+    frame.timestep = m;
     frame.split = Split::kTest;
     const RenderedImage image = render_one(model, {frame.camera, frame.time});
     frame.image = quantise(image.planar(), 24, 20);
@@ -121,6 +122,7 @@ TEST(Evaluate, AStaticSetDoesNotFlicker) {
   for (int m = 0; m < 4; ++m) {
     scene.frames.push_back(first);
     scene.frames.back().time = m / 3.0;
+    scene.frames.back().timestep = m;
     scene.frames.back().split = Split::kTest;
   }
   const EvaluationReport still = evaluated(random_model(30, 0), scene);

@@ -18,7 +18,7 @@ Scene rig(int cameras, int timesteps) {
       Frame frame;
       frame.camera_name = "cam" + std::to_string(100 + c);
       frame.name = frame.camera_name + "/" + std::to_string(t);
-      frame.frame_number = t;
+      frame.frame_number = frame.timestep = t;
       frame.time = timesteps > 1 ? t / double(timesteps - 1) : 0;
       scene.frames.push_back(std::move(frame));
     }

@@ -15,6 +15,7 @@ Frame frame_at(int timestep) {
   frame.camera_name = "cam00";
   frame.frame_number = timestep;
   frame.time = timestep / 3.0;
+  frame.timestep = timestep;
   frame.image = {kBoxedWidth, kBoxedHeight, 3,
                  std::vector<uint8_t>(3 * kBoxedWidth * kBoxedHeight, 100)};
   return frame;

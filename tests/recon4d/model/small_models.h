@@ -126,6 +126,7 @@ inline Scene noise_scene(int width, int height, uint64_t seed = 3) {
     frame.name = camera + "/" + std::to_string(scene.frames.size());
     frame.camera_name = camera;
     frame.time = time;
+    frame.timestep = int64_t(4 * time);
     frame.split = split;
     frame.camera = look_at({4 * std::sin(angle), 0.4, -4 * std::cos(angle)}, {0, 0, 0}, width,
                            height, 1.2 * width);

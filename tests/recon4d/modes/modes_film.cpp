@@ -63,6 +63,7 @@ Scene shoot(const Film& film) {
       frame.name = frame.camera_name + "/" + std::to_string(m);
       frame.frame_number = m;
       frame.time = film.time(m);
+      frame.timestep = m;
       frame.split = c == film.cameras ? Split::kTest : Split::kTrain;
       frame.image = developed(synth::render(film.world(frame.time), camera, frame.time, layer));
     }

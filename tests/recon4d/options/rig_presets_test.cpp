@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "ingest/clocks/timesteps.h"
 #include "recon4d/options/presets.h"
 #include "recon4d/options/train_options_json.h"
 
@@ -23,6 +24,7 @@ Scene rig_scene(const std::vector<int>& counts) {
       frame.camera.translation = {double(c), 0, 0};
       scene.frames.push_back(frame);
     }
+  number_timesteps(scene);
   return scene;
 }
 
@@ -50,11 +52,13 @@ TEST(SceneFacts, OfOneViewATimestep) {
   EXPECT_FALSE(facts_of(rig_scene({10, 10})).single_view);
   Scene turns = rig_scene({10, 10});
   for (size_t i = 0; i < turns.frames.size(); ++i) turns.frames[i].time = double(i) / 19;
+  number_timesteps(turns);
   EXPECT_TRUE(facts_of(turns).single_view) << "cameras that take turns";
   Scene tested = rig_scene({10, 10});
   for (size_t i = 10; i < 20; ++i) tested.frames[i].split = Split::kTest;
   EXPECT_TRUE(facts_of(tested).single_view);
   for (size_t i = 10; i < 20; ++i) tested.frames[i].time += 0.01;
+  number_timesteps(tested);
   EXPECT_TRUE(facts_of(tested).single_view) << "tested between its timesteps";
 }
 

@@ -63,6 +63,7 @@ struct RareCapture {
     for (size_t i = 0; i < views.size(); ++i) {
       Frame frame;
       frame.camera = views[i].camera;
+      frame.timestep = 0;
       frame.name = std::to_string(i);
       frame.image = quantise(images[i].planar(), kSize, kSize);
       scene.frames.push_back(std::move(frame));

@@ -39,6 +39,7 @@ Scene bare_scene(int cameras, int timesteps) {
       Frame frame;
       frame.camera_name = "cam" + std::to_string(100 + c);
       frame.time = timesteps > 1 ? double(m) / (timesteps - 1) : 0;
+      frame.timestep = m;
       scene.frames.push_back(frame);
     }
   return scene;
