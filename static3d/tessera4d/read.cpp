@@ -18,6 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr uint64_t kMostPerByte = 500;       // of memory, for a byte of the file; gzip ends at 1032
+constexpr uint64_t kMostUnasked = 64 << 20;  // bytes of memory, however few the file has
+
 /// Copies the elements of `part` behind the first `first` of `whole`.
 void place_elements(const GaussianSet& part, GaussianSet& whole, int64_t first) {
   const GaussianSpans<const float> from = part.values();
@@ -59,12 +62,29 @@ GaussianSet with_carried(const GaussianSet& fixed, const GaussianSet& carried) {
   return whole;
 }
 
+/// Streams of equal words pack to a thousandth, so that a small damaged file could fill the memory.
+/// `gaussians`: of the blocks so far, which have so many bytes.
+void check_promise(int64_t gaussians, int64_t bytes, int coefficients, const fs::path& path) {
+  const GaussianSet widest(SetForm::kCanonical, coefficients);
+  uint64_t scalars = 0;
+  for (int g = 0; g < widest.groups(); ++g) scalars += uint64_t(widest.width(Group(g)));
+  const uint64_t promised = uint64_t(gaussians) * scalars * sizeof(float);
+  if (promised > kMostPerByte * uint64_t(bytes) + kMostUnasked)
+    throw InputError(
+        fmt::format("{}: its blocks promise {} Gaussians in {} bytes; it is damaged, fetch or "
+                    "export it again",
+                    path.string(), gaussians, bytes));
+}
+
 /// `block` gives the bytes of a block and the name of the file that they are in.
 template <class BlockBytes>
 void read_blocks(Tessera4dInput& input, const fs::path& path, BlockBytes&& block) {
   std::vector<GaussianSet> fixed, moving, carried;
+  const int coefficients = sh_coefficients(input.model.drawing.sh_degree);
+  int64_t gaussians = 0, packed = 0;
   for (const BlockInfo& info : input.manifest.blocks) {
     const auto& [file, bytes] = block(info);
+    check_promise(gaussians += info.count, packed += int64_t(bytes.size()), coefficients, path);
     (info.moving      ? moving
      : info.nodes > 0 ? carried
                       : fixed)
@@ -73,7 +93,6 @@ void read_blocks(Tessera4dInput& input, const fs::path& path, BlockBytes&& block
     input.bytes += int64_t(info.bytes);
   }
   int64_t unsound = 0;
-  const int coefficients = sh_coefficients(input.model.drawing.sh_degree);
   input.model.static_set = joined(std::move(fixed), SetForm::kStatic, coefficients, unsound);
   if (!carried.empty())
     input.model.static_set =
