@@ -78,7 +78,7 @@ std::vector<TrainOption> motion_option_rows() {
        .low = 0,
        .high = 1e6,
        .doc = "Weight of the squared second differences of control points of translation, at 25 of "
-              "them; falls with the cube of their number",
+              "them; S of them have the (S / 25)^3-fold weight",
        .source = "ours",
        .group = group::kMotion},
   };
