@@ -157,6 +157,13 @@ void check_truncation(const TrainOptions& options) {
                   starts ? kResetOpacity : options.init_opacity));
 }
 
+/// Of a unit that was left out. What a scene's file takes is known later.
+void check_bytes(int64_t max_bytes) {
+  constexpr int64_t kLeast = 500;  // less than the manifest of any model
+  if (max_bytes == 0 || max_bytes >= kLeast) return;
+  throw InputError(fmt::format("--max-bytes {0}: {0} bytes hold no model; {0}MB?", max_bytes));
+}
+
 }  // namespace
 
 void validate(const TrainOptions& options) {
@@ -184,6 +191,7 @@ void validate(const TrainOptions& options) {
     throw InputError(
         "max_gaussians, max_bytes and within_db each say how large the model may be; pass one of "
         "them");
+  check_bytes(options.max_bytes);
   if (options.densification != Densification::kMcmc) return;
   if (growth_limit(options) == 0)
     throw InputError(

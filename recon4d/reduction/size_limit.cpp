@@ -9,11 +9,13 @@ namespace tessera {
 namespace {
 
 /// The largest number in [low, high] that is good, where those up to it are and those above are
-/// not; to `step`. `low` is taken to be good.
+/// not; to `step`, and to one where that is less than `step` above `low`, which is taken to be
+/// good.
 int64_t largest_good(int64_t low, int64_t high, int64_t step,
                      const std::function<bool(int64_t count)>& good) {
   if (good(high)) return high;
-  while (high - low > step) {
+  const int64_t first = low;
+  while (high - low > (low == first ? 1 : step)) {
     const int64_t middle = low + (high - low) / 2;
     (good(middle) ? low : high) = middle;
   }

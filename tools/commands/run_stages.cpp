@@ -76,6 +76,7 @@ class Runner {
     if (!ingest()) return false;
     const SceneLock in_use(scene_, SceneLock::Use::kRead);
     planned_ = resolve_options(request_.training, scene_);
+    check_max_bytes(scene_.string(), planned_.options.max_bytes);
     if (const std::string note = page_bytes_note(planned_.options.max_bytes); !note.empty())
       say(note);
     return train() && evaluate_model() && export_frames() && write_player() && write_report();

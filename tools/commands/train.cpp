@@ -104,6 +104,7 @@ void add_train_command(CLI::App& app, Work& work) {
         throw InputError(
             "--resume goes on with the options of the checkpoint; drop the training options or "
             "start a new run folder");
+      if (!request.resume) check_max_bytes(request.scene.string(), request.options.max_bytes);
       if (const std::string note = page_bytes_note(request.options.max_bytes); !note.empty())
         say(note);
       return train_and_report(request, parsed->json, parsed->view);

@@ -4,9 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "ingest/files/atomic_file.h"
+#include "ingest/prepared/scene_reader.h"
 #include "recon4d/model/element_edits.h"
 #include "recon4d/model/model_file.h"
 #include "static3d/formats/frame_sequence.h"
@@ -156,6 +158,25 @@ nlohmann::json write_moving_glb(const ExportRequest& request, GaussianModel& mod
           {"never_drawn", report.never_drawn}};
 }
 
+/// One static Gaussian without bands, in the source's world of a scene and on its clock.
+GaussianModel least_model(const std::string& path) {
+  SceneOptions options;
+  options.allow_static = true;
+  options.load_pixels = false;
+  const Scene scene = load_scene(path, options);
+  GaussianModel model;
+  model.static_set = GaussianSet(SetForm::kStatic, 1);
+  model.static_set.resize(1);
+  const GaussianSpans<float> to = model.static_set.values();
+  for (int g = 0; g < model.static_set.groups(); ++g)
+    std::fill_n(to.group[g].data, to.group[g].size, 0.0f);
+  to.at(kRotation, 0)[0] = 1;
+  model.drawing.sh_degree = 0;
+  model.time_axis = scene.time_axis;
+  model.prepared_from_source = scene.prepared_from_source;
+  return model_in_source_world(model);
+}
+
 std::vector<std::string> files_of(const ExportRequest& request, int64_t count,
                                   const SplatFormat& format, const Poster& poster) {
   std::vector<std::string> files{"manifest.json"};
@@ -198,6 +219,20 @@ int64_t shipped_bytes(const std::string& path, const GaussianModel& model) {
 
 ShippedBytes shipped_bytes_of(const std::string& path) {
   return [path](const GaussianModel& model) { return shipped_bytes(path, model); };
+}
+
+void check_max_bytes(const std::string& scene, int64_t max_bytes) {
+  if (max_bytes == 0) return;
+  const GaussianModel model = least_model(scene);
+  ExportRequest request;
+  request.cameras = scene;
+  const Tessera4dOptions options = options_of(request, model);
+  const auto least = int64_t(single_tessera4d(encode_tessera4d(model, options)).size());
+  if (max_bytes >= least) return;
+  throw InputError(
+      fmt::format("--max-bytes {}: the file of one Gaussian with the {} camera poses of {} has {} "
+                  "bytes; pass more",
+                  max_bytes, options.cameras.size(), scene, least));
 }
 
 nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model) {

@@ -47,6 +47,9 @@ const TimeFormat* find_time_format(const std::string& name);
 int64_t shipped_bytes(const std::string& path, const GaussianModel& model);
 /// The same of any model of the run folder `path`.
 ShippedBytes shipped_bytes_of(const std::string& path);
+/// Errors: InputError that states the least number: the file of any model of this scene has more
+/// than `max_bytes`; 0: no limit. As load_scene.
+void check_max_bytes(const std::string& scene, int64_t max_bytes);
 
 /// Writes the folder; frames, bytes and counters. Errors: as export_times, export_sequence.
 nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& model);

@@ -241,9 +241,21 @@ TEST(TrainOptions, OneContractOfSizeAtATime) {
     options.within_db = decibels;
     return refusal([&] { validate(options); });
   };
-  EXPECT_EQ(says(0, 0, 0) + says(9, 0, 0) + says(0, 9, 0) + says(0, 0, 0.5), "");
+  EXPECT_EQ(says(0, 0, 0) + says(9, 0, 0) + says(0, 900, 0) + says(0, 0, 0.5), "");
   for (const std::string& refused : {says(9, 9, 0), says(9, 0, 0.5), says(0, 9, 0.5)})
     expect_says(refused, {"max_gaussians, max_bytes and within_db", "pass one"});
+}
+
+// Bug put back: any number of bytes taken; seen to fail.
+TEST(TrainOptions, BytesWhoseUnitWasForgottenAreRefused) {
+  TrainOptions options;
+  for (const int64_t bytes : {1, 5, 499}) {
+    options.max_bytes = bytes;
+    const std::string number = std::to_string(bytes);
+    expect_says(refusal([&] { validate(options); }), {"--max-bytes " + number, number + "MB?"});
+  }
+  options.max_bytes = 500;
+  EXPECT_EQ(refusal([&] { validate(options); }), "");
 }
 
 // Bug put back: the smaller of the two limits; seen to fail.

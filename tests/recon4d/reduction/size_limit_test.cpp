@@ -98,6 +98,16 @@ TEST(SizeLimit, TheLargestFileThatFits) {
   EXPECT_EQ(c.count(limit), 0) << "not even the header fits";
 }
 
+// Bug put back: halved to a thousandth there, too, which is three; seen to fail.
+TEST(SizeLimit, OneGaussianIsLeftWhereOneFits) {
+  Contracted c;
+  c.model = random_model(3000, 0, 7, 1);
+  SizeLimit limit;
+  limit.shipped_bytes = [](const GaussianModel& model) { return 100 + 30 * model.count(); };
+  limit.bytes = 130;
+  EXPECT_EQ(c.count(limit), 1);
+}
+
 // Bug put back: the largest that is too bad; seen to fail.
 TEST(SizeLimit, TheSmallestThatIsGoodEnough) {
   const Contracted c;
