@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -128,9 +129,24 @@ std::string tunnel_command(const ListeningSocket& socket) {
       user != nullptr ? fmt::format("{}@", user) : "", server.empty() ? host_name() : server);
 }
 
+/// A page that leads to the address, which only this user can read. All users see the arguments of
+/// a program in the list of processes, and the address has the token.
+fs::path leading_page(const fs::path& folder, const std::string& address) {
+  const fs::path path = folder / "open.html";
+  const std::string page = fmt::format(
+      "<!doctype html><meta charset=\"utf-8\"><meta http-equiv=\"refresh\" content=\"0;url={0}\">"
+      "<title>tessera view</title><a href=\"{0}\">tessera view</a>\n",
+      address);
+  const OpenFile file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  if (!file.is_open() ||
+      ::write(file.descriptor(), page.data(), page.size()) != ssize_t(page.size()))
+    throw fs::filesystem_error("write", path, std::error_code(errno, std::system_category()));
+  return path;
+}
+
 /// A browser of its own session, which Ctrl-C does not reach. Only on the desktop of this machine:
-/// elsewhere the address would be seen in the list of processes, and the browser be slow.
-void open_browser(const std::string& address) {
+/// elsewhere it would be slow.
+void open_browser(const fs::path& page) {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
   posix_spawn_file_actions_init(&files);
@@ -138,7 +154,7 @@ void open_browser(const std::string& address) {
   for (int descriptor : {0, 1, 2})
     posix_spawn_file_actions_addopen(&files, descriptor, "/dev/null", O_RDWR, 0);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSID);
-  std::string program = "xdg-open", argument = address;
+  std::string program = "xdg-open", argument = page.string();
   char* const words[] = {program.data(), argument.data(), nullptr};
   pid_t child = 0;
   if (posix_spawnp(&child, program.c_str(), &files, &attributes, words, environ) != 0)
@@ -197,7 +213,9 @@ int view(const ViewArguments& arguments) {
   const bool has_desktop =
       (is_set("DISPLAY") || is_set("WAYLAND_DISPLAY")) && !is_set("SSH_CONNECTION");
   const ViewServer server(std::move(state), std::move(socket));
-  if (has_desktop && !arguments.no_browser) open_browser(address);
+  std::optional<TemporaryFolder> leading;  // until the end: a browser may be slow to begin
+  if (has_desktop && !arguments.no_browser)
+    open_browser(leading_page(leading.emplace("view").path(), address));
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   return kExitDone;
 }

@@ -87,11 +87,13 @@ bool has_cookie(const ViewRequest& request, const ViewState& state) {
   return found;
 }
 
-/// Behind the token in the query; `rest` is the query without it.
+/// Behind the token in the query; `rest` is the query without it. Lax, not Strict: a browser that
+/// another page leads here must send the cookie where this answer leads to. It sends none with a
+/// POST from elsewhere, which Origin refuses besides.
 ViewResponse with_cookie(const ViewState& state, const std::string& rest) {
   ViewResponse response = redirection("/", rest);
   response.headers.emplace_back("Set-Cookie",
-                                fmt::format("{}={}; Path=/; HttpOnly; SameSite=Strict",
+                                fmt::format("{}={}; Path=/; HttpOnly; SameSite=Lax",
                                             view_cookie_name(state.port), state.token));
   return response;
 }

@@ -133,6 +133,43 @@ TEST_F(CliView, OtherMachines) {
   EXPECT_NE(open.end(SIGINT).err.find("plain HTTP"), std::string::npos);
 }
 
+// Bug put back: the address as the argument of xdg-open, where all users of the machine see it;
+// seen to fail.
+TEST_F(CliView, TheBrowserGetsTheTokenInAPrivateFile) {
+  work.write("programs/xdg-open",
+             "#!/bin/sh\n"
+             "cp \"$1\" \"" +
+                 work.at("copied") +
+                 "\"\n"
+                 "stat -c '%a' \"$1\" \"$(dirname \"$1\")\" >\"" +
+                 work.at("modes") +
+                 "\"\n"
+                 "echo \"$*\" >\"" +
+                 work.at("part") +
+                 "\"\n"
+                 "mv \"" +
+                 work.at("part") + "\" \"" + work.at("words") + "\"\n");
+  fs::permissions(work / "programs/xdg-open", fs::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", (work.at("programs") + ":" + path).c_str(), 1);
+  ::setenv("DISPLAY", ":99", 1);
+  Viewing viewing({work.at("site")});
+  for (int i = 0; i < 100 && !fs::exists(work / "words"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const std::string address = viewing.end(SIGTERM).out;
+  ::setenv("PATH", path.c_str(), 1);
+  ::unsetenv("DISPLAY");
+  std::string words = work.read("words");
+  words.pop_back();
+  EXPECT_EQ(words.find("token"), std::string::npos) << words;
+  EXPECT_TRUE(words.starts_with(work.at("temporary"))) << words;
+  EXPECT_NE(work.read("copied").find("url=" + address.substr(0, address.size() - 1) + "\""),
+            std::string::npos)
+      << address;
+  EXPECT_EQ(work.read("modes"), "600\n700\n");
+  EXPECT_FALSE(fs::exists(words)) << "removed at the end";
+}
+
 /// The JSON of an address.
 json json_of(const Viewing& viewing, const std::string& path) {
   const std::string answer = viewing.get(path);

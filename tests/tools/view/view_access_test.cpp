@@ -34,7 +34,7 @@ TEST_F(ViewAccess, TheTokenOfTheAddressBecomesACookie) {
   EXPECT_EQ(response.status, 303);
   EXPECT_EQ(header(response, "Location"), "/?t=1.5&paused");
   EXPECT_EQ(header(response, "Set-Cookie"),
-            std::string(kTestCookie) + "; Path=/; HttpOnly; SameSite=Strict");
+            std::string(kTestCookie) + "; Path=/; HttpOnly; SameSite=Lax");
   for (const std::string& token : {std::string(), state.token.substr(1), state.token + "0"}) {
     ViewRequest wrong = request("/");
     wrong.query = "token=" + token;
