@@ -54,6 +54,18 @@ std::string turned_hint(const RigClips& rig) {
   return mixed.empty() ? "" : "; " + mixed + ": check whether their videos lack a rotation flag";
 }
 
+/// Whatever the clocks are and whichever cameras are left out, the common part of all clips is no
+/// longer than the longest one: refused before COLMAP has worked for minutes.
+void check_start_of_longest(const Work& work, const RigClips& rig) {
+  TimeInterval longest;
+  for (const RigClip& clip : rig.clips) {
+    const VideoTimeline& timeline = clip.timeline;
+    const double seconds = timeline.seconds(timeline.ticks.size() - 1) - timeline.seconds(0);
+    longest.last = std::max(longest.last, seconds);
+  }
+  check_start({work.options.start, {}, {}, {}}, longest, work.capture.string());
+}
+
 /// Poses by COLMAP; cameras that it could not place are left out. Returns its points.
 PointCloud place_cameras(const Work& work, RigClips& rig, std::vector<std::string>& warnings) {
   PoseEstimate estimate = [&] {
@@ -241,6 +253,7 @@ Converted convert_videos(const fs::path& capture, const fs::path& folder,
   IngestReport report;
   RigClips rig = open_rig_clips(capture, options, report.warnings);
   if (options.layout == CaptureLayout::kSequences) report.notes.push_back(reading_of(work, rig));
+  check_start_of_longest(work, rig);
   if (!rig.posed && rig.clips.size() == 1) return convert_moving(work, rig, std::move(report));
   if (options.test_every && rig.clips.size() > 1)
     throw InputError(

@@ -188,6 +188,20 @@ TEST_F(N3dv, TheWindowIsOfTimesNotOfIndices) {
                      {"capture: --start 100 s is after the end (0.160 s)"});
 }
 
+// Bug put back: the start looked at when COLMAP has placed the cameras; seen to fail.
+TEST_F(N3dv, AStartBeyondTheClipsIsRefusedBeforeColmap) {
+  IngestOptions options;
+  options.poses.source = "colmap";
+  options.start = 100;
+  options.work = folder_ / "work";
+  for (const std::vector<std::string>& cameras :
+       {std::vector<std::string>{}, std::vector<std::string>{"cam00"}}) {
+    options.cameras = cameras;
+    expect_input_error([&] { ingest(options); }, {"--start 100 s is after the end", "pass less"});
+    EXPECT_FALSE(std::filesystem::exists(options.work)) << cameras.size();
+  }
+}
+
 // Failure mode A2: what moves at one speed has one velocity, whatever the frame rate, because times
 // are of seconds; with index times the faster clip's would differ.
 TEST_F(N3dv, TimesDoNotDependOnTheFrameRate) {
