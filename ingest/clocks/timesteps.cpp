@@ -58,25 +58,25 @@ std::vector<Moments> moments_of(const std::vector<FrameTime>& frames) {
   return list;
 }
 
-bool trains(const Moments& camera) {
+bool has_training(const Moments& camera) {
   return std::any_of(camera.begin(), camera.end(), [](const Moment& m) { return m.trains; });
 }
 
 /// Whether clocks may differ: several training cameras with several times.
 bool is_rig(const std::vector<Moments>& cameras) {
   return std::count_if(cameras.begin(), cameras.end(), [](const Moments& camera) {
-           return trains(camera) && camera.size() > 1;
+           return has_training(camera) && camera.size() > 1;
          }) > 1;
 }
 
 /// Ascending times of the camera that has most of them, or of all cameras where none has two.
 std::vector<double> reference_times(const std::vector<Moments>& cameras) {
-  const bool any_trains = std::any_of(cameras.begin(), cameras.end(), trains);
+  const bool any_trains = std::any_of(cameras.begin(), cameras.end(), has_training);
   const Moments* most = nullptr;
   Moments all;
   for (const Moments& camera : cameras) {
     all.insert(all.end(), camera.begin(), camera.end());
-    if (any_trains && !trains(camera)) continue;
+    if (any_trains && !has_training(camera)) continue;
     if (most == nullptr || camera.size() > most->size()) most = &camera;
   }
   all = merged(std::move(all));

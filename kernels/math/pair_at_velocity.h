@@ -1,6 +1,6 @@
 // A pair that moves: the two quaternions and scales of a Gaussian that is a ball of radius s in
-// space at every time, moves with velocity v and lasts σ (one standard deviation). It is the inverse
-// of pair_spacetime for isotropic Σ_c, in closed form [Yang24, Eqs. 7, 8].
+// space at every time, moves with velocity v and lasts σ (one standard deviation). It is the
+// inverse of pair_spacetime for isotropic Σ_c, in closed form [Yang24, Eqs. 7, 8].
 #pragma once
 #include <cmath>
 
@@ -17,9 +17,9 @@ struct MovingPair {
 
 /// In the plane of time and of d = v/|v| the covariance is [σ², |v| σ²; |v| σ², s² + |v|² σ²]. The
 /// axis that is nearer to that of time is at the angle θ from it, |θ| ≤ π/4, and becomes the time
-/// axis of the pair; the other one becomes its x axis. With h = (cos θ/2, d sin θ/2), which turns by
-/// θ in that plane from both sides, and q, which turns x to d: l = h q, r = q* h. At rest both are
-/// the identity.
+/// axis of the pair; the other one becomes its x axis. With h = (cos θ/2, d sin θ/2), which turns
+/// by θ in that plane from both sides, and q, which turns x to d: l = h q, r = q* h. At rest both
+/// are the identity.
 inline MovingPair pair_at_velocity(double radius, double extent, const Vec3<double>& velocity) {
   const double speed = std::sqrt(dot(velocity, velocity));
   MovingPair pair{{1, 0, 0, 0}, {1, 0, 0, 0}, Vec3<double>(std::log(radius)), std::log(extent)};

@@ -115,10 +115,10 @@ void add_image_options(CLI::App& command, IngestArguments& arguments) {
       ->capture_default_str();
 }
 
-/// The stamp of the current version of a file or folder; null where none is named.
+/// A hash of the current version of a file or folder; null where none is named.
 nlohmann::json stamps_of(const std::filesystem::path& path) {
   if (path.empty() || !std::filesystem::exists(path)) return nullptr;
-  return {path.string(), file_stamps(path)};
+  return key_of(file_stamps(path));
 }
 
 }  // namespace
@@ -162,7 +162,9 @@ IngestOptions resolve_ingest(const IngestArguments& arguments) {
 nlohmann::json to_json(const IngestOptions& o) {
   return {{"scale", o.scale},
           {"frames", o.frames.value_or(0)},
-          {"window", {o.start, o.duration.value_or(0), o.fps.value_or(0)}},
+          {"start", o.start},
+          {"duration", o.duration.value_or(0)},
+          {"fps", o.fps.value_or(0)},
           {"cameras", o.cameras},
           {"held_out", o.held_out},
           {"static", o.allow_static},
@@ -170,15 +172,19 @@ nlohmann::json to_json(const IngestOptions& o) {
           {"image_layout", o.image_layout ? int(*o.image_layout) : -1},
           {"images", o.images},
           {"test_every", o.test_every.value_or(-1)},
-          {"poses", {o.poses.source, stamps_of(o.poses.source)}},
+          {"poses", o.poses.source},
+          {"files of the poses", stamps_of(o.poses.source)},
           {"camera_model", o.poses.lens_model},
           {"intrinsics_per_camera", o.poses.intrinsics_per_camera},
-          {"sync", {int(o.sync.method), stamps_of(o.sync.offsets)}},
+          {"sync", int(o.sync.method)},
+          {"files of the offsets", stamps_of(o.sync.offsets)},
           {"strict", o.strict},
-          {"masks", {stamps_of(o.masks), o.invert_masks}},
+          {"files of the masks", stamps_of(o.masks)},
+          {"invert_masks", o.invert_masks},
           {"fit_exposure", o.fit_exposure},
           {"keep_world", o.keep_world},
-          {"cloud", {o.cloud ? int(*o.cloud) : -1, o.cloud_points}}};
+          {"cloud", o.cloud ? int(*o.cloud) : -1},
+          {"cloud_points", o.cloud_points}};
 }
 
 IngestReport ingest_with_progress(const std::filesystem::path& capture,

@@ -1,21 +1,25 @@
-// Reads and writes stages.json, and computes keys from inputs. The file is not locked: two runs in
-// one folder are not supported.
+// Reads and writes stages.json, and compares inputs. `tessera run` holds the lock of its folder.
 #include "tools/cli/stage_ledger.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
+#include "tools/session/run_record.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 
 // File names need not be UTF-8.
 constexpr auto kReplaceInvalid = nlohmann::json::error_handler_t::replace;
@@ -30,32 +34,54 @@ StageLedger::StageLedger(fs::path file) : file_(std::move(file)) {
         fmt::format("{}: damaged; remove it to run every stage again", file_.string()));
 }
 
-bool StageLedger::done(const std::string& stage, const std::string& key) const {
-  return entries_.contains(stage) && entries_[stage].value("key", "") == key &&
-         entries_[stage].value("done", false);
+bool StageLedger::is_finished(const std::string& stage) const {
+  return entries_.contains(stage) && entries_[stage].value("done", false);
 }
 
-void StageLedger::set(const std::string& stage, nlohmann::json entry) {
+bool StageLedger::done(const std::string& stage, const json& inputs) const {
+  const json before = this->inputs(stage);
+  return is_finished(stage) && before.is_object() && changes(before, inputs).empty();
+}
+
+std::vector<std::string> StageLedger::changed(const std::string& stage, const json& inputs) const {
+  const json before = this->inputs(stage);
+  return before.is_object() ? changes(before, inputs) : std::vector<std::string>();
+}
+
+json StageLedger::inputs(const std::string& stage) const {
+  return entries_.contains(stage) ? entries_[stage].value("inputs", json()) : json();
+}
+
+void StageLedger::set(const std::string& stage, json entry) {
   entries_[stage] = std::move(entry);
   write_text_file(file_, entries_.dump(2, ' ', false, kReplaceInvalid));
 }
 
-void StageLedger::begin(const std::string& stage, const std::string& key) {
-  set(stage, {{"key", key}, {"done", false}});
+void StageLedger::begin(const std::string& stage, const json& inputs) {
+  set(stage, {{"inputs", inputs}, {"done", false}});
 }
 
-void StageLedger::finish(const std::string& stage, const std::string& key,
-                         const nlohmann::json& result, std::optional<double> seconds) {
-  nlohmann::json entry = {{"key", key}, {"done", true}, {"result", result}};
+void StageLedger::finish(const std::string& stage, const json& result,
+                         std::optional<double> seconds) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch().count();
+  json entry = {{"inputs", inputs(stage)}, {"done", true}, {"result", result}, {"at", now}};
   if (seconds) entry["seconds"] = *seconds;
   set(stage, std::move(entry));
 }
 
-const nlohmann::json& StageLedger::result(const std::string& stage) const {
+void StageLedger::adopt(const std::string& stage, const StageLedger& other) {
+  set(stage, other.entries_.at(stage));
+}
+
+std::string StageLedger::finished_at(const std::string& stage) const {
+  return is_finished(stage) ? entries_[stage].value("at", json(0)).dump() : "";
+}
+
+const json& StageLedger::result(const std::string& stage) const {
   return entries_.at(stage).at("result");
 }
 
-std::string key_of(const nlohmann::json& inputs) {
+std::string key_of(const json& inputs) {
   Fnv1a hash;
   hash.add(inputs.dump(-1, ' ', false, kReplaceInvalid));
   return hash.hex();
@@ -79,13 +105,30 @@ void add_files(const fs::path& at, std::vector<fs::path>& open, std::vector<fs::
 
 }  // namespace
 
-nlohmann::json file_stamps(const fs::path& path) {
+/// Of its first and last 4 KiB: the frames of videos and images differ there, too.
+std::string ends_hash(const fs::path& file, uintmax_t size) {
+  constexpr uintmax_t kEnd = 4096;
+  std::array<char, kEnd> bytes;
+  std::ifstream stream(file, std::ios::binary);
+  Fnv1a hash;
+  for (const uintmax_t from : {uintmax_t{0}, size > kEnd ? size - kEnd : 0}) {
+    stream.clear();
+    stream.seekg(std::streamoff(from));
+    stream.read(bytes.data(), std::streamsize(bytes.size()));
+    hash.add(bytes.data(), size_t(stream.gcount()));
+  }
+  return hash.hex();
+}
+
+json file_stamps(const fs::path& path) {
   std::vector<std::string> stamps;
   std::vector<fs::path> open, files;
   add_files(path, open, files);
-  for (const fs::path& file : files)
-    stamps.push_back(fmt::format("{} {} {}", file.string(), fs::file_size(file),
-                                 fs::last_write_time(file).time_since_epoch().count()));
+  for (const fs::path& file : files) {
+    const uintmax_t size = fs::file_size(file);
+    stamps.push_back(fmt::format("{} {} {}", file.lexically_relative(path).generic_string(), size,
+                                 ends_hash(file, size)));
+  }
   std::sort(stamps.begin(), stamps.end());
   return stamps;
 }

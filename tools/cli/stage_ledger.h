@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace tessera {
 
@@ -12,14 +13,24 @@ class StageLedger {
   /// Reads the ledger if there is one. Errors: InputError when it is damaged.
   explicit StageLedger(std::filesystem::path file);
 
-  /// Whether the stage was finished with this key.
-  bool done(const std::string& stage, const std::string& key) const;
+  /// Whether the stage was finished with inputs of these values (changes() of run_record.h).
+  bool done(const std::string& stage, const nlohmann::json& inputs) const;
+  /// By which values these inputs differ from those that the stage was begun with; none where it
+  /// was not, or by a version that did not record them.
+  std::vector<std::string> changed(const std::string& stage, const nlohmann::json& inputs) const;
   /// Whether it was begun with whatever key.
   bool knows(const std::string& stage) const { return entries_.contains(stage); }
-  void begin(const std::string& stage, const std::string& key);
+  /// The inputs of a stage; null where they are not known.
+  nlohmann::json inputs(const std::string& stage) const;
+  void begin(const std::string& stage, const nlohmann::json& inputs);
   /// `seconds`: what the stage took, where that is to be kept.
-  void finish(const std::string& stage, const std::string& key, const nlohmann::json& result,
+  void finish(const std::string& stage, const nlohmann::json& result,
               std::optional<double> seconds = {});
+  /// The entry of a stage becomes that of another ledger.
+  void adopt(const std::string& stage, const StageLedger& other);
+  bool is_finished(const std::string& stage) const;
+  /// When the stage was finished: another text each time; "" where it was not.
+  std::string finished_at(const std::string& stage) const;
   /// What the finished stage returned.
   const nlohmann::json& result(const std::string& stage) const;
 
@@ -30,10 +41,11 @@ class StageLedger {
   nlohmann::json entries_ = nlohmann::json::object();
 };
 
-/// 64-bit FNV-1a in hex: keys are hashes of everything that a stage depends on.
+/// 64-bit FNV-1a in hex.
 std::string key_of(const nlohmann::json& inputs);
 
-/// Names, sizes and modification times of every file below a folder (or of a file).
+/// What identifies every file below a folder (or a file), but for where the folder lies and when it
+/// was written: its name, its size, and a hash of its first and last 4 KiB.
 nlohmann::json file_stamps(const std::filesystem::path& path);
 
 }  // namespace tessera

@@ -83,8 +83,9 @@ class Batch {
     const fs::path target = out_ / scene.name;
     if (!options_.layout)
       detect_layout(capture, options_.image_layout);  // its error before the stamps of what is none
-    const std::string key = key_of({file_stamps(capture), to_json(options_)});
-    if (ledger_.done(scene.name, key) && is_prepared_scene(target)) {
+    json inputs = to_json(options_);
+    inputs["files of the capture"] = key_of(file_stamps(capture));
+    if (ledger_.done(scene.name, inputs) && is_prepared_scene(target)) {
       say(fmt::format("{} ({}): done before, unchanged", scene.name, place));
       scene.report = report_from_json(ledger_.result(scene.name));
       scene.outcome = BatchOutcome::kUnchanged;
@@ -92,11 +93,11 @@ class Batch {
     }
     check_may_replace(target, "a prepared scene",
                       is_prepared_scene(target) && !ledger_.knows(scene.name), overwrite_);
-    ledger_.begin(scene.name, key);
+    ledger_.begin(scene.name, inputs);
     say(fmt::format("{} ({}): begins", scene.name, place));
     scene.report = ingest_with_progress(capture, target, options_,
                                         fmt::format("ingest {} ({})", scene.name, place));
-    ledger_.finish(scene.name, key, report_json(scene.report));
+    ledger_.finish(scene.name, report_json(scene.report));
     scene.outcome = BatchOutcome::kDone;
   }
 

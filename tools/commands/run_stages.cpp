@@ -1,9 +1,10 @@
-// Runs the stages in order. The key of each stage contains the key of the stage before it, so that
+// Runs the stages in order. The inputs of each stage contain those of the stage before it, so that
 // a change reruns all later stages.
 #include "tools/commands/run_stages.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -34,6 +35,8 @@
 #include "tools/session/held_out_scores.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
+#include "tools/session/run_record.h"
+#include "tools/session/run_successor.h"
 #include "tools/session/train_session.h"
 
 namespace tessera {
@@ -61,25 +64,61 @@ constexpr Stage kIngest{1, "ingest", "ingest"}, kTrain{2, "train", "train"},
     kEvaluate{3, "evaluate", "evaluate"}, kExport{4, "export", "export"},
     kPage{5, "page", "player"}, kReport{6, "report", "report"};
 
+constexpr const char* kAsked = "asked";  // the entry of the request, which is done with the run
+
+json options_json(const PlannedOptions& planned) {
+  json options = to_json(planned.options);
+  if (planned.with_nodes) options["with_nodes"] = to_json(*planned.with_nodes);
+  return options;
+}
+
+/// What a run is asked for, but for what is made anew in seconds.
+json asked_of(const RunRequest& request) {
+  json asked = to_json(resolve_ingest(request.ingest));
+  asked["files of the capture"] = key_of(file_stamps(request.capture));
+  asked["preset"] = request.training.preset;
+  asked["ablation"] = request.training.ablation;
+  asked["options"] = options_json(resolve_options(request.training, SceneFacts{}));
+  return asked;
+}
+
+InputError holds_finished(const fs::path& out, const std::vector<std::string>& changed) {
+  return InputError(fmt::format(
+      "{}: holds a finished run; {}; take another -o, or pass --overwrite to replace it",
+      out.string(),
+      changed.empty() ? "what it was asked for is not known"
+                      : "changed: " + text_of_changes(changed)));
+}
+
+/// A training that was decided on after its scene was known would replace a finished one.
+struct Replaces {};
+
 class Runner {
  public:
-  Runner(const RunRequest& request, std::unique_ptr<ViewChild>& view)
+  /// `root`: OUT, or the folder in it in which the successor of a finished run is made.
+  Runner(const RunRequest& request, json asked, fs::path root, std::unique_ptr<ViewChild>& view)
       : request_(request),
         view_(view),
+        asked_(std::move(asked)),
         planned_(resolve_options(request.training, SceneFacts{})),
         ingest_options_(resolve_ingest(request.ingest)),
-        run_{request.out / "run"},
-        ledger_(request.out / "stages.json") {}
+        root_(std::move(root)),
+        run_{root_ / "run"},
+        ledger_(root_ / "stages.json") {}
 
   /// False when interrupted.
   bool run() {
+    if (!ledger_.done(kAsked, asked_)) ledger_.begin(kAsked, asked_);
     if (!ingest()) return false;
     const SceneLock in_use(scene_, SceneLock::Use::kRead);
     planned_ = resolve_options(request_.training, scene_);
     check_max_bytes(scene_.string(), planned_.options.max_bytes);
     if (const std::string note = page_bytes_note(planned_.options.max_bytes); !note.empty())
       say(note);
-    return train() && evaluate_model() && export_frames() && write_player() && write_report();
+    if (!train() || !evaluate_model()) return false;
+    if (!ledger_.done(kAsked, asked_)) ledger_.finish(kAsked, json::object());
+    if (root_ != request_.out) take_place();
+    return export_frames() && write_player() && write_report();
   }
 
   json result() const {
@@ -101,23 +140,47 @@ class Runner {
   }
 
  private:
-  /// Does the stage unless it was done for this key and `product` is still there. `make` returns
-  /// its result, nothing where it was stopped before its end. False when interrupted.
-  bool do_stage(const Stage& stage, const std::string& key, const fs::path& product,
+  /// Does the stage unless it was done for these inputs and `product` is still there. `make`
+  /// returns its result, nothing where it was stopped before its end. False when interrupted.
+  bool do_stage(const Stage& stage, const json& inputs, const fs::path& product,
                 const std::function<std::optional<json>()>& make) {
-    if (ledger_.done(stage.entry, key) && fs::exists(product)) {
+    const bool is_there = fs::exists(product);
+    if (ledger_.done(stage.entry, inputs) && is_there) {
       say(stage.message(": done before, unchanged"));
       return true;
     }
-    say(stage.message(""));
+    say(stage.message(why_again(stage, inputs, is_there, product)));
     const auto begin = Clock::now();
-    ledger_.begin(stage.entry, key);
+    ledger_.begin(stage.entry, inputs);
     const std::optional<json> result = make();
     if (!result) return false;
     seconds_[stage.name] = seconds_since(begin);
-    ledger_.finish(stage.entry, key, *result, seconds_[stage.name]);
+    ledger_.finish(stage.entry, *result, seconds_[stage.name]);
     say(stage.message(fmt::format(": done in {}", duration_text(seconds_[stage.name]))));
     return !interrupted();
+  }
+
+  std::string why_again(const Stage& stage, const json& inputs, bool is_there,
+                        const fs::path& product) const {
+    if (!ledger_.is_finished(stage.entry)) return "";
+    if (!is_there) return fmt::format(" again: {} is gone", product.string());
+    const std::vector<std::string> changed = ledger_.changed(stage.entry, inputs);
+    const bool by_training =
+        std::any_of(changed.begin(), changed.end(),
+                    [](const std::string& change) { return change.starts_with("training "); });
+    if (by_training) return " again: the model is another";
+    return changed.empty() ? " again: what it was made of is not known"
+                           : " again: changed: " + text_of_changes(changed);
+  }
+
+  /// The complete successor of a finished run moves from root_ to OUT.
+  void take_place() {
+    const fs::path from = root_;
+    root_ = request_.out;
+    move_successor(from, root_);
+    run_ = RunFolder{root_ / "run"};
+    if (scene_ == from / "scene") scene_ = root_ / "scene";
+    ledger_ = StageLedger(root_ / "stages.json");
   }
 
   SceneOptions scene_options(bool pixels) const {
@@ -130,12 +193,16 @@ class Runner {
   bool ingest() {
     IngestOptions options = ingest_options_;
     options.allow_static = planned_.options.motion == Motion::kNone;
-    options.work = request_.out / "work";
+    options.work = root_ / "work";
     const bool as_it_is =
         to_json(options) == to_json(defaults_for(options)) && opens_as_scene(request_.capture);
-    scene_ = as_it_is ? request_.capture : request_.out / "scene";
-    scene_key_ = key_of({file_stamps(request_.capture), to_json(options), as_it_is});
-    return do_stage(kIngest, scene_key_, as_it_is ? scene_ : scene_ / "transforms.json", [&] {
+    scene_ = as_it_is ? request_.capture : root_ / "scene";
+    json inputs = to_json(options);
+    inputs["files of the capture"] = asked_["files of the capture"];
+    inputs["as it is"] = as_it_is;
+    scene_key_ = key_of(inputs);
+    if (root_ != request_.out) share_scene(inputs, as_it_is);
+    return do_stage(kIngest, inputs, as_it_is ? scene_ : scene_ / "transforms.json", [&] {
       json result = {{"scene", scene_.string()}};
       if (as_it_is) return std::optional(result);
       const IngestReport report = ingest_with_progress(request_.capture, scene_, options, "ingest");
@@ -146,13 +213,35 @@ class Runner {
     });
   }
 
+  /// A successor has the scene of the finished run where that is made of the same.
+  void share_scene(const json& inputs, bool as_it_is) {
+    const StageLedger before(request_.out / "stages.json");
+    const fs::path made = as_it_is ? scene_ : request_.out / "scene";
+    if (!before.done(kIngest.entry, inputs) || !fs::exists(made)) return;
+    scene_ = made;
+    ledger_.adopt(kIngest.entry, before);
+  }
+
   bool train() {
-    const std::string backend = parse_backend(request_.training.backend).name;
-    train_key_ = key_of({scene_key_, to_json(planned_.options), backend});
-    return do_stage(kTrain, train_key_, run_.model(), [&]() -> std::optional<json> {
+    const json inputs = {{"preset", request_.training.preset},
+                         {"ablation", request_.training.ablation},
+                         {"files of the scene", scene_key_},
+                         {"options", options_json(planned_)}};
+    const RunPlan plan = plan_run({fs::exists(run_.checkpoint()), fs::exists(run_.model()),
+                                   ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
+                                  inputs, request_.overwrite);
+    if (plan.action == RunAction::kRefuse) throw holds_finished(request_.out, plan.changed);
+    if (plan.action == RunAction::kReplace) throw Replaces{};
+    const json made_for = json::parse(run_.made_for(), nullptr, false);
+    resumes_ = plan.action == RunAction::kResume && made_for.is_object() &&
+               changes(made_for, inputs).empty();
+    if (!resumes_ && plan.action != RunAction::kDone && fs::exists(run_.checkpoint()))
+      set_checkpoint_aside(plan.changed);
+    made_for_ = inputs.dump();
+    return do_stage(kTrain, inputs, run_.model(), [&]() -> std::optional<json> {
       TrainingTerminal terminal;
       LiveTraining live(terminal, run_.root, [&] {
-        if (request_.view) view_ = std::make_unique<ViewChild>(request_.out);
+        if (request_.view) view_ = std::make_unique<ViewChild>(root_);
       });
       TrainRequest asked = train_request();
       asked.snapshots = &live;
@@ -161,6 +250,15 @@ class Runner {
       result.erase("scores");  // the evaluate stage has them
       return result;
     });
+  }
+
+  /// An unfinished training of another request is hours of work, too.
+  void set_checkpoint_aside(const std::vector<std::string>& changed) {
+    const fs::path checkpoint = run_.checkpoint(), aside = run_.set_checkpoint_aside();
+    warn(fmt::format("{}: is of an unfinished training of another request ({}); it is {} now",
+                     checkpoint.string(),
+                     changed.empty() ? "not known which" : "changed: " + text_of_changes(changed),
+                     aside.filename().string()));
   }
 
   TrainRequest train_request() const {
@@ -174,15 +272,15 @@ class Runner {
     train.backend = request_.training.backend;
     train.evaluate_every = request_.training.evaluate_every;
     train.checkpoint_every = request_.training.checkpoint_every;
-    train.made_for = train_key_;
-    train.resume = run_.made_for() == train_key_ && fs::exists(run_.checkpoint());
+    train.made_for = made_for_;
+    train.resume = resumes_;
     train.overwrite = true;
     train.shipped_bytes = shipped_bytes_of(run_.root.string());
     return train;
   }
 
   bool evaluate_model() {
-    return do_stage(kEvaluate, key_of({train_key_, "evaluate"}), run_.metrics(), [&] {
+    return do_stage(kEvaluate, of_training({}), run_.metrics(), [&] {
       const GaussianModel model = load_model(run_.model());
       const Scene scene = scaled_scene(load_scene(scene_, scene_options(true)), model.train_scale);
       const std::unique_ptr<Backend> backend = make_backend(request_.training.backend);
@@ -199,7 +297,13 @@ class Runner {
     });
   }
 
-  fs::path frames() const { return request_.out / "frames"; }
+  /// Inputs of a stage that is made of the model.
+  json of_training(json inputs) const {
+    inputs["training"] = ledger_.finished_at(kTrain.entry);
+    return inputs;
+  }
+
+  fs::path frames() const { return root_ / "frames"; }
 
   bool export_frames() {
     if (request_.export_frames == 0) {
@@ -212,7 +316,8 @@ class Runner {
       return true;
     }
     return do_stage(
-        kExport, key_of({train_key_, "export", request_.export_frames}), frames() / "manifest.json",
+        kExport, of_training({{"export_frames", request_.export_frames}}),
+        frames() / "manifest.json",
         [&] { return std::optional(write_run_frames(run_, frames(), request_.export_frames)); });
   }
 
@@ -222,22 +327,23 @@ class Runner {
           ": not written, because nodejs and npm were not found when this program was built"));
       return true;
     }
-    const fs::path folder = request_.out / "player";
-    return do_stage(kPage, key_of({train_key_, "player", request_.title, request_.description}),
+    const fs::path folder = root_ / "player";
+    return do_stage(kPage,
+                    of_training({{"title", request_.title}, {"description", request_.description}}),
                     folder / kPageFile, [&] {
                       return std::optional(
                           write_run_player(run_, folder, request_.title, request_.description));
                     });
   }
 
-  fs::path report_page() const { return request_.out / "report" / "index.html"; }
+  fs::path report_page() const { return root_ / "report" / "index.html"; }
 
   /// A report that cannot be written is no reason to fail after hours of training.
   bool write_report() {
-    const std::string key = key_of({train_key_, "report", request_.export_frames});
+    const json inputs = of_training({{"export_frames", request_.export_frames}});
     try {
-      return do_stage(kReport, key, report_page(), [&] {
-        return std::optional(json{{"page", write_run_report({request_.out, {}, [&] {
+      return do_stage(kReport, inputs, report_page(), [&] {
+        return std::optional(json{{"page", write_run_report({root_, {}, [&] {
                                                                return make_backend(
                                                                    request_.training.backend);
                                                              }})["page"]}});
@@ -250,12 +356,15 @@ class Runner {
 
   const RunRequest& request_;
   std::unique_ptr<ViewChild>& view_;
+  json asked_;
   PlannedOptions planned_;
   IngestOptions ingest_options_;
+  fs::path root_;
   RunFolder run_;
   StageLedger ledger_;
   fs::path scene_;
-  std::string scene_key_, train_key_;
+  std::string scene_key_, made_for_;
+  bool resumes_ = false;
   const Clock::time_point begin_ = Clock::now();
   std::map<std::string, double> seconds_;  // by the names of the stages that ran
 };
@@ -263,10 +372,30 @@ class Runner {
 }  // namespace
 
 std::optional<json> run_stages(const RunRequest& request, std::unique_ptr<ViewChild>& view) {
-  try {
-    Runner runner(request, view);
+  TrainingTerminal messages;
+  const RunLock lock(request.out, messages);
+  const json asked = asked_of(request);
+  finish_move(request.out);
+  const StageLedger ledger(request.out / "stages.json");
+  const RunFolder run{request.out / "run"};
+  const bool is_finished = ledger.is_finished(kTrain.entry) && fs::exists(run.model());
+  const RunPlan plan = plan_run(
+      {fs::exists(run.checkpoint()), fs::exists(run.model()), is_finished, ledger.inputs(kAsked)},
+      asked, request.overwrite);
+  if (plan.action == RunAction::kRefuse) throw holds_finished(request.out, plan.changed);
+  const fs::path next = request.out / kNext;
+  const auto run_in = [&](const fs::path& root) -> std::optional<json> {
+    Runner runner(request, asked, root, view);
     if (!runner.run()) return {};
     return runner.result();
+  };
+  try {
+    if (plan.action == RunAction::kReplace) return run_in(next);
+    try {
+      return run_in(request.out);
+    } catch (const Replaces&) {
+      return run_in(next);
+    }
   } catch (const Interrupted&) {
     return {};
   }

@@ -1,6 +1,8 @@
 // The six stages of `tessera run`: ingest, train, evaluate, export, page, report. A stage runs
 // once, and again only when its inputs or options change. OUT holds scene/ (unless the capture is a
-// prepared scene already), run/, frames/ on request, player/, report/ and stages.json.
+// prepared scene already), run/, frames/ on request, player/, report/ and stages.json. A finished
+// run of another request is replaced with --overwrite only: the new one is made in OUT/next, and
+// takes its place when it is complete.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -19,6 +21,7 @@ struct RunRequest {
   TrainArguments training;
   int64_t export_frames = 0;       // PLY frames to write; 0: none
   std::string title, description;  // of the player's page
+  bool overwrite = false;          // a finished run of another request may be replaced
   bool json_output = false;
   bool view = false;  // in a browser, from the first step on
 };
@@ -26,7 +29,8 @@ struct RunRequest {
 /// Runs what is to be done and returns the results of all stages: those of evaluate at the top
 /// level, the others under `training`, `export` and `player`; the seconds of the stages that ran
 /// under `stage_seconds`. Nothing when it was interrupted; what is done is kept.
-/// `view`: filled where the request has one and something was trained.
+/// `view`: filled where the request has one and something was trained. Errors: InputError, among
+/// them that OUT holds a finished run of another request.
 std::optional<nlohmann::json> run_stages(const RunRequest& request,
                                          std::unique_ptr<ViewChild>& view);
 

@@ -70,7 +70,9 @@ void add_train_command(CLI::App& app, Work& work) {
   command.add_option("scene", parsed->request.scene, "prepared scene or D-NeRF folder")->required();
   command.add_option("-o,--out", parsed->request.run, "run folder")->required();
   command.add_flag("--resume", parsed->request.resume,
-                   "resume from the checkpoint of the run folder, with its options");
+                   "resume from the checkpoint of the run folder, with its options; --iterations N "
+                   "with it trains "
+                   "on until step N");
   command.add_flag("--overwrite", parsed->request.overwrite, "replace the run that is there");
   command.add_option("--stop-after", parsed->stop_after,
                      "steps of this call; training then stops with a checkpoint; 0: all");
@@ -98,12 +100,17 @@ void add_train_command(CLI::App& app, Work& work) {
       request.checkpoint_every = arguments.checkpoint_every;
       request.shipped_bytes = shipped_bytes_of(request.run.string());
       if (parsed->stop_after > 0) request.stop_after = parsed->stop_after;
+      const bool more_steps =
+          arguments.given.size() == 1 && arguments.given.count("iterations") > 0;
+      if (request.resume && more_steps) request.more_iterations = request.options.iterations;
       // without a checkpoint the session refuses, which is the better advice
       if (request.resume && std::filesystem::exists(RunFolder{request.run}.checkpoint()) &&
-          (!arguments.given.empty() || !arguments.config.empty() || !arguments.ablation.empty()))
+          ((!arguments.given.empty() && !more_steps) || !arguments.config.empty() ||
+           !arguments.ablation.empty()))
         throw InputError(
-            "--resume goes on with the options of the checkpoint; drop the training options or "
-            "start a new run folder");
+            "--resume goes on with the options of the checkpoint; of them --iterations alone may "
+            "be "
+            "given; drop the others or start a new run folder");
       if (!request.resume) check_max_bytes(request.scene.string(), request.options.max_bytes);
       if (const std::string note = page_bytes_note(request.options.max_bytes); !note.empty())
         say(note);

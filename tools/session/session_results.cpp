@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
@@ -61,6 +62,17 @@ json summary_of(const json& scores) {
 }
 
 }  // namespace
+
+bool was_scored(const std::filesystem::path& log, int64_t step) {
+  std::ifstream lines(log);
+  for (std::string line; std::getline(lines, line);) {
+    const json event = json::parse(line, nullptr, false);
+    if (event.is_object() && event.value("event", "") == "evaluation" &&
+        event.value("iteration", int64_t{-1}) == step)
+      return true;
+  }
+  return false;
+}
 
 std::optional<GaussianModel> shipped_model(Trainer& trainer, const TrainOptions& options,
                                            const Validation& validation, Backend& backend,

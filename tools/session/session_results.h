@@ -1,6 +1,7 @@
 // What leaves a training session: scores of its models on held-out views, the model that is
 // written, and what is reported of it.
 #pragma once
+#include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -36,6 +37,9 @@ struct ScoredModel {
   std::string event;        // of the log: "evaluation" or "shipped"
   bool is_complete = true;  // false: PSNR and SSIM alone
 };
+
+/// Whether the log has an evaluation after that step: one that was stopped is not in it.
+bool was_scored(const std::filesystem::path& log, int64_t step);
 
 class SessionScores {
  public:

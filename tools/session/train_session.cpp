@@ -88,6 +88,11 @@ class Session {
     observer_.on_message(fmt::format("{} training frames, initialised from {}, on {}{}",
                                      setup_.config["train_frames"].dump(), source, backend.name(),
                                      why));
+    if (state.finished)
+      observer_.on_message(
+          fmt::format("{}: finished at step {} of {}, so that nothing is left to do; --resume "
+                      "--iterations N trains on until step N",
+                      request_.run.string(), state.iteration, options().iterations));
     first_ = state_.step = state.iteration;
     state_.end = request_.stop_after ? std::min(options().iterations, first_ + *request_.stop_after)
                                      : options().iterations;
@@ -118,7 +123,8 @@ class Session {
     state_.stops = stops();
     state_.check_due = validation_->due(step);
     state_.save_due = checkpoints_.due(step);
-    state_.score_due = (step > first_ && evaluations_.due(step)) ||
+    const bool is_new = step > first_ || (step > 0 && !was_scored(writer_.folder().log(), step));
+    state_.score_due = (is_new && evaluations_.due(step)) ||
                        (ended() && !validation_->on() && request_.evaluate_end);
   }
 
@@ -222,7 +228,7 @@ class Session {
     });
   }
 
-  /// Where it is stopped, the session leaves, and a resumed one scores again.
+  /// Where it is stopped, the session leaves, and a resumed one scores again: was_scored.
   void score(const GaussianModel& model, int64_t step, const std::string& event, bool is_complete) {
     const ScoredModel scored{model, step, trainer_->state().seconds, event, is_complete};
     const auto stop = [&] { return observer_.must_stop() || limit_.over(); };

@@ -30,6 +30,7 @@ struct TrainRequest {
   bool evaluate_end = true;                 // false: `scores` stay empty
   std::optional<int64_t> checkpoint_every;  // steps; without a value by the clock
   std::optional<int64_t> stop_after;        // steps of this call
+  std::optional<int64_t> more_iterations;   // of a resumed training, in place of its own
   double time_limit = 0;                    // seconds by the stopwatch; 0: none
   ShippedBytes shipped_bytes;               // of a model of this run, as it is exported
   SnapshotSink* snapshots = nullptr;        // outlives the call; null: nobody wants any

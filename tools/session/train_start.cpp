@@ -25,14 +25,36 @@ namespace {
 
 using nlohmann::json;
 
-/// Tells scenes apart on resume: names, times and sizes of the frames, and their masks.
+template <class T>
+void add_values(const std::vector<T>& values, Fnv1a& hash) {
+  hash.add(values.data(), sizeof(T) * values.size());
+}
+
+/// One byte of a thousand: another image differs in many.
+void add_sampled(const std::vector<uint8_t>& bytes, Fnv1a& hash) {
+  constexpr size_t kApart = 1009;
+  for (size_t i = 0; i < bytes.size(); i += kApart) hash.add(&bytes[i], 1);
+}
+
+/// Tells scenes apart on resume: names, times, sizes, cameras, images and masks of the frames, and
+/// the points.
 std::string scene_fingerprint(const Scene& scene) {
   Fnv1a hash;
   for (const Frame& frame : scene.frames) {
+    const Camera& camera = frame.camera;
     hash.add(
         fmt::format("{} {} {} {};", frame.name, frame.time, frame.image.width, frame.image.height));
+    for (const double value : {camera.fl_x, camera.fl_y, camera.cx, camera.cy})
+      hash.add(&value, sizeof(value));
+    hash.add(&camera.cam_from_world, sizeof(camera.cam_from_world));
+    hash.add(&camera.translation, sizeof(camera.translation));
+    add_sampled(frame.image.data, hash);
     hash.add(frame.mask.data.data(), frame.mask.data.size());
   }
+  add_values(scene.points.position, hash);
+  add_values(scene.points.colour, hash);
+  add_values(scene.points.time, hash);
+  add_values(scene.points.velocity, hash);
   return hash.hex();
 }
 

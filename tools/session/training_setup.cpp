@@ -31,8 +31,8 @@ void check_frames(const TrainingSetup& setup, const TrainRequest& request, const
   if (provenance(setup).value("scene_fingerprint", "") !=
       setup.config["scene_fingerprint"].get<std::string>())
     throw CheckpointRefused(
-        fmt::format("{}: was trained on other frames than {} holds; resume with the "
-                    "scene it was started on",
+        fmt::format("{}: was trained on other frames, cameras or points than {} holds; resume with "
+                    "the scene it was started on",
                     run.checkpoint().string(), request.scene.string()));
 }
 
@@ -66,6 +66,22 @@ void complete_by_images(TrainingSetup& setup, const TrainRequest& request, doubl
   complete_motion(setup, request, motion_seconds, observer);
 }
 
+/// The checkpoint's training goes on as one of so many steps would from there.
+void go_on_until(int64_t iterations, const RunFolder& run, TrainingSetup& setup) {
+  const std::string root = run.root.string();
+  TrainState& state = setup.previous->state;
+  if (iterations <= state.iteration)
+    throw InputError(fmt::format("{}: is at step {}; --resume --iterations {} has no step left",
+                                 root, state.iteration, iterations));
+  if (state.finished && setup.options.filter_3d != Filter3d::kNone)
+    throw InputError(fmt::format(
+        "{}: is finished, and its 3D filter is part of the Gaussians now; train anew with "
+        "--iterations {}",
+        root, iterations));
+  setup.options.iterations = iterations;
+  state.finished = false;
+}
+
 }  // namespace
 
 TrainingSetup previous_setup(const TrainRequest& request, const RunFolder& run,
@@ -77,6 +93,7 @@ TrainingSetup previous_setup(const TrainRequest& request, const RunFolder& run,
     setup.with_nodes = request.with_nodes;
   else if (const json stored = provenance(setup); stored.contains("with_nodes"))
     setup.with_nodes = train_options_from_json(stored["with_nodes"]);
+  if (setup.previous && request.more_iterations) go_on_until(*request.more_iterations, run, setup);
   complete_size_limit(setup.options, observer);
   validate(setup.options);
   return setup;
@@ -102,9 +119,10 @@ void complete_setup(TrainingSetup& setup, const TrainRequest& request, const Run
       complete_by_images(setup, request, kShareOfMotion * seconds, observer);
     setup.config =
         make_config(request, {options, setup.with_nodes}, setup.scene, setup.backend->name());
-    setup.config["asked_options"] = setup.previous
-                                        ? provenance(setup).value("asked_options", json())
-                                        : to_json(request.options);
+    json& asked = setup.config["asked_options"] =
+        setup.previous ? provenance(setup).value("asked_options", json())
+                       : to_json(request.options);
+    if (setup.previous && asked.is_object()) asked["iterations"] = options.iterations;
     if (!setup.previous) return;
     check_frames(setup, request, run);
     if (setup.previous->options.motion == Motion::kAuto) setup.previous.reset();

@@ -59,8 +59,9 @@ TEST(Timesteps, NoneReachesFartherThanHalfTheUsualDistance) {
             (Numbers{1, 2, 3, 5, 1, 4, 5, 0, 6}));
 }
 
-// Recipes of clocks that people have. Bugs put back, each seen to fail: a timestep for each distinct
-// time; the smallest frame gap as the reach, with which a doubled frame separates all cameras.
+// Recipes of clocks that people have. Bugs put back, each seen to fail: a timestep for each
+// distinct time; the smallest frame gap as the reach, with which a doubled frame separates all
+// cameras.
 TEST(Timesteps, ClocksOfARigMakeAsManyAsTheClipHas) {
   for (const double unit : {0.0, 1e-11, 1e-9, 1e-3, 0.1, 0.37, 0.45}) {
     const Numbers numbers =
@@ -92,7 +93,8 @@ TEST(Timesteps, OffsetsOfWholeFramesMoveACameraByThem) {
 // Bug put back: no limit of one time a camera, so that two frames of one camera share a timestep;
 // seen to fail.
 TEST(Timesteps, FasterAndSlowerCamerasHaveOneFrameATimestep) {
-  const Numbers numbers = timestep_numbers(rig({{0}, {0, 1.25}, {0, 2}}, 30));  // 30, 24, 15 frames/s
+  const Numbers numbers =
+      timestep_numbers(rig({{0}, {0, 1.25}, {0, 2}}, 30));  // 30, 24, 15 frames/s
   EXPECT_EQ(distinct(numbers), 30u);
   std::set<std::pair<std::string, int64_t>> seen;
   const std::vector<FrameTime> frames = rig({{0}, {0, 1.25}, {0, 2}}, 30);
@@ -159,7 +161,6 @@ TEST(Timesteps, OfMotionAreEverySecondAndFewerOfLongClips) {
     EXPECT_EQ(motion_timesteps(many).back(), many - 1);
   }
 }
-
 
 }  // namespace
 }  // namespace tessera

@@ -246,8 +246,8 @@ TEST_F(CliFullDisk, Bench) {
 TEST_F(CliFullDisk, Run) {
   TESSERA_SKIP_WITHOUT_INGEST();
   const auto run = [&](const std::string& seed, const std::string& out) {
-    Words words =
-        work.train_arguments(out, {"--seed", seed, "--scale", "0.5", "--export-frames", "2"});
+    Words words = work.train_arguments(
+        out, {"--seed", seed, "--scale", "0.5", "--export-frames", "2", "--overwrite"});
     words[0] = "run";
     return words;
   };

@@ -36,7 +36,8 @@ class CliRun : public ::testing::Test {
     for (const std::string stage : {"ingest", "train", "evaluate", "export", "page", "report"}) {
       const std::string title = fmt::format("[{}/6] {}", ++number, stage);
       if (stage == "page" && !plays()) continue;
-      const size_t start = result.err.find(title + "\n");
+      const size_t start =
+          std::min(result.err.find(title + "\n"), result.err.find(title + " again: "));
       const size_t end = result.err.find(title + ": done in ");
       const bool ran = start != std::string::npos && end != std::string::npos && start < end;
       const bool kept = result.err.find(title + ": done before, unchanged") != std::string::npos;
@@ -68,10 +69,10 @@ TEST_F(CliRun, MakesModelScoresAndFrames) {
 }
 
 // Bugs put back, one at a time: `done` always false; the key of `train` without the options; the
-// key of `ingest` without the files' stamps; products ignored. Each seen to fail.
+// inputs of `ingest` without the files' stamps; products ignored. Each seen to fail.
 TEST_F(CliRun, RepeatsOnlyWhatChanged) {
   const auto again = [&](const std::string& frames, const std::string& seed = "0") {
-    return begun(run({"--export-frames", frames, "--seed", seed}));
+    return begun(run({"--export-frames", frames, "--seed", seed, "--overwrite"}));
   };
   ASSERT_EQ(again("2"), from("ingest"));
   EXPECT_EQ(again("2"), "");
@@ -82,6 +83,57 @@ TEST_F(CliRun, RepeatsOnlyWhatChanged) {
   work.edit_json("capture/transforms_val.json",
                  [](nlohmann::json& json) { json["comment"] = "touched"; });
   EXPECT_EQ(again("3", "5"), from("ingest"));
+}
+
+// Bugs put back, each seen to fail: the finished run of another request replaced; the backend and
+// defaults that are spelt out taken for a change; the old result removed when the new one begins.
+TEST_F(CliRun, NothingFinishedIsReplacedUnasked) {
+  ASSERT_EQ(run().exit_code, 0);
+  const std::string model = work.read("out/run/model.ply"),
+                    scores = work.read("out/run/metrics.json");
+  EXPECT_EQ(begun(run({"--backend", "cpu"})), "");
+  const auto expect_refused = [&](const std::vector<std::string>& more, const std::string& change) {
+    const ChildResult refused = run(more);
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_NE(refused.err.find("holds a finished run; changed: " + change), std::string::npos)
+        << refused.err;
+    EXPECT_NE(refused.err.find("--overwrite"), std::string::npos) << refused.err;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+    EXPECT_TRUE(work.read("out/run/model.ply") == model);
+  };
+  expect_refused({"--seed", "9"}, "seed 1 → 9");
+  expect_refused({"--preset", "3dgs"}, "preset balanced → 3dgs");
+  expect_refused({"--scale", "0.5"}, "scale 1.0 → 0.5");
+  // a successor that fails
+  work.write("capture.bak", work.read("capture/transforms_train.json"));
+  work.write("capture/transforms_train.json", "{}");
+  EXPECT_EQ(run({"--seed", "9", "--overwrite"}).exit_code, 2);
+  EXPECT_TRUE(work.read("out/run/model.ply") == model);
+  EXPECT_TRUE(work.read("out/run/metrics.json") == scores);
+  work.write("capture/transforms_train.json", work.read("capture.bak"));
+  EXPECT_EQ(begun(run()), "") << "the request that OUT holds";
+  ASSERT_EQ(run({"--seed", "9", "--overwrite"}).exit_code, 0);
+  EXPECT_FALSE(work.read("out/run/model.ply") == model);
+  EXPECT_FALSE(fs::exists(work / "out" / "next"));
+  EXPECT_FALSE(fs::exists(work / "out" / "previous"));
+  EXPECT_EQ(begun(run({"--seed", "9"})), "");
+}
+
+// Bug put back: the move of a successor is not completed; seen to fail.
+TEST_F(CliRun, AMoveThatWasCutOffIsCompleted) {
+  ASSERT_EQ(run().exit_code, 0);
+  fs::create_directory(work / "elsewhere");
+  fs::copy(work / "out", work / "elsewhere" / "old", fs::copy_options::recursive);
+  ASSERT_EQ(run({"--seed", "9", "--overwrite"}).exit_code, 0);
+  const std::string model = work.read("out/run/model.ply");
+  // as a kill leaves it that comes after the model was moved and before stages.json was
+  fs::create_directory(work / "out" / "next");
+  fs::rename(work / "out" / "stages.json", work / "out" / "next" / "stages.json");
+  work.write("out/next/complete", "previous");
+  work.write("out/stages.json", work.read("elsewhere/old/stages.json"));
+  EXPECT_EQ(begun(run({"--seed", "9"})), "");
+  EXPECT_TRUE(work.read("out/run/model.ply") == model);
+  EXPECT_FALSE(fs::exists(work / "out" / "next"));
 }
 
 // Bug put back: frames are written without --export-frames; seen to fail.
@@ -126,7 +178,7 @@ TEST_F(CliRun, EndsWithScoresPlacesAndWhatToTypeNext) {
   const ChildResult again = run();
   EXPECT_EQ(again.out.find("zero padding"), std::string::npos) << again.out;
   EXPECT_NE(again.out.find("all stages were done before"), std::string::npos) << again.out;
-  const ChildResult quiet = run({"-q", "--seed", "7"});
+  const ChildResult quiet = run({"-q", "--seed", "7", "--overwrite"});
   EXPECT_EQ(std::count(quiet.err.begin(), quiet.err.end(), '\n'), plays() ? 0 : 1)
       << quiet.err << "but for the warning of a build that carries no page";
   EXPECT_NE(quiet.out.find("test views (1): PSNR"), std::string::npos) << quiet.out;
