@@ -98,9 +98,10 @@ void SequenceWriter::write_frame(size_t i) {
         bounds_[i].add(mean, mean);
     }
   }
-  frame.gaussians = int64_t(rows.size());
   const std::filesystem::path path = folder_ / name(i);
-  save_splat_file(format_, path, select_elements(slice, rows), model_.drawing.sh_degree);
+  frame.out_of_range =
+      save_splat_file(format_, path, select_elements(slice, rows), model_.drawing.sh_degree);
+  frame.gaussians = int64_t(rows.size()) - frame.out_of_range;
   bytes_[i] = int64_t(std::filesystem::file_size(path));
 }
 
@@ -113,6 +114,7 @@ SequenceReport SequenceWriter::report() const {
     report.non_finite += frames_[i].non_finite;
     report.below_cutoff += frames_[i].below_cutoff;
     report.far_outliers += frames_[i].far_outliers;
+    report.out_of_range += frames_[i].out_of_range;
   }
   return report;
 }
@@ -149,7 +151,8 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
   manifest["bounds"] = bounds.to_json();
   manifest["counters"] = {{"non_finite", report.non_finite},
                           {"below_cutoff", report.below_cutoff},
-                          {"far_outliers", report.far_outliers}};
+                          {"far_outliers", report.far_outliers},
+                          {"out_of_range", report.out_of_range}};
   manifest["bytes"] = report.bytes;
   for (size_t i = 0; i < frames_.size(); ++i) {
     const SequenceFrame& frame = frames_[i];
@@ -160,7 +163,8 @@ void SequenceWriter::write_manifest(const SequenceReport& report) const {
          {"gaussians", frame.gaussians},
          {"non_finite", frame.non_finite},
          {"below_cutoff", frame.below_cutoff},
-         {"far_outliers", frame.far_outliers}});
+         {"far_outliers", frame.far_outliers},
+         {"out_of_range", frame.out_of_range}});
   }
   write_text_file(folder_ / kManifest, manifest.dump(2) + "\n");
 }

@@ -19,7 +19,8 @@ struct SequenceFrame {
   int64_t gaussians = 0;     // written
   int64_t non_finite = 0;    // left out: a value not finite, a quaternion without length
   int64_t below_cutoff = 0;  // left out: never drawn at this time (o·p < 1/255 or p < 0.05)
-  int64_t far_outliers = 0;  // written, but beyond 10 × the scene box
+  int64_t far_outliers = 0;  // beyond 10 × the scene box
+  int64_t out_of_range = 0;  // left out: too far from the others for the range of the format
 };
 
 struct SequenceReport {
@@ -27,7 +28,7 @@ struct SequenceReport {
   int64_t bytes = 0;          // of the frames' files
   int64_t max_gaussians = 0;  // of a frame
   int64_t non_finite = 0;     // sums over the frames
-  int64_t below_cutoff = 0, far_outliers = 0;
+  int64_t below_cutoff = 0, far_outliers = 0, out_of_range = 0;
 };
 
 /// (frames done, frames in all), on the caller's thread; may throw to stop.

@@ -13,7 +13,7 @@
 #include "kernels/base/errors.h"
 #include "kernels/math/spherical_harmonics.h"
 #include "recon4d/model/element_edits.h"
-#include "static3d/transform/scene_box.h"
+#include "static3d/transform/far_gaussians.h"
 #include "static3d/transform/splat_quanta.h"
 
 namespace tessera {
@@ -213,9 +213,10 @@ GaussianSet decode_compressed_splat(const std::filesystem::path& path, const Ply
   return set;
 }
 
-void save_compressed_splat(const std::filesystem::path& path, const GaussianSet& set,
-                           int sh_degree) {
-  const GaussianSet ordered = select_elements(set, morton_order(set.values()));
+int64_t save_compressed_splat(const std::filesystem::path& path, const GaussianSet& set,
+                              int sh_degree) {
+  const HeldRows held = rows_in_chunks(set.values(), kSplatsPerChunk);
+  const GaussianSet ordered = select_elements(set, held.rows);
   const GaussianSpans<const float> values = ordered.values();
   const int64_t count = ordered.count();
   const int rest = sh_coefficients(sh_degree) - 1;
@@ -234,6 +235,7 @@ void save_compressed_splat(const std::filesystem::path& path, const GaussianSet&
     }
   }
   write_text_file(path, bytes + splats + sh);
+  return int64_t(held.beyond.size());
 }
 
 }  // namespace tessera

@@ -15,6 +15,7 @@
 #include "static3d/formats/lossless_webp.h"
 #include "static3d/formats/sog_layout.h"
 #include "static3d/formats/splat_formats.h"
+#include "static3d/transform/far_gaussians.h"
 #include "static3d/transform/scalar_codebook.h"
 #include "static3d/transform/scene_box.h"
 #include "static3d/transform/vector_palette.h"
@@ -53,6 +54,19 @@ SogRange range_of_means(const GaussianSpans<const float>& from) {
     range.high[size_t(k)] = float(sog_logarithm(double(high)));
   }
   return range;
+}
+
+/// Whether the range of logarithms up to a mean leaves the core of the scene within 1/256 of its
+/// half extent.
+bool is_in_range(const SceneBox& box, const float* mean) {
+  constexpr double kShare = 1.0 / 256;
+  const double h = double(box.half_extent);
+  for (int k = 0; k < 3; ++k) {
+    const double centre = double(box.centre[k]);
+    const double most = 2 * kSogSteps * kShare * h / (1 + std::abs(centre) + h);  // range
+    if (std::abs(sog_logarithm(double(mean[k])) - sog_logarithm(centre)) > most / 2) return false;
+  }
+  return true;
 }
 
 void add_means(std::vector<SogImage>& images, const GaussianSpans<const float>& from,
@@ -138,13 +152,17 @@ std::string zipped(std::string meta, const std::vector<SogImage>& images) {
 
 }  // namespace
 
-void save_sog(const std::filesystem::path& path, const GaussianSet& set, int sh_degree) {
+int64_t save_sog(const std::filesystem::path& path, const GaussianSet& set, int sh_degree) {
   constexpr int64_t kMostSplats = int64_t{kMostWebpSide - 3} * (kMostWebpSide - 3);
   check_webp(path);
   if (set.count() > kMostSplats)
     throw InputError(fmt::format("{}: .sog holds {} Gaussians, there are {}; export as ply",
                                  path.string(), kMostSplats, set.count()));
-  const GaussianSet ordered = select_elements(set, morton_order(set.values()));
+  const FarShells shells(set.values());
+  const HeldRows held = rows_within(
+      set.values(), shells, [&](const float* mean) { return is_in_range(shells.box(), mean); });
+  const GaussianSet sound = select_elements(set, held.rows);
+  const GaussianSet ordered = select_elements(sound, morton_order(sound.values()));
   const GaussianSpans<const float> from = ordered.values();
   const SogRange range = range_of_means(from);
   std::vector<SogImage> images;
@@ -164,6 +182,7 @@ void save_sog(const std::filesystem::path& path, const GaussianSet& set, int sh_
                   fmt::join(scales.entries(), ","), fmt::join(colours.entries(), ","));
   if (sh_degree > 0 && from.count > 0) meta += add_harmonics(images, from, sh_degree);
   write_text_file(path, zipped(meta + "}", images));
+  return int64_t(held.beyond.size());
 }
 
 }  // namespace tessera

@@ -69,19 +69,28 @@ Reader reader_of(const std::filesystem::path& path, std::string_view head) {
 
 const std::vector<SplatFormat>& splat_formats() {
   static const std::vector<SplatFormat> rows = {
-      {"ply", ".ply", "3DGS, exact; every program", save_ply_3dgs},
+      {"ply", ".ply", "3DGS, exact; every program",
+       [](const std::filesystem::path& path, const GaussianSet& set, int degree) {
+         save_ply_3dgs(path, set, degree);
+         return int64_t{0};
+       }},
       {"compressed", ".compressed.ply", "a quarter of ply; SuperSplat, PlayCanvas, Spark",
        save_compressed_splat},
       {"spz", ".spz", "a tenth of ply; Spark, three.js, Unity",
        [](const std::filesystem::path& path, const GaussianSet& set, int degree) {
-         save_spz(path, set, degree);
+         return save_spz(path, set, degree);
        }},
       {"sog", ".sog", "an eighth of ply; SuperSplat, PlayCanvas, Spark", save_sog},
       {"splat", ".splat", "no view-dependent colour; older viewers",
        [](const std::filesystem::path& path, const GaussianSet& set, int) {
          save_splat_rows(path, set);
+         return int64_t{0};
        }},
-      {"glb", ".glb", "glTF with KHR_gaussian_splatting, floats; three.js, Babylon", save_glb,
+      {"glb", ".glb", "glTF with KHR_gaussian_splatting, floats; three.js, Babylon",
+       [](const std::filesystem::path& path, const GaussianSet& set, int degree) {
+         save_glb(path, set, degree);
+         return int64_t{0};
+       },
        false},
   };
   return rows;
@@ -103,7 +112,7 @@ SplatFormat spz_format(int version) {
   SplatFormat format = splat_format("spz");
   if (version == 4)
     format.save = [](const std::filesystem::path& path, const GaussianSet& set, int degree) {
-      save_spz(path, set, degree, 4);
+      return save_spz(path, set, degree, 4);
     };
   return format;
 }
@@ -135,8 +144,9 @@ int64_t save_splat_file(const SplatFormat& format, const std::filesystem::path& 
   const std::vector<int64_t> rows = valid_elements(set);
   GaussianSet sound = select_elements(set, rows);
   normalise_rotations(sound);
-  format.save(path, sound, std::min(sh_degree, sh_degree_of(sound.coefficients())));
-  return set.count() - int64_t(rows.size());
+  const int64_t far =
+      format.save(path, sound, std::min(sh_degree, sh_degree_of(sound.coefficients())));
+  return set.count() - int64_t(rows.size()) + far;
 }
 
 }  // namespace tessera

@@ -21,8 +21,9 @@ struct SplatFormat {
   const char* name;       // of --format
   const char* extension;  // ".ply"
   const char* doc;        // one line: what is lost, which programs read it
-  /// Of sound Gaussians with unit quaternions. Errors: InputError: what the format cannot hold.
-  void (*save)(const std::filesystem::path&, const GaussianSet&, int sh_degree);
+  /// Of sound Gaussians with unit quaternions. Returns how many were left out because they are too
+  /// far from the others for the range of the format. Errors: InputError: what it cannot hold.
+  int64_t (*save)(const std::filesystem::path&, const GaussianSet&, int sh_degree);
   bool is_read = true;  // by load_splat_file
 };
 const std::vector<SplatFormat>& splat_formats();
@@ -37,7 +38,8 @@ bool is_splat_file(const std::filesystem::path& path, std::string_view head);
 /// quaternions. Errors: InputError naming the file, what is wrong and the remedy.
 SplatFile load_splat_file(const std::filesystem::path& path);
 
-/// Writes the first `sh_degree` degrees. Non-finite Gaussians are left out; returns how many were.
+/// Writes the first `sh_degree` degrees. Non-finite Gaussians are left out, and those that are too
+/// far for the format; returns how many were.
 int64_t save_splat_file(const SplatFormat& format, const std::filesystem::path& path,
                         const GaussianSet& set, int sh_degree);
 

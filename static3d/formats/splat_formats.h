@@ -23,9 +23,10 @@ bool is_compressed_splat(const PlyFile& file);
 GaussianSet decode_compressed_splat(const std::filesystem::path& path, const PlyFile& file);
 
 /// Along a Morton curve, so that chunks are small. Means and logarithms of scales to the range of
-/// their chunk by 2047 (y: 1023), opacities and colours to 1/255, SH to 1/32.
-void save_compressed_splat(const std::filesystem::path& path, const GaussianSet& set,
-                           int sh_degree);
+/// their chunk by 2047 (y: 1023), opacities and colours to 1/255, SH to 1/32. Leaves out what would
+/// widen the chunk of others, see rows_in_chunks; returns how many.
+int64_t save_compressed_splat(const std::filesystem::path& path, const GaussianSet& set,
+                              int sh_degree);
 
 /// Errors: InputError: empty, or a length that is no multiple of 32.
 SplatFile load_splat_rows(const std::filesystem::path& path);
@@ -36,18 +37,22 @@ void save_splat_rows(const std::filesystem::path& path, const GaussianSet& set);
 bool is_spz(std::string_view head);
 /// Errors: InputError: another version, cut off, damaged, counts that do not fit.
 SplatFile load_spz(const std::filesystem::path& path);
-/// Version 3, which most players read, or 4. Means to 1/4096 of a unit within ±2048, logarithms of
-/// scales to 1/16, opacities and colours to 1/255, SH to 1/16 (first degree) and 1/8. Errors:
-/// InputError: a mean out of range; version 4 in a build without zstd.
-void save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree,
-              int version = 3);
+/// Version 3, which most players read, or 4. Means to 1/4096 of a unit within ±2047, logarithms of
+/// scales to 1/16, opacities and colours to 1/255, SH to 1/16 (first degree) and 1/8. Where more
+/// than one in a hundred is beyond ±2047 the step of means is doubled, and again. Leaves out what
+/// is still beyond; returns how many. Errors: InputError: a scene too small for its distance from
+/// the origin; version 4 in a build without zstd.
+int64_t save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree,
+                 int version = 3);
 
 /// By its first bytes a zip archive with the images. Errors: InputError: another version, cut off,
 /// damaged, compressed entries, a build without libwebp.
 SplatFile load_sog(const std::filesystem::path& path);
 /// Logarithms of means to 1/65535 of their range, ln scales and colours by codebooks of 256
-/// numbers, opacities to 1/255, SH by a palette. Errors: InputError: a build without libwebp.
-void save_sog(const std::filesystem::path& path, const GaussianSet& set, int sh_degree);
+/// numbers, opacities to 1/255, SH by a palette. Leaves out what would widen the range so far that
+/// the core of the scene is off by more than 1/256 of its half extent; returns how many. Errors:
+/// InputError: a build without libwebp.
+int64_t save_sog(const std::filesystem::path& path, const GaussianSet& set, int sh_degree);
 
 /// Exact but for exp(ln scale) and σ(logit). Errors: InputError: more bytes than 32 bits count.
 void save_glb(const std::filesystem::path& path, const GaussianSet& set, int sh_degree);

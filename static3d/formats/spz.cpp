@@ -15,7 +15,9 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/bytes.h"
 #include "ingest/files/gzip.h"
+#include "recon4d/model/element_edits.h"
 #include "recon4d/model/splat_columns.h"
+#include "static3d/transform/far_gaussians.h"
 #include "static3d/transform/splat_quanta.h"
 #include "static3d/transform/world_change.h"
 
@@ -216,9 +218,9 @@ void decode(const SpzHeader& header, const SpzColumns& columns, GaussianSet& set
   }
 }
 
-void append_position(std::string& bytes, const float* mean) {
+void append_position(std::string& bytes, const float* mean, int fraction_bits) {
   for (int k = 0; k < 3; ++k) {
-    const auto value = int32_t(std::lround(std::ldexp(double(mean[k]), kFractionBits)));
+    const auto value = int32_t(std::lround(std::ldexp(double(mean[k]), fraction_bits)));
     for (int shift : {0, 8, 16}) append(bytes, uint8_t(uint32_t(value) >> shift & 255));
   }
 }
@@ -237,22 +239,51 @@ void append_sh(std::string& bytes, const float* sh, int sh_degree) {
       append(bytes, sh_byte(sh[3 * i + c], i < 4 ? kFirstBits : kRestBits));
 }
 
-void check_range(const std::filesystem::path& path, const GaussianSet& set) {
-  constexpr float kRange = 2047;  // world units: 24 bits of 1/4096
-  for (int64_t n = 0; n < set.count(); ++n)
-    for (int k = 0; k < 3; ++k)
-      if (const float x = set.values().at(kMean, n)[k]; std::abs(x) > kRange)
-        throw InputError(
-            fmt::format("{}: .spz holds means within ±{} units, one is at {}; export as ply",
-                        path.string(), kRange, x));
+/// World units: 24 bits with a sign.
+double most_at(int fraction_bits) {
+  return std::ldexp(1, 23 - fraction_bits) - 1;
+}
+
+struct SpzMeans {
+  int fraction_bits = kFractionBits;
+  HeldRows held;
+};
+
+/// Fewer fractional bits where the core, or more than one in a hundred, is out of range.
+SpzMeans means_in_range(const std::filesystem::path& path, const GaussianSpans<const float>& set) {
+  constexpr double kShare = 1.0 / 128;  // of the half extent: the largest step
+  constexpr int64_t kOneIn = 100;
+  const FarShells shells(set);
+  SpzMeans means;
+  for (;; --means.fraction_bits) {
+    const double most = most_at(means.fraction_bits);
+    const auto holds = [most](const float* mean) {
+      return std::abs(mean[0]) <= most && std::abs(mean[1]) <= most && std::abs(mean[2]) <= most;
+    };
+    means.held = rows_within(set, shells, holds);
+    const std::vector<int64_t>& rows = means.held.rows;
+    const bool has_core =
+        std::all_of(rows.begin(), rows.end(), [&](int64_t n) { return holds(set.at(kMean, n)); });
+    if (has_core && kOneIn * int64_t(means.held.beyond.size()) <= set.count) return means;
+    const double step = std::ldexp(1, 1 - means.fraction_bits);  // of the next round
+    const bool fine = step <= kShare * double(shells.box().half_extent);
+    if (!fine && has_core) return means;
+    if (!fine)
+      throw InputError(fmt::format(
+          "{}: .spz holds means within ±{} units in steps of 1/{}, the scene is at ({}, {}, {}); "
+          "export as ply",
+          path.string(), most, 1 << means.fraction_bits, shells.box().centre[0],
+          shells.box().centre[1], shells.box().centre[2]));
+  }
 }
 
 /// The columns in their order; none that are empty.
-std::vector<std::string> streams_of(const GaussianSpans<const float>& from, int sh_degree) {
+std::vector<std::string> streams_of(const GaussianSpans<const float>& from,
+                                    const SpzHeader& header) {
   enum { kPositions, kAlphas, kColours, kScales, kRotations, kHarmonics, kStreams };
   std::vector<std::string> streams(kStreams);
   for (int64_t n = 0; n < from.count; ++n) {
-    append_position(streams[kPositions], from.at(kMean, n));
+    append_position(streams[kPositions], from.at(kMean, n), header.fraction_bits);
     append(streams[kAlphas], opacity_byte(*from.at(kOpacityLogit, n)));
     for (int k = 0; k < 3; ++k) {
       append(streams[kColours], byte_of(255 * kColourScale * from.at(kSh, n)[k] + 127.5));
@@ -260,7 +291,7 @@ std::vector<std::string> streams_of(const GaussianSpans<const float>& from, int 
     }
     const float* const q = from.at(kRotation, n);
     append(streams[kRotations], word_of_rotation({q[1], q[2], q[3], q[0]}));
-    append_sh(streams[kHarmonics], from.at(kSh, n), sh_degree);
+    append_sh(streams[kHarmonics], from.at(kSh, n), header.sh_degree);
   }
   std::erase_if(streams, [](const std::string& stream) { return stream.empty(); });
   return streams;
@@ -330,25 +361,27 @@ SplatFile load_spz(const std::filesystem::path& path) {
   return result;
 }
 
-void save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree,
-              int version) {
-  check_range(path, set);
-  GaussianSet flipped = set.clone_values();
+int64_t save_spz(const std::filesystem::path& path, const GaussianSet& set, int sh_degree,
+                 int version) {
+  const SpzMeans means = means_in_range(path, set.values());
+  GaussianSet flipped = select_elements(set, means.held.rows);
   flip_axes(flipped, kRightUpBack);
-  const int degree = std::min(sh_degree, sh_degree_of(set.coefficients()));
-  const std::vector<std::string> streams = streams_of(std::as_const(flipped).values(), degree);
   SpzHeader header;
   header.version = uint32_t(version);
-  header.count = uint32_t(set.count());
-  header.sh_degree = uint8_t(degree);
+  header.count = uint32_t(flipped.count());
+  header.sh_degree = uint8_t(std::min(sh_degree, sh_degree_of(set.coefficients())));
+  header.fraction_bits = uint8_t(means.fraction_bits);
+  const auto left_out = int64_t(means.held.beyond.size());
+  const std::vector<std::string> streams = streams_of(std::as_const(flipped).values(), header);
   if (version == 4) {
     write_text_file(path, packed_apart(header, streams, path));
-    return;
+    return left_out;
   }
   std::string bytes;
   append_header(bytes, header);
   for (const std::string& stream : streams) bytes += stream;
   write_text_file(path, gzip(bytes, kGzipLevel));
+  return left_out;
 }
 
 }  // namespace tessera

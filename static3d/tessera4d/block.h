@@ -27,6 +27,10 @@ struct Block {
 Block encode_block(const GaussianSet& set, const BlockRules& rules,
                    const MotionNodes& nodes = MotionNodes());
 
+/// Of a set's positions, world units: a share of the second axes of the smaller Gaussians, for the
+/// thinnest is often that of a disc.
+double position_step(const GaussianSpans<const float>& set);
+
 /// A static set, a canonical one or one in velocity form, with the SH coefficients of `sh_degree`;
 /// of a canonical one also its nodes. Errors:
 /// InputError naming `path`: a checksum that differs, streams that are missing, too short, or of

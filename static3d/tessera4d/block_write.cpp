@@ -51,7 +51,7 @@ class Encoder {
     std::stable_sort(order.begin(), order.end(),
                      [&](int64_t a, int64_t b) { return degrees[size_t(a)] > degrees[size_t(b)]; });
     sorted_ = select_elements(set, order);
-    position_step_ = position_step();
+    position_step_ = position_step(std::as_const(sorted_).values());
     opacity_ = opacities();
     block_.info.moving = is_dynamic(set.form());
     block_.info.count = set.count();
@@ -116,16 +116,6 @@ class Encoder {
                            : quantised(name, components, values, step, delta);
   }
 
-  /// A share of the second axes of the smaller Gaussians: the thinnest is often that of a disc.
-  double position_step() const {
-    std::vector<double> sizes;
-    const GaussianSpans<const float> values = this->values();
-    for (int64_t n = 0; n < count(); ++n) {
-      const float* s = values.at(kLogScale, n);
-      sizes.push_back(std::max(std::min(s[0], s[1]), std::min(std::max(s[0], s[1]), s[2])));
-    }
-    return kPositionShare * std::exp(quantile(std::move(sizes), kQuantile));
-  }
   void add_position(const std::vector<float>& positions) {
     add(rounded("position", 3, positions, position_step_, true));
   }
@@ -230,6 +220,15 @@ class Encoder {
 };
 
 }  // namespace
+
+double position_step(const GaussianSpans<const float>& set) {
+  std::vector<double> sizes;
+  for (int64_t n = 0; n < set.count; ++n) {
+    const float* s = set.at(kLogScale, n);
+    sizes.push_back(std::max(std::min(s[0], s[1]), std::min(std::max(s[0], s[1]), s[2])));
+  }
+  return kPositionShare * std::exp(quantile(std::move(sizes), kQuantile));
+}
 
 Block encode_block(const GaussianSet& set, const BlockRules& rules, const MotionNodes& nodes) {
   check(set.form() != SetForm::kPair && set.time_levels() == 0, "encode_block: not of pairs");

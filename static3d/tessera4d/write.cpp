@@ -18,6 +18,7 @@
 #include "static3d/tessera4d/node_streams.h"
 #include "static3d/tessera4d/segments.h"
 #include "static3d/tessera4d/tessera4d.h"
+#include "static3d/transform/far_gaussians.h"
 #include "static3d/transform/motion_form.h"
 #include "static3d/transform/scene_box.h"
 
@@ -97,6 +98,25 @@ class Writer {
     manifest_.blocks.push_back(std::move(block.info));
     file_.blocks.emplace_back(name, std::move(block.bytes));
   }
+  /// A second block has those that are so far away that the first could not hold its step.
+  void add_blocks(const GaussianSet& set, const std::string& name, BlockInfo place) {
+    constexpr double kMostSteps = 1 << 23;  // to each side of the middle: words have 24 bits
+    const GaussianSpans<const float> values = set.values();
+    const FarShells shells(values);
+    const double reach = (kMostSteps - 2) * position_step(values);
+    const HeldRows held = rows_within(values, shells, [&](const float* mean) {
+      bool inside = true;
+      for (int k = 0; k < 3; ++k)
+        inside = inside && std::abs(double(mean[k]) - shells.box().centre[k]) < reach;
+      return inside;
+    });
+    if (rules_.lossless || held.beyond.empty()) {
+      add_block(set, name + ".bin", place);
+      return;
+    }
+    add_block(select_elements(set, held.rows), name + ".bin", place);
+    add_block(select_elements(set, held.beyond), name + "_far.bin", place);
+  }
   /// Counts and bounds of what is written.
   void note(const Vec3<float>& mean) {
     if (box_.is_far(mean, kFarFactor)) {
@@ -129,7 +149,7 @@ class Writer {
     const std::vector<int64_t> carried(elements.begin(), first_static),
         fixed(first_static, elements.end());
     if (!fixed.empty())
-      add_block(in_static_form(select_elements(model_.static_set, fixed)), "static.bin", {});
+      add_blocks(in_static_form(select_elements(model_.static_set, fixed)), "static", {});
     if (!carried.empty())
       add_block(select_elements(model_.static_set, carried), "canonical.bin", {});
   }
@@ -160,8 +180,8 @@ class Writer {
       if (length < 1)
         place.segment = {double(cell.segment) * length,
                          std::min(1.0, double(cell.segment + 1) * length)};
-      add_block(select_elements(moving, elements),
-                fmt::format("level{}_{:04}.bin", cell.level, cell.segment), place);
+      add_blocks(select_elements(moving, elements),
+                 fmt::format("level{}_{:04}", cell.level, cell.segment), place);
     }
   }
 

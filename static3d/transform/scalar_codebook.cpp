@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/base/median.h"
+
 namespace tessera {
 namespace {
 
@@ -12,12 +14,32 @@ constexpr int kLloydIterations = 100;
 
 using Entries = std::array<double, ScalarCodebook::kEntries>;
 
-/// Entries at equal steps of the sum of cube roots of a histogram of sorted values.
+struct Reach {
+  double low, high;
+};
+
+/// Of sorted values, without those that are so far from the median that the bins of a histogram
+/// would be wider than what the others differ by.
+Reach reach_of(const std::vector<float>& sorted) {
+  constexpr double kMostDeviations = 64;  // median deviations: a Gaussian has 99.9 % within five
+  const float middle = sorted[sorted.size() / 2];
+  std::vector<float> deviations;
+  deviations.reserve(sorted.size());
+  for (const float x : sorted) deviations.push_back(std::abs(x - middle));
+  const double most = kMostDeviations * double(median_in_place(deviations));
+  const double low = double(sorted.front()), high = double(sorted.back());
+  if (!(most > 0)) return {low, high};
+  return {std::max(low, double(middle) - most), std::min(high, double(middle) + most)};
+}
+
+/// Entries at equal steps of the sum of cube roots of a histogram of sorted values. What is outside
+/// of it is for the iterations, which move the outermost entries there.
 Entries first_entries(const std::vector<float>& sorted) {
   constexpr int kBins = 4096;
-  const double low = sorted.front(), width = (double(sorted.back()) - low) / kBins;
+  const auto [low, high] = reach_of(sorted);
+  const double width = (high - low) / kBins;
   std::vector<double> cumulative(kBins + 1);
-  auto begin = sorted.begin();
+  auto begin = std::lower_bound(sorted.begin(), sorted.end(), float(low));
   for (int bin = 0; bin < kBins; ++bin) {
     const auto end = std::lower_bound(begin, sorted.end(), float(low + (bin + 1) * width));
     cumulative[size_t(bin) + 1] = cumulative[size_t(bin)] + std::cbrt(double(end - begin));

@@ -18,13 +18,17 @@ bool SceneBox::is_far(const Vec3<float>& mean, float factor) const {
 }
 
 SceneBox scene_box(const GaussianModel& model) {
+  return box_of_means({model.static_set.values(), model.dynamic_set.values()});
+}
+
+SceneBox box_of_means(const std::vector<GaussianSpans<const float>>& sets) {
   SceneBox box;
   std::vector<float> values;
   for (int axis = 0; axis < 3; ++axis) {
     values.clear();
-    for (const GaussianSet* set : {&model.static_set, &model.dynamic_set})
-      for (int64_t n = 0; n < set->count(); ++n)
-        if (const float x = set->values().at(kMean, n)[axis]; std::isfinite(x)) values.push_back(x);
+    for (const GaussianSpans<const float>& set : sets)
+      for (int64_t n = 0; n < set.count; ++n)
+        if (const float x = set.at(kMean, n)[axis]; std::isfinite(x)) values.push_back(x);
     if (values.empty()) return box;
     box.centre[axis] = median_in_place(values);
     for (float& x : values) x = std::abs(x - box.centre[axis]);

@@ -23,6 +23,7 @@ struct SceneBox {
 
 /// Of the means of both sets.
 SceneBox scene_box(const GaussianModel& model);
+SceneBox box_of_means(const std::vector<GaussianSpans<const float>>& sets);
 
 /// Elements by the Morton codes of their means in the box of all; equal codes keep their order.
 std::vector<int64_t> morton_order(const GaussianSpans<const float>& set);

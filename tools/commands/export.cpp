@@ -76,6 +76,13 @@ bool drawn_as_players_do(const GaussianModel& model) {
          model.drawing.truncation_sigma == kTruncationSigma;
 }
 
+/// Whether a Gaussian has another colour at another time.
+bool colours_follow_time(const GaussianModel& model) {
+  if (model.drawing.sh_time_degree == 0 || model.dynamic_set.time_levels() == 0) return false;
+  const auto levels = model.dynamic_set.group(kShTime).value.span();
+  return std::any_of(levels.begin(), levels.end(), [](float x) { return x != 0; });
+}
+
 void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
   if (!(in_time != nullptr && in_time->keeps_rules) && !drawn_as_players_do(input.model))
     warn(
@@ -86,7 +93,7 @@ void warn_of_losses(const ModelInput& input, const TimeFormat* in_time) {
   if (input.model.environment.height > 0)
     warn(fmt::format("{}: its environment is not in what is exported; --format model keeps it",
                      input.file.string()));
-  if (in_time != nullptr && input.model.drawing.sh_time_degree > 0)
+  if (in_time != nullptr && colours_follow_time(input.model))
     warn(
         fmt::format("{}: its colours follow time; exported are those of each Gaussian's own "
                     "timestep; frames and --format model keep them",

@@ -129,7 +129,8 @@ nlohmann::json write_splatv(const ExportRequest& request, GaussianModel& model) 
   std::vector<PlayerCamera> cameras = rig_of(request.cameras, request.model, model).cameras;
   if (cameras.empty()) cameras.push_back(splatv_camera(model));
   OutputFolder folder(request.out, "export", {kFile}, request.overwrite);
-  const SplatvReport report = save_splatv(folder.path(kFile), model, cameras);
+  const SplatvReport report =
+      folder.written([&] { return save_splatv(folder.path(kFile), model, cameras); });
   folder.finish();
   return {{"frames", 1},
           {"bytes", report.bytes},
@@ -145,7 +146,8 @@ nlohmann::json write_moving_glb(const ExportRequest& request, GaussianModel& mod
   double fps = request.times.fps.value_or(0);
   if (!(fps > 0)) fps = rig_of("", request.model, model).fps;
   OutputFolder folder(request.out, "export", {kFile}, request.overwrite);
-  const MovingGlbReport report = save_moving_glb(folder.path(kFile), model, fps > 0 ? fps : kFps);
+  const MovingGlbReport report = folder.written(
+      [&] { return save_moving_glb(folder.path(kFile), model, fps > 0 ? fps : kFps); });
   folder.finish();
   return {{"frames", 1},
           {"bytes", report.bytes},
@@ -184,6 +186,18 @@ std::vector<std::string> files_of(const ExportRequest& request, int64_t count,
   if (!poster.bytes.empty()) files.push_back(poster.file());
   for (int64_t i = 0; i < count; ++i) files.push_back(sequence_file_name(i, count, format));
   return files;
+}
+
+/// One line of all frames, with the number of the one that lost most.
+void warn_of_range(const ExportRequest& request, const SequenceReport& report) {
+  int64_t most = 0;
+  for (const SequenceFrame& frame : report.frames) most = std::max(most, frame.out_of_range);
+  if (most == 0) return;
+  warn(
+      fmt::format("{}: {}{} Gaussian{} left out: too far from the others for the range of "
+                  "--format {}; ply keeps them",
+                  request.out, report.frames.size() > 1 ? "in a frame up to " : "", most,
+                  most == 1 ? "" : "s", request.format));
 }
 
 }  // namespace
@@ -256,15 +270,18 @@ nlohmann::json export_frames(const ExportRequest& request, const GaussianModel& 
       stop_if_interrupted();
       bar.update(done, total);
     };
-    report = export_sequence(model, folder.staging(), times, format, progress, hints);
+    report = folder.written(
+        [&] { return export_sequence(model, folder.staging(), times, format, progress, hints); });
   }
   if (request.page) write_text_file(folder.path(kPageFile), page_of_folder(head));
   if (!head.poster.bytes.empty())
     write_text_file(folder.path(head.poster.file()), head.poster.bytes);
   folder.finish();
+  warn_of_range(request, report);
   return {{"frames", report.frames.size()},        {"bytes", report.bytes},
           {"max_gaussians", report.max_gaussians}, {"non_finite", report.non_finite},
-          {"below_cutoff", report.below_cutoff},   {"far_outliers", report.far_outliers}};
+          {"below_cutoff", report.below_cutoff},   {"far_outliers", report.far_outliers},
+          {"out_of_range", report.out_of_range}};
 }
 
 }  // namespace tessera

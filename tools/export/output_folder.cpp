@@ -85,6 +85,13 @@ void OutputFolder::finish() {
   fs::rename(staging_ / kManifest, folder_ / kManifest);
 }
 
+std::string OutputFolder::in_place(std::string message) const {
+  const std::string hidden = staging_.string();
+  for (size_t at = message.find(hidden); at != std::string::npos; at = message.find(hidden, at))
+    message.replace(at, hidden.size(), folder_.string());
+  return message;
+}
+
 /// One that is not complete lists the files of both runs.
 void OutputFolder::write_manifest(const fs::path& file, bool complete) const {
   std::vector<std::string> files = files_;

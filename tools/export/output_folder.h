@@ -6,6 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "ingest/files/atomic_file.h"
+#include "kernels/base/errors.h"
+
 namespace tessera {
 
 class OutputFolder {
@@ -27,7 +30,21 @@ class OutputFolder {
   /// the manifest as complete. A kill in between leaves a manifest that is marked as not complete.
   void finish();
 
+  /// Calls `write`, which makes the files. Errors: those of `write`, in which the hidden folder,
+  /// which is gone when they are read, stands as this folder.
+  template <class Write>
+  auto written(const Write& write) const {
+    try {
+      return write();
+    } catch (const InputError& error) {
+      throw InputError(in_place(error.what()));
+    } catch (const WriteError& error) {
+      throw WriteError(in_place(error.what()));
+    }
+  }
+
  private:
+  std::string in_place(std::string message) const;
   void write_manifest(const std::filesystem::path& file, bool complete) const;
 
   std::filesystem::path folder_, staging_;
