@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <map>
+#include <utility>
 
 #include "kernels/math/spherical_harmonics.h"
 
@@ -31,7 +33,8 @@ std::vector<int64_t> along_curve(const GaussianSpans<const float>& set,
 
 }  // namespace
 
-FarShells::FarShells(const GaussianSpans<const float>& set) : set_(set), box_(box_of_means({set})) {}
+FarShells::FarShells(const GaussianSpans<const float>& set)
+    : set_(set), box_(box_of_means({set})) {}
 
 int FarShells::of_mean(int64_t n) const {
   if (!(box_.half_extent > 0)) return 0;
@@ -58,17 +61,24 @@ HeldRows rows_within(const GaussianSpans<const float>& set, const FarShells& she
 
 HeldRows rows_in_chunks(const GaussianSpans<const float>& set, int64_t chunk) {
   const FarShells shells(set);
-  std::map<int, std::vector<int64_t>> parts;
+  std::map<int, std::vector<int64_t>, std::greater<>> parts;
   for (int64_t n = 0; n < set.count; ++n)
     parts[std::max(shells.of_mean(n), shells.of_colour(n))].push_back(n);
   HeldRows held;
-  int first = 0;  // shell of the first row of the chunk
-  for (const auto& [shell, rows] : parts)
+  std::deque<std::pair<int, int64_t>> open;  // shells and rows of the chunk that is not full
+  const auto close = [&] {
+    for (const auto& [shell, n] : open) held.rows.push_back(n);
+    open.clear();
+  };
+  for (const auto& [shell, rows] : parts) {
+    for (; !open.empty() && open.front().first - shell > (shell == 0 ? 1 : 3); open.pop_front())
+      held.beyond.push_back(open.front().second);
     for (const int64_t n : along_curve(set, rows)) {
-      if (int64_t(held.rows.size()) % chunk == 0) first = shell;
-      const bool fits = shell - first <= (first == 0 ? 1 : 3);
-      (fits ? held.rows : held.beyond).push_back(n);
+      open.emplace_back(shell, n);
+      if (int64_t(open.size()) == chunk) close();
     }
+  }
+  close();
   return held;
 }
 

@@ -37,9 +37,11 @@ struct HeldRows {
 HeldRows rows_within(const GaussianSpans<const float>& set, const FarShells& shells,
                      const std::function<bool(const float* mean)>& holds);
 
-/// For formats that round means and colours by the range of every `chunk` rows: shell after shell,
-/// along a Morton curve in each. A chunk of the core takes in one shell more, another chunk three
-/// more; `beyond` has those that are further out than the chunk to which they would belong.
+/// For formats that round means and colours by the range of every `chunk` rows: shell after shell
+/// from the outermost to the core, so that the last chunk alone is not full; along a Morton curve
+/// in each. A chunk with rows of the core has none beyond shell 1, another chunk spans four shells
+/// at most. `beyond` has the rows that would not fill a chunk so: fewer than `chunk` for each gap,
+/// none where each shell has a chunk's rows.
 HeldRows rows_in_chunks(const GaussianSpans<const float>& set, int64_t chunk);
 
 }  // namespace tessera
