@@ -86,9 +86,10 @@ void OutputFolder::finish() {
 }
 
 std::string OutputFolder::in_place(std::string message) const {
-  const std::string hidden = staging_.string();
-  for (size_t at = message.find(hidden); at != std::string::npos; at = message.find(hidden, at))
-    message.replace(at, hidden.size(), folder_.string());
+  const std::string staging = staging_.string();
+  size_t place = 0;
+  while ((place = message.find(staging, place)) != std::string::npos)
+    message.replace(place, staging.size(), folder_.string());
   return message;
 }
 

@@ -63,14 +63,16 @@ std::vector<SplatFormat> formats_with_a_range() {
   return formats;
 }
 
-/// The bound of the error of means in the core, docs/reference/splat-formats.md. The core reaches to
-/// four half extents, where that of .sog has grown with 1 + |x|.
+/// The bound of the error of means in the core, docs/reference/splat-formats.md. The core reaches
+/// to four half extents, where that of .sog has grown with 1 + |x|.
 double stated(const SplatFormat& format, const GaussianSet& set) {
   const double h = double(FarShells(set.values()).box().half_extent);
   const std::string name = format.name;
   return name == "compressed" ? h / 128 : name == "spz" ? 1.0 / 8192 + 1e-6 : 4 * h / 256;
 }
 
+// Bugs put back, each seen to fail: chunks of any shells; `holds` always true in rows_within;
+// shells from the core outwards.
 TEST(FarGaussians, OthersKeepTheStatedError) {
   const ScratchFolder folder;
   const GaussianSet set = set_to_write(600);
@@ -90,6 +92,7 @@ TEST(FarGaussians, OthersKeepTheStatedError) {
       }
 }
 
+// Bugs put back, each seen to fail: chunks of any shells; shells from the core outwards.
 TEST(FarGaussians, FillChunksOfTheirOwnWhereTheyAreMany) {
   const ScratchFolder folder;
   GaussianSet set = set_to_write(2000);
@@ -134,7 +137,7 @@ TEST(FarGaussians, ColoursOfOthersStay) {
   }
 }
 
-// Bug put back: what is not finite counted twice; seen to fail.
+// Bug put back: save_splat_file counts only what is not finite; seen to fail.
 TEST(FarGaussians, AreCountedBesideWhatIsNotFinite) {
   const ScratchFolder folder;
   GaussianModel model = random_model(0, 0);
@@ -153,7 +156,7 @@ TEST(FarGaussians, AreCountedBesideWhatIsNotFinite) {
   EXPECT_EQ(export_sequence(model, folder / "ply", {0}, splat_format("ply")).out_of_range, 0);
 }
 
-// Bugs put back, each seen to fail: a core of half an extent; bits of means from the core's box.
+// Bug put back: a core of half an extent; seen to fail.
 TEST(FarGaussians, NoneLeaveTheOrderAndTheStepsAsTheyAre) {
   const ScratchFolder folder;
   const GaussianSet set = set_to_write(600);
@@ -178,6 +181,7 @@ TEST(FarGaussians, ASceneFarFromTheOriginHasCoarserStepsInSpz) {
                      {"b.spz", "1005000", "export as ply"});
 }
 
+// Bug put back: any mean in range; seen to fail.
 TEST(FarGaussians, ASceneFarFromTheOriginKeepsItsErrorInSog) {
   if (!is_built(splat_format("sog"))) GTEST_SKIP() << "built without libwebp";
   const ScratchFolder folder;
@@ -197,7 +201,8 @@ TEST(FarGaussians, HaveABlockOfTheirOwnInTessera4d) {
   const std::string before = single_tessera4d(encode_tessera4d(model, {}));
   EXPECT_EQ(encode_tessera4d(model, {}).blocks.size(), 1u);
   write_text_file(folder / "a.t4d", before);
-  const double plain = worst_mean(model.static_set, load_tessera4d(folder / "a.t4d").model.static_set);
+  const double plain =
+      worst_mean(model.static_set, load_tessera4d(folder / "a.t4d").model.static_set);
   model.static_set = with_far(model.static_set, 5, 1e9f);
   const Tessera4dFile file = encode_tessera4d(model, {});
   EXPECT_EQ(file.static_count, 600);
