@@ -171,7 +171,7 @@ EvaluationReport evaluate(Backend& backend, const GaussianModel& model, const Sc
   report.split = split;
   Renderer renderer(backend, model);
   MovingRegionMeter moving(backend, model, options);
-  PixelScores pixels(scene, options);
+  PixelScores pixels(scene, indices, options);
   for (size_t begin = 0; begin < indices.size(); begin += size_t(options.batch)) {
     const size_t end = std::min(begin + size_t(options.batch), indices.size());
     std::vector<View> views;

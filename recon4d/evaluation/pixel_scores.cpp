@@ -38,7 +38,20 @@ void add_colour_fit(const std::vector<ViewPixelSums>& sums, EvaluationReport& re
   }
 }
 
+std::map<std::string, int64_t> frames_of_cameras(const Scene& scene,
+                                                 const std::vector<int>& frames) {
+  std::map<std::string, int64_t> cameras;
+  for (const int i : frames) ++cameras[scene.frames[size_t(i)].camera_name];
+  return cameras;
+}
+
 }  // namespace
+
+PixelScores::PixelScores(const Scene& scene, const std::vector<int>& scored,
+                         const EvaluateOptions& options)
+    : options_(options),
+      regions_(scene, DynamicRegions::Of::kAllFrames),
+      flicker_(frames_of_cameras(scene, scored)) {}
 
 void PixelScores::add(const Frame& frame, const RenderedImage& image, ViewScore& score) {
   if (!options_.pixel_sums) return;

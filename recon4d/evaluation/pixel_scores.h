@@ -10,8 +10,8 @@ namespace tessera {
 /// Takes the scored views in order. Scene and options must outlive it.
 class PixelScores {
  public:
-  PixelScores(const Scene& scene, const EvaluateOptions& options)
-      : options_(options), regions_(scene) {}
+  /// `scored`: numbers of the frames that will come.
+  PixelScores(const Scene& scene, const std::vector<int>& scored, const EvaluateOptions& options);
 
   /// Fills in what a single view has of its moving and static pixels.
   void add(const Frame& frame, const RenderedImage& image, ViewScore& score);

@@ -1,4 +1,4 @@
-// Running sums over time for the planes of one camera at a time, and medians over time.
+// Running sums over time for the planes of a camera, and medians over time.
 #include "recon4d/evaluation/temporal_scores.h"
 
 #include <algorithm>
@@ -29,7 +29,15 @@ void FlickerMeter::start(Sums& sums, const Frame& frame) const {
 }
 
 void FlickerMeter::add(const Frame& frame, const RenderedImage& image) {
-  Sums& sums = cameras_[frame.camera_name];
+  const std::string& camera = frame.camera_name;
+  Sums& sums = cameras_[camera];
+  take(frame, image, sums);
+  if (--left_[camera] > 0) return;
+  if (!sums.broken && sums.timesteps > 1) scores_[camera] = score(camera, sums);
+  cameras_.erase(camera);
+}
+
+void FlickerMeter::take(const Frame& frame, const RenderedImage& image, Sums& sums) const {
   if (sums.broken) return;
   const Frame* const last = sums.last;
   sums.broken = last != nullptr && !(frame.camera == last->camera && frame.time > last->time);
@@ -90,8 +98,7 @@ FlickerScore FlickerMeter::score(const std::string& camera, const Sums& sums) {
 
 std::vector<FlickerScore> FlickerMeter::scores() const {
   std::vector<FlickerScore> scores;
-  for (const auto& [camera, sums] : cameras_)
-    if (!sums.broken && sums.timesteps > 1) scores.push_back(score(camera, sums));
+  for (const auto& [camera, score] : scores_) scores.push_back(score);
   return scores;
 }
 
@@ -102,6 +109,7 @@ const std::vector<uint8_t>& DynamicRegions::median_of(const Frame& frame) {
   std::vector<const Frame*> frames;
   for (const Frame& other : scene_.frames) {
     if (other.camera_name != frame.camera_name) continue;
+    if (of_ == Of::kTrainingFrames && other.split != Split::kTrain) continue;
     if (!(other.camera == frame.camera)) return median;
     frames.push_back(&other);
   }

@@ -26,9 +26,12 @@ struct FlickerScore {
 };
 
 /// Takes the frames of a split one after another. A camera counts when its scored frames show it in
-/// one place at two timesteps or more and come in the order of time.
+/// one place at two timesteps or more and come in the order of time. It takes 61 bytes a pixel from
+/// a camera's first frame to its last.
 class FlickerMeter {
  public:
+  /// `frames`: how many of each camera will come.
+  explicit FlickerMeter(std::map<std::string, int64_t> frames) : left_(std::move(frames)) {}
   void add(const Frame& frame, const RenderedImage& image);
   std::vector<FlickerScore> scores() const;  // by name of camera
 
@@ -42,10 +45,13 @@ class FlickerMeter {
     int64_t change_count = 0, timesteps = 0;
     bool broken = false;
   };
+  void take(const Frame& frame, const RenderedImage& image, Sums& sums) const;
   void start(Sums& sums, const Frame& frame) const;
   static FlickerScore score(const std::string& camera, const Sums& sums);
 
-  std::map<std::string, Sums> cameras_;
+  std::map<std::string, int64_t> left_;         // frames of each camera
+  std::map<std::string, Sums> cameras_;         // those that are not complete
+  std::map<std::string, FlickerScore> scores_;  // the others
 };
 
 /// Which pixels of a camera that stands still show something that moves: those whose truth differs
@@ -56,8 +62,10 @@ class DynamicRegions {
   static constexpr size_t kMoments = 31;  // the median is of at most so many, spread over time
   static constexpr size_t kLeastMoments = 3;
 
-  /// Medians are of all frames of the scene, which must outlive this.
-  explicit DynamicRegions(const Scene& scene) : scene_(scene) {}
+  enum class Of { kAllFrames, kTrainingFrames };
+
+  /// What medians are of; `scene` must outlive this. A training must not see test frames.
+  DynamicRegions(const Scene& scene, Of of) : scene_(scene), of_(of) {}
 
   /// [height, width] 255 where it moves, 0 elsewhere; empty: the camera moves, or has fewer than
   /// three timesteps.
@@ -67,6 +75,7 @@ class DynamicRegions {
   const std::vector<uint8_t>& median_of(const Frame& frame);
 
   const Scene& scene_;
+  const Of of_;
   std::map<std::string, std::vector<uint8_t>> medians_;  // [height, width, 3], or empty
 };
 

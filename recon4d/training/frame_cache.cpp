@@ -167,7 +167,7 @@ void FrameCache::fill(Slot& slot, const std::vector<int64_t>& indices) {
 
 FrameMasks moving_masks(const Scene& scene, const std::vector<int>& frames) {
   FrameMasks masks;
-  DynamicRegions regions(scene);
+  DynamicRegions regions(scene, DynamicRegions::Of::kTrainingFrames);
   for (const int place : frames) {
     const Frame& frame = scene.frames[size_t(place)];
     const Span<const uint8_t> frame_mask = used_mask(frame);

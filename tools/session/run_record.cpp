@@ -18,12 +18,11 @@ std::string value_text(const json& value) {
   return value.is_string() ? value.get<std::string>() : value.is_null() ? "none" : value.dump();
 }
 
-
 void add_changes(const json& before, const json& now, const std::string& name,
                  std::vector<std::string>& found) {
   if (before.is_object() && now.is_object()) {
-    const bool other_preset = before.contains(kPreset) && now.contains(kPreset) &&
-                              before[kPreset] != now[kPreset];
+    const bool other_preset =
+        before.contains(kPreset) && now.contains(kPreset) && before[kPreset] != now[kPreset];
     for (const auto& [key, value] : now.items())
       if (before.contains(key) && !(other_preset && key == kOptions))
         add_changes(before[key], value, key, found);
@@ -59,9 +58,7 @@ RunPlan plan_run(const RunRecord& record, const json& request, bool overwrite) {
   if (known) plan.changed = changes(record.request, request);
   const bool is_same = known && plan.changed.empty();
   if (record.finished)
-    plan.action = is_same     ? RunAction::kDone
-                  : overwrite ? RunAction::kReplace
-                              : RunAction::kRefuse;
+    plan.action = is_same ? RunAction::kDone : overwrite ? RunAction::kReplace : RunAction::kRefuse;
   else if (is_same && record.has_checkpoint)
     plan.action = RunAction::kResume;
   return plan;

@@ -1,5 +1,6 @@
-// What a training or a run was asked for, how two requests differ, and what a new request does where
-// a folder holds an earlier one: nothing that is finished is replaced, unless that is asked for.
+// What a training or a run was asked for, how two requests differ, and what a new request does
+// where a folder holds an earlier one: nothing that is finished is replaced, unless that is asked
+// for.
 #pragma once
 #include <nlohmann/json.hpp>
 #include <string>

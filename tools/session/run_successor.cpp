@@ -1,5 +1,5 @@
-// Entry by entry: the old one is renamed to OUT/previous, the new one to OUT. A move has begun where
-// OUT/next/complete is there, which names that folder; doing it again does what is left.
+// Entry by entry: the old one is renamed to OUT/previous, the new one to OUT. A move has begun
+// where OUT/next/complete is there, which names that folder; doing it again does what is left.
 #include "tools/session/run_successor.h"
 
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
-// The successor of a finished run: it is made in a folder of its own, so that the finished one stays
-// whole until the new one is complete, and then takes its place.
+// The successor of a finished run: it is made in a folder of its own, so that the finished one
+// stays whole until the new one is complete, and then takes its place.
 #pragma once
 #include <filesystem>
 
@@ -8,9 +8,9 @@ namespace tessera {
 /// Of the folder in OUT in which a successor is made.
 inline constexpr const char* kNext = "next";
 
-/// Moves what the successor `from` of a `tessera run` has (scene, run, stages.json) to `out`, in the
-/// place of what is there, and removes that, but for files that Tessera did not write. What is cut
-/// off by a kill or a full disk is completed by finish_move. Errors: WriteError.
+/// Moves what the successor `from` of a `tessera run` has (scene, run, stages.json) to `out`, in
+/// the place of what is there, and removes that, but for files that Tessera did not write. What is
+/// cut off by a kill or a full disk is completed by finish_move. Errors: WriteError.
 void move_successor(const std::filesystem::path& from, const std::filesystem::path& out);
 
 /// Completes a move that was cut off; nothing where there was none.

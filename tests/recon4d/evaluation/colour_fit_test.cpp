@@ -115,7 +115,7 @@ int flashing(int camera, int t, size_t i, int value) {
 TEST(ColourFit, MovingAndStaticPixelsAddUpToAll) {
   const Rig rig(flashing);
   const EvaluationReport report = rig.evaluated();
-  DynamicRegions regions(rig.scene);
+  DynamicRegions regions(rig.scene, DynamicRegions::Of::kAllFrames);
   const auto squared_error = [](double psnr) { return std::pow(10.0, -psnr / 10); };
   for (size_t i = 0; i < report.views.size(); ++i) {
     const std::vector<uint8_t> moves = regions.mask_of(rig.scene.frames[i]);

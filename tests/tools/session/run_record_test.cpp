@@ -71,7 +71,9 @@ TEST(RunRecord, NothingFinishedIsReplacedUnasked) {
                 RunAction::kReplace},
        }) {
     const RunRecord record{c.checkpoint, c.model, c.finished,
-                           !c.known ? json() : c.same ? kFast : other};
+                           !c.known ? json()
+                           : c.same ? kFast
+                                    : other};
     EXPECT_EQ(plan_run(record, kFast, c.overwrite).action, c.action) << c.what;
   }
 }
