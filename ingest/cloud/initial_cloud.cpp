@@ -153,6 +153,21 @@ CloudDensity density(const PreparedScene& scene, const PointCloud& sparse,
              : CloudDensity::kSparse;
 }
 
+/// Of the pixels of all frames of a sweep, those that look different at other timesteps.
+double changing_share(const PlaneSweep& sweep) {
+  constexpr int kApart = 7;  // pixels
+  int64_t changing = 0, all = 0;
+  for (const int frame : sweep.frames()) {
+    const Image8& image = sweep.scene().frames[size_t(frame)].image;
+    for (int y = 0; y < image.height; y += kApart)
+      for (int x = 0; x < image.width; x += kApart) {
+        changing += sweep.moves(frame, x, y);
+        ++all;
+      }
+  }
+  return all > 0 ? double(changing) / double(all) : 0;
+}
+
 }  // namespace
 
 RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& options) {
@@ -182,7 +197,9 @@ RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& opti
   still.points = options.points - int64_t(points.size());
   if (options.progress)
     still.progress = [&](int64_t done) { options.progress(int64_t(points.size()) + done); };
-  const std::vector<SweptPoint> found = dense_points(PlaneSweep(scene, still_pixels), still);
+  const PlaneSweep sweep(scene, still_pixels);
+  const std::vector<SweptPoint> found = dense_points(sweep, still);
+  cloud.changing_share = changing_share(sweep);
   points.insert(points.end(), found.begin(), found.end());
   cloud.sweep_seconds += seconds_since(start);
   cloud.points = cloud_of(points);
@@ -196,6 +213,18 @@ std::string summary(const RigCloud& cloud) {
       cloud.points.position.size(), cloud.sweep_seconds, cloud.key_timesteps,
       cloud.motion_timesteps, cloud.velocities.moving, cloud.velocities.reliable,
       cloud.velocity_seconds);
+}
+
+std::string motion_warning(const RigCloud& cloud) {
+  constexpr double kChanges = 0.01;
+  if (cloud.points.position.empty() || cloud.velocities.moving > 0 ||
+      cloud.changing_share < kChanges)
+    return "";
+  return fmt::format(
+      "{:.0f} % of the pixels change over time, and no point that moves was found: check the "
+      "clocks "
+      "of the cameras (--sync, --offsets) and their poses; what moves starts without points",
+      100 * cloud.changing_share);
 }
 
 PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScene& scene,
@@ -223,6 +252,8 @@ PointCloud initial_cloud(const std::filesystem::path& folder, const PreparedScen
                     sparse.position.empty() ? "random points" : "the sparse points"));
   else
     report.notes.push_back(summary(found));
+  if (const std::string warning = motion_warning(found); !warning.empty())
+    report.warnings.push_back(warning);
   progress("initial cloud", options.cloud_points, options.cloud_points);
   add_points(sparse, found.points);
   return sparse;

@@ -18,6 +18,7 @@ struct RigCloud {
   /// At which still and moving points were looked for; 0: no three cameras share a timestep.
   int64_t key_timesteps = 0, motion_timesteps = 0;
   VelocityCount velocities;
+  double changing_share = 0;  // of the pixels at the key timesteps, that change over time
   double sweep_seconds = 0, velocity_seconds = 0;
 };
 
@@ -30,6 +31,9 @@ RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& opti
 
 /// One line: how many points and timesteps, how many move, how many of these have a velocity.
 std::string summary(const RigCloud& cloud);
+
+/// A line where much changes and nothing was found that moves; else "".
+std::string motion_warning(const RigCloud& cloud);
 
 /// `sparse` with what options.cloud adds: the rig_cloud() of the scene in `folder`, which holds
 /// transforms.json and the images. A cloud that a prepared scene brought along is dense already and

@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr uint64_t kMostPerByte = 500;       // of memory, for a byte of the file; gzip ends at 1032
-constexpr uint64_t kMostUnasked = 64 << 20;  // bytes of memory, however few the file has
+constexpr uint64_t kMostPerByte = 500;     // of memory, for a byte of the file; gzip ends at 1032
+constexpr uint64_t kFreeBytes = 64 << 20;  // bytes of memory, however few the file has
 
 /// Copies the elements of `part` behind the first `first` of `whole`.
 void place_elements(const GaussianSet& part, GaussianSet& whole, int64_t first) {
@@ -69,7 +69,7 @@ void check_promise(int64_t gaussians, int64_t bytes, int coefficients, const fs:
   uint64_t scalars = 0;
   for (int g = 0; g < widest.groups(); ++g) scalars += uint64_t(widest.width(Group(g)));
   const uint64_t promised = uint64_t(gaussians) * scalars * sizeof(float);
-  if (promised > kMostPerByte * uint64_t(bytes) + kMostUnasked)
+  if (promised > kMostPerByte * uint64_t(bytes) + kFreeBytes)
     throw InputError(
         fmt::format("{}: its blocks promise {} Gaussians in {} bytes; it is damaged, fetch or "
                     "export it again",

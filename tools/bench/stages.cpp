@@ -103,7 +103,9 @@ int bench_stages_command(StageBenchRequest request) {
     model = load_model(request.model);
     request.bench.model = &*model;
   } else {
-    complete_cloud(scene, options);
+    std::vector<std::string> warnings;
+    complete_cloud(scene, options, warnings);
+    for (const std::string& warning : warnings) warn(warning);
   }
   resolve_by_cloud(scene, options);
   if (request.ablations) {

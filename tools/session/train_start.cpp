@@ -129,11 +129,14 @@ std::vector<std::string> training_warnings(const Scene& scene, const TrainOption
   return warnings;
 }
 
-std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options) {
+std::optional<std::string> complete_cloud(Scene& scene, const TrainOptions& options,
+                                          std::vector<std::string>& warnings) {
   if (!options.sweep || !scene.points.position.empty()) return std::nullopt;
   RigCloud cloud = rig_cloud(scene.path, {});
   if (cloud.points.position.empty()) return std::nullopt;
   const std::string found = summary(cloud);
+  if (const std::string warning = motion_warning(cloud); !warning.empty())
+    warnings.push_back(warning);
   scene.points = std::move(cloud.points);
   return found;
 }

@@ -56,9 +56,13 @@ void complete_motion(TrainingSetup& setup, const TrainRequest& request, double s
 
 /// What follows from the images alone.
 void complete_by_images(TrainingSetup& setup, const TrainRequest& request, double motion_seconds,
-                        SessionObserver& observer) {
+                        SessionObserver& observer,
+                        const std::function<void(const std::string&)>& warn) {
   Scene& scene = setup.scene;
-  if (const auto found = complete_cloud(scene, setup.options)) observer.on_message(*found);
+  std::vector<std::string> warnings;
+  if (const auto found = complete_cloud(scene, setup.options, warnings))
+    observer.on_message(*found);
+  for (const std::string& warning : warnings) warn(warning);
   for (const std::string& found : resolve_by_cloud(scene, setup.options))
     observer.on_message(found);
   // refuses what cannot be learned before motion is tried
@@ -116,7 +120,7 @@ void complete_setup(TrainingSetup& setup, const TrainRequest& request, const Run
     setup.choice = std::move(chosen.choice);
     if (setup.choice.leaves_cuda_unused()) observer.on_cuda_unused(setup.choice.reason);
     if (!setup.previous || options.motion == Motion::kAuto)
-      complete_by_images(setup, request, kShareOfMotion * seconds, observer);
+      complete_by_images(setup, request, kShareOfMotion * seconds, observer, warn);
     setup.config =
         make_config(request, {options, setup.with_nodes}, setup.scene, setup.backend->name());
     json& asked = setup.config["asked_options"] =

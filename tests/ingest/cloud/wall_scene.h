@@ -27,7 +27,8 @@ inline std::array<uint8_t, 3> wall_colour(double x, double y, double time) {
 struct WallRig {
   int cameras = 5, timesteps = 2, size = 96;  // images are size × size
   double focus = 2.5;                         // z of what all cameras look at
-  double retreat = 0;                         // of the whole wall over the clip, world units
+  double apart = 0;    // frames that each camera films after the one before it
+  double retreat = 0;  // of the whole wall over the clip, world units
   std::array<uint8_t, 3> (*colour)(int camera, double x, double y, double time) =
       [](int, double x, double y, double time) { return wall_colour(x, y, time); };
 };
@@ -51,6 +52,8 @@ inline Scene wall_scene(const WallRig& rig = {}) {
       frame.name = frame.camera_name + "/" + std::to_string(m);
       frame.frame_number = m;
       frame.time = rig.timesteps > 1 ? double(m) / (rig.timesteps - 1) : 0;
+      if (rig.apart != 0)
+        frame.time = (m + 1 + rig.apart * (k - 0.5 * (rig.cameras - 1))) / (rig.timesteps + 1);
       frame.timestep = m;
       frame.image = {rig.size, rig.size, 3, {}};
       for (int v = 0; v < rig.size; ++v)
