@@ -17,7 +17,7 @@ namespace {
 constexpr double kEqual = 1e-6;  // of the clip: closer times are one; clips have fewer frames
 
 /// A time of a camera with its frames: several where one name stands for several cameras.
-struct Moment {
+struct TimedFrames {
   double time = 0;
   std::vector<int> frames;
   bool trains = false;
@@ -28,60 +28,60 @@ struct Group {
   std::vector<int> frames;
 };
 
-using Moments = std::vector<Moment>;  // ascending
+using CameraClock = std::vector<TimedFrames>;  // ascending
 
 /// Neighbours in time that are equal become one.
-Moments merged(Moments moments) {
-  std::stable_sort(moments.begin(), moments.end(),
-                   [](const Moment& a, const Moment& b) { return a.time < b.time; });
-  Moments kept;
-  for (Moment& moment : moments) {
-    if (kept.empty() || moment.time - kept.back().time > kEqual) {
-      kept.push_back(std::move(moment));
+CameraClock merged(CameraClock clock) {
+  std::stable_sort(clock.begin(), clock.end(),
+                   [](const TimedFrames& a, const TimedFrames& b) { return a.time < b.time; });
+  CameraClock kept;
+  for (TimedFrames& timed : clock) {
+    if (kept.empty() || timed.time - kept.back().time > kEqual) {
+      kept.push_back(std::move(timed));
       continue;
     }
-    kept.back().frames.insert(kept.back().frames.end(), moment.frames.begin(), moment.frames.end());
-    kept.back().trains = kept.back().trains || moment.trains;
+    kept.back().frames.insert(kept.back().frames.end(), timed.frames.begin(), timed.frames.end());
+    kept.back().trains = kept.back().trains || timed.trains;
   }
   return kept;
 }
 
 /// By camera, in the order of names.
-std::vector<Moments> moments_of(const std::vector<FrameTime>& frames) {
-  std::map<std::string, Moments> cameras;
+std::vector<CameraClock> camera_clocks(const std::vector<FrameTime>& frames) {
+  std::map<std::string, CameraClock> cameras;
   for (size_t i = 0; i < frames.size(); ++i) {
     const bool trains = frames[i].split == Split::kTrain || frames[i].split == Split::kValidation;
     cameras[frames[i].camera].push_back({frames[i].time, {int(i)}, trains});
   }
-  std::vector<Moments> list;
-  for (auto& [name, moments] : cameras) list.push_back(merged(std::move(moments)));
+  std::vector<CameraClock> list;
+  for (auto& [name, clock] : cameras) list.push_back(merged(std::move(clock)));
   return list;
 }
 
-bool has_training(const Moments& camera) {
-  return std::any_of(camera.begin(), camera.end(), [](const Moment& m) { return m.trains; });
+bool has_training(const CameraClock& camera) {
+  return std::any_of(camera.begin(), camera.end(), [](const TimedFrames& m) { return m.trains; });
 }
 
 /// Whether clocks may differ: several training cameras with several times.
-bool is_rig(const std::vector<Moments>& cameras) {
-  return std::count_if(cameras.begin(), cameras.end(), [](const Moments& camera) {
+bool is_rig(const std::vector<CameraClock>& cameras) {
+  return std::count_if(cameras.begin(), cameras.end(), [](const CameraClock& camera) {
            return has_training(camera) && camera.size() > 1;
          }) > 1;
 }
 
 /// Ascending times of the camera that has most of them, or of all cameras where none has two.
-std::vector<double> reference_times(const std::vector<Moments>& cameras) {
+std::vector<double> reference_times(const std::vector<CameraClock>& cameras) {
   const bool any_trains = std::any_of(cameras.begin(), cameras.end(), has_training);
-  const Moments* most = nullptr;
-  Moments all;
-  for (const Moments& camera : cameras) {
+  const CameraClock* most = nullptr;
+  CameraClock all;
+  for (const CameraClock& camera : cameras) {
     all.insert(all.end(), camera.begin(), camera.end());
     if (any_trains && !has_training(camera)) continue;
     if (most == nullptr || camera.size() > most->size()) most = &camera;
   }
   all = merged(std::move(all));
   std::vector<double> times;
-  for (const Moment& moment : most->size() > 1 ? *most : all) times.push_back(moment.time);
+  for (const TimedFrames& timed : most->size() > 1 ? *most : all) times.push_back(timed.time);
   return times;
 }
 
@@ -103,32 +103,32 @@ std::optional<size_t> nearest(const std::vector<double>& times, double reach, do
 }
 
 /// Moves the frames of one camera that are near one of `times` into `groups`, those of training
-/// first; one moment of the camera for each.
-void join(const std::vector<double>& times, double reach, Moments& camera,
+/// first; one timed of the camera for each.
+void join(const std::vector<double>& times, double reach, CameraClock& camera,
           std::vector<Group>& groups) {
-  std::map<size_t, Moment*> taken;
-  const auto apart = [&](const Moment& moment, size_t k) {
-    return std::abs(times[k] - moment.time);
+  std::map<size_t, TimedFrames*> taken;
+  const auto apart = [&](const TimedFrames& timed, size_t k) {
+    return std::abs(times[k] - timed.time);
   };
-  for (Moment& moment : camera) {
-    const std::optional<size_t> k = nearest(times, reach, moment.time);
+  for (TimedFrames& timed : camera) {
+    const std::optional<size_t> k = nearest(times, reach, timed.time);
     if (!k) continue;
-    Moment*& place = taken[*k];
+    TimedFrames*& place = taken[*k];
     const bool better =
-        place == nullptr || moment.trains > place->trains ||
-        (moment.trains == place->trains && apart(moment, *k) + kEqual < apart(*place, *k));
-    if (better) place = &moment;
+        place == nullptr || timed.trains > place->trains ||
+        (timed.trains == place->trains && apart(timed, *k) + kEqual < apart(*place, *k));
+    if (better) place = &timed;
   }
-  for (auto& [k, moment] : taken) {
+  for (auto& [k, timed] : taken) {
     std::vector<int>& frames = groups[k].frames;
-    frames.insert(frames.end(), moment->frames.begin(), moment->frames.end());
-    moment->frames.clear();
+    frames.insert(frames.end(), timed->frames.begin(), timed->frames.end());
+    timed->frames.clear();
   }
-  std::erase_if(camera, [](const Moment& moment) { return moment.frames.empty(); });
+  std::erase_if(camera, [](const TimedFrames& timed) { return timed.frames.empty(); });
 }
 
 /// All frames, ascending in time.
-std::vector<Group> group_moments(std::vector<Moments> cameras) {
+std::vector<Group> group_clocks(std::vector<CameraClock> cameras) {
   std::vector<Group> groups;
   double reach = is_rig(cameras) ? INFINITY : 0;
   while (!cameras.empty()) {
@@ -136,9 +136,9 @@ std::vector<Group> group_moments(std::vector<Moments> cameras) {
     reach = std::min(reach, 0.5 * median_gap(times));
     std::vector<Group> found;
     for (double time : times) found.push_back({time, {}});
-    for (Moments& camera : cameras) join(times, reach, camera, found);
+    for (CameraClock& camera : cameras) join(times, reach, camera, found);
     groups.insert(groups.end(), found.begin(), found.end());
-    std::erase_if(cameras, [](const Moments& camera) { return camera.empty(); });
+    std::erase_if(cameras, [](const CameraClock& camera) { return camera.empty(); });
   }
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Group& a, const Group& b) { return a.time < b.time; });
@@ -150,7 +150,7 @@ std::vector<Group> group_moments(std::vector<Moments> cameras) {
 std::vector<int64_t> timestep_numbers(const std::vector<FrameTime>& frames) {
   std::vector<int64_t> numbers(frames.size(), 0);
   int64_t number = 0;
-  for (const Group& group : group_moments(moments_of(frames))) {
+  for (const Group& group : group_clocks(camera_clocks(frames))) {
     for (const int i : group.frames) numbers[size_t(i)] = number;
     ++number;
   }

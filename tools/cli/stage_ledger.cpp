@@ -13,7 +13,7 @@
 #include "ingest/files/atomic_file.h"
 #include "ingest/files/fnv1a.h"
 #include "kernels/base/errors.h"
-#include "tools/session/run_record.h"
+#include "tools/cli/run_record.h"
 
 namespace tessera {
 namespace {

@@ -22,11 +22,13 @@
 #include "recon4d/training/scene_scale.h"
 #include "tools/cli/backend_options.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/run_record.h"
 #include "tools/cli/stage_ledger.h"
 #include "tools/cli/training_terminal.h"
 #include "tools/export/formats.h"
 #include "tools/export/player_files.h"
 #include "tools/export/run_outputs.h"
+#include "tools/export/run_successor.h"
 #include "tools/live/live_training.h"
 #include "tools/live/view_child.h"
 #include "tools/player/player_page.h"
@@ -35,8 +37,6 @@
 #include "tools/session/held_out_scores.h"
 #include "tools/session/locks.h"
 #include "tools/session/run_folder.h"
-#include "tools/session/run_record.h"
-#include "tools/session/run_successor.h"
 #include "tools/session/train_session.h"
 
 namespace tessera {

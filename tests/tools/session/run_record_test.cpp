@@ -1,5 +1,5 @@
 // What a request does where a folder holds an earlier one.
-#include "tools/session/run_record.h"
+#include "tools/cli/run_record.h"
 
 #include <gtest/gtest.h>
 

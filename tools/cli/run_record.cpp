@@ -1,5 +1,5 @@
 // Comparison of requests value by value, and the decision on a folder.
-#include "tools/session/run_record.h"
+#include "tools/cli/run_record.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -38,7 +38,7 @@ struct RunPlan {
 };
 
 /// Pure: decides on hours of work. An unfinished run of another request starts anew, and its
-/// checkpoint is the caller's to set aside; a finished one is refused without `overwrite`.
+/// checkpoint is the caller's to rename; a finished one is refused without `overwrite`.
 RunPlan plan_run(const RunRecord& record, const nlohmann::json& request, bool overwrite);
 
 }  // namespace tessera

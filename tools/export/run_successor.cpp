@@ -1,6 +1,6 @@
 // Entry by entry: the old one is renamed to OUT/previous, the new one to OUT. A move has begun
 // where OUT/next/complete is there, which names that folder; doing it again does what is left.
-#include "tools/session/run_successor.h"
+#include "tools/export/run_successor.h"
 
 #include <nlohmann/json.hpp>
 
