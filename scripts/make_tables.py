@@ -31,6 +31,8 @@ COLUMNS = {  # key in a row: (heading, digits after the point, divisor)
     "shipped_bytes": ("size, MiB", 1, 2**20),
     "peak_bytes": ("device memory, GiB", 2, 2**30),
 }
+MOST_COLUMNS = 5  # of a table, so that a page shows it whole
+LAST_COLUMNS = ("seconds", "shipped_bytes")
 UNITS = {  # unit in the text: (beginnings of the keys that have it, size of the unit in theirs)
     "dB": (("psnr",), 1),
     "s": (("seconds",), 1),
@@ -91,14 +93,48 @@ def columns_of(result):
     return found
 
 
-def cell(values, digits, divisor):
+def median_text(values, digits, divisor):
+    """The median, or a dash where there is no value."""
+    return f"{statistics.median(values) / divisor:,.{digits}f}" if values else "–"
+
+
+def range_text(values, digits, divisor):
     """The median, and the range where there are three values or more."""
-    if not values:
-        return "–"
-    show = lambda value: f"{value / divisor:,.{digits}f}"
-    low, high = show(min(values)), show(max(values))
-    text = show(statistics.median(values))
+    text = median_text(values, digits, divisor)
+    low, high = (f"{end(values, default=0) / divisor:,.{digits}f}" for end in (min, max))
     return f"{text} ({low}–{high})" if len(values) > 2 and low != high else text
+
+
+def short_columns(columns, num_labels):
+    """At most MOST_COLUMNS with the labels: the first measures, then seconds and size."""
+    if num_labels + len(columns) <= MOST_COLUMNS:
+        return columns
+    last = [column for column in columns if column[0] in LAST_COLUMNS]
+    others = [column for column in columns if column[0] not in LAST_COLUMNS]
+    return others[:MOST_COLUMNS - num_labels - len(last)] + last
+
+
+def label_cells(row, labels):
+    return [f"`{row[label]}`" if row.get(label) else "–" for label in labels]
+
+
+def lines_of(headings, num_labels, rows):
+    """A table in Markdown; the columns behind the labels are aligned to the right."""
+    return ["| " + " | ".join(headings) + " |",
+            "|" + "---|" * num_labels + "---:|" * (len(headings) - num_labels),
+            *("| " + " | ".join(row) + " |" for row in rows)]
+
+
+def fold_out(result, labels, columns):
+    """All columns with their ranges, closed at first: one line a measure, one column a row."""
+    lines = ["", '<details markdown="1">', "<summary>Range over seeds, all measures</summary>"]
+    for first in range(0, len(result["rows"]), MOST_COLUMNS - 1):
+        rows = result["rows"][first:first + MOST_COLUMNS - 1]
+        headings = ["measure"] + [" ".join(label_cells(row, labels)) for row in rows]
+        lines += ["", *lines_of(headings, 1, (
+            [heading] + [range_text(numbers(row, key), digits, divisor) for row in rows]
+            for key, heading, digits, divisor in columns))]
+    return lines + ["", "</details>"]
 
 
 def seeds_of(result):
@@ -115,12 +151,14 @@ def table(result):
     labels = [label for label in result.get("labels", ("scene", "preset"))
               if any(row.get(label) for row in result["rows"])]
     columns = columns_of(result)
-    lines = ["| " + " | ".join(labels + [heading for _, heading, _, _ in columns]) + " |",
-             "|" + "---|" * len(labels) + "---:|" * len(columns)]
-    for row in result["rows"]:
-        cells = [f"`{row[label]}`" if row.get(label) else "–" for label in labels]
-        cells += [cell(numbers(row, key), digits, divisor) for key, _, digits, divisor in columns]
-        lines.append("| " + " | ".join(cells) + " |")
+    short = short_columns(columns, len(labels))
+    show = range_text if short == columns else median_text
+    lines = lines_of(labels + [heading for _, heading, _, _ in short], len(labels), (
+        label_cells(row, labels) + [show(numbers(row, key), digits, divisor)
+                                    for key, _, digits, divisor in short]
+        for row in result["rows"]))
+    if short != columns:
+        lines += fold_out(result, labels, columns)
     note = f" {result['note']}" if result.get("note") else ""
     lines += ["", f"Version {result['version']} (commit {result['commit']}), {result['device']}, "
                   f"{result['date']}{seeds_of(result)}: `{result['command']}`.{note}"]

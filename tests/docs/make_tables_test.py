@@ -54,8 +54,9 @@ class MakeTables(unittest.TestCase):
 
     def test_fills_blocks_with_median_and_range(self):
         page = (self.root / "docs/results.md").read_text()
-        self.assertIn("| `room` | `fast` | 27.20 (27.10–27.30) | 61.0 (60.0–62.0) |", page)
-        self.assertIn("| 5.0 |", page)
+        self.assertIn("| `room` | `fast` | 27.20 | 61.0 | 5.0 |", page)
+        self.assertIn("| measure | `room` `fast` | `yard` `fast` |", page)
+        self.assertIn("| PSNR, dB | 27.20 (27.10–27.30) | 31.00 (30.00–32.00) |", page)
         self.assertIn("Version 0.1.0 (commit abc), a device, 2026-11-24, seeds 1, 2, 3:", page)
         self.assertEqual(self.complaints(), [])
 
