@@ -58,8 +58,7 @@ void add_run_command(CLI::App& app, Work& work) {
   command.add_option("--description", request->description,
                      "description of the player's page, for sites where its address is posted");
   command.add_flag("--overwrite", request->overwrite,
-                   "replace a finished run of another capture or other options; it stays until the "
-                   "new one is complete");
+                   "replace a finished run once the new one is complete");
   command.add_flag("--view", request->view, "show the training in a browser: tessera view OUT");
   command.add_flag("--json", request->json_output, "print one JSON object");
   add_train_options(command, request->training);
