@@ -70,9 +70,7 @@ void add_train_command(CLI::App& app, Work& work) {
   command.add_option("scene", parsed->request.scene, "prepared scene or D-NeRF folder")->required();
   command.add_option("-o,--out", parsed->request.run, "run folder")->required();
   command.add_flag("--resume", parsed->request.resume,
-                   "resume from the checkpoint of the run folder, with its options; --iterations N "
-                   "with it trains "
-                   "on until step N");
+                   "resume from the checkpoint of the run folder, with its options");
   command.add_flag("--overwrite", parsed->request.overwrite, "replace the run that is there");
   command.add_option("--stop-after", parsed->stop_after,
                      "steps of this call; training then stops with a checkpoint; 0: all");
