@@ -199,7 +199,7 @@ RigCloud rig_cloud(const std::filesystem::path& folder, const CloudOptions& opti
     still.progress = [&](int64_t done) { options.progress(int64_t(points.size()) + done); };
   const PlaneSweep sweep(scene, still_pixels);
   const std::vector<SweptPoint> found = dense_points(sweep, still);
-  cloud.changing_share = changing_share(sweep);
+  if (cloud.velocities.moving == 0) cloud.changing_share = changing_share(sweep);
   points.insert(points.end(), found.begin(), found.end());
   cloud.sweep_seconds += seconds_since(start);
   cloud.points = cloud_of(points);
@@ -222,8 +222,7 @@ std::string motion_warning(const RigCloud& cloud) {
     return "";
   return fmt::format(
       "{:.0f} % of the pixels change over time, and no point that moves was found: check the "
-      "clocks "
-      "of the cameras (--sync, --offsets) and their poses; what moves starts without points",
+      "clocks of the cameras (--sync, --offsets) and their poses; what moves starts without points",
       100 * cloud.changing_share);
 }
 

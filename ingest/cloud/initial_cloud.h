@@ -18,7 +18,8 @@ struct RigCloud {
   /// At which still and moving points were looked for; 0: no three cameras share a timestep.
   int64_t key_timesteps = 0, motion_timesteps = 0;
   VelocityCount velocities;
-  double changing_share = 0;  // of the pixels at the key timesteps, that change over time
+  /// Of the pixels at the key timesteps, that change over time; measured where no point moves.
+  double changing_share = 0;
   double sweep_seconds = 0, velocity_seconds = 0;
 };
 

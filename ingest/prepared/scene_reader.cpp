@@ -101,9 +101,10 @@ void keep_held_out(TransformsCapture& capture, Clocks& clocks, int64_t count) {
 /// Leaves the training frames of the timesteps of these numbers, in their order.
 void keep_timesteps(TransformsCapture& capture, Clocks& clocks,
                     const std::vector<int64_t>& numbers) {
+  const std::vector<int> training = frames_of(capture, Split::kTrain);
   std::vector<int> kept;
   for (const int64_t number : numbers)
-    for (const int i : frames_of(capture, Split::kTrain))
+    for (const int i : training)
       if (clocks.timestep[size_t(i)] == number) kept.push_back(i);
   keep(capture, clocks, kept);
 }

@@ -103,8 +103,6 @@ void add_files(const fs::path& at, std::vector<fs::path>& open, std::vector<fs::
   open.pop_back();
 }
 
-}  // namespace
-
 /// Of its first and last 4 KiB: the frames of videos and images differ there, too.
 std::string ends_hash(const fs::path& file, uintmax_t size) {
   constexpr uintmax_t kEnd = 4096;
@@ -119,6 +117,8 @@ std::string ends_hash(const fs::path& file, uintmax_t size) {
   }
   return hash.hex();
 }
+
+}  // namespace
 
 json file_stamps(const fs::path& path) {
   std::vector<std::string> stamps;

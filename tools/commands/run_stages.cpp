@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -165,10 +164,6 @@ class Runner {
     if (!ledger_.is_finished(stage.entry)) return "";
     if (!is_there) return fmt::format(" again: {} is gone", product.string());
     const std::vector<std::string> changed = ledger_.changed(stage.entry, inputs);
-    const bool by_training =
-        std::any_of(changed.begin(), changed.end(),
-                    [](const std::string& change) { return change.starts_with("training "); });
-    if (by_training) return " again: the model is another";
     return changed.empty() ? " again: what it was made of is not known"
                            : " again: changed: " + text_of_changes(changed);
   }
@@ -194,10 +189,10 @@ class Runner {
     IngestOptions options = ingest_options_;
     options.allow_static = planned_.options.motion == Motion::kNone;
     options.work = root_ / "work";
-    const bool as_it_is =
-        to_json(options) == to_json(defaults_for(options)) && opens_as_scene(request_.capture);
-    scene_ = as_it_is ? request_.capture : root_ / "scene";
     json inputs = to_json(options);
+    const bool as_it_is =
+        inputs == to_json(defaults_for(options)) && opens_as_scene(request_.capture);
+    scene_ = as_it_is ? request_.capture : root_ / "scene";
     inputs["files of the capture"] = asked_["files of the capture"];
     inputs["as it is"] = as_it_is;
     scene_key_ = key_of(inputs);
@@ -231,7 +226,8 @@ class Runner {
                                    ledger_.is_finished(kTrain.entry), ledger_.inputs(kTrain.entry)},
                                   inputs, request_.overwrite);
     if (plan.action == RunAction::kRefuse) throw holds_finished(request_.out, plan.changed);
-    if (plan.action == RunAction::kReplace) throw Replaces{};
+    // a successor that is finished and not in its place yet is no result of anybody
+    if (plan.action == RunAction::kReplace && root_ == request_.out) throw Replaces{};
     const json made_for = json::parse(run_.made_for(), nullptr, false);
     resumes_ = plan.action == RunAction::kResume && made_for.is_object() &&
                changes(made_for, inputs).empty();
@@ -299,7 +295,7 @@ class Runner {
 
   /// Inputs of a stage that is made of the model.
   json of_training(json inputs) const {
-    inputs["training"] = ledger_.finished_at(kTrain.entry);
+    inputs["files of the model"] = ledger_.finished_at(kTrain.entry);
     return inputs;
   }
 

@@ -107,8 +107,7 @@ void add_train_command(CLI::App& app, Work& work) {
            !arguments.ablation.empty()))
         throw InputError(
             "--resume goes on with the options of the checkpoint; of them --iterations alone may "
-            "be "
-            "given; drop the others or start a new run folder");
+            "be given; drop the others or start a new run folder");
       if (!request.resume) check_max_bytes(request.scene.string(), request.options.max_bytes);
       if (const std::string note = page_bytes_note(request.options.max_bytes); !note.empty())
         say(note);

@@ -123,8 +123,10 @@ class Session {
     state_.stops = stops();
     state_.check_due = validation_->due(step);
     state_.save_due = checkpoints_.due(step);
-    const bool is_new = step > first_ || (step > 0 && !was_scored(writer_.folder().log(), step));
-    state_.score_due = (is_new && evaluations_.due(step)) ||
+    const auto is_new = [&] {
+      return step > first_ || (step > 0 && !was_scored(writer_.folder().log(), step));
+    };
+    state_.score_due = (evaluations_.due(step) && is_new()) ||
                        (ended() && !validation_->on() && request_.evaluate_end);
   }
 
