@@ -119,21 +119,21 @@ void check_any(const std::vector<Dataset>& datasets) {
   throw InputError(why);
 }
 
-/// Letters, digits and _ . + -: names become folders and words of command lines.
-void check_name(const Dataset& dataset) {
-  constexpr const char* kFirst = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
-  const std::string& name = dataset.name;
-  if (name.find_first_not_of(std::string(kFirst) + ".+-") != std::string::npos ||
-      name.find_first_of(kFirst) != 0)
-    throw InputError(fmt::format(
-        "{}: '{}' cannot name a folder of results; rename the capture's folder to letters, digits "
-        "and _ . + - (or link to it from such a name)",
-        dataset.path.string(), name));
+/// Names become folders and words of command lines: letters, digits and _ . + - stay, and others
+/// become one _ where they stand together, as in safe_name of checks.py.
+std::string safe_name(const std::string& name) {
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  };
+  std::string safe;
+  bool replaced = false;
+  for (const char c : name) {
+    const bool stays = is_plain(c) || c == '.' || c == '+' || c == '-';
+    if (stays || !replaced) safe += stays ? c : '_';
+    replaced = !stays;
+  }
+  return !safe.empty() && is_plain(safe.front()) ? safe : "_" + safe;
 }
-
-}  // namespace
-
-namespace {
 
 /// The options of ingest without --test-every, where the capture has test views of its own.
 std::vector<std::string> ingest_words_of(const Dataset& dataset, std::vector<std::string> words) {
@@ -184,8 +184,7 @@ std::vector<Dataset> find_datasets(const std::vector<std::string>& words, const 
     for (const fs::path& path : pattern ? captures_of_glob(word, out) : captures_at(word, out)) {
       fs::path whole = fs::absolute(path).lexically_normal();
       if (!whole.has_filename()) whole = whole.parent_path();
-      const Dataset dataset{whole.filename().string(), whole};
-      check_name(dataset);
+      const Dataset dataset{safe_name(whole.filename().string()), whole};
       const auto [known, is_new] = by_name.emplace(dataset.name, whole);
       if (is_new) {
         check_output_apart(out, whole);

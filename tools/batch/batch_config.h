@@ -13,7 +13,7 @@
 namespace tessera {
 
 struct Dataset {
-  std::string name;                 // of the folder; names the results
+  std::string name;                 // names the results: that of the folder, in safe characters
   std::filesystem::path path;       // absolute
   bool has_own_test_views = false;  // or is a rig, of which whole cameras are held out
 };
@@ -21,7 +21,7 @@ struct Dataset {
 /// In the order of the words, those of a folder or glob by name; a folder that is meant twice is
 /// taken once; `out`, where the results go, is none of them. A folder that is no capture is taken,
 /// too, and fails alone. Errors: InputError: no such folder, a glob that no folder matches, no
-/// capture among all, two of one name, a name that cannot be a folder of results.
+/// capture among all, two of one name.
 std::vector<Dataset> find_datasets(const std::vector<std::string>& words,
                                    const std::filesystem::path& out);
 

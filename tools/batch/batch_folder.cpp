@@ -69,8 +69,8 @@ bool concerns(const BatchFailure& failure, const BatchRun& run) {
          (failure.seed.empty() || failure.seed == fmt::format("{}", run.seed));
 }
 
-void add_run(BatchFolder& batch, const std::string& scene, const std::string& preset,
-             int64_t seed) {
+BatchRun make_run(const BatchFolder& batch, const std::string& scene, const std::string& preset,
+                  int64_t seed) {
   BatchRun run{scene, preset, seed, {}, RunState::kMissing, ""};
   run.folder = batch.root / "runs" / scene / preset / fmt::format("seed-{}", seed);
   if (fs::exists(run.folder / "metrics.json")) run.state = RunState::kDone;
@@ -79,7 +79,7 @@ void add_run(BatchFolder& batch, const std::string& scene, const std::string& pr
     run.error = failure.line();
     if (!failure.unfinished()) run.state = RunState::kFailed;
   }
-  batch.runs.push_back(std::move(run));
+  return run;
 }
 
 void add_asked(BatchFolder& batch) {
@@ -87,11 +87,12 @@ void add_asked(BatchFolder& batch) {
     for (const json& variant : array_of(batch.asked, "variants"))
       for (const json& seed : array_of(batch.asked, "seeds"))
         if (scene.is_object() && variant.is_object() && seed.is_number_integer())
-          add_run(batch, word_of(scene, "name"), word_of(variant, "name"), seed.get<int64_t>());
+          batch.runs.push_back(make_run(batch, word_of(scene, "name"), word_of(variant, "name"),
+                                        seed.get<int64_t>()));
 }
 
-/// What is done beside: of an earlier batch.yaml.
-void add_found(BatchFolder& batch) {
+/// Finished runs that are not among the requested ones, to `found`.
+void add_found(const BatchFolder& batch, std::vector<BatchRun>& found) {
   std::set<fs::path> known;
   for (const BatchRun& run : batch.runs) known.insert(run.folder);
   constexpr std::string_view kSeed = "seed-";
@@ -104,7 +105,8 @@ void add_found(BatchFolder& batch) {
         if (!fs::exists(folder / "metrics.json")) continue;
         const char* const end = name.data() + name.size();
         if (std::from_chars(name.data() + kSeed.size(), end, seed).ptr != end) continue;
-        add_run(batch, scene.filename().string(), preset.filename().string(), seed);
+        found.push_back(
+            make_run(batch, scene.filename().string(), preset.filename().string(), seed));
       }
 }
 
@@ -165,7 +167,7 @@ BatchFolder read_batch(const fs::path& root) {
   if (!asked.is_null()) batch.asked = std::move(asked);
   batch.failures = read_failures(root / "failures", batch.notes);
   add_asked(batch);
-  add_found(batch);
+  add_found(batch, batch.asked.empty() ? batch.runs : batch.earlier);
   return batch;
 }
 

@@ -37,11 +37,13 @@ struct BatchFolder {
   std::filesystem::path root;
   nlohmann::json asked = nlohmann::json::object();  // asked.json; empty before the first start
   std::vector<BatchRun> runs;                       // scene by scene, in the order of the request
+  std::vector<BatchRun> earlier;                    // finished, but not of this request; by path
   std::vector<BatchFailure> failures;               // by file name
   std::vector<std::string> notes;                   // what could not be read, one line each
 
+  /// Of the requested runs.
   int64_t count(RunState state) const;
-  /// Scenes that have runs, in order; and those all of whose runs are done.
+  /// Scenes that have requested runs, in order; and those all of whose runs are done.
   std::vector<std::string> scenes() const;
   int64_t whole_scenes() const;
 };
@@ -49,8 +51,8 @@ struct BatchFolder {
 /// Null where there is no such file; an object, or null and a note, where there is.
 nlohmann::json read_object(const std::filesystem::path& file, std::vector<std::string>& notes);
 
-/// Errors: InputError: `root` is no folder of a batch: it has neither batch.yaml nor runs/ nor
-/// failures/.
+/// Where asked.json is missing or damaged, all finished runs count as requested. Errors:
+/// InputError: `root` is no folder of a batch: it has neither batch.yaml nor runs/ nor failures/.
 BatchFolder read_batch(const std::filesystem::path& root);
 
 /// "10 of 12 runs done, 1 failed, 1 not run; 3 of 4 scenes whole".

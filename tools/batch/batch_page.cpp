@@ -8,6 +8,7 @@
 
 #include "tools/batch/batch_tables.h"
 #include "tools/player/page_words.h"
+#include "tools/report/axis.h"
 #include "tools/report/report_pieces.h"
 
 namespace tessera {
@@ -109,6 +110,39 @@ std::string scenes(const json& report, const BatchImages& images) {
   return html;
 }
 
+std::string number_cell(const json& run, const char* key, std::string (*words)(double)) {
+  return fmt::format("<td class=\"number\">{}</td>", run.contains(key) ? words(run[key]) : "–");
+}
+
+/// Finished runs that the batch does not request any more: their scores, and nothing made of them.
+std::string earlier_runs(const json& report) {
+  std::string rows;
+  for (const json& run : report["earlier_runs"]) {
+    const std::string player = text_of(run, "player", "");
+    rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"number\">{}</td>",
+                        html_text(run["scene"].get<std::string>()),
+                        html_text(run["preset"].get<std::string>()), run["seed"].dump());
+    rows += number_cell(run, "iterations", [](double v) { return fmt::format("{:.0f}", v); });
+    rows += number_cell(run, "psnr", [](double v) { return fmt::format("{:.2f}", v); });
+    rows += number_cell(run, "seconds", time_words);
+    rows += number_cell(run, "bytes", [](double v) { return size_words(int64_t(v)); });
+    rows += player.empty() ? "<td></td>"
+                           : fmt::format("<td><a href=\"{}\">player</a></td>",
+                                         html_address(fs::path("..") / player));
+    rows += "</tr>\n";
+  }
+  if (rows.empty()) return "";
+  return "<h2>Runs of an earlier request</h2>\n" +
+         soft_line(
+             "They are in the folder, but batch.yaml does not request them any more. No table, "
+             "mean or count above includes them.") +
+         "<div class=\"card wide\"><table>\n<thead><tr><th>scene</th><th>preset</th>"
+         "<th class=\"number\">seed</th><th class=\"number\">steps</th>"
+         "<th class=\"number\">PSNR [dB]</th><th class=\"number\">training</th>"
+         "<th class=\"number\">model</th><th></th></tr></thead>\n<tbody>\n" +
+         rows + "</tbody></table></div>\n";
+}
+
 std::string list_of(const json& words) {
   std::string text;
   for (const json& word : words)
@@ -149,7 +183,8 @@ std::string batch_page(const json& report, const BatchImages& images) {
                 "again.</p>\n"
               : failures(report);
   return report_frame("Tessera: " + name_of(report), head(report) + start + overview(report) +
-                                                         scenes(report, images) + settings(report));
+                                                         scenes(report, images) +
+                                                         earlier_runs(report) + settings(report));
 }
 
 }  // namespace tessera

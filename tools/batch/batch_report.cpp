@@ -131,6 +131,8 @@ json batch_report(const BatchFolder& batch) {
     if (runs.back().contains("version")) versions.insert(std::string(runs.back()["version"]));
     if (runs.back().contains("device")) devices.insert(std::string(runs.back()["device"]));
   }
+  json earlier = json::array();
+  for (const BatchRun& run : batch.earlier) earlier.push_back(describe_run(batch, run, notes));
   json scenes = bench_points(bench_runs_of(runs));
   mark_pareto_front(scenes);
   return {{"title", fs::absolute(batch.root).lexically_normal().string()},
@@ -148,6 +150,7 @@ json batch_report(const BatchFolder& batch) {
           {"captures", batch.asked.value("scenes", json::array())},
           {"scenes", scenes},
           {"runs", runs},
+          {"earlier_runs", earlier},
           {"failures", failures_json(batch)},
           {"notes", notes}};
 }

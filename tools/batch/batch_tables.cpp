@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "tools/player/page_words.h"
@@ -185,6 +186,18 @@ std::string metric_row(const json& scene, const std::vector<std::string>& preset
   return fmt::format("<tr><th>{}</th>{}</tr>\n", metric.name, cells);
 }
 
+/// Steps of the trainings of one scene and preset that have scores: "60", or "60 to 150".
+std::string steps_cell(const json& report, const json& scene, const std::string& preset) {
+  std::set<int64_t> steps;
+  for (const json& run : report["runs"])
+    if (run["scene"] == scene && run["preset"] == preset && run.contains("psnr") &&
+        run.contains("iterations"))
+      steps.insert(run["iterations"].get<int64_t>());
+  if (steps.empty()) return no_cell();
+  if (steps.size() == 1) return number_cell(fmt::format("{}", *steps.begin()), false);
+  return number_cell(fmt::format("{} to {}", *steps.begin(), *steps.rbegin()), false);
+}
+
 }  // namespace
 
 std::string scenes_table(const json& report) {
@@ -206,10 +219,13 @@ std::string scenes_table(const json& report) {
 
 std::string scene_table(const json& report, const json& scene) {
   const std::vector<std::string> presets = presets_of(report);
-  std::string rows, runs;
+  std::string rows, steps, runs;
   for (const Metric& metric : kMetrics) rows += metric_row(scene, presets, metric);
-  for (const std::string& preset : presets) runs += runs_cell(report, scene["scene"], preset);
-  rows += "<tr><th>runs</th>" + runs + "</tr>\n";
+  for (const std::string& preset : presets) {
+    steps += steps_cell(report, scene["scene"], preset);
+    runs += runs_cell(report, scene["scene"], preset);
+  }
+  rows += "<tr><th>steps</th>" + steps + "</tr>\n<tr><th>runs</th>" + runs + "</tr>\n";
   return table(headings("", presets, false), rows);
 }
 

@@ -9,7 +9,8 @@ namespace tessera {
 /// over the scenes that all presets have a score of. `report`: batch_report.
 std::string scenes_table(const nlohmann::json& report);
 
-/// All that is measured of one of the report's scenes, and links to its players.
+/// All that is measured of one of the report's scenes, the steps of its trainings, and links to its
+/// players.
 std::string scene_table(const nlohmann::json& report, const nlohmann::json& scene);
 
 }  // namespace tessera

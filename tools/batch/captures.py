@@ -5,7 +5,7 @@ import hashlib
 import json
 import os
 
-from checks import Wrong, check_keys, check_name, list_of, shown
+from checks import Wrong, check_keys, check_name, list_of, safe_name, shown
 
 FILE_OPTIONS = ("--poses", "--offsets", "--masks")
 
@@ -21,7 +21,7 @@ def read_scenes(given, base):
     scenes = {}
 
     def add(name, path, ingest):
-        name = check_name(name or os.path.basename(path.rstrip("/")), path)
+        name = check_name(name or safe_name(os.path.basename(path.rstrip("/"))), path)
         if name in scenes:
             raise Wrong(f"scenes: two are named '{name}' ({scenes[name].path} and {path}); give one "
                         "of them another `name`")

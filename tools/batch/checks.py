@@ -29,6 +29,12 @@ def check_name(name, where):
     return name
 
 
+def safe_name(name):
+    """As in batch_config.cpp: what cannot be in the name of a folder of results becomes one _."""
+    safe = re.sub(r"[^A-Za-z0-9_.+-]+", "_", name)
+    return safe if NAME.fullmatch(safe) else "_" + safe
+
+
 def shown(value):
     return json.dumps(value, default=str)
 

@@ -1,6 +1,5 @@
-// `tessera batch` trains many captures with several presets, budgets and seeds. It writes
-// batch.yaml and the workflow, runs Snakemake, and prints a summary; each job of the workflow is a
-// command of this program.
+// `tessera batch`: many captures with several presets, budgets and seeds. It writes batch.yaml and
+// the workflow, whose jobs are commands of this program, runs Snakemake, and prints a summary.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -74,6 +73,13 @@ void refuse_settings(const CLI::App& command) {
   }
 }
 
+/// One line for each capture whose results have another name than its folder.
+void state_changed_names(const std::vector<Dataset>& datasets) {
+  for (const Dataset& dataset : datasets)
+    if (const std::string folder = dataset.path.filename().string(); dataset.name != folder)
+      say(fmt::format("batch: the results of '{}' are named '{}'", folder, dataset.name));
+}
+
 /// Marks captures to which --test-every does not apply, and names them.
 void pass_over_test_views(const IngestOptions& options, std::vector<Dataset>& datasets) {
   if (!options.test_every) return;
@@ -135,6 +141,7 @@ void write_batch(const CLI::App& command, BatchRequest& request) {
           "or move it away",
           file.string()));
     request.config.datasets = find_datasets(request.datasets, engine.out);
+    state_changed_names(request.config.datasets);
     complete(command, request);
     const std::string text = batch_yaml(request.config).dump(2) + "\n";
     check_engine();
